@@ -1,0 +1,1 @@
+//! Does the loop keep its promises? Scenarios, devices under test and checkers.

@@ -1,0 +1,1 @@
+//! Evidence that needs more than one crate.
