@@ -1,1 +1,18 @@
-//! What does the physical world do? Event-driven simulator of PWM-driven on/off solenoid valves and a pressure chamber.
+#![doc = include_str!("../README.md")]
+
+pub mod armature;
+pub mod chamber;
+pub mod coil;
+pub mod ecu_output;
+pub mod magnet;
+pub mod orifice;
+pub mod parameters;
+pub mod plant;
+pub mod regulating_valve;
+mod simulator;
+mod solver;
+pub mod valve;
+
+pub use ecu_output::Command;
+pub use parameters::{ParameterError, PlantParameters};
+pub use simulator::{Sample, Simulator, Statistics, Tolerance};

@@ -1,0 +1,196 @@
+//! The coil of a valve (equations 3.2 to 3.6): resistance, an inductance that grows as the armature
+//! moves in, and the motional voltage i dL/dt.
+
+/// What drives the coil; fixed between two events.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drive {
+    /// The ECU output is high: the coil sees the supply voltage [V] (equation 3.2).
+    Energised(f64),
+    /// The output is low and the current circulates through the free-wheel diode, whose drop [V]
+    /// opposes it (equation 3.5).
+    FreeWheeling(f64),
+    /// The output is low and the current is extinct: the diode blocks.
+    Blocked,
+}
+
+/// Coil parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coil {
+    /// Resistance [Ω].
+    pub resistance: f64,
+    /// Inductance with the armature at x = 0 [H], L_off of equation 3.6.
+    pub inductance_at_rest: f64,
+    /// dL/dx [H/m]: (L_on - L_off) over the stroke, equation 3.6.
+    pub inductance_slope: f64,
+}
+
+impl Coil {
+    /// Inductance at armature position `x` [m] (equation 3.6) [H].
+    #[inline]
+    pub fn inductance(&self, x: f64) -> f64 {
+        self.inductance_at_rest + self.inductance_slope * x
+    }
+
+    /// di/dt [A/s] with the motional voltage of equation 3.3; `v` is dx/dt [m/s].
+    #[inline]
+    pub fn current_rate(&self, drive: Drive, current: f64, x: f64, v: f64) -> f64 {
+        let Some(voltage) = drive.voltage() else {
+            return 0.0;
+        };
+        (voltage - (self.resistance + self.inductance_slope * v) * current) / self.inductance(x)
+    }
+
+    /// The exact current at rest in position `x`, from `current` on (equation 4.2 and its free-wheeling
+    /// counterpart).
+    #[inline]
+    pub fn at_rest(&self, drive: Drive, current: f64, x: f64) -> RestingCurrent {
+        let Some(voltage) = drive.voltage() else {
+            return RestingCurrent::EXTINCT;
+        };
+        let time_constant = self.inductance(x) / self.resistance;
+        let steady = voltage / self.resistance;
+        let extinction = match drive {
+            Drive::FreeWheeling(_) if steady < 0.0 => {
+                time_constant * ((current - steady) / -steady).ln()
+            }
+            _ => f64::INFINITY,
+        };
+        RestingCurrent {
+            initial: current,
+            steady,
+            time_constant,
+            extinction,
+        }
+    }
+}
+
+impl Drive {
+    /// Voltage around the loop without the resistive drop [V]; none where the diode blocks.
+    #[inline]
+    pub fn voltage(self) -> Option<f64> {
+        match self {
+            Self::Energised(supply) => Some(supply),
+            Self::FreeWheeling(drop) => Some(-drop),
+            Self::Blocked => None,
+        }
+    }
+}
+
+/// An exponential current with the armature at rest, valid from time 0 on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RestingCurrent {
+    initial: f64,
+    steady: f64,
+    time_constant: f64,
+    /// Time at which the free-wheeling current is extinct [s]; infinite where it is not.
+    extinction: f64,
+}
+
+impl RestingCurrent {
+    const EXTINCT: Self = Self {
+        initial: 0.0,
+        steady: 0.0,
+        time_constant: 1.0,
+        extinction: 0.0,
+    };
+
+    /// Current at `time` [s] [A].
+    #[inline]
+    pub fn at(&self, time: f64) -> f64 {
+        if time >= self.extinction {
+            return 0.0;
+        }
+        self.steady + (self.initial - self.steady) * (-time / self.time_constant).exp()
+    }
+
+    /// ∫ i dt from 0 to `time` [s], where the current is already `end` there [A s].
+    #[inline]
+    pub fn charge(&self, time: f64, end: f64) -> f64 {
+        self.steady * time.min(self.extinction) + self.time_constant * (self.initial - end)
+    }
+
+    /// The time at which the current passes `level` [A] on its way; none if it never does.
+    #[inline]
+    pub fn time_of(&self, level: f64) -> Option<f64> {
+        let ratio = (self.initial - self.steady) / (level - self.steady);
+        (ratio >= 1.0 && level >= 0.0).then(|| self.time_constant * ratio.ln())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coil() -> Coil {
+        Coil {
+            resistance: 82.2,
+            inductance_at_rest: 0.44,
+            inductance_slope: 80.0,
+        }
+    }
+
+    #[test]
+    fn charging_is_equation_4_2() {
+        let current = coil().at_rest(Drive::Energised(24.0), 0.0, 0.0);
+        for time in [0.0, 1e-3, 5e-3, 50e-3] {
+            let expected = 24.0 / 82.2 * (1.0 - f64::exp(-82.2 / 0.44 * time));
+            assert!((current.at(time) - expected).abs() < 1e-15);
+        }
+        assert!(
+            (current.at(1.0) - 0.291_97).abs() < 1e-5,
+            "292 mA, section 4.2.4"
+        );
+    }
+
+    #[test]
+    fn free_wheeling_ends_when_the_diode_blocks() {
+        let current = coil().at_rest(Drive::FreeWheeling(0.8), 0.292, 0.5e-3);
+        let end = coil().inductance(0.5e-3) / 82.2 * (1.0 + 0.292 * 82.2 / 0.8_f64).ln();
+        assert!(current.at(end * 0.999) > 0.0);
+        assert_eq!(current.at(end * 1.001), 0.0);
+    }
+
+    /// The charge follows from the flux balance R ∫i dt = ∫u dt - L Δi, whatever happens in between.
+    #[test]
+    fn charge_agrees_with_quadrature_also_beyond_extinction() {
+        for (drive, start) in [
+            (Drive::Energised(24.0), 0.05),
+            (Drive::FreeWheeling(0.8), 0.2),
+            (Drive::Blocked, 0.0),
+        ] {
+            let current = coil().at_rest(drive, start, 0.0);
+            let n = 200_000;
+            let span = 40e-3;
+            let sum: f64 = (0..n)
+                .map(|k| current.at((f64::from(k) + 0.5) / f64::from(n) * span))
+                .sum::<f64>()
+                * span
+                / f64::from(n);
+            let exact = current.charge(span, current.at(span));
+            assert!((sum - exact).abs() < 1e-9, "{drive:?}: {sum} {exact}");
+        }
+    }
+
+    #[test]
+    fn time_of_a_level_inverts_the_current() {
+        let rising = coil().at_rest(Drive::Energised(24.0), 0.02, 0.0);
+        let time = rising.time_of(0.2).unwrap();
+        assert!((rising.at(time) - 0.2).abs() < 1e-14);
+        assert_eq!(rising.time_of(0.3), None, "beyond the steady current");
+        assert_eq!(rising.time_of(0.01), None, "already passed");
+        let falling = coil().at_rest(Drive::FreeWheeling(0.8), 0.2, 0.0);
+        let time = falling.time_of(0.1).unwrap();
+        assert!((falling.at(time) - 0.1).abs() < 1e-14);
+        assert_eq!(falling.time_of(0.3), None);
+    }
+
+    /// Motional term: with the flux λ = L(x) i, dλ/dt = u - R i must hold for any motion.
+    #[test]
+    fn flux_balance_holds_while_the_armature_moves() {
+        let coil = coil();
+        let (current, x, v) = (0.15, 0.2e-3, 0.4);
+        let rate = coil.current_rate(Drive::Energised(24.0), current, x, v);
+        let flux_rate = coil.inductance(x) * rate + coil.inductance_slope * v * current;
+        assert!((flux_rate - (24.0 - 82.2 * current)).abs() < 1e-12);
+    }
+}

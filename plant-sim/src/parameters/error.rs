@@ -1,0 +1,180 @@
+//! What is wrong with a plant file, and what to do.
+
+use core::fmt;
+
+use super::table::ParameterSpec;
+use super::units::plausible_unit;
+
+/// All problems of one plant file.
+#[derive(Debug, Clone)]
+pub struct ParameterError {
+    file: String,
+    problems: Vec<Problem>,
+}
+
+/// One problem; lines count from 1, and 0 means that the problem has no line.
+#[derive(Debug, Clone)]
+#[allow(missing_docs, reason = "the variants' sentences name the fields")]
+pub enum Problem {
+    /// Not TOML.
+    Syntax { line: usize, message: String },
+    /// No such table.
+    UnknownSection { line: usize, section: String },
+    /// No such key; `suggestion` is the line to write instead.
+    UnknownKey {
+        line: usize,
+        key: String,
+        suggestion: Option<String>,
+    },
+    /// A required key is absent.
+    MissingKey { spec: &'static ParameterSpec },
+    /// The value is not of the expected kind.
+    WrongType {
+        line: usize,
+        key: String,
+        found: &'static str,
+        expected: &'static str,
+    },
+    /// The value is outside its range.
+    OutOfRange {
+        line: usize,
+        spec: &'static ParameterSpec,
+        value: f64,
+    },
+    /// A word that is not one of the choices.
+    UnknownChoice {
+        line: usize,
+        key: String,
+        found: String,
+        choices: &'static [&'static str],
+    },
+    /// Values that exclude each other.
+    Inconsistent { key: &'static str, rule: String },
+}
+
+impl ParameterError {
+    pub(crate) fn new(file: &str, problems: Vec<Problem>) -> Self {
+        Self {
+            file: file.to_owned(),
+            problems,
+        }
+    }
+
+    /// The problems, in the order of the file.
+    pub fn problems(&self) -> &[Problem] {
+        &self.problems
+    }
+}
+
+impl Problem {
+    /// Line in the file, from 1; none where the problem has no line.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Syntax { line, .. }
+            | Self::UnknownSection { line, .. }
+            | Self::UnknownKey { line, .. }
+            | Self::WrongType { line, .. }
+            | Self::OutOfRange { line, .. }
+            | Self::UnknownChoice { line, .. } => Some(*line).filter(|&line| line > 0),
+            Self::MissingKey { .. } | Self::Inconsistent { .. } => None,
+        }
+    }
+}
+
+impl core::error::Error for ParameterError {}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (n, problem) in self.problems.iter().enumerate() {
+            if n > 0 {
+                writeln!(f)?;
+            }
+            match problem.line() {
+                Some(line) => write!(f, "{}:{line}: {problem}", self.file)?,
+                None => write!(f, "{}: {problem}", self.file)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Syntax { message, .. } => write!(f, "not valid TOML: {message}"),
+            Self::UnknownSection { section, .. } => write!(
+                f,
+                "unknown table [{section}]; a plant file has the tables {}",
+                super::read::sections().join(", ")
+            ),
+            Self::UnknownKey {
+                key, suggestion, ..
+            } => {
+                write!(f, "unknown parameter `{key}`")?;
+                match suggestion {
+                    Some(suggestion) => write!(f, "; write `{suggestion}`"),
+                    None => write!(
+                        f,
+                        "; remove it, or list the known ones with `retarder parameters`"
+                    ),
+                }
+            }
+            Self::MissingKey { spec } => write!(
+                f,
+                "`{}` is missing in [{}]: {}; add it with a value from {}",
+                spec.key,
+                spec.section,
+                spec.about,
+                range(spec)
+            ),
+            Self::WrongType {
+                key,
+                found,
+                expected,
+                ..
+            } => write!(f, "`{key}` is {found}, expected {expected}"),
+            Self::OutOfRange { spec, value, .. } => {
+                write!(
+                    f,
+                    "`{}` = {value} is out of range: allowed {} ({})",
+                    spec.name(),
+                    range(spec),
+                    spec.about
+                )?;
+                match plausible_unit(spec, *value) {
+                    Some((unit, converted)) => write!(
+                        f,
+                        "; if the number is in {unit}, write `{} = {converted:e}`",
+                        spec.key
+                    ),
+                    None => Ok(()),
+                }
+            }
+            Self::UnknownChoice {
+                key,
+                found,
+                choices,
+                ..
+            } => write!(
+                f,
+                "`{key}` = \"{found}\" is not one of {}",
+                choices.join(", ")
+            ),
+            Self::Inconsistent { key, rule } => write!(f, "`{key}`: {rule}"),
+        }
+    }
+}
+
+fn range(spec: &ParameterSpec) -> String {
+    let (min, max) = spec.range;
+    let number = |value: f64| {
+        if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
+            format!("{value:e}")
+        } else {
+            format!("{value}")
+        }
+    };
+    format!("{} to {} {}", number(min), number(max), spec.unit)
+        .trim_end()
+        .to_owned()
+}

@@ -1,0 +1,129 @@
+//! The one list of all parameters.
+
+use super::PlantParameters;
+use crate::regulating_valve::RegulatingValveParameters;
+
+/// One parameter: where it stands, its unit, its range and what it means.
+#[derive(Debug)]
+pub struct ParameterSpec {
+    /// TOML table.
+    pub section: &'static str,
+    /// TOML key; its end is the unit.
+    pub key: &'static str,
+    /// Unit for people; empty for a pure number.
+    pub unit: &'static str,
+    /// Smallest and largest allowed value, both included.
+    pub range: (f64, f64),
+    /// Meaning, with the equation of the thesis where there is one.
+    pub about: &'static str,
+    /// Where the value sits; none where the section is optional and absent.
+    pub(crate) slot: fn(&mut PlantParameters) -> Option<&mut f64>,
+    read: fn(&PlantParameters) -> Option<f64>,
+}
+
+impl ParameterSpec {
+    /// The spec of `section.key`.
+    pub fn by_name(name: &str) -> Option<&'static Self> {
+        let (section, key) = name.split_once('.')?;
+        PARAMETERS
+            .iter()
+            .copied()
+            .find(|spec| spec.section == section && spec.key == key)
+    }
+
+    /// `section.key`.
+    pub fn name(&self) -> String {
+        format!("{}.{}", self.section, self.key)
+    }
+
+    /// The value in `parameters`; none where its section is absent.
+    pub fn value(&self, parameters: &PlantParameters) -> Option<f64> {
+        (self.read)(parameters)
+    }
+
+    /// Whether `value` is allowed; NaN is not.
+    pub fn contains(&self, value: f64) -> bool {
+        value >= self.range.0 && value <= self.range.1
+    }
+
+    /// Whether a plant file may leave the section out.
+    pub fn is_optional(&self) -> bool {
+        self.section == RegulatingValveParameters::SECTION
+    }
+}
+
+macro_rules! parameters {
+    ($($section:ident.$key:ident [$unit:literal] $min:literal ..= $max:literal, $about:literal;)*) => {
+        &[$(ParameterSpec {
+            section: stringify!($section),
+            key: stringify!($key),
+            unit: $unit,
+            range: ($min, $max),
+            about: $about,
+            slot: |plant| Some(&mut plant.$section.$key),
+            read: |plant| Some(plant.$section.$key),
+        }),*]
+    };
+}
+
+macro_rules! optional_parameters {
+    ($($section:ident.$key:ident [$unit:literal] $min:literal ..= $max:literal, $about:literal;)*) => {
+        &[$(ParameterSpec {
+            section: stringify!($section),
+            key: stringify!($key),
+            unit: $unit,
+            range: ($min, $max),
+            about: $about,
+            slot: |plant| plant.$section.as_mut().map(|section| &mut section.$key),
+            read: |plant| plant.$section.as_ref().map(|section| section.$key),
+        }),*]
+    };
+}
+
+const THESIS_MODEL: &[ParameterSpec] = parameters! {
+    ecu.sample_time_s ["s"] 1e-4 ..= 1.0, "ECU sample time T_ECU; the grid of commands and samples";
+    ecu.pwm_frequency_hz ["Hz"] 5.0 ..= 5000.0, "PWM frequency f_PWM of both outputs (equation 3.1)";
+    ecu.command_delay_s ["s"] 0.0 ..= 1.0, "time from a command to its effect at the output (section 4.2.4)";
+    ecu.supply_voltage_v ["V"] 5.0 ..= 60.0, "supply voltage e at the ECU output (equation 3.2)";
+    ecu.free_wheel_diode_drop_v ["V"] 0.0 ..= 60.0, "drop V_D of the free-wheel diode (equation 3.5)";
+    coil.resistance_20c_ohm ["ohm"] 0.5 ..= 5000.0, "coil resistance R at 20 degC (equation 3.2)";
+    coil.resistance_temperature_coefficient_per_k ["1/K"] 0.0 ..= 0.01, "temperature coefficient of the resistance (equation 5.7); copper 0.0039";
+    coil.inductance_closed_h ["H"] 1e-4 ..= 20.0, "inductance L_off with the armature at its rest stop (equation 3.6)";
+    coil.inductance_open_h ["H"] 1e-4 ..= 20.0, "inductance L_on with the armature at full stroke (equation 3.6)";
+    magnet.force_constant_n_m2_per_a2 ["N m2/A2"] 1e-8 ..= 1.0, "mu0 A_p N^2 / 2 of the magnetic force (equation 3.10)";
+    magnet.gap_closed_m ["m"] 5e-5 ..= 0.05, "effective air gap with the armature at its rest stop (equation 3.9)";
+    armature.mass_kg ["kg"] 1e-4 ..= 1.0, "moving mass (equation 3.11)";
+    armature.stroke_m ["m"] 2e-5 ..= 0.02, "distance between the end stops";
+    armature.viscous_friction_ns_per_m ["N s/m"] 0.0 ..= 500.0, "viscous friction b (equation 3.14)";
+    armature.spring_n_per_m ["N/m"] 0.0 ..= 1e6, "spring rate k_s (equation 3.15)";
+    armature.pressure_force_diameter_m ["m"] 0.0 ..= 0.05, "diameter of the area on which the pressure difference acts (equation 3.13)";
+    armature.preload_fill_n ["N"] 0.0 ..= 1000.0, "spring preload of the fill valve (equation 3.16)";
+    armature.preload_vent_n ["N"] 0.0 ..= 1000.0, "spring preload of the vent valve (equation 3.16)";
+    flow.orifice_fill_m ["m"] 5e-5 ..= 0.05, "orifice diameter of the fill valve (equation 3.21)";
+    flow.orifice_vent_m ["m"] 5e-5 ..= 0.05, "orifice diameter of the vent valve (equation 3.21)";
+    flow.discharge_fill [""] 0.05 ..= 1.5, "discharge coefficient of the fill valve (equations 3.19, 5.1)";
+    flow.discharge_vent [""] 0.05 ..= 1.5, "discharge coefficient of the vent valve (equations 3.19, 5.1)";
+    flow.critical_ratio [""] 0.5 ..= 0.6, "critical pressure ratio of the isentropic orifice (equation 3.22)";
+    gas.gas_constant_j_per_kg_k ["J/(kg K)"] 50.0 ..= 5000.0, "gas constant (equation 3.17); air 287.05";
+    gas.heat_capacity_ratio [""] 1.05 ..= 1.7, "ratio of heat capacities k (equation 3.19); air 1.4";
+    gas.temperature_k ["K"] 200.0 ..= 500.0, "gas temperature, constant (equation 3.24)";
+    gas.supply_pressure_bar_gauge ["bar gauge"] 0.0 ..= 40.0, "supply pressure P_sup";
+    gas.ambient_pressure_pa ["Pa abs"] 3e4 ..= 1.2e5, "ambient pressure P_atm, also of the drain";
+    chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "dead volume V_ch of chamber, channels and actuator (section 2.2)";
+};
+
+const REGULATING_VALVE: &[ParameterSpec] = optional_parameters! {
+    regulating_valve.plunger_mass_kg ["kg"] 1e-3 ..= 10.0, "mass of the plunger (equation 3.25)";
+    regulating_valve.air_area_m2 ["m2"] 1e-6 ..= 0.1, "plunger area on the air side (equation 3.25)";
+    regulating_valve.oil_area_m2 ["m2"] 0.0 ..= 0.1, "plunger area on the oil side (equation 3.25)";
+    regulating_valve.oil_pressure_bar_gauge ["bar gauge"] 0.0 ..= 60.0, "oil pressure against the plunger (equation 3.25)";
+    regulating_valve.spring_n_per_m ["N/m"] 1.0 ..= 1e6, "spring rate against the plunger (equation 3.25)";
+    regulating_valve.preload_n ["N"] 0.0 ..= 1e4, "spring preload against the plunger (equation 3.25)";
+    regulating_valve.static_friction_n ["N"] 0.0 ..= 1e3, "friction that must be overcome from rest (equation 3.25)";
+    regulating_valve.dynamic_friction_n ["N"] 0.0 ..= 1e3, "friction while the plunger moves (equation 3.25)";
+    regulating_valve.stroke_m ["m"] 1e-4 ..= 0.5, "travel of the plunger between its stops";
+};
+
+/// All parameters of a plant file, in its order.
+pub static PARAMETERS: std::sync::LazyLock<Vec<&'static ParameterSpec>> =
+    std::sync::LazyLock::new(|| THESIS_MODEL.iter().chain(REGULATING_VALVE).collect());

@@ -1,0 +1,79 @@
+//! Two valves and a chamber: the right-hand side of equations 3.26 to 3.32.
+
+use crate::chamber::Chamber;
+use crate::orifice::NozzleLaw;
+use crate::valve::{Valve, ValveState};
+
+/// Index of the fill valve.
+pub const FILL: usize = 0;
+/// Index of the vent valve.
+pub const VENT: usize = 1;
+
+/// The physics of the plant, prepared from the parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plant {
+    /// Fill and vent valve.
+    pub valves: [Valve; 2],
+    /// Flow law of both orifices.
+    pub nozzle: NozzleLaw,
+    /// The chamber.
+    pub chamber: Chamber,
+    /// Supply pressure [Pa abs], upside of the fill valve.
+    pub supply_pressure: f64,
+    /// Ambient pressure [Pa abs], downside of the vent valve.
+    pub ambient_pressure: f64,
+    /// Drop of the free-wheel diode [V].
+    pub diode_drop: f64,
+}
+
+/// The state of the plant: x1 to x7 of section 3.5 with the discrete state of each valve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlantState {
+    /// Fill and vent valve.
+    pub valves: [ValveState; 2],
+    /// Chamber pressure [Pa abs].
+    pub pressure: f64,
+}
+
+impl Plant {
+    /// Everything at rest: coils dead, armatures at their rest stops, chamber at ambient pressure.
+    pub fn rest_state(&self) -> PlantState {
+        PlantState {
+            valves: [ValveState::AT_REST; 2],
+            pressure: self.ambient_pressure,
+        }
+    }
+
+    /// Upside minus downside pressure of a valve [Pa] at chamber pressure `pressure` [Pa abs].
+    #[inline]
+    pub fn pressure_drop(&self, valve: usize, pressure: f64) -> f64 {
+        if valve == FILL {
+            self.supply_pressure - pressure
+        } else {
+            pressure - self.ambient_pressure
+        }
+    }
+
+    /// Mass flow through a valve with `effective_area` [m²] [kg/s], positive downstream.
+    #[inline]
+    pub fn mass_flow(&self, valve: usize, effective_area: f64, pressure: f64) -> f64 {
+        if effective_area == 0.0 {
+            0.0
+        } else if valve == FILL {
+            self.nozzle
+                .mass_flow(effective_area, self.supply_pressure, pressure)
+        } else {
+            self.nozzle
+                .mass_flow(effective_area, pressure, self.ambient_pressure)
+        }
+    }
+
+    /// dp/dt [Pa/s] for the effective areas of fill and vent valve [m²] (equation 3.29).
+    #[inline]
+    pub fn pressure_rate(&self, effective_areas: [f64; 2], pressure: f64) -> f64 {
+        self.chamber.pressure_rate(
+            self.mass_flow(FILL, effective_areas[FILL], pressure),
+            self.mass_flow(VENT, effective_areas[VENT], pressure),
+        )
+    }
+}

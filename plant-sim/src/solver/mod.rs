@@ -1,0 +1,5 @@
+//! Numerical tools that know nothing of valves.
+
+pub(crate) mod dormand_prince;
+pub(crate) mod hermite;
+pub(crate) mod root;

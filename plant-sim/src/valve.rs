@@ -1,0 +1,142 @@
+//! One solenoid valve: coil, magnet, armature and orifice between an upside and a downside pressure.
+
+use crate::armature::Armature;
+use crate::coil::{Coil, Drive, RestingCurrent};
+use crate::magnet::Magnet;
+use crate::orifice::Orifice;
+
+/// What the valve does without current (section 2.3).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ValveFunction {
+    /// Closed without current; the armature's travel is the lift.
+    NormallyClosed,
+    /// Open without current; the armature's travel closes the orifice.
+    NormallyOpen,
+}
+
+/// A valve's physics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Valve {
+    /// Electrical model.
+    pub coil: Coil,
+    /// Magnetic model.
+    pub magnet: Magnet,
+    /// Mechanical model.
+    pub armature: Armature,
+    /// Pneumatic model.
+    pub orifice: Orifice,
+    /// Normally closed or normally open.
+    pub function: ValveFunction,
+}
+
+/// Where the armature is.
+///
+/// ```text
+///          departs              arrives
+/// AtRestStop ──► Moving ──► AtFullStroke
+///      ▲           │ ▲            │
+///      └───────────┘ └────────────┘
+///        arrives        departs
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// Held against the stop at x = 0 by spring and preload.
+    AtRestStop,
+    /// Between the stops: current, position and velocity are integrated together.
+    Moving,
+    /// Held against the stop at x = stroke by the magnet.
+    AtFullStroke,
+}
+
+/// The state of a valve between two events.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ValveState {
+    /// Coil current [A], never negative.
+    pub current: f64,
+    /// Armature position [m], 0 to stroke.
+    pub x: f64,
+    /// Armature velocity [m/s].
+    pub v: f64,
+    /// At a stop or moving.
+    pub motion: Motion,
+    /// What drives the coil.
+    pub drive: Drive,
+}
+
+impl ValveState {
+    /// Dead coil, armature at its rest stop.
+    pub const AT_REST: Self = Self {
+        current: 0.0,
+        x: 0.0,
+        v: 0.0,
+        motion: Motion::AtRestStop,
+        drive: Drive::Blocked,
+    };
+}
+
+impl Valve {
+    /// Lift of the valve seat [m] with the armature at `x`.
+    #[inline]
+    pub fn lift(&self, x: f64) -> f64 {
+        match self.function {
+            ValveFunction::NormallyClosed => x,
+            ValveFunction::NormallyOpen => self.armature.stroke - x,
+        }
+    }
+
+    /// Discharge coefficient times open area [m²] with the armature at `x`.
+    #[inline]
+    pub fn effective_area(&self, x: f64) -> f64 {
+        self.orifice.effective_area(self.lift(x))
+    }
+
+    /// Armature position at which the area law has its kink [m].
+    pub fn saturation_position(&self) -> f64 {
+        match self.function {
+            ValveFunction::NormallyClosed => self.orifice.saturation_lift(),
+            ValveFunction::NormallyOpen => self.armature.stroke - self.orifice.saturation_lift(),
+        }
+    }
+
+    /// (di/dt, dx/dt, dv/dt) of a moving valve.
+    #[inline]
+    pub fn rates(
+        &self,
+        drive: Drive,
+        current: f64,
+        x: f64,
+        v: f64,
+        pressure_drop: f64,
+    ) -> [f64; 3] {
+        [
+            self.coil.current_rate(drive, current, x, v),
+            v,
+            self.armature
+                .acceleration(self.magnet.force(current, x), x, v, pressure_drop),
+        ]
+    }
+
+    /// The exact current while the armature stays where it is.
+    #[inline]
+    pub fn resting_current(&self, state: &ValveState) -> RestingCurrent {
+        self.coil.at_rest(state.drive, state.current, state.x)
+    }
+
+    /// The force that pulls a resting armature off its stop [N]: it departs when this is positive.
+    #[inline]
+    pub fn departing_force(&self, motion: Motion, x: f64, current: f64, pressure_drop: f64) -> f64 {
+        let net = self.magnet.force(current, x) + self.armature.static_force(x, pressure_drop);
+        match motion {
+            Motion::AtRestStop => net,
+            Motion::AtFullStroke => -net,
+            Motion::Moving => f64::NEG_INFINITY,
+        }
+    }
+
+    /// The current at which a resting armature departs under a constant pressure drop [A].
+    #[inline]
+    pub fn departing_current(&self, x: f64, pressure_drop: f64) -> f64 {
+        self.magnet
+            .current_for(-self.armature.static_force(x, pressure_drop), x)
+    }
+}
