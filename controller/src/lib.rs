@@ -1,1 +1,36 @@
-//! What do the two valves get in this ECU sample? Fixed-point PID pressure control for a fill and a vent valve, no_std.
+#![doc = include_str!("../README.md")]
+#![no_std]
+
+mod anti_windup;
+mod arithmetic;
+mod boost;
+mod config;
+mod control_signal;
+mod distributor;
+mod duty;
+mod error;
+mod integrator;
+mod lower_limit;
+mod pid;
+mod prediction;
+mod pressure;
+mod range;
+mod settings;
+mod state;
+mod step;
+mod tolerance;
+mod trace;
+
+pub use config::Config;
+pub use control_signal::ControlSignal;
+pub use duty::Duty;
+pub use error::{Coefficient, ConfigError, Field, StateError};
+pub use fixed;
+pub use pressure::Pressure;
+pub use settings::{
+    AntiWindup, Boost, Distributor, IntegralAtReference, LowerLimit, OpeningDuty, Prediction,
+    PredictionBasis, Settings, SwitchOff,
+};
+pub use state::State;
+pub use step::{Input, Output, step, step_traced};
+pub use trace::{Activity, Saturation, Trace};

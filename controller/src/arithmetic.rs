@@ -1,0 +1,32 @@
+//! The few operations that a sample is made of, each with the reason why it cannot overflow (docs/numerics.md).
+
+/// The exact product of two words: |a·b| ≤ 2⁶² whatever they are.
+#[inline(always)]
+pub(crate) const fn wide_product(a: i32, b: i32) -> i64 {
+    (a as i64).wrapping_mul(b as i64)
+}
+
+/// The upper word of the product, rounded towards -∞; one SMMUL.
+#[inline(always)]
+pub(crate) const fn high_product(a: i32, b: i32) -> i32 {
+    (wide_product(a, b) >> 32) as i32
+}
+
+/// The upper word, rounded towards zero, so that -x gives exactly the negative of x.
+#[inline(always)]
+pub(crate) const fn high_word_towards_zero(x: i64) -> i32 {
+    // Adds 2³²-1 to a negative x; |x| < 2⁶² (docs/numerics.md), so the sum stays inside.
+    (x.wrapping_add(((x >> 63) as u32) as i64) >> 32) as i32
+}
+
+/// A word as the upper half of a double word.
+#[inline(always)]
+pub(crate) const fn from_high_word(high: i32) -> i64 {
+    (high as i64) << 32
+}
+
+/// Whether exactly one of the two is negative.
+#[inline(always)]
+pub(crate) const fn differ_in_sign(a: i32, b: i32) -> bool {
+    (a ^ b) < 0
+}

@@ -1,0 +1,153 @@
+//! Everything that one sample leaves to the next.
+
+use crate::config::Config;
+use crate::control_signal::ControlSignal;
+use crate::error::StateError;
+use crate::integrator::Integrator;
+use crate::pressure::Pressure;
+use crate::step::Input;
+
+/// What one sample leaves to the next: pressure and error of the sample, integral part, boost.
+///
+/// Two targets that started alike and saw the same inputs hold equal states, bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct State {
+    pub(crate) previous: Sample,
+    pub(crate) integral: Integrator,
+    pub(crate) boost: Integrator,
+}
+
+/// An input, limited to the control range, as its two differences need it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Sample {
+    /// [bar], 2⁻¹⁶, within the control range: 21 bits.
+    pub(crate) pressure: i32,
+    /// Reference - pressure [bar], 2⁻¹⁶: 22 bits.
+    pub(crate) error: i32,
+}
+
+impl Sample {
+    /// Largest magnitude of an error: the width of the control range.
+    const ERROR_MAX: i32 = Pressure::MAX_CONTROL.to_bits() - Pressure::MIN_CONTROL.to_bits();
+
+    #[inline(always)]
+    pub(crate) fn of(input: Input) -> Self {
+        let pressure = input.pressure.saturated_to_control_range().to_bits();
+        let reference = input.reference.saturated_to_control_range().to_bits();
+        // Two values of 21 bits.
+        Self {
+            pressure,
+            error: reference.wrapping_sub(pressure),
+        }
+    }
+}
+
+impl State {
+    /// Number of words of a saved state.
+    pub const WORDS: usize = 6;
+
+    /// Chamber at ambient pressure, reference 0, nothing summed: the truck was just started.
+    pub const fn at_rest() -> Self {
+        Self {
+            previous: Sample {
+                pressure: 0,
+                error: 0,
+            },
+            integral: Integrator::ZERO,
+            boost: Integrator::ZERO,
+        }
+    }
+
+    /// A start without a kick while the pressure may be anything: the input is taken as having been there before, so the
+    /// first sample sees no change of error or pressure. Nothing is summed.
+    pub fn new(input: Input) -> Self {
+        Self {
+            previous: Sample::of(input),
+            ..Self::at_rest()
+        }
+    }
+
+    /// A bumpless takeover: as [`State::new`], with the integral part such that the first sample, if the error is outside the
+    /// tolerance and the input the same, continues from the control signal `u` that was applied until now.
+    ///
+    /// The integral part is held within its bound, and is zero for a controller without integral action.
+    pub fn taking_over(config: &Config, input: Input, u: ControlSignal) -> Self {
+        let previous = Sample::of(input);
+        Self {
+            previous,
+            integral: config.pid.integral_that_gives(u, previous.error),
+            boost: Integrator::ZERO,
+        }
+    }
+
+    /// The integral part of the control signal.
+    pub const fn integral(&self) -> ControlSignal {
+        self.integral.part()
+    }
+
+    /// The boost's part of the control signal.
+    pub const fn boost(&self) -> ControlSignal {
+        self.boost.part()
+    }
+
+    /// The state as words: pressure and error of the last sample [2⁻¹⁶ bar], then integral part and boost [2⁻⁴⁴ %], lower
+    /// word first.
+    pub const fn to_words(&self) -> [i32; Self::WORDS] {
+        let (integral, boost) = (self.integral.bits(), self.boost.bits());
+        [
+            self.previous.pressure,
+            self.previous.error,
+            integral as i32,
+            (integral >> 32) as i32,
+            boost as i32,
+            (boost >> 32) as i32,
+        ]
+    }
+
+    /// The state that [`State::to_words`] gave.
+    ///
+    /// # Errors
+    /// Words that no sequence of samples leads to; the state is not usable then, start with [`State::new`].
+    pub const fn from_words(words: [i32; Self::WORDS]) -> Result<Self, StateError> {
+        let [
+            pressure,
+            error,
+            integral_low,
+            integral_high,
+            boost_low,
+            boost_high,
+        ] = words;
+        if pressure < Pressure::MIN_CONTROL.to_bits() || pressure > Pressure::MAX_CONTROL.to_bits()
+        {
+            return Err(StateError::Pressure { bits: pressure });
+        }
+        if error < -Sample::ERROR_MAX || error > Sample::ERROR_MAX {
+            return Err(StateError::Error { bits: error });
+        }
+        let integral_bits = double_word(integral_low, integral_high);
+        let Some(integral) = Integrator::checked_from_bits(integral_bits) else {
+            return Err(StateError::Integrator {
+                first_word: 2,
+                bits: integral_bits,
+            });
+        };
+        let boost_bits = double_word(boost_low, boost_high);
+        let Some(boost) = Integrator::checked_from_bits(boost_bits) else {
+            return Err(StateError::Integrator {
+                first_word: 4,
+                bits: boost_bits,
+            });
+        };
+        Ok(Self {
+            previous: Sample { pressure, error },
+            integral,
+            boost,
+        })
+    }
+}
+
+const fn double_word(low: i32, high: i32) -> i64 {
+    ((high as i64) << 32) | (low as u32 as i64)
+}

@@ -1,0 +1,95 @@
+//! How a sample came to its output.
+
+use crate::control_signal::ControlSignal;
+use crate::pressure::Pressure;
+use crate::state::{Sample, State};
+
+/// How a sample came to its output, for logs and plots; computed only by [`step_traced`](crate::step_traced).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Trace {
+    /// Reference - chamber pressure, both within the control range.
+    pub error: Pressure,
+    /// The error that the prediction expects (equations 6.8, 6.10); the error itself where prediction is off.
+    pub predicted_error: Pressure,
+    /// K eₙ; 0 while the valves are turned off.
+    pub proportional: ControlSignal,
+    /// K T_d (eₙ - eₙ₋₁)/T_s; 0 while the valves are turned off.
+    pub derivative: ControlSignal,
+    /// K T_s/T_i Σ eₖ, bounded.
+    pub integral: ControlSignal,
+    /// The extra integrator.
+    pub boost: ControlSignal,
+    /// Sum of the four parts; 0 while the valves are turned off.
+    pub u_unsaturated: ControlSignal,
+    /// Control signal that the distributor gets.
+    pub u: ControlSignal,
+    /// What decided.
+    pub activity: Activity,
+    /// Whether ±100 % cut u.
+    pub saturation: Saturation,
+    /// Whether the integral part took this sample's error whole: not while turned off, frozen, or drawn back.
+    pub integrating: bool,
+    /// Whether the boost took this sample's error.
+    pub boosting: bool,
+}
+
+/// What decided about the valves in a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Activity {
+    /// The PID controller.
+    Controlling,
+    /// The tolerance turned both off.
+    InsideTolerance,
+    /// The prediction turned both off.
+    SwitchedOffAhead,
+}
+
+/// Which end cut the control signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Saturation {
+    /// None.
+    None,
+    /// 100 %.
+    High,
+    /// -100 %.
+    Low,
+}
+
+impl Saturation {
+    pub(crate) const fn of(excess: i32) -> Self {
+        if excess > 0 {
+            Self::High
+        } else if excess < 0 {
+            Self::Low
+        } else {
+            Self::None
+        }
+    }
+}
+
+impl Trace {
+    pub(crate) const fn off(
+        sample: Sample,
+        predicted: i32,
+        activity: Activity,
+        state: &State,
+    ) -> Self {
+        Self {
+            error: Pressure::from_bits(sample.error),
+            predicted_error: Pressure::from_bits(predicted),
+            proportional: ControlSignal::ZERO,
+            derivative: ControlSignal::ZERO,
+            integral: state.integral(),
+            boost: state.boost(),
+            u_unsaturated: ControlSignal::ZERO,
+            u: ControlSignal::ZERO,
+            activity,
+            saturation: Saturation::None,
+            integrating: false,
+            boosting: false,
+        }
+    }
+}
