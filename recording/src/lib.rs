@@ -1,1 +1,20 @@
-//! What was measured or simulated, with which units? Signals with unit, quantity and time base, and CSV.
+#![doc = include_str!("../README.md")]
+
+pub mod csv;
+mod file;
+mod name;
+mod provenance;
+mod quantity;
+mod recording;
+mod signal;
+mod time_base;
+mod unit;
+
+pub use file::{AtomicFile, write_file_atomically};
+pub use name::{NAME_BYTES_MAX, NameError};
+pub use provenance::{InputFile, Note, Provenance};
+pub use quantity::Quantity;
+pub use recording::{AddSignalError, MissingSignal, Recording, TimeBaseId};
+pub use signal::Signal;
+pub use time_base::{Gap, Sampling, TimeBase, TimeBaseError};
+pub use unit::{ConversionError, Converter, PressureReference, STANDARD_ATMOSPHERE_PA, Unit};

@@ -1,0 +1,260 @@
+//! Does the size of the values fit their declared unit? A unit that is wrong by a factor reads without any error.
+
+use super::error::Problem;
+use super::plan::{FieldPlan, Plan};
+use crate::signal::quantity_of;
+use crate::{Converter, PressureReference, Quantity, Unit};
+
+/// No pneumatic brake holds more [bar]; its supply is at 6 to 12 bar.
+const LARGEST_BAR: f64 = 50.0;
+/// A charged chamber [bar].
+const CHARGED_BAR: std::ops::RangeInclusive<f64> = 1.0..=25.0;
+/// Below this a log in a small unit is suspected to be one in a larger unit [bar].
+const SMALL_BAR: f64 = 0.25;
+/// The thinnest atmosphere a vehicle meets, at about 5500 m [bar abs].
+const AMBIENT_MIN_BAR: f64 = 0.5;
+/// Vacuum [bar], with room for the offset of a sensor.
+const VACUUM_GAUGE_BAR: f64 = -1.1;
+const VACUUM_ABSOLUTE_BAR: f64 = -0.05;
+/// Mean distance of rows at which seconds look like milliseconds [s].
+const STEP_MAX_S: f64 = 10.0;
+
+/// Watches the values of one signal.
+#[derive(Debug)]
+pub(super) struct Watch {
+    law: Law,
+    unit: Unit,
+    min: f64,
+    max: f64,
+    line_of_min: u64,
+    line_of_max: u64,
+    between_zero_and_one: bool,
+}
+
+#[derive(Debug)]
+enum Law {
+    Any,
+    Duty {
+        to_percent: Converter,
+        check_scale: bool,
+    },
+    Pressure {
+        reference: PressureReference,
+        to_bar: Converter,
+    },
+}
+
+impl Watch {
+    pub(super) fn new(column: &FieldPlan) -> Self {
+        let unit = column.unit;
+        let law = match (quantity_of(&column.name, unit), unit.pressure_reference()) {
+            (Quantity::DutyCycle, _) => match unit.converter(Unit::Percent) {
+                Ok(to_percent) => Law::Duty {
+                    to_percent,
+                    check_scale: column.check_scale,
+                },
+                Err(_) => Law::Any,
+            },
+            (_, Some(reference)) if column.check_scale => match unit.converter(bar(reference)) {
+                Ok(to_bar) => Law::Pressure { reference, to_bar },
+                Err(_) => Law::Any,
+            },
+            _ => Law::Any,
+        };
+        let (min, max) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self {
+            law,
+            unit,
+            min,
+            max,
+            line_of_min: 0,
+            line_of_max: 0,
+            between_zero_and_one: false,
+        }
+    }
+
+    /// Takes one value; refuses what is impossible by itself.
+    pub(super) fn take(&mut self, value: f64, line: u64) -> Result<(), Problem> {
+        match &self.law {
+            Law::Any => return Ok(()),
+            Law::Duty { to_percent, .. } => {
+                let percent = to_percent.apply(value);
+                if !(0.0..=100.0).contains(&percent) {
+                    return Err(Problem::DutyRange { percent });
+                }
+                self.between_zero_and_one |= value > 0.0 && value < 1.0;
+            }
+            Law::Pressure { reference, to_bar } => {
+                let vacuum_bar = match reference {
+                    PressureReference::Gauge => VACUUM_GAUGE_BAR,
+                    PressureReference::Absolute => VACUUM_ABSOLUTE_BAR,
+                };
+                // A large negative value is a matter of size and not of vacuum.
+                let bar = to_bar.apply(value);
+                if bar < vacuum_bar && bar >= -LARGEST_BAR {
+                    return Err(Problem::BelowVacuum {
+                        value,
+                        declared: self.unit,
+                    });
+                }
+            }
+        }
+        if value < self.min {
+            (self.min, self.line_of_min) = (value, line);
+        }
+        if value > self.max {
+            (self.max, self.line_of_max) = (value, line);
+        }
+        Ok(())
+    }
+
+    /// Judges the size of the values so far; only at the end of the file can they be too small.
+    pub(super) fn judge(
+        &self,
+        plan: &Plan,
+        column: &FieldPlan,
+        at_end: bool,
+    ) -> Result<(), (u64, Problem)> {
+        if self.max < self.min {
+            return Ok(());
+        }
+        let looks_like = match &self.law {
+            Law::Duty {
+                check_scale: true, ..
+            } => {
+                let is_fraction = at_end
+                    && self.unit == Unit::Percent
+                    && self.max <= 1.0
+                    && self.between_zero_and_one;
+                if !is_fraction {
+                    return Ok(());
+                }
+                Some(Unit::Fraction)
+            }
+            Law::Pressure { reference, to_bar } => {
+                let (min, max) = (to_bar.apply(self.min), to_bar.apply(self.max));
+                let large = max.max(-min) > LARGEST_BAR;
+                let small = at_end && max > 0.0 && max < SMALL_BAR && min >= -0.1 * max;
+                let vacuous =
+                    at_end && *reference == PressureReference::Absolute && min < AMBIENT_MIN_BAR;
+                let looks_like = self.likely_unit(*reference, large);
+                match (large, small || vacuous, looks_like) {
+                    (true, _, looks_like) => looks_like,
+                    (false, true, Some(unit)) => Some(unit),
+                    _ => return Ok(()),
+                }
+            }
+            _ => return Ok(()),
+        };
+        let (largest, line) = if -self.min > self.max {
+            (self.min, self.line_of_min)
+        } else {
+            (self.max, self.line_of_max)
+        };
+        let key = plan.column_key(column.field);
+        let unit = looks_like.unwrap_or(self.unit).token();
+        let (name, accepted) = (
+            &column.name,
+            if looks_like.is_some() {
+                ""
+            } else {
+                ", check_scale = false"
+            },
+        );
+        let proposal = format!(
+            "signal.{} = {{ column = {key}, unit = \"{unit}\"{accepted} }}",
+            toml_key(name)
+        );
+        Err((
+            line,
+            Problem::Scale {
+                largest,
+                declared: self.unit,
+                looks_like,
+                proposal,
+            },
+        ))
+    }
+
+    /// The unit in which these values would be those of a chamber that is charged at some time.
+    fn likely_unit(&self, reference: PressureReference, large: bool) -> Option<Unit> {
+        use Unit as U;
+        let gauge = [
+            U::BarGauge,
+            U::KilopascalGauge,
+            U::PsiGauge,
+            U::MillibarGauge,
+            U::PascalGauge,
+        ];
+        let absolute = [
+            U::BarAbsolute,
+            U::KilopascalAbsolute,
+            U::PsiAbsolute,
+            U::MillibarAbsolute,
+            U::PascalAbsolute,
+        ];
+        let candidates = match reference {
+            PressureReference::Gauge => gauge.into_iter().chain([]).collect::<Vec<_>>(),
+            PressureReference::Absolute => absolute.into_iter().chain(gauge).collect(),
+        };
+        candidates
+            .into_iter()
+            .filter(|&unit| unit != self.unit)
+            .find(|&unit| {
+                // Too small values can only come from a larger unit; psi is no larger unit anyone mixes up there.
+                if !large && matches!(unit, U::PsiGauge | U::PsiAbsolute) {
+                    return false;
+                }
+                let Some(reference) = unit.pressure_reference() else {
+                    return false;
+                };
+                let Ok(to_bar) = unit.converter(bar(reference)) else {
+                    return false;
+                };
+                let lowest_bar = match reference {
+                    PressureReference::Gauge => -0.2,
+                    PressureReference::Absolute => AMBIENT_MIN_BAR,
+                };
+                CHARGED_BAR.contains(&to_bar.apply(self.max))
+                    && to_bar.apply(self.min) >= lowest_bar
+            })
+    }
+}
+
+/// Refuses a time whose steps are far too long for a log of a brake.
+pub(super) fn judge_time(plan: &Plan, first_s: f64, last_s: f64, rows: u64) -> Result<(), Problem> {
+    let mean_step_s = (last_s - first_s) / (rows.max(2) - 1) as f64;
+    if !plan.time.check_scale || rows < 3 || mean_step_s < STEP_MAX_S {
+        return Ok(());
+    }
+    let key = plan.column_key(plan.time.field);
+    let (unit, accepted) = match plan.time.unit {
+        Unit::Second => ("ms", ""),
+        unit => (unit.token(), ", check_scale = false"),
+    };
+    let proposal = format!("time = {{ column = {key}, unit = \"{unit}\"{accepted} }}");
+    Err(Problem::TimeScale {
+        mean_step_s,
+        declared: plan.time.unit,
+        proposal,
+    })
+}
+
+fn bar(reference: PressureReference) -> Unit {
+    match reference {
+        PressureReference::Gauge => Unit::BarGauge,
+        PressureReference::Absolute => Unit::BarAbsolute,
+    }
+}
+
+/// A bare key where TOML allows one.
+fn toml_key(name: &str) -> String {
+    let bare = name
+        .bytes()
+        .all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-'));
+    if bare {
+        name.to_owned()
+    } else {
+        format!("'{name}'")
+    }
+}

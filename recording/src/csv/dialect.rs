@@ -1,0 +1,206 @@
+use std::fmt;
+
+use super::Decimal;
+use super::error::{Excerpt, Problem};
+use super::number::{Evidence, evidence};
+use super::record::{AtLine, BYTE_ORDER_MARK};
+
+/// What separates columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Delimiter {
+    /// `,`
+    Comma,
+    /// `;`
+    Semicolon,
+    /// Tabulator.
+    Tab,
+}
+
+impl Delimiter {
+    /// Every delimiter, in the order in which they are looked for: a comma may be a decimal separator.
+    pub const ALL: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
+
+    /// Its word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Comma => "comma",
+            Self::Semicolon => "semicolon",
+            Self::Tab => "tab",
+        }
+    }
+
+    pub(super) fn byte(self) -> u8 {
+        match self {
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
+        }
+    }
+}
+
+/// How a CSV file is written: what the reader found out, or was told by a mapping.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dialect {
+    /// What separates columns.
+    pub delimiter: Delimiter,
+    /// What separates the whole part of a number from its fraction.
+    pub decimal: Decimal,
+    /// Whether the first record names the columns.
+    pub header: bool,
+    /// Whether a row of units follows the header.
+    pub units_row: bool,
+    /// Whether the file begins with the UTF-8 byte order mark.
+    pub byte_order_mark: bool,
+}
+
+impl fmt::Display for Dialect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let decimal = match self.decimal {
+            Decimal::Point => "point",
+            Decimal::Comma => "comma",
+        };
+        write!(
+            f,
+            "separated by {}, decimal {decimal}",
+            self.delimiter.name()
+        )?;
+        f.write_str(if self.header {
+            ", header"
+        } else {
+            ", no header"
+        })?;
+        if self.units_row {
+            f.write_str(", units row")?;
+        }
+        if self.byte_order_mark {
+            f.write_str(", byte order mark")?;
+        }
+        Ok(())
+    }
+}
+
+/// Refuses what is not UTF-8 text with line feeds, as far as the head of the file shows.
+pub(super) fn check_encoding(head: &[u8]) -> Result<(), AtLine> {
+    let utf16 = "UTF-16 (Excel's \"Unicode text\")";
+    let guess = match head {
+        [] => return Err((None, Problem::Empty)),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => utf16,
+        [b'P', b'K', 3, 4, ..] => "a ZIP archive, such as an Excel workbook",
+        [b'M', b'D', b'F', b' ', ..] => "an MDF measurement file",
+        [_, 0, _, 0, ..] | [0, _, 0, _, ..] => utf16,
+        _ if head.contains(&0) => "binary data (a zero byte)",
+        _ => {
+            let mut lines = memchr::memchr_iter(b'\n', head);
+            let bare_returns =
+                lines.next().is_none() && head.contains(&b'\r') && !head.ends_with(b"\r");
+            return if bare_returns {
+                Err((Some(1), Problem::LineEnd))
+            } else {
+                Ok(())
+            };
+        }
+    };
+    Err((None, Problem::Encoding { guess }))
+}
+
+/// The delimiter is the first of tab, semicolon and comma that occurs outside quotes in the first record.
+pub(super) fn find_delimiter(head: &[u8], skipped_lines: u32) -> Result<Delimiter, AtLine> {
+    let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
+    let lines = text
+        .split_inclusive(|&byte| byte == b'\n')
+        .enumerate()
+        .skip(skipped_lines as usize);
+    let mut offset = None;
+    for (index, line) in lines {
+        if !matches!(line.first(), None | Some(b'#' | b'\n' | b'\r')) {
+            offset = Some((index, line.as_ptr() as usize - text.as_ptr() as usize));
+            break;
+        }
+    }
+    let Some((line_index, offset)) = offset else {
+        return Err((None, Problem::Empty));
+    };
+    let (mut quoted, mut seen) = (false, [false; 3]);
+    let record = &text[offset..];
+    for &byte in record {
+        quoted ^= byte == b'"';
+        if byte == b'\n' && !quoted {
+            break;
+        }
+        for (seen, delimiter) in seen.iter_mut().zip(Delimiter::ALL) {
+            *seen |= !quoted && byte == delimiter.byte();
+        }
+    }
+    let first_line = record
+        .split(|&byte| matches!(byte, b'\n' | b'\r'))
+        .next()
+        .unwrap_or(record);
+    Delimiter::ALL
+        .into_iter()
+        .zip(seen)
+        .find_map(|(delimiter, seen)| seen.then_some(delimiter))
+        .ok_or_else(|| {
+            (
+                Some(line_index as u64 + 1),
+                Problem::NoDelimiter {
+                    found: Excerpt::of_bytes(first_line),
+                },
+            )
+        })
+}
+
+/// Collects what the numbers in the head of a file say about its decimal separator.
+#[derive(Debug, Default)]
+pub(super) struct DecimalVote {
+    point: Option<Ballot>,
+    comma: Option<Ballot>,
+    open: Option<Ballot>,
+    grouped: Option<Ballot>,
+}
+
+/// The first field of one opinion.
+#[derive(Debug)]
+pub(super) struct Ballot {
+    pub(super) line: u64,
+    pub(super) field: usize,
+    found: Excerpt,
+}
+
+impl DecimalVote {
+    pub(super) fn add(&mut self, line: u64, field: usize, cell: &str) {
+        let opinion = match evidence(cell) {
+            Evidence::None => return,
+            Evidence::Point => &mut self.point,
+            Evidence::Comma => &mut self.comma,
+            Evidence::CommaOrGroup => &mut self.open,
+            Evidence::Grouped => &mut self.grouped,
+        };
+        opinion.get_or_insert_with(|| Ballot {
+            line,
+            field,
+            found: Excerpt::of(cell),
+        });
+    }
+
+    /// One opinion of the whole head, or the field that spoils it.
+    pub(super) fn result(self) -> Result<Decimal, (Ballot, Problem)> {
+        let with = |ballot: Ballot, problem: fn(Excerpt) -> Problem| {
+            let problem = problem(ballot.found.clone());
+            Err((ballot, problem))
+        };
+        match (self.grouped, self.point, self.comma, self.open) {
+            (Some(grouped), ..) => with(grouped, |found| Problem::Thousands { found }),
+            (None, Some(point), Some(comma), _) => {
+                let later = if (point.line, point.field) > (comma.line, comma.field) {
+                    point
+                } else {
+                    comma
+                };
+                with(later, |found| Problem::DecimalMixed { found })
+            }
+            (None, _, None, Some(open)) => with(open, |found| Problem::DecimalAmbiguous { found }),
+            (None, None, Some(_), _) => Ok(Decimal::Comma),
+            (None, _, None, None) => Ok(Decimal::Point),
+        }
+    }
+}

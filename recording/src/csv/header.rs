@@ -1,0 +1,238 @@
+//! A header field is a name and a unit: `p_ch_bar_gauge`, `p_ch [bar gauge]`, `p_ch (bar gauge)`.
+
+use super::error::{Excerpt, Problem};
+use crate::Unit;
+use crate::name::check_name;
+
+/// What a column header says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Heading {
+    pub(super) name: String,
+    pub(super) unit: Unit,
+}
+
+/// The name and unit of a header field that carries its unit.
+pub(super) fn parse_heading(field: &str) -> Result<Heading, Problem> {
+    let field = without_formula_guard(field);
+    let (name, unit) = match bracketed(field) {
+        Some((name, unit)) => (name, parse_unit(unit)?),
+        None => suffixed(field)?,
+    };
+    named(name, field, unit)
+}
+
+/// The name and unit of a header field above a units row; both may name the unit if they agree.
+pub(super) fn parse_heading_over_unit(field: &str, unit: &str) -> Result<Heading, Problem> {
+    if unit.is_empty() {
+        return parse_heading(field);
+    }
+    let unit = parse_unit(unit)?;
+    match parse_heading(field) {
+        Ok(heading) if heading.unit == unit => Ok(heading),
+        Ok(heading) => Err(Problem::UnitConflict {
+            header: heading.unit,
+            units_row: unit,
+        }),
+        Err(_) => named(without_formula_guard(field), field, unit),
+    }
+}
+
+/// Whether a second record is a row of units: no number in it, and at least one unit.
+pub(super) fn is_units_row<'a>(fields: impl Iterator<Item = &'a str>) -> bool {
+    let mut has_unit = false;
+    for field in fields.filter(|field| !field.is_empty()) {
+        let is_unit = !matches!(
+            parse_unit(field),
+            Err(Problem::UnitUnknown { meant: None, .. })
+        );
+        has_unit |= is_unit;
+        if !is_unit
+            && field.starts_with(|first: char| first.is_ascii_digit() || "+-.,".contains(first))
+        {
+            return false;
+        }
+    }
+    has_unit
+}
+
+/// A unit as a mapping or units row names it.
+pub(super) fn parse_unit(text: &str) -> Result<Unit, Problem> {
+    let text = unwrapped(text);
+    Unit::parse(text).ok_or_else(|| {
+        if is_pressure_without_reference(text) {
+            return Problem::PressureReference {
+                found: Excerpt::of(text),
+            };
+        }
+        let meant = Unit::all().find(|unit| unit.token().eq_ignore_ascii_case(text));
+        Problem::UnitUnknown {
+            found: Excerpt::of(text),
+            meant,
+        }
+    })
+}
+
+/// The header field of a column; [`parse_heading`] gives back exactly this name and unit.
+pub(super) fn format_heading(name: &str, unit: Unit) -> String {
+    let heading = Heading {
+        name: name.to_owned(),
+        unit,
+    };
+    let suffixed = guarded(format!("{name}_{}", unit.token()));
+    if parse_heading(&suffixed).is_ok_and(|read| read == heading) {
+        return suffixed;
+    }
+    guarded(format!("{name} [{}]", unit.token()))
+}
+
+/// A spreadsheet runs a cell that begins like a formula (OWASP, "CSV injection").
+fn guarded(cell: String) -> String {
+    if cell.starts_with(['=', '+', '-', '@', '\'', '#']) {
+        format!("'{cell}")
+    } else {
+        cell
+    }
+}
+
+fn without_formula_guard(cell: &str) -> &str {
+    match cell.strip_prefix('\'') {
+        Some(rest) if rest.starts_with(['=', '+', '-', '@', '\'', '#']) => rest,
+        _ => cell,
+    }
+}
+
+fn named(name: &str, field: &str, unit: Unit) -> Result<Heading, Problem> {
+    let name = name.trim();
+    match check_name(name) {
+        Ok(()) => Ok(Heading {
+            name: name.to_owned(),
+            unit,
+        }),
+        Err(problem) => Err(Problem::Name {
+            found: Excerpt::of(field),
+            problem,
+        }),
+    }
+}
+
+/// `name [unit]` or `name (unit)`.
+fn bracketed(field: &str) -> Option<(&str, &str)> {
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some((name, unit)) = field
+            .strip_suffix(close)
+            .and_then(|rest| rest.rsplit_once(open))
+        {
+            return Some((name, unit));
+        }
+    }
+    None
+}
+
+/// The longest suffix that is a unit; the name keeps at least one character.
+fn suffixed(field: &str) -> Result<(&str, Unit), Problem> {
+    for (at, _) in field.match_indices('_').filter(|&(at, _)| at > 0) {
+        let suffix = &field[at + 1..];
+        // `x_1` is a name and not a fraction.
+        if let Some(unit) = Unit::parse(suffix)
+            .filter(|_| !suffix.starts_with(|first: char| first.is_ascii_digit()))
+        {
+            return Ok((&field[..at], unit));
+        }
+    }
+    // No unit: perhaps nearly one, such as `kpa_abs` or `bar`.
+    let suffixes = field
+        .match_indices('_')
+        .filter(|&(at, _)| at > 0)
+        .map(|(at, _)| &field[at + 1..]);
+    let nearly = suffixes.filter_map(|suffix| parse_unit(suffix).err());
+    let missing = || Problem::UnitMissing {
+        found: Excerpt::of(field),
+    };
+    Err(nearly
+        .into_iter()
+        .find(|problem| !matches!(problem, Problem::UnitUnknown { meant: None, .. }))
+        .unwrap_or_else(missing))
+}
+
+fn unwrapped(text: &str) -> &str {
+    let text = text.trim();
+    [('[', ']'), ('(', ')')]
+        .into_iter()
+        .find_map(|(open, close)| text.strip_prefix(open)?.strip_suffix(close))
+        .unwrap_or(text)
+        .trim()
+}
+
+fn is_pressure_without_reference(text: &str) -> bool {
+    Unit::parse(&format!("{text}_gauge")).is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_suffix_that_is_a_unit_is_the_unit() {
+        let check = |field: &str, name: &str, unit| {
+            assert_eq!(
+                parse_heading(field).unwrap(),
+                Heading {
+                    name: name.to_owned(),
+                    unit
+                },
+                "{field}"
+            );
+        };
+        check("time_s", "time", Unit::Second);
+        check("p_ch_bar_gauge", "p_ch", Unit::BarGauge);
+        check("p_ch_kPa_abs", "p_ch", Unit::KilopascalAbsolute);
+        check("i_fill_mA", "i_fill", Unit::Milliampere);
+        check("u_bat_V", "u_bat", Unit::Volt);
+        check("duty_fill_pct", "duty_fill", Unit::Percent);
+        check("t_gas_degC", "t_gas", Unit::DegreeCelsius);
+        check("x_fill_mm", "x_fill", Unit::Millimetre);
+        check("v_plunger_m_per_s", "v_plunger", Unit::MetrePerSecond);
+        check("p_ch [bar gauge]", "p_ch", Unit::BarGauge);
+        check("Druck (barg)", "Druck", Unit::BarGauge);
+        check("duty_fill (%)", "duty_fill", Unit::Percent);
+    }
+
+    #[test]
+    fn headings_without_a_usable_unit_say_what_is_wrong() {
+        let code = |field: &str| parse_heading(field).unwrap_err().code();
+        for field in ["p_ch", "pressure", "x_1", "", "s", "_mA"] {
+            assert_eq!(code(field), "E-CSV-UNIT-MISSING", "{field}");
+        }
+        for field in ["p_ch_bar", "p_ch [kPa]"] {
+            assert_eq!(code(field), "E-CSV-PRESSURE-REFERENCE", "{field}");
+        }
+        for field in ["i_fill_MA", "p_ch_kpa_abs", "p_ch [furlong]"] {
+            assert_eq!(code(field), "E-CSV-UNIT-UNKNOWN", "{field}");
+        }
+        let meant = parse_heading("p_ch_kpa_abs").unwrap_err().next_step();
+        assert_eq!(meant, "write kPa_abs");
+        assert_eq!(code(" [mA]"), "E-CSV-NAME");
+    }
+
+    #[test]
+    fn every_name_and_unit_survives_the_way_through_a_heading() {
+        let names = [
+            "p_ch", "a_m_per", "x_bar", "=1+2", "'-x", "#x", "a [b]", "a,b", "p_ch_mA", "time",
+            "x(1)", "phase_A",
+        ];
+        for name in names {
+            for unit in Unit::all() {
+                let heading = format_heading(name, unit);
+                assert_eq!(
+                    parse_heading(&heading).unwrap(),
+                    Heading {
+                        name: name.to_owned(),
+                        unit
+                    },
+                    "{heading}"
+                );
+                assert!(!heading.starts_with(['=', '+', '-', '@', '#']), "{heading}");
+            }
+        }
+    }
+}

@@ -1,0 +1,403 @@
+//! A mapping tells what the columns of a file are, where the file itself does not say it.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::error::Excerpt;
+use super::header::parse_unit;
+use super::{Decimal, Delimiter};
+use crate::name::{NameError, check_name, is_time_column};
+use crate::{Quantity, Unit};
+
+/// Columns, units and dialect of CSV files that do not say these themselves. Read from TOML:
+///
+/// ```
+/// let mapping = recording::csv::Mapping::parse("wild.toml", r#"
+///     schema = 1
+///     ignore = ["comment"]              # columns to leave out, by header field or number from 1
+///     missing = ["NaN", "---"]          # words that mean: no sample here
+///
+///     [dialect]                         # each found out from the file if not given
+///     delimiter = "semicolon"           # or "comma", "tab"
+///     decimal = ","                     # or "."
+///     header = true
+///     skip_lines = 2                    # lines before the header
+///
+///     [time]
+///     column = "Zeit"
+///     unit = "us"
+///     thousands_separator = "."
+///
+///     [signal.p_ch]
+///     column = 3
+///     unit = "bar_gauge"
+///     scale = 2.0                       # bar per logged volt
+///     offset = -1.0                     # added after the scale
+///     check_scale = false               # accept values of unusual size
+/// "#)?;
+/// # Ok::<(), recording::csv::MappingError>(())
+/// ```
+///
+/// Columns that are neither mapped nor ignored speak for themselves by their header, or are refused.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mapping {
+    pub(super) delimiter: Option<Delimiter>,
+    pub(super) decimal: Option<Decimal>,
+    pub(super) header: Option<bool>,
+    pub(super) units_row: Option<bool>,
+    pub(super) skip_lines: u32,
+    pub(super) ignore: Vec<ColumnKey>,
+    pub(super) missing: Vec<String>,
+    pub(super) time: Option<MappedColumn>,
+    pub(super) signals: BTreeMap<String, MappedColumn>,
+}
+
+/// A column as a mapping names it.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub(super) enum ColumnKey {
+    /// By its position, from 1.
+    Number(u32),
+    /// By its header field.
+    Header(String),
+}
+
+/// What a mapping says about one column.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MappedColumn {
+    pub(super) column: ColumnKey,
+    pub(super) unit: Unit,
+    pub(super) scale: f64,
+    pub(super) offset: f64,
+    pub(super) thousands: Option<char>,
+    pub(super) check_scale: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MappingToml {
+    schema: Spanned<i64>,
+    #[serde(default)]
+    ignore: Vec<ColumnKey>,
+    #[serde(default)]
+    missing: Vec<String>,
+    #[serde(default)]
+    dialect: DialectToml,
+    time: Option<ColumnToml>,
+    #[serde(default)]
+    signal: BTreeMap<Spanned<String>, ColumnToml>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DialectToml {
+    delimiter: Option<Spanned<String>>,
+    decimal: Option<Spanned<String>>,
+    header: Option<bool>,
+    units_row: Option<bool>,
+    #[serde(default)]
+    skip_lines: u32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ColumnToml {
+    column: Spanned<ColumnKey>,
+    unit: Spanned<String>,
+    scale: Option<Spanned<f64>>,
+    offset: Option<Spanned<f64>>,
+    thousands_separator: Option<Spanned<String>>,
+    #[serde(default = "yes")]
+    check_scale: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Mapping {
+    /// Largest mapping file [bytes].
+    pub const BYTES_MAX: u64 = 1 << 20;
+
+    /// The mapping in the TOML text of the file `source_name`.
+    ///
+    /// # Errors
+    /// [`MappingError`] with file, line and column.
+    pub fn parse(source_name: &str, text: &str) -> Result<Self, MappingError> {
+        let error = |span: Option<Range<usize>>, problem| {
+            MappingError::new(source_name, text, span, problem)
+        };
+        if text.len() as u64 > Self::BYTES_MAX {
+            return Err(error(None, MappingProblem::Long));
+        }
+        let raw: MappingToml = toml::from_str(text).map_err(|failure| {
+            error(
+                failure.span(),
+                MappingProblem::Toml(failure.message().to_owned()),
+            )
+        })?;
+        resolve(raw).map_err(|(span, problem)| error(Some(span), problem))
+    }
+
+    /// The mapping in a TOML file.
+    ///
+    /// # Errors
+    /// [`MappingError`] with file, line and column.
+    pub fn read_file(path: impl AsRef<Path>) -> Result<Self, MappingError> {
+        let path = path.as_ref();
+        let source_name = path.display().to_string();
+        let error = |problem| MappingError::new(&source_name, "", None, problem);
+        let mut text = String::new();
+        let file =
+            std::fs::File::open(path).map_err(|failure| error(MappingProblem::Io(failure)))?;
+        std::io::Read::read_to_string(
+            &mut std::io::Read::take(file, Self::BYTES_MAX + 1),
+            &mut text,
+        )
+        .map_err(|failure| error(MappingProblem::Io(failure)))?;
+        Self::parse(&source_name, &text)
+    }
+}
+
+type AtSpan = (Range<usize>, MappingProblem);
+
+fn resolve(raw: MappingToml) -> Result<Mapping, AtSpan> {
+    if *raw.schema.get_ref() != 1 {
+        return Err((
+            raw.schema.span(),
+            MappingProblem::Schema(*raw.schema.get_ref()),
+        ));
+    }
+    let delimiter = choice(
+        raw.dialect.delimiter,
+        &[
+            ("comma", Delimiter::Comma),
+            (",", Delimiter::Comma),
+            ("semicolon", Delimiter::Semicolon),
+            (";", Delimiter::Semicolon),
+            ("tab", Delimiter::Tab),
+            ("\t", Delimiter::Tab),
+        ],
+    )?;
+    let decimal = choice(
+        raw.dialect.decimal,
+        &[(".", Decimal::Point), (",", Decimal::Comma)],
+    )?;
+    let time = raw
+        .time
+        .map(|column| resolve_column(column, decimal))
+        .transpose()?;
+    if let Some((_, unit_span)) = time
+        .as_ref()
+        .filter(|(time, _)| time.unit.quantity() != Quantity::Time)
+    {
+        return Err((unit_span.clone(), MappingProblem::NoTimeUnit));
+    }
+    let mut signals = BTreeMap::new();
+    for (name, column) in raw.signal {
+        let (span, name) = (name.span(), name.into_inner());
+        check_name(&name).map_err(|problem| (span.clone(), MappingProblem::Name(problem)))?;
+        let (column, _) = resolve_column(column, decimal)?;
+        if is_time_column(&name, column.unit) {
+            return Err((span, MappingProblem::TimeAsSignal));
+        }
+        signals.insert(name, column);
+    }
+    Ok(Mapping {
+        delimiter,
+        decimal,
+        header: raw.dialect.header,
+        units_row: raw.dialect.units_row,
+        skip_lines: raw.dialect.skip_lines,
+        ignore: raw.ignore,
+        missing: raw.missing,
+        time: time.map(|(column, _)| column),
+        signals,
+    })
+}
+
+fn resolve_column(
+    raw: ColumnToml,
+    decimal: Option<Decimal>,
+) -> Result<(MappedColumn, Range<usize>), AtSpan> {
+    if *raw.column.get_ref() == ColumnKey::Number(0) {
+        return Err((raw.column.span(), MappingProblem::ColumnZero));
+    }
+    let unit_span = raw.unit.span();
+    let unit = parse_unit(raw.unit.get_ref()).map_err(|problem| {
+        (
+            unit_span.clone(),
+            MappingProblem::Unit(format!("{problem}; {}", problem.next_step())),
+        )
+    })?;
+    let number = |value: Option<Spanned<f64>>, default: f64, zero_allowed: bool| match value {
+        None => Ok(default),
+        Some(value) if value.get_ref().is_finite() && (zero_allowed || *value.get_ref() != 0.0) => {
+            Ok(*value.get_ref())
+        }
+        Some(value) => Err((value.span(), MappingProblem::Factor(*value.get_ref()))),
+    };
+    let thousands_span = raw.thousands_separator.as_ref().map(Spanned::span);
+    let thousands = choice(
+        raw.thousands_separator,
+        &[(".", '.'), (",", ','), (" ", ' '), ("'", '\''), ("_", '_')],
+    )?;
+    if let (Some(thousands), Some(decimal), Some(span)) = (thousands, decimal, thousands_span)
+        && thousands == decimal.symbol()
+        && decimal == Decimal::Comma
+    {
+        return Err((span, MappingProblem::ThousandsAsDecimal));
+    }
+    let column = MappedColumn {
+        column: raw.column.into_inner(),
+        unit,
+        scale: number(raw.scale, 1.0, false)?,
+        offset: number(raw.offset, 0.0, true)?,
+        thousands,
+        check_scale: raw.check_scale,
+    };
+    Ok((column, unit_span))
+}
+
+fn choice<T: Copy>(
+    text: Option<Spanned<String>>,
+    choices: &[(&'static str, T)],
+) -> Result<Option<T>, AtSpan> {
+    let Some(text) = text else { return Ok(None) };
+    match choices.iter().find(|(word, _)| word == text.get_ref()) {
+        Some(&(_, chosen)) => Ok(Some(chosen)),
+        None => Err((
+            text.span(),
+            MappingProblem::Choice {
+                found: Excerpt::of(text.get_ref()),
+                choices: choices.iter().map(|(word, _)| *word).collect(),
+            },
+        )),
+    }
+}
+
+/// Why a mapping file was refused, and where.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {source_name}{}: {problem}", problem.code(), at(*place))]
+pub struct MappingError {
+    source_name: String,
+    place: Option<(usize, usize)>,
+    problem: MappingProblem,
+}
+
+fn at(place: Option<(usize, usize)>) -> String {
+    place.map_or_else(String::new, |(line, column)| {
+        format!(", line {line}, column {column}")
+    })
+}
+
+impl MappingError {
+    fn new(
+        source_name: &str,
+        text: &str,
+        span: Option<Range<usize>>,
+        problem: MappingProblem,
+    ) -> Self {
+        let place = span.and_then(|span| text.get(..span.start)).map(|before| {
+            let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+            (
+                before.matches('\n').count() + 1,
+                before[line_start..].chars().count() + 1,
+            )
+        });
+        Self {
+            source_name: source_name.to_owned(),
+            place,
+            problem,
+        }
+    }
+
+    /// The stable code, such as `E-MAP-UNIT`.
+    pub fn code(&self) -> &'static str {
+        self.problem.code()
+    }
+
+    /// Line and column, both from 1.
+    pub fn place(&self) -> Option<(usize, usize)> {
+        self.place
+    }
+
+    /// What is wrong.
+    pub fn problem(&self) -> &MappingProblem {
+        &self.problem
+    }
+}
+
+/// What is wrong with a mapping file. Each variant has a stable code.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MappingProblem {
+    /// The file cannot be read.
+    #[error("{0}; check that the file exists and may be read")]
+    Io(std::io::Error),
+    /// Larger than [`Mapping::BYTES_MAX`].
+    #[error(
+        "a mapping has at most {} bytes; leave out what is no mapping",
+        Mapping::BYTES_MAX
+    )]
+    Long,
+    /// Not TOML, a key that is unknown or missing, or a value of another type.
+    #[error("{}; see the example in the documentation of Mapping", Excerpt::of(.0).as_str())]
+    Toml(String),
+    /// Another version of the format.
+    #[error("found schema {0}, expected 1; write schema = 1")]
+    Schema(i64),
+    /// A word outside the choices.
+    #[error("found {found}, expected one of {choices:?}; choose one")]
+    Choice {
+        /// The word.
+        found: Excerpt,
+        /// What there is to choose from.
+        choices: Vec<&'static str>,
+    },
+    /// A unit that is unknown or leaves the pressure reference open.
+    #[error("{0}")]
+    Unit(String),
+    /// The time is declared in a unit of something else.
+    #[error("the time needs a unit of time; write s, ms or us")]
+    NoTimeUnit,
+    /// A signal that would be the time.
+    #[error("the time is no signal; describe it under [time]")]
+    TimeAsSignal,
+    /// The name of a signal is empty, too long or not printable.
+    #[error("{0}; rename the signal")]
+    Name(NameError),
+    /// Column 0.
+    #[error("columns are counted from 1; write a number from 1 or a header field in quotes")]
+    ColumnZero,
+    /// A scale of zero, NaN or infinity.
+    #[error("found {0}, expected a finite number, for a scale other than 0; correct it")]
+    Factor(f64),
+    /// The same character separates thousands and decimals.
+    #[error("the comma is the decimal separator already; choose another thousands_separator")]
+    ThousandsAsDecimal,
+}
+
+impl MappingProblem {
+    /// The stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Io(_) => "E-MAP-IO",
+            Self::Long => "E-MAP-LONG",
+            Self::Toml(_) => "E-MAP-TOML",
+            Self::Schema(_) => "E-MAP-SCHEMA",
+            Self::Choice { .. } => "E-MAP-CHOICE",
+            Self::Unit(_) => "E-MAP-UNIT",
+            Self::NoTimeUnit => "E-MAP-TIME-UNIT",
+            Self::TimeAsSignal => "E-MAP-TIME-SIGNAL",
+            Self::Name(_) => "E-MAP-NAME",
+            Self::ColumnZero => "E-MAP-COLUMN",
+            Self::Factor(_) => "E-MAP-FACTOR",
+            Self::ThousandsAsDecimal => "E-MAP-THOUSANDS",
+        }
+    }
+}

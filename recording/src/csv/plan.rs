@@ -1,0 +1,224 @@
+//! Which field of a record is the time, which are signals, and what else must be known about them.
+
+use super::error::{Excerpt, Place, Problem};
+use super::header::{parse_heading, parse_heading_over_unit};
+use super::mapping::{ColumnKey, MappedColumn, Mapping};
+use crate::Unit;
+use crate::name::{NameError, is_time_column};
+
+/// The columns of a file, resolved once.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) fields: usize,
+    pub(super) time: FieldPlan,
+    pub(super) signals: Vec<FieldPlan>,
+    /// A separator at the end of each line makes a last column without name and content.
+    pub(super) empty_last: bool,
+    headers: Option<Vec<String>>,
+}
+
+/// One column that is read.
+#[derive(Clone, Debug)]
+pub(super) struct FieldPlan {
+    pub(super) field: usize,
+    pub(super) name: String,
+    pub(super) unit: Unit,
+    /// Value = logged number * scale + offset, if a mapping says so.
+    pub(super) linear: Option<(f64, f64)>,
+    pub(super) thousands: Option<char>,
+    pub(super) check_scale: bool,
+}
+
+impl FieldPlan {
+    fn plain(field: usize, name: String, unit: Unit) -> Self {
+        Self {
+            field,
+            name,
+            unit,
+            linear: None,
+            thousands: None,
+            check_scale: true,
+        }
+    }
+
+    fn mapped(field: usize, name: &str, column: &MappedColumn) -> Self {
+        let linear = (column.scale, column.offset);
+        Self {
+            linear: (linear != (1.0, 0.0)).then_some(linear),
+            thousands: column.thousands,
+            check_scale: column.check_scale,
+            ..Self::plain(field, name.to_owned(), column.unit)
+        }
+    }
+
+    /// The value of a logged number; without a linear map every bit is kept.
+    pub(super) fn value(&self, logged: f64) -> f64 {
+        self.linear
+            .map_or(logged, |(scale, offset)| logged * scale + offset)
+    }
+}
+
+impl Plan {
+    /// The place of a field in a line, with its header.
+    pub(super) fn place(&self, line: u64, field: usize) -> Place {
+        let header = self.headers.as_ref().and_then(|headers| headers.get(field));
+        Place::cell(line, field, header.map(String::as_str))
+    }
+
+    /// How a mapping file names a field.
+    pub(super) fn column_key(&self, field: usize) -> String {
+        match self.headers.as_ref().and_then(|headers| headers.get(field)) {
+            Some(header) if !header.contains(['"', '\\']) && !header.contains(char::is_control) => {
+                format!("\"{header}\"")
+            }
+            _ => (field + 1).to_string(),
+        }
+    }
+}
+
+/// The head of a file: its first record as header or as data, and the units below it.
+pub(super) struct Head<'a> {
+    pub(super) line: u64,
+    pub(super) first: &'a [String],
+    pub(super) is_header: bool,
+    pub(super) units: Option<&'a [String]>,
+}
+
+impl Head<'_> {
+    fn place(&self, field: usize) -> Place {
+        Place::cell(self.line, field, None)
+    }
+
+    fn shown(&self) -> Excerpt {
+        if self.is_header {
+            Excerpt::of(&self.first.join(", "))
+        } else {
+            Excerpt::of(&format!("{} columns without header", self.first.len()))
+        }
+    }
+
+    fn find(&self, key: &ColumnKey) -> Result<usize, (Place, Problem)> {
+        let missing = |wanted: String| {
+            let problem = Problem::MappedColumnMissing {
+                wanted,
+                found: self.shown(),
+            };
+            (Place::line(self.line), problem)
+        };
+        match key {
+            ColumnKey::Number(number) => match (*number as usize).checked_sub(1) {
+                Some(field) if field < self.first.len() => Ok(field),
+                _ => Err(missing(number.to_string())),
+            },
+            ColumnKey::Header(wanted) => {
+                let mut fields = (0..self.first.len())
+                    .filter(|&field| self.is_header && self.first[field] == *wanted);
+                let field = fields.next().ok_or_else(|| missing(wanted.clone()))?;
+                match fields.next() {
+                    None => Ok(field),
+                    Some(second) => Err((
+                        self.place(second),
+                        Problem::MappedColumnTwice {
+                            wanted: wanted.clone(),
+                        },
+                    )),
+                }
+            }
+        }
+    }
+}
+
+/// Resolves every column by the mapping, or else by its header.
+pub(super) fn resolve(head: &Head<'_>, mapping: &Mapping) -> Result<Plan, (Place, Problem)> {
+    let fields = head.first.len();
+    let mut explained = vec![false; fields];
+    for key in &mapping.ignore {
+        explained[head.find(key)?] = true;
+    }
+    let mut time = None;
+    if let Some(column) = &mapping.time {
+        let field = head.find(&column.column)?;
+        explained[field] = true;
+        time = Some(FieldPlan::mapped(field, "time", column));
+    }
+    let mut signals = Vec::new();
+    for (name, column) in &mapping.signals {
+        let field = head.find(&column.column)?;
+        explained[field] = true;
+        signals.push(FieldPlan::mapped(field, name, column));
+    }
+    let mut empty_last = false;
+    for field in (0..fields).filter(|&field| !explained[field]) {
+        let text = head.first[field].as_str();
+        let at_field = |problem| (head.place(field), problem);
+        if !head.is_header {
+            return Err(at_field(Problem::Unmapped {
+                found: Excerpt::of(text),
+            }));
+        }
+        let unit = head
+            .units
+            .and_then(|units| units.get(field))
+            .map_or("", String::as_str);
+        if text.is_empty() {
+            if field + 1 == fields && unit.is_empty() {
+                empty_last = true;
+                continue;
+            }
+            return Err(at_field(Problem::Name {
+                found: Excerpt::of(text),
+                problem: NameError::Empty,
+            }));
+        }
+        let heading = match head.units {
+            Some(_) => parse_heading_over_unit(text, unit),
+            None => parse_heading(text),
+        };
+        let heading = heading.map_err(at_field)?;
+        let column = FieldPlan::plain(field, heading.name, heading.unit);
+        if !is_time_column(&column.name, column.unit) {
+            signals.push(column);
+        } else if let Some(first) = &time {
+            return Err(at_field(Problem::TwoTimeColumns {
+                first_column: first.field + 1,
+            }));
+        } else {
+            time = Some(column);
+        }
+    }
+    signals.sort_by(|a, b| (a.field, &a.name).cmp(&(b.field, &b.name)));
+    refuse_duplicates(head, &signals)?;
+    let Some(time) = time else {
+        return Err((
+            Place::line(head.line),
+            Problem::NoTimeColumn {
+                found: head.shown(),
+            },
+        ));
+    };
+    if signals.is_empty() {
+        return Err((Place::line(head.line), Problem::NoSignal));
+    }
+    let headers = head.is_header.then(|| head.first.to_vec());
+    Ok(Plan {
+        fields,
+        time,
+        signals,
+        empty_last,
+        headers,
+    })
+}
+
+fn refuse_duplicates(head: &Head<'_>, signals: &[FieldPlan]) -> Result<(), (Place, Problem)> {
+    let mut seen = std::collections::BTreeMap::new();
+    for signal in signals {
+        if let Some(first) = seen.insert(&signal.name, signal.field) {
+            let problem = Problem::DuplicateName {
+                name: signal.name.clone(),
+                first_column: first + 1,
+            };
+            return Err((head.place(signal.field), problem));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,306 @@
+//! Splits bytes into records within the budgets, and knows the line of each.
+
+use std::io::{self, Read};
+
+use csv_core::ReadRecordResult;
+use sha2::{Digest, Sha256};
+
+use super::error::{Budget, Problem};
+use super::{Delimiter, Limits};
+use crate::{InputFile, Note};
+
+pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+const CHUNK_BYTES: usize = 64 << 10;
+const NOTES_MAX: usize = 256;
+const NOTE_BYTES_MAX: usize = 1024;
+
+/// A problem and the line it is on.
+pub(super) type AtLine = (Option<u64>, Problem);
+
+/// Reads records of an input; memory is bounded by the budgets, whatever the input holds.
+pub(super) struct Records<R> {
+    input: R,
+    limits: Limits,
+    core: csv_core::Reader,
+    chunk: Vec<u8>,
+    position: usize,
+    filled: usize,
+    at_end: bool,
+    line: u64,
+    size_bytes: u64,
+    hash: Sha256,
+    fields: Vec<u8>,
+    ends: Vec<usize>,
+    record: RecordMeta,
+    notes: Vec<Note>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct RecordMeta {
+    line: u64,
+    bytes: usize,
+    ends: usize,
+    at_end_of_file: bool,
+}
+
+/// One record: its fields, its line, and whether the file ended with it.
+#[derive(Clone, Copy)]
+pub(super) struct Record<'a> {
+    text: &'a str,
+    ends: &'a [usize],
+    pub(super) line: u64,
+    /// No line feed came after this record.
+    pub(super) at_end_of_file: bool,
+}
+
+impl<'a> Record<'a> {
+    pub(super) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Field `index` without outer spaces; empty if there is no such field.
+    pub(super) fn get(&self, index: usize) -> &'a str {
+        let Some(&end) = self.ends.get(index) else {
+            return "";
+        };
+        let start = if index == 0 { 0 } else { self.ends[index - 1] };
+        self.text.get(start..end).unwrap_or("").trim_matches(' ')
+    }
+
+    pub(super) fn iter(self) -> impl Iterator<Item = &'a str> {
+        (0..self.len()).map(move |index| self.get(index))
+    }
+}
+
+impl<R: Read> Records<R> {
+    pub(super) fn new(input: R, delimiter: Delimiter, limits: Limits) -> Self {
+        Self {
+            input,
+            limits,
+            core: csv_core::ReaderBuilder::new()
+                .delimiter(delimiter.byte())
+                .build(),
+            chunk: vec![0; CHUNK_BYTES],
+            position: 0,
+            filled: 0,
+            at_end: false,
+            line: 1,
+            size_bytes: 0,
+            hash: Sha256::new(),
+            fields: vec![0; 1024],
+            ends: vec![0; 16],
+            record: RecordMeta::default(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// The next record, blank lines and comments skipped; none at the end of the file.
+    pub(super) fn next(&mut self) -> Result<Option<Record<'_>>, AtLine> {
+        if !self.advance()? {
+            return Ok(None);
+        }
+        self.current().map(Some)
+    }
+
+    /// The record that [`Records::next`] returned last.
+    pub(super) fn current(&self) -> Result<Record<'_>, AtLine> {
+        let RecordMeta {
+            line,
+            bytes,
+            ends,
+            at_end_of_file,
+        } = self.record;
+        let text = std::str::from_utf8(&self.fields[..bytes]).map_err(|_| {
+            (
+                Some(line),
+                Problem::Encoding {
+                    guess: "bytes of an 8-bit encoding such as Windows-1252",
+                },
+            )
+        })?;
+        Ok(Record {
+            text,
+            ends: &self.ends[..ends],
+            line,
+            at_end_of_file,
+        })
+    }
+
+    /// Skips `count` lines as they are, whatever they hold.
+    pub(super) fn skip_lines(&mut self, count: u32) -> Result<(), AtLine> {
+        for _ in 0..count {
+            if !self.skip_line(None)? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// `# key: value` lines before the first record.
+    pub(super) fn take_notes(&mut self) -> Vec<Note> {
+        std::mem::take(&mut self.notes)
+    }
+
+    /// Size and hash of what was read so far.
+    pub(super) fn input_file(&self) -> InputFile {
+        InputFile {
+            size_bytes: self.size_bytes,
+            sha256: self.hash.clone().finalize().into(),
+        }
+    }
+
+    fn advance(&mut self) -> Result<bool, AtLine> {
+        if !self.skip_to_record()? {
+            return Ok(false);
+        }
+        let line = self.line;
+        let at = |problem| (Some(line), problem);
+        let over = |budget, bound: usize| {
+            at(Problem::Limit {
+                budget,
+                bound: bound as u64,
+            })
+        };
+        let (mut consumed, mut bytes, mut ends, mut field_start) = (0, 0, 0, 0);
+        loop {
+            let input = &self.chunk[self.position..self.filled];
+            let (result, read, written, ended) =
+                self.core
+                    .read_record(input, &mut self.fields[bytes..], &mut self.ends[ends..]);
+            self.line += memchr::memchr_iter(b'\n', &input[..read]).count() as u64;
+            self.position += read;
+            consumed += read;
+            bytes += written;
+            for &end in &self.ends[ends..ends + ended] {
+                if end - field_start > self.limits.field_bytes {
+                    return Err(over(Budget::FieldBytes, self.limits.field_bytes));
+                }
+                field_start = end;
+            }
+            ends += ended;
+            if consumed > self.limits.record_bytes {
+                return Err(over(Budget::RecordBytes, self.limits.record_bytes));
+            }
+            if bytes - field_start > self.limits.field_bytes {
+                return Err(over(Budget::FieldBytes, self.limits.field_bytes));
+            }
+            if ends > self.limits.columns {
+                return Err(over(Budget::Columns, self.limits.columns));
+            }
+            match result {
+                ReadRecordResult::InputEmpty => {
+                    self.fill().map_err(|problem| (Some(self.line), problem))?;
+                }
+                // Growth ends at the budgets checked above.
+                ReadRecordResult::OutputFull => self.fields.resize(self.fields.len() * 2, 0),
+                ReadRecordResult::OutputEndsFull => self.ends.resize(self.ends.len() * 2, 0),
+                ReadRecordResult::Record => break,
+                ReadRecordResult::End => return Ok(false),
+            }
+        }
+        // A line feed ends a record before the end of the file is known.
+        self.record = RecordMeta {
+            line,
+            bytes,
+            ends,
+            at_end_of_file: self.at_end,
+        };
+        Ok(true)
+    }
+
+    /// Moves to the first byte of a record; false at the end of the file.
+    fn skip_to_record(&mut self) -> Result<bool, AtLine> {
+        loop {
+            let Some(byte) = self.peek()? else {
+                return Ok(false);
+            };
+            match byte {
+                b'\n' => {
+                    self.line += 1;
+                    self.position += 1;
+                }
+                b'\r' => self.position += 1,
+                b'#' => {
+                    let mut comment = Vec::new();
+                    self.skip_line(Some(&mut comment))?;
+                    self.keep_note(&comment);
+                }
+                _ => return Ok(true),
+            }
+        }
+    }
+
+    /// Skips to the next line and keeps the beginning of this one in `kept`; false at the end of the file.
+    fn skip_line(&mut self, mut kept: Option<&mut Vec<u8>>) -> Result<bool, AtLine> {
+        while self.peek()?.is_some() {
+            let rest = &self.chunk[self.position..self.filled];
+            let line_feed = memchr::memchr(b'\n', rest);
+            let part = &rest[..line_feed.unwrap_or(rest.len())];
+            if let Some(kept) = &mut kept {
+                let room = NOTE_BYTES_MAX - kept.len().min(NOTE_BYTES_MAX);
+                kept.extend_from_slice(&part[..part.len().min(room)]);
+            }
+            self.position += part.len();
+            if line_feed.is_some() {
+                self.position += 1;
+                self.line += 1;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    fn keep_note(&mut self, comment: &[u8]) {
+        let no_record_yet = self.record.line == 0;
+        let text = String::from_utf8_lossy(comment);
+        let text = text.trim_start_matches('#').trim();
+        if !no_record_yet || text.is_empty() || self.notes.len() == NOTES_MAX {
+            return;
+        }
+        let (key, value) = text.split_once(':').unwrap_or(("comment", text));
+        self.notes.push(Note {
+            key: key.trim().to_owned(),
+            value: value.trim().to_owned(),
+        });
+    }
+
+    fn peek(&mut self) -> Result<Option<u8>, AtLine> {
+        if self.position == self.filled {
+            self.fill().map_err(|problem| (Some(self.line), problem))?;
+        }
+        Ok((self.position < self.filled).then(|| self.chunk[self.position]))
+    }
+
+    /// Replaces a used-up chunk.
+    fn fill(&mut self) -> Result<(), Problem> {
+        if self.at_end {
+            return Ok(());
+        }
+        let count = loop {
+            match self.input.read(&mut self.chunk) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                result => break result.map_err(Problem::Io)?,
+            }
+        };
+        if count == 0 {
+            self.at_end = true;
+            return Ok(());
+        }
+        self.size_bytes += count as u64;
+        if self.size_bytes > self.limits.file_bytes {
+            return Err(Problem::Limit {
+                budget: Budget::FileBytes,
+                bound: self.limits.file_bytes,
+            });
+        }
+        let is_first = self.size_bytes == count as u64;
+        self.hash.update(&self.chunk[..count]);
+        let mark = if is_first && self.chunk[..count].starts_with(BYTE_ORDER_MARK) {
+            BYTE_ORDER_MARK.len()
+        } else {
+            0
+        };
+        (self.position, self.filled) = (mark, count);
+        Ok(())
+    }
+}

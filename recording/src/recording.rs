@@ -1,0 +1,341 @@
+use crate::name::{NameError, check_name, is_time_column};
+use crate::signal::quantity_of;
+use crate::{Provenance, Quantity, Signal, TimeBase, Unit};
+
+/// What was measured or simulated: named signals with unit and time base, and where they come from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    provenance: Provenance,
+    time_bases: Vec<TimeBase>,
+    signals: Vec<Signal>,
+}
+
+/// Names one time base of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TimeBaseId(usize);
+
+impl Recording {
+    /// A recording without signals.
+    pub fn new(provenance: Provenance) -> Self {
+        Self {
+            provenance,
+            ..Self::default()
+        }
+    }
+
+    /// Adds a time base; its id is for this recording only.
+    pub fn add_time_base(&mut self, time_base: TimeBase) -> TimeBaseId {
+        self.time_bases.push(time_base);
+        TimeBaseId(self.time_bases.len() - 1)
+    }
+
+    /// Adds a signal with `samples` in `unit`; NaN marks a missing sample.
+    ///
+    /// # Errors
+    /// [`AddSignalError`]: the name is taken or impossible, the number of samples is not that of the time base, or a
+    /// sample is infinite.
+    pub fn add_signal(
+        &mut self,
+        name: impl Into<String>,
+        unit: Unit,
+        time_base: TimeBaseId,
+        samples: Vec<f64>,
+    ) -> Result<&Signal, AddSignalError> {
+        let name = name.into();
+        check_name(&name).map_err(|problem| AddSignalError::Name {
+            name: name.clone(),
+            problem,
+        })?;
+        if is_time_column(&name, unit) {
+            return Err(AddSignalError::TimeIsNoSignal { name });
+        }
+        if self.signal(&name).is_some() {
+            return Err(AddSignalError::NameTaken { name });
+        }
+        let expected = self
+            .time_bases
+            .get(time_base.0)
+            .ok_or_else(|| AddSignalError::UnknownTimeBase { name: name.clone() })?
+            .len();
+        if samples.len() != expected {
+            return Err(AddSignalError::Length {
+                name,
+                expected,
+                found: samples.len(),
+            });
+        }
+        if let Some(index) = samples.iter().position(|sample| sample.is_infinite()) {
+            return Err(AddSignalError::Infinite { name, index });
+        }
+        let last = self.signals.len();
+        self.signals.push(Signal {
+            name,
+            unit,
+            time_base,
+            samples,
+        });
+        Ok(&self.signals[last])
+    }
+
+    /// Where the recording comes from.
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
+    /// Where the recording comes from, to add a note.
+    pub fn provenance_mut(&mut self) -> &mut Provenance {
+        &mut self.provenance
+    }
+
+    /// All signals in the order they were added.
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    /// All time bases with their ids.
+    pub fn time_bases(&self) -> impl Iterator<Item = (TimeBaseId, &TimeBase)> {
+        self.time_bases
+            .iter()
+            .enumerate()
+            .map(|(index, base)| (TimeBaseId(index), base))
+    }
+
+    /// The time base with this id, none if the id is another recording's.
+    pub fn time_base(&self, id: TimeBaseId) -> Option<&TimeBase> {
+        self.time_bases.get(id.0)
+    }
+
+    /// The time base of the signal `name`.
+    pub fn time_base_of(&self, name: &str) -> Option<&TimeBase> {
+        self.signal(name)
+            .and_then(|signal| self.time_base(signal.time_base()))
+    }
+
+    /// The signal `name`, if there is one.
+    pub fn signal(&self, name: &str) -> Option<&Signal> {
+        self.signals.iter().find(|signal| signal.name() == name)
+    }
+
+    /// The signal `name`, which must be a `quantity`.
+    ///
+    /// # Errors
+    /// [`MissingSignal`] says which signals there are, or which quantity the signal has.
+    pub fn require(&self, name: &str, quantity: Quantity) -> Result<&Signal, MissingSignal> {
+        let source = || self.provenance.source.clone();
+        let signal = self.signal(name).ok_or_else(|| MissingSignal::Absent {
+            source_name: source(),
+            name: name.to_owned(),
+            quantity,
+            present: self
+                .signals
+                .iter()
+                .map(|signal| signal.name().to_owned())
+                .collect(),
+        })?;
+        if signal.quantity() != quantity {
+            return Err(MissingSignal::OtherQuantity {
+                source_name: source(),
+                name: name.to_owned(),
+                quantity,
+                unit: signal.unit(),
+            });
+        }
+        Ok(signal)
+    }
+}
+
+/// Why a signal cannot join a recording.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AddSignalError {
+    /// The name is empty, too long or not printable.
+    #[error("{name:?} cannot name a signal: {problem}")]
+    Name {
+        /// The refused name.
+        name: String,
+        /// What is wrong with it.
+        problem: NameError,
+    },
+    /// A column of this name and unit would be read back as the time.
+    #[error("{name:?} with a unit of time is the time base: choose another name")]
+    TimeIsNoSignal {
+        /// The refused name.
+        name: String,
+    },
+    /// Another signal has this name.
+    #[error("there is a signal {name:?} already: names are unique within a recording")]
+    NameTaken {
+        /// The refused name.
+        name: String,
+    },
+    /// The id belongs to another recording.
+    #[error("the time base of {name:?} is not part of this recording: add it first")]
+    UnknownTimeBase {
+        /// Name of the signal.
+        name: String,
+    },
+    /// Number of samples and of instants differ.
+    #[error(
+        "{name:?} has {found} samples, its time base {expected}: give one per instant, NaN where missing"
+    )]
+    Length {
+        /// Name of the signal.
+        name: String,
+        /// Number of instants.
+        expected: usize,
+        /// Number of samples.
+        found: usize,
+    },
+    /// A sample is infinite.
+    #[error("sample {index} of {name:?} is infinite: samples are finite, or NaN where missing")]
+    Infinite {
+        /// Name of the signal.
+        name: String,
+        /// Index of the sample, from 0.
+        index: usize,
+    },
+}
+
+/// A signal that was asked for is not there, or is something else.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MissingSignal {
+    /// No signal of this name.
+    #[error(
+        "{source_name} has no signal {name:?} ({quantity}); it has {present:?}: log it, or map a column to this name"
+    )]
+    Absent {
+        /// Source of the recording.
+        source_name: String,
+        /// Wanted name.
+        name: String,
+        /// Wanted quantity.
+        quantity: Quantity,
+        /// Names that are there.
+        present: Vec<String>,
+    },
+    /// A signal of this name, but of another quantity.
+    #[error(
+        "{name:?} in {source_name} is logged in {unit}, a {}; wanted is a {quantity}: check its unit",
+        quantity_of(name, *unit)
+    )]
+    OtherQuantity {
+        /// Source of the recording.
+        source_name: String,
+        /// Name of the signal.
+        name: String,
+        /// Wanted quantity.
+        quantity: Quantity,
+        /// Logged unit.
+        unit: Unit,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_samples() -> (Recording, TimeBaseId) {
+        let mut recording = Recording::new(Provenance::from_source("bench"));
+        let time_base = recording.add_time_base(TimeBase::uniform(0.0, 0.01, 2).unwrap());
+        (recording, time_base)
+    }
+
+    #[test]
+    fn a_missing_sample_stays_missing_and_keeps_its_place() {
+        let (mut recording, time_base) = two_samples();
+        let signal = recording
+            .add_signal("p_ch", Unit::BarGauge, time_base, vec![f64::NAN, 2.0])
+            .unwrap();
+        assert_eq!(
+            (signal.get(0), signal.get(1), signal.get(2)),
+            (None, Some(2.0), None)
+        );
+        assert_eq!(signal.iter().collect::<Vec<_>>(), [None, Some(2.0)]);
+        assert_eq!(signal.missing_count(), 1);
+        let converted = signal.values_in(Unit::KilopascalGauge).unwrap();
+        assert!(converted[0].is_nan());
+        assert_eq!(converted[1], 200.0);
+        let absolute = signal
+            .values_at_ambient(Unit::BarAbsolute, 100_000.0)
+            .unwrap();
+        assert_eq!(absolute[1], 3.0);
+    }
+
+    #[test]
+    fn signals_that_would_break_the_recording_are_refused() {
+        let (mut recording, time_base) = two_samples();
+        let (_, foreign) = {
+            let (mut other, _) = two_samples();
+            let second = other.add_time_base(TimeBase::uniform(0.0, 1.0, 2).unwrap());
+            (other, second)
+        };
+        recording
+            .add_signal("p_ch", Unit::BarGauge, time_base, vec![0.0, 1.0])
+            .unwrap();
+        let mut refusal = |name: &str, unit, base, samples: &[f64]| {
+            recording
+                .add_signal(name, unit, base, samples.to_vec())
+                .unwrap_err()
+        };
+        let (volt, fine) = (Unit::Volt, [0.0, 1.0]);
+        assert!(matches!(
+            refusal("p_ch", volt, time_base, &fine),
+            AddSignalError::NameTaken { .. }
+        ));
+        assert!(matches!(
+            refusal("", volt, time_base, &fine),
+            AddSignalError::Name { .. }
+        ));
+        assert!(matches!(
+            refusal("u", volt, foreign, &fine),
+            AddSignalError::UnknownTimeBase { .. }
+        ));
+        assert!(matches!(
+            refusal("time", Unit::Second, time_base, &fine),
+            AddSignalError::TimeIsNoSignal { .. }
+        ));
+        assert!(matches!(
+            refusal("u", volt, time_base, &[1.0]),
+            AddSignalError::Length {
+                expected: 2,
+                found: 1,
+                ..
+            }
+        ));
+        let infinite = [0.0, f64::INFINITY];
+        assert!(matches!(
+            refusal("u", volt, time_base, &infinite),
+            AddSignalError::Infinite { index: 1, .. }
+        ));
+    }
+
+    #[test]
+    fn a_required_signal_must_be_there_and_be_the_quantity() {
+        let (mut recording, time_base) = two_samples();
+        recording
+            .add_signal("duty_fill", Unit::Percent, time_base, vec![0.0, 50.0])
+            .unwrap();
+        recording
+            .add_signal("u", Unit::Percent, time_base, vec![0.0, -50.0])
+            .unwrap();
+        assert!(recording.require("duty_fill", Quantity::DutyCycle).is_ok());
+        assert!(recording.require("u", Quantity::Ratio).is_ok());
+        let absent = recording
+            .require("p_ch", Quantity::Pressure)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            absent.contains("p_ch") && absent.contains("duty_fill"),
+            "{absent}"
+        );
+        let other = recording
+            .require("u", Quantity::DutyCycle)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            other.contains("ratio") && other.contains("duty cycle"),
+            "{other}"
+        );
+    }
+}
