@@ -1,13 +1,13 @@
 //! Anti-windup, section 6.5.1.
 
-use fixed::types::I16F16;
-
 use crate::arithmetic::wide_product;
 use crate::error::{ConfigError, Field};
 use crate::integrator::Integrator;
 use crate::pid::{Pid, sample_time};
-use crate::range::checked;
+use crate::range::{Range, propagate, quotient};
 use crate::settings::{self, Settings};
+
+const TRACKING_TIME_MS: Range = Range::new("0.1", "30000");
 
 /// Which integral part a sample leaves behind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,23 +22,22 @@ pub(crate) enum AntiWindup {
 }
 
 impl AntiWindup {
-    pub(crate) fn new(settings: &Settings) -> Result<Self, ConfigError> {
+    pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
         Ok(match settings.anti_windup {
             settings::AntiWindup::Off => Self::Off,
             settings::AntiWindup::ConditionalIntegration => Self::ConditionalIntegration,
             settings::AntiWindup::BackCalculation { tracking_time_ms } => {
-                let sample_time = sample_time(settings)?;
-                // Faster than the sample time would overshoot what was cut off.
-                let min = settings.sample_time_ms;
-                let tracking_time = checked(
-                    Field::TrackingTime,
-                    tracking_time_ms,
-                    min,
-                    I16F16::lit("30000"),
-                )?;
-                let tracking_time = u64::from(tracking_time.to_bits().unsigned_abs()).max(1);
+                let sample_time = propagate!(sample_time(settings)) as u128;
+                // Faster than the sample time would take back more than was cut off.
+                let range = TRACKING_TIME_MS.from(settings.sample_time_ms);
+                let tracking_time =
+                    propagate!(range.checked(Field::TrackingTime, tracking_time_ms)) as u128;
+                // The tracking time is at least the sample time: above 0, and the share at most 1.
                 Self::BackCalculation {
-                    share: (((sample_time << 30) + tracking_time / 2) / tracking_time) as i32,
+                    share: quotient(
+                        (sample_time << 30).wrapping_add(tracking_time / 2),
+                        tracking_time,
+                    ) as i32,
                 }
             }
         })

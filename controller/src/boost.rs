@@ -1,12 +1,16 @@
 //! The boost, section 6.5.3: an extra integrator that runs only while the pressure does not respond.
 
-use fixed::types::{I16F16, I32F32};
-
 use crate::error::{Coefficient, ConfigError, Field};
 use crate::integrator::Integrator;
 use crate::pid::{ERROR_SHIFT, GAIN_BITS, sample_time};
-use crate::range::{checked, checked_quotient};
+use crate::range::{CoefficientRange, Quotient, Range, propagate};
 use crate::settings::Settings;
+
+const RATE_PCT_PER_BAR_S: Range = Range::new("0", "30000");
+const MAX_PCT: Range = Range::new("0", "1000");
+const RESPONSE_BAR: Range = Range::new("0", "10");
+/// Below it the rounding of the coefficient would show in u; above it the word ends.
+const RATE_PER_SAMPLE: CoefficientRange = CoefficientRange::new("0.1", "1000");
 
 /// The extra integrator's coefficients; without boost it is never needed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,45 +25,31 @@ pub(crate) struct Boost {
 }
 
 impl Boost {
-    pub(crate) fn new(settings: &Settings) -> Result<Self, ConfigError> {
+    pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
         let Some(boost) = settings.boost else {
+            // No change is that negative: never needed.
             return Ok(Self {
                 rate: 0,
                 max: 0,
-                response: 0,
+                response: i32::MIN,
             });
         };
-        let rate = checked(
-            Field::BoostRate,
-            boost.rate_pct_per_bar_s,
-            I16F16::ZERO,
-            I16F16::lit("30000"),
-        )?;
-        let max = checked(
-            Field::BoostMax,
-            boost.max_pct,
-            I16F16::ZERO,
-            I16F16::lit("1000"),
-        )?;
-        let response = checked(
-            Field::BoostResponse,
-            boost.response_bar,
-            I16F16::ZERO,
-            I16F16::lit("10"),
-        )?;
-        let rate = checked_quotient(
-            Coefficient::Boost,
-            u64::from(rate.to_bits().unsigned_abs()) * sample_time(settings)?,
-            // The rate is per second, the sample time in ms.
-            1000 << 32,
-            GAIN_BITS,
-            I32F32::lit("0.1"),
-            I32F32::lit("1000"),
-        )?;
+        let rate =
+            propagate!(RATE_PCT_PER_BAR_S.checked(Field::BoostRate, boost.rate_pct_per_bar_s))
+                as u64;
+        let max = propagate!(MAX_PCT.checked(Field::BoostMax, boost.max_pct));
+        let response = propagate!(RESPONSE_BAR.checked(Field::BoostResponse, boost.response_bar));
+        let quotient = Quotient {
+            coefficient: Coefficient::Boost,
+            // At most 2³¹ · 2²⁶, in 2⁻³²; the rate is per second, the sample time in ms.
+            numerator: rate.wrapping_mul(propagate!(sample_time(settings))),
+            denominator: 1000 << 32,
+            range: RATE_PER_SAMPLE,
+        };
         Ok(Self {
-            rate,
-            max: max.to_bits() >> 4,
-            response: response.to_bits(),
+            rate: propagate!(quotient.checked(GAIN_BITS)),
+            max: max >> 4,
+            response,
         })
     }
 
@@ -76,7 +66,7 @@ impl Boost {
 
     /// One sample of boost more.
     #[inline(always)]
-    pub(crate) fn advanced(&self, boost: Integrator, error: i32) -> Integrator {
+    pub(crate) const fn advanced(&self, boost: Integrator, error: i32) -> Integrator {
         boost.advanced(self.rate, error << ERROR_SHIFT, self.max)
     }
 }

@@ -6,6 +6,7 @@ use crate::distributor::Distributor;
 use crate::error::ConfigError;
 use crate::pid::Pid;
 use crate::prediction::Prediction;
+use crate::range::propagate;
 use crate::settings::{IntegralAtReference, Settings};
 use crate::tolerance::Tolerance;
 
@@ -27,17 +28,26 @@ pub struct Config {
 impl Config {
     /// Checks every field and every coefficient.
     ///
+    /// Also at compile time, where a wrong setting is a compile error and the compiler folds what is not chosen:
+    /// ```
+    /// use controller::{Config, Settings};
+    /// const CONFIG: Config = match Config::new(&Settings::thesis()) {
+    ///     Ok(config) => config,
+    ///     Err(_) => panic!("settings out of bounds"),
+    /// };
+    /// ```
+    ///
     /// # Errors
     /// The first field that is out of bounds, with its value and the bound ([`ConfigError`]).
-    pub fn new(settings: &Settings) -> Result<Self, ConfigError> {
+    pub const fn new(settings: &Settings) -> Result<Self, ConfigError> {
         Ok(Self {
-            pid: Pid::new(settings)?,
-            anti_windup: AntiWindup::new(settings)?,
-            tolerance: Tolerance::new(settings)?,
+            pid: propagate!(Pid::new(settings)),
+            anti_windup: propagate!(AntiWindup::new(settings)),
+            tolerance: propagate!(Tolerance::new(settings)),
             prediction: Prediction::new(settings),
-            boost: Boost::new(settings)?,
+            boost: propagate!(Boost::new(settings)),
             clears_integral: matches!(settings.integral_at_reference, IntegralAtReference::Clear),
-            distributor: Distributor::new(settings)?,
+            distributor: propagate!(Distributor::new(settings)),
         })
     }
 }

@@ -7,8 +7,10 @@ use crate::control_signal::ControlSignal;
 use crate::duty::Duty;
 use crate::error::{ConfigError, Field};
 use crate::lower_limit::{LowerLimit, OpeningCurve, OpeningFields};
-use crate::range::checked;
+use crate::range::{Range, propagate};
 use crate::settings::{self, Settings};
+
+const SUPPLY_PRESSURE_BAR: Range = Range::new("1", "15");
 
 /// How u becomes two duty cycles. The traditional scheme is Scheme 1 from 0 to 100 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,14 +33,12 @@ enum Scheme {
 }
 
 impl Distributor {
-    pub(crate) fn new(settings: &Settings) -> Result<Self, ConfigError> {
-        let supply = checked(
-            Field::SupplyPressure,
-            settings.supply_pressure_bar,
-            I16F16::ONE,
-            I16F16::lit("15"),
-        )?;
-        let (fill, vent) = valves(settings, supply)?;
+    pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
+        let supply = propagate!(
+            SUPPLY_PRESSURE_BAR.checked(Field::SupplyPressure, settings.supply_pressure_bar)
+        );
+        let fill = propagate!(CheckedValve::new(FILL, settings, supply));
+        let vent = propagate!(CheckedValve::new(VENT, settings, supply));
         let (scheme, fill, vent) = match settings.distributor {
             // The limits were checked all the same, so that a change of scheme cannot bring up an old mistake.
             settings::Distributor::Traditional => {
@@ -50,15 +50,15 @@ impl Distributor {
                 middle_vent_pct,
             } => (
                 Scheme::Together,
-                fill.around(middle_fill_pct)?,
-                vent.around(middle_vent_pct)?,
+                propagate!(fill.around(middle_fill_pct)),
+                propagate!(vent.around(middle_vent_pct)),
             ),
         };
         Ok(Self {
             scheme,
             fill,
             vent,
-            supply: supply.to_bits(),
+            supply,
         })
     }
 
@@ -141,16 +141,6 @@ fn between(start: i32, end: i32, magnitude: i32) -> i32 {
     start.wrapping_add(high_product(end.wrapping_sub(start) << 2, fraction))
 }
 
-/// A valve with the numbers and names that further checks need.
-struct Checked {
-    valve: Valve,
-    /// The largest DC_min that pressure can lead to, and DC_max [%].
-    min_pct: I16F16,
-    max_pct: I16F16,
-    min_field: Field,
-    middle_field: Field,
-}
-
 /// The names under which errors show one valve's settings.
 #[derive(Clone, Copy)]
 struct Fields {
@@ -159,6 +149,7 @@ struct Fields {
     with_supply_pressure: Field,
     max: Field,
     middle: Field,
+    is_fill: bool,
 }
 
 const FILL: Fields = Fields {
@@ -167,6 +158,7 @@ const FILL: Fields = Fields {
     with_supply_pressure: Field::DutyMinFillWithSupplyPressure,
     max: Field::DutyMaxFill,
     middle: Field::DutyMiddleFill,
+    is_fill: true,
 };
 
 const VENT: Fields = Fields {
@@ -175,102 +167,75 @@ const VENT: Fields = Fields {
     with_supply_pressure: Field::DutyMinVentWithSupplyPressure,
     max: Field::DutyMaxVent,
     middle: Field::DutyMiddleVent,
+    is_fill: false,
 };
 
-fn valves(settings: &Settings, supply: I16F16) -> Result<(Checked, Checked), ConfigError> {
-    let (max_fill, max_vent) = (settings.duty_max_fill_pct, settings.duty_max_vent_pct);
-    match settings.duty_min {
-        settings::LowerLimit::Constant { fill_pct, vent_pct } => Ok((
-            Checked::constant(FILL, fill_pct, max_fill)?,
-            Checked::constant(VENT, vent_pct, max_vent)?,
-        )),
-        settings::LowerLimit::PressureDependent { fill, vent } => Ok((
-            Checked::by_pressure(FILL, &fill, max_fill, supply)?,
-            Checked::by_pressure(VENT, &vent, max_vent, supply)?,
-        )),
-    }
+/// A valve without middle yet, and what the check of the middle needs.
+struct CheckedValve {
+    valve: Valve,
+    fields: Fields,
+    /// The largest DC_min that pressure can lead to [%].
+    min_pct: I16F16,
+    max_pct: I16F16,
 }
 
-impl Checked {
-    fn constant(fields: Fields, min_pct: I16F16, max_pct: I16F16) -> Result<Self, ConfigError> {
-        let min_pct = checked(fields.min, min_pct, I16F16::ZERO, Duty::FULL.percent())?;
-        let limit = LowerLimit::Constant(min_pct.to_bits());
-        Self::new(fields, limit, min_pct, max_pct)
-    }
-
-    fn by_pressure(
-        fields: Fields,
-        opening: &settings::OpeningDuty,
-        max_pct: I16F16,
-        supply: I16F16,
-    ) -> Result<Self, ConfigError> {
-        let names = OpeningFields {
-            without_pressure: fields.min,
-            at_half: fields.at_half,
-            with_supply_pressure: fields.with_supply_pressure,
+impl CheckedValve {
+    const fn new(fields: Fields, settings: &Settings, supply: i32) -> Result<Self, ConfigError> {
+        let max_pct = if fields.is_fill {
+            settings.duty_max_fill_pct
+        } else {
+            settings.duty_max_vent_pct
         };
-        let limit = LowerLimit::ByPressure(OpeningCurve::new(opening, supply, names)?);
-        Self::new(fields, limit, opening.without_pressure_pct, max_pct)
-    }
-
-    fn new(
-        fields: Fields,
-        limit: LowerLimit,
-        min_pct: I16F16,
-        max_pct: I16F16,
-    ) -> Result<Self, ConfigError> {
-        let max_pct = not_below(fields.max, max_pct, fields.min, min_pct)?;
-        let span = i64::from(max_pct.to_bits() - min_pct.to_bits());
-        let valve = Valve {
-            min: limit,
-            middle: min_pct.to_bits(),
-            max: max_pct.to_bits(),
-            // From 2⁻¹⁶ to 2⁻²⁸; at most 100 % / 100 = 2²⁸.
-            slope: (((span << 12) + 99) / 100) as i32,
+        let (limit, min_pct) = match settings.duty_min {
+            settings::LowerLimit::Constant { fill_pct, vent_pct } => {
+                let min_pct = if fields.is_fill { fill_pct } else { vent_pct };
+                let min = propagate!(Range::PERCENT.checked(fields.min, min_pct));
+                (LowerLimit::Constant(min), min_pct)
+            }
+            settings::LowerLimit::PressureDependent { fill, vent } => {
+                let opening = if fields.is_fill { fill } else { vent };
+                let names = OpeningFields {
+                    without_pressure: fields.min,
+                    at_half: fields.at_half,
+                    with_supply_pressure: fields.with_supply_pressure,
+                };
+                let curve = propagate!(OpeningCurve::new(&opening, supply, names));
+                (LowerLimit::ByPressure(curve), opening.without_pressure_pct)
+            }
         };
+        let max = propagate!(
+            Range::PERCENT
+                .from(min_pct)
+                .checked_not_below(fields.min, fields.max, max_pct)
+        );
+        let min = min_pct.to_bits();
+        // From 2⁻¹⁶ % to 2⁻²⁸; at most 100 % / 100 = 2²⁸.
+        let slope = ((max.wrapping_sub(min) as i64) << 12).wrapping_add(99) / 100;
         Ok(Self {
-            valve,
+            valve: Valve {
+                min: limit,
+                middle: min,
+                max,
+                slope: slope as i32,
+            },
+            fields,
             min_pct,
             max_pct,
-            min_field: fields.min,
-            middle_field: fields.middle,
         })
     }
 
-    fn around(self, middle_pct: I16F16) -> Result<Valve, ConfigError> {
-        if middle_pct > self.max_pct {
-            let field = self.middle_field;
-            return Err(ConfigError::OutOfRange {
-                field,
-                value: middle_pct,
-                min: self.min_pct,
-                max: self.max_pct,
-            });
+    const fn around(self, middle_pct: I16F16) -> Result<Valve, ConfigError> {
+        let Self {
+            valve,
+            fields,
+            min_pct,
+            max_pct,
+        } = self;
+        let range = Range::between(min_pct, max_pct);
+        if middle_pct.to_bits() >= min_pct.to_bits() {
+            propagate!(range.checked_not_above(fields.max, fields.middle, middle_pct));
         }
-        let middle = not_below(self.middle_field, middle_pct, self.min_field, self.min_pct)?;
-        Ok(Valve {
-            middle: middle.to_bits(),
-            ..self.valve
-        })
+        let middle = propagate!(range.checked_not_below(fields.min, fields.middle, middle_pct));
+        Ok(Valve { middle, ..valve })
     }
-}
-
-/// `value`, if it is within `min ..= 100 %`, where `min` is the value of another field.
-fn not_below(
-    field: Field,
-    value: I16F16,
-    other: Field,
-    min: I16F16,
-) -> Result<I16F16, ConfigError> {
-    let max = Duty::FULL.percent();
-    if value < min {
-        return Err(ConfigError::BelowOther {
-            field,
-            value,
-            other,
-            min,
-            max,
-        });
-    }
-    checked(field, value, min, max)
 }

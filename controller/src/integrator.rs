@@ -34,20 +34,25 @@ impl Integrator {
 
     /// One sample further: `coefficient` times `input` more, held within ±`bound` (the upper word of a part, 2⁻¹² %).
     #[inline(always)]
-    pub(crate) fn advanced(self, coefficient: i32, input: i32, bound: i32) -> Self {
-        // |self| < 2⁵⁴ and |product| ≤ 2⁶²: their sum is inside 64 bits.
-        Self(self.0.wrapping_add(wide_product(coefficient, input))).bounded(bound)
+    pub(crate) const fn advanced(self, coefficient: i32, input: i32, bound: i32) -> Self {
+        self.corrected(wide_product(coefficient, input), bound)
     }
 
-    /// `correction` (2⁻⁴⁴ %, at most 2⁶² in magnitude) more, held within ±`bound`.
+    /// `term` more [2⁻⁴⁴ %], held within ±`bound` (the upper word of a part, 2⁻¹² %).
+    ///
+    /// |self| < 2⁵⁴ and |term| ≤ 2⁶²: their sum is inside 64 bits.
     #[inline(always)]
-    pub(crate) fn corrected(self, correction: i64, bound: i32) -> Self {
-        Self(self.0.wrapping_add(correction)).bounded(bound)
-    }
-
-    #[inline(always)]
-    fn bounded(self, bound: i32) -> Self {
-        let limit = from_high_word(bound);
-        Self(self.0.min(limit).max(limit.wrapping_neg()))
+    pub(crate) const fn corrected(self, term: i64, bound: i32) -> Self {
+        let sum = self.0.wrapping_add(term);
+        // The bound's lower word is zero, so the upper word alone tells.
+        let high = (sum >> 32) as i32;
+        let low_bound = bound.wrapping_neg();
+        if high >= bound {
+            Self(from_high_word(bound))
+        } else if high < low_bound {
+            Self(from_high_word(low_bound))
+        } else {
+            Self(sum)
+        }
     }
 }

@@ -4,7 +4,7 @@ use fixed::types::I16F16;
 
 use crate::arithmetic::high_product;
 use crate::error::{ConfigError, Field};
-use crate::range::checked;
+use crate::range::{Range, propagate, quotient};
 use crate::settings::OpeningDuty;
 
 /// DC_min of one valve.
@@ -56,50 +56,47 @@ pub(crate) struct OpeningCurve {
 }
 
 impl OpeningCurve {
-    /// The curve through the three points, if it falls all the way. `supply` has been checked.
-    pub(crate) fn new(
+    /// The curve through the three points, if it falls all the way. `supply` [2⁻¹⁶ bar] has been checked.
+    pub(crate) const fn new(
         opening: &OpeningDuty,
-        supply: I16F16,
+        supply: i32,
         fields: OpeningFields,
     ) -> Result<Self, ConfigError> {
-        let hundred = I16F16::lit("100");
-        let without = checked(
+        let OpeningDuty {
+            without_pressure_pct,
+            at_half_pct,
+            with_supply_pressure_pct,
+        } = *opening;
+        let without =
+            propagate!(Range::PERCENT.checked(fields.without_pressure, without_pressure_pct));
+        let range = Range::PERCENT.up_to(without_pressure_pct);
+        let with = propagate!(range.checked_not_above(
             fields.without_pressure,
-            opening.without_pressure_pct,
-            I16F16::ZERO,
-            hundred,
-        )?;
-        let with = opening.with_supply_pressure_pct;
-        if with > without {
-            return Err(ConfigError::AboveOther {
-                field: fields.with_supply_pressure,
-                value: with,
-                other: fields.without_pressure,
-                min: I16F16::ZERO,
-                max: without,
-            });
-        }
-        let with = checked(fields.with_supply_pressure, with, I16F16::ZERO, hundred)?;
+            fields.with_supply_pressure,
+            with_supply_pressure_pct
+        ));
         // All within 0 ..= 100 % from here: no sum below leaves a word.
-        let drop = without.to_bits() - with.to_bits();
-        let quarter = I16F16::from_bits(drop / 4);
-        let at_half = checked(
-            fields.at_half,
-            opening.at_half_pct,
-            with + quarter,
-            without - quarter,
-        )?;
-        let drop_at_half = without.to_bits() - at_half.to_bits();
-        let supply = supply.to_bits();
+        let drop = without.wrapping_sub(with);
+        let range = Range::between(
+            I16F16::from_bits(with.wrapping_add(drop / 4)),
+            I16F16::from_bits(without.wrapping_sub(drop / 4)),
+        );
+        let at_half = propagate!(range.checked(fields.at_half, at_half_pct));
+        let drop_at_half = without.wrapping_sub(at_half);
         Ok(Self {
             supply,
-            reciprocal: ((1_i64 << 46) + i64::from(supply) - 1)
-                .checked_div(i64::from(supply))
-                .unwrap_or(0) as i32,
-            without_pressure: without.to_bits(),
-            with_supply_pressure: with.to_bits(),
-            slope: 4 * drop_at_half - drop,
-            curvature: (2 * drop - 4 * drop_at_half) << 8,
+            // The supply pressure is at least 1 bar, 2¹⁶ units.
+            reciprocal: quotient(
+                (1_u128 << 46).wrapping_add(supply as u128).wrapping_sub(1),
+                supply as u128,
+            ) as i32,
+            without_pressure: without,
+            with_supply_pressure: with,
+            slope: drop_at_half.wrapping_mul(4).wrapping_sub(drop),
+            curvature: drop
+                .wrapping_mul(2)
+                .wrapping_sub(drop_at_half.wrapping_mul(4))
+                << 8,
         })
     }
 

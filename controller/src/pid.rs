@@ -1,20 +1,27 @@
 //! The discrete PID controller, equation 6.2.
 
-use fixed::types::{I16F16, I32F32};
-
 use crate::arithmetic::{from_high_word, wide_product};
 use crate::control_signal::ControlSignal;
 use crate::error::{Coefficient, ConfigError, Field};
 use crate::integrator::Integrator;
-use crate::range::{checked, checked_quotient};
+use crate::range::{CoefficientRange, Quotient, Range, propagate};
 use crate::settings::Settings;
 
-/// How far an error (2⁻¹⁶ bar) is shifted up before it meets K and K T_d/T_s, so that one word holds both gains up to 1000.
+/// How far an error (2⁻¹⁶ bar) is shifted up before it meets a gain, so that one word holds gains up to 1000.
 pub(crate) const ERROR_SHIFT: u32 = 7;
-/// Fraction bits of K and K T_d/T_s: with an error of 16 + 7 bits the product has 44, whose upper word is u with 12.
+/// Fraction bits of such a gain: with an error of 16 + 7 bits the product has 44, whose upper word is u with 12.
 pub(crate) const GAIN_BITS: u32 = 44 - 16 - ERROR_SHIFT;
-/// Fraction bits of K T_s/T_i, which meets the unshifted error: small, and summed, so it gets what a word has.
+/// Fraction bits of K T_s/T_i, which meets the unshifted error: small, and summed, so it gets all that a word has.
 const INTEGRAL_GAIN_BITS: u32 = 44 - 16;
+
+const SAMPLE_TIME_MS: Range = Range::new("0.1", "1000");
+const GAIN_PCT_PER_BAR: Range = Range::new("0.01", "1000");
+const INTEGRAL_TIME_MS: Range = Range::new("1", "30000");
+const DERIVATIVE_TIME_MS: Range = Range::new("0", "30000");
+const INTEGRAL_MAX_PCT: Range = Range::new("0", "1000");
+/// Below it the rounding of the coefficient would show in u; above 8 the word ends.
+const INTEGRAL_GAIN: CoefficientRange = CoefficientRange::new("0.001", "7.9");
+const DERIVATIVE_GAIN: CoefficientRange = CoefficientRange::new("0", "1000");
 
 /// uₙ = K (eₙ + T_d (eₙ - eₙ₋₁)/T_s + T_s/T_i Σ eₖ), multiplied out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,66 +38,46 @@ pub(crate) struct Pid {
 }
 
 impl Pid {
-    pub(crate) fn new(settings: &Settings) -> Result<Self, ConfigError> {
-        let sample_time = sample_time(settings)?;
-        let gain = bits(checked(
-            Field::Gain,
-            settings.gain_pct_per_bar,
-            I16F16::lit("0.01"),
-            I16F16::lit("1000"),
-        )?);
+    pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
+        let sample_time = propagate!(sample_time(settings));
+        let gain =
+            propagate!(GAIN_PCT_PER_BAR.checked(Field::Gain, settings.gain_pct_per_bar)) as u64;
         let integral = match settings.integral_time_ms {
             None => 0,
             Some(time) => {
-                let time = bits(checked(
-                    Field::IntegralTime,
-                    time,
-                    I16F16::ONE,
-                    I16F16::lit("30000"),
-                )?);
-                // Below the range the rounding of the coefficient would show in u, above it the word ends.
-                checked_quotient(
-                    Coefficient::Integral,
-                    // 2²⁶ · 2²⁶ units of 2⁻³²; divided by 2⁻¹⁶ leaves 16 bits.
-                    gain * sample_time,
-                    time << 16,
-                    INTEGRAL_GAIN_BITS,
-                    I32F32::lit("0.001"),
-                    I32F32::lit("7.9"),
-                )?
+                let time = propagate!(INTEGRAL_TIME_MS.checked(Field::IntegralTime, time));
+                // At most 2²⁶ · 2²⁶, in 2⁻³²; the divisor takes 16 of these bits along.
+                let quotient = Quotient {
+                    coefficient: Coefficient::Integral,
+                    numerator: gain.wrapping_mul(sample_time),
+                    denominator: (time as u64) << 16,
+                    range: INTEGRAL_GAIN,
+                };
+                propagate!(quotient.checked(INTEGRAL_GAIN_BITS))
             }
         };
         let derivative = match settings.derivative_time_ms {
             None => 0,
             Some(time) => {
-                let time = bits(checked(
-                    Field::DerivativeTime,
-                    time,
-                    I16F16::ZERO,
-                    I16F16::lit("30000"),
-                )?);
-                checked_quotient(
-                    Coefficient::Derivative,
-                    gain * time,
-                    sample_time << 16,
-                    GAIN_BITS,
-                    I32F32::ZERO,
-                    I32F32::lit("1000"),
-                )?
+                let time = propagate!(DERIVATIVE_TIME_MS.checked(Field::DerivativeTime, time));
+                let quotient = Quotient {
+                    coefficient: Coefficient::Derivative,
+                    // At most 2²⁶ · 2³¹.
+                    numerator: gain.wrapping_mul(time as u64),
+                    denominator: sample_time << 16,
+                    range: DERIVATIVE_GAIN,
+                };
+                propagate!(quotient.checked(GAIN_BITS))
             }
         };
-        let integral_max = checked(
-            Field::IntegralMax,
-            settings.integral_max_pct,
-            I16F16::ZERO,
-            I16F16::lit("1000"),
-        )?;
+        let integral_max =
+            propagate!(INTEGRAL_MAX_PCT.checked(Field::IntegralMax, settings.integral_max_pct));
         Ok(Self {
             // K has 16 fraction bits and is at most 1000 < 2¹⁰: exact in 21.
             proportional: (gain << (GAIN_BITS - 16)) as i32,
             derivative,
             integral,
-            integral_max: integral_max.to_bits() >> 4,
+            integral_max: integral_max >> 4,
         })
     }
 
@@ -108,17 +95,17 @@ impl Pid {
 
     /// The sum with this sample's error.
     #[inline(always)]
-    pub(crate) fn integrated(&self, integral: Integrator, error: i32) -> Integrator {
+    pub(crate) const fn integrated(&self, integral: Integrator, error: i32) -> Integrator {
         integral.advanced(self.integral, error, self.integral_max)
     }
 
     /// The integral part before a sample of this error and no change, such that the sample gives `u`; within its bound.
-    pub(crate) fn integral_that_gives(&self, u: ControlSignal, error: i32) -> Integrator {
+    pub(crate) const fn integral_that_gives(&self, u: ControlSignal, error: i32) -> Integrator {
         if self.integral == 0 {
             return Integrator::ZERO;
         }
         // |u| ≤ 100 %, K e ≤ 32 000 %, one sample's sum ≤ 8 · 32 %, all in 2⁻⁴⁴ %: below 2⁶⁰.
-        let rest = from_high_word(u.saturated().to_bits()).wrapping_sub(self.proportional(error));
+        let rest = from_high_word(u.to_bits()).wrapping_sub(self.proportional(error));
         Integrator::ZERO.corrected(
             rest.wrapping_sub(wide_product(self.integral, error)),
             self.integral_max,
@@ -132,17 +119,7 @@ impl Pid {
 }
 
 /// The sample time [2⁻¹⁶ ms], checked.
-pub(crate) fn sample_time(settings: &Settings) -> Result<u64, ConfigError> {
-    let time = checked(
-        Field::SampleTime,
-        settings.sample_time_ms,
-        I16F16::lit("0.1"),
-        I16F16::lit("1000"),
-    )?;
-    Ok(bits(time))
-}
-
-/// The bits of a value that was checked not to be negative.
-fn bits(value: I16F16) -> u64 {
-    u64::from(value.to_bits().unsigned_abs())
+pub(crate) const fn sample_time(settings: &Settings) -> Result<u64, ConfigError> {
+    let time = propagate!(SAMPLE_TIME_MS.checked(Field::SampleTime, settings.sample_time_ms));
+    Ok(time as u64)
 }

@@ -1,50 +1,159 @@
-//! The one way in which a setting is checked.
+//! The one way in which settings are checked; all of it also at compile time.
 
 use fixed::types::{I16F16, I32F32};
 
 use crate::error::{Coefficient, ConfigError, Field};
 
-/// The value, if it is within `min ..= max`.
-pub(crate) const fn checked(
-    field: Field,
-    value: I16F16,
+/// What `?` does, which constant functions do not have.
+macro_rules! propagate {
+    ($result:expr) => {
+        match $result {
+            Ok(value) => value,
+            Err(error) => return Err(error),
+        }
+    };
+}
+pub(crate) use propagate;
+
+/// Where a field may be, ends included. Made as constants: the decimal text is read by the compiler, not by the target.
+#[derive(Clone, Copy)]
+pub(crate) struct Range {
     min: I16F16,
     max: I16F16,
-) -> Result<I16F16, ConfigError> {
-    if value.to_bits() < min.to_bits() || value.to_bits() > max.to_bits() {
-        Err(ConfigError::OutOfRange {
-            field,
-            value,
-            min,
-            max,
-        })
-    } else {
-        Ok(value)
+}
+
+impl Range {
+    pub(crate) const PERCENT: Self = Self::new("0", "100");
+
+    pub(crate) const fn new(min: &str, max: &str) -> Self {
+        Self::between(I16F16::lit(min), I16F16::lit(max))
+    }
+
+    pub(crate) const fn between(min: I16F16, max: I16F16) -> Self {
+        Self { min, max }
+    }
+
+    pub(crate) const fn from(self, min: I16F16) -> Self {
+        Self { min, ..self }
+    }
+
+    pub(crate) const fn up_to(self, max: I16F16) -> Self {
+        Self { max, ..self }
+    }
+
+    /// The bits of `value`, if it is in this range.
+    pub(crate) const fn checked(self, field: Field, value: I16F16) -> Result<i32, ConfigError> {
+        let Self { min, max } = self;
+        let bits = value.to_bits();
+        if bits < min.to_bits() || bits > max.to_bits() {
+            Err(ConfigError::OutOfRange {
+                field,
+                value,
+                min,
+                max,
+            })
+        } else {
+            Ok(bits)
+        }
+    }
+
+    /// The bits of `value`, if it is in this range, whose lower end is the value of the field `other`.
+    pub(crate) const fn checked_not_below(
+        self,
+        other: Field,
+        field: Field,
+        value: I16F16,
+    ) -> Result<i32, ConfigError> {
+        let Self { min, max } = self;
+        if value.to_bits() < min.to_bits() {
+            return Err(ConfigError::BelowOther {
+                field,
+                value,
+                other,
+                min,
+                max,
+            });
+        }
+        self.checked(field, value)
+    }
+
+    /// The bits of `value`, if it is in this range, whose upper end is the value of the field `other`.
+    pub(crate) const fn checked_not_above(
+        self,
+        other: Field,
+        field: Field,
+        value: I16F16,
+    ) -> Result<i32, ConfigError> {
+        let Self { min, max } = self;
+        if value.to_bits() > max.to_bits() {
+            return Err(ConfigError::AboveOther {
+                field,
+                value,
+                other,
+                min,
+                max,
+            });
+        }
+        self.checked(field, value)
     }
 }
 
-/// The coefficient of value `numerator` / `denominator` with `fraction_bits`, rounded to nearest, if it is within `min ..= max`.
-///
-/// The caller keeps `numerator` · 2^`fraction_bits` below 2⁶³ and `denominator` above 0 by the ranges of its fields.
-pub(crate) fn checked_quotient(
-    coefficient: Coefficient,
-    numerator: u64,
-    denominator: u64,
-    fraction_bits: u32,
+/// A coefficient as the quotient of two whole numbers, with the range in which the arithmetic holds it.
+pub(crate) struct Quotient {
+    pub(crate) coefficient: Coefficient,
+    pub(crate) numerator: u64,
+    /// Above 0.
+    pub(crate) denominator: u64,
+    pub(crate) range: CoefficientRange,
+}
+
+/// Where a coefficient may be, ends included; a constant as [`Range`].
+#[derive(Clone, Copy)]
+pub(crate) struct CoefficientRange {
     min: I32F32,
     max: I32F32,
-) -> Result<i32, ConfigError> {
-    let wide = (u128::from(numerator) << 32) / u128::from(denominator.max(1));
-    let value = I32F32::from_bits(i64::try_from(wide).unwrap_or(i64::MAX));
-    if value < min || value > max {
-        return Err(ConfigError::CoefficientOutOfRange {
-            coefficient,
-            value,
-            min,
-            max,
-        });
+}
+
+impl CoefficientRange {
+    pub(crate) const fn new(min: &str, max: &str) -> Self {
+        Self {
+            min: I32F32::lit(min),
+            max: I32F32::lit(max),
+        }
     }
-    let scaled = u128::from(numerator) << fraction_bits;
-    let rounded = (scaled + u128::from(denominator.max(1) / 2)) / u128::from(denominator.max(1));
-    Ok(i32::try_from(rounded).unwrap_or(i32::MAX))
+}
+
+impl Quotient {
+    /// The quotient with so many fraction bits, rounded to nearest, if it is within its range.
+    ///
+    /// `max` · 2^`fraction_bits` is below 2³¹; the coefficients' own files say why.
+    pub(crate) const fn checked(self, fraction_bits: u32) -> Result<i32, ConfigError> {
+        let numerator = self.numerator as u128;
+        let denominator = self.denominator as u128;
+        let exact = quotient(numerator << 32, denominator);
+        let bits = if exact > i64::MAX as u128 {
+            i64::MAX
+        } else {
+            exact as i64
+        };
+        let CoefficientRange { min, max } = self.range;
+        if bits < min.to_bits() || bits > max.to_bits() {
+            return Err(ConfigError::CoefficientOutOfRange {
+                coefficient: self.coefficient,
+                value: I32F32::from_bits(bits),
+                min,
+                max,
+            });
+        }
+        let rounded = (numerator << fraction_bits).wrapping_add(denominator / 2);
+        Ok(quotient(rounded, denominator) as i32)
+    }
+}
+
+/// The quotient, rounded down. No caller divides by 0; if one did, the quotient would be out of every range, and not a panic.
+pub(crate) const fn quotient(numerator: u128, denominator: u128) -> u128 {
+    match numerator.checked_div(denominator) {
+        Some(quotient) => quotient,
+        None => u128::MAX,
+    }
 }

@@ -211,7 +211,8 @@ impl Settings {
     /// The controller of the thesis: PID, anti-windup, Scheme 1 with 25.5 % as lower limit in all conditions, tolerance,
     /// prediction two samples ahead, boost. The thesis does not print its gains; these are of the size its figures show.
     pub const fn thesis() -> Self {
-        Self {
+        // Constants, so that the compiler reads the decimal text and not the target.
+        const THESIS: Settings = Settings {
             sample_time_ms: I16F16::lit("10"),
             gain_pct_per_bar: I16F16::lit("40"),
             integral_time_ms: Some(I16F16::lit("1000")),
@@ -236,13 +237,14 @@ impl Settings {
             duty_max_fill_pct: I16F16::lit("82"),
             duty_max_vent_pct: I16F16::lit("80"),
             supply_pressure_bar: I16F16::lit("8.4"),
-        }
+        };
+        THESIS
     }
 
     /// What we would put on a truck: the thesis' controller with pressure-dependent lower limits (section 7.2), a prediction
     /// that a jump of the reference does not fool, and an integral part that does not outlive the reference it was built for.
     pub const fn recommended() -> Self {
-        Self {
+        const RECOMMENDED: Settings = Settings {
             integral_at_reference: IntegralAtReference::Clear,
             prediction_basis: PredictionBasis::Pressure,
             switch_off: SwitchOff::InsideOrBeyond,
@@ -250,7 +252,8 @@ impl Settings {
                 fill: OpeningDuty::force_balance(I16F16::lit("54.5"), I16F16::lit("28.5")),
                 vent: OpeningDuty::force_balance(I16F16::lit("51.5"), I16F16::lit("25.5")),
             },
-            ..Self::thesis()
-        }
+            ..Settings::thesis()
+        };
+        RECOMMENDED
     }
 }

@@ -1,10 +1,10 @@
 //! The tolerance that turns both valves off, section 6.3.1.
 
-use fixed::types::I16F16;
-
 use crate::error::{ConfigError, Field};
-use crate::range::checked;
+use crate::range::{Range, propagate};
 use crate::settings::Settings;
+
+const TOLERANCE_BAR: Range = Range::new("0", "10");
 
 /// P_tol [bar], 2⁻¹⁶, at least one unit: then only e = 0 is inside, which is equation 6.5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,14 +12,13 @@ use crate::settings::Settings;
 pub(crate) struct Tolerance(u32);
 
 impl Tolerance {
-    pub(crate) fn new(settings: &Settings) -> Result<Self, ConfigError> {
-        let tolerance = checked(
-            Field::Tolerance,
-            settings.tolerance_bar,
-            I16F16::ZERO,
-            I16F16::lit("10"),
-        )?;
-        Ok(Self(tolerance.to_bits().unsigned_abs().max(1)))
+    pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
+        let tolerance = propagate!(TOLERANCE_BAR.checked(Field::Tolerance, settings.tolerance_bar));
+        Ok(Self(if tolerance == 0 {
+            1
+        } else {
+            tolerance.unsigned_abs()
+        }))
     }
 
     /// |e| < P_tol, strictly, as in figure 6.9.
