@@ -1,2 +1,116 @@
-//! Placeholder until the crate is written.
-fn main() {}
+//! The verbs of the workshop: `cargo xtask --help` lists them, `docs/building.md` explains them.
+//!
+//! One file per group of verbs ([`host`], [`arm`], [`publish`]); below them what a machine has and lacks ([`toolchain`],
+//! [`qemu`], [`packages`]), and how a step runs, ends and is told ([`process`], [`report`]).
+
+mod arm;
+mod digests;
+mod failure;
+mod host;
+mod packages;
+mod process;
+mod publish;
+mod qemu;
+mod report;
+mod toolchain;
+mod workspace;
+
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use report::Report;
+use toolchain::Choice;
+
+/// Build, image, test and CI verbs.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Every test, host and ARM; installs what is missing. What the CI runs.
+    #[command(visible_alias = "ci")]
+    Test {
+        /// Run one part only.
+        #[arg(long)]
+        only: Option<Part>,
+        #[command(flatten)]
+        arm: ArmOptions,
+    },
+    /// Build the image for the ECU and say where it lies.
+    Image {
+        /// The machine to build for.
+        #[arg(long, default_value = "mps2-an386")]
+        board: qemu::Board,
+        #[command(flatten)]
+        arm: ArmOptions,
+    },
+    /// Install what the other verbs need, and run nothing.
+    Setup {
+        #[command(flatten)]
+        arm: ArmOptions,
+    },
+    /// Format every file.
+    Fmt,
+    /// Format check, clippy, rustdoc.
+    Lint,
+    /// `cargo publish --dry-run` of all library crates together.
+    PublishCheck {
+        /// Also with changes that are not committed.
+        #[arg(long)]
+        allow_dirty: bool,
+    },
+}
+
+#[derive(Args)]
+struct ArmOptions {
+    /// Where the ARM target comes from.
+    #[arg(long, default_value = "auto")]
+    toolchain: Choice,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// Format check, clippy, rustdoc.
+    Lint,
+    /// Tests and examples on this machine.
+    Host,
+    /// The image: built, run in QEMU, its bits compared with the host's.
+    Arm,
+}
+
+fn main() -> ExitCode {
+    let mut report = Report::default();
+    match Cli::parse().verb {
+        Verb::Test { only, arm } => {
+            let wanted = |part| only.is_none_or(|one| one == part);
+            if wanted(Part::Lint) {
+                host::lint(&mut report);
+            }
+            if wanted(Part::Host) {
+                host::test(&mut report);
+            }
+            if wanted(Part::Arm) {
+                arm::test(&mut report, arm.toolchain);
+            }
+        }
+        Verb::Image { board, arm } => arm::image(&mut report, board, arm.toolchain),
+        Verb::Setup { arm } => {
+            host::setup(&mut report);
+            arm::setup(&mut report, arm.toolchain);
+        }
+        Verb::Fmt => host::format(&mut report),
+        Verb::Lint => host::lint(&mut report),
+        Verb::PublishCheck { allow_dirty } => publish::check(&mut report, allow_dirty),
+    }
+    print!("\n{report}");
+    if report.all_passed() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}

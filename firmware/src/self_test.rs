@@ -1,0 +1,175 @@
+//! The controller against itself on another machine: a long deterministic run, told as digests.
+//!
+//! Every configuration of [`CONFIGURATIONS`] is stepped [`STEPS`] times through the same random walk. Every word of every
+//! output and of every state goes into one digest, which is shown each [`BLOCK`] steps and at the end:
+//! ```text
+//! config=thesis step=1024 digest=00c0ffee00c0ffee
+//! config=thesis steps=65536 digest=0123456789abcdef
+//! ```
+//! Equal lines on two machines mean equal bits in every step; the first line that differs names configuration and block.
+
+mod configurations;
+mod digest;
+mod random;
+mod walk;
+
+use core::fmt;
+
+use controller::{Config, State, step};
+
+use crate::board::Board;
+use configurations::CONFIGURATIONS;
+use digest::Digest;
+use walk::Walk;
+
+/// Steps between two shown digests.
+const BLOCK: u32 = 1024;
+/// Steps of one configuration.
+const STEPS: u32 = 64 * BLOCK;
+
+// What the evidence says of the comparison holds for any list of configurations.
+const _: () = assert!(CONFIGURATIONS.len() * STEPS as usize >= 1_000_000);
+
+/// Why a self-test did not come to its end. The reason is shown where there is still somebody to show it to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Incomplete {
+    /// A line did not get out.
+    NotShown,
+    /// The controller refused one of the configurations.
+    Refused,
+}
+
+impl From<fmt::Error> for Incomplete {
+    fn from(_: fmt::Error) -> Self {
+        Self::NotShown
+    }
+}
+
+/// Runs all configurations and shows their digests. No output reaches a coil.
+///
+/// `flip` gives the bits to flip in the first output word of a configuration's step. It exists so that the comparison of
+/// two machines can be shown to notice; zero otherwise.
+pub(crate) fn run(
+    board: &mut impl Board,
+    flip: impl Fn(&str, u32) -> u32,
+) -> Result<(), Incomplete> {
+    for (name, settings) in &CONFIGURATIONS {
+        let config = match Config::new(settings) {
+            Ok(config) => config,
+            Err(error) => {
+                board.show(format_args!("config={name} refused: {error}"))?;
+                return Err(Incomplete::Refused);
+            }
+        };
+        let mut state = State::at_rest();
+        let mut walk = Walk::new();
+        let mut digest = Digest::new();
+        for number in 0..STEPS {
+            let output = step(&config, &mut state, walk.input());
+            digest.fold(output.duty_fill.to_bits() as u32 ^ flip(name, number));
+            digest.fold(output.duty_vent.to_bits() as u32);
+            for word in state.to_words() {
+                digest.fold(word as u32);
+            }
+            let done = number + 1;
+            if done % BLOCK == 0 {
+                board.show(format_args!(
+                    "config={name} step={done} digest={:016x}",
+                    digest.value()
+                ))?;
+            }
+        }
+        board.show(format_args!(
+            "config={name} steps={STEPS} digest={:016x}",
+            digest.value()
+        ))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::board::Verdict;
+
+    /// Keeps what it is shown, up to a number of lines.
+    struct Listener {
+        lines: Vec<String>,
+        room: usize,
+    }
+
+    impl Board for Listener {
+        fn coils_off(&mut self) {}
+
+        fn show(&mut self, line: fmt::Arguments<'_>) -> fmt::Result {
+            if self.lines.len() == self.room {
+                return Err(fmt::Error);
+            }
+            self.lines.push(line.to_string());
+            Ok(())
+        }
+
+        fn end(&mut self, verdict: Verdict) -> ! {
+            panic!("the self-test itself ended the run: {verdict:?}")
+        }
+    }
+
+    fn lines(flip: impl Fn(&str, u32) -> u32) -> Vec<String> {
+        let mut board = Listener {
+            lines: Vec::new(),
+            room: usize::MAX,
+        };
+        assert_eq!(run(&mut board, flip), Ok(()));
+        board.lines
+    }
+
+    #[test]
+    fn each_configuration_shows_every_block_and_its_end() {
+        let lines = lines(|_, _| 0);
+        let per_configuration = (STEPS / BLOCK) as usize + 1;
+        assert_eq!(lines.len(), CONFIGURATIONS.len() * per_configuration);
+        for (shown, (name, _)) in lines.chunks(per_configuration).zip(&CONFIGURATIONS) {
+            assert!(shown[0].starts_with(&format!("config={name} step=1024 digest=")));
+            let end = format!("config={name} steps=65536 digest=");
+            assert!(shown[per_configuration - 1].starts_with(&end));
+        }
+    }
+
+    /// A choice that changed nothing would be compared in name only.
+    #[test]
+    fn no_two_configurations_end_with_the_same_digest() {
+        let lines = lines(|_, _| 0);
+        let ends = lines
+            .iter()
+            .filter_map(|line| line.split_once(" steps=65536 "));
+        let mut digests: Vec<&str> = ends.map(|(_, digest)| digest).collect();
+        digests.sort_unstable();
+        digests.dedup();
+        assert_eq!(digests.len(), CONFIGURATIONS.len());
+    }
+
+    /// The canary: step 4711 lies in the fifth block of its configuration.
+    #[test]
+    fn one_flipped_bit_shows_from_its_block_to_the_end_of_its_configuration_and_nowhere_else() {
+        let honest = lines(|_, _| 0);
+        let flipped = lines(|name, step| u32::from((name, step) == ("scheme_2", 4711)));
+        let pairs = honest.iter().zip(&flipped);
+        let differing: Vec<&String> = pairs.filter(|(a, b)| a != b).map(|(a, _)| a).collect();
+        assert!(differing[0].starts_with("config=scheme_2 step=5120 "));
+        assert_eq!(differing.len(), 64 - 4 + 1);
+        assert!(
+            differing
+                .iter()
+                .all(|line| line.starts_with("config=scheme_2 "))
+        );
+    }
+
+    #[test]
+    fn a_board_that_cannot_show_a_line_ends_the_test() {
+        let mut board = Listener {
+            lines: Vec::new(),
+            room: 3,
+        };
+        assert_eq!(run(&mut board, |_, _| 0), Err(Incomplete::NotShown));
+    }
+}

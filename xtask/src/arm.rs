@@ -1,0 +1,154 @@
+//! The image for the ECU: built, run on the emulated machine, its bits compared with the host's.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use crate::digests::{Difference, Run};
+use crate::failure::Failure;
+use crate::process;
+use crate::qemu::{self, Board};
+use crate::report::Report;
+use crate::toolchain::{Choice, TARGET, Toolchain};
+use crate::workspace::{arm_target_dir, cargo, target_dir};
+
+const BUILD_DEADLINE: Duration = Duration::from_secs(900);
+/// Longest life of the self-test on the host.
+const HOST_DEADLINE: Duration = Duration::from_secs(120);
+
+const TOOLCHAIN: &str = "ARM toolchain";
+const QEMU: &str = "QEMU";
+const IMAGE: &str = "ARM image";
+const ON_HOST: &str = "self-test on the host";
+const IN_QEMU: &str = "self-test in QEMU";
+
+/// Installs what the other verbs of this file need.
+pub(crate) fn setup(report: &mut Report, choice: Choice) {
+    report.step(TOOLCHAIN, || Toolchain::ready(choice));
+    report.step(QEMU, qemu::ready);
+}
+
+/// Builds the image and says where it lies.
+pub(crate) fn image(report: &mut Report, board: Board, choice: Choice) {
+    let toolchain = report.step(TOOLCHAIN, || Toolchain::ready(choice));
+    if let Some(image) = report.step(IMAGE, || build(needed(&toolchain, TOOLCHAIN)?, board)) {
+        println!("{}", image.display());
+    }
+}
+
+/// Builds the image, runs it, and holds its bits against those of the same code on the host.
+pub(crate) fn test(report: &mut Report, choice: Choice) {
+    let toolchain = report.step(TOOLCHAIN, || Toolchain::ready(choice));
+    let qemu = report.step(QEMU, qemu::ready);
+    if toolchain.as_ref().is_some_and(Toolchain::has_clippy) {
+        report.step("clippy on the ARM image", || {
+            lint(needed(&toolchain, TOOLCHAIN)?)
+        });
+    }
+    let image = report.step(IMAGE, || {
+        build(needed(&toolchain, TOOLCHAIN)?, Board::Mps2An386)
+    });
+    let host = report.step(ON_HOST, || {
+        build_for_host()?;
+        run_on_host(None)
+    });
+    let arm = report.step(IN_QEMU, || {
+        needed(&qemu, QEMU)?;
+        run_in_qemu(needed(&image, IMAGE)?)
+    });
+    report.step("host and ARM bits equal", || {
+        let (host, arm) = (needed(&host, ON_HOST)?, needed(&arm, IN_QEMU)?);
+        Run::compare(host, arm)?;
+        let (steps, configurations) = (host.steps(), host.names().len());
+        eprintln!("{steps} steps in {configurations} configurations: the same bits");
+        Ok(())
+    });
+    report.step("one flipped bit is found", || {
+        canary(needed(&host, ON_HOST)?)
+    });
+}
+
+/// The result of an earlier step, or the reason why this one cannot run.
+fn needed<'a, T>(result: &'a Option<T>, step: &'static str) -> Result<&'a T, Failure> {
+    result.as_ref().ok_or(Failure::Needs(step))
+}
+
+/// The code that only the image has is not seen by the host's clippy.
+fn lint(toolchain: &Toolchain) -> Result<(), Failure> {
+    let mut clippy = toolchain.cargo("clippy");
+    clippy.args(["--package", "firmware", "--", "-D", "warnings"]);
+    process::run(&mut clippy, BUILD_DEADLINE)
+}
+
+fn build(toolchain: &Toolchain, board: Board) -> Result<PathBuf, Failure> {
+    let Board::Mps2An386 = board;
+    let mut build = toolchain.cargo("build");
+    build.args(["--package", "firmware"]);
+    process::run(&mut build, BUILD_DEADLINE)?;
+    let image = arm_target_dir().join(TARGET).join("firmware/firmware");
+    let size = image.metadata().map_err(|source| Failure::File {
+        path: image.clone(),
+        source,
+    })?;
+    eprintln!(
+        "{} ({} bytes with debug information)",
+        image.display(),
+        size.len()
+    );
+    Ok(image)
+}
+
+fn build_for_host() -> Result<(), Failure> {
+    process::run(
+        cargo().args(["build", "--package", "firmware"]),
+        BUILD_DEADLINE,
+    )
+}
+
+/// Runs the host's life of the firmware, with one bit flipped on purpose if `canary` says where.
+fn run_on_host(canary: Option<&str>) -> Result<Run, Failure> {
+    let mut firmware = Command::new(target_dir().join("debug/firmware"));
+    firmware.env_remove("FIRMWARE_CANARY");
+    if let Some(place) = canary {
+        firmware.env("FIRMWARE_CANARY", place);
+    }
+    let said = process::capture(&mut firmware, HOST_DEADLINE)?;
+    read("the host", &said)
+}
+
+fn run_in_qemu(image: &Path) -> Result<Run, Failure> {
+    let said = qemu::run(image)?;
+    read("the ARM image", &said)
+}
+
+fn read(machine: &'static str, text: &str) -> Result<Run, Failure> {
+    Run::read(text).map_err(|source| Failure::Digests { machine, source })
+}
+
+/// The alarm, tested: a bit flipped in one output of one step must turn the comparison red at that very place.
+fn canary(host: &Run) -> Result<(), Failure> {
+    const STEP: u64 = 4711;
+    for name in host.names() {
+        let planted = format!("{name}:{STEP}");
+        let flipped = run_on_host(Some(&planted))?;
+        let found = Run::compare(host, &flipped);
+        let right = match &found {
+            Err(Difference::Bits {
+                name: told,
+                from,
+                until,
+                ..
+            }) => *told == name && (*from..*until).contains(&STEP),
+            _ => false,
+        };
+        if !right {
+            let said = found
+                .err()
+                .map_or("no difference".to_owned(), |difference| {
+                    difference.to_string()
+                });
+            return Err(Failure::CanaryLived { planted, said });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! Why a step did not pass. Each variant names the culprit and, where one is known, the way out.
+
+use std::path::PathBuf;
+use std::process::ExitStatus;
+use std::{io, time::Duration};
+
+use crate::digests::{Difference, Unreadable};
+
+/// Why a step did not pass.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    #[error("{what} is missing and could not be installed from here; to install it, run: {paste}")]
+    Missing { what: String, paste: String },
+    #[error("`{line}` could not be started: {source}")]
+    NotStarted { line: String, source: io::Error },
+    #[error("`{line}` ended with {status}{}", quoted(.said))]
+    Ended {
+        line: String,
+        status: ExitStatus,
+        said: String,
+    },
+    #[error("`{line}` did not end within its deadline of {} s and was stopped{}", .deadline.as_secs(), quoted(.said))]
+    Deadline {
+        line: String,
+        deadline: Duration,
+        said: String,
+    },
+    #[error("`{line}` could not be watched: {source}")]
+    Watch { line: String, source: io::Error },
+    #[error("{}: {source}", .path.display())]
+    File { path: PathBuf, source: io::Error },
+    #[error("the self-test's output on {machine}, {source}")]
+    Digests {
+        machine: &'static str,
+        source: Unreadable,
+    },
+    #[error("host and ARM image differ: {0}")]
+    Differs(#[from] Difference),
+    #[error("one flipped bit at {planted} was not found there; the comparison said: {said}")]
+    CanaryLived { planted: String, said: String },
+    #[error("needs the step `{0}`, which did not pass")]
+    Needs(&'static str),
+}
+
+/// The last lines of what a captured program said, for the reader of the summary.
+fn quoted(said: &str) -> String {
+    const LAST_LINES: usize = 12;
+    let lines: Vec<&str> = said.lines().collect();
+    let from = lines.len().saturating_sub(LAST_LINES);
+    lines[from..]
+        .iter()
+        .map(|line| format!("\n    | {line}"))
+        .collect()
+}

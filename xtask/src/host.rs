@@ -1,0 +1,144 @@
+//! Everything that runs on this machine: formatting, lints, documentation, tests, examples.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Duration;
+
+use crate::failure::Failure;
+use crate::process;
+use crate::report::Report;
+use crate::workspace::{cargo, find_program, root, target_dir};
+
+/// Longest wait for one cargo command. A cold build of everything takes some minutes on two cores.
+const DEADLINE: Duration = Duration::from_secs(1500);
+/// Longest life of one example: it tells a story and ends.
+const EXAMPLE_DEADLINE: Duration = Duration::from_secs(60);
+/// Longest wait for rustup's download.
+const RUSTUP_DEADLINE: Duration = Duration::from_secs(300);
+
+/// Installs what the other verbs of this file need.
+pub(crate) fn setup(report: &mut Report) {
+    report.step("rustfmt and clippy", || {
+        component("rustfmt", "fmt")?;
+        component("clippy", "clippy")
+    });
+}
+
+/// Formats every file.
+pub(crate) fn format(report: &mut Report) {
+    report.step("format", || run(&["fmt", "--all"]));
+}
+
+/// Format, lints and links in the documentation.
+pub(crate) fn lint(report: &mut Report) {
+    report.step("format", || {
+        component("rustfmt", "fmt")?;
+        run(&["fmt", "--all", "--check"])
+    });
+    report.step("clippy", || {
+        component("clippy", "clippy")?;
+        run(&[
+            "clippy",
+            "--workspace",
+            "--all-targets",
+            "--",
+            "-D",
+            "warnings",
+        ])
+    });
+    report.step("documentation", || {
+        let mut doc = cargo();
+        doc.args(["doc", "--workspace", "--no-deps"]);
+        process::run(doc.env("RUSTDOCFLAGS", "-D warnings"), DEADLINE)
+    });
+}
+
+/// All tests and examples.
+pub(crate) fn test(report: &mut Report) {
+    report.step("tests", || {
+        if find_program("cargo-nextest").is_some() {
+            run(&["nextest", "run", "--workspace", "--no-fail-fast"])
+        } else {
+            run(&[
+                "test",
+                "--workspace",
+                "--lib",
+                "--bins",
+                "--tests",
+                "--no-fail-fast",
+            ])
+        }
+    });
+    report.step("tests in the documentation", || {
+        run(&["test", "--workspace", "--doc", "--no-fail-fast"])
+    });
+    report.step("examples", examples);
+}
+
+/// Runs each example of each crate: it needs no arguments, asserts what it tells, and ends.
+fn examples() -> Result<(), Failure> {
+    run(&["build", "--workspace", "--examples"])?;
+    let mut outcome = Ok(());
+    for name in example_names()? {
+        let mut example = Command::new(target_dir().join("debug/examples").join(name));
+        example.current_dir(root());
+        if let Err(failure) = process::capture(&mut example, EXAMPLE_DEADLINE) {
+            eprintln!("{failure}");
+            outcome = outcome.and(Err(failure));
+        }
+    }
+    outcome
+}
+
+/// What cargo finds by itself: `CRATE/examples/NAME.rs` and `CRATE/examples/NAME/main.rs`.
+fn example_names() -> Result<Vec<PathBuf>, Failure> {
+    let mut names = Vec::new();
+    for member in entries(root())? {
+        let folder = member.join("examples");
+        if !member.join("Cargo.toml").is_file() || !folder.is_dir() {
+            continue;
+        }
+        for entry in entries(folder)? {
+            let is_example =
+                entry.extension() == Some(OsStr::new("rs")) || entry.join("main.rs").is_file();
+            if let (true, Some(name)) = (is_example, entry.file_stem()) {
+                names.push(PathBuf::from(name));
+            }
+        }
+    }
+    Ok(names)
+}
+
+fn entries(folder: PathBuf) -> Result<Vec<PathBuf>, Failure> {
+    let list = || {
+        let paths = fs::read_dir(&folder)?.map(|entry| entry.map(|entry| entry.path()));
+        let mut paths = paths.collect::<Result<Vec<_>, _>>()?;
+        paths.sort();
+        Ok(paths)
+    };
+    list().map_err(|source| Failure::File {
+        path: folder.clone(),
+        source,
+    })
+}
+
+/// A component of the toolchain in use, fetched by rustup if it is not there.
+fn component(name: &str, verb: &str) -> Result<(), Failure> {
+    if process::capture(cargo().args([verb, "--version"]), RUSTUP_DEADLINE).is_ok() {
+        return Ok(());
+    }
+    let mut add = Command::new("rustup");
+    process::run(add.args(["component", "add", name]), RUSTUP_DEADLINE).map_err(|failure| {
+        eprintln!("{failure}");
+        Failure::Missing {
+            what: name.to_owned(),
+            paste: format!("rustup component add {name}"),
+        }
+    })
+}
+
+fn run(arguments: &[&str]) -> Result<(), Failure> {
+    process::run(cargo().args(arguments), DEADLINE)
+}

@@ -1,0 +1,47 @@
+//! The emulated machine: a Cortex-M4F in QEMU, which runs the very image that a real one would.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use clap::ValueEnum;
+
+use crate::failure::Failure;
+use crate::workspace::find_program;
+use crate::{packages, process};
+
+const PROGRAM: &str = "qemu-system-arm";
+
+/// Longest life of one emulated run. The self-test takes a few seconds; a silent or endless image ends here.
+pub(crate) const DEADLINE: Duration = Duration::from_secs(180);
+
+/// A machine that the image can be built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Board {
+    /// Arm MPS2 with the AN386 image, emulated by QEMU.
+    #[value(name = "mps2-an386")]
+    Mps2An386,
+}
+
+/// Installs QEMU if it is not there.
+pub(crate) fn ready() -> Result<(), Failure> {
+    match find_program(PROGRAM) {
+        Some(_) => Ok(()),
+        None => packages::install("QEMU for ARM", &[PROGRAM]),
+    }
+}
+
+/// Runs an image until it ends by itself with success, and returns what it printed.
+pub(crate) fn run(image: &Path) -> Result<String, Failure> {
+    process::capture(&mut command(image), DEADLINE)
+}
+
+/// No window, no monitor and no serial line: the image speaks and ends by semihosting.
+fn command(image: &Path) -> Command {
+    let mut qemu = Command::new(PROGRAM);
+    qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4"]);
+    qemu.args(["-nographic", "-monitor", "none", "-serial", "none"]);
+    qemu.args(["-semihosting-config", "enable=on,target=native"]);
+    qemu.arg("-kernel").arg(image);
+    qemu
+}
