@@ -1,6 +1,7 @@
 //! Two valves and a chamber: the right-hand side of equations 3.26 to 3.32.
 
 use crate::chamber::Chamber;
+use crate::coil::Drive;
 use crate::orifice::NozzleLaw;
 use crate::valve::{Valve, ValveState};
 
@@ -75,5 +76,38 @@ impl Plant {
             self.mass_flow(FILL, effective_areas[FILL], pressure),
             self.mass_flow(VENT, effective_areas[VENT], pressure),
         )
+    }
+
+    /// The whole right-hand side between the end stops, equations 3.26 to 3.32 with the motional term of
+    /// equation 3.4, for the states in the order of section 3.5: i, x, v of the fill valve, chamber
+    /// pressure, i, x, v of the vent valve (SI units). The simulator integrates the moving part of it; this
+    /// form is for linearisation and for other solvers.
+    pub fn rates(&self, drives: [Drive; 2], state: &[f64; 7]) -> [f64; 7] {
+        let [i_fill, x_fill, v_fill, pressure, i_vent, x_vent, v_vent] = *state;
+        let [fill, vent] = &self.valves;
+        let fill_rates = fill.rates(
+            drives[FILL],
+            i_fill,
+            x_fill,
+            v_fill,
+            self.pressure_drop(FILL, pressure),
+        );
+        let vent_rates = vent.rates(
+            drives[VENT],
+            i_vent,
+            x_vent,
+            v_vent,
+            self.pressure_drop(VENT, pressure),
+        );
+        let areas = [fill.effective_area(x_fill), vent.effective_area(x_vent)];
+        [
+            fill_rates[0],
+            fill_rates[1],
+            fill_rates[2],
+            self.pressure_rate(areas, pressure),
+            vent_rates[0],
+            vent_rates[1],
+            vent_rates[2],
+        ]
     }
 }

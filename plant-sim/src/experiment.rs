@@ -1,0 +1,264 @@
+//! The bench experiments of chapter 4, on the model: duty-cycle limits, filling and venting times, currents.
+
+use crate::ecu_output::Command;
+use crate::parameters::{PA_PER_BAR, PlantParameters};
+use crate::plant::{FILL, VENT};
+use crate::simulator::Simulator;
+
+/// One of the two valves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ValveId {
+    /// Between supply and chamber.
+    Fill,
+    /// Between chamber and drain.
+    Vent,
+}
+
+impl ValveId {
+    fn index(self) -> usize {
+        match self {
+            Self::Fill => FILL,
+            Self::Vent => VENT,
+        }
+    }
+
+    fn command(self, duty_pct: f64) -> Command {
+        match self {
+            Self::Fill => Command {
+                duty_fill_pct: duty_pct,
+                duty_vent_pct: 0.0,
+            },
+            Self::Vent => Command {
+                duty_fill_pct: 0.0,
+                duty_vent_pct: duty_pct,
+            },
+        }
+    }
+}
+
+/// Resolution of the duty limits [%].
+pub const DUTY_RESOLUTION_PCT: f64 = 0.05;
+/// Share of the stroke by which an armature must leave its seat before the bench notices.
+///
+/// Below it the armature trembles by micrometres: no pressure change that a log shows within a second.
+pub const NOTICEABLE_TRAVEL: f64 = 0.05;
+/// Time in which the PWM reaches its steady cycle [ns].
+const SETTLING_NS: u64 = 300_000_000;
+/// Time over which the steady cycle is watched [ns].
+const WATCHING_NS: u64 = 200_000_000;
+
+/// The lowest duty cycle [%] that opens the valve (section 4.1): its armature leaves the rest stop by a
+/// noticeable travel, with the full supply pressure across the valve or with none. None where even 100 %
+/// does not.
+pub fn opening_duty_pct(
+    parameters: &PlantParameters,
+    valve: ValveId,
+    with_pressure: bool,
+) -> Option<f64> {
+    let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
+    lowest_duty_pct(|duty_pct| {
+        let mut simulator = at_duty(parameters, valve, duty_pct, with_pressure);
+        positions(&mut simulator, valve, 0, SETTLING_NS).any(|x| x >= lift)
+    })
+}
+
+/// The lowest duty cycle [%] that keeps the valve open (section 4.1), with no pressure across it: the armature
+/// no longer returns to its seat within a PWM period. The thesis found this limit by ear, and a seat that is no
+/// longer struck is what ends the sound; at rest at full stroke the armature is only from about 7 % duty more
+/// on. None where even 100 % does not keep it open.
+pub fn holding_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
+    let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
+    lowest_duty_pct(|duty_pct| {
+        let mut simulator = at_duty(parameters, valve, duty_pct, false);
+        positions(
+            &mut simulator,
+            valve,
+            SETTLING_NS,
+            SETTLING_NS + WATCHING_NS,
+        )
+        .all(|x| x >= lift)
+    })
+}
+
+/// Armature positions between two instants, a hundred in each PWM period.
+fn positions(
+    simulator: &mut Simulator,
+    valve: ValveId,
+    start_ns: u64,
+    end_ns: u64,
+) -> impl Iterator<Item = f64> {
+    (start_ns..end_ns).step_by(100_000).map(move |time_ns| {
+        simulator.advance_to_ns(time_ns);
+        simulator.state().valves[valve.index()].x
+    })
+}
+
+fn at_duty(
+    parameters: &PlantParameters,
+    valve: ValveId,
+    duty_pct: f64,
+    with_pressure: bool,
+) -> Simulator {
+    let mut parameters = parameters.clone();
+    if !with_pressure {
+        parameters.gas.supply_pressure_bar_gauge = 0.0;
+    }
+    let mut simulator = Simulator::new(&parameters);
+    if valve == ValveId::Vent {
+        simulator.set_chamber_pressure(parameters.gas.supply_pressure_pa());
+    }
+    simulator.command(valve.command(duty_pct));
+    simulator
+}
+
+/// Bisection for the lowest duty cycle at which `holds`.
+fn lowest_duty_pct(holds: impl Fn(f64) -> bool) -> Option<f64> {
+    let (mut below, mut above) = (0.0, 100.0);
+    if !holds(above) {
+        return None;
+    }
+    while above - below > DUTY_RESOLUTION_PCT {
+        let middle = 0.5 * (below + above);
+        if holds(middle) {
+            above = middle;
+        } else {
+            below = middle;
+        }
+    }
+    Some(above)
+}
+
+/// A measured pressure change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressureStep {
+    /// Time from the command to the first change of pressure [s].
+    pub dead_time_s: f64,
+    /// Time from the pressure `from` to the pressure `to` [s].
+    pub duration_s: f64,
+}
+
+/// Time grid on which pressures are read [ns].
+const GRID_NS: u64 = 50_000;
+/// A pressure change that a sensor would notice [Pa]: one step of it.
+const NOTICEABLE_PA: f64 = 510.0;
+/// Longest time waited for a pressure [ns].
+const PATIENCE_NS: u64 = 20_000_000_000;
+
+/// Steps `valve` to `duty_pct` and reads the time from `from` to `to` [bar gauge]; the chamber starts at
+/// ambient pressure for the fill valve and at supply pressure for the vent valve (figures 4.1, 4.2, 4.9 to
+/// 4.11). None where `to` is not reached within 20 s.
+pub fn pressure_step(
+    parameters: &PlantParameters,
+    valve: ValveId,
+    duty_pct: f64,
+    from_bar_gauge: f64,
+    to_bar_gauge: f64,
+) -> Option<PressureStep> {
+    let mut simulator = at_duty(parameters, valve, duty_pct, true);
+    let ambient = parameters.gas.ambient_pressure_pa;
+    let start = simulator.state().pressure;
+    let direction = if valve == ValveId::Fill { 1.0 } else { -1.0 };
+    let passed = |pressure: f64, bar_gauge: f64| {
+        direction * (pressure - ambient - bar_gauge * PA_PER_BAR) >= 0.0
+    };
+    let (mut dead_time_ns, mut from_ns) = (None, None);
+    while simulator.time_ns() < PATIENCE_NS {
+        let now = simulator.time_ns();
+        let pressure = simulator.state().pressure;
+        if (pressure - start).abs() >= NOTICEABLE_PA {
+            dead_time_ns.get_or_insert(now);
+        }
+        if dead_time_ns.is_some() && passed(pressure, from_bar_gauge) {
+            from_ns.get_or_insert(now);
+        }
+        if let (Some(dead_time_ns), Some(from_ns)) = (dead_time_ns, from_ns)
+            && passed(pressure, to_bar_gauge)
+        {
+            return Some(PressureStep {
+                dead_time_s: dead_time_ns as f64 * 1e-9,
+                duration_s: (now - from_ns) as f64 * 1e-9,
+            });
+        }
+        simulator.advance_to_ns(now + GRID_NS);
+    }
+    None
+}
+
+/// Mean, least and largest current [A] of the fill valve in the steady PWM cycle at `duty_pct`, with the
+/// supply pressure disconnected (figures 4.3 and 4.4).
+pub fn steady_current(parameters: &PlantParameters, duty_pct: f64) -> [f64; 3] {
+    let mut simulator = at_duty(parameters, ValveId::Fill, duty_pct, false);
+    simulator.advance_to_ns(SETTLING_NS);
+    simulator.sample();
+    let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+    let step_ns = parameters.ecu.pwm_period_ns() / 200;
+    for _ in 0..200 {
+        simulator.advance_to_ns(simulator.time_ns() + step_ns);
+        let current = simulator.state().valves[FILL].current;
+        least = least.min(current);
+        largest = largest.max(current);
+    }
+    [simulator.sample().mean_current[FILL], least, largest]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tables 4.1 and 4.2 with the nominal parameters, within 1.5 % duty.
+    #[test]
+    fn duty_limits_are_those_of_the_thesis() {
+        let nominal = PlantParameters::nominal();
+        for (name, simulated, measured) in [
+            (
+                "fill opens with pressure",
+                opening_duty_pct(&nominal, ValveId::Fill, true),
+                28.5,
+            ),
+            (
+                "fill opens without",
+                opening_duty_pct(&nominal, ValveId::Fill, false),
+                54.5,
+            ),
+            (
+                "fill holds",
+                holding_duty_pct(&nominal, ValveId::Fill),
+                82.0,
+            ),
+            (
+                "vent opens with pressure",
+                opening_duty_pct(&nominal, ValveId::Vent, true),
+                25.5,
+            ),
+            (
+                "vent opens without",
+                opening_duty_pct(&nominal, ValveId::Vent, false),
+                51.5,
+            ),
+            (
+                "vent holds",
+                holding_duty_pct(&nominal, ValveId::Vent),
+                80.0,
+            ),
+        ] {
+            let simulated = simulated.expect(name);
+            assert!(
+                (simulated - measured).abs() <= 1.5,
+                "{name}: {simulated} {measured}"
+            );
+        }
+    }
+
+    /// Equation 4.2 in the limit: 292 mA at 100 %, and about 60 mA least current at 40 % (figure 4.4).
+    #[test]
+    fn steady_currents_are_those_of_the_thesis() {
+        let nominal = PlantParameters::nominal();
+        let [mean, least, largest] = steady_current(&nominal, 100.0);
+        for current in [mean, least, largest] {
+            assert!((current - 0.292).abs() < 1e-4, "{current}");
+        }
+        let [mean, least, largest] = steady_current(&nominal, 40.0);
+        assert!((0.045..0.065).contains(&least), "{least}");
+        assert!(least < mean && mean < largest);
+    }
+}

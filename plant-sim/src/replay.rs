@@ -1,0 +1,275 @@
+//! Duty log in, recording out: the model driven by the commands of a measurement.
+//!
+//! A row of a log holds what the ECU knew at one instant: the duty cycles that it commands from there on,
+//! and the sensor values sampled just then. Coil currents are means over the interval that ends there when
+//! rows are slower than the PWM (an ECU log), and values of the instant when they are faster (a scope).
+
+use recording::{AddSignalError, Provenance, Quantity, Recording, TimeBase, TimeBaseError, Unit};
+use recording::{ConversionError, MissingSignal};
+
+use crate::ecu_output::Command;
+use crate::parameters::PlantParameters;
+use crate::plant::{FILL, VENT};
+use crate::regulating_valve::RegulatingValve;
+use crate::simulator::{Sample, Simulator, Statistics, Tolerance};
+
+/// What the log tells the model at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplayInput {
+    /// Instant [ns] since the start of the log.
+    pub time_ns: u64,
+    /// Commanded duty cycles; none where the log misses them, which holds the last ones.
+    pub command: Option<Command>,
+    /// Supply voltage at the ECU [V], where logged; none holds the last one.
+    pub supply_voltage_v: Option<f64>,
+}
+
+/// How the coil current of a row is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CurrentSampling {
+    /// Mean over the interval that ends at the row: an ECU's current measurement.
+    MeanOfInterval,
+    /// Value of the instant: an oscilloscope.
+    Instant,
+}
+
+impl CurrentSampling {
+    /// What rows `interval_s` apart can show: a scope resolves the PWM period.
+    pub fn of_interval(interval_s: f64, parameters: &PlantParameters) -> Self {
+        if interval_s < 0.25 / parameters.ecu.pwm_frequency_hz {
+            Self::Instant
+        } else {
+            Self::MeanOfInterval
+        }
+    }
+}
+
+/// One row of a simulated recording, in the order and the units of [`ROW_SIGNALS`].
+pub type Row = [f64; ROW_SIGNALS.len()];
+
+/// Names and units of a simulated row.
+pub const ROW_SIGNALS: [(&str, Unit); 8] = [
+    ("duty_fill", Unit::Percent),
+    ("duty_vent", Unit::Percent),
+    ("p_ch", Unit::BarGauge),
+    ("i_fill", Unit::Milliampere),
+    ("i_vent", Unit::Milliampere),
+    ("u_bat", Unit::Volt),
+    ("x_fill", Unit::Millimetre),
+    ("x_vent", Unit::Millimetre),
+];
+
+/// Name and unit of the plunger's position, which joins the row where the plant has a regulating valve.
+pub const PLUNGER_SIGNAL: (&str, Unit) = ("x_plunger", Unit::Millimetre);
+
+/// Replays a log row by row in constant memory.
+#[derive(Debug, Clone)]
+pub struct Replay {
+    simulator: Simulator,
+    regulating_valve: Option<RegulatingValve>,
+    sampling: CurrentSampling,
+    ambient_pressure: f64,
+    command: Command,
+    supply_voltage_v: f64,
+    last: Option<Sample>,
+}
+
+impl Replay {
+    /// Starts at rest; `tolerance` sets the accuracy.
+    pub fn new(
+        parameters: &PlantParameters,
+        sampling: CurrentSampling,
+        tolerance: Tolerance,
+    ) -> Self {
+        Self {
+            simulator: Simulator::with_tolerance(parameters, tolerance),
+            regulating_valve: parameters
+                .regulating_valve
+                .clone()
+                .map(RegulatingValve::new),
+            sampling,
+            ambient_pressure: parameters.gas.ambient_pressure_pa,
+            command: Command::default(),
+            supply_voltage_v: parameters.ecu.supply_voltage_v,
+            last: None,
+        }
+    }
+
+    /// The simulator, to correct its state or to read its statistics.
+    pub fn simulator(&mut self) -> &mut Simulator {
+        &mut self.simulator
+    }
+
+    /// Advances to the instant of `input`, samples, then hands over the command. The plunger's position [mm]
+    /// comes along where there is a regulating valve.
+    pub fn row(&mut self, input: ReplayInput) -> (Row, Option<f64>) {
+        self.simulator.advance_to_ns(input.time_ns);
+        let sample = self.simulator.sample();
+        let plunger = self.advance_plunger(&sample);
+        self.last = Some(sample);
+        if let Some(volt) = input.supply_voltage_v
+            && volt != self.supply_voltage_v
+        {
+            self.supply_voltage_v = volt;
+            self.simulator.set_supply_voltage(volt);
+        }
+        if let Some(command) = input.command {
+            self.command = command;
+        }
+        self.simulator.command(self.command);
+        let current = match self.sampling {
+            CurrentSampling::MeanOfInterval => sample.mean_current,
+            CurrentSampling::Instant => sample.current,
+        };
+        let row = [
+            self.command.duty_fill_pct,
+            self.command.duty_vent_pct,
+            (sample.pressure - self.ambient_pressure) / crate::parameters::PA_PER_BAR,
+            current[FILL] * 1e3,
+            current[VENT] * 1e3,
+            self.supply_voltage_v,
+            sample.position[FILL] * 1e3,
+            sample.position[VENT] * 1e3,
+        ];
+        (row, plunger)
+    }
+
+    fn advance_plunger(&mut self, sample: &Sample) -> Option<f64> {
+        let valve = self.regulating_valve.as_mut()?;
+        if let Some(last) = self.last
+            && sample.time_ns > last.time_ns
+        {
+            let span = (sample.time_ns - last.time_ns) as f64 * 1e-9;
+            valve.advance(
+                span,
+                last.pressure - self.ambient_pressure,
+                sample.pressure - self.ambient_pressure,
+            );
+        }
+        Some(valve.position() * 1e3)
+    }
+}
+
+/// A replayed log and what it took.
+#[derive(Debug, Clone)]
+pub struct Replayed {
+    /// The model's signals on the time base of the log.
+    pub recording: Recording,
+    /// How the currents are meant.
+    pub sampling: CurrentSampling,
+    /// Rows in which a command was missing and the last one was held.
+    pub held_commands: usize,
+    /// The simulator's work.
+    pub statistics: Statistics,
+}
+
+/// Replays a whole log: `duty_fill` and `duty_vent` (either may be absent and is then 0 %), and `u_bat`
+/// where it was logged. `correct` sees each row before the command goes out and may move the state, as a
+/// predictor does; pass `|_, _| {}` for a free run.
+pub fn replay(
+    parameters: &PlantParameters,
+    log: &Recording,
+    tolerance: Tolerance,
+    mut correct: impl FnMut(usize, &mut Simulator),
+) -> Result<Replayed, ReplayError> {
+    let (base, inputs) = inputs(log)?;
+    let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
+    let sampling = CurrentSampling::of_interval(interval_s, parameters);
+    let mut replay = Replay::new(parameters, sampling, tolerance);
+    let mut columns: [Vec<f64>; ROW_SIGNALS.len()] =
+        core::array::from_fn(|_| Vec::with_capacity(inputs.len()));
+    let mut plunger_column = Vec::new();
+    let mut held_commands = 0;
+    for (index, &input) in inputs.iter().enumerate() {
+        held_commands += usize::from(input.command.is_none());
+        let (row, plunger) = replay.row(input);
+        for (column, value) in columns.iter_mut().zip(row) {
+            column.push(value);
+        }
+        plunger_column.extend(plunger);
+        correct(index, replay.simulator());
+    }
+    let provenance = Provenance::from_source(format!("model of {}", log.provenance().source))
+        .with_note("producer", concat!("plant-sim ", env!("CARGO_PKG_VERSION")));
+    let mut recording = Recording::new(provenance);
+    let id = recording.add_time_base(base.clone());
+    for ((name, unit), column) in ROW_SIGNALS.into_iter().zip(columns) {
+        recording.add_signal(name, unit, id, column)?;
+    }
+    if parameters.regulating_valve.is_some() {
+        recording.add_signal(PLUNGER_SIGNAL.0, PLUNGER_SIGNAL.1, id, plunger_column)?;
+    }
+    Ok(Replayed {
+        recording,
+        sampling,
+        held_commands,
+        statistics: replay.simulator.statistics(),
+    })
+}
+
+/// The commands of a log, with the time base that they share.
+pub fn inputs(log: &Recording) -> Result<(&TimeBase, Vec<ReplayInput>), ReplayError> {
+    let duties = ["duty_fill", "duty_vent"];
+    let present = duties.into_iter().find(|name| log.signal(name).is_some());
+    // The error of `require` lists what there is instead.
+    let first = log.require(present.unwrap_or(duties[FILL]), Quantity::DutyCycle)?;
+    let id = first.time_base();
+    let base = log.time_base(id).ok_or(ReplayError::NoTimeBase)?;
+    let column = |name: &'static str, quantity, unit| -> Result<Option<Vec<f64>>, ReplayError> {
+        if log.signal(name).is_none() {
+            return Ok(None);
+        }
+        let signal = log.require(name, quantity)?;
+        if signal.time_base() != id {
+            return Err(ReplayError::OtherTimeBase { name });
+        }
+        Ok(Some(signal.values_in(unit)?))
+    };
+    let fill = column(duties[FILL], Quantity::DutyCycle, Unit::Percent)?;
+    let vent = column(duties[VENT], Quantity::DutyCycle, Unit::Percent)?;
+    let supply = column("u_bat", Quantity::Voltage, Unit::Volt)?;
+    let at = |column: &Option<Vec<f64>>, index: usize| column.as_ref().map_or(0.0, |c| c[index]);
+    let start_s = base.start_s();
+    let inputs = base.times_s().iter().enumerate().map(|(index, time_s)| {
+        let command = Command {
+            duty_fill_pct: at(&fill, index),
+            duty_vent_pct: at(&vent, index),
+        };
+        let complete = !command.duty_fill_pct.is_nan() && !command.duty_vent_pct.is_nan();
+        ReplayInput {
+            time_ns: ((time_s - start_s) * 1e9).round() as u64,
+            command: complete.then_some(command),
+            supply_voltage_v: supply
+                .as_ref()
+                .map(|column| column[index])
+                .filter(|volt| volt.is_finite()),
+        }
+    });
+    Ok((base, inputs.collect()))
+}
+
+/// Why a log cannot be replayed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ReplayError {
+    /// A signal is absent or of another kind.
+    #[error(transparent)]
+    MissingSignal(#[from] MissingSignal),
+    /// A signal cannot be converted.
+    #[error(transparent)]
+    Conversion(#[from] ConversionError),
+    /// The simulated signals do not make a recording.
+    #[error(transparent)]
+    Recording(#[from] AddSignalError),
+    /// The simulated instants do not make a time base.
+    #[error(transparent)]
+    TimeBase(#[from] TimeBaseError),
+    /// The commands have no time base.
+    #[error("the duty cycles have no time base")]
+    NoTimeBase,
+    /// Commands and voltage must be sampled together.
+    #[error("`{name}` has another time base than the duty cycles; resample it to theirs first")]
+    OtherTimeBase {
+        /// The signal.
+        name: &'static str,
+    },
+}

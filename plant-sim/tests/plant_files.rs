@@ -1,0 +1,144 @@
+//! Plant files: what is read, what is refused, and what the refusal says.
+
+use plant_sim::PlantParameters;
+use plant_sim::parameters::{NOMINAL_PLANT_TOML, PARAMETERS};
+use plant_sim::valve::ValveFunction;
+
+/// The nominal file with `from` replaced by `to`, which must occur.
+fn changed(from: &str, to: &str) -> String {
+    assert!(NOMINAL_PLANT_TOML.contains(from), "{from}");
+    NOMINAL_PLANT_TOML.replacen(from, to, 1)
+}
+
+/// Reads `text`, which must be refused, and returns the message.
+fn refusal(text: &str) -> String {
+    PlantParameters::from_toml(text, "rig.toml")
+        .expect_err("refused")
+        .to_string()
+}
+
+#[test]
+fn the_shipped_plant_is_read_with_its_provenance() {
+    let nominal = PlantParameters::nominal();
+    assert_eq!(nominal.chamber.volume_m3, 75e-6);
+    assert_eq!(nominal.ecu.command_delay_ns(), 15_000_000);
+    assert_eq!(nominal.functions, [ValveFunction::NormallyClosed; 2]);
+    assert_eq!(
+        nominal.provenance["ecu.command_delay_s"],
+        "thesis, section 4.2.4"
+    );
+}
+
+#[test]
+fn a_written_file_reads_back_to_the_same_bits() {
+    let mut plant = PlantParameters::nominal();
+    plant
+        .set("flow.discharge_fill", 0.1 + 0.2, "fitted")
+        .unwrap();
+    plant.functions[1] = ValveFunction::NormallyOpen;
+    let again = PlantParameters::from_toml(&plant.to_toml(), "again").unwrap();
+    assert_eq!(plant, again);
+}
+
+#[test]
+fn every_parameter_is_refused_beyond_its_range_and_accepted_at_its_ends() {
+    let nominal = PlantParameters::nominal();
+    for spec in PARAMETERS.iter().filter(|spec| !spec.is_optional()) {
+        let (least, most) = spec.range;
+        for (value, allowed) in [
+            (least, true),
+            (most, true),
+            (least - least.abs().max(1e-9) * 1e-9, false),
+            (most + most.abs() * 1e-9, false),
+            (f64::NAN, false),
+            (f64::INFINITY, false),
+        ] {
+            let mut plant = nominal.clone();
+            let result = plant.set(&spec.name(), value, "test");
+            // The gap and the stroke also exclude each other.
+            if !["magnet.gap_closed_m", "armature.stroke_m"].contains(&spec.name().as_str())
+                || !allowed
+            {
+                assert_eq!(
+                    result.is_ok(),
+                    allowed,
+                    "{} = {value}: {result:?}",
+                    spec.name()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn refusals_name_file_line_value_bound_and_what_to_do() {
+    for (text, says) in [
+        (
+            changed("volume_m3 = 75e-6", "volume_cm3 = 75"),
+            "rig.toml:47: unknown parameter `chamber.volume_cm3`; write `volume_m3 = 7.5e-5`",
+        ),
+        (
+            changed("volume_m3 = 75e-6", "volume_m3 = 75"),
+            "rig.toml:47: `chamber.volume_m3` = 75 is out of range: allowed 1e-7 to 1 m3 (dead volume V_ch of chamber, channels and actuator (section 2.2)); if the number is in cm3, write `volume_m3 = 7.5e-5`",
+        ),
+        (
+            changed("mass_kg = 5.0e-3", "mass_kg = \"5 g\""),
+            "`armature.mass_kg` is string, expected a number",
+        ),
+        (
+            changed("[chamber]", "[chambre]"),
+            "unknown table [chambre]; a plant file has the tables [ecu], [coil]",
+        ),
+        (
+            changed("mass_kg = 5.0e-3", ""),
+            "rig.toml: `mass_kg` is missing in [armature]: moving mass (equation 3.11); add it with a value from 1e-4 to 1 kg",
+        ),
+        (
+            changed("mass_kg = 5.0e-3", "mass_kg = nan"),
+            "`armature.mass_kg` = NaN is out of range",
+        ),
+        (
+            changed("mass_kg = 5.0e-3", "mass_kg = 5.0e-3 kg"),
+            "rig.toml:23: not valid TOML",
+        ),
+        (
+            changed("mass_kg = 5.0e-3", "mass_kg = 5e-3\nmass_kg = 6e-3"),
+            "rig.toml:24: not valid TOML",
+        ),
+        (
+            changed("stroke_m = 0.5e-3", "stroke_m = 9e-3"),
+            "`magnet.gap_closed_m`: the effective gap 0.008 m must be larger than armature.stroke_m = 0.009 m",
+        ),
+        (
+            format!("{NOMINAL_PLANT_TOML}\n[valves]\nvent = \"open\"\n"),
+            "`valves.vent` = \"open\" is not one of normally_closed, normally_open",
+        ),
+        (
+            format!("{NOMINAL_PLANT_TOML}\n[regulating_valve]\nplunger_mass_kg = 0.1\n"),
+            "`stroke_m` is missing in [regulating_valve]",
+        ),
+    ] {
+        let message = refusal(&text);
+        assert!(message.contains(says), "expected: {says}\nfound: {message}");
+    }
+}
+
+#[test]
+fn all_problems_are_reported_at_once() {
+    let text = changed("mass_kg = 5.0e-3", "mass_kg = -1").replace("volume_m3", "volumen_m3");
+    let error = PlantParameters::from_toml(&text, "rig.toml").unwrap_err();
+    assert_eq!(error.problems().len(), 3, "{error}");
+}
+
+#[test]
+fn hostile_files_are_refused_without_harm() {
+    for text in [
+        "[".repeat(100_000),
+        "a.".repeat(100_000),
+        "\u{feff}\u{0}".to_owned(),
+        format!("x = \"{}\"", "y".repeat(2 << 20)),
+        "[ecu]\nsample_time_s = 1e400".to_owned(),
+    ] {
+        assert!(PlantParameters::from_toml(&text, "rig.toml").is_err());
+    }
+}

@@ -1,0 +1,76 @@
+//! Any plant that a plant file may describe, under any duty cycles: the state stays physical, the work stays
+//! bounded, and the same input gives the same bits.
+
+use plant_sim::parameters::PARAMETERS;
+use plant_sim::{Command, PlantParameters, Sample, Simulator};
+use proptest::prelude::*;
+
+/// The nominal plant with every parameter multiplied by up to `spread` either way, kept in its range.
+fn plants(spread: f64) -> impl Strategy<Value = PlantParameters> {
+    prop::collection::vec(-1.0..1.0_f64, PARAMETERS.len()).prop_map(move |exponents| {
+        let mut plant = PlantParameters::nominal();
+        for (spec, exponent) in PARAMETERS.iter().zip(exponents) {
+            let Some(value) = spec.value(&plant) else {
+                continue;
+            };
+            let (least, most) = spec.range;
+            let value = (value * spread.powf(exponent)).clamp(least, most);
+            // A gap shorter than the stroke is refused: the nominal value stays.
+            let _ = plant.set(&spec.name(), value, "drawn");
+        }
+        plant
+    })
+}
+
+fn duties() -> impl Strategy<Value = Vec<(f64, f64)>> {
+    let duty = prop_oneof![Just(0.0), Just(100.0), 0.0..100.0_f64];
+    prop::collection::vec((duty.clone(), duty), 1..60)
+}
+
+fn run(plant: &PlantParameters, duties: &[(f64, f64)]) -> (Vec<Sample>, u64) {
+    let mut simulator = Simulator::new(plant);
+    let mut samples = Vec::new();
+    for (index, &(duty_fill_pct, duty_vent_pct)) in duties.iter().enumerate() {
+        simulator.advance_to_ns(index as u64 * 10_000_000);
+        samples.push(simulator.sample());
+        simulator.command(Command {
+            duty_fill_pct,
+            duty_vent_pct,
+        });
+    }
+    let statistics = simulator.statistics();
+    (
+        samples,
+        statistics.steps + statistics.rejected_steps + statistics.exact_intervals,
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_state_stays_physical_for_any_plant_and_any_duty(plant in plants(3.0), duties in duties()) {
+        let (samples, work) = run(&plant, &duties);
+        let gas = &plant.gas;
+        let (supply, ambient) = (gas.supply_pressure_pa(), gas.ambient_pressure_pa);
+        // At most the steady current, pushed up by the flux that a moving armature displaces.
+        let coil = &plant.coil;
+        let displaced = coil.inductance_open_h / coil.inductance_closed_h;
+        let most = plant.ecu.supply_voltage_v / coil.resistance_20c_ohm * displaced.max(1.0 / displaced);
+        for sample in &samples {
+            prop_assert!(sample.pressure >= ambient - 5.0 && sample.pressure <= supply + 5.0, "{sample:?}");
+            for index in 0..2 {
+                let (current, x) = (sample.current[index], sample.position[index]);
+                prop_assert!((0.0..=most * (1.0 + 1e-6)).contains(&current), "{sample:?}");
+                prop_assert!((0.0..=plant.armature.stroke_m).contains(&x), "{sample:?}");
+            }
+        }
+        let periods = duties.len() as f64 * 0.01 * plant.ecu.pwm_frequency_hz;
+        prop_assert!((work as f64) < 2000.0 * (periods + duties.len() as f64), "{work} steps in {periods} periods");
+    }
+
+    #[test]
+    fn the_same_input_gives_the_same_bits(plant in plants(1.2), duties in duties()) {
+        prop_assert_eq!(run(&plant, &duties), run(&plant, &duties));
+    }
+}
