@@ -15,8 +15,10 @@ pub(crate) const fn high_product(a: i32, b: i32) -> i32 {
 /// The upper word, rounded towards zero, so that -x gives exactly the negative of x.
 #[inline(always)]
 pub(crate) const fn high_word_towards_zero(x: i64) -> i32 {
-    // Adds 2³²-1 to a negative x; |x| < 2⁶² (docs/numerics.md), so the sum stays inside.
-    (x.wrapping_add(((x >> 63) as u32) as i64) >> 32) as i32
+    let high = (x >> 32) as i32;
+    // One more where x is negative and its lower word is not zero: that is where all ones carry out of the lower word.
+    let (_, carry) = (x as u32).overflowing_add((high >> 31) as u32);
+    high.wrapping_add(carry as i32)
 }
 
 /// A word as the upper half of a double word.

@@ -111,7 +111,7 @@ impl Valve {
     /// `magnitude` of u [2⁻¹² %] from DC_min to DC_max.
     #[inline(always)]
     fn alone(&self, magnitude: i32, difference: i32) -> Duty {
-        Duty::saturating_from_bits(match self.min {
+        Duty::from_proved_bits(match self.min {
             // |u| with 20 bits times a slope of 28 leaves 16; at most DC_max (docs/numerics.md).
             LowerLimit::Constant(min) => min.wrapping_add(high_product(magnitude << 8, self.slope)),
             LowerLimit::ByPressure(_) => between(self.min.at(difference), self.max, magnitude),
@@ -121,13 +121,13 @@ impl Valve {
     /// `magnitude` of u [2⁻¹² %] from the middle up to DC_max.
     #[inline(always)]
     fn above_middle(&self, magnitude: i32) -> Duty {
-        Duty::saturating_from_bits(between(self.middle, self.max, magnitude))
+        Duty::from_proved_bits(between(self.middle, self.max, magnitude))
     }
 
     /// `magnitude` of u [2⁻¹² %] from the middle down to DC_min.
     #[inline(always)]
     fn below_middle(&self, magnitude: i32, difference: i32) -> Duty {
-        Duty::saturating_from_bits(between(self.middle, self.min.at(difference), magnitude))
+        Duty::from_proved_bits(between(self.middle, self.min.at(difference), magnitude))
     }
 }
 

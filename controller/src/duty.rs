@@ -34,6 +34,16 @@ impl Duty {
         self.0
     }
 
+    /// From units of 2⁻¹⁶ % that the distributor's arithmetic proves to be 0 ..= 100 % (docs/numerics.md).
+    #[inline(always)]
+    pub(crate) const fn from_proved_bits(bits: i32) -> Self {
+        debug_assert!(
+            bits >= 0 && bits <= Self::FULL.to_bits(),
+            "the distributor left 0 ..= 100 %"
+        );
+        Self(I16F16::from_bits(bits))
+    }
+
     /// From units of 2⁻¹⁶ %, held at 0 and 100 %.
     #[must_use]
     #[inline]
