@@ -1,6 +1,6 @@
 use crate::{Quantity, Unit};
 
-/// Longest name of a signal [bytes].
+/// Longest name of a signal in bytes.
 pub const NAME_BYTES_MAX: usize = 256;
 
 /// What is wrong with the name of a signal.

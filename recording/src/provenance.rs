@@ -45,7 +45,7 @@ pub struct Note {
 /// Identity of an input file: the only defence against a byte that changed unseen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InputFile {
-    /// Size [bytes].
+    /// Size in bytes.
     pub size_bytes: u64,
     /// SHA-256 of all bytes.
     pub sha256: [u8; 32],

@@ -79,7 +79,7 @@ impl Signal {
             .collect())
     }
 
-    /// The samples in `unit`, NaN where missing, gauge and absolute related by `ambient_pressure_pa` [Pa absolute].
+    /// The samples in `unit`, NaN where missing, gauge and absolute related by `ambient_pressure_pa` in Pa absolute.
     ///
     /// # Errors
     /// Those of [`Unit::converter_at_ambient`].

@@ -5,7 +5,7 @@ pub struct TimeBase {
 }
 
 impl TimeBase {
-    /// A time base of these instants [s].
+    /// A time base of these instants in s.
     ///
     /// # Errors
     /// [`TimeBaseError`] names the first instant that breaks the order.
@@ -45,7 +45,7 @@ impl TimeBase {
         )
     }
 
-    /// The instants [s].
+    /// The instants in s.
     pub fn times_s(&self) -> &[f64] {
         &self.times_s
     }
@@ -56,12 +56,12 @@ impl TimeBase {
         self.times_s.len()
     }
 
-    /// First instant [s].
+    /// First instant in s.
     pub fn start_s(&self) -> f64 {
         self.times_s[0]
     }
 
-    /// Last instant [s].
+    /// Last instant in s.
     pub fn end_s(&self) -> f64 {
         self.times_s[self.times_s.len() - 1]
     }
@@ -103,7 +103,7 @@ impl TimeBase {
 /// How regular a time base is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampling {
-    /// Median distance of two samples [s]; none for a single sample.
+    /// Median distance of two samples in s; none for a single sample.
     pub median_step_s: Option<f64>,
     /// True if a step, gaps aside, differs from the median by more than [`Sampling::UNEVEN_SHARE`].
     pub uneven: bool,
@@ -123,9 +123,9 @@ impl Sampling {
 pub struct Gap {
     /// Index of the last sample before the gap.
     pub index_before: usize,
-    /// Instant of the last sample before the gap [s].
+    /// Instant of the last sample before the gap, in s.
     pub start_s: f64,
-    /// Instant of the first sample after the gap [s].
+    /// Instant of the first sample after the gap, in s.
     pub end_s: f64,
 }
 
@@ -141,7 +141,7 @@ pub enum TimeBaseError {
     NotFinite {
         /// Index of the instant, from 0.
         index: usize,
-        /// Its time [s].
+        /// Its time in s.
         time_s: f64,
     },
     /// Repeated or backwards.
@@ -149,9 +149,9 @@ pub enum TimeBaseError {
     NotIncreasing {
         /// Index of the instant, from 0.
         index: usize,
-        /// The instant before it [s].
+        /// The instant before it in s.
         previous_s: f64,
-        /// Its time [s].
+        /// Its time in s.
         time_s: f64,
     },
 }

@@ -1,22 +1,22 @@
 //! Does the size of the values fit their declared unit? A unit that is wrong by a factor reads without any error.
 
-use super::error::Problem;
 use super::plan::{FieldPlan, Plan};
+use super::problem::Problem;
 use crate::signal::quantity_of;
 use crate::{Converter, PressureReference, Quantity, Unit};
 
-/// No pneumatic brake holds more [bar]; its supply is at 6 to 12 bar.
+/// No pneumatic brake holds more; its supply is at 6 to 12 bar.
 const LARGEST_BAR: f64 = 50.0;
-/// A charged chamber [bar].
+/// The pressure of a charged chamber.
 const CHARGED_BAR: std::ops::RangeInclusive<f64> = 1.0..=25.0;
-/// Below this a log in a small unit is suspected to be one in a larger unit [bar].
+/// Below this a log in a small unit is suspected to be one in a larger unit.
 const SMALL_BAR: f64 = 0.25;
-/// The thinnest atmosphere a vehicle meets, at about 5500 m [bar abs].
+/// The thinnest atmosphere a vehicle meets, at about 5500 m.
 const AMBIENT_MIN_BAR: f64 = 0.5;
-/// Vacuum [bar], with room for the offset of a sensor.
+/// Vacuum, with room for the offset of a sensor.
 const VACUUM_GAUGE_BAR: f64 = -1.1;
 const VACUUM_ABSOLUTE_BAR: f64 = -0.05;
-/// Mean distance of rows at which seconds look like milliseconds [s].
+/// Mean distance of rows at which seconds look like milliseconds.
 const STEP_MAX_S: f64 = 10.0;
 
 /// Watches the values of one signal.

@@ -1,9 +1,10 @@
 use std::fmt;
 
 use super::Decimal;
-use super::error::{Excerpt, Problem};
+use super::error::{Excerpt, Located, Place};
 use super::number::{Evidence, evidence};
-use super::record::{AtLine, BYTE_ORDER_MARK};
+use super::problem::Problem;
+use super::record::BYTE_ORDER_MARK;
 
 /// What separates columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,10 +81,10 @@ impl fmt::Display for Dialect {
 }
 
 /// Refuses what is not UTF-8 text with line feeds, as far as the head of the file shows.
-pub(super) fn check_encoding(head: &[u8]) -> Result<(), AtLine> {
+pub(super) fn check_encoding(head: &[u8]) -> Result<(), Located> {
     let utf16 = "UTF-16 (Excel's \"Unicode text\")";
     let guess = match head {
-        [] => return Err((None, Problem::Empty)),
+        [] => return Err((Place::default(), Problem::Empty)),
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => utf16,
         [b'P', b'K', 3, 4, ..] => "a ZIP archive, such as an Excel workbook",
         [b'M', b'D', b'F', b' ', ..] => "an MDF measurement file",
@@ -94,17 +95,17 @@ pub(super) fn check_encoding(head: &[u8]) -> Result<(), AtLine> {
             let bare_returns =
                 lines.next().is_none() && head.contains(&b'\r') && !head.ends_with(b"\r");
             return if bare_returns {
-                Err((Some(1), Problem::LineEnd))
+                Err((Place::line(1), Problem::LineEnd))
             } else {
                 Ok(())
             };
         }
     };
-    Err((None, Problem::Encoding { guess }))
+    Err((Place::default(), Problem::Encoding { guess }))
 }
 
 /// The delimiter is the first of tab, semicolon and comma that occurs outside quotes in the first record.
-pub(super) fn find_delimiter(head: &[u8], skipped_lines: u32) -> Result<Delimiter, AtLine> {
+pub(super) fn find_delimiter(head: &[u8], skipped_lines: u32) -> Result<Delimiter, Located> {
     let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
     let lines = text
         .split_inclusive(|&byte| byte == b'\n')
@@ -118,7 +119,7 @@ pub(super) fn find_delimiter(head: &[u8], skipped_lines: u32) -> Result<Delimite
         }
     }
     let Some((line_index, offset)) = offset else {
-        return Err((None, Problem::Empty));
+        return Err((Place::default(), Problem::Empty));
     };
     let (mut quoted, mut seen) = (false, [false; 3]);
     let record = &text[offset..];
@@ -141,7 +142,7 @@ pub(super) fn find_delimiter(head: &[u8], skipped_lines: u32) -> Result<Delimite
         .find_map(|(delimiter, seen)| seen.then_some(delimiter))
         .ok_or_else(|| {
             (
-                Some(line_index as u64 + 1),
+                Place::line(line_index as u64 + 1),
                 Problem::NoDelimiter {
                     found: Excerpt::of_bytes(first_line),
                 },

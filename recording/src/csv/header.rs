@@ -1,6 +1,7 @@
 //! A header field is a name and a unit: `p_ch_bar_gauge`, `p_ch [bar gauge]`, `p_ch (bar gauge)`.
 
-use super::error::{Excerpt, Problem};
+use super::error::Excerpt;
+use super::problem::Problem;
 use crate::Unit;
 use crate::name::check_name;
 

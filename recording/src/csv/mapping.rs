@@ -120,7 +120,7 @@ fn yes() -> bool {
 }
 
 impl Mapping {
-    /// Largest mapping file [bytes].
+    /// Largest mapping file in bytes.
     pub const BYTES_MAX: u64 = 1 << 20;
 
     /// The mapping in the TOML text of the file `source_name`.

@@ -1,16 +1,18 @@
 //! Which field of a record is the time, which are signals, and what else must be known about them.
 
-use super::error::{Excerpt, Place, Problem};
+use super::error::{Excerpt, Located, Place};
 use super::header::{parse_heading, parse_heading_over_unit};
 use super::mapping::{ColumnKey, MappedColumn, Mapping};
-use crate::Unit;
+use super::problem::Problem;
 use crate::name::{NameError, is_time_column};
+use crate::{Converter, Unit};
 
 /// The columns of a file, resolved once.
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) fields: usize,
     pub(super) time: FieldPlan,
+    pub(super) to_seconds: Converter,
     pub(super) signals: Vec<FieldPlan>,
     /// A separator at the end of each line makes a last column without name and content.
     pub(super) empty_last: bool,
@@ -77,14 +79,14 @@ impl Plan {
 }
 
 /// The head of a file: its first record as header or as data, and the units below it.
-pub(super) struct Head<'a> {
+pub(super) struct Head {
     pub(super) line: u64,
-    pub(super) first: &'a [String],
+    pub(super) first: Vec<String>,
     pub(super) is_header: bool,
-    pub(super) units: Option<&'a [String]>,
+    pub(super) units: Option<Vec<String>>,
 }
 
-impl Head<'_> {
+impl Head {
     fn place(&self, field: usize) -> Place {
         Place::cell(self.line, field, None)
     }
@@ -97,7 +99,7 @@ impl Head<'_> {
         }
     }
 
-    fn find(&self, key: &ColumnKey) -> Result<usize, (Place, Problem)> {
+    fn find(&self, key: &ColumnKey) -> Result<usize, Located> {
         let missing = |wanted: String| {
             let problem = Problem::MappedColumnMissing {
                 wanted,
@@ -129,7 +131,7 @@ impl Head<'_> {
 }
 
 /// Resolves every column by the mapping, or else by its header.
-pub(super) fn resolve(head: &Head<'_>, mapping: &Mapping) -> Result<Plan, (Place, Problem)> {
+pub(super) fn resolve(head: &Head, mapping: &Mapping) -> Result<Plan, Located> {
     let fields = head.first.len();
     let mut explained = vec![false; fields];
     for key in &mapping.ignore {
@@ -158,6 +160,7 @@ pub(super) fn resolve(head: &Head<'_>, mapping: &Mapping) -> Result<Plan, (Place
         }
         let unit = head
             .units
+            .as_ref()
             .and_then(|units| units.get(field))
             .map_or("", String::as_str);
         if text.is_empty() {
@@ -170,7 +173,7 @@ pub(super) fn resolve(head: &Head<'_>, mapping: &Mapping) -> Result<Plan, (Place
                 problem: NameError::Empty,
             }));
         }
-        let heading = match head.units {
+        let heading = match head.units.as_ref() {
             Some(_) => parse_heading_over_unit(text, unit),
             None => parse_heading(text),
         };
@@ -188,28 +191,31 @@ pub(super) fn resolve(head: &Head<'_>, mapping: &Mapping) -> Result<Plan, (Place
     }
     signals.sort_by(|a, b| (a.field, &a.name).cmp(&(b.field, &b.name)));
     refuse_duplicates(head, &signals)?;
-    let Some(time) = time else {
-        return Err((
+    let no_time = || {
+        (
             Place::line(head.line),
             Problem::NoTimeColumn {
                 found: head.shown(),
             },
-        ));
+        )
     };
+    let time = time.ok_or_else(no_time)?;
+    let to_seconds = time.unit.converter(Unit::Second).map_err(|_| no_time())?;
     if signals.is_empty() {
         return Err((Place::line(head.line), Problem::NoSignal));
     }
-    let headers = head.is_header.then(|| head.first.to_vec());
+    let headers = head.is_header.then(|| head.first.clone());
     Ok(Plan {
         fields,
         time,
+        to_seconds,
         signals,
         empty_last,
         headers,
     })
 }
 
-fn refuse_duplicates(head: &Head<'_>, signals: &[FieldPlan]) -> Result<(), (Place, Problem)> {
+fn refuse_duplicates(head: &Head, signals: &[FieldPlan]) -> Result<(), Located> {
     let mut seen = std::collections::BTreeMap::new();
     for signal in signals {
         if let Some(first) = seen.insert(&signal.name, signal.field) {

@@ -5,7 +5,8 @@ use std::io::{self, Read};
 use csv_core::ReadRecordResult;
 use sha2::{Digest, Sha256};
 
-use super::error::{Budget, Problem};
+use super::error::{Located, Place};
+use super::problem::{Budget, Problem};
 use super::{Delimiter, Limits};
 use crate::{InputFile, Note};
 
@@ -13,9 +14,6 @@ pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 const CHUNK_BYTES: usize = 64 << 10;
 const NOTES_MAX: usize = 256;
 const NOTE_BYTES_MAX: usize = 1024;
-
-/// A problem and the line it is on.
-pub(super) type AtLine = (Option<u64>, Problem);
 
 /// Reads records of an input; memory is bounded by the budgets, whatever the input holds.
 pub(super) struct Records<R> {
@@ -95,7 +93,7 @@ impl<R: Read> Records<R> {
     }
 
     /// The next record, blank lines and comments skipped; none at the end of the file.
-    pub(super) fn next(&mut self) -> Result<Option<Record<'_>>, AtLine> {
+    pub(super) fn next(&mut self) -> Result<Option<Record<'_>>, Located> {
         if !self.advance()? {
             return Ok(None);
         }
@@ -103,7 +101,7 @@ impl<R: Read> Records<R> {
     }
 
     /// The record that [`Records::next`] returned last.
-    pub(super) fn current(&self) -> Result<Record<'_>, AtLine> {
+    pub(super) fn current(&self) -> Result<Record<'_>, Located> {
         let RecordMeta {
             line,
             bytes,
@@ -112,7 +110,7 @@ impl<R: Read> Records<R> {
         } = self.record;
         let text = std::str::from_utf8(&self.fields[..bytes]).map_err(|_| {
             (
-                Some(line),
+                Place::line(line),
                 Problem::Encoding {
                     guess: "bytes of an 8-bit encoding such as Windows-1252",
                 },
@@ -126,12 +124,15 @@ impl<R: Read> Records<R> {
         })
     }
 
-    /// Skips `count` lines as they are, whatever they hold.
-    pub(super) fn skip_lines(&mut self, count: u32) -> Result<(), AtLine> {
-        for _ in 0..count {
+    /// Skips `lines` lines as they are, whatever they hold, and then so many records.
+    pub(super) fn skip(&mut self, lines: u32, records: usize) -> Result<(), Located> {
+        for _ in 0..lines {
             if !self.skip_line(None)? {
                 break;
             }
+        }
+        for _ in 0..records {
+            self.next()?;
         }
         Ok(())
     }
@@ -149,12 +150,12 @@ impl<R: Read> Records<R> {
         }
     }
 
-    fn advance(&mut self) -> Result<bool, AtLine> {
+    fn advance(&mut self) -> Result<bool, Located> {
         if !self.skip_to_record()? {
             return Ok(false);
         }
         let line = self.line;
-        let at = |problem| (Some(line), problem);
+        let at = |problem| (Place::line(line), problem);
         let over = |budget, bound: usize| {
             at(Problem::Limit {
                 budget,
@@ -189,7 +190,8 @@ impl<R: Read> Records<R> {
             }
             match result {
                 ReadRecordResult::InputEmpty => {
-                    self.fill().map_err(|problem| (Some(self.line), problem))?;
+                    self.fill()
+                        .map_err(|problem| (Place::line(self.line), problem))?;
                 }
                 // Growth ends at the budgets checked above.
                 ReadRecordResult::OutputFull => self.fields.resize(self.fields.len() * 2, 0),
@@ -209,7 +211,7 @@ impl<R: Read> Records<R> {
     }
 
     /// Moves to the first byte of a record; false at the end of the file.
-    fn skip_to_record(&mut self) -> Result<bool, AtLine> {
+    fn skip_to_record(&mut self) -> Result<bool, Located> {
         loop {
             let Some(byte) = self.peek()? else {
                 return Ok(false);
@@ -231,7 +233,7 @@ impl<R: Read> Records<R> {
     }
 
     /// Skips to the next line and keeps the beginning of this one in `kept`; false at the end of the file.
-    fn skip_line(&mut self, mut kept: Option<&mut Vec<u8>>) -> Result<bool, AtLine> {
+    fn skip_line(&mut self, mut kept: Option<&mut Vec<u8>>) -> Result<bool, Located> {
         while self.peek()?.is_some() {
             let rest = &self.chunk[self.position..self.filled];
             let line_feed = memchr::memchr(b'\n', rest);
@@ -264,9 +266,10 @@ impl<R: Read> Records<R> {
         });
     }
 
-    fn peek(&mut self) -> Result<Option<u8>, AtLine> {
+    fn peek(&mut self) -> Result<Option<u8>, Located> {
         if self.position == self.filled {
-            self.fill().map_err(|problem| (Some(self.line), problem))?;
+            self.fill()
+                .map_err(|problem| (Place::line(self.line), problem))?;
         }
         Ok((self.position < self.filled).then(|| self.chunk[self.position]))
     }

@@ -81,7 +81,7 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// Writes one row: the time [s] and one value per column, NaN where missing.
+    /// Writes one row: the time in s and one value per column, NaN where missing.
     ///
     /// # Errors
     /// [`WriteError`]: times that do not increase as written, infinite values, another number of values, or the
@@ -275,9 +275,9 @@ pub enum WriteError {
     TimeOrder {
         /// Row, from 0.
         row: u64,
-        /// Time of the row before [s].
+        /// Time of the row before in s.
         previous_s: f64,
-        /// Time of the row [s].
+        /// Time of the row in s.
         time_s: f64,
     },
     /// An infinite value.

@@ -7,7 +7,7 @@ use std::fmt;
 use crate::Quantity;
 use table::{Entry, TABLE};
 
-/// The standard atmosphere [Pa], for a log whose ambient pressure was not measured (ISO 2533).
+/// The standard atmosphere in Pa, for a log whose ambient pressure was not measured (ISO 2533).
 pub const STANDARD_ATMOSPHERE_PA: f64 = 101_325.0;
 
 /// What a pressure is counted from.
@@ -224,7 +224,7 @@ impl Unit {
         self.converter_from_offsets(to, self.entry().offset, to.entry().offset)
     }
 
-    /// The conversion to `to` at the ambient pressure `ambient_pressure_pa` [Pa absolute], which only matters
+    /// The conversion to `to` at the ambient pressure `ambient_pressure_pa` in Pa absolute, which only matters
     /// between gauge and absolute.
     ///
     /// # Errors
@@ -343,7 +343,7 @@ pub enum ConversionError {
         "an ambient pressure of {ambient_pressure_pa} Pa is impossible: give a positive absolute pressure"
     )]
     AmbientImpossible {
-        /// Given ambient pressure [Pa absolute].
+        /// Given ambient pressure in Pa absolute.
         ambient_pressure_pa: f64,
     },
 }

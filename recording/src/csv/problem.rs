@@ -1,0 +1,512 @@
+use std::fmt;
+use std::io;
+
+use super::{Delimiter, Excerpt};
+use crate::Unit;
+use crate::name::NameError;
+
+/// A budget of [`Limits`](super::Limits).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Budget {
+    /// Bytes in the file.
+    FileBytes,
+    /// Bytes in a record.
+    RecordBytes,
+    /// Bytes in a field.
+    FieldBytes,
+    /// Columns.
+    Columns,
+    /// Samples per signal.
+    Samples,
+}
+
+/// What is wrong with a CSV file. Each variant has a stable code.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The file cannot be read.
+    Io(io::Error),
+    /// Reading went on after an error.
+    ReadAfterError,
+    /// No record at all.
+    Empty,
+    /// Not UTF-8.
+    Encoding {
+        /// What it is instead, by its look.
+        guess: &'static str,
+    },
+    /// Lines end with a bare carriage return.
+    LineEnd,
+    /// A budget is exceeded.
+    Limit {
+        /// Which budget.
+        budget: Budget,
+        /// Its bound.
+        bound: u64,
+    },
+    /// No column separator in the first record.
+    NoDelimiter {
+        /// The first record.
+        found: Excerpt,
+    },
+    /// The first record holds numbers where names belong.
+    NoHeader {
+        /// Its first field.
+        found: Excerpt,
+    },
+    /// A header field that cannot name a signal.
+    Name {
+        /// The field.
+        found: Excerpt,
+        /// What is wrong with it.
+        problem: NameError,
+    },
+    /// A column without a unit.
+    UnitMissing {
+        /// The header field.
+        found: Excerpt,
+    },
+    /// A unit this crate does not know.
+    UnitUnknown {
+        /// The text where a unit belongs.
+        found: Excerpt,
+        /// The token that differs from it in letter case only.
+        meant: Option<Unit>,
+    },
+    /// Header and units row name different units.
+    UnitConflict {
+        /// Unit in the header.
+        header: Unit,
+        /// Unit in the units row.
+        units_row: Unit,
+    },
+    /// A pressure that does not say whether it is gauge or absolute.
+    PressureReference {
+        /// The text that names the unit, such as `bar`.
+        found: Excerpt,
+    },
+    /// Two columns are one signal.
+    DuplicateName {
+        /// Base name of both.
+        name: String,
+        /// Column of the first, from 1.
+        first_column: usize,
+    },
+    /// Two columns are the time.
+    TwoTimeColumns {
+        /// Column of the first, from 1.
+        first_column: usize,
+    },
+    /// No column is the time.
+    NoTimeColumn {
+        /// The header fields.
+        found: Excerpt,
+    },
+    /// The time column is the only one.
+    NoSignal,
+    /// A header, but no row of numbers.
+    NoData,
+    /// The mapping names a column that is not there.
+    MappedColumnMissing {
+        /// The column as the mapping names it.
+        wanted: String,
+        /// The header fields, or the number of columns.
+        found: Excerpt,
+    },
+    /// The mapping names a column by a header field that occurs twice.
+    MappedColumnTwice {
+        /// The header field.
+        wanted: String,
+    },
+    /// A column that neither a header nor the mapping explains.
+    Unmapped {
+        /// Its first field.
+        found: Excerpt,
+    },
+    /// A row with more or fewer fields than the header.
+    Ragged {
+        /// Number of fields in the header.
+        expected: usize,
+        /// Number of fields in this row.
+        found: usize,
+    },
+    /// The file ends within its last row.
+    Truncated {
+        /// What there is of the last field.
+        found: Excerpt,
+    },
+    /// Text where a number belongs.
+    NotANumber {
+        /// The field.
+        found: Excerpt,
+        /// The decimal separator of this file.
+        decimal: char,
+    },
+    /// NaN, infinite, or too large for a 64-bit float.
+    NotFinite {
+        /// The field.
+        found: Excerpt,
+    },
+    /// A number with separators between its thousands, or with one that could be.
+    Thousands {
+        /// The field.
+        found: Excerpt,
+    },
+    /// Every number with a comma could be decimal or grouped by thousands.
+    DecimalAmbiguous {
+        /// The first such field.
+        found: Excerpt,
+    },
+    /// Some numbers have a decimal comma and some a decimal point.
+    DecimalMixed {
+        /// The first field with the other separator.
+        found: Excerpt,
+    },
+    /// A row without time.
+    TimeMissing,
+    /// Time repeats or runs backwards.
+    TimeOrder {
+        /// The time field.
+        found: Excerpt,
+        /// The time before it in s.
+        previous_s: f64,
+        /// Its time in s.
+        time_s: f64,
+    },
+    /// Time steps too long for the declared unit.
+    TimeScale {
+        /// Mean step in s, if the time is in the declared unit.
+        mean_step_s: f64,
+        /// Declared unit.
+        declared: Unit,
+        /// Line for a mapping file that would make sense of it.
+        proposal: String,
+    },
+    /// A duty cycle outside 0 to 100 %.
+    DutyRange {
+        /// The value in percent.
+        percent: f64,
+    },
+    /// A pressure below vacuum.
+    BelowVacuum {
+        /// The value.
+        value: f64,
+        /// Declared unit.
+        declared: Unit,
+    },
+    /// Values whose size does not fit the declared unit.
+    Scale {
+        /// The value of largest size.
+        largest: f64,
+        /// Declared unit.
+        declared: Unit,
+        /// The unit they look like.
+        looks_like: Option<Unit>,
+        /// Line for a mapping file that accepts them.
+        proposal: String,
+    },
+}
+
+impl Problem {
+    /// The stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Io(_) => "E-CSV-IO",
+            Self::ReadAfterError => "E-CSV-AFTER-ERROR",
+            Self::Empty => "E-CSV-EMPTY",
+            Self::Encoding { .. } => "E-CSV-ENCODING",
+            Self::LineEnd => "E-CSV-LINE-END",
+            Self::Limit { budget, .. } => match budget {
+                Budget::FileBytes => "E-CSV-LIMIT-FILE",
+                Budget::RecordBytes => "E-CSV-LIMIT-RECORD",
+                Budget::FieldBytes => "E-CSV-LIMIT-FIELD",
+                Budget::Columns => "E-CSV-LIMIT-COLUMNS",
+                Budget::Samples => "E-CSV-LIMIT-SAMPLES",
+            },
+            Self::NoDelimiter { .. } => "E-CSV-DELIMITER",
+            Self::NoHeader { .. } => "E-CSV-HEADER",
+            Self::Name { .. } => "E-CSV-NAME",
+            Self::UnitMissing { .. } => "E-CSV-UNIT-MISSING",
+            Self::UnitUnknown { .. } => "E-CSV-UNIT-UNKNOWN",
+            Self::UnitConflict { .. } => "E-CSV-UNIT-CONFLICT",
+            Self::PressureReference { .. } => "E-CSV-PRESSURE-REFERENCE",
+            Self::DuplicateName { .. } => "E-CSV-NAME-DUPLICATE",
+            Self::TwoTimeColumns { .. } => "E-CSV-TIME-TWO-COLUMNS",
+            Self::NoTimeColumn { .. } => "E-CSV-TIME-NO-COLUMN",
+            Self::NoSignal => "E-CSV-NO-SIGNAL",
+            Self::NoData => "E-CSV-NO-DATA",
+            Self::MappedColumnMissing { .. } => "E-CSV-MAPPED-COLUMN",
+            Self::MappedColumnTwice { .. } => "E-CSV-MAPPED-COLUMN-TWICE",
+            Self::Unmapped { .. } => "E-CSV-UNMAPPED",
+            Self::Ragged { .. } => "E-CSV-RAGGED",
+            Self::Truncated { .. } => "E-CSV-TRUNCATED",
+            Self::NotANumber { .. } => "E-CSV-NUMBER",
+            Self::NotFinite { .. } => "E-CSV-NOT-FINITE",
+            Self::Thousands { .. } => "E-CSV-THOUSANDS",
+            Self::DecimalAmbiguous { .. } => "E-CSV-DECIMAL-AMBIGUOUS",
+            Self::DecimalMixed { .. } => "E-CSV-DECIMAL-MIXED",
+            Self::TimeMissing => "E-CSV-TIME-MISSING",
+            Self::TimeOrder { .. } => "E-CSV-TIME-ORDER",
+            Self::TimeScale { .. } => "E-CSV-TIME-SCALE",
+            Self::DutyRange { .. } => "E-CSV-DUTY-RANGE",
+            Self::BelowVacuum { .. } => "E-CSV-BELOW-VACUUM",
+            Self::Scale { .. } => "E-CSV-SCALE",
+        }
+    }
+
+    /// What to do next, as an instruction.
+    pub fn next_step(&self) -> String {
+        let fixed = match self {
+            Self::Io(_) => "check that the file exists and may be read",
+            Self::ReadAfterError => "stop at the first error",
+            Self::Empty => "check that the logger wrote the file to its end",
+            Self::Encoding { .. } => "save the file as UTF-8",
+            Self::LineEnd => "save the file with line feeds (LF or CR LF)",
+            Self::Limit { budget, .. } => match budget {
+                Budget::RecordBytes | Budget::FieldBytes => {
+                    "look for a quote that is not closed, or raise the limit if the line is meant"
+                }
+                _ => "split the file, or raise the limit",
+            },
+            Self::NoDelimiter { .. } => {
+                "separate columns by comma, semicolon or tab, or name the delimiter in a mapping"
+            }
+            Self::NoHeader { .. } => {
+                "add a header such as time_s,p_ch_bar_gauge or name the columns in a mapping"
+            }
+            Self::Name { .. } => "rename the column, or name the signal in a mapping",
+            Self::UnitMissing { .. } => {
+                "add the unit as a suffix such as _bar_gauge or _mA, or map the column"
+            }
+            Self::UnitUnknown {
+                meant: Some(unit), ..
+            } => return format!("write {}", unit.token()),
+            Self::UnitUnknown { .. } => {
+                "use a unit of the table in the documentation, or map the column with a scale"
+            }
+            Self::UnitConflict { .. } => "correct one of the two",
+            Self::PressureReference { found } => {
+                return format!(
+                    "write {0}_gauge, {0}_abs, or {0}_diff for a difference",
+                    found.as_str()
+                );
+            }
+            Self::DuplicateName { .. } => {
+                "rename one of them, or leave one out by `ignore` in a mapping"
+            }
+            Self::TwoTimeColumns { .. } => {
+                "choose one by [time] and leave the other out by `ignore` in a mapping"
+            }
+            Self::NoTimeColumn { .. } => "name it time_s, or choose it by [time] in a mapping",
+            Self::NoSignal => "add a column with a signal, such as p_ch_bar_gauge",
+            Self::NoData => "check that the logger wrote rows",
+            Self::MappedColumnMissing { .. } => {
+                "use a header field as it stands in the file, or a number from 1"
+            }
+            Self::MappedColumnTwice { .. } => "name the column by its number, from 1",
+            Self::Unmapped { .. } => {
+                "map the column under [signal.NAME], or list its number under `ignore`"
+            }
+            Self::Ragged { .. } => {
+                "check the line for missing or stray separators (a decimal comma?)"
+            }
+            Self::Truncated { .. } => {
+                "log again, delete the last row, or end it with a line feed if it is whole"
+            }
+            Self::NotANumber { .. } => {
+                "correct the field, leave it empty if the sample is missing, or list the word under `missing` in a mapping"
+            }
+            Self::NotFinite { .. } => {
+                "leave the field empty, or list the word under `missing` in a mapping"
+            }
+            Self::Thousands { .. } => "name the thousands_separator of this column in a mapping",
+            Self::DecimalAmbiguous { .. } => {
+                "say in a mapping: dialect.decimal = \",\" or a thousands_separator"
+            }
+            Self::DecimalMixed { .. } => {
+                "export with one decimal separator, or name it by dialect.decimal in a mapping"
+            }
+            Self::TimeMissing => "delete the row or restore its time",
+            Self::TimeOrder {
+                previous_s, time_s, ..
+            } => return time_order_advice(*previous_s, *time_s),
+            Self::DutyRange { .. } => "check the unit (pct or frac) and the logger",
+            Self::BelowVacuum { declared, .. } => {
+                return format!(
+                    "check whether {} is the right reference, and the sensor's offset",
+                    declared.symbol()
+                );
+            }
+            Self::Scale { proposal, .. } | Self::TimeScale { proposal, .. } => {
+                return format!("say in a mapping: {proposal}");
+            }
+        };
+        fixed.to_owned()
+    }
+}
+
+/// A backward step by nearly a power of two of microseconds or milliseconds is a counter that ran over.
+fn time_order_advice(previous_s: f64, time_s: f64) -> String {
+    let back_s = previous_s - time_s;
+    for (bits, tick, tick_s) in [
+        (16, "ms", 1e-3),
+        (32, "ms", 1e-3),
+        (16, "µs", 1e-6),
+        (32, "µs", 1e-6),
+    ] {
+        let span_s = 2f64.powi(bits) * tick_s;
+        if back_s > 0.98 * span_s && back_s <= span_s {
+            return format!(
+                "the logger's {bits}-bit counter of {tick} ran over: unwrap it before the import"
+            );
+        }
+    }
+    "cut the file there; rows are never sorted, because then nobody would see what happened"
+        .to_owned()
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io(error) => write!(f, "{error}"),
+            Self::ReadAfterError => write!(f, "an error came before, its rest was not read"),
+            Self::Empty => write!(f, "there is nothing in it, expected a header and rows"),
+            Self::Encoding { guess } => write!(f, "found {guess}, expected UTF-8"),
+            Self::LineEnd => write!(
+                f,
+                "lines end with a bare carriage return, expected a line feed"
+            ),
+            Self::Limit { budget, bound } => match budget {
+                Budget::FileBytes => write!(f, "the file is longer than {bound} bytes"),
+                Budget::RecordBytes => write!(f, "the record is longer than {bound} bytes"),
+                Budget::FieldBytes => write!(f, "the field is longer than {bound} bytes"),
+                Budget::Columns => write!(f, "there are more than {bound} columns"),
+                Budget::Samples => write!(f, "there are more than {bound} rows"),
+            },
+            Self::NoDelimiter { found } => {
+                let known = Delimiter::ALL.map(Delimiter::name).join(", ");
+                write!(f, "found {found}, expected columns separated by {known}")
+            }
+            Self::NoHeader { found } => write!(
+                f,
+                "found the number {found}, expected a header with names and units"
+            ),
+            Self::Name { found, problem } => {
+                write!(f, "found {found}, expected the name of a signal: {problem}")
+            }
+            Self::UnitMissing { found } => write!(f, "found {found}, expected a name with a unit"),
+            Self::UnitUnknown { found, .. } => write!(f, "found {found}, expected a unit"),
+            Self::UnitConflict { header, units_row } => {
+                write!(
+                    f,
+                    "the units row says {units_row}, expected {header} as in the header"
+                )
+            }
+            Self::PressureReference { found } => {
+                write!(f, "found {found}, expected gauge or absolute as well")
+            }
+            Self::DuplicateName { name, first_column } => {
+                write!(
+                    f,
+                    "{} is column {first_column} already, expected each signal once",
+                    Excerpt::of(name)
+                )
+            }
+            Self::TwoTimeColumns { first_column } => {
+                write!(
+                    f,
+                    "column {first_column} is the time already, expected one time column"
+                )
+            }
+            Self::NoTimeColumn { found } => write!(f, "found {found}, expected a time column"),
+            Self::NoSignal => write!(f, "the time is the only column, expected a signal"),
+            Self::NoData => write!(f, "there is no row of numbers, expected at least one"),
+            Self::MappedColumnMissing { wanted, found } => {
+                write!(
+                    f,
+                    "found {found}, expected the column {} of the mapping",
+                    Excerpt::of(wanted)
+                )
+            }
+            Self::MappedColumnTwice { wanted } => {
+                write!(f, "found two columns {}, expected one", Excerpt::of(wanted))
+            }
+            Self::Unmapped { found } => write!(
+                f,
+                "found {found}, expected the mapping to say what this column is"
+            ),
+            Self::Ragged { expected, found } => {
+                write!(f, "found {found} fields, expected {expected}")
+            }
+            Self::Truncated { found } => {
+                write!(
+                    f,
+                    "the file ends without a line feed at {found}, expected a whole last row"
+                )
+            }
+            Self::NotANumber { found, decimal } => {
+                write!(
+                    f,
+                    "found {found}, expected a number with the decimal separator {decimal:?}"
+                )
+            }
+            Self::NotFinite { found } => write!(f, "found {found}, expected a finite number"),
+            Self::Thousands { found } => write!(
+                f,
+                "found {found}, expected a number without thousands separators"
+            ),
+            Self::DecimalAmbiguous { found } => {
+                write!(
+                    f,
+                    "found {found}, expected a number that cannot also be one with a thousands separator"
+                )
+            }
+            Self::DecimalMixed { found } => {
+                write!(
+                    f,
+                    "found {found}, expected the decimal separator of the fields before it"
+                )
+            }
+            Self::TimeMissing => write!(f, "found no time, expected one in each row"),
+            Self::TimeOrder {
+                found,
+                previous_s,
+                time_s,
+            } => {
+                write!(
+                    f,
+                    "found {found} ({time_s} s), expected a time after {previous_s} s"
+                )
+            }
+            Self::TimeScale {
+                mean_step_s,
+                declared,
+                ..
+            } => {
+                write!(
+                    f,
+                    "rows are {mean_step_s} s apart if the time is in {declared}, expected less than 10 s"
+                )
+            }
+            Self::DutyRange { percent } => {
+                write!(f, "found a duty cycle of {percent} %, expected 0 to 100 %")
+            }
+            Self::BelowVacuum { value, declared } => {
+                write!(f, "found {value} {declared}, expected no less than vacuum")
+            }
+            Self::Scale {
+                largest,
+                declared,
+                looks_like,
+                ..
+            } => {
+                write!(f, "found values up to {largest}, declared {declared}")?;
+                match looks_like {
+                    Some(unit) => write!(f, ", but their size looks like {unit}"),
+                    None => write!(f, ", expected a {} of usual size", declared.quantity()),
+                }
+            }
+        }
+    }
+}

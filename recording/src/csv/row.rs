@@ -1,0 +1,206 @@
+//! Records become rows, or are refused.
+
+use super::checks::{Watch, judge_time};
+use super::error::{Excerpt, Located, Place};
+use super::number::{self, NumberError, Style};
+use super::plan::{FieldPlan, Plan};
+use super::problem::{Budget, Problem};
+use super::record::Record;
+use super::{Decimal, Options};
+
+/// The size of values is judged each time so many rows were read.
+const ROWS_PER_JUDGEMENT: u64 = 1 << 16;
+
+/// Turns records into rows, and refuses what is no row.
+pub(super) struct RowParser {
+    pub(super) line: u64,
+    pub(super) time_s: f64,
+    first_time_s: f64,
+    pub(super) values: Vec<f64>,
+    rows: u64,
+    rows_max: u64,
+    decimal: Decimal,
+    missing: Vec<String>,
+    watches: Vec<Watch>,
+    last_field: LastField,
+    scratch: String,
+}
+
+impl RowParser {
+    pub(super) fn new(plan: &Plan, decimal: Decimal, options: &Options) -> Self {
+        Self {
+            line: 0,
+            time_s: f64::NEG_INFINITY,
+            first_time_s: f64::NAN,
+            values: vec![f64::NAN; plan.signals.len()],
+            rows: 0,
+            rows_max: options.limits.samples,
+            decimal,
+            missing: options.mapping.missing.clone(),
+            watches: plan.signals.iter().map(Watch::new).collect(),
+            last_field: LastField::default(),
+            scratch: String::new(),
+        }
+    }
+
+    pub(super) fn parse(&mut self, record: Record<'_>, plan: &Plan) -> Result<(), Located> {
+        let line = record.line;
+        self.check_shape(record, plan)?;
+        let time = &plan.time;
+        let logged = self.number(record, time, plan)?;
+        let time_s = logged
+            .map(|logged| plan.to_seconds.apply(time.value(logged)))
+            .ok_or_else(|| (plan.place(line, time.field), Problem::TimeMissing))?;
+        if time_s <= self.time_s || !time_s.is_finite() {
+            let found = Excerpt::of(record.get(time.field));
+            let problem = Problem::TimeOrder {
+                found,
+                previous_s: self.time_s,
+                time_s,
+            };
+            return Err((plan.place(line, time.field), problem));
+        }
+        if self.rows == 0 {
+            self.first_time_s = time_s;
+        }
+        (self.line, self.time_s, self.rows) = (line, time_s, self.rows + 1);
+        for (index, signal) in plan.signals.iter().enumerate() {
+            self.values[index] = match self.number(record, signal, plan)? {
+                None => f64::NAN,
+                Some(logged) => {
+                    let value = signal.value(logged);
+                    let place = |problem| (plan.place(line, signal.field), problem);
+                    if !value.is_finite() {
+                        return Err(place(Problem::NotFinite {
+                            found: Excerpt::of(record.get(signal.field)),
+                        }));
+                    }
+                    self.watches[index].take(value, line).map_err(place)?;
+                    value
+                }
+            };
+        }
+        if self.rows.is_multiple_of(ROWS_PER_JUDGEMENT) {
+            self.judge(plan, false)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(&self, plan: &Plan) -> Result<(), Located> {
+        if self.rows == 0 {
+            return Err((Place::default(), Problem::NoData));
+        }
+        judge_time(plan, self.first_time_s, self.time_s, self.rows)
+            .map_err(|problem| (plan.place(self.line, plan.time.field), problem))?;
+        self.judge(plan, true)
+    }
+
+    fn judge(&self, plan: &Plan, at_end: bool) -> Result<(), Located> {
+        for (watch, signal) in self.watches.iter().zip(&plan.signals) {
+            watch
+                .judge(plan, signal, at_end)
+                .map_err(|(line, problem)| (plan.place(line, signal.field), problem))?;
+        }
+        Ok(())
+    }
+
+    fn check_shape(&mut self, record: Record<'_>, plan: &Plan) -> Result<(), Located> {
+        let last = record.get(record.len().saturating_sub(1));
+        let line = record.line;
+        let is_whole = record.len() == plan.fields;
+        if record.at_end_of_file && !(is_whole && self.last_field.vouches_for(last, self.decimal)) {
+            let place = plan.place(line, record.len().saturating_sub(1));
+            return Err((
+                place,
+                Problem::Truncated {
+                    found: Excerpt::of(last),
+                },
+            ));
+        }
+        if !is_whole {
+            return Err((
+                Place::line(line),
+                Problem::Ragged {
+                    expected: plan.fields,
+                    found: record.len(),
+                },
+            ));
+        }
+        if plan.empty_last && !last.is_empty() {
+            let place = plan.place(line, plan.fields - 1);
+            return Err((
+                place,
+                Problem::UnitMissing {
+                    found: Excerpt::of(""),
+                },
+            ));
+        }
+        if self.rows == self.rows_max {
+            return Err((
+                Place::line(line),
+                Problem::Limit {
+                    budget: Budget::Samples,
+                    bound: self.rows_max,
+                },
+            ));
+        }
+        self.last_field.see(last, self.decimal);
+        Ok(())
+    }
+
+    fn number(
+        &mut self,
+        record: Record<'_>,
+        column: &FieldPlan,
+        plan: &Plan,
+    ) -> Result<Option<f64>, Located> {
+        let cell = record.get(column.field);
+        if cell.is_empty() || self.missing.iter().any(|word| word == cell) {
+            return Ok(None);
+        }
+        let style = Style {
+            decimal: self.decimal,
+            thousands: column.thousands,
+        };
+        number::parse(cell, style, &mut self.scratch)
+            .map(Some)
+            .map_err(|error| {
+                let found = Excerpt::of(cell);
+                let problem = match error {
+                    NumberError::Text => Problem::NotANumber {
+                        found,
+                        decimal: self.decimal.symbol(),
+                    },
+                    NumberError::NotFinite => Problem::NotFinite { found },
+                    NumberError::Thousands => Problem::Thousands { found },
+                };
+                (plan.place(record.line, column.field), problem)
+            })
+    }
+}
+
+/// Tells whether a last number without a line feed is whole: only if all before it had as many decimals.
+#[derive(Debug, Default)]
+struct LastField {
+    decimals: Option<usize>,
+    differ: bool,
+}
+
+impl LastField {
+    fn see(&mut self, field: &str, decimal: Decimal) {
+        let decimals = decimals(field, decimal);
+        self.differ |= self.decimals.is_some_and(|seen| seen != decimals);
+        self.decimals = Some(decimals);
+    }
+
+    fn vouches_for(&self, field: &str, decimal: Decimal) -> bool {
+        let decimals = decimals(field, decimal);
+        !self.differ && decimals > 0 && self.decimals == Some(decimals)
+    }
+}
+
+fn decimals(field: &str, decimal: Decimal) -> usize {
+    field
+        .find(decimal.symbol())
+        .map_or(0, |at| field.len() - at - 1)
+}
