@@ -1,0 +1,51 @@
+//! Checkers: they know the requirement and a recording, and nothing of the code that made it. A bench log with the same
+//! signals is judged the same way.
+//!
+//! Signals: `p_ref`, `p_ch`, `duty_fill`, `duty_vent`; with `actuations_fill` and `actuations_vent` (counted from the start)
+//! also how often the valves move.
+
+mod speed;
+mod steps;
+mod trajectory;
+mod valves;
+mod verdict;
+
+pub use steps::StepResponse;
+pub use trajectory::JudgeError;
+pub use verdict::{Actuations, Bound, Check, CheckId, SCHEMA, Verdict};
+
+use recording::Recording;
+
+use crate::requirement::Requirement;
+use trajectory::Trajectory;
+
+/// Judges a recording by `requirement`.
+///
+/// # Errors
+/// A signal is absent, has gaps or an uneven time base: a verdict on what was not logged would be a guess.
+pub fn judge(recording: &Recording, requirement: &Requirement) -> Result<Verdict, JudgeError> {
+    let trajectory = Trajectory::of(recording)?;
+    let steps = steps::responses(&trajectory, requirement);
+    let checks: Vec<Check> = [
+        steps::settling_time(&steps, requirement),
+        steps::steady_error(&steps, requirement),
+        steps::overshoot(&steps, requirement),
+        steps::settling_time_beyond_operating_range(&steps, requirement),
+        speed::fill_time(&trajectory, &steps, requirement),
+        speed::fill_time_with_dead_time(&trajectory, &steps, requirement),
+        speed::vent_time(&trajectory, &steps, requirement),
+        speed::vent_time_with_dead_time(&trajectory, &steps, requirement),
+        Some(valves::never_both(&trajectory)),
+        Some(valves::duty_limits(&trajectory, requirement)),
+        valves::rest_actuations(&trajectory, &steps, requirement),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    Ok(Verdict::new(
+        recording,
+        checks,
+        steps,
+        valves::actuations(&trajectory),
+    ))
+}

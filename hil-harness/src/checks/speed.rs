@@ -1,0 +1,217 @@
+//! How fast the chamber fills and vents: the two timed passages of section 1.4.
+
+use super::steps::{ROUNDING_BAR, StepResponse, place_of};
+use super::trajectory::Trajectory;
+use super::verdict::{Bound, Check, CheckId};
+use crate::requirement::Requirement;
+
+/// A passage begins this close to where it is defined to begin, at the latest [bar].
+const START_WITHIN_TOLERANCES: f64 = 1.5;
+/// The pressure moves once this share of the passage is done.
+const ONSET_SHARE: f64 = 0.05;
+
+/// The passage from ambient pressure to 0.26 p_sup, or from 0.88 to 0.71 p_sup.
+struct Passage {
+    from_bar: f64,
+    to_bar: f64,
+    max_t_req: f64,
+    words: &'static str,
+}
+
+impl Passage {
+    fn fill(requirement: &Requirement) -> Self {
+        Self {
+            from_bar: 0.0,
+            to_bar: requirement.psup(requirement.fill_to_psup),
+            max_t_req: requirement.fill_max_t_req,
+            words: "filling from ambient pressure",
+        }
+    }
+
+    fn vent(requirement: &Requirement) -> Self {
+        Self {
+            from_bar: requirement.psup(requirement.vent_from_psup),
+            to_bar: requirement.psup(requirement.vent_to_psup),
+            max_t_req: requirement.vent_max_t_req,
+            words: "venting",
+        }
+    }
+
+    fn direction(&self) -> f64 {
+        (self.to_bar - self.from_bar).signum()
+    }
+
+    /// Whether `step` leads through the whole passage.
+    fn is_in(&self, step: &StepResponse, requirement: &Requirement) -> bool {
+        let near = (step.from_bar - self.from_bar).abs()
+            <= START_WITHIN_TOLERANCES * requirement.p_tol_bar;
+        // A reference at the passage's end arrives rounded to 2⁻¹⁶ bar.
+        near && self.direction() * (step.to_bar - self.to_bar) >= -1e-4
+    }
+
+    /// Where the passage ends for `step`: at its level, or P_tol before the reference if that comes first. A loop that holds
+    /// its reference within P_tol need not come closer.
+    fn end_bar(&self, step: &StepResponse, requirement: &Requirement) -> f64 {
+        let tolerated = step.to_bar - self.direction() * requirement.p_tol_bar;
+        if self.direction() > 0.0 {
+            self.to_bar.min(tolerated)
+        } else {
+            self.to_bar.max(tolerated)
+        }
+    }
+}
+
+/// Duration of a passage [samples].
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Duration {
+    /// From the step of the reference on.
+    with_dead_time: f64,
+    /// From the first motion of the pressure on, as tables 4.3 and 4.4 count.
+    without_dead_time: f64,
+}
+
+/// Filling, counted as in table 4.3.
+pub(super) fn fill_time(
+    trajectory: &Trajectory,
+    steps: &[StepResponse],
+    requirement: &Requirement,
+) -> Option<Check> {
+    timed(
+        CheckId::FillTime,
+        &Passage::fill(requirement),
+        trajectory,
+        steps,
+        requirement,
+    )
+}
+
+/// Filling, counted from the step of the reference.
+pub(super) fn fill_time_with_dead_time(
+    trajectory: &Trajectory,
+    steps: &[StepResponse],
+    requirement: &Requirement,
+) -> Option<Check> {
+    timed(
+        CheckId::FillTimeWithDeadTime,
+        &Passage::fill(requirement),
+        trajectory,
+        steps,
+        requirement,
+    )
+}
+
+/// Venting, counted as in table 4.3.
+pub(super) fn vent_time(
+    trajectory: &Trajectory,
+    steps: &[StepResponse],
+    requirement: &Requirement,
+) -> Option<Check> {
+    timed(
+        CheckId::VentTime,
+        &Passage::vent(requirement),
+        trajectory,
+        steps,
+        requirement,
+    )
+}
+
+/// Venting, counted from the step of the reference.
+pub(super) fn vent_time_with_dead_time(
+    trajectory: &Trajectory,
+    steps: &[StepResponse],
+    requirement: &Requirement,
+) -> Option<Check> {
+    timed(
+        CheckId::VentTimeWithDeadTime,
+        &Passage::vent(requirement),
+        trajectory,
+        steps,
+        requirement,
+    )
+}
+
+fn timed(
+    id: CheckId,
+    passage: &Passage,
+    trajectory: &Trajectory,
+    steps: &[StepResponse],
+    requirement: &Requirement,
+) -> Option<Check> {
+    let binding = matches!(id, CheckId::FillTime | CheckId::VentTime);
+    let samples = |duration: Duration| {
+        if binding {
+            duration.without_dead_time
+        } else {
+            duration.with_dead_time
+        }
+    };
+    let (worst, reached) = steps
+        .iter()
+        .filter(|step| passage.is_in(step, requirement))
+        .map(|step| {
+            (
+                step,
+                duration(passage, step, trajectory, requirement).map(samples),
+            )
+        })
+        .max_by(|(_, a), (_, b)| {
+            a.unwrap_or(f64::INFINITY)
+                .total_cmp(&b.unwrap_or(f64::INFINITY))
+        })?;
+    let limit = passage.max_t_req * f64::from(requirement.t_req_samples);
+    let counted = if binding {
+        "from the first motion of the pressure, as in table 4.3"
+    } else {
+        "from the step of the reference, dead time included"
+    };
+    Some(Check {
+        id,
+        requirement: format!(
+            "{} to {:.3} bar takes less than {} T_req, counted {counted} (section 1.4)",
+            passage.words, passage.to_bar, passage.max_t_req
+        ),
+        bound: Bound::LessThan,
+        limit,
+        reached,
+        unit: "samples".to_owned(),
+        holds: Bound::LessThan.allows(reached, limit),
+        binding,
+        evidence: place_of(worst),
+    })
+}
+
+/// None if the pressure never comes to the end of the passage while the reference is held.
+fn duration(
+    passage: &Passage,
+    step: &StepResponse,
+    trajectory: &Trajectory,
+    requirement: &Requirement,
+) -> Option<Duration> {
+    let last = (step.index + step.held_samples as usize).min(trajectory.len() - 1);
+    let answer = &trajectory.pressure[step.index..=last];
+    let distance = |pressure: f64| passage.direction() * (pressure - step.from_bar);
+    let whole = distance(passage.end_bar(step, requirement));
+    let done = |share: f64| {
+        answer
+            .iter()
+            .position(|&p| distance(p) >= share * whole - ROUNDING_BAR)
+    };
+    let arrival = done(1.0)?.max(1);
+    let crossing = {
+        let [before, after] = [answer[arrival - 1], answer[arrival]].map(distance);
+        arrival as f64 - ((after - whole) / (after - before)).clamp(0.0, 1.0)
+    };
+    let onset = {
+        // The line through the first two samples in motion, back to where the pressure rested.
+        let first = done(ONSET_SHARE)?;
+        let moved = distance(answer[first]);
+        let rate = answer
+            .get(first + 1)
+            .map_or(moved, |&next| distance(next) - moved);
+        first as f64 - (moved / rate).clamp(0.0, 1.0)
+    };
+    Some(Duration {
+        with_dead_time: crossing,
+        without_dead_time: crossing - onset,
+    })
+}

@@ -1,0 +1,207 @@
+//! How the pressure answers to steps of the reference.
+
+use serde::{Deserialize, Serialize};
+
+use super::trajectory::Trajectory;
+use super::verdict::{Bound, Check, CheckId};
+use crate::requirement::Requirement;
+
+/// Answer to one step of the reference that was then held for at least T_req.
+///
+/// Samples count from the one that first shows the new reference: that is number 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepResponse {
+    /// Instant of the step [s].
+    pub time_s: f64,
+    /// Index of the step's sample in the recording.
+    pub index: usize,
+    /// Chamber pressure at the step [bar gauge].
+    pub from_bar: f64,
+    /// The new reference [bar gauge].
+    pub to_bar: f64,
+    /// Whether the retarder uses the new reference (section 6.4.2).
+    pub in_operating_range: bool,
+    /// How long the reference was held [samples].
+    pub held_samples: u32,
+    /// First sample within the tolerance; none if never.
+    pub reached_samples: Option<u32>,
+    /// First sample from which on the pressure stayed within the tolerance; none if never.
+    pub settled_samples: Option<u32>,
+    /// How far the pressure went beyond the reference [bar].
+    pub overshoot_bar: f64,
+    /// Largest magnitude of the error from T_req on [bar].
+    pub steady_error_bar: f64,
+}
+
+/// A pressure that is off by less than this is not off: rounding of decimal numbers [bar].
+pub(super) const ROUNDING_BAR: f64 = 1e-9;
+
+/// Every step that is held for T_req or longer. The samples of a ramp are steps that are not held.
+pub(super) fn responses(trajectory: &Trajectory, requirement: &Requirement) -> Vec<StepResponse> {
+    let reference = &trajectory.reference;
+    let mut steps = Vec::new();
+    let mut start = 0;
+    while start < reference.len() {
+        let is_same = |value: &&f64| **value == reference[start];
+        let end = start + reference[start..].iter().take_while(is_same).count();
+        // The first reference is a step if the pressure is not there.
+        let is_step = start > 0
+            || (trajectory.pressure[0] - reference[0]).abs() > requirement.p_tol_bar + ROUNDING_BAR;
+        if is_step && end - start >= requirement.t_req_samples as usize {
+            steps.extend(response(trajectory, requirement, start, end));
+        }
+        start = end;
+    }
+    steps
+}
+
+fn response(
+    trajectory: &Trajectory,
+    requirement: &Requirement,
+    start: usize,
+    end: usize,
+) -> Option<StepResponse> {
+    let to_bar = trajectory.reference[start];
+    // What the next reference is answered with comes after its sample, so that sample still belongs to this step.
+    let last = end.min(trajectory.len() - 1);
+    let answer = &trajectory.pressure[start..=last];
+    let t_req = requirement.t_req_samples as usize;
+    let steady = answer.get(t_req..).filter(|rest| !rest.is_empty())?;
+    let is_inside =
+        |pressure: &f64| (pressure - to_bar).abs() <= requirement.p_tol_bar + ROUNDING_BAR;
+    let from_bar = answer[0];
+    let direction = (to_bar - from_bar).signum();
+    let settled = answer.len() - answer.iter().rev().take_while(|p| is_inside(p)).count();
+    Some(StepResponse {
+        time_s: trajectory.time_s(start),
+        index: start,
+        from_bar,
+        to_bar,
+        in_operating_range: requirement.is_operating_reference(to_bar),
+        held_samples: (end - start) as u32,
+        reached_samples: answer.iter().position(is_inside).map(|n| n as u32),
+        settled_samples: (settled < answer.len()).then_some(settled as u32),
+        overshoot_bar: answer
+            .iter()
+            .map(|p| direction * (p - to_bar))
+            .fold(0.0, f64::max),
+        steady_error_bar: steady
+            .iter()
+            .map(|p| (p - to_bar).abs())
+            .fold(0.0, f64::max),
+    })
+}
+
+/// All steps to references of the operating range are settled within T_req.
+pub(super) fn settling_time(steps: &[StepResponse], requirement: &Requirement) -> Option<Check> {
+    let id = CheckId::SettlingTime;
+    settling(
+        id,
+        steps.iter().filter(|step| step.in_operating_range),
+        requirement,
+    )
+}
+
+/// The same beyond the operating range, for information.
+pub(super) fn settling_time_beyond_operating_range(
+    steps: &[StepResponse],
+    requirement: &Requirement,
+) -> Option<Check> {
+    let id = CheckId::SettlingTimeBeyondOperatingRange;
+    settling(
+        id,
+        steps.iter().filter(|step| !step.in_operating_range),
+        requirement,
+    )
+}
+
+fn settling<'a>(
+    id: CheckId,
+    steps: impl Iterator<Item = &'a StepResponse> + Clone,
+    requirement: &Requirement,
+) -> Option<Check> {
+    // Never settled is slower than any number of samples.
+    let worst = steps
+        .clone()
+        .max_by_key(|step| step.settled_samples.unwrap_or(u32::MAX))?;
+    let limit = f64::from(requirement.t_req_samples);
+    let reached = worst.settled_samples.map(f64::from);
+    let late = steps
+        .clone()
+        .filter(|step| {
+            step.settled_samples
+                .is_none_or(|n| n > requirement.t_req_samples)
+        })
+        .count();
+    let binding = id == CheckId::SettlingTime;
+    let [low, high] = requirement.operating_range_psup;
+    let place = if binding { "in" } else { "outside" };
+    Some(Check {
+        id,
+        requirement: format!(
+            "every reference {place} {low} to {high} p_sup is reached within T_req, and the pressure then stays within \
+             {} bar (sections 1.4, 6.4.2)",
+            requirement.p_tol_bar
+        ),
+        bound: Bound::AtMost,
+        limit,
+        reached,
+        unit: "samples".to_owned(),
+        holds: Bound::AtMost.allows(reached, limit),
+        binding,
+        evidence: format!(
+            "{late} of {} steps late; slowest {}",
+            steps.count(),
+            place_of(worst)
+        ),
+    })
+}
+
+/// The error from T_req on.
+pub(super) fn steady_error(steps: &[StepResponse], requirement: &Requirement) -> Option<Check> {
+    let in_range = steps.iter().filter(|step| step.in_operating_range);
+    let worst = in_range.max_by(|a, b| a.steady_error_bar.total_cmp(&b.steady_error_bar))?;
+    let limit = requirement.p_tol_bar;
+    Some(Check {
+        id: CheckId::SteadyError,
+        requirement: format!(
+            "from T_req on the pressure is within {limit} bar of the reference (section 1.4)"
+        ),
+        bound: Bound::AtMost,
+        limit,
+        reached: Some(worst.steady_error_bar),
+        unit: "bar".to_owned(),
+        holds: worst.steady_error_bar <= limit + ROUNDING_BAR,
+        binding: true,
+        evidence: place_of(worst),
+    })
+}
+
+/// How far the pressure went beyond the reference. The thesis sets no limit; beyond P_tol it costs a correction.
+pub(super) fn overshoot(steps: &[StepResponse], requirement: &Requirement) -> Option<Check> {
+    let in_range = steps.iter().filter(|step| step.in_operating_range);
+    let worst = in_range.max_by(|a, b| a.overshoot_bar.total_cmp(&b.overshoot_bar))?;
+    let limit = requirement.p_tol_bar;
+    Some(Check {
+        id: CheckId::Overshoot,
+        requirement: format!(
+            "the pressure goes at most {limit} bar beyond a new reference (not required; ours)"
+        ),
+        bound: Bound::AtMost,
+        limit,
+        reached: Some(worst.overshoot_bar),
+        unit: "bar".to_owned(),
+        holds: worst.overshoot_bar <= limit + ROUNDING_BAR,
+        binding: false,
+        evidence: place_of(worst),
+    })
+}
+
+/// `2.10 to 5.96 bar at 12.00 s`.
+pub(super) fn place_of(step: &StepResponse) -> String {
+    format!(
+        "{:.2} to {:.2} bar at {:.2} s",
+        step.from_bar, step.to_bar, step.time_s
+    )
+}

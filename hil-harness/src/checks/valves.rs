@@ -1,0 +1,141 @@
+//! What the valves get, and how often they move.
+
+use super::steps::{StepResponse, place_of};
+use super::trajectory::Trajectory;
+use super::verdict::{Actuations, Bound, Check, CheckId};
+use crate::requirement::Requirement;
+
+/// A duty cycle off by less than this is not off: its resolution on the wire [%].
+const ROUNDING_PCT: f64 = 1.0 / 65536.0;
+
+/// Scheme 1 never energises both valves.
+pub(super) fn never_both(trajectory: &Trajectory) -> Check {
+    let [fill, vent] = &trajectory.duty;
+    let both = |&index: &usize| fill[index] > 0.0 && vent[index] > 0.0;
+    count_of(
+        CheckId::NeverBothValves,
+        "the two valves are never energised in the same sample (Scheme 1, section 6.3.1)"
+            .to_owned(),
+        trajectory,
+        both,
+    )
+}
+
+/// A duty cycle is 0 or within its limits.
+pub(super) fn duty_limits(trajectory: &Trajectory, requirement: &Requirement) -> Check {
+    let limits = [requirement.duty_fill_pct, requirement.duty_vent_pct];
+    let beyond = |&index: &usize| {
+        trajectory
+            .duty
+            .iter()
+            .zip(limits)
+            .any(|(duty, [min, max])| {
+                let duty = duty[index];
+                duty != 0.0 && !(min - ROUNDING_PCT..=max + ROUNDING_PCT).contains(&duty)
+            })
+    };
+    let [[fill_min, fill_max], [vent_min, vent_max]] = limits;
+    count_of(
+        CheckId::DutyLimits,
+        format!(
+            "a duty cycle is 0 or within {fill_min} to {fill_max} % (fill valve) and {vent_min} to {vent_max} % \
+             (vent valve) (tables 4.1, 4.2, section 6.3.1)"
+        ),
+        trajectory,
+        beyond,
+    )
+}
+
+/// A check that allows no sample.
+fn count_of(
+    id: CheckId,
+    requirement: String,
+    trajectory: &Trajectory,
+    breaks: impl Fn(&usize) -> bool,
+) -> Check {
+    let samples = trajectory.len();
+    let count = (0..samples).filter(&breaks).count();
+    let evidence = match (0..samples).find(&breaks) {
+        None => format!("{samples} samples"),
+        Some(index) => format!(
+            "first at {:.2} s, of {samples} samples",
+            trajectory.time_s(index)
+        ),
+    };
+    Check {
+        id,
+        requirement,
+        bound: Bound::AtMost,
+        limit: 0.0,
+        reached: Some(count as f64),
+        unit: "samples".to_owned(),
+        holds: count == 0,
+        binding: true,
+        evidence,
+    }
+}
+
+/// At rest, after T_req, the valves hardly move: no limit cycle.
+pub(super) fn rest_actuations(
+    trajectory: &Trajectory,
+    steps: &[StepResponse],
+    requirement: &Requirement,
+) -> Option<Check> {
+    let actuations = trajectory.actuations.as_ref()?;
+    let (worst, count) = steps
+        .iter()
+        .map(|step| {
+            (
+                step,
+                most_within_a_second(trajectory, actuations, step, requirement),
+            )
+        })
+        .max_by_key(|(_, count)| *count)?;
+    let limit = requirement.rest_actuations_per_s;
+    Some(Check {
+        id: CheckId::RestActuations,
+        requirement: format!(
+            "from T_req on the valves move at most {limit} times within a second (not required; ours: no limit cycle)"
+        ),
+        bound: Bound::AtMost,
+        limit: limit.into(),
+        reached: Some(count.into()),
+        unit: "actuations".to_owned(),
+        holds: count <= limit,
+        binding: false,
+        evidence: place_of(worst),
+    })
+}
+
+fn most_within_a_second(
+    trajectory: &Trajectory,
+    actuations: &[Vec<f64>; 2],
+    step: &StepResponse,
+    requirement: &Requirement,
+) -> u32 {
+    let first = step.index + requirement.t_req_samples as usize;
+    let last = (step.index + step.held_samples as usize).min(trajectory.len() - 1);
+    let second = (1.0 / trajectory.sample_s).round() as usize;
+    let both = |index: usize| actuations[0][index] + actuations[1][index];
+    (first..=last)
+        .map(|index| (both(index) - both(index.saturating_sub(second).max(first))) as u32)
+        .max()
+        .unwrap_or(0)
+}
+
+/// Totals of the recording.
+pub(super) fn actuations(trajectory: &Trajectory) -> Option<Actuations> {
+    let [fill, vent] = trajectory.actuations.as_ref()?.each_ref().map(|counts| {
+        let total = counts
+            .last()
+            .zip(counts.first())
+            .map_or(0.0, |(last, first)| last - first);
+        total as u32
+    });
+    let duration_s = trajectory.sample_s * trajectory.len() as f64;
+    Some(Actuations {
+        fill,
+        vent,
+        per_s: f64::from(fill + vent) / duration_s,
+    })
+}

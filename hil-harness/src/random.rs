@@ -1,0 +1,105 @@
+//! Chance that can be repeated: every number is a function of a seed, a stream and a counter, so that one draw more in one
+//! place changes nothing in another.
+
+/// Source of the numbers of one stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Random {
+    key: u64,
+}
+
+/// What the numbers are for; each use has its own stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stream {
+    /// Noise of the pressure sensor, one draw per sample.
+    SensorNoise,
+    /// Scatter from rig to rig, one draw per parameter.
+    RigScatter,
+    /// Seeds of the rigs of a batch, one draw per rig.
+    RigSeed,
+}
+
+impl Random {
+    /// The numbers of `stream` under `seed`.
+    pub fn new(seed: u64, stream: Stream) -> Self {
+        Self {
+            key: mix(mix(seed).wrapping_add(stream as u64)),
+        }
+    }
+
+    /// Number `counter`, all 64 bits uniform.
+    pub fn bits(&self, counter: u64) -> u64 {
+        mix(self.key ^ mix(counter))
+    }
+
+    /// Number `counter`, uniform over -1 ..= 1 in steps of 2⁻⁵².
+    pub fn symmetric(&self, counter: u64) -> f64 {
+        let steps = (self.bits(counter) >> 11) as i64 - (1 << 52);
+        steps as f64 / (1_u64 << 52) as f64
+    }
+
+    /// Number `counter`, normally distributed with standard deviation 1 as far as the sum of twelve uniform numbers is; at
+    /// most ±6. A sum is the same on every machine, a logarithm need not be.
+    pub fn normal(&self, counter: u64) -> f64 {
+        // A uniform number over -1 ..= 1 has variance 1/3: twelve of them, halved, have variance 1.
+        (0..12)
+            .map(|part| self.symmetric(counter.wrapping_mul(12).wrapping_add(part)))
+            .sum::<f64>()
+            / 2.0
+    }
+}
+
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection in which every input bit reaches every output bit.
+fn mix(value: u64) -> u64 {
+    let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moments(draw: impl Fn(u64) -> f64) -> (f64, f64, f64) {
+        let count = 100_000;
+        let values: Vec<f64> = (0..count).map(draw).collect();
+        let mean = values.iter().sum::<f64>() / count as f64;
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count as f64;
+        let largest = values.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        (mean, variance, largest)
+    }
+
+    #[test]
+    fn draws_have_the_moments_of_their_distribution() {
+        let random = Random::new(1, Stream::SensorNoise);
+        let (mean, variance, largest) = moments(|n| random.normal(n));
+        assert!(
+            mean.abs() < 0.01 && (variance - 1.0).abs() < 0.02 && largest < 6.0,
+            "{mean} {variance} {largest}"
+        );
+        let (mean, variance, largest) = moments(|n| random.symmetric(n));
+        assert!(
+            mean.abs() < 0.01 && (variance - 1.0 / 3.0).abs() < 0.01 && largest <= 1.0,
+            "{mean} {variance}"
+        );
+    }
+
+    #[test]
+    fn neighbouring_draws_streams_and_seeds_are_uncorrelated() {
+        let correlation = |a: Random, b: Random, shift: u64| {
+            (0..50_000)
+                .map(|n| a.normal(n) * b.normal(n + shift))
+                .sum::<f64>()
+                / 50_000.0
+        };
+        let random = Random::new(1, Stream::SensorNoise);
+        for (other, shift) in [
+            (random, 1),
+            (Random::new(1, Stream::RigScatter), 0),
+            (Random::new(2, Stream::SensorNoise), 0),
+        ] {
+            let found = correlation(random, other, shift);
+            assert!(found.abs() < 0.02, "{found}");
+        }
+    }
+}

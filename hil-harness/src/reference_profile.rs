@@ -1,0 +1,200 @@
+//! What the chamber pressure is asked to do over time.
+
+use core::fmt;
+
+use recording::{ConversionError, MissingSignal, Quantity, Recording, Unit};
+
+/// Reference over time: holds, steps and ramps, built in the order of time.
+///
+/// ```
+/// use hil_harness::ReferenceProfile;
+///
+/// let profile = ReferenceProfile::starting_at(2.0).hold_ms(500).step_to(3.0).hold_ms(1000).ramp_to(1.0, 200);
+/// assert_eq!(profile.at_ns(499_999_999), 2.0);
+/// assert_eq!(profile.at_ns(500_000_000), 3.0);
+/// assert_eq!(profile.at_ns(1_600_000_000), 2.0);
+/// assert_eq!(profile.end_ns(), 1_700_000_000);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceProfile {
+    /// In order of time; two at one instant are a step, and the later one counts.
+    knots: Vec<Knot>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Knot {
+    time_ns: u64,
+    reference_bar: f64,
+}
+
+/// Lowest and highest reference [bar gauge]: vacuum, and the largest supply pressure that a controller can be set to.
+pub const REFERENCE_RANGE_BAR: [f64; 2] = [-1.0, 15.0];
+
+const NS_PER_MS: u64 = 1_000_000;
+
+impl ReferenceProfile {
+    /// Begins at `reference_bar` [bar gauge].
+    pub fn starting_at(reference_bar: f64) -> Self {
+        Self {
+            knots: vec![Knot {
+                time_ns: 0,
+                reference_bar,
+            }],
+        }
+    }
+
+    /// Rests for `duration_ms` [ms].
+    #[must_use]
+    pub fn hold_ms(self, duration_ms: u32) -> Self {
+        let reference_bar = self.last().reference_bar;
+        self.ramp_to(reference_bar, duration_ms)
+    }
+
+    /// Jumps to `reference_bar` [bar gauge].
+    #[must_use]
+    pub fn step_to(self, reference_bar: f64) -> Self {
+        self.ramp_to(reference_bar, 0)
+    }
+
+    /// Goes straight to `reference_bar` [bar gauge] within `duration_ms` [ms].
+    #[must_use]
+    pub fn ramp_to(mut self, reference_bar: f64, duration_ms: u32) -> Self {
+        let time_ns = self.last().time_ns + u64::from(duration_ms) * NS_PER_MS;
+        self.knots.push(Knot {
+            time_ns,
+            reference_bar,
+        });
+        self
+    }
+
+    /// The signal `p_ref` of a recording, such as a CSV with the columns `time_s` and `p_ref_bar_gauge`. Each value holds
+    /// until the next, and the first instant becomes time 0.
+    ///
+    /// # Errors
+    /// There is no such signal, a value is missing (nothing is filled in), or a value is out of range.
+    pub fn from_recording(recording: &Recording) -> Result<Self, ProfileError> {
+        let signal = recording.require("p_ref", Quantity::Pressure)?;
+        let values = signal.values_in(Unit::BarGauge)?;
+        let Some(times) = recording.time_base(signal.time_base()) else {
+            return Ok(Self::starting_at(0.0));
+        };
+        let mut profile = Self {
+            knots: Vec::with_capacity(2 * values.len()),
+        };
+        for (index, (&time_s, &reference_bar)) in times.times_s().iter().zip(&values).enumerate() {
+            if reference_bar.is_nan() {
+                return Err(ProfileError::Missing { index, time_s });
+            }
+            let time_ns = ((time_s - times.start_s()) * 1e9).round() as u64;
+            if let Some(&before) = profile.knots.last() {
+                profile.knots.push(Knot { time_ns, ..before });
+            }
+            profile.knots.push(Knot {
+                time_ns,
+                reference_bar,
+            });
+        }
+        profile.check()?;
+        Ok(profile)
+    }
+
+    /// The reference at an instant [bar gauge]; the last one holds for ever.
+    pub fn at_ns(&self, time_ns: u64) -> f64 {
+        let after = self.knots.partition_point(|knot| knot.time_ns <= time_ns);
+        let Some(&from) = after.checked_sub(1).and_then(|index| self.knots.get(index)) else {
+            return self.knots.first().map_or(0.0, |knot| knot.reference_bar);
+        };
+        match self.knots.get(after) {
+            None => from.reference_bar,
+            Some(to) => {
+                let share = (time_ns - from.time_ns) as f64 / (to.time_ns - from.time_ns) as f64;
+                from.reference_bar + share * (to.reference_bar - from.reference_bar)
+            }
+        }
+    }
+
+    /// When it ends [ns].
+    pub fn end_ns(&self) -> u64 {
+        self.last().time_ns
+    }
+
+    /// Checks that every reference is a pressure within [`REFERENCE_RANGE_BAR`].
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), ProfileError> {
+        let [low, high] = REFERENCE_RANGE_BAR;
+        match self
+            .knots
+            .iter()
+            .find(|knot| !(low..=high).contains(&knot.reference_bar))
+        {
+            None => Ok(()),
+            Some(knot) => Err(ProfileError::OutOfRange {
+                time_s: knot.time_ns as f64 * 1e-9,
+                reference_bar: knot.reference_bar,
+            }),
+        }
+    }
+
+    fn last(&self) -> Knot {
+        self.knots.last().copied().unwrap_or(Knot {
+            time_ns: 0,
+            reference_bar: 0.0,
+        })
+    }
+}
+
+impl fmt::Display for ReferenceProfile {
+    /// `0 s: 2 bar, 0.5 s: step to 3 bar, 1.7 s: ramp to 1 bar`, in gauge.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let first = self.knots.first().map_or(0.0, |knot| knot.reference_bar);
+        write!(f, "0 s: {first} bar")?;
+        for pair in self.knots.windows(2) {
+            if pair[0].reference_bar == pair[1].reference_bar {
+                continue;
+            }
+            let time_s = pair[1].time_ns as f64 * 1e-9;
+            let way = if pair[0].time_ns == pair[1].time_ns {
+                "step"
+            } else {
+                "ramp"
+            };
+            write!(f, ", {time_s} s: {way} to {} bar", pair[1].reference_bar)?;
+        }
+        Ok(())
+    }
+}
+
+/// Why something is no reference profile.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProfileError {
+    /// The recording has no `p_ref`, or it is no pressure.
+    #[error(transparent)]
+    NoReference(#[from] MissingSignal),
+    /// `p_ref` is not in a gauge unit.
+    #[error("p_ref: {0}; write the reference as gauge pressure, `p_ref_bar_gauge`")]
+    Unit(#[from] ConversionError),
+    /// A reference is missing.
+    #[error(
+        "p_ref has no value at {time_s} s (row {index}, from 0): a reference is never guessed, write one"
+    )]
+    Missing {
+        /// Index of the sample, from 0.
+        index: usize,
+        /// Its time [s].
+        time_s: f64,
+    },
+    /// A reference is no pressure that a chamber could be asked for.
+    #[error(
+        "reference {reference_bar} bar gauge at {time_s} s is out of range: allowed {} to {} bar gauge",
+        REFERENCE_RANGE_BAR[0], REFERENCE_RANGE_BAR[1]
+    )]
+    OutOfRange {
+        /// Time of the reference [s].
+        time_s: f64,
+        /// The reference [bar gauge].
+        reference_bar: f64,
+    },
+}

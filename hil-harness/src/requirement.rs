@@ -1,0 +1,145 @@
+//! What the loop must do, in one place, with its source.
+
+/// What is asked of the loop. Pressures that the thesis gives in p_sup are kept so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Requirement {
+    /// T_req [samples]: the time within which a reference is reached (section 1.4).
+    pub t_req_samples: u32,
+    /// P_tol [bar]: how close is reached (section 1.4; the size is that of figure 6.8).
+    pub p_tol_bar: f64,
+    /// p_sup [bar gauge], the unit of the following shares (working value, see data/thesis/measurements.toml).
+    pub supply_pressure_bar: f64,
+    /// References that the retarder uses, lowest and highest [p_sup] (section 6.4.2).
+    pub operating_range_psup: [f64; 2],
+    /// Filling from ambient pressure to here [p_sup] ... (section 1.4)
+    pub fill_to_psup: f64,
+    /// ... takes less than this [T_req].
+    pub fill_max_t_req: f64,
+    /// Venting from here [p_sup] ... (section 1.4)
+    pub vent_from_psup: f64,
+    /// ... to here [p_sup] ...
+    pub vent_to_psup: f64,
+    /// ... takes less than this [T_req].
+    pub vent_max_t_req: f64,
+    /// Duty cycles that the fill valve may get besides 0: lowest and highest [%]. The lowest of all conditions is that of the
+    /// thesis' Scheme 1 (section 6.4.1), the highest fully opens (table 4.1).
+    pub duty_fill_pct: [f64; 2],
+    /// The same for the vent valve (tables 4.1 and 4.2).
+    pub duty_vent_pct: [f64; 2],
+    /// Most valve actuations within any one second at rest, both valves together. Assumed, the thesis gives no number: it
+    /// asks for "a minimum use of the valves" (section 6.3.1). One correction may take a few pulses; more is a limit cycle.
+    pub rest_actuations_per_s: u32,
+}
+
+impl Requirement {
+    /// The thesis' requirement.
+    pub const THESIS: Self = Self {
+        t_req_samples: 50,
+        p_tol_bar: 0.1,
+        supply_pressure_bar: 8.4,
+        operating_range_psup: [0.18, 0.71],
+        fill_to_psup: 0.26,
+        fill_max_t_req: 0.10,
+        vent_from_psup: 0.88,
+        vent_to_psup: 0.71,
+        vent_max_t_req: 0.05,
+        duty_fill_pct: [25.5, 82.0],
+        duty_vent_pct: [25.5, 80.0],
+        rest_actuations_per_s: 3,
+    };
+
+    /// A share of the supply pressure [bar gauge].
+    pub fn psup(&self, share: f64) -> f64 {
+        share * self.supply_pressure_bar
+    }
+
+    /// Whether the retarder uses this reference [bar gauge]; the ends belong to the range.
+    pub fn is_operating_reference(&self, reference_bar: f64) -> bool {
+        let [low, high] = self.operating_range_psup.map(|share| self.psup(share));
+        // A reference arrives as a multiple of 2⁻¹⁶ bar: the ends are met within one of those.
+        (low - RESOLUTION_BAR..=high + RESOLUTION_BAR).contains(&reference_bar)
+    }
+}
+
+/// Resolution of pressures on the wire [bar].
+const RESOLUTION_BAR: f64 = 1.0 / 65536.0;
+
+impl Default for Requirement {
+    fn default() -> Self {
+        Self::THESIS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The figures come from one place; this crate must not drift away from it.
+    #[test]
+    fn the_requirement_is_the_one_in_the_thesis_data() {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../data/thesis/measurements.toml"
+        );
+        let text = std::fs::read_to_string(path).unwrap();
+        let document: toml_edit::DocumentMut = text.parse().unwrap();
+        let number = |table: &str, key: &str| {
+            let item = &document[table][key];
+            item.as_float()
+                .or(item.as_integer().map(|n| n as f64))
+                .unwrap()
+        };
+        let requirement = Requirement::THESIS;
+        assert_eq!(
+            f64::from(requirement.t_req_samples),
+            number("requirement", "t_req_samples")
+        );
+        assert_eq!(requirement.p_tol_bar, number("requirement", "p_tol_bar"));
+        assert_eq!(
+            requirement.fill_max_t_req,
+            number("requirement", "fill_0_to_026_psup_max_t_req")
+        );
+        assert_eq!(
+            requirement.vent_max_t_req,
+            number("requirement", "vent_088_to_071_psup_max_t_req")
+        );
+        let range = document["requirement"]["operating_range_psup"]
+            .as_array()
+            .unwrap();
+        let range: Vec<f64> = range
+            .iter()
+            .filter_map(toml_edit::Value::as_float)
+            .collect();
+        assert_eq!(requirement.operating_range_psup.to_vec(), range);
+        assert_eq!(
+            requirement.duty_vent_pct[0],
+            number("duty_limits_percent", "vent_open_with_supply_pressure")
+        );
+        assert_eq!(
+            requirement.duty_fill_pct[1],
+            number("duty_limits_percent", "fill_hold")
+        );
+        assert_eq!(
+            requirement.duty_vent_pct[1],
+            number("duty_limits_percent", "vent_hold")
+        );
+    }
+
+    #[test]
+    fn the_operating_range_includes_its_ends_and_nothing_beyond() {
+        let requirement = Requirement::THESIS;
+        for (reference_bar, expected) in [
+            (1.50, false),
+            (1.512, true),
+            (3.0, true),
+            (5.964, true),
+            (5.97, false),
+        ] {
+            assert_eq!(
+                requirement.is_operating_reference(reference_bar),
+                expected,
+                "{reference_bar} bar"
+            );
+        }
+    }
+}

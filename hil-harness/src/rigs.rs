@@ -1,0 +1,141 @@
+//! Many rigs of one kind: no two valves are alike.
+
+use plant_sim::{ParameterError, PlantParameters};
+
+use crate::checks::{JudgeError, Verdict};
+use crate::random::{Random, Stream};
+use crate::requirement::Requirement;
+use crate::run::{RunError, run_in_process};
+use crate::scenario::Scenario;
+
+/// How one parameter, or several together, differ from rig to rig: uniform, within ± `share` of the value and ± `offset`.
+struct Scatter {
+    keys: &'static [&'static str],
+    share: f64,
+    offset: f64,
+}
+
+const fn relative(keys: &'static [&'static str], share: f64) -> Scatter {
+    Scatter {
+        keys,
+        share,
+        offset: 0.0,
+    }
+}
+
+const fn absolute(keys: &'static [&'static str], offset: f64) -> Scatter {
+    Scatter {
+        keys,
+        share: 0.0,
+        offset,
+    }
+}
+
+/// The scatter of the bench (data/README.md).
+const SCATTER: &[Scatter] = &[
+    relative(&["flow.discharge_fill"], 0.08),
+    relative(&["flow.discharge_vent"], 0.08),
+    relative(&["armature.preload_fill_n"], 0.03),
+    relative(&["armature.preload_vent_n"], 0.03),
+    relative(&["coil.resistance_20c_ohm"], 0.03),
+    relative(
+        &["coil.inductance_closed_h", "coil.inductance_open_h"],
+        0.06,
+    ),
+    relative(&["chamber.volume_m3"], 0.03),
+    relative(&["armature.spring_n_per_m"], 0.05),
+    absolute(&["ecu.command_delay_s"], 1.5e-3),
+    absolute(&["gas.supply_pressure_bar_gauge"], 0.15),
+];
+
+/// One rig of the kind of `parameters`: the same seed gives the same rig.
+///
+/// # Errors
+/// A scattered value leaves the range of its parameter, as a kind at the edge of a range can.
+pub fn scattered(
+    parameters: &PlantParameters,
+    seed: u64,
+) -> Result<PlantParameters, ParameterError> {
+    let random = Random::new(seed, Stream::RigScatter);
+    let mut rig = parameters.clone();
+    for (counter, scatter) in (0..).zip(SCATTER) {
+        let draw = random.symmetric(counter);
+        for key in scatter.keys {
+            let Some(value) = parameters.get(key) else {
+                continue;
+            };
+            let scattered = value * (1.0 + scatter.share * draw) + scatter.offset * draw;
+            rig.set(key, scattered, "rig-to-rig scatter")?;
+        }
+    }
+    Ok(rig)
+}
+
+/// One rig of a batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigVerdict {
+    /// Number of the rig, from 0.
+    pub rig: u32,
+    /// Seed of its scenario: [`scattered`] gives the rig, and the same scenario with this seed repeats the run.
+    pub seed: u64,
+    /// How the loop stood.
+    pub verdict: Verdict,
+}
+
+/// Why a batch has no result for a rig.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RigError {
+    /// The scattered parameters are no plant.
+    #[error("rig {rig} (seed {seed}): {error}")]
+    Parameters {
+        /// Number of the rig.
+        rig: u32,
+        /// Its seed.
+        seed: u64,
+        /// Which parameter.
+        error: Box<ParameterError>,
+    },
+    /// The rig could not be run.
+    #[error("rig {rig} (seed {seed}): {error}")]
+    Run {
+        /// Number of the rig.
+        rig: u32,
+        /// Its seed.
+        seed: u64,
+        /// Why.
+        error: Box<RunError>,
+    },
+    /// The run could not be judged.
+    #[error(transparent)]
+    Judge(#[from] JudgeError),
+}
+
+/// Runs `scenario` on `count` rigs of its plant's kind, one after the other as the iterator is asked.
+pub fn verdicts<'a>(
+    scenario: &'a Scenario,
+    requirement: &'a Requirement,
+    count: u32,
+) -> impl ExactSizeIterator<Item = Result<RigVerdict, RigError>> + 'a {
+    let seeds = Random::new(scenario.seed, Stream::RigSeed);
+    (0..count).map(move |rig| {
+        let seed = seeds.bits(rig.into());
+        let plant = scattered(&scenario.plant, seed).map_err(|error| RigError::Parameters {
+            rig,
+            seed,
+            error: Box::new(error),
+        })?;
+        let run = run_in_process(&scenario.clone().on(plant).seeded(seed)).map_err(|error| {
+            RigError::Run {
+                rig,
+                seed,
+                error: Box::new(error),
+            }
+        })?;
+        Ok(RigVerdict {
+            rig,
+            seed,
+            verdict: run.verdict(requirement)?,
+        })
+    })
+}
