@@ -91,9 +91,9 @@ pub(super) fn check_encoding(head: &[u8]) -> Result<(), Located> {
         [_, 0, _, 0, ..] | [0, _, 0, _, ..] => utf16,
         _ if head.contains(&0) => "binary data (a zero byte)",
         _ => {
-            let mut lines = memchr::memchr_iter(b'\n', head);
+            // A return at the very end may have its line feed beyond the head.
             let bare_returns =
-                lines.next().is_none() && head.contains(&b'\r') && !head.ends_with(b"\r");
+                memchr::memchr(b'\n', head).is_none() && head[..head.len() - 1].contains(&b'\r');
             return if bare_returns {
                 Err((Place::line(1), Problem::LineEnd))
             } else {

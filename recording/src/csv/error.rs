@@ -60,22 +60,23 @@ impl Excerpt {
         let mut excerpt = String::new();
         let mut count = 0;
         for character in text.chars() {
-            let shown = if is_unprintable(character) || matches!(character, '"' | '\\') {
-                character.escape_default().to_string()
-            } else {
-                character.to_string()
-            };
-            // The last place is kept for the mark of a cut.
-            if count + shown.len() >= Self::CHARACTERS_MAX {
-                excerpt.push('…');
-                break;
-            }
-            count += if shown.len() > 1 && shown.is_ascii() {
-                shown.len()
+            let is_escaped = is_unprintable(character) || matches!(character, '"' | '\\');
+            let length = if is_escaped {
+                character.escape_default().len()
             } else {
                 1
             };
-            excerpt.push_str(&shown);
+            // The last place is kept for the mark of a cut.
+            if count + length >= Self::CHARACTERS_MAX {
+                excerpt.push('…');
+                break;
+            }
+            count += length;
+            if is_escaped {
+                excerpt.extend(character.escape_default());
+            } else {
+                excerpt.push(character);
+            }
         }
         Self(excerpt)
     }
@@ -167,5 +168,36 @@ impl std::error::Error for CsvError {
             Problem::Name { problem, .. } => Some(problem),
             _ => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_excerpt_is_printable_and_at_most_80_characters_long() {
+        let exact = "a".repeat(Excerpt::CHARACTERS_MAX - 1);
+        assert_eq!(Excerpt::of(&exact).as_str(), exact);
+        let long = [
+            "a".repeat(81),
+            "\u{1b}".repeat(50),
+            "ä".repeat(200),
+            "\"".repeat(79),
+        ];
+        for text in long {
+            let excerpt = Excerpt::of(&text);
+            let count = excerpt.as_str().chars().count();
+            assert!(
+                (70..=Excerpt::CHARACTERS_MAX).contains(&count),
+                "{count}: {excerpt}"
+            );
+            assert!(excerpt.as_str().ends_with('…'), "{excerpt}");
+        }
+        assert_eq!(
+            Excerpt::of("a\u{1b}[31m\n\u{202e}\"").as_str(),
+            "a\\u{1b}[31m\\n\\u{202e}\\\""
+        );
+        assert_eq!(Excerpt::of_bytes(b"\xff1").as_str(), "\u{fffd}1");
     }
 }

@@ -434,7 +434,7 @@ impl fmt::Display for Problem {
             }
             Self::Unmapped { found } => write!(
                 f,
-                "found {found}, expected the mapping to say what this column is"
+                "found {found}, expected a header or a mapping to say what this column is"
             ),
             Self::Ragged { expected, found } => {
                 write!(f, "found {found} fields, expected {expected}")

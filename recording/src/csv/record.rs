@@ -201,11 +201,16 @@ impl<R: Read> Records<R> {
             }
         }
         // A line feed ends a record before the end of the file is known.
+        let at_end_of_file = self.at_end;
+        let ends_with_return = self.position > 0 && self.chunk[self.position - 1] == b'\r';
+        if ends_with_return && self.peek()?.is_some_and(|next| next != b'\n') {
+            return Err(at(Problem::LineEnd));
+        }
         self.record = RecordMeta {
             line,
             bytes,
             ends,
-            at_end_of_file: self.at_end,
+            at_end_of_file,
         };
         Ok(true)
     }

@@ -127,12 +127,10 @@ impl RowParser {
             ));
         }
         if plan.empty_last && !last.is_empty() {
-            let place = plan.place(line, plan.fields - 1);
+            let found = Excerpt::of(last);
             return Err((
-                place,
-                Problem::UnitMissing {
-                    found: Excerpt::of(""),
-                },
+                plan.place(line, plan.fields - 1),
+                Problem::Unmapped { found },
             ));
         }
         if self.rows == self.rows_max {
