@@ -6,7 +6,7 @@ use crate::pid::{ERROR_SHIFT, GAIN_BITS, sample_time};
 use crate::range::{CoefficientRange, Quotient, Range, propagate};
 use crate::settings::Settings;
 
-const RATE_PCT_PER_BAR_S: Range = Range::new("0", "30000");
+const RATE_PCT_PER_BAR_S: Range = Range::new("0.1", "30000");
 const MAX_PCT: Range = Range::new("0", "1000");
 const RESPONSE_BAR: Range = Range::new("0", "10");
 /// Below it the rounding of the coefficient would show in u; above it the word ends.

@@ -130,11 +130,11 @@ impl Quotient {
     pub(crate) const fn checked(self, fraction_bits: u32) -> Result<i32, ConfigError> {
         let numerator = self.numerator as u128;
         let denominator = self.denominator as u128;
-        let exact = quotient(numerator << 32, denominator);
-        let bits = if exact > i64::MAX as u128 {
+        let shown = quotient((numerator << 32).wrapping_add(denominator / 2), denominator);
+        let bits = if shown > i64::MAX as u128 {
             i64::MAX
         } else {
-            exact as i64
+            shown as i64
         };
         let CoefficientRange { min, max } = self.range;
         if bits < min.to_bits() || bits > max.to_bits() {

@@ -106,7 +106,7 @@ pub enum SwitchOff {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Boost {
-    /// Rate [% of u per second and bar of error], 0 ..= 30 000.
+    /// Rate [% of u per second and bar of error], 0.1 ..= 30 000.
     pub rate_pct_per_bar_s: I16F16,
     /// Bound of the boost [% of u], 0 ..= 1000.
     pub max_pct: I16F16,

@@ -1,0 +1,588 @@
+//! What each mechanism of chapter 6 does, in a small story each.
+
+use controller::fixed::types::I16F16;
+use controller::{
+    Activity, AntiWindup, Boost, ControlSignal, Distributor, Input, IntegralAtReference,
+    LowerLimit, Output, Prediction, PredictionBasis, Pressure, Saturation, Settings, State,
+    SwitchOff, Trace, step, step_traced,
+};
+
+use crate::support::{bar, bare, config, input, lit};
+
+/// Runs the inputs, the first of which is where the controller starts, and gives every sample's output and account.
+fn run(settings: &Settings, inputs: &[(&str, &str)]) -> Vec<(Output, Trace, State)> {
+    let config = config(settings);
+    let mut state = State::new(input(inputs[0].0, inputs[0].1));
+    inputs
+        .iter()
+        .map(|(reference, pressure)| {
+            let (output, trace) = step_traced(&config, &mut state, input(reference, pressure));
+            (output, trace, state)
+        })
+        .collect()
+}
+
+fn percent(signal: ControlSignal) -> f64 {
+    signal.percent().to_num()
+}
+
+/// Two control signals are the same to the last of their 12 bits and the tenth of a unit that a decimal setting may be off.
+fn assert_close(actual: ControlSignal, expected: f64) {
+    let deviation = (percent(actual) - expected).abs();
+    assert!(deviation < 0.000_3, "{actual} is not {expected} %");
+}
+
+fn duties(output: &Output) -> (I16F16, I16F16) {
+    (output.duty_fill.percent(), output.duty_vent.percent())
+}
+
+// ---- equation 6.2 ----
+
+#[test]
+fn the_pid_is_equation_6_2() {
+    let settings = Settings {
+        gain_pct_per_bar: lit("10"),
+        derivative_time_ms: Some(lit("20")),
+        integral_time_ms: Some(lit("500")),
+        ..bare()
+    };
+    let samples = run(
+        &settings,
+        &[("3", "2"), ("3", "2.5"), ("3", "2.25"), ("3", "3.5")],
+    );
+    // e = 1, 0.5, 0.75, -0.5; K (e + 2 Δe + Σe/50)
+    for ((_, trace, _), expected) in samples.iter().zip([
+        10.0 * (1.0 + 0.0 + 1.0 / 50.0),
+        10.0 * (0.5 - 1.0 + 1.5 / 50.0),
+        10.0 * (0.75 + 0.5 + 2.25 / 50.0),
+        10.0 * (-0.5 - 2.5 + 1.75 / 50.0),
+    ]) {
+        assert_close(trace.u, expected);
+    }
+}
+
+#[test]
+fn without_its_times_the_pid_is_p_pi_or_pd() {
+    let inputs = [("3", "2"), ("3", "2.5")];
+    let last = |settings: &Settings| run(settings, &inputs)[1].1.u;
+    assert_close(last(&bare()), 20.0);
+    assert_close(
+        last(&Settings {
+            integral_time_ms: Some(lit("400")),
+            ..bare()
+        }),
+        40.0 * (0.5 + 1.5 / 40.0),
+    );
+    assert_close(
+        last(&Settings {
+            derivative_time_ms: Some(lit("5")),
+            ..bare()
+        }),
+        40.0 * (0.5 - 0.25),
+    );
+}
+
+#[test]
+fn a_sample_time_twice_as_long_halves_the_derivative_and_doubles_the_integral() {
+    let settings = Settings {
+        derivative_time_ms: Some(lit("10")),
+        integral_time_ms: Some(lit("1000")),
+        ..bare()
+    };
+    let slow = Settings {
+        sample_time_ms: lit("20"),
+        ..settings
+    };
+    let inputs = [("3", "2"), ("3", "2.5")];
+    let (fast, slow) = (run(&settings, &inputs)[1].1, run(&slow, &inputs)[1].1);
+    assert_close(slow.derivative, percent(fast.derivative) / 2.0);
+    assert_close(slow.integral, percent(fast.integral) * 2.0);
+}
+
+// ---- distributor, 6.3 ----
+
+#[test]
+fn the_traditional_distributor_is_equations_6_3_to_6_5() {
+    let settings = Settings {
+        distributor: Distributor::Traditional,
+        ..bare()
+    };
+    let check = |reference, pressure, expected: (&str, &str)| {
+        let (output, _, _) = run(&settings, &[(reference, pressure)])[0];
+        assert_eq!(duties(&output), (lit(expected.0), lit(expected.1)));
+    };
+    check("3", "2", ("40", "0"));
+    check("2", "3.25", ("0", "50"));
+    check("2", "2", ("0", "0"));
+    check("8", "2", ("100", "0"));
+    check("2", "8", ("0", "100"));
+}
+
+#[test]
+fn scheme_1_maps_u_onto_the_range_in_which_the_valve_moves() {
+    let check = |reference, pressure, expected: (&str, &str)| {
+        let (output, _, _) = run(&bare(), &[(reference, pressure)])[0];
+        assert_eq!(duties(&output), (lit(expected.0), lit(expected.1)));
+    };
+    // u = 50 %: halfway from 25.5 % to 82 % and to 80 %.
+    check("3.25", "2", ("53.75", "0"));
+    check("2", "3.25", ("0", "52.75"));
+    check("8", "2", ("82", "0"));
+    check("2", "8", ("0", "80"));
+    check("2", "2", ("0", "0"));
+}
+
+#[test]
+fn scheme_2_drives_both_valves_around_their_middles() {
+    let settings = Settings {
+        distributor: Distributor::Scheme2 {
+            middle_fill_pct: lit("40"),
+            middle_vent_pct: lit("38"),
+        },
+        ..bare()
+    };
+    let check = |reference, pressure, expected: (&str, &str)| {
+        let (output, _, _) = run(&settings, &[(reference, pressure)])[0];
+        assert_eq!(duties(&output), (lit(expected.0), lit(expected.1)));
+    };
+    check("3.25", "2", ("61", "31.75"));
+    check("2", "3.25", ("32.75", "59"));
+    check("8", "2", ("82", "25.5"));
+    check("2", "8", ("25.5", "80"));
+}
+
+#[test]
+fn scheme_2_gives_both_middles_where_the_control_signal_is_zero_and_none_inside_the_tolerance() {
+    let settings = Settings {
+        gain_pct_per_bar: lit("10"),
+        // K e + K T_d/T_s Δe = 10 (0.5 - 0.5): u is exactly 0, the error is not.
+        derivative_time_ms: Some(lit("10")),
+        tolerance_bar: lit("0.125"),
+        distributor: Distributor::Scheme2 {
+            middle_fill_pct: lit("40"),
+            middle_vent_pct: lit("38"),
+        },
+        ..bare()
+    };
+    let samples = run(&settings, &[("3", "2"), ("3", "2.5"), ("3", "2.9")]);
+    assert_eq!(samples[1].1.u, ControlSignal::ZERO);
+    assert_eq!(duties(&samples[1].0), (lit("40"), lit("38")));
+    assert_eq!(samples[2].0, Output::OFF);
+}
+
+/// Tables 4.1 and 4.2 at their ends: what helps the fill valve is missing at full chamber pressure, and the reverse.
+#[test]
+fn the_pressure_dependent_limits_meet_the_measured_opening_duties() {
+    let settings = Settings {
+        duty_min: Settings::recommended().duty_min,
+        gain_pct_per_bar: lit("0.01"),
+        ..bare()
+    };
+    let limit = |reference, pressure| {
+        let (output, _, _) = run(&settings, &[(reference, pressure)])[0];
+        let (fill, vent) = duties(&output);
+        // u is at most 0.08 %, which lifts the duty cycle by at most 0.05 % above its limit.
+        (fill.max(vent).to_num::<f64>() - 0.025).abs()
+    };
+    let assert_limit = |actual: f64, expected: f64| {
+        assert!(
+            (actual - expected).abs() < 0.026,
+            "{actual} is not {expected} %"
+        )
+    };
+    assert_limit(limit("1", "0"), 28.5);
+    assert_limit(limit("9", "8.4"), 54.5);
+    assert_limit(limit("4.3", "4.2"), 43.488_5);
+    assert_limit(limit("7", "8.4"), 25.5);
+    assert_limit(limit("-0.5", "0"), 51.5);
+    assert_limit(limit("4.1", "4.2"), 40.635_6);
+    // Beyond the ends nothing goes further.
+    assert_limit(limit("9", "8.9"), 54.5);
+    assert_limit(limit("3", "9.5"), 25.5);
+}
+
+/// Section 6.6's example: at 6.8 bar a fill valve with 25.5 % as lower limit does not open for an error of 0.2 bar.
+#[test]
+fn with_pressure_dependent_limits_a_small_error_opens_the_fill_valve_at_high_pressure() {
+    let opens = |duty_min| {
+        let (output, _, _) = run(&Settings { duty_min, ..bare() }, &[("7", "6.8")])[0];
+        output.duty_fill.percent()
+    };
+    assert!(opens(Settings::thesis().duty_min) < lit("45"));
+    assert!(opens(Settings::recommended().duty_min) > lit("50"));
+}
+
+// ---- tolerance, 6.3.1 ----
+
+#[test]
+fn the_tolerance_is_strict() {
+    let settings = Settings {
+        tolerance_bar: lit("0.125"),
+        ..bare()
+    };
+    let config = config(&settings);
+    let activity = |error: Pressure| {
+        let sample = Input {
+            reference: error,
+            pressure: Pressure::ZERO,
+        };
+        step_traced(&config, &mut State::new(sample), sample)
+            .1
+            .activity
+    };
+    let unit = Pressure::from_bits(1);
+    assert_eq!(activity(bar("0.125")), Activity::Controlling);
+    assert_eq!(
+        activity(bar("0.125").saturating_sub(unit)),
+        Activity::InsideTolerance
+    );
+    assert_eq!(activity(bar("-0.125")), Activity::Controlling);
+    assert_eq!(
+        activity(bar("-0.125").saturating_add(unit)),
+        Activity::InsideTolerance
+    );
+}
+
+#[test]
+fn leaving_the_tolerance_gives_no_derivative_kick() {
+    let settings = Settings {
+        tolerance_bar: lit("0.125"),
+        derivative_time_ms: Some(lit("10")),
+        ..bare()
+    };
+    let samples = run(&settings, &[("3", "2"), ("3", "2.9375"), ("3", "2.75")]);
+    assert_eq!(samples[1].1.activity, Activity::InsideTolerance);
+    // From 0.0625 to 0.25 bar, not from 1 to 0.25.
+    assert_close(samples[2].1.derivative, 7.5);
+}
+
+#[test]
+fn the_integral_part_is_held_or_cleared_at_the_reference_as_chosen() {
+    let hold = Settings {
+        tolerance_bar: lit("0.125"),
+        integral_time_ms: Some(lit("400")),
+        ..bare()
+    };
+    let clear = Settings {
+        integral_at_reference: IntegralAtReference::Clear,
+        ..hold
+    };
+    let inputs = [("3", "2"), ("3", "2.95"), ("3", "2.5"), ("3", "3.5")];
+    let integrals = |settings| {
+        run(settings, &inputs)
+            .iter()
+            .map(|sample| percent(sample.2.integral()))
+            .collect::<Vec<_>>()
+    };
+    // K T_s/T_i = 1 % per bar and sample: 1, held inside, 1 + 0.5, 1.5 - 0.5
+    assert_eq!(integrals(&hold), [1.0, 1.0, 1.5, 1.0]);
+    // 1, cleared inside, 0.5, cleared by the change of sign and then -0.5
+    assert_eq!(integrals(&clear), [1.0, 0.0, 0.5, -0.5]);
+}
+
+// ---- prediction, 6.5.2 ----
+
+const PREDICTING: Settings = Settings {
+    tolerance_bar: I16F16::lit("0.1"),
+    prediction: Prediction::TwoStep,
+    integral_time_ms: None,
+    derivative_time_ms: None,
+    boost: None,
+    ..Settings::thesis()
+};
+
+/// Figure 6.8: an error that rises from -0.5 bar by 0.13 bar a sample is switched off before it is inside the tolerance, one
+/// sample earlier for each step of prediction.
+#[test]
+fn the_valves_are_switched_off_one_sample_earlier_per_predicted_step() {
+    let inputs = [
+        ("3", "3.5"),
+        ("3", "3.37"),
+        ("3", "3.24"),
+        ("3", "3.11"),
+        ("3", "2.98"),
+    ];
+    let off_from = |prediction| {
+        run(
+            &Settings {
+                prediction,
+                ..PREDICTING
+            },
+            &inputs,
+        )
+        .iter()
+        .position(|sample| sample.0 == Output::OFF)
+    };
+    assert_eq!(off_from(Prediction::Off), Some(4));
+    assert_eq!(off_from(Prediction::OneStep), Some(3));
+    assert_eq!(off_from(Prediction::TwoStep), Some(2));
+}
+
+#[test]
+fn the_pid_acts_on_the_actual_error_until_the_prediction_switches_off() {
+    let samples = run(&PREDICTING, &[("3", "4"), ("3", "3.9")]);
+    assert_eq!(samples[1].1.activity, Activity::Controlling);
+    assert_close(samples[1].1.u, -40.0 * 0.9);
+}
+
+/// The thesis predicts the error, reference included: a jump by a third of the error looks like a pressure about to arrive.
+#[test]
+fn a_reference_jump_can_switch_off_wrongly_for_one_sample_where_the_error_is_predicted() {
+    let inputs = [("5", "2"), ("4", "2"), ("4", "2")];
+    let activities = |prediction, prediction_basis, inputs: &[(&str, &str)]| {
+        let settings = Settings {
+            prediction,
+            prediction_basis,
+            ..PREDICTING
+        };
+        run(&settings, inputs)
+            .iter()
+            .map(|sample| sample.1.activity)
+            .collect::<Vec<_>>()
+    };
+    let (on, off) = (Activity::Controlling, Activity::SwitchedOffAhead);
+    assert_eq!(
+        activities(Prediction::TwoStep, PredictionBasis::Error, &inputs),
+        [on, off, on]
+    );
+    assert_eq!(
+        activities(Prediction::TwoStep, PredictionBasis::Pressure, &inputs),
+        [on, on, on]
+    );
+    // One step: by half of the error.
+    let inputs = [("5", "2"), ("3.5", "2"), ("3.5", "2")];
+    assert_eq!(
+        activities(Prediction::OneStep, PredictionBasis::Error, &inputs),
+        [on, off, on]
+    );
+    assert_eq!(
+        activities(Prediction::OneStep, PredictionBasis::Pressure, &inputs),
+        [on, on, on]
+    );
+}
+
+#[test]
+fn a_reference_jump_from_rest_switches_nothing_off() {
+    for jump in ["3.2", "2.8", "8", "0"] {
+        let samples = run(&PREDICTING, &[("3", "3"), (jump, "3")]);
+        assert_eq!(
+            samples[1].1.activity,
+            Activity::Controlling,
+            "to {jump} bar"
+        );
+    }
+}
+
+/// 0.44 bar a sample, as an orifice of 1.9 mm fills 75 cm³: the error is predicted to jump over the tolerance.
+#[test]
+fn a_pressure_that_is_predicted_past_the_tolerance_is_switched_off_only_beyond() {
+    let inputs = [("3", "2.1"), ("3", "2.54")];
+    let activity = |switch_off| {
+        run(
+            &Settings {
+                switch_off,
+                ..PREDICTING
+            },
+            &inputs,
+        )[1]
+        .1
+        .activity
+    };
+    assert_eq!(activity(SwitchOff::InsideTolerance), Activity::Controlling);
+    assert_eq!(
+        activity(SwitchOff::InsideOrBeyond),
+        Activity::SwitchedOffAhead
+    );
+}
+
+// ---- anti-windup, 6.5.1 ----
+
+const WINDING: Settings = Settings {
+    gain_pct_per_bar: I16F16::lit("40"),
+    integral_time_ms: Some(I16F16::lit("400")),
+    derivative_time_ms: None,
+    tolerance_bar: I16F16::lit("0"),
+    prediction: Prediction::Off,
+    boost: None,
+    integral_max_pct: I16F16::lit("1000"),
+    ..Settings::thesis()
+};
+
+/// The thesis' example: fully open for a second and the reference not reached, then the reference falls below the pressure.
+#[test]
+fn only_without_anti_windup_the_valve_stays_open_after_the_reference_fell() {
+    let samples_until_venting = |anti_windup| {
+        let config = config(&Settings {
+            anti_windup,
+            ..WINDING
+        });
+        let mut state = State::new(input("8", "2"));
+        for _ in 0..100 {
+            let (_, trace) = step_traced(&config, &mut state, input("8", "2"));
+            assert_eq!(trace.saturation, Saturation::High);
+        }
+        (0..1000).find(|_| {
+            !step(&config, &mut state, input("1", "2"))
+                .duty_vent
+                .is_off()
+        })
+    };
+    assert_eq!(
+        samples_until_venting(AntiWindup::ConditionalIntegration),
+        Some(0)
+    );
+    assert_eq!(
+        samples_until_venting(AntiWindup::BackCalculation {
+            tracking_time_ms: lit("100")
+        }),
+        Some(0)
+    );
+    assert!(samples_until_venting(AntiWindup::Off).is_some_and(|samples| samples > 100));
+}
+
+#[test]
+fn conditional_integration_freezes_while_saturated_and_resumes_when_the_error_turns() {
+    let settings = Settings {
+        anti_windup: AntiWindup::ConditionalIntegration,
+        ..WINDING
+    };
+    // 1.5 bar: u = 60 %; 6 bar: saturated; 1.5 bar again.
+    let samples = run(
+        &settings,
+        &[
+            ("3.5", "2"),
+            ("8", "2"),
+            ("8", "2"),
+            ("3.5", "2"),
+            ("1", "2"),
+        ],
+    );
+    let integrals: Vec<f64> = samples
+        .iter()
+        .map(|sample| percent(sample.2.integral()))
+        .collect();
+    assert_eq!(integrals, [1.5, 1.5, 1.5, 3.0, 2.0]);
+    let integrating: Vec<bool> = samples.iter().map(|sample| sample.1.integrating).collect();
+    assert_eq!(integrating, [true, false, false, true, true]);
+}
+
+#[test]
+fn back_calculation_draws_the_integral_part_by_the_share_of_what_was_cut_off() {
+    let settings = Settings {
+        anti_windup: AntiWindup::BackCalculation {
+            tracking_time_ms: lit("40"),
+        },
+        ..WINDING
+    };
+    let samples = run(&settings, &[("8", "2"), ("8", "2")]);
+    // u₀ = 240 + 6; a quarter of the 146 % cut off: 6 - 36.5. Then u₀ = 240 - 30.5 + 6, and a quarter of 115.5.
+    assert_close(samples[0].1.u_unsaturated, 246.0);
+    assert_close(samples[0].2.integral(), -30.5);
+    assert_close(samples[1].1.u_unsaturated, 215.5);
+    assert_close(samples[1].2.integral(), -24.5 - 115.5 / 4.0);
+}
+
+// ---- boost, 6.5.3 ----
+
+const BOOSTING: Settings = Settings {
+    tolerance_bar: I16F16::lit("0.125"),
+    prediction: Prediction::Off,
+    integral_time_ms: None,
+    derivative_time_ms: None,
+    boost: Some(Boost {
+        // 10 % per bar and sample.
+        rate_pct_per_bar_s: I16F16::lit("1000"),
+        max_pct: I16F16::lit("20"),
+        response_bar: I16F16::lit("0.0625"),
+    }),
+    ..Settings::thesis()
+};
+
+fn boosts(inputs: &[(&str, &str)]) -> Vec<f64> {
+    run(&BOOSTING, inputs)
+        .iter()
+        .map(|sample| percent(sample.2.boost()))
+        .collect()
+}
+
+#[test]
+fn the_boost_runs_only_while_the_pressure_does_not_respond() {
+    // Two samples without motion, then two that move by 0.0625 bar or more, one that moves by less, one that moves away.
+    let inputs = [
+        ("3", "2.5"),
+        ("3", "2.5"),
+        ("3", "2.5625"),
+        ("3", "2.75"),
+        ("3", "2.7625"),
+        ("3", "2.5"),
+    ];
+    let boosts = boosts(&inputs);
+    assert_eq!(boosts[..4], [5.0, 10.0, 10.0, 10.0]);
+    assert!((boosts[4] - 12.375).abs() < 0.001);
+    assert!((boosts[5] - 17.375).abs() < 0.001);
+}
+
+#[test]
+fn the_boost_is_bounded_and_runs_to_either_side() {
+    assert_eq!(
+        boosts(&[("3", "2"), ("3", "2"), ("3", "2"), ("3", "2")]),
+        [10.0, 20.0, 20.0, 20.0]
+    );
+    assert_eq!(
+        boosts(&[("2", "3"), ("2", "3"), ("2", "3"), ("2", "3")]),
+        [-10.0, -20.0, -20.0, -20.0]
+    );
+}
+
+#[test]
+fn the_boost_is_cleared_inside_the_tolerance_and_when_the_error_changes_its_sign() {
+    assert_eq!(
+        boosts(&[("3", "2.5"), ("3", "2.95"), ("3", "2.75"), ("3", "2.75")]),
+        [5.0, 0.0, 2.5, 5.0]
+    );
+    // From 0.5 bar below to 0.5 bar above within a sample: cleared, and 0.5 bar to the other side.
+    assert_eq!(boosts(&[("3", "2.5"), ("3", "3.5")]), [5.0, -5.0]);
+}
+
+#[test]
+fn the_boost_does_not_run_while_the_control_signal_is_saturated() {
+    assert_eq!(boosts(&[("8", "2"), ("8", "2")]), [0.0, 0.0]);
+}
+
+/// The case the boost is there for: switched off too early, the pressure stops outside the tolerance and the duty cycle is too small
+/// to open the valve.
+#[test]
+fn the_boost_lifts_the_duty_cycle_until_the_valve_opens() {
+    let config = config(&BOOSTING);
+    let mut state = State::new(input("7", "6.8"));
+    let opened = (0..100).find(|_| {
+        step(&config, &mut state, input("7", "6.8"))
+            .duty_fill
+            .percent()
+            > lit("40")
+    });
+    // 25.5 + (8 + 2 n) 0.565 > 40
+    assert_eq!(opened, Some(8));
+}
+
+#[test]
+fn without_boost_a_pressure_that_does_not_respond_changes_nothing() {
+    for (_, trace, state) in run(&bare(), &[("7", "6.8"), ("7", "6.8"), ("7", "6.7")]) {
+        assert_eq!(
+            (state.boost(), trace.boosting),
+            (ControlSignal::ZERO, false)
+        );
+    }
+}
+
+#[test]
+fn a_constant_limit_is_the_same_at_every_pressure() {
+    let duty_min = LowerLimit::Constant {
+        fill_pct: lit("30"),
+        vent_pct: lit("20"),
+    };
+    let settings = Settings { duty_min, ..bare() };
+    let fill = |reference, pressure| duties(&run(&settings, &[(reference, pressure)])[0].0).0;
+    assert_eq!(fill("1.25", "0"), lit("56"));
+    assert_eq!(fill("8.25", "7"), lit("56"));
+}

@@ -1,0 +1,191 @@
+//! The state can be saved, compared and restored, and a controller can start anywhere without a kick.
+
+use controller::{ControlSignal, Pressure, State, StateError, step, step_traced};
+use proptest::prelude::*;
+
+use crate::support::{any_inputs, any_settings, bare, config, input, lit};
+use controller::Settings;
+use controller::fixed::types::I20F12;
+
+proptest! {
+    #[test]
+    fn a_restored_state_continues_bit_for_bit((_, config) in any_settings(), inputs in any_inputs(), cut in any::<prop::sample::Index>()) {
+        let (first, second) = inputs.split_at(cut.index(inputs.len()));
+        let mut state = State::at_rest();
+        for &input in first {
+            step(&config, &mut state, input);
+        }
+        let mut restored = State::from_words(state.to_words()).expect("words of a state");
+        prop_assert_eq!(restored, state);
+        for &input in second {
+            prop_assert_eq!(step(&config, &mut restored, input), step(&config, &mut state, input));
+        }
+        prop_assert_eq!(restored.to_words(), state.to_words());
+    }
+
+    #[test]
+    fn any_words_are_a_state_or_refused_and_no_state_panics((_, config) in any_settings(), words in any::<[i32; 6]>(), inputs in any_inputs()) {
+        if let Ok(mut state) = State::from_words(words) {
+            prop_assert_eq!(state.to_words(), words);
+            for input in inputs {
+                step_traced(&config, &mut state, input);
+            }
+        }
+    }
+
+    #[test]
+    fn extreme_states_neither_overflow_nor_panic((_, config) in any_settings(), corner in 0..16_u32, inputs in any_inputs()) {
+        let pick = |bit: u32, low: i32, high: i32| if corner >> bit & 1 == 0 { low } else { high };
+        let integral = pick(2, -1000 << 12, 1000 << 12);
+        let boost = pick(3, -1000 << 12, 1000 << 12);
+        let words = [pick(0, -(1 << 20), (1 << 20) - 1), pick(1, -((1 << 21) - 1), (1 << 21) - 1), 0, integral, 0, boost];
+        let mut state = State::from_words(words).expect("the corners of what a state may be");
+        for input in inputs {
+            step_traced(&config, &mut state, input);
+        }
+    }
+}
+
+#[test]
+fn words_beyond_each_bound_are_refused_and_the_bound_itself_is_not() {
+    let check = |words: [i32; 6], expected: Option<StateError>| {
+        assert_eq!(State::from_words(words).err(), expected, "{words:?}");
+    };
+    check([(1 << 20) - 1, 0, 0, 0, 0, 0], None);
+    check(
+        [1 << 20, 0, 0, 0, 0, 0],
+        Some(StateError::Pressure { bits: 1 << 20 }),
+    );
+    check([-(1 << 20), 0, 0, 0, 0, 0], None);
+    check(
+        [-(1 << 20) - 1, 0, 0, 0, 0, 0],
+        Some(StateError::Pressure {
+            bits: -(1 << 20) - 1,
+        }),
+    );
+    check([0, (1 << 21) - 1, 0, 0, 0, 0], None);
+    check(
+        [0, 1 << 21, 0, 0, 0, 0],
+        Some(StateError::Error { bits: 1 << 21 }),
+    );
+    check([0, 1 - (1 << 21), 0, 0, 0, 0], None);
+    check(
+        [0, -(1 << 21), 0, 0, 0, 0],
+        Some(StateError::Error { bits: -(1 << 21) }),
+    );
+    check([0, 0, 0, 1000 << 12, 0, -1000 << 12], None);
+    let bits = (4_096_000_i64 << 32) + 1;
+    check(
+        [0, 0, 1, 1000 << 12, 0, 0],
+        Some(StateError::Integrator {
+            first_word: 2,
+            bits,
+        }),
+    );
+    check(
+        [0, 0, 0, 0, 1, 1000 << 12],
+        Some(StateError::Integrator {
+            first_word: 4,
+            bits,
+        }),
+    );
+    check(
+        [0, 0, 0, 0, -1, (-1000 << 12) - 1],
+        Some(StateError::Integrator {
+            first_word: 4,
+            bits: -bits,
+        }),
+    );
+}
+
+#[test]
+fn a_refused_state_says_which_word_and_why() {
+    let error = State::from_words([0, 0, 0, 0, 1, 1000 << 12]).expect_err("beyond 1000 %");
+    assert_eq!(
+        error.to_string(),
+        "words 4 and 5: integrator of 17592186044416001 units of 2^-44 % is outside -1000 ..= 1000 %"
+            .replace("17592186044416001", &((4_096_000_i64 << 32) + 1).to_string())
+    );
+}
+
+/// Goal: no derivative kick at a start under pressure. Method: the same first sample from rest and from `State::new`.
+#[test]
+fn a_start_under_pressure_gives_no_derivative_kick() {
+    let config = config(&Settings {
+        derivative_time_ms: Some(lit("20")),
+        ..bare()
+    });
+    let first = input("4", "3");
+    let (_, kicked) = step_traced(&config, &mut State::at_rest(), first);
+    let (_, smooth) = step_traced(&config, &mut State::new(first), first);
+    assert_eq!(
+        kicked.derivative.percent(),
+        lit("80"),
+        "K T_d/T_s times 1 bar"
+    );
+    assert_eq!(smooth.derivative, ControlSignal::ZERO);
+    assert_eq!(smooth.u.percent(), lit("40"));
+}
+
+#[test]
+fn a_takeover_continues_from_the_control_signal_that_was_applied() {
+    let config = config(&Settings {
+        integral_time_ms: Some(lit("1000")),
+        ..bare()
+    });
+    for (percent, expected) in [("12.5", "12.5"), ("-30", "-30"), ("100", "100")] {
+        let u =
+            ControlSignal::saturating_from_percent(percent.parse::<I20F12>().expect("a number"));
+        let first = input("4", "3.5");
+        let mut state = State::taking_over(&config, first, u);
+        let (_, trace) = step_traced(&config, &mut state, first);
+        let deviation = trace.u.percent() - expected.parse::<I20F12>().expect("a number");
+        assert!(
+            deviation.abs() <= I20F12::DELTA,
+            "asked for {percent} %, got {}",
+            trace.u
+        );
+    }
+}
+
+#[test]
+fn a_takeover_of_more_than_the_integral_may_hold_stops_at_its_bound() {
+    let settings = Settings {
+        integral_time_ms: Some(lit("1000")),
+        integral_max_pct: lit("10"),
+        ..bare()
+    };
+    let state = State::taking_over(&config(&settings), input("3", "4"), ControlSignal::MAX);
+    assert_eq!(state.integral().percent(), lit("10"));
+    let without_integral =
+        State::taking_over(&config(&bare()), input("3", "4"), ControlSignal::MAX);
+    assert_eq!(without_integral.integral(), ControlSignal::ZERO);
+}
+
+#[test]
+fn pressures_beyond_the_control_range_are_taken_as_its_ends() {
+    let config = config(&Settings::thesis());
+    let run = |reference, pressure| {
+        let mut state = State::at_rest();
+        (
+            step(
+                &config,
+                &mut state,
+                controller::Input {
+                    reference,
+                    pressure,
+                },
+            ),
+            state,
+        )
+    };
+    let (highest, lowest) = (Pressure::from_bits(i32::MAX), Pressure::from_bits(i32::MIN));
+    assert_eq!(
+        run(highest, lowest),
+        run(Pressure::MAX_CONTROL, Pressure::MIN_CONTROL)
+    );
+    assert_eq!(
+        run(lowest, highest),
+        run(Pressure::MIN_CONTROL, Pressure::MAX_CONTROL)
+    );
+}

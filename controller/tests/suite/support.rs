@@ -1,0 +1,429 @@
+//! What the tests share: settings of every kind, inputs of every kind, a small random source.
+
+use controller::fixed::types::I16F16;
+use controller::{
+    AntiWindup, Boost, Coefficient, Config, ConfigError, Distributor, Input, IntegralAtReference,
+    LowerLimit, OpeningDuty, Prediction, PredictionBasis, Pressure, Settings, SwitchOff,
+};
+use proptest::prelude::*;
+
+pub(crate) fn lit(text: &str) -> I16F16 {
+    text.parse().expect("a decimal number in a test")
+}
+
+pub(crate) fn bar(text: &str) -> Pressure {
+    Pressure::from_bar(lit(text))
+}
+
+pub(crate) fn input(reference: &str, pressure: &str) -> Input {
+    Input {
+        reference: bar(reference),
+        pressure: bar(pressure),
+    }
+}
+
+pub(crate) fn config(settings: &Settings) -> Config {
+    Config::new(settings).expect("valid settings in a test")
+}
+
+/// A P controller with nothing else: K 40 %/bar, Scheme 1. The stories switch on what they are about.
+pub(crate) fn bare() -> Settings {
+    Settings {
+        integral_time_ms: None,
+        derivative_time_ms: None,
+        anti_windup: AntiWindup::Off,
+        tolerance_bar: I16F16::ZERO,
+        prediction: Prediction::Off,
+        boost: None,
+        ..Settings::thesis()
+    }
+}
+
+/// Every configuration that has evidence of its own, with the name under which it appears.
+pub(crate) fn configurations() -> Vec<(&'static str, Settings)> {
+    let thesis = Settings::thesis();
+    let recommended = Settings::recommended();
+    let tracking_time_ms = lit("100");
+    let scheme_2 = Distributor::Scheme2 {
+        middle_fill_pct: lit("58"),
+        middle_vent_pct: lit("55"),
+    };
+    vec![
+        ("thesis", thesis),
+        ("recommended", recommended),
+        (
+            "traditional",
+            Settings {
+                distributor: Distributor::Traditional,
+                ..thesis
+            },
+        ),
+        (
+            "scheme_2",
+            Settings {
+                distributor: scheme_2,
+                prediction: Prediction::OneStep,
+                ..thesis
+            },
+        ),
+        (
+            "scheme_2_by_pressure",
+            Settings {
+                distributor: scheme_2,
+                ..recommended
+            },
+        ),
+        (
+            "back_calculation",
+            Settings {
+                anti_windup: AntiWindup::BackCalculation { tracking_time_ms },
+                ..thesis
+            },
+        ),
+        (
+            "windup",
+            Settings {
+                anti_windup: AntiWindup::Off,
+                integral_max_pct: lit("1000"),
+                ..thesis
+            },
+        ),
+        (
+            "linear_limits",
+            Settings {
+                duty_min: LowerLimit::PressureDependent {
+                    fill: OpeningDuty::linear(lit("54.5"), lit("28.5")),
+                    vent: OpeningDuty::linear(lit("51.5"), lit("25.5")),
+                },
+                ..thesis
+            },
+        ),
+        ("bare", bare()),
+    ]
+}
+
+/// The same controller with the two valves exchanged.
+pub(crate) fn mirrored(settings: &Settings) -> Settings {
+    Settings {
+        distributor: match settings.distributor {
+            Distributor::Scheme2 {
+                middle_fill_pct,
+                middle_vent_pct,
+            } => Distributor::Scheme2 {
+                middle_fill_pct: middle_vent_pct,
+                middle_vent_pct: middle_fill_pct,
+            },
+            other => other,
+        },
+        duty_min: match settings.duty_min {
+            LowerLimit::Constant { fill_pct, vent_pct } => LowerLimit::Constant {
+                fill_pct: vent_pct,
+                vent_pct: fill_pct,
+            },
+            LowerLimit::PressureDependent { fill, vent } => LowerLimit::PressureDependent {
+                fill: vent,
+                vent: fill,
+            },
+        },
+        duty_max_fill_pct: settings.duty_max_vent_pct,
+        duty_max_vent_pct: settings.duty_max_fill_pct,
+        ..*settings
+    }
+}
+
+/// Any number of the range, its ends more often than chance would have it.
+fn within(min: &str, max: &str) -> impl Strategy<Value = I16F16> {
+    let (min, max) = (lit(min).to_bits(), lit(max).to_bits());
+    prop_oneof![1 => Just(min), 1 => Just(max), 8 => min..=max].prop_map(I16F16::from_bits)
+}
+
+/// A share of the way from `low` to `high`; shares are in 1/65536, ends included.
+fn between(low: I16F16, high: I16F16, share: i32) -> I16F16 {
+    let span = i64::from(high.to_bits()) - i64::from(low.to_bits());
+    I16F16::from_bits(low.to_bits() + ((span * i64::from(share)) >> 16) as i32)
+}
+
+fn share() -> impl Strategy<Value = i32> {
+    prop_oneof![1 => Just(0), 1 => Just(1 << 16), 8 => 0..=(1 << 16)]
+}
+
+fn pid() -> impl Strategy<Value = Settings> {
+    let time = || proptest::option::of(prop_oneof![within("1", "100"), within("1", "30000")]);
+    let gain = prop_oneof![
+        within("0.01", "10"),
+        within("1", "100"),
+        within("0.01", "1000")
+    ];
+    let anti_windup = prop_oneof![
+        Just(AntiWindup::Off),
+        Just(AntiWindup::ConditionalIntegration),
+        within("1000", "30000")
+            .prop_map(|tracking_time_ms| AntiWindup::BackCalculation { tracking_time_ms }),
+        Just(AntiWindup::BackCalculation {
+            tracking_time_ms: lit("100")
+        }),
+    ];
+    let at_reference = prop_oneof![
+        Just(IntegralAtReference::Hold),
+        Just(IntegralAtReference::Clear)
+    ];
+    (
+        within("0.1", "100"),
+        gain,
+        time(),
+        time(),
+        within("0", "1000"),
+        at_reference,
+        anti_windup,
+    )
+        .prop_map(
+            |(
+                sample_time_ms,
+                gain,
+                integral,
+                derivative,
+                integral_max_pct,
+                integral_at_reference,
+                anti_windup,
+            )| Settings {
+                sample_time_ms,
+                gain_pct_per_bar: gain,
+                integral_time_ms: integral,
+                derivative_time_ms: derivative,
+                integral_max_pct,
+                integral_at_reference,
+                anti_windup,
+                ..Settings::thesis()
+            },
+        )
+}
+
+fn switching() -> impl Strategy<Value = Settings> {
+    let boost = (
+        within("0.1", "30000"),
+        within("0", "1000"),
+        within("0", "10"),
+    )
+        .prop_map(|(rate_pct_per_bar_s, max_pct, response_bar)| Boost {
+            rate_pct_per_bar_s,
+            max_pct,
+            response_bar,
+        });
+    let prediction = prop_oneof![
+        Just(Prediction::Off),
+        Just(Prediction::OneStep),
+        Just(Prediction::TwoStep)
+    ];
+    let basis = prop_oneof![
+        Just(PredictionBasis::Error),
+        Just(PredictionBasis::Pressure)
+    ];
+    let switch_off = prop_oneof![
+        Just(SwitchOff::InsideTolerance),
+        Just(SwitchOff::InsideOrBeyond)
+    ];
+    let tolerance = prop_oneof![within("0", "0.5"), within("0", "10")];
+    (
+        tolerance,
+        prediction,
+        basis,
+        switch_off,
+        proptest::option::of(boost),
+    )
+        .prop_map(
+            |(tolerance_bar, prediction, prediction_basis, switch_off, boost)| Settings {
+                tolerance_bar,
+                prediction,
+                prediction_basis,
+                switch_off,
+                boost,
+                ..Settings::thesis()
+            },
+        )
+}
+
+/// DC_min without pressure, where DC_min goes with pressure, the middle of it, DC_max, and a middle duty cycle of Scheme 2.
+fn valve() -> impl Strategy<Value = (I16F16, OpeningDuty, I16F16, I16F16)> {
+    (within("0", "100"), share(), share(), share(), share()).prop_map(
+        |(min, drop, half, max, middle)| {
+            let with_supply_pressure_pct = between(I16F16::ZERO, min, drop);
+            let quarter = (min.to_bits() - with_supply_pressure_pct.to_bits()) / 4;
+            let at_half_pct = between(
+                I16F16::from_bits(with_supply_pressure_pct.to_bits() + quarter),
+                I16F16::from_bits(min.to_bits() - quarter),
+                half,
+            );
+            let opening = OpeningDuty {
+                without_pressure_pct: min,
+                at_half_pct,
+                with_supply_pressure_pct,
+            };
+            let max = between(min, lit("100"), max);
+            (min, opening, max, between(min, max, middle))
+        },
+    )
+}
+
+fn distribution() -> impl Strategy<Value = Settings> {
+    (valve(), valve(), 0..3, any::<bool>(), within("1", "15")).prop_map(
+        |(fill, vent, scheme, by_pressure, supply_pressure_bar)| Settings {
+            distributor: match scheme {
+                0 => Distributor::Traditional,
+                1 => Distributor::Scheme1,
+                _ => Distributor::Scheme2 {
+                    middle_fill_pct: fill.3,
+                    middle_vent_pct: vent.3,
+                },
+            },
+            duty_min: if by_pressure {
+                LowerLimit::PressureDependent {
+                    fill: fill.1,
+                    vent: vent.1,
+                }
+            } else {
+                LowerLimit::Constant {
+                    fill_pct: fill.0,
+                    vent_pct: vent.0,
+                }
+            },
+            duty_max_fill_pct: fill.2,
+            duty_max_vent_pct: vent.2,
+            supply_pressure_bar,
+            ..Settings::thesis()
+        },
+    )
+}
+
+/// Any settings that make a configuration. Where a coefficient leaves its range, its mechanism is left out.
+pub(crate) fn any_settings() -> impl Strategy<Value = (Settings, Config)> {
+    (pid(), switching(), distribution()).prop_map(|(pid, switching, distribution)| {
+        let mut settings = Settings {
+            tolerance_bar: switching.tolerance_bar,
+            prediction: switching.prediction,
+            prediction_basis: switching.prediction_basis,
+            switch_off: switching.switch_off,
+            boost: switching.boost,
+            distributor: distribution.distributor,
+            duty_min: distribution.duty_min,
+            duty_max_fill_pct: distribution.duty_max_fill_pct,
+            duty_max_vent_pct: distribution.duty_max_vent_pct,
+            supply_pressure_bar: distribution.supply_pressure_bar,
+            ..pid
+        };
+        loop {
+            match Config::new(&settings) {
+                Ok(config) => return (settings, config),
+                Err(ConfigError::CoefficientOutOfRange { coefficient, .. }) => match coefficient {
+                    Coefficient::Integral => settings.integral_time_ms = None,
+                    Coefficient::Derivative => settings.derivative_time_ms = None,
+                    Coefficient::Boost => settings.boost = None,
+                },
+                Err(error) => panic!("the strategy made settings that are out of range: {error}"),
+            }
+        }
+    })
+}
+
+/// Any 32 bits as a pressure: far beyond the control range, its ends, and what a truck has.
+pub(crate) fn any_pressure() -> impl Strategy<Value = Pressure> {
+    prop_oneof![
+        1 => any::<i32>(),
+        1 => prop_oneof![Just(i32::MIN), Just(i32::MAX), Just(0), Just(-(1 << 20)), Just(1 << 20), Just((1 << 20) - 1)],
+        4 => 0..=(9 << 16),
+    ]
+    .prop_map(Pressure::from_bits)
+}
+
+/// A sequence of any inputs, and of inputs that stay close to each other, which is where tolerance and prediction live.
+pub(crate) fn any_inputs() -> impl Strategy<Value = Vec<Input>> {
+    let wild =
+        proptest::collection::vec((any_pressure(), any_pressure()), 1..40).prop_map(|pairs| {
+            pairs
+                .into_iter()
+                .map(|(reference, pressure)| Input {
+                    reference,
+                    pressure,
+                })
+                .collect()
+        });
+    let close = (
+        any_pressure(),
+        proptest::collection::vec((-40_000..40_000, -8_000..8_000), 1..60),
+    )
+        .prop_map(|(reference, steps): (Pressure, Vec<(i32, i32)>)| {
+            let mut error = 0;
+            steps
+                .into_iter()
+                .map(|(jump, drift)| {
+                    error = if jump % 7 == 0 { jump } else { error + drift };
+                    Input {
+                        reference,
+                        pressure: reference.saturating_sub(Pressure::from_bits(error)),
+                    }
+                })
+                .collect()
+        });
+    prop_oneof![wild, close]
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014): a few lines, the same numbers for ever; a library's may change.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// From `-bound` to `bound`.
+    pub(crate) fn symmetric(&mut self, bound: i32) -> i32 {
+        let width = 2 * bound as u64 + 1;
+        (self.next() % width) as i32 - bound
+    }
+}
+
+/// A reference that jumps and sometimes ramps, and a pressure that follows the valves roughly, with noise and a sensor's steps: visits
+/// every regime of the controller. Integers only, so that it is the same everywhere.
+pub(crate) struct Bench {
+    random: Random,
+    reference: i32,
+    ramp: i32,
+    pressure: i32,
+}
+
+impl Bench {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self {
+            random: Random(seed),
+            reference: 3 << 16,
+            ramp: 0,
+            pressure: 0,
+        }
+    }
+
+    /// The next input, after the valves had these duty cycles [2⁻¹⁶ %].
+    pub(crate) fn next(&mut self, duty_fill: i32, duty_vent: i32) -> Input {
+        match self.random.next() % 400 {
+            0 => (self.reference, self.ramp) = ((self.random.next() % (8 << 16)) as i32, 0),
+            1 => self.ramp = self.random.symmetric(400),
+            // Rarely anything at all, far outside what a sensor gives.
+            2 => self.pressure = self.random.next() as i32 >> 8,
+            _ => {}
+        }
+        self.reference = (self.reference + self.ramp).clamp(0, 8 << 16);
+        let flow = |duty: i32, drop: i32| {
+            (i64::from((duty - (35 << 16)).max(0)) * i64::from(drop.max(0)) >> 28) as i32
+        };
+        self.pressure = self.pressure.clamp(-(2 << 16), 10 << 16);
+        self.pressure +=
+            flow(duty_fill, (550 << 10) - self.pressure) - flow(duty_vent, self.pressure);
+        let measured = self.pressure + self.random.symmetric(500);
+        Input {
+            reference: Pressure::from_bits(self.reference),
+            pressure: Pressure::from_bits(measured & !0xFF),
+        }
+    }
+}
