@@ -1,0 +1,150 @@
+//! A made-up bench for tests: a plant of its own, a log of commands, noise and resolution, all from one seed.
+
+use plant_sim::replay::replay;
+use plant_sim::{PlantParameters, Tolerance};
+use recording::{Provenance, Recording, TimeBase, Unit};
+
+use crate::commands::Commands;
+
+/// Normal noise from a seed (SplitMix64, Box and Muller).
+pub(crate) struct Noise(u64);
+
+impl Noise {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// Uniform in (0, 1].
+    pub(crate) fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (((z ^ (z >> 31)) >> 11) + 1) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Mean 0, standard deviation 1.
+    pub(crate) fn normal(&mut self) -> f64 {
+        (-2.0 * self.uniform().ln()).sqrt() * (core::f64::consts::TAU * self.uniform()).cos()
+    }
+}
+
+/// The nearest multiple of `step`; 0 leaves the value.
+pub(crate) fn quantise(value: f64, step: f64) -> f64 {
+    if step > 0.0 {
+        (value / step).round() * step
+    } else {
+        value
+    }
+}
+
+/// A log of `count` samples in which nothing is commanded.
+pub(crate) fn shut_for(count: usize, interval_s: f64) -> Commands {
+    let mut log = Recording::new(Provenance::from_source("shut"));
+    let id = log.add_time_base(TimeBase::uniform(0.0, interval_s, count).unwrap());
+    for name in crate::commands::DUTIES {
+        log.add_signal(name, Unit::Percent, id, vec![0.0; count])
+            .unwrap();
+    }
+    Commands::new(&PlantParameters::nominal(), &log).unwrap()
+}
+
+/// A rig: change the plant, then measure.
+pub(crate) struct Bench {
+    /// The plant on the rig.
+    pub(crate) plant: PlantParameters,
+    /// Phases of commands: seconds, duty of fill and of vent valve [%].
+    pub(crate) phases: Vec<(f64, f64, f64)>,
+    /// Sample interval [s].
+    pub(crate) interval_s: f64,
+    /// Noise [bar rms] and resolution [bar] of the pressure.
+    pub(crate) pressure_noise: (f64, f64),
+    /// Noise [mA rms] and resolution [mA] of the currents.
+    pub(crate) current_noise: (f64, f64),
+    /// Changes the true pressure [bar gauge] at a time [s].
+    pub(crate) disturb: fn(f64, f64) -> f64,
+    pub(crate) seed: u64,
+}
+
+impl Default for Bench {
+    /// The nominal plant, fills and vents with holds between them, sensors as in the bundled logs.
+    fn default() -> Self {
+        let mut phases = vec![(1.0, 0.0, 0.0)];
+        for duty in [100.0, 60.0, 45.0, 80.0] {
+            phases.extend([
+                (0.10, duty, 0.0),
+                (0.6, 0.0, 0.0),
+                (0.15, duty, 0.0),
+                (0.6, 0.0, 0.0),
+                (0.15, 0.0, duty),
+                (0.6, 0.0, 0.0),
+                (0.5, 0.0, 100.0),
+                (0.3, 0.0, 0.0),
+            ]);
+        }
+        Self {
+            plant: PlantParameters::nominal(),
+            phases,
+            interval_s: 0.01,
+            pressure_noise: (4e-3, 5.1e-3),
+            current_noise: (0.7, 0.5),
+            disturb: |_, pressure| pressure,
+            seed: 1,
+        }
+    }
+}
+
+impl Bench {
+    /// The log of a run on this rig.
+    pub(crate) fn measure(&self) -> Recording {
+        let commands = self.commands();
+        let modelled = replay(&self.plant, &commands, Tolerance::default(), |_, _| {})
+            .unwrap()
+            .recording;
+        let mut noise = Noise::new(self.seed);
+        let mut log = commands;
+        let id = log.signals()[0].time_base();
+        for name in ["p_ch", "i_fill", "i_vent"] {
+            let (sigma, step) = if name == "p_ch" {
+                self.pressure_noise
+            } else {
+                self.current_noise
+            };
+            let values = modelled
+                .signal(name)
+                .unwrap()
+                .values_or_nan()
+                .iter()
+                .enumerate();
+            let sampled = values.map(|(row, &value)| {
+                let time_s = row as f64 * self.interval_s;
+                let value = if name == "p_ch" {
+                    (self.disturb)(time_s, value)
+                } else {
+                    value
+                };
+                quantise(value + sigma * noise.normal(), step)
+            });
+            let sampled = sampled.collect();
+            log.add_signal(name, modelled.signal(name).unwrap().unit(), id, sampled)
+                .unwrap();
+        }
+        log
+    }
+
+    fn commands(&self) -> Recording {
+        let mut duties = [Vec::new(), Vec::new()];
+        for &(seconds, fill, vent) in &self.phases {
+            let count = (seconds / self.interval_s).round() as usize;
+            duties[0].extend(std::iter::repeat_n(fill, count));
+            duties[1].extend(std::iter::repeat_n(vent, count));
+        }
+        let mut log = Recording::new(Provenance::from_source("bench"));
+        let base = TimeBase::uniform(0.0, self.interval_s, duties[0].len()).unwrap();
+        let id = log.add_time_base(base);
+        for (name, duty) in crate::commands::DUTIES.into_iter().zip(duties) {
+            log.add_signal(name, Unit::Percent, id, duty).unwrap();
+        }
+        log
+    }
+}

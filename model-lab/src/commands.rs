@@ -1,0 +1,169 @@
+//! What the log commanded, and from when on it acts.
+
+use std::ops::Range;
+
+use plant_sim::PlantParameters;
+use plant_sim::plant::{FILL, VENT};
+use plant_sim::replay::{ReplayError, inputs};
+use plant_sim::valve::ValveFunction;
+use recording::Recording;
+
+/// Names of the commands, fill and vent.
+pub(crate) const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
+
+/// The commanded duty cycles on the instants of the log; a missing command holds the last one.
+#[derive(Debug, Clone)]
+pub(crate) struct Commands {
+    /// Instants since the start of the log [s].
+    pub(crate) times_s: Vec<f64>,
+    /// Duty cycles of fill and vent valve [%].
+    pub(crate) duty_pct: [Vec<f64>; 2],
+    /// Duty cycle that leaves each valve shut [%].
+    shut_pct: [f64; 2],
+    /// Time from a command to its effect [s].
+    delay_s: f64,
+    /// Time for which a command may still be in force after the next one took over [s].
+    pwm_period_s: f64,
+}
+
+impl Commands {
+    pub(crate) fn new(parameters: &PlantParameters, log: &Recording) -> Result<Self, ReplayError> {
+        let (base, inputs) = inputs(log)?;
+        let start_s = base.start_s();
+        let mut last = plant_sim::Command::default();
+        let mut duty_pct = [
+            Vec::with_capacity(inputs.len()),
+            Vec::with_capacity(inputs.len()),
+        ];
+        for input in &inputs {
+            last = input.command.unwrap_or(last);
+            duty_pct[FILL].push(last.duty_fill_pct);
+            duty_pct[VENT].push(last.duty_vent_pct);
+        }
+        Ok(Self {
+            times_s: base
+                .times_s()
+                .iter()
+                .map(|time_s| time_s - start_s)
+                .collect(),
+            duty_pct,
+            shut_pct: parameters.functions.map(|function| match function {
+                ValveFunction::NormallyClosed => 0.0,
+                ValveFunction::NormallyOpen => 100.0,
+            }),
+            delay_s: parameters.ecu.command_delay_s,
+            pwm_period_s: 1.0 / parameters.ecu.pwm_frequency_hz,
+        })
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.times_s.len()
+    }
+
+    /// Stretches of samples at which both valves are shut, `settle_s` after the last command acted.
+    pub(crate) fn holds(&self, settle_s: f64) -> Vec<Range<usize>> {
+        let acts = |row: usize| {
+            [FILL, VENT]
+                .iter()
+                .any(|&v| self.duty_pct[v][row] != self.shut_pct[v])
+        };
+        self.stretches_without(acts, settle_s)
+    }
+
+    /// Stretches of samples at which the coil of `valve` is dead, `settle_s` after its last command acted.
+    pub(crate) fn dead_coil(&self, valve: usize, settle_s: f64) -> Vec<Range<usize>> {
+        self.stretches_without(|row| self.duty_pct[valve][row] != 0.0, settle_s)
+    }
+
+    fn stretches_without(&self, acts: impl Fn(usize) -> bool, settle_s: f64) -> Vec<Range<usize>> {
+        // The plant file's delay is a nominal value: a command may act a fifth earlier.
+        let earliest_s = 0.8 * self.delay_s;
+        let latest_s = self.delay_s + self.pwm_period_s + settle_s;
+        let mut stretches = Vec::new();
+        let mut begin = 0;
+        let mut close = |from: usize, until_s: f64| {
+            let end = self.times_s.partition_point(|&time_s| time_s <= until_s);
+            if end > from {
+                stretches.push(from..end);
+            }
+        };
+        for row in (0..self.len()).filter(|&row| acts(row)) {
+            close(begin, self.times_s[row] + earliest_s);
+            let replaced_s = self.times_s.get(row + 1).copied().unwrap_or(f64::INFINITY);
+            begin = begin.max(
+                self.times_s
+                    .partition_point(|&time_s| time_s <= replaced_s + latest_s),
+            );
+        }
+        close(begin, f64::INFINITY);
+        stretches
+    }
+
+    /// Row of the command in force at `time_s`; none before the first one acts.
+    pub(crate) fn row_in_force(&self, time_s: f64) -> Option<usize> {
+        self.times_s
+            .partition_point(|&commanded_s| commanded_s + self.delay_s <= time_s)
+            .checked_sub(1)
+    }
+
+    /// Number of samples before anything can have moved.
+    pub(crate) fn rows_before_first_action(&self) -> usize {
+        self.holds(0.0)
+            .first()
+            .filter(|hold| hold.start == 0)
+            .map_or(0, |hold| hold.end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn commands(duty_fill: &[f64], duty_vent: &[f64]) -> Commands {
+        Commands {
+            times_s: (0..duty_fill.len()).map(|row| row as f64 * 0.01).collect(),
+            duty_pct: [duty_fill.to_vec(), duty_vent.to_vec()],
+            shut_pct: [0.0, 0.0],
+            delay_s: 0.015,
+            pwm_period_s: 0.01,
+        }
+    }
+
+    fn pulse(rows: Range<usize>, count: usize) -> Vec<f64> {
+        (0..count)
+            .map(|row| if rows.contains(&row) { 60.0 } else { 0.0 })
+            .collect()
+    }
+
+    #[test]
+    fn a_hold_ends_with_the_delay_and_begins_a_period_after_the_last_command_acts() {
+        let commands = commands(&pulse(20..30, 100), &[0.0; 100]);
+        // On at 0.20 s: acts from 0.212 s at the earliest. Replaced at 0.30 s: in force to 0.325 s at the latest.
+        assert_eq!(commands.holds(0.0), [0..22, 33..100]);
+        assert_eq!(commands.holds(0.1), [0..22, 43..100]);
+        assert_eq!(commands.rows_before_first_action(), 22);
+    }
+
+    #[test]
+    fn a_coil_is_dead_while_only_the_other_valve_acts() {
+        let commands = commands(&pulse(20..30, 100), &pulse(60..70, 100));
+        assert_eq!(commands.dead_coil(VENT, 0.0), [0..62, 73..100]);
+        assert_eq!(commands.holds(0.0), [0..22, 33..62, 73..100]);
+    }
+
+    #[test]
+    fn a_normally_open_valve_is_shut_by_full_duty() {
+        let mut commands = commands(&pulse(0..0, 50), &[100.0; 50]);
+        assert!(commands.holds(0.0).iter().all(|hold| hold.len() < 3));
+        commands.shut_pct[VENT] = 100.0;
+        assert_eq!(commands.holds(0.0), [0..50]);
+    }
+
+    #[test]
+    fn the_command_in_force_is_late_by_the_delay() {
+        let commands = commands(&[0.0; 10], &[0.0; 10]);
+        assert_eq!(commands.row_in_force(0.0149), None);
+        assert_eq!(commands.row_in_force(0.0151), Some(0));
+        assert_eq!(commands.row_in_force(0.0351), Some(2));
+    }
+}

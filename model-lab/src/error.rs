@@ -1,0 +1,53 @@
+use plant_sim::replay::ReplayError;
+use recording::{AddSignalError, ConversionError, MissingSignal};
+
+/// Why a model cannot be compared with a log.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CompareError {
+    /// The log cannot drive the model.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    /// A signal with a name of the model is another quantity.
+    #[error(transparent)]
+    Quantity(#[from] MissingSignal),
+    /// A signal cannot be converted to the unit of the model.
+    #[error(transparent)]
+    Conversion(#[from] ConversionError),
+    /// Residuals do not make a recording.
+    #[error(transparent)]
+    Residual(#[from] AddSignalError),
+    /// No signal is on both sides.
+    #[error(
+        "{log} has no measured signal that the model has: it has {logged:?}, the model {modelled:?}; \
+         log one of these, or map a column to its name"
+    )]
+    NothingToCompare {
+        /// Source of the log.
+        log: String,
+        /// Signals of the log.
+        logged: Vec<String>,
+        /// Signals of the model that can be compared.
+        modelled: Vec<String>,
+    },
+    /// An option outside its range.
+    #[error("option `{option}` is {value}; it must be {range}")]
+    Option {
+        /// Name of the option.
+        option: String,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A tolerance for a signal that is not compared.
+    #[error(
+        "there is a tolerance for {name:?}, but compared are {compared:?}; remove it or correct the name"
+    )]
+    UnusedTolerance {
+        /// The signal.
+        name: String,
+        /// What is compared.
+        compared: Vec<String>,
+    },
+}

@@ -1,0 +1,205 @@
+//! The one sentence: the smallest regime with the most of the excess.
+
+use super::dimension::{Dimension, Features, VALVE_STATES};
+use super::excess::{Excess, Sums};
+use crate::result::{Finding, Horizon};
+
+/// Thresholds of pressure are tried this far apart [bar].
+const CELL_BAR: f64 = 0.1;
+/// What each further condition must gain.
+const CONDITION_COST: f64 = 0.06;
+/// A regime must hold this much more of the excess than of the samples.
+const LEAST_GAIN: f64 = 0.15;
+/// Fewer samples make no regime.
+const FEWEST_SAMPLES: usize = 10;
+/// Share of the rms in the bias from which on the error has a sign.
+const SIGNED: f64 = 0.4;
+
+/// A box in the space of regimes.
+#[derive(Debug, Clone, Copy)]
+struct Regime {
+    /// Index into [`VALVE_STATES`].
+    valve_state: Option<usize>,
+    /// Number of a combination in the list of phrases.
+    phrase: Option<usize>,
+    pressure: Pressure,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pressure {
+    Any,
+    Below(usize),
+    Above(usize),
+}
+
+/// Searches valve state × pressure threshold × one bin of any other dimension.
+pub(crate) fn find(
+    dimensions: &[Dimension],
+    features: &Features,
+    excess: &Excess,
+    horizon: Horizon,
+) -> Finding {
+    let none = |sentence: &str| Finding {
+        horizon,
+        regime: None,
+        excess_share: None,
+        sample_share: None,
+        bias: None,
+        sentence: sentence.to_owned(),
+    };
+    if !excess.is_significant() {
+        return none("the error is within the noise: there is no excess to place");
+    }
+    let combined: Vec<&Dimension> = dimensions
+        .iter()
+        .filter(|dimension| dimension.combines)
+        .collect();
+    let phrases: Vec<&str> = combined
+        .iter()
+        .flat_map(|dimension| &dimension.bins)
+        .map(|bin| &bin.phrase[..])
+        .collect();
+    let histograms = histograms(&combined, phrases.len(), features, excess);
+    let all = histograms[0]
+        .iter()
+        .fold(Sums::default(), |sum, cell| sum.plus(cell));
+    let mut best: Option<(f64, Regime, Sums)> = None;
+    for (index, histogram) in histograms.iter().enumerate() {
+        let (state, phrase) = (index % STATES, index / STATES);
+        for (pressure, sums) in thresholds(histogram) {
+            let regime = Regime {
+                valve_state: state.checked_sub(1),
+                phrase: phrase.checked_sub(1),
+                pressure,
+            };
+            let Some(share) = excess.share(&sums).filter(|_| sums.count >= FEWEST_SAMPLES) else {
+                continue;
+            };
+            let gain = share.min(1.0) - sums.count as f64 / all.count as f64;
+            let score = gain - CONDITION_COST * regime.conditions().saturating_sub(1) as f64;
+            if best.is_none_or(|(highest, ..)| score > highest) {
+                best = Some((score, regime, sums));
+            }
+        }
+    }
+    let Some((_, regime, sums)) = best.filter(|(score, ..)| *score > LEAST_GAIN) else {
+        return none(&format!(
+            "the excess is spread over the whole log, {}",
+            sign(&all)
+        ));
+    };
+    let sample_share = sums.count as f64 / all.count as f64;
+    let share = excess.share(&sums).unwrap_or_default();
+    let words = regime.words(&phrases);
+    Finding {
+        horizon,
+        sentence: format!(
+            "{:.0} % of the excess is in {} % of the samples: {words}, {}",
+            100.0 * share.min(1.0),
+            percent(sample_share),
+            sign(&sums)
+        ),
+        regime: Some(words),
+        excess_share: Some(share),
+        sample_share: Some(sample_share),
+        bias: Some(sums.bias()),
+    }
+}
+
+/// Any valve state, or one of the four.
+const STATES: usize = VALVE_STATES.len() + 1;
+
+/// Sums over cells of pressure for each combination of (any or one phrase) and (any or one valve state).
+fn histograms(
+    combined: &[&Dimension],
+    phrases: usize,
+    features: &Features,
+    excess: &Excess,
+) -> Vec<Vec<Sums>> {
+    let cell = |pressure: f64| (pressure.max(0.0) / CELL_BAR) as usize;
+    let cells = 1 + features
+        .pressure_bar
+        .iter()
+        .map(|&pressure| cell(pressure))
+        .max()
+        .unwrap_or(0);
+    let mut histograms = vec![vec![Sums::default(); cells]; (phrases + 1) * STATES];
+    for (sample, &error) in excess
+        .residual
+        .iter()
+        .enumerate()
+        .filter(|(_, error)| !error.is_nan())
+    {
+        let cell = cell(features.pressure_bar[sample]);
+        let state = 1 + features.valve_state[sample];
+        let mut first = 1;
+        let mut add = |phrase: usize| {
+            histograms[phrase * STATES][cell].add(error);
+            histograms[phrase * STATES + state][cell].add(error);
+        };
+        add(0);
+        for dimension in combined {
+            add(first + dimension.bin_of[sample]);
+            first += dimension.bins.len();
+        }
+    }
+    histograms
+}
+
+/// The whole histogram, and what lies below and above each of its thresholds.
+fn thresholds(histogram: &[Sums]) -> Vec<(Pressure, Sums)> {
+    let all = histogram
+        .iter()
+        .fold(Sums::default(), |sum, cell| sum.plus(cell));
+    let mut regimes = vec![(Pressure::Any, all)];
+    let mut below = Sums::default();
+    for (index, cell) in histogram.iter().enumerate().take(histogram.len() - 1) {
+        below = below.plus(cell);
+        regimes.push((Pressure::Below(index + 1), below));
+        regimes.push((Pressure::Above(index + 1), all.minus(&below)));
+    }
+    regimes
+}
+
+impl Regime {
+    fn conditions(&self) -> usize {
+        usize::from(self.valve_state.is_some())
+            + usize::from(self.phrase.is_some())
+            + usize::from(self.pressure != Pressure::Any)
+    }
+
+    fn words(&self, phrases: &[&str]) -> String {
+        let bar = |cell: usize| format!("{:.1} bar", cell as f64 * CELL_BAR);
+        let pressure = match self.pressure {
+            Pressure::Any => None,
+            Pressure::Below(cell) => Some(format!("below {}", bar(cell))),
+            Pressure::Above(cell) => Some(format!("above {}", bar(cell))),
+        };
+        let state = self.valve_state.map(|state| VALVE_STATES[state].to_owned());
+        let place: Vec<String> = state.into_iter().chain(pressure).collect();
+        let phrase = self.phrase.map(|phrase| phrases[phrase].to_owned());
+        let parts = Some(place.join(" "))
+            .filter(|place| !place.is_empty())
+            .into_iter()
+            .chain(phrase);
+        parts.collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn sign(sums: &Sums) -> &'static str {
+    let (bias, rms) = (sums.bias(), sums.rms());
+    match () {
+        () if bias > SIGNED * rms => "measured higher than modelled",
+        () if bias < -SIGNED * rms => "measured lower than modelled",
+        () => "with either sign",
+    }
+}
+
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 1.0 {
+        format!("{percent:.1}")
+    } else {
+        format!("{percent:.0}")
+    }
+}

@@ -1,0 +1,49 @@
+//! Where is the error? Shares of the excess by regime.
+//!
+//! The excess is what is left of the squared error after the noise is taken off: Σ (e² - floor²). A regime's share of
+//! it, beside its share of the samples, says where the model fails. Shares are taken of the short-horizon error, which
+//! forgets within a few samples; a free run would carry a wrong pressure into regimes that did nothing wrong.
+
+mod dimension;
+mod excess;
+mod finder;
+mod map;
+
+pub(crate) use dimension::{Dimension, Features};
+pub(crate) use excess::Excess;
+pub(crate) use finder::find;
+pub(crate) use map::error_map;
+
+use crate::result::{RegimeBin, RegimeShares};
+
+/// The shares in each bin of `dimension`.
+pub(crate) fn shares(
+    dimension: &Dimension,
+    short_horizon: Option<&Excess>,
+    free_run: &Excess,
+) -> RegimeShares {
+    let free_run_sums = free_run.sums(&dimension.bin_of, dimension.bins.len());
+    let short_sums =
+        short_horizon.map(|excess| excess.sums(&dimension.bin_of, dimension.bins.len()));
+    let compared = free_run_sums.iter().map(|sums| sums.count).sum::<usize>();
+    let bins = dimension
+        .bins
+        .iter()
+        .enumerate()
+        .filter(|&(index, _)| free_run_sums[index].count > 0);
+    RegimeShares {
+        dimension: dimension.id.to_owned(),
+        title: dimension.title.to_owned(),
+        bins: bins
+            .map(|(index, bin)| RegimeBin {
+                label: bin.label.clone(),
+                samples: free_run_sums[index].count,
+                sample_share: free_run_sums[index].count as f64 / compared as f64,
+                short_horizon: short_horizon
+                    .zip(short_sums.as_ref())
+                    .map(|(excess, sums)| excess.bin_error(&sums[index])),
+                free_run: free_run.bin_error(&free_run_sums[index]),
+            })
+            .collect(),
+    }
+}

@@ -1,0 +1,356 @@
+//! What a comparison says, as it stands in its JSON.
+
+use recording::Recording;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the JSON format.
+pub const COMPARISON_SCHEMA: &str = "retarder.comparison/1";
+
+/// The one sign convention of every residual, bias and worst error.
+pub const RESIDUAL_SIGN: &str = "residual = measured - modelled";
+
+/// Model against measurement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Comparison {
+    /// [`COMPARISON_SCHEMA`].
+    pub schema: String,
+    /// Source of the log.
+    pub log: String,
+    /// [`RESIDUAL_SIGN`].
+    pub sign: String,
+    /// Instants of the log.
+    pub samples: usize,
+    /// From the first to the last instant [s].
+    pub duration_s: f64,
+    /// Median distance of two instants [s]; null for a single one.
+    pub sample_interval_s: Option<f64>,
+    /// How the logged currents are meant.
+    pub current_sampling: CurrentMeaning,
+    /// Instants at which a command was missing and the last one was held.
+    pub held_commands: usize,
+    /// Where the model began.
+    pub start: Start,
+    /// How the short-horizon error was made; null where no chamber pressure was logged.
+    pub predictor: Option<Predictor>,
+    /// Every signal that both sides have, chamber pressure first.
+    pub signals: Vec<SignalComparison>,
+    /// Signals with a name that the model knows, which could not be compared.
+    pub not_compared: Vec<NotCompared>,
+    /// Whether the model holds.
+    pub verdict: Verdict,
+    /// Courses for plots; not part of the JSON.
+    #[serde(skip)]
+    pub traces: Traces,
+}
+
+/// Courses on the instants of the log. Residuals have the names of their signals.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Traces {
+    /// The model driven by the commands alone.
+    pub free_run: Recording,
+    /// The model corrected by the measured pressure; empty where none was logged.
+    pub short_horizon: Recording,
+    /// Measured minus free run.
+    pub free_run_residual: Recording,
+    /// Measured minus short-horizon prediction: the innovations. Empty where no pressure was logged.
+    pub short_horizon_residual: Recording,
+}
+
+/// How a current sample is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CurrentMeaning {
+    /// Mean over the interval that ends at the sample.
+    MeanOfInterval,
+    /// Value of the instant.
+    Instant,
+}
+
+/// Where the model began.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Start {
+    /// At rest or at the measured pressure.
+    pub from: StartFrom,
+    /// Chamber pressure at the first instant [bar gauge].
+    pub pressure_bar_gauge: f64,
+    /// The same in words.
+    pub statement: String,
+}
+
+/// Origin of the initial chamber pressure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StartFrom {
+    /// Ambient pressure: the measurement begins there, or says nothing.
+    Rest,
+    /// The measured pressure, because it is away from ambient.
+    Measurement,
+}
+
+/// The short-horizon predictor: after each sample, pressure += gain * (measured - predicted).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Predictor {
+    /// The corrected signal.
+    pub signal: String,
+    /// Gain L, 0 to 1; the prediction looks about 1/L samples ahead.
+    pub gain: f64,
+    /// Rms of the innovations of a perfect model over the noise floor: sqrt(2 / (2 - L)).
+    pub innovation_floor_ratio: f64,
+}
+
+/// A signal that stays out of the comparison.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NotCompared {
+    /// Its name.
+    pub name: String,
+    /// Why, and what to do.
+    pub reason: String,
+}
+
+/// One signal, measured and modelled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SignalComparison {
+    /// Its name.
+    pub name: String,
+    /// Unit of every error here: `bar` for a pressure, `mA` for a current.
+    pub unit: String,
+    /// Instants with a measured value.
+    pub compared: usize,
+    /// Instants without; they are left out, not filled in.
+    pub missing: usize,
+    /// What the measurement itself scatters.
+    pub noise_floor: NoiseFloor,
+    /// Error of the model driven by the commands alone.
+    pub free_run: ErrorSummary,
+    /// Error of the prediction a few samples ahead; null where no pressure was logged.
+    pub short_horizon: Option<ErrorSummary>,
+    /// By how much the measurement lags the model; null where nothing changes. A hint only.
+    pub time_offset: Option<TimeOffset>,
+    /// Largest free-run rms that holds; null where neither noise floor nor tolerance is known.
+    pub limit: Option<f64>,
+    /// Where the limit comes from.
+    pub limit_from: LimitFrom,
+    /// Whether the free-run rms is within the limit; null where there is no limit.
+    pub holds: Option<bool>,
+    /// Shares of the excess error, one dimension at a time.
+    pub regimes: Vec<RegimeShares>,
+    /// The error over duty cycle and pressure.
+    pub error_map: ErrorMap,
+    /// Where most of the excess is, in one sentence.
+    pub finding: Finding,
+}
+
+/// Origin of a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LimitFrom {
+    /// Allowed multiples of the noise floor.
+    NoiseFloor,
+    /// A tolerance given for this signal.
+    Tolerance,
+    /// Nowhere.
+    Unknown,
+}
+
+/// Standard deviation of the measurement noise, estimated without the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseFloor {
+    /// Standard deviation in the unit of the signal; null where it is unknown.
+    pub value: Option<f64>,
+    /// Step between neighbouring values of the log; null where none is seen.
+    pub quantisation_step: Option<f64>,
+    /// Quiet pieces of the log that were used.
+    pub pieces: usize,
+    /// Samples in them.
+    pub samples: usize,
+    /// How it was estimated, or what to do.
+    pub statement: String,
+}
+
+/// An error over the whole log.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ErrorSummary {
+    /// Root mean square.
+    pub rms: f64,
+    /// Rms a perfect model would have here; null where the noise floor is unknown.
+    pub expected_rms: Option<f64>,
+    /// Rms over the noise floor.
+    pub rms_in_noise: Option<f64>,
+    /// The error of largest magnitude.
+    pub worst: f64,
+    /// Its magnitude over the noise floor.
+    pub worst_in_noise: Option<f64>,
+    /// Its instant [s].
+    pub worst_time_s: f64,
+    /// Mean error.
+    pub bias: f64,
+    /// 100 (1 - |measured - modelled| / |measured - mean|) [%]; null for a constant measurement.
+    pub fit_pct: Option<f64>,
+    /// Samples over which the error remembers: 1 for white noise.
+    pub autocorrelation_time_samples: Option<f64>,
+    /// Test for whiteness; free run only, since the innovations of a perfect model are not white.
+    pub whiteness: Option<LjungBox>,
+    /// Correlation with each commanded duty cycle.
+    pub input_correlation: Vec<InputCorrelation>,
+}
+
+/// Ljung-Box test: is the residual white?
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LjungBox {
+    /// Lags in the sum.
+    pub lags: usize,
+    /// Q, chi-squared with as many degrees of freedom for white noise.
+    pub q: f64,
+    /// Probability of a Q at least as large for white noise.
+    pub p_value: f64,
+}
+
+/// Largest correlation of the residual with an earlier input.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InputCorrelation {
+    /// Name of the input.
+    pub input: String,
+    /// Correlation coefficient of largest magnitude.
+    pub rho: f64,
+    /// By how many samples the input is earlier than the residual.
+    pub lag_samples: usize,
+    /// Magnitude that the largest of all lags exceeds by chance in 1 % of the cases.
+    pub bound_99: f64,
+}
+
+/// Time by which the measurement lags the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimeOffset {
+    /// Lag [ms]; positive where the measurement is late.
+    pub lag_ms: f64,
+    /// Correlation of the changes as they are.
+    pub correlation_unshifted: f64,
+    /// Correlation of the changes with the model late by `lag_ms`.
+    pub correlation_shifted: f64,
+    /// True if the best lag is the end of the searched range.
+    pub at_search_limit: bool,
+    /// The same in words.
+    pub statement: String,
+}
+
+/// Shares of the excess error in the bins of one dimension.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RegimeShares {
+    /// Stable name, such as `valve_state`.
+    pub dimension: String,
+    /// What it is, for people.
+    pub title: String,
+    /// Bins that have samples, in their natural order.
+    pub bins: Vec<RegimeBin>,
+}
+
+/// One bin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RegimeBin {
+    /// What the bin holds.
+    pub label: String,
+    /// Compared samples.
+    pub samples: usize,
+    /// Their share of all compared samples, 0 to 1.
+    pub sample_share: f64,
+    /// Short-horizon error: local, does not carry history into innocent regimes.
+    pub short_horizon: Option<BinError>,
+    /// Free-run error: carries history.
+    pub free_run: BinError,
+}
+
+/// The error in a bin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BinError {
+    /// Share of the excess, sum of e² - floor² over that of all samples; scatters below 0 in an innocent bin.
+    /// Null where the whole excess is within chance.
+    pub excess_share: Option<f64>,
+    /// Mean error.
+    pub bias: f64,
+    /// Root mean square error.
+    pub rms: f64,
+}
+
+/// The error over duty cycle of the acting valve and chamber pressure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ErrorMap {
+    /// Which error is mapped.
+    pub horizon: Horizon,
+    /// Labels of the rows: full venting first, both shut in the middle, full filling last.
+    pub duty_bands: Vec<String>,
+    /// Labels of the columns, rising pressure.
+    pub pressure_bands: Vec<String>,
+    /// Cells that have samples.
+    pub cells: Vec<MapCell>,
+}
+
+/// One cell of the error map.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MapCell {
+    /// Row: index into the duty bands.
+    pub duty_band: usize,
+    /// Column: index into the pressure bands.
+    pub pressure_band: usize,
+    /// Compared samples.
+    pub samples: usize,
+    /// The error there.
+    pub error: BinError,
+}
+
+/// How far ahead the model looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Horizon {
+    /// From the commands alone.
+    FreeRun,
+    /// A few samples, corrected by the measured pressure.
+    ShortHorizon,
+}
+
+/// Where most of the excess is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Finding {
+    /// Which error was searched.
+    pub horizon: Horizon,
+    /// The regime in words; null where there is no excess to place.
+    pub regime: Option<String>,
+    /// Share of the excess in it.
+    pub excess_share: Option<f64>,
+    /// Share of the samples in it, 0 to 1.
+    pub sample_share: Option<f64>,
+    /// Mean error in it.
+    pub bias: Option<f64>,
+    /// All of it in one sentence.
+    pub sentence: String,
+}
+
+/// Whether the model holds.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Verdict {
+    /// True if every compared signal is within its limit.
+    pub holds: bool,
+    /// Signals beyond their limit.
+    pub failing: Vec<String>,
+    /// Signals without a limit: if none fails, the verdict is open.
+    pub undecided: Vec<String>,
+    /// The rule in words.
+    pub rule: String,
+}

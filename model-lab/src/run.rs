@@ -1,0 +1,266 @@
+//! The model on the instants of a log: free run, short-horizon prediction, and a fine course for time shifts.
+
+use plant_sim::parameters::PA_PER_BAR;
+use plant_sim::plant::{FILL, VENT};
+use plant_sim::replay::{
+    CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, inputs,
+};
+use plant_sim::{PlantParameters, Simulator, Tolerance};
+use recording::{AddSignalError, Provenance, Recording, TimeBase, Unit};
+
+/// Within a sample interval the valves are looked at this often [ns].
+const LOOK_NS: u64 = 1_000_000;
+
+/// What every run of one comparison shares.
+pub(crate) struct Setup<'a> {
+    pub(crate) parameters: &'a PlantParameters,
+    pub(crate) base: &'a TimeBase,
+    pub(crate) inputs: Vec<ReplayInput>,
+    pub(crate) sampling: CurrentSampling,
+    pub(crate) tolerance: Tolerance,
+    /// Chamber pressure to begin with [Pa abs]; none starts at rest.
+    pub(crate) start_pressure: Option<f64>,
+}
+
+/// The model's signals, one column per name.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Columns {
+    pub(crate) signals: Vec<(&'static str, Unit, Vec<f64>)>,
+}
+
+/// What the model did between two samples; decides the regime of the later one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Activity {
+    /// Whether the fill and the vent valve were open at any time in the interval.
+    pub(crate) open: [bool; 2],
+    /// Chamber pressure at the sample [Pa abs], before a correction.
+    pub(crate) pressure: f64,
+    /// Change of the chamber pressure in the interval [Pa/s].
+    pub(crate) pressure_rate: f64,
+}
+
+impl<'a> Setup<'a> {
+    pub(crate) fn new(
+        parameters: &'a PlantParameters,
+        log: &'a Recording,
+        tolerance: Tolerance,
+    ) -> Result<Self, ReplayError> {
+        let (base, inputs) = inputs(log)?;
+        let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
+        let sampling = CurrentSampling::of_interval(interval_s, parameters);
+        Ok(Self {
+            parameters,
+            base,
+            inputs,
+            sampling,
+            tolerance,
+            start_pressure: None,
+        })
+    }
+
+    fn begin(&self) -> Replay {
+        let mut replay = Replay::new(self.parameters, self.sampling, self.tolerance);
+        if let Some(pressure) = self.start_pressure {
+            replay.simulator().set_chamber_pressure(pressure);
+        }
+        replay
+    }
+
+    /// The model driven by the commands alone.
+    pub(crate) fn free_run(&self) -> Columns {
+        let mut replay = self.begin();
+        let mut columns = Columns::with_capacity(self);
+        for &input in &self.inputs {
+            columns.push(replay.row(input));
+        }
+        columns
+    }
+
+    /// The model corrected after each sample by `gain` times (measured - predicted) pressure, measured in bar gauge,
+    /// NaN where missing. Gain 0 watches the free run.
+    pub(crate) fn predict(&self, measured_bar: &[f64], gain: f64) -> (Columns, Vec<Activity>) {
+        let mut replay = self.begin();
+        let mut columns = Columns::with_capacity(self);
+        let mut activities = Vec::with_capacity(self.inputs.len());
+        for (row, &input) in self.inputs.iter().enumerate() {
+            let begin = (
+                replay.simulator().time_ns(),
+                replay.simulator().state().pressure,
+            );
+            let mut open = [false; 2];
+            for time_ns in instants_between(begin.0, input.time_ns) {
+                let simulator = replay.simulator();
+                simulator.advance_to_ns(time_ns);
+                open = [FILL, VENT].map(|valve| open[valve] || is_open(simulator, valve));
+            }
+            columns.push(replay.row(input));
+            let simulator = replay.simulator();
+            let pressure = simulator.state().pressure;
+            let span_s = (input.time_ns - begin.0) as f64 * 1e-9;
+            activities.push(Activity {
+                open,
+                pressure,
+                pressure_rate: if span_s > 0.0 {
+                    (pressure - begin.1) / span_s
+                } else {
+                    0.0
+                },
+            });
+            let error =
+                measured_bar[row] * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa - pressure;
+            if gain > 0.0 && error.is_finite() {
+                simulator.set_chamber_pressure(pressure + gain * error);
+            }
+        }
+        (columns, activities)
+    }
+
+    /// The free run on a grid of at most 1 ms over the first `rows` instants: times [s] and columns. A current that
+    /// is a mean refers to the grid interval that ends at its time.
+    pub(crate) fn fine_run(&self, rows: usize) -> (Vec<f64>, Columns) {
+        let mut replay = self.begin();
+        let mut columns = Columns::with_capacity(self);
+        let mut times_s = Vec::new();
+        let mut last_ns = 0;
+        for &input in self.inputs.iter().take(rows) {
+            for time_ns in
+                instants_between(last_ns, input.time_ns).take_while(|&t| t < input.time_ns)
+            {
+                // To hold the last command changes nothing.
+                columns.push(replay.row(ReplayInput {
+                    time_ns,
+                    command: None,
+                    supply_voltage_v: None,
+                }));
+                times_s.push(time_ns as f64 * 1e-9);
+            }
+            columns.push(replay.row(input));
+            times_s.push(input.time_ns as f64 * 1e-9);
+            last_ns = input.time_ns;
+        }
+        (times_s, columns)
+    }
+}
+
+impl Columns {
+    fn with_capacity(setup: &Setup) -> Self {
+        let plunger = setup
+            .parameters
+            .regulating_valve
+            .is_some()
+            .then_some(PLUNGER_SIGNAL);
+        let column = |(name, unit)| (name, unit, Vec::with_capacity(setup.inputs.len()));
+        Self {
+            signals: ROW_SIGNALS.into_iter().chain(plunger).map(column).collect(),
+        }
+    }
+
+    fn push(&mut self, (row, plunger): (Row, Option<f64>)) {
+        for ((_, _, column), value) in self.signals.iter_mut().zip(row.into_iter().chain(plunger)) {
+            column.push(value);
+        }
+    }
+
+    /// The column `name`.
+    pub(crate) fn get(&self, name: &str) -> Option<&[f64]> {
+        self.signals
+            .iter()
+            .find(|signal| signal.0 == name)
+            .map(|signal| &signal.2[..])
+    }
+
+    /// The columns as a recording on `base`.
+    pub(crate) fn into_recording(
+        self,
+        source: String,
+        base: &TimeBase,
+    ) -> Result<Recording, AddSignalError> {
+        let provenance = Provenance::from_source(source)
+            .with_note("producer", concat!("model-lab ", env!("CARGO_PKG_VERSION")));
+        let mut recording = Recording::new(provenance);
+        let id = recording.add_time_base(base.clone());
+        for (name, unit, column) in self.signals {
+            recording.add_signal(name, unit, id, column)?;
+        }
+        Ok(recording)
+    }
+}
+
+/// Equally spaced instants in (begin, end], at most [`LOOK_NS`] apart, `end` last.
+fn instants_between(begin_ns: u64, end_ns: u64) -> impl Iterator<Item = u64> {
+    let span = end_ns - begin_ns;
+    let count = span.div_ceil(LOOK_NS);
+    (1..=count).map(move |part| {
+        begin_ns + (u128::from(span) * u128::from(part) / u128::from(count)) as u64
+    })
+}
+
+fn is_open(simulator: &Simulator, valve: usize) -> bool {
+    let x = simulator.state().valves[valve].x;
+    simulator.plant().valves[valve].effective_area(x) > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::Bench;
+
+    #[test]
+    fn the_free_run_is_the_replay_of_the_simulator_bit_for_bit() {
+        let bench = Bench::default();
+        let log = bench.measure();
+        let setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
+        let replayed =
+            plant_sim::replay::replay(&bench.plant, &log, Tolerance::default(), |_, _| {}).unwrap();
+        let pressure = replayed.recording.signal("p_ch").unwrap();
+        assert_eq!(
+            setup.free_run().get("p_ch").unwrap(),
+            pressure.values_or_nan()
+        );
+    }
+
+    #[test]
+    fn looking_between_the_samples_changes_nothing_beyond_the_solver_tolerance() {
+        let bench = Bench::default();
+        let log = bench.measure();
+        let setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
+        let free = setup.free_run();
+        let (watched, _) = setup.predict(&vec![f64::NAN; log.signals()[0].len()], 0.0);
+        let (times_s, fine) = setup.fine_run(usize::MAX);
+        for (row, &expected) in free.get("p_ch").unwrap().iter().enumerate() {
+            let time_s = row as f64 * 0.01;
+            let nearest = times_s.partition_point(|&t| t < time_s - 1e-6);
+            let found = [
+                watched.get("p_ch").unwrap()[row],
+                fine.get("p_ch").unwrap()[nearest],
+            ];
+            assert!(
+                found.iter().all(|found| (found - expected).abs() < 2e-3),
+                "{row}: {found:?}, {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_full_correction_follows_the_measurement() {
+        let bench = Bench::default();
+        let log = bench.measure();
+        let mut setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
+        setup.start_pressure = Some(3e5);
+        let measured = vec![2.5; log.signals()[0].len()];
+        let (columns, activity) = setup.predict(&measured, 1.0);
+        let still = activity
+            .iter()
+            .position(|activity| activity.open != [false; 2])
+            .unwrap();
+        assert!((columns.get("p_ch").unwrap()[0] - (3e5 - 101_325.0) / 1e5).abs() < 1e-9);
+        assert!((columns.get("p_ch").unwrap()[still - 1] - 2.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn instants_end_with_the_last_and_are_never_further_apart_than_a_look() {
+        assert_eq!(instants_between(5, 5).count(), 0);
+        let instants: Vec<u64> = instants_between(500, 2_500_500).collect();
+        assert_eq!(instants, [833_833, 1_667_166, 2_500_500]);
+    }
+}

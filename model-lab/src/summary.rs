@@ -1,0 +1,39 @@
+use crate::commands::DUTIES;
+use crate::metrics::{fit_pct, mean, rms, worst};
+use crate::result::{ErrorSummary, Horizon};
+use crate::whiteness::{autocorrelation_time_samples, input_correlation, ljung_box};
+
+/// Everything that is said of one residual. `floors` are the noise floor and the rms of a perfect model, 0 where
+/// unknown.
+pub(crate) fn summary(
+    residual: &[f64],
+    measured: &[f64],
+    times_s: &[f64],
+    (floor, expected): (f64, f64),
+    duty_pct: &[Vec<f64>; 2],
+    horizon: Horizon,
+) -> ErrorSummary {
+    let rms = rms(residual).unwrap_or_default();
+    let (worst_index, worst) = worst(residual).unwrap_or_default();
+    let in_noise = |error: f64| (floor > 0.0).then(|| error / floor);
+    ErrorSummary {
+        rms,
+        expected_rms: (expected > 0.0).then_some(expected),
+        rms_in_noise: in_noise(rms),
+        worst,
+        worst_in_noise: in_noise(worst.abs()),
+        worst_time_s: times_s[worst_index],
+        bias: mean(residual).unwrap_or_default(),
+        fit_pct: fit_pct(measured, residual),
+        autocorrelation_time_samples: autocorrelation_time_samples(residual),
+        whiteness: match horizon {
+            Horizon::FreeRun => ljung_box(residual),
+            Horizon::ShortHorizon => None,
+        },
+        input_correlation: DUTIES
+            .iter()
+            .zip(duty_pct)
+            .filter_map(|(name, duty)| input_correlation(name, duty, residual))
+            .collect(),
+    }
+}

@@ -1,0 +1,235 @@
+//! Is a residual white, and does an input explain it?
+
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+use crate::metrics::{mean, present};
+use crate::result::{InputCorrelation, LjungBox};
+
+/// Lags of the Ljung-Box sum: 0.2 s at 100 Hz.
+const LJUNG_BOX_LAGS: usize = 20;
+/// Inputs are searched up to this many samples before the residual.
+const INPUT_LAGS: usize = 50;
+/// Autocorrelations are not summed beyond this lag: what remembers longer is no noise anyway.
+const LONGEST_LAG: usize = 2000;
+/// The sum of autocorrelations ends at this many autocorrelation times (Sokal's window).
+const WINDOW: f64 = 5.0;
+
+/// A sequence without its mean; missing samples count as zero, so that they add to no product.
+struct Centred {
+    values: Vec<f64>,
+    count: usize,
+    variance: f64,
+}
+
+impl Centred {
+    /// None for a sequence that does not vary.
+    fn new(values: &[f64]) -> Option<Self> {
+        let mean = mean(values)?;
+        let count = present(values).count();
+        let variance = present(values)
+            .map(|value| (value - mean).powi(2))
+            .sum::<f64>()
+            / count as f64;
+        let centre = |&value: &f64| if value.is_nan() { 0.0 } else { value - mean };
+        (variance > 0.0).then(|| Self {
+            values: values.iter().map(centre).collect(),
+            count,
+            variance,
+        })
+    }
+
+    /// Autocorrelation coefficient at `lag`.
+    fn autocorrelation(&self, lag: usize) -> f64 {
+        self.correlation(self, lag)
+    }
+
+    /// Correlation of this with `earlier` by `lag` samples.
+    fn correlation(&self, earlier: &Self, lag: usize) -> f64 {
+        if lag >= self.values.len() {
+            return 0.0;
+        }
+        let products = self.values[lag..]
+            .iter()
+            .zip(&earlier.values)
+            .map(|(late, early)| late * early);
+        let scale =
+            (self.variance * earlier.variance).sqrt() * self.count.min(earlier.count) as f64;
+        products.sum::<f64>() / scale
+    }
+
+    fn longest_lag(&self) -> usize {
+        (self.count / 4).min(LONGEST_LAG)
+    }
+}
+
+/// Ljung-Box test over 20 lags; none for fewer than 80 samples or a constant.
+pub(crate) fn ljung_box(residual: &[f64]) -> Option<LjungBox> {
+    let residual = Centred::new(residual)?;
+    if residual.longest_lag() < LJUNG_BOX_LAGS {
+        return None;
+    }
+    let n = residual.count as f64;
+    let sum: f64 = (1..=LJUNG_BOX_LAGS)
+        .map(|lag| residual.autocorrelation(lag).powi(2) / (n - lag as f64))
+        .sum();
+    let q = n * (n + 2.0) * sum;
+    let distribution = ChiSquared::new(LJUNG_BOX_LAGS as f64).ok()?;
+    Some(LjungBox {
+        lags: LJUNG_BOX_LAGS,
+        q,
+        p_value: distribution.sf(q),
+    })
+}
+
+/// Integrated autocorrelation time 1 + 2 Σ ρ [samples]; none for a constant.
+pub(crate) fn autocorrelation_time_samples(residual: &[f64]) -> Option<f64> {
+    let residual = Centred::new(residual)?;
+    let mut time = 1.0;
+    for lag in 1..residual.longest_lag() {
+        time += 2.0 * residual.autocorrelation(lag);
+        if lag as f64 >= WINDOW * time {
+            break;
+        }
+    }
+    Some(time)
+}
+
+/// The largest correlation of `residual` with `input` at the same instant or earlier; none where either is constant.
+///
+/// Later inputs are left out: under closed-loop control the residual causes them.
+pub(crate) fn input_correlation(
+    name: &str,
+    input: &[f64],
+    residual: &[f64],
+) -> Option<InputCorrelation> {
+    let (residual, input) = (Centred::new(residual)?, Centred::new(input)?);
+    let lags = INPUT_LAGS.min(residual.longest_lag());
+    let (lag_samples, rho) = (0..=lags)
+        .map(|lag| (lag, residual.correlation(&input, lag)))
+        .fold((0, 0.0_f64), |best, now| {
+            if now.1.abs() > best.1.abs() {
+                now
+            } else {
+                best
+            }
+        });
+    Some(InputCorrelation {
+        input: name.to_owned(),
+        rho,
+        lag_samples,
+        bound_99: chance_bound(&residual, &input, lags)?,
+    })
+}
+
+/// Bartlett: two independent sequences correlate with variance Σ ρ_a ρ_b / n, more than 1 / n where both have a
+/// memory. The level is shared among the lags that are searched.
+fn chance_bound(a: &Centred, b: &Centred, lags: usize) -> Option<f64> {
+    let longest = a.longest_lag().min(b.longest_lag());
+    let memory: f64 = (1..=longest)
+        .map(|lag| {
+            // A triangular window keeps the scatter of far lags out of the sum.
+            let weight = 1.0 - lag as f64 / (longest + 1) as f64;
+            2.0 * weight * a.autocorrelation(lag) * b.autocorrelation(lag)
+        })
+        .sum();
+    let deviation = ((1.0 + memory).max(1.0) / a.count.min(b.count) as f64).sqrt();
+    let tail = 0.01 / (2.0 * (lags + 1) as f64);
+    Some((Normal::new(0.0, deviation).ok()?.inverse_cdf(1.0 - tail)).min(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::Noise;
+
+    fn white(seed: u64, count: usize) -> Vec<f64> {
+        let mut noise = Noise::new(seed);
+        (0..count).map(|_| noise.normal()).collect()
+    }
+
+    fn with_memory(seed: u64, count: usize, memory: f64) -> Vec<f64> {
+        let mut state = 0.0;
+        let next = |noise: f64| {
+            state = memory * state + noise;
+            state
+        };
+        white(seed, count).into_iter().map(next).collect()
+    }
+
+    #[test]
+    fn white_noise_is_rejected_at_the_rate_of_the_level() {
+        let rejected = (0..400)
+            .filter(|&seed| ljung_box(&white(seed, 1000)).unwrap().p_value < 0.05)
+            .count();
+        // 20 expected, standard deviation 4.4.
+        assert!((7..=33).contains(&rejected), "{rejected} of 400");
+    }
+
+    #[test]
+    fn a_slight_memory_is_not_white() {
+        assert!(ljung_box(&with_memory(1, 6000, 0.1)).unwrap().p_value < 1e-6);
+    }
+
+    #[test]
+    fn autocorrelation_time_is_that_of_a_first_order_process() {
+        for memory in [0.0, 0.5, 0.9] {
+            let expected = (1.0 + memory) / (1.0 - memory);
+            let time = autocorrelation_time_samples(&with_memory(2, 100_000, memory)).unwrap();
+            assert!(
+                (time / expected - 1.0).abs() < 0.1,
+                "{memory}: {time}, expected {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_input_that_drives_the_residual_is_found_with_its_lag() {
+        let input = white(3, 3000);
+        let noise = white(4, 3000);
+        let residual: Vec<f64> = (0..3000)
+            .map(|n| noise[n] + if n >= 7 { 0.5 * input[n - 7] } else { 0.0 })
+            .collect();
+        let found = input_correlation("duty_fill", &input, &residual).unwrap();
+        assert_eq!(found.lag_samples, 7);
+        assert!(
+            (found.rho - 0.5 / 1.25_f64.sqrt()).abs() < 0.05,
+            "{found:?}"
+        );
+        assert!(found.rho > 3.0 * found.bound_99, "{found:?}");
+    }
+
+    #[test]
+    fn independent_sequences_rarely_exceed_the_bound_even_with_memory() {
+        for memory in [0.0, 0.8] {
+            let exceeded = (0..200)
+                .filter(|&seed| {
+                    let (a, b) = (
+                        with_memory(seed, 1000, memory),
+                        with_memory(seed + 1000, 1000, memory),
+                    );
+                    let found = input_correlation("", &a, &b).unwrap();
+                    found.rho.abs() > found.bound_99
+                })
+                .count();
+            assert!(exceeded <= 8, "memory {memory}: {exceeded} of 200");
+        }
+    }
+
+    #[test]
+    fn constants_and_short_sequences_give_no_verdict() {
+        assert_eq!(ljung_box(&[1.0; 500]), None);
+        assert_eq!(ljung_box(&white(1, 60)), None);
+        assert_eq!(input_correlation("", &[0.0; 500], &white(1, 500)), None);
+        assert_eq!(autocorrelation_time_samples(&[f64::NAN; 4]), None);
+    }
+
+    #[test]
+    fn missing_samples_do_not_make_white_noise_coloured() {
+        let mut values = white(5, 4000);
+        values
+            .iter_mut()
+            .step_by(7)
+            .for_each(|value| *value = f64::NAN);
+        assert!(ljung_box(&values).unwrap().p_value > 1e-3);
+    }
+}
