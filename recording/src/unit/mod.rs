@@ -457,4 +457,14 @@ mod tests {
             assert_eq!(Unit::parse(text), None, "{text}");
         }
     }
+
+    #[test]
+    fn the_documentation_lists_every_token() {
+        let readme = include_str!("../../README.md");
+        for unit in Unit::all() {
+            let token = unit.token();
+            let listed = token.trim_end_matches("_gauge").trim_end_matches("_abs");
+            assert!(readme.contains(&format!("`{listed}`")), "{token}");
+        }
+    }
 }
