@@ -221,7 +221,7 @@ proptest! {
         let other_config = Config::new(&mirrored(&settings)).expect("mirrored settings are as valid");
         // Mirrored about half the supply pressure, so that what helps one valve helps the other one then.
         let supply = settings.supply_pressure_bar.to_bits();
-        let within = |raw: i32| (i64::from(raw) * i64::from(supply) >> 19) as i32;
+        let within = |raw: i32| ((i64::from(raw) * i64::from(supply)) >> 19) as i32;
         let mirror = |bits: i32| Pressure::from_bits(supply - bits);
         let start = Input { reference: Pressure::ZERO, pressure: Pressure::ZERO };
         let other_start = Input { reference: mirror(0), pressure: mirror(0) };
@@ -256,7 +256,7 @@ proptest! {
     ) {
         use controller::fixed::types::I16F16;
         let without_pct = I16F16::from_bits(without);
-        let with_pct = I16F16::from_bits((i64::from(without) * i64::from(drop) >> 16) as i32);
+        let with_pct = I16F16::from_bits(((i64::from(without) * i64::from(drop)) >> 16) as i32);
         let opening = OpeningDuty::force_balance(without_pct, with_pct);
         let settings = Settings {
             duty_min: LowerLimit::PressureDependent { fill: opening, vent: opening },

@@ -1,7 +1,9 @@
 //! What the controller promises, seen from outside. One binary; one module per kind of evidence:
-//! `invariants` hold for any input and any settings, `mechanisms` tell what each mechanism of chapter 6 does in a small story,
+//! `invariants` hold for any input and any settings, `mechanisms` and
+//! `distribution` tell what each mechanism of chapter 6 does in a small story,
 //! `reference` compares with floating point, `settings` goes along every bound, `state` saves and restores, `golden` freezes the bits.
 
+mod distribution;
 mod golden;
 mod invariants;
 mod mechanisms;

@@ -2,39 +2,11 @@
 
 use controller::fixed::types::I16F16;
 use controller::{
-    Activity, AntiWindup, Boost, ControlSignal, Distributor, Input, IntegralAtReference,
-    LowerLimit, Output, Prediction, PredictionBasis, Pressure, Saturation, Settings, State,
-    SwitchOff, Trace, step, step_traced,
+    Activity, AntiWindup, Boost, ControlSignal, Input, IntegralAtReference, Output, Prediction,
+    PredictionBasis, Pressure, Saturation, Settings, State, SwitchOff, step, step_traced,
 };
 
-use crate::support::{bar, bare, config, input, lit};
-
-/// Runs the inputs, the first of which is where the controller starts, and gives every sample's output and account.
-fn run(settings: &Settings, inputs: &[(&str, &str)]) -> Vec<(Output, Trace, State)> {
-    let config = config(settings);
-    let mut state = State::new(input(inputs[0].0, inputs[0].1));
-    inputs
-        .iter()
-        .map(|(reference, pressure)| {
-            let (output, trace) = step_traced(&config, &mut state, input(reference, pressure));
-            (output, trace, state)
-        })
-        .collect()
-}
-
-fn percent(signal: ControlSignal) -> f64 {
-    signal.percent().to_num()
-}
-
-/// Two control signals are the same to the last of their 12 bits and the tenth of a unit that a decimal setting may be off.
-fn assert_close(actual: ControlSignal, expected: f64) {
-    let deviation = (percent(actual) - expected).abs();
-    assert!(deviation < 0.000_3, "{actual} is not {expected} %");
-}
-
-fn duties(output: &Output) -> (I16F16, I16F16) {
-    (output.duty_fill.percent(), output.duty_vent.percent())
-}
+use crate::support::{assert_close, bar, bare, config, input, lit, percent, run};
 
 // ---- equation 6.2 ----
 
@@ -97,119 +69,6 @@ fn a_sample_time_twice_as_long_halves_the_derivative_and_doubles_the_integral() 
     let (fast, slow) = (run(&settings, &inputs)[1].1, run(&slow, &inputs)[1].1);
     assert_close(slow.derivative, percent(fast.derivative) / 2.0);
     assert_close(slow.integral, percent(fast.integral) * 2.0);
-}
-
-// ---- distributor, 6.3 ----
-
-#[test]
-fn the_traditional_distributor_is_equations_6_3_to_6_5() {
-    let settings = Settings {
-        distributor: Distributor::Traditional,
-        ..bare()
-    };
-    let check = |reference, pressure, expected: (&str, &str)| {
-        let (output, _, _) = run(&settings, &[(reference, pressure)])[0];
-        assert_eq!(duties(&output), (lit(expected.0), lit(expected.1)));
-    };
-    check("3", "2", ("40", "0"));
-    check("2", "3.25", ("0", "50"));
-    check("2", "2", ("0", "0"));
-    check("8", "2", ("100", "0"));
-    check("2", "8", ("0", "100"));
-}
-
-#[test]
-fn scheme_1_maps_u_onto_the_range_in_which_the_valve_moves() {
-    let check = |reference, pressure, expected: (&str, &str)| {
-        let (output, _, _) = run(&bare(), &[(reference, pressure)])[0];
-        assert_eq!(duties(&output), (lit(expected.0), lit(expected.1)));
-    };
-    // u = 50 %: halfway from 25.5 % to 82 % and to 80 %.
-    check("3.25", "2", ("53.75", "0"));
-    check("2", "3.25", ("0", "52.75"));
-    check("8", "2", ("82", "0"));
-    check("2", "8", ("0", "80"));
-    check("2", "2", ("0", "0"));
-}
-
-#[test]
-fn scheme_2_drives_both_valves_around_their_middles() {
-    let settings = Settings {
-        distributor: Distributor::Scheme2 {
-            middle_fill_pct: lit("40"),
-            middle_vent_pct: lit("38"),
-        },
-        ..bare()
-    };
-    let check = |reference, pressure, expected: (&str, &str)| {
-        let (output, _, _) = run(&settings, &[(reference, pressure)])[0];
-        assert_eq!(duties(&output), (lit(expected.0), lit(expected.1)));
-    };
-    check("3.25", "2", ("61", "31.75"));
-    check("2", "3.25", ("32.75", "59"));
-    check("8", "2", ("82", "25.5"));
-    check("2", "8", ("25.5", "80"));
-}
-
-#[test]
-fn scheme_2_gives_both_middles_where_the_control_signal_is_zero_and_none_inside_the_tolerance() {
-    let settings = Settings {
-        gain_pct_per_bar: lit("10"),
-        // K e + K T_d/T_s Δe = 10 (0.5 - 0.5): u is exactly 0, the error is not.
-        derivative_time_ms: Some(lit("10")),
-        tolerance_bar: lit("0.125"),
-        distributor: Distributor::Scheme2 {
-            middle_fill_pct: lit("40"),
-            middle_vent_pct: lit("38"),
-        },
-        ..bare()
-    };
-    let samples = run(&settings, &[("3", "2"), ("3", "2.5"), ("3", "2.9")]);
-    assert_eq!(samples[1].1.u, ControlSignal::ZERO);
-    assert_eq!(duties(&samples[1].0), (lit("40"), lit("38")));
-    assert_eq!(samples[2].0, Output::OFF);
-}
-
-/// Tables 4.1 and 4.2 at their ends: what helps the fill valve is missing at full chamber pressure, and the reverse.
-#[test]
-fn the_pressure_dependent_limits_meet_the_measured_opening_duties() {
-    let settings = Settings {
-        duty_min: Settings::recommended().duty_min,
-        gain_pct_per_bar: lit("0.01"),
-        ..bare()
-    };
-    let limit = |reference, pressure| {
-        let (output, _, _) = run(&settings, &[(reference, pressure)])[0];
-        let (fill, vent) = duties(&output);
-        // u is at most 0.08 %, which lifts the duty cycle by at most 0.05 % above its limit.
-        (fill.max(vent).to_num::<f64>() - 0.025).abs()
-    };
-    let assert_limit = |actual: f64, expected: f64| {
-        assert!(
-            (actual - expected).abs() < 0.026,
-            "{actual} is not {expected} %"
-        )
-    };
-    assert_limit(limit("1", "0"), 28.5);
-    assert_limit(limit("9", "8.4"), 54.5);
-    assert_limit(limit("4.3", "4.2"), 43.488_5);
-    assert_limit(limit("7", "8.4"), 25.5);
-    assert_limit(limit("-0.5", "0"), 51.5);
-    assert_limit(limit("4.1", "4.2"), 40.635_6);
-    // Beyond the ends nothing goes further.
-    assert_limit(limit("9", "8.9"), 54.5);
-    assert_limit(limit("3", "9.5"), 25.5);
-}
-
-/// Section 6.6's example: at 6.8 bar a fill valve with 25.5 % as lower limit does not open for an error of 0.2 bar.
-#[test]
-fn with_pressure_dependent_limits_a_small_error_opens_the_fill_valve_at_high_pressure() {
-    let opens = |duty_min| {
-        let (output, _, _) = run(&Settings { duty_min, ..bare() }, &[("7", "6.8")])[0];
-        output.duty_fill.percent()
-    };
-    assert!(opens(Settings::thesis().duty_min) < lit("45"));
-    assert!(opens(Settings::recommended().duty_min) > lit("50"));
 }
 
 // ---- tolerance, 6.3.1 ----
@@ -573,16 +432,4 @@ fn without_boost_a_pressure_that_does_not_respond_changes_nothing() {
             (ControlSignal::ZERO, false)
         );
     }
-}
-
-#[test]
-fn a_constant_limit_is_the_same_at_every_pressure() {
-    let duty_min = LowerLimit::Constant {
-        fill_pct: lit("30"),
-        vent_pct: lit("20"),
-    };
-    let settings = Settings { duty_min, ..bare() };
-    let fill = |reference, pressure| duties(&run(&settings, &[(reference, pressure)])[0].0).0;
-    assert_eq!(fill("1.25", "0"), lit("56"));
-    assert_eq!(fill("8.25", "7"), lit("56"));
 }

@@ -2,8 +2,9 @@
 
 use controller::fixed::types::I16F16;
 use controller::{
-    AntiWindup, Boost, Coefficient, Config, ConfigError, Distributor, Input, IntegralAtReference,
-    LowerLimit, OpeningDuty, Prediction, PredictionBasis, Pressure, Settings, SwitchOff,
+    AntiWindup, Boost, Coefficient, Config, ConfigError, ControlSignal, Distributor, Input,
+    IntegralAtReference, LowerLimit, OpeningDuty, Output, Prediction, PredictionBasis, Pressure,
+    Settings, State, SwitchOff, Trace, step_traced,
 };
 use proptest::prelude::*;
 
@@ -24,6 +25,33 @@ pub(crate) fn input(reference: &str, pressure: &str) -> Input {
 
 pub(crate) fn config(settings: &Settings) -> Config {
     Config::new(settings).expect("valid settings in a test")
+}
+
+/// Runs the inputs, the first of which is where the controller starts, and gives every sample's output and account.
+pub(crate) fn run(settings: &Settings, inputs: &[(&str, &str)]) -> Vec<(Output, Trace, State)> {
+    let config = config(settings);
+    let mut state = State::new(input(inputs[0].0, inputs[0].1));
+    inputs
+        .iter()
+        .map(|(reference, pressure)| {
+            let (output, trace) = step_traced(&config, &mut state, input(reference, pressure));
+            (output, trace, state)
+        })
+        .collect()
+}
+
+pub(crate) fn percent(signal: ControlSignal) -> f64 {
+    signal.percent().to_num()
+}
+
+/// Two control signals are the same to the last of their 12 bits and the tenth of a unit that a decimal setting may be off.
+pub(crate) fn assert_close(actual: ControlSignal, expected: f64) {
+    let deviation = (percent(actual) - expected).abs();
+    assert!(deviation < 0.000_3, "{actual} is not {expected} %");
+}
+
+pub(crate) fn duties(output: &Output) -> (I16F16, I16F16) {
+    (output.duty_fill.percent(), output.duty_vent.percent())
 }
 
 /// A P controller with nothing else: K 40 %/bar, Scheme 1. The stories switch on what they are about.
@@ -415,7 +443,7 @@ impl Bench {
         }
         self.reference = (self.reference + self.ramp).clamp(0, 8 << 16);
         let flow = |duty: i32, drop: i32| {
-            (i64::from((duty - (35 << 16)).max(0)) * i64::from(drop.max(0)) >> 28) as i32
+            ((i64::from((duty - (35 << 16)).max(0)) * i64::from(drop.max(0))) >> 28) as i32
         };
         self.pressure = self.pressure.clamp(-(2 << 16), 10 << 16);
         self.pressure +=
