@@ -1,5 +1,7 @@
 //! Small files made by hand, each wrong in one way or right in an odd way.
 
+mod promise;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -173,8 +175,10 @@ fn each_wrong_mapping_is_refused_with_its_code_and_line() {
         }
         assert!(!error.to_string().contains(char::is_control), "{error}");
     }
-    let good = fs::read_to_string(corpus("mapping-good.toml")).unwrap();
-    assert!(Mapping::parse("mapping-good.toml", &good).is_ok());
+    for name in names("mapping-good") {
+        let text = fs::read_to_string(corpus("mapping-good").join(&name)).unwrap();
+        Mapping::parse(&name, &text).unwrap_or_else(|error| panic!("{error}"));
+    }
 }
 
 /// All of them hold the same three samples, in different clothes.
@@ -195,5 +199,21 @@ fn every_odd_dialect_gives_the_same_recording() {
         assert_eq!(pressure.unit(), recording::Unit::BarGauge, "{name}");
         assert_eq!(pressure.values_or_nan(), [1.5, 1.6, -0.25], "{name}");
         assert_eq!(recording.signals().len(), 1, "{name}");
+    }
+}
+
+/// The seeds of the fuzz targets keep the promises that the targets test.
+#[test]
+fn the_seeds_of_the_fuzzer_keep_its_promises() {
+    let files = |folder: &'static str| {
+        names(folder)
+            .into_iter()
+            .map(move |name| fs::read(corpus(folder).join(name)).unwrap())
+    };
+    files("wrong")
+        .chain(files("good"))
+        .for_each(|bytes| promise::csv_reader(&bytes));
+    for bytes in files("mapping-wrong").chain(files("mapping-good")) {
+        promise::mapping_toml(&String::from_utf8(bytes).unwrap());
     }
 }
