@@ -61,8 +61,10 @@ pub(crate) struct Bench {
     pub(crate) pressure_noise: (f64, f64),
     /// Noise [mA rms] and resolution [mA] of the currents.
     pub(crate) current_noise: (f64, f64),
-    /// Changes the true pressure [bar gauge] at a time [s].
-    pub(crate) disturb: fn(f64, f64) -> f64,
+    /// Pressure to begin with [bar gauge].
+    pub(crate) initial_bar: f64,
+    /// Share of the gauge pressure that leaks per second.
+    pub(crate) leak_per_s: f64,
     pub(crate) seed: u64,
 }
 
@@ -88,7 +90,8 @@ impl Default for Bench {
             interval_s: 0.01,
             pressure_noise: (4e-3, 5.1e-3),
             current_noise: (0.7, 0.5),
-            disturb: |_, pressure| pressure,
+            initial_bar: 0.0,
+            leak_per_s: 0.0,
             seed: 1,
         }
     }
@@ -97,37 +100,37 @@ impl Default for Bench {
 impl Bench {
     /// The log of a run on this rig.
     pub(crate) fn measure(&self) -> Recording {
-        let commands = self.commands();
-        let modelled = replay(&self.plant, &commands, Tolerance::default(), |_, _| {})
-            .unwrap()
-            .recording;
+        let mut log = self.commands();
+        let mut pressures_bar = Vec::new();
+        let true_run = replay(&self.plant, &log, Tolerance::default(), |row, simulator| {
+            let ambient = self.plant.gas.ambient_pressure_pa;
+            if row == 0 {
+                simulator.set_chamber_pressure(ambient + self.initial_bar * 1e5);
+            }
+            let gauge = simulator.state().pressure - ambient;
+            pressures_bar.push(gauge / 1e5);
+            simulator
+                .set_chamber_pressure(ambient + gauge * (-self.leak_per_s * self.interval_s).exp());
+        });
+        let currents = true_run.unwrap().recording;
         let mut noise = Noise::new(self.seed);
-        let mut log = commands;
         let id = log.signals()[0].time_base();
-        for name in ["p_ch", "i_fill", "i_vent"] {
-            let (sigma, step) = if name == "p_ch" {
-                self.pressure_noise
-            } else {
-                self.current_noise
-            };
-            let values = modelled
-                .signal(name)
-                .unwrap()
-                .values_or_nan()
+        let mut add = |name: &str, unit, values: &[f64], (sigma, step): (f64, f64)| {
+            let sampled = values
                 .iter()
-                .enumerate();
-            let sampled = values.map(|(row, &value)| {
-                let time_s = row as f64 * self.interval_s;
-                let value = if name == "p_ch" {
-                    (self.disturb)(time_s, value)
-                } else {
-                    value
-                };
-                quantise(value + sigma * noise.normal(), step)
-            });
+                .map(|value| quantise(value + sigma * noise.normal(), step));
             let sampled = sampled.collect();
-            log.add_signal(name, modelled.signal(name).unwrap().unit(), id, sampled)
-                .unwrap();
+            log.add_signal(name, unit, id, sampled).unwrap();
+        };
+        add("p_ch", Unit::BarGauge, &pressures_bar, self.pressure_noise);
+        for name in ["i_fill", "i_vent"] {
+            let current = currents.signal(name).unwrap();
+            add(
+                name,
+                current.unit(),
+                current.values_or_nan(),
+                self.current_noise,
+            );
         }
         log
     }

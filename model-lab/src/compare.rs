@@ -1,72 +1,26 @@
 //! The comparison, put together.
 
-use std::collections::BTreeMap;
-
-use plant_sim::parameters::PA_PER_BAR;
-use plant_sim::plant::{FILL, VENT};
-use plant_sim::replay::{CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS};
-use plant_sim::{PlantParameters, Tolerance};
+use plant_sim::PlantParameters;
+use plant_sim::replay::CurrentSampling;
 use recording::{Recording, TimeBase, Unit};
 
-use crate::commands::{Commands, DUTIES};
+use crate::commands::Commands;
 use crate::error::CompareError;
-use crate::metrics::{mean, present, residual};
-use crate::noise_floor::{Floor, Quiet, noise_floor};
+use crate::measured::{Measured, PRESSURE, measured_signals, start};
+use crate::metrics::{present, residual};
+use crate::noise_floor::Floor;
 use crate::offset::{FineCourse, time_offset};
+use crate::options::CompareOptions;
 use crate::regime::{Excess, Features, error_map, find, shares};
 use crate::result::{
-    COMPARISON_SCHEMA, Comparison, CurrentMeaning, Horizon, LimitFrom, NotCompared, Predictor,
-    RESIDUAL_SIGN, SignalComparison, Start, StartFrom, Traces, Verdict,
+    COMPARISON_SCHEMA, Comparison, CurrentMeaning, Horizon, LimitFrom, Predictor, RESIDUAL_SIGN,
+    SignalComparison, TimeOffset, Traces, Verdict,
 };
-use crate::run::{Columns, Setup};
+use crate::run::{Activity, Columns, Setup};
 use crate::summary::summary;
 
-/// The measured signal that corrects the predictor.
-const PRESSURE: &str = "p_ch";
-/// What drives the model is no result of it.
-const INPUTS: [&str; 3] = [DUTIES[FILL], DUTIES[VENT], "u_bat"];
-/// A first pressure this close to ambient [bar] is a start at rest ...
-const REST_BAR: f64 = 0.05;
-/// ... and so is one within this many noise sigmas.
-const REST_SIGMAS: f64 = 5.0;
 /// The time offset is taken from this many samples at most, which bounds memory on long logs.
 const OFFSET_ROWS: usize = 12_000;
-
-/// How to compare.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CompareOptions {
-    /// A signal holds if its free-run rms is at most this many times its noise floor; positive.
-    pub allowed_noise_multiples: f64,
-    /// Free-run rms that holds for a signal, instead of the multiple of its noise floor: name and value in the unit of
-    /// its errors (bar, mA, mm); positive.
-    pub tolerances: BTreeMap<String, f64>,
-    /// Gain L of the short-horizon predictor, above 0 up to 1: it looks about 1/L samples ahead.
-    pub predictor_gain: f64,
-    /// Accuracy of the simulation.
-    pub tolerance: Tolerance,
-}
-
-impl Default for CompareOptions {
-    /// 1.5 noise floors, no tolerances, gain 0.3.
-    fn default() -> Self {
-        Self {
-            allowed_noise_multiples: 1.5,
-            tolerances: BTreeMap::new(),
-            predictor_gain: 0.3,
-            tolerance: Tolerance::default(),
-        }
-    }
-}
-
-/// A signal of the log in the unit of the model.
-struct Measured {
-    name: &'static str,
-    /// Unit of the errors.
-    error_unit: Unit,
-    /// NaN where missing.
-    values: Vec<f64>,
-    floor: Floor,
-}
 
 /// Holds the model with `parameters` against `log`: simulates from the logged commands and tells, signal by signal,
 /// how large the error is beside the noise of the measurement, and where it is.
@@ -99,12 +53,6 @@ pub fn compare(
     };
     let (short_horizon, activities) =
         setup.predict(pressure.map_or(&no_pressure, |signal| &signal.values), gain);
-    let memory = if gain > 0.0 {
-        (1.0 / gain).ceil() as usize
-    } else {
-        1
-    };
-    let features = Features::new(parameters, &commands, &activities, memory);
     let (fine_times_s, fine_run) = setup.fine_run(OFFSET_ROWS);
     let predictor = pressure.map(|_| Predictor {
         signal: PRESSURE.to_owned(),
@@ -117,7 +65,7 @@ pub fn compare(
         options,
         commands: &commands,
         setup: &setup,
-        features: &features,
+        activities: &activities,
         predictor: predictor.as_ref(),
         fine_times_s: &fine_times_s,
         fine_run: &fine_run,
@@ -178,183 +126,12 @@ pub fn compare(
     })
 }
 
-impl CompareOptions {
-    fn check(&self) -> Result<(), CompareError> {
-        let refuse = |option: &str, value, range| {
-            Err(CompareError::Option {
-                option: option.to_owned(),
-                value,
-                range,
-            })
-        };
-        if !(self.allowed_noise_multiples > 0.0 && self.allowed_noise_multiples.is_finite()) {
-            return refuse(
-                "allowed_noise_multiples",
-                self.allowed_noise_multiples,
-                "positive and finite",
-            );
-        }
-        if !(self.predictor_gain > 0.0 && self.predictor_gain <= 1.0) {
-            return refuse(
-                "predictor_gain",
-                self.predictor_gain,
-                "above 0 and at most 1",
-            );
-        }
-        let impossible = self
-            .tolerances
-            .iter()
-            .find(|(_, value)| !(**value > 0.0 && value.is_finite()));
-        match impossible {
-            Some((name, &value)) => {
-                refuse(&format!("tolerances.{name}"), value, "positive and finite")
-            }
-            None => Ok(()),
-        }
-    }
-
-    fn check_tolerances(&self, measured: &[Measured]) -> Result<(), CompareError> {
-        let unused = self
-            .tolerances
-            .keys()
-            .find(|name| measured.iter().all(|signal| signal.name != **name));
-        unused.map_or(Ok(()), |name| {
-            Err(CompareError::UnusedTolerance {
-                name: name.clone(),
-                compared: measured
-                    .iter()
-                    .map(|signal| signal.name.to_owned())
-                    .collect(),
-            })
-        })
-    }
-}
-
-/// Every signal of the log that the model has, and those which have the name but cannot be compared.
-fn measured_signals(
-    parameters: &PlantParameters,
-    log: &Recording,
-    commands: &Commands,
-) -> Result<(Vec<Measured>, Vec<NotCompared>), CompareError> {
-    let plunger = parameters
-        .regulating_valve
-        .is_some()
-        .then_some(PLUNGER_SIGNAL);
-    let modelled: Vec<(&'static str, Unit)> = ROW_SIGNALS
-        .into_iter()
-        .chain(plunger)
-        .filter(|(name, _)| !INPUTS.contains(name))
-        .collect();
-    let base_of_commands = DUTIES
-        .into_iter()
-        .find_map(|name| log.signal(name))
-        .map(|signal| signal.time_base());
-    let mut measured = Vec::new();
-    let mut not_compared = Vec::new();
-    for &(name, unit) in &modelled {
-        if log.signal(name).is_none() {
-            continue;
-        }
-        let signal = log.require(name, unit.quantity())?;
-        let mut refuse = |reason: &str| {
-            not_compared.push(NotCompared {
-                name: name.to_owned(),
-                reason: reason.to_owned(),
-            })
-        };
-        if Some(signal.time_base()) != base_of_commands {
-            refuse("it has another time base than the duty cycles; resample it to theirs");
-            continue;
-        }
-        if signal.missing_count() == signal.len() {
-            refuse("every sample is missing");
-            continue;
-        }
-        let values = signal.values_at_ambient(unit, parameters.gas.ambient_pressure_pa)?;
-        let error_unit = if unit == Unit::BarGauge {
-            Unit::BarDifference
-        } else {
-            unit
-        };
-        let floor = noise_floor(
-            &values,
-            error_unit.symbol(),
-            Quiet::of_signal(name),
-            commands,
-        );
-        measured.push(Measured {
-            name,
-            error_unit,
-            values,
-            floor,
-        });
-    }
-    if measured.is_empty() {
-        return Err(CompareError::NothingToCompare {
-            log: log.provenance().source.clone(),
-            logged: log
-                .signals()
-                .iter()
-                .map(|signal| signal.name().to_owned())
-                .collect(),
-            modelled: modelled
-                .into_iter()
-                .map(|(name, _)| name.to_owned())
-                .collect(),
-        });
-    }
-    Ok((measured, not_compared))
-}
-
-/// Where the model begins: at rest, or at the measured pressure [Pa abs] if that is away from ambient.
-fn start(
-    parameters: &PlantParameters,
-    pressure: Option<&Measured>,
-    commands: &Commands,
-) -> (Start, Option<f64>) {
-    let at_rest = |statement: String| {
-        (
-            Start {
-                from: StartFrom::Rest,
-                pressure_bar_gauge: 0.0,
-                statement,
-            },
-            None,
-        )
-    };
-    let Some(pressure) = pressure else {
-        return at_rest("from rest: the log has no chamber pressure".to_owned());
-    };
-    // Until something moves, every sample shows the initial pressure; their mean has less noise than the first.
-    let still = &pressure.values[..commands.rows_before_first_action().max(1)];
-    let Some(initial_bar) = mean(still).or_else(|| present(&pressure.values).next()) else {
-        return at_rest("from rest: every sample of the chamber pressure is missing".to_owned());
-    };
-    let close_bar = REST_BAR.max(REST_SIGMAS * pressure.floor.sigma);
-    if initial_bar.abs() <= close_bar {
-        return at_rest(format!(
-            "from rest: the first measured pressure, {initial_bar:.3} bar gauge, is within {close_bar:.3} bar of ambient"
-        ));
-    }
-    let start = Start {
-        from: StartFrom::Measurement,
-        pressure_bar_gauge: initial_bar,
-        statement: format!(
-            "from the measured pressure, {initial_bar:.3} bar gauge, which is away from ambient"
-        ),
-    };
-    (
-        start,
-        Some(initial_bar * PA_PER_BAR + parameters.gas.ambient_pressure_pa),
-    )
-}
-
 /// What the comparison of each signal needs.
 struct Lab<'a> {
     options: &'a CompareOptions,
     commands: &'a Commands,
     setup: &'a Setup<'a>,
-    features: &'a Features,
+    activities: &'a [Activity],
     predictor: Option<&'a Predictor>,
     fine_times_s: &'a [f64],
     fine_run: &'a Columns,
@@ -381,7 +158,8 @@ impl Lab<'_> {
             Some(short) => (Horizon::ShortHorizon, short),
             None => (Horizon::FreeRun, &free_excess),
         };
-        let dimensions = self.features.dimensions(coil_of(signal.name));
+        let features = self.features(signal);
+        let dimensions = features.dimensions();
         let summary = |errors, expected, horizon| {
             let base: &TimeBase = self.setup.base;
             summary(
@@ -411,9 +189,23 @@ impl Lab<'_> {
                 .iter()
                 .map(|dimension| shares(dimension, short_excess.as_ref(), &free_excess))
                 .collect(),
-            error_map: error_map(self.features, local, horizon),
-            finding: find(&dimensions, self.features, local, horizon),
+            error_map: error_map(&features, local, horizon),
+            finding: find(&dimensions, &features, local, horizon),
         }
+    }
+
+    fn features(&self, signal: &Measured) -> Features {
+        let memory = self
+            .predictor
+            .map_or(1.0, |predictor| (1.0 / predictor.gain).ceil());
+        let coil = signal.coil();
+        Features::new(
+            self.setup.parameters,
+            self.commands,
+            self.activities,
+            memory as usize,
+            coil,
+        )
     }
 
     fn limit(&self, signal: &Measured) -> (Option<f64>, LimitFrom) {
@@ -430,7 +222,7 @@ impl Lab<'_> {
         }
     }
 
-    fn time_offset(&self, signal: &Measured) -> Option<crate::result::TimeOffset> {
+    fn time_offset(&self, signal: &Measured) -> Option<TimeOffset> {
         let rows = signal.values.len().min(OFFSET_ROWS);
         let times_s = &self.commands.times_s[..rows];
         let fine = self.fine_run.get(signal.name)?;
@@ -441,15 +233,6 @@ impl Lab<'_> {
             FineCourse::of_instants(self.fine_times_s, fine)
         };
         time_offset(times_s, &signal.values[..rows], &course, signal.name)
-    }
-}
-
-/// The coil that a signal belongs to.
-fn coil_of(name: &str) -> Option<usize> {
-    match name {
-        "i_fill" | "x_fill" => Some(FILL),
-        "i_vent" | "x_vent" => Some(VENT),
-        _ => None,
     }
 }
 
@@ -477,3 +260,6 @@ fn verdict(signals: &[SignalComparison], options: &CompareOptions) -> Verdict {
         rule,
     }
 }
+
+#[cfg(test)]
+mod tests;

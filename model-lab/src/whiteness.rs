@@ -10,7 +10,7 @@ const LJUNG_BOX_LAGS: usize = 20;
 /// Inputs are searched up to this many samples before the residual.
 const INPUT_LAGS: usize = 50;
 /// Autocorrelations are not summed beyond this lag: what remembers longer is no noise anyway.
-const LONGEST_LAG: usize = 2000;
+const LONGEST_LAG: usize = 500;
 /// The sum of autocorrelations ends at this many autocorrelation times (Sokal's window).
 const WINDOW: f64 = 5.0;
 

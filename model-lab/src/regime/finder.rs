@@ -1,13 +1,14 @@
 //! The one sentence: the smallest regime with the most of the excess.
 
-use super::dimension::{Dimension, Features, VALVE_STATES};
+use super::dimension::Dimension;
 use super::excess::{Excess, Sums};
+use super::features::{Features, VALVE_STATES};
 use crate::result::{Finding, Horizon};
 
 /// Thresholds of pressure are tried this far apart [bar].
 const CELL_BAR: f64 = 0.1;
 /// What each further condition must gain.
-const CONDITION_COST: f64 = 0.06;
+const CONDITION_COST: f64 = 0.02;
 /// A regime must hold this much more of the excess than of the samples.
 const LEAST_GAIN: f64 = 0.15;
 /// Fewer samples make no regime.

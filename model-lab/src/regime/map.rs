@@ -1,5 +1,6 @@
-use super::dimension::{Features, duty_band, duty_band_labels};
+use super::dimension::{duty_band, duty_band_labels, pressure_band};
 use super::excess::Excess;
+use super::features::Features;
 use crate::result::{ErrorMap, Horizon, MapCell};
 
 /// The error over duty cycle of the acting valve (rows) and pressure (columns).
@@ -23,10 +24,10 @@ pub(crate) fn error_map(features: &Features, excess: &Excess, horizon: Horizon) 
     };
     let columns = pressure_bands.len();
     let cell_of: Vec<usize> = features
-        .acting_duty_pct
+        .duty_pct
         .iter()
         .zip(&features.pressure_bar)
-        .map(|(&duty, &pressure)| row(duty) * columns + features.pressure_band_of(pressure))
+        .map(|(&duty, &pressure)| row(duty) * columns + pressure_band(pressure))
         .collect();
     let sums = excess.sums(&cell_of, duty_bands.len() * columns);
     let cells = sums

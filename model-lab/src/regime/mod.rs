@@ -6,11 +6,13 @@
 
 mod dimension;
 mod excess;
+mod features;
 mod finder;
 mod map;
 
-pub(crate) use dimension::{Dimension, Features};
+pub(crate) use dimension::Dimension;
 pub(crate) use excess::Excess;
+pub(crate) use features::Features;
 pub(crate) use finder::find;
 pub(crate) use map::error_map;
 

@@ -1,0 +1,161 @@
+//! The log as the comparison sees it: signals in the unit of the model, with their noise, and where the run begins.
+
+use plant_sim::PlantParameters;
+use plant_sim::parameters::PA_PER_BAR;
+use plant_sim::plant::{FILL, VENT};
+use plant_sim::replay::{PLUNGER_SIGNAL, ROW_SIGNALS};
+use recording::{Recording, Unit};
+
+use crate::commands::{Commands, DUTIES};
+use crate::error::CompareError;
+use crate::metrics::{mean, present};
+use crate::noise_floor::{Floor, Quiet, noise_floor};
+use crate::result::{NotCompared, Start, StartFrom};
+
+/// The measured signal that corrects the predictor.
+pub(crate) const PRESSURE: &str = "p_ch";
+/// What drives the model is no result of it.
+const INPUTS: [&str; 3] = [DUTIES[FILL], DUTIES[VENT], "u_bat"];
+/// A first pressure this close to ambient [bar] is a start at rest ...
+const REST_BAR: f64 = 0.05;
+/// ... and so is one within this many noise sigmas.
+const REST_SIGMAS: f64 = 5.0;
+/// A signal of the log in the unit of the model.
+pub(crate) struct Measured {
+    pub(crate) name: &'static str,
+    /// Unit of the errors.
+    pub(crate) error_unit: Unit,
+    /// NaN where missing.
+    pub(crate) values: Vec<f64>,
+    pub(crate) floor: Floor,
+}
+
+impl Measured {
+    /// The coil that the signal belongs to; none for a pressure.
+    pub(crate) fn coil(&self) -> Option<usize> {
+        match self.name {
+            "i_fill" | "x_fill" => Some(FILL),
+            "i_vent" | "x_vent" => Some(VENT),
+            _ => None,
+        }
+    }
+}
+
+/// Every signal of the log that the model has, and those which have the name but cannot be compared.
+pub(crate) fn measured_signals(
+    parameters: &PlantParameters,
+    log: &Recording,
+    commands: &Commands,
+) -> Result<(Vec<Measured>, Vec<NotCompared>), CompareError> {
+    let plunger = parameters
+        .regulating_valve
+        .is_some()
+        .then_some(PLUNGER_SIGNAL);
+    let modelled: Vec<(&'static str, Unit)> = ROW_SIGNALS
+        .into_iter()
+        .chain(plunger)
+        .filter(|(name, _)| !INPUTS.contains(name))
+        .collect();
+    let base_of_commands = DUTIES
+        .into_iter()
+        .find_map(|name| log.signal(name))
+        .map(|signal| signal.time_base());
+    let mut measured = Vec::new();
+    let mut not_compared = Vec::new();
+    for &(name, unit) in &modelled {
+        if log.signal(name).is_none() {
+            continue;
+        }
+        let signal = log.require(name, unit.quantity())?;
+        let mut refuse = |reason: &str| {
+            not_compared.push(NotCompared {
+                name: name.to_owned(),
+                reason: reason.to_owned(),
+            })
+        };
+        if Some(signal.time_base()) != base_of_commands {
+            refuse("it has another time base than the duty cycles; resample it to theirs");
+            continue;
+        }
+        if signal.missing_count() == signal.len() {
+            refuse("every sample is missing");
+            continue;
+        }
+        let values = signal.values_at_ambient(unit, parameters.gas.ambient_pressure_pa)?;
+        let error_unit = if unit == Unit::BarGauge {
+            Unit::BarDifference
+        } else {
+            unit
+        };
+        let floor = noise_floor(
+            &values,
+            error_unit.symbol(),
+            Quiet::of_signal(name),
+            commands,
+        );
+        measured.push(Measured {
+            name,
+            error_unit,
+            values,
+            floor,
+        });
+    }
+    if measured.is_empty() {
+        return Err(CompareError::NothingToCompare {
+            log: log.provenance().source.clone(),
+            logged: log
+                .signals()
+                .iter()
+                .map(|signal| signal.name().to_owned())
+                .collect(),
+            modelled: modelled
+                .into_iter()
+                .map(|(name, _)| name.to_owned())
+                .collect(),
+        });
+    }
+    Ok((measured, not_compared))
+}
+
+/// Where the model begins: at rest, or at the measured pressure [Pa abs] if that is away from ambient.
+pub(crate) fn start(
+    parameters: &PlantParameters,
+    pressure: Option<&Measured>,
+    commands: &Commands,
+) -> (Start, Option<f64>) {
+    let at_rest = |statement: String| {
+        (
+            Start {
+                from: StartFrom::Rest,
+                pressure_bar_gauge: 0.0,
+                statement,
+            },
+            None,
+        )
+    };
+    let Some(pressure) = pressure else {
+        return at_rest("from rest: the log has no chamber pressure".to_owned());
+    };
+    // Until something moves, every sample shows the initial pressure; their mean has less noise than the first.
+    let still = &pressure.values[..commands.rows_before_first_action().max(1)];
+    let Some(initial_bar) = mean(still).or_else(|| present(&pressure.values).next()) else {
+        return at_rest("from rest: every sample of the chamber pressure is missing".to_owned());
+    };
+    let close_bar = REST_BAR.max(REST_SIGMAS * pressure.floor.sigma);
+    if initial_bar.abs() <= close_bar {
+        return at_rest(format!(
+            "from rest: the first measured pressure, {initial_bar:.3} bar gauge, is within {close_bar:.3} bar of ambient"
+        ));
+    }
+    let start = Start {
+        from: StartFrom::Measurement,
+        pressure_bar_gauge: initial_bar,
+        statement: format!(
+            "from the measured pressure, {initial_bar:.3} bar gauge, which is away from ambient"
+        ),
+    };
+    (
+        start,
+        Some(initial_bar * PA_PER_BAR + parameters.gas.ambient_pressure_pa),
+    )
+}
