@@ -1,6 +1,7 @@
 //! A header field is a name and a unit: `p_ch_bar_gauge`, `p_ch [bar gauge]`, `p_ch (bar gauge)`.
 
 use super::error::Excerpt;
+use super::number::is_number_like;
 use super::problem::Problem;
 use crate::Unit;
 use crate::name::check_name;
@@ -41,17 +42,15 @@ pub(super) fn parse_heading_over_unit(field: &str, unit: &str) -> Result<Heading
 /// Whether a second record is a row of units: no number in it, and at least one unit.
 pub(super) fn is_units_row<'a>(fields: impl Iterator<Item = &'a str>) -> bool {
     let mut has_unit = false;
-    for field in fields.filter(|field| !field.is_empty()) {
-        let is_unit = !matches!(
+    for field in fields {
+        // `1` is a unit too, but as a field it is a number.
+        if is_number_like(field) {
+            return false;
+        }
+        has_unit |= !matches!(
             parse_unit(field),
             Err(Problem::UnitUnknown { meant: None, .. })
         );
-        has_unit |= is_unit;
-        if !is_unit
-            && field.starts_with(|first: char| first.is_ascii_digit() || "+-.,".contains(first))
-        {
-            return false;
-        }
     }
     has_unit
 }
@@ -235,5 +234,22 @@ mod tests {
                 assert!(!heading.starts_with(['=', '+', '-', '@', '#']), "{heading}");
             }
         }
+    }
+
+    /// Found by the fuzzer: a first row `1,,` was taken for units, because `1` is the symbol of a fraction.
+    #[test]
+    fn a_row_with_a_number_is_no_units_row() {
+        let is_units = |fields: &[&str]| is_units_row(fields.iter().copied());
+        assert!(
+            is_units(&["s", "bar gauge", ""])
+                && is_units(&["[s]", "1/min"])
+                && is_units(&["s", "bar"])
+        );
+        assert!(
+            !is_units(&["1", "", ""])
+                && !is_units(&["s", "1.5"])
+                && !is_units(&["", ""])
+                && !is_units(&["a", "b"])
+        );
     }
 }
