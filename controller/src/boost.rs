@@ -20,7 +20,7 @@ pub(crate) struct Boost {
     rate: i32,
     /// Bound [%], 2⁻¹².
     max: i32,
-    /// Smallest change of the pressure towards the reference in a sample that counts as response [bar], 2⁻¹⁶.
+    /// Smallest change of the pressure towards the reference in a sample that counts as response \[bar\], 2⁻¹⁶.
     response: i32,
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct Distributor {
     scheme: Scheme,
     fill: Valve,
     vent: Valve,
-    /// p_sup [bar], 2⁻¹⁶.
+    /// p_sup \[bar\], 2⁻¹⁶.
     supply: i32,
 }
 

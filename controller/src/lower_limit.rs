@@ -41,7 +41,7 @@ pub(crate) struct OpeningFields {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct OpeningCurve {
-    /// p_sup [bar], 2⁻¹⁶, 1 ..= 15.
+    /// p_sup \[bar\], 2⁻¹⁶, 1 ..= 15.
     supply: i32,
     /// 2⁴⁶/p_sup, rounded up so that the supply pressure itself gives exactly y = 1.
     reciprocal: i32,

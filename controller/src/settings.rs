@@ -9,13 +9,13 @@ use fixed::types::I16F16;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings {
-    /// Sample time T_s [ms], 0.1 ..= 1000: the time between two calls of [`step`](crate::step) (equation 6.2).
+    /// Sample time T_s \[ms\], 0.1 ..= 1000: the time between two calls of [`step`](crate::step()) (equation 6.2).
     pub sample_time_ms: I16F16,
     /// Gain K [%/bar], 0.01 ..= 1000 (equation 6.2).
     pub gain_pct_per_bar: I16F16,
-    /// Integral action time T_i [ms], 1 ..= 30 000 (equation 6.2); `None` is a P or PD controller.
+    /// Integral action time T_i \[ms\], 1 ..= 30 000 (equation 6.2); `None` is a P or PD controller.
     pub integral_time_ms: Option<I16F16>,
-    /// Derivative action time T_d [ms], 0 ..= 30 000 (equation 6.2); `None` is a P or PI controller.
+    /// Derivative action time T_d \[ms\], 0 ..= 30 000 (equation 6.2); `None` is a P or PI controller.
     pub derivative_time_ms: Option<I16F16>,
     /// Bound of the integral part [% of u], 0 ..= 1000: the last fence, also when anti-windup is off.
     pub integral_max_pct: I16F16,
@@ -23,7 +23,7 @@ pub struct Settings {
     pub integral_at_reference: IntegralAtReference,
     /// What the integral part does when u is saturated (section 6.5.1).
     pub anti_windup: AntiWindup,
-    /// Tolerance P_tol [bar], 0 ..= 10: both valves are off while |e| is smaller (section 6.3.1). 0 leaves only e = 0 (equation 6.5).
+    /// Tolerance P_tol \[bar\], 0 ..= 10: both valves are off while |e| is smaller (section 6.3.1). 0 leaves only e = 0 (equation 6.5).
     pub tolerance_bar: I16F16,
     /// How far the error is predicted to switch the valves off ahead (section 6.5.2).
     pub prediction: Prediction,
@@ -55,7 +55,7 @@ pub enum AntiWindup {
     ConditionalIntegration,
     /// What saturation cuts off u flows back into the integral part.
     BackCalculation {
-        /// Tracking time T_t [ms], T_s ..= 30 000: the integral part gives way with this time constant.
+        /// Tracking time T_t \[ms\], T_s ..= 30 000: the integral part gives way with this time constant.
         tracking_time_ms: I16F16,
     },
 }
@@ -110,7 +110,7 @@ pub struct Boost {
     pub rate_pct_per_bar_s: I16F16,
     /// Bound of the boost [% of u], 0 ..= 1000.
     pub max_pct: I16F16,
-    /// The pressure responds when it moves towards the reference by at least this much in one sample [bar], 0 ..= 10.
+    /// The pressure responds when it moves towards the reference by at least this much in one sample \[bar\], 0 ..= 10.
     pub response_bar: I16F16,
 }
 

@@ -22,9 +22,9 @@ pub struct State {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Sample {
-    /// [bar], 2⁻¹⁶, within the control range: 21 bits.
+    /// \[bar\], 2⁻¹⁶, within the control range: 21 bits.
     pub(crate) pressure: i32,
-    /// Reference - pressure [bar], 2⁻¹⁶: 22 bits.
+    /// Reference - pressure \[bar\], 2⁻¹⁶: 22 bits.
     pub(crate) error: i32,
 }
 

@@ -6,7 +6,7 @@ use crate::settings::Settings;
 
 const TOLERANCE_BAR: Range = Range::new("0", "10");
 
-/// P_tol [bar], 2⁻¹⁶, at least one unit: then only e = 0 is inside, which is equation 6.5.
+/// P_tol \[bar\], 2⁻¹⁶, at least one unit: then only e = 0 is inside, which is equation 6.5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Tolerance(u32);

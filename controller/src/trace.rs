@@ -28,7 +28,7 @@ pub struct Trace {
     pub activity: Activity,
     /// Whether ±100 % cut u.
     pub saturation: Saturation,
-    /// Whether the integral part took this sample's error whole: not while turned off, frozen, or drawn back.
+    /// Whether the integral part followed this sample's error: not while turned off, frozen or drawn back by anti-windup.
     pub integrating: bool,
     /// Whether the boost took this sample's error.
     pub boosting: bool,
