@@ -44,22 +44,13 @@ impl Coil {
     /// counterpart).
     #[inline]
     pub fn at_rest(&self, drive: Drive, current: f64, x: f64) -> RestingCurrent {
-        let Some(voltage) = drive.voltage() else {
-            return RestingCurrent::EXTINCT;
-        };
-        let time_constant = self.inductance(x) / self.resistance;
-        let steady = voltage / self.resistance;
-        let extinction = match drive {
-            Drive::FreeWheeling(_) if steady < 0.0 => {
-                time_constant * ((current - steady) / -steady).ln()
-            }
-            _ => f64::INFINITY,
-        };
-        RestingCurrent {
-            initial: current,
-            steady,
-            time_constant,
-            extinction,
+        match drive.voltage() {
+            Some(voltage) => RestingCurrent {
+                initial: current,
+                steady: voltage / self.resistance,
+                time_constant: self.inductance(x) / self.resistance,
+            },
+            None => RestingCurrent::EXTINCT,
         }
     }
 }
@@ -76,14 +67,12 @@ impl Drive {
     }
 }
 
-/// An exponential current with the armature at rest, valid from time 0 on.
+/// An exponential current with the armature at rest, valid from time 0 on. It ends at zero: the diode blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RestingCurrent {
     initial: f64,
     steady: f64,
     time_constant: f64,
-    /// Time at which the free-wheeling current is extinct [s]; infinite where it is not.
-    extinction: f64,
 }
 
 impl RestingCurrent {
@@ -91,29 +80,36 @@ impl RestingCurrent {
         initial: 0.0,
         steady: 0.0,
         time_constant: 1.0,
-        extinction: 0.0,
     };
 
     /// Current at `time` [s] [A].
     #[inline]
     pub fn at(&self, time: f64) -> f64 {
-        if time >= self.extinction {
-            return 0.0;
+        if self.initial == self.steady {
+            return self.steady;
         }
-        self.steady + (self.initial - self.steady) * (-time / self.time_constant).exp()
+        let decay = (-time / self.time_constant).exp();
+        (self.steady + (self.initial - self.steady) * decay).max(0.0)
     }
 
     /// ∫ i dt from 0 to `time` [s], where the current is already `end` there [A s].
     #[inline]
     pub fn charge(&self, time: f64, end: f64) -> f64 {
-        self.steady * time.min(self.extinction) + self.time_constant * (self.initial - end)
+        let flowing = if end > 0.0 {
+            time
+        } else {
+            time.min(self.extinction())
+        };
+        self.steady * flowing + self.time_constant * (self.initial - end)
     }
 
-    /// The time at which the current passes `level` [A] on its way; none if it never does.
-    #[inline]
-    pub fn time_of(&self, level: f64) -> Option<f64> {
-        let ratio = (self.initial - self.steady) / (level - self.steady);
-        (ratio >= 1.0 && level >= 0.0).then(|| self.time_constant * ratio.ln())
+    /// Time at which a falling current is extinct [s]; infinite where it never is.
+    fn extinction(&self) -> f64 {
+        if self.steady < 0.0 {
+            self.time_constant * (1.0 - self.initial / self.steady).ln()
+        } else {
+            f64::INFINITY
+        }
     }
 }
 
@@ -169,19 +165,6 @@ mod tests {
             let exact = current.charge(span, current.at(span));
             assert!((sum - exact).abs() < 1e-9, "{drive:?}: {sum} {exact}");
         }
-    }
-
-    #[test]
-    fn time_of_a_level_inverts_the_current() {
-        let rising = coil().at_rest(Drive::Energised(24.0), 0.02, 0.0);
-        let time = rising.time_of(0.2).unwrap();
-        assert!((rising.at(time) - 0.2).abs() < 1e-14);
-        assert_eq!(rising.time_of(0.3), None, "beyond the steady current");
-        assert_eq!(rising.time_of(0.01), None, "already passed");
-        let falling = coil().at_rest(Drive::FreeWheeling(0.8), 0.2, 0.0);
-        let time = falling.time_of(0.1).unwrap();
-        assert!((falling.at(time) - 0.1).abs() < 1e-14);
-        assert_eq!(falling.time_of(0.3), None);
     }
 
     /// Motional term: with the flux λ = L(x) i, dλ/dt = u - R i must hold for any motion.

@@ -56,11 +56,29 @@ impl NozzleLaw {
     /// `effective_area` is discharge coefficient times area [m²], pressures are absolute [Pa].
     #[inline]
     pub fn mass_flow(&self, effective_area: f64, upstream: f64, downstream: f64) -> f64 {
-        if upstream >= downstream {
+        if self.is_choked(upstream, downstream) {
+            effective_area * upstream * self.choked_factor
+        } else if upstream >= downstream {
             effective_area * upstream * self.flow_function(downstream / upstream)
         } else {
             -effective_area * downstream * self.flow_function(upstream / downstream)
         }
+    }
+
+    /// Whether the flow from `upstream` to `downstream` [Pa abs] is choked.
+    #[inline]
+    pub fn is_choked(&self, upstream: f64, downstream: f64) -> bool {
+        downstream <= self.critical_ratio * upstream
+    }
+
+    /// Critical pressure ratio `[-]`.
+    pub fn critical_ratio(&self) -> f64 {
+        self.critical_ratio
+    }
+
+    /// Ψ / sqrt(R T) of choked flow [s/m].
+    pub fn choked_factor(&self) -> f64 {
+        self.choked_factor
     }
 
     /// Ψ(ratio) / sqrt(R T) [s/m]: mass flow per effective area and upstream pressure.

@@ -132,11 +132,4 @@ impl Valve {
             Motion::Moving => f64::NEG_INFINITY,
         }
     }
-
-    /// The current at which a resting armature departs under a constant pressure drop [A].
-    #[inline]
-    pub fn departing_current(&self, x: f64, pressure_drop: f64) -> f64 {
-        self.magnet
-            .current_for(-self.armature.static_force(x, pressure_drop), x)
-    }
 }

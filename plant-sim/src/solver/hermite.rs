@@ -59,6 +59,15 @@ impl Quintic {
             .rev()
             .fold(0.0, |sum, coefficient| sum * t + coefficient)
     }
+
+    /// First derivative.
+    #[inline]
+    pub(crate) fn rate_at(&self, t: f64) -> f64 {
+        let weighted = self.coefficients.iter().enumerate().skip(1);
+        weighted.rev().fold(0.0, |sum, (power, coefficient)| {
+            sum * t + power as f64 * coefficient
+        })
+    }
 }
 
 #[cfg(test)]
@@ -90,6 +99,7 @@ mod tests {
         let quintic = Quintic::new(0.9, ends[0], ends[1]);
         for t in [0.1, 0.45, 0.8, 0.9] {
             assert!((quintic.at(t) - derivative(0, t)).abs() < 1e-12);
+            assert!((quintic.rate_at(t) - derivative(1, t)).abs() < 1e-11);
         }
     }
 }

@@ -1,0 +1,27 @@
+//! The bundled bench logs.
+
+use std::path::{Path, PathBuf};
+
+use plant_sim::replay::{self, ReplayInput};
+use recording::{Recording, csv};
+
+/// The repository's root.
+pub fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the crate lies in the repository")
+        .to_owned()
+}
+
+/// A bundled synthetic log, by name without ending.
+pub fn synthetic(name: &str) -> Recording {
+    let path = repository().join(format!("data/synthetic/{name}.csv"));
+    csv::read_file(&path, &csv::Options::default()).expect("a bundled log is read")
+}
+
+/// The commands of a bundled synthetic log.
+pub fn commands(name: &str) -> Vec<ReplayInput> {
+    let log = synthetic(name);
+    let (_, inputs) = replay::inputs(&log).expect("a bundled log has commands");
+    inputs
+}
