@@ -212,7 +212,7 @@ fn mean_current_is_the_mean_of_the_current() {
 fn a_normally_open_vent_valve_empties_the_chamber_and_closes_under_current() {
     let mut parameters = PlantParameters::nominal();
     parameters.functions[VENT] = ValveFunction::NormallyOpen;
-    let mut simulator = Simulator::new(&parameters);
+    let mut simulator = Simulator::with_tolerance(&parameters, Tolerance::scaled(0.01));
     simulator.set_chamber_pressure(4e5);
     simulator.command(command(0.0, 100.0));
     simulator.advance_to_ns(100 * MS);
@@ -232,7 +232,7 @@ fn a_normally_open_vent_valve_empties_the_chamber_and_closes_under_current() {
 #[test]
 fn a_lower_supply_empties_the_chamber_backwards_through_the_open_fill_valve() {
     let nominal = PlantParameters::nominal();
-    let mut simulator = Simulator::new(&nominal);
+    let mut simulator = Simulator::with_tolerance(&nominal, Tolerance::scaled(0.01));
     simulator.command(command(100.0, 0.0));
     simulator.advance_to_ns(2000 * MS);
     simulator.set_chamber_pressure(nominal.gas.supply_pressure_pa() + 1e5);

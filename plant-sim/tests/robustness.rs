@@ -2,7 +2,7 @@
 //! bounded, and the same input gives the same bits.
 
 use plant_sim::parameters::PARAMETERS;
-use plant_sim::{Command, PlantParameters, Sample, Simulator};
+use plant_sim::{Command, PlantParameters, Sample, Simulator, Tolerance};
 use proptest::prelude::*;
 
 /// The nominal plant with every parameter multiplied by up to `spread` either way, kept in its range.
@@ -46,19 +46,21 @@ fn run(plant: &PlantParameters, duties: &[(f64, f64)]) -> (Vec<Sample>, u64) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_state_stays_physical_for_any_plant_and_any_duty(plant in plants(3.0), duties in duties()) {
         let (samples, work) = run(&plant, &duties);
         let gas = &plant.gas;
         let (supply, ambient) = (gas.supply_pressure_pa(), gas.ambient_pressure_pa);
+        // Ten times what a step may err: a fifth of a millibar.
+        let slack = 10.0 * Tolerance::default().pressure;
         // At most the steady current, pushed up by the flux that a moving armature displaces.
         let coil = &plant.coil;
         let displaced = coil.inductance_open_h / coil.inductance_closed_h;
         let most = plant.ecu.supply_voltage_v / coil.resistance_20c_ohm * displaced.max(1.0 / displaced);
         for sample in &samples {
-            prop_assert!(sample.pressure >= ambient - 5.0 && sample.pressure <= supply + 5.0, "{sample:?}");
+            prop_assert!(sample.pressure >= ambient - slack && sample.pressure <= supply + slack, "{sample:?}");
             for index in 0..2 {
                 let (current, x) = (sample.current[index], sample.position[index]);
                 prop_assert!((0.0..=most * (1.0 + 1e-6)).contains(&current), "{sample:?}");
