@@ -249,7 +249,7 @@ mod tests {
             !is_units(&["1", "", ""])
                 && !is_units(&["s", "1.5"])
                 && !is_units(&["", ""])
-                && !is_units(&["a", "b"])
+                && !is_units(&["x", "y"])
         );
     }
 }
