@@ -42,7 +42,10 @@ fn main() -> Result<(), Box<dyn Error>> {
                 );
             }
             if let Some(offset) = &signal.time_offset {
-                println!("    {}", offset.statement);
+                println!(
+                    "    {} {:.5} {:.5}",
+                    offset.statement, offset.correlation_unshifted, offset.correlation_shifted
+                );
             }
             println!("    {}", signal.finding.sentence);
             if std::env::var_os("REGIMES").is_some() {

@@ -14,6 +14,7 @@ mod regime;
 pub mod result;
 mod run;
 mod summary;
+pub mod thesis;
 mod whiteness;
 
 pub use compare::compare;

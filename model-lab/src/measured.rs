@@ -20,6 +20,9 @@ const INPUTS: [&str; 3] = [DUTIES[FILL], DUTIES[VENT], "u_bat"];
 const REST_BAR: f64 = 0.05;
 /// ... and so is one within this many noise sigmas.
 const REST_SIGMAS: f64 = 5.0;
+/// The initial pressure is the mean of this long at most [s].
+const START_S: f64 = 1.0;
+
 /// A signal of the log in the unit of the model.
 pub(crate) struct Measured {
     pub(crate) name: &'static str,
@@ -137,7 +140,10 @@ pub(crate) fn start(
         return at_rest("from rest: the log has no chamber pressure".to_owned());
     };
     // Until something moves, every sample shows the initial pressure; their mean has less noise than the first.
-    let still = &pressure.values[..commands.rows_before_first_action().max(1)];
+    let soon = commands
+        .times_s
+        .partition_point(|&time_s| time_s <= START_S);
+    let still = &pressure.values[..commands.rows_before_first_action().clamp(1, soon)];
     let Some(initial_bar) = mean(still).or_else(|| present(&pressure.values).next()) else {
         return at_rest("from rest: every sample of the chamber pressure is missing".to_owned());
     };

@@ -120,7 +120,8 @@ pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &C
         "the resolution"
     };
     let statement = format!(
-        "{sigma:.2e} {unit} rms from {source} of {samples} samples with {} ({} pieces, each without its trend)",
+        "{} {unit} rms from {source} of {samples} samples with {} ({} pieces, each without its trend)",
+        significant(sigma),
         quiet.when(),
         variances.len()
     );
@@ -130,6 +131,12 @@ pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &C
         sigma,
         freedom,
     }
+}
+
+/// Three significant digits, for people.
+fn significant(value: f64) -> String {
+    let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.decimals$}")
 }
 
 /// Cuts stretches into pieces of equal length.
@@ -288,6 +295,14 @@ mod tests {
         assert_eq!(
             floor.summary.statement,
             "unknown: give 2 s with both valves shut"
+        );
+    }
+
+    #[test]
+    fn three_significant_digits_are_said() {
+        assert_eq!(
+            [4.367e-3, 0.7123, 12.34, 1234.0].map(significant),
+            ["0.00437", "0.712", "12.3", "1234"]
         );
     }
 

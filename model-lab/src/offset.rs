@@ -15,6 +15,8 @@ const REACH_MIN_S: f64 = 5e-3;
 const SHIFT_S: f64 = 1e-3;
 /// A smaller lag [s] is not worth a word.
 const WORTH_MENTIONING_S: f64 = 0.5e-3;
+/// A shift that takes away less of the mismatch only mends what another error did.
+const CLEAR: f64 = 0.2;
 /// A signal whose changes correlate less than this tells nothing about a lag.
 const LEAST_CORRELATION: f64 = 0.5;
 
@@ -125,24 +127,32 @@ pub(crate) fn time_offset(
         vertex(&correlations[best - 1..=best + 1])
     };
     let lag_s = lag_of(best) + refinement * shift_s;
+    let shifted = correlation(lag_s)?;
+    let mismatch_explained =
+        1.0 - (1.0 - shifted.powi(2)) / (1.0 - unshifted.powi(2)).max(f64::MIN_POSITIVE);
     Some(TimeOffset {
         lag_ms: lag_s * 1e3,
         correlation_unshifted: unshifted,
-        correlation_shifted: correlation(lag_s)?,
+        correlation_shifted: shifted,
+        mismatch_explained,
         at_search_limit,
-        statement: statement(name, lag_s, at_search_limit),
+        statement: statement(name, lag_s, mismatch_explained, at_search_limit),
     })
 }
 
-fn statement(name: &str, lag_s: f64, at_search_limit: bool) -> String {
+fn statement(name: &str, lag_s: f64, mismatch_explained: f64, at_search_limit: bool) -> String {
     if lag_s.abs() < WORTH_MENTIONING_S {
         return format!("measured {name} is in time with the model");
+    }
+    if mismatch_explained < CLEAR {
+        return format!("measured {name} has no clear lag: other errors are larger");
     }
     let verb = if lag_s > 0.0 { "lags" } else { "leads" };
     let least = if at_search_limit { "at least " } else { "" };
     format!(
-        "measured {name} {verb} the model by {least}{:.1} ms",
-        lag_s.abs() * 1e3
+        "measured {name} {verb} the model by {least}{:.1} ms, which accounts for {:.0} % of the mismatch of its changes",
+        lag_s.abs() * 1e3,
+        100.0 * mismatch_explained
     )
 }
 
@@ -220,6 +230,14 @@ mod tests {
             "p_ch",
         );
         assert!(found.is_none_or(|found| found.at_search_limit));
+    }
+
+    #[test]
+    fn a_lag_that_explains_little_is_not_claimed() {
+        assert!(statement("p_ch", 3e-3, 0.05, false).contains("no clear lag"));
+        assert!(statement("p_ch", 3e-3, 0.5, false).contains("lags the model by 3.0 ms"));
+        assert!(statement("p_ch", -3e-3, 0.5, true).contains("leads the model by at least 3.0 ms"));
+        assert!(statement("p_ch", 1e-4, 0.9, false).contains("in time"));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a comparison says, as it stands in its JSON.
 
 use recording::Recording;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the JSON format.
@@ -43,6 +43,13 @@ pub struct Comparison {
     /// Courses for plots; not part of the JSON.
     #[serde(skip)]
     pub traces: Traces,
+}
+
+impl Comparison {
+    /// The JSON Schema of a comparison.
+    pub fn json_schema() -> Schema {
+        schemars::schema_for!(Self)
+    }
 }
 
 /// Courses on the instants of the log. Residuals have the names of their signals.
@@ -238,6 +245,9 @@ pub struct TimeOffset {
     pub correlation_unshifted: f64,
     /// Correlation of the changes with the model late by `lag_ms`.
     pub correlation_shifted: f64,
+    /// Share of the mismatch of the changes, 1 - correlation², that the shift takes away; near 0 the lag is an
+    /// artefact of another error.
+    pub mismatch_explained: f64,
     /// True if the best lag is the end of the searched range.
     pub at_search_limit: bool,
     /// The same in words.

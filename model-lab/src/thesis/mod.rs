@@ -1,0 +1,12 @@
+//! The thesis' own figures as a test of the model: each measured number beside the simulated one.
+//!
+//! Where the plain model cannot reach a figure, the row says so and by how much: that is the starting point
+//! for a missing effect.
+
+mod measurements;
+mod table;
+
+pub use measurements::{
+    CoilMeasurements, DutyLimits, FillingAndVenting, Measurements, MeasurementsError, Requirement,
+};
+pub use table::{Deviation, Row, THESIS_SCHEMA, ThesisTable, compare_with_model};
