@@ -32,3 +32,29 @@ pub(crate) const fn from_high_word(high: i32) -> i64 {
 pub(crate) const fn differ_in_sign(a: i32, b: i32) -> bool {
     (a ^ b) < 0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_towards_zero_is_division_and_mirrors() {
+        for upper in [0, 1, 2, 409_600, i32::MAX >> 1] {
+            for lower in [0, 1, 1 << 31, u32::MAX] {
+                let x = from_high_word(upper) | i64::from(lower);
+                assert_eq!(i64::from(high_word_towards_zero(x)), x / (1 << 32));
+                assert_eq!(high_word_towards_zero(-x), -high_word_towards_zero(x));
+            }
+        }
+    }
+
+    #[test]
+    fn zero_counts_as_positive() {
+        assert!(
+            !differ_in_sign(0, 0)
+                && !differ_in_sign(0, 1)
+                && differ_in_sign(0, -1)
+                && differ_in_sign(1, -1)
+        );
+    }
+}

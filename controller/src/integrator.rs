@@ -56,3 +56,33 @@ impl Integrator {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: the bound is met exactly, from either side. Method: one unit short of it, on it, one unit past it.
+    #[test]
+    fn only_what_is_beyond_the_bound_is_held_at_it() {
+        let bound = 100 << 12;
+        let limit = from_high_word(bound);
+        for sign in [1, -1] {
+            for (sum, expected) in [
+                (limit - 1, limit - 1),
+                (limit, limit),
+                (limit + 1, limit),
+                (1 << 62, limit),
+            ] {
+                let held = Integrator::ZERO.corrected(sign * sum, bound);
+                assert_eq!(held.bits(), sign * expected, "{sign} * {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_bound_of_zero_holds_zero() {
+        for term in [-1, 0, 1] {
+            assert_eq!(Integrator::ZERO.corrected(term, 0), Integrator::ZERO);
+        }
+    }
+}

@@ -47,8 +47,6 @@ pub(crate) struct OpeningCurve {
     reciprocal: i32,
     /// D₀ [%], 2⁻¹⁶.
     without_pressure: i32,
-    /// D(1) [%], 2⁻¹⁶.
-    with_supply_pressure: i32,
     /// a [%], 2⁻¹⁶, 0 ..= 200.
     slope: i32,
     /// b [%], 2⁻²⁴, -100 ..= 100.
@@ -91,7 +89,6 @@ impl OpeningCurve {
                 supply as u128,
             ) as i32,
             without_pressure: without,
-            with_supply_pressure: with,
             slope: drop_at_half.wrapping_mul(4).wrapping_sub(drop),
             curvature: drop
                 .wrapping_mul(2)
@@ -110,9 +107,48 @@ impl OpeningCurve {
         let opening = self
             .without_pressure
             .wrapping_sub(high_product(gradient << 7, share << 1));
-        // Where the curve is level, the rounding could step over an end by one unit.
-        opening
-            .min(self.without_pressure)
-            .max(self.with_supply_pressure)
+        // Both products are rounded down, so no opening is too small; where the curve is level, one could be a unit too large.
+        opening.min(self.without_pressure)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FIELDS: OpeningFields = OpeningFields {
+        without_pressure: Field::DutyMinFill,
+        at_half: Field::DutyHalfFill,
+        with_supply_pressure: Field::DutyMinFillWithSupplyPressure,
+    };
+
+    /// Goal: no rounding steps over an end, where it could: curves that are level over a unit. Method: all of the flattest
+    /// curves that are allowed, along their whole length and beyond.
+    #[test]
+    fn the_flattest_curves_stay_within_their_ends() {
+        let with = 1_867_776;
+        for supply in [1 << 16, 550_502, 15 << 16] {
+            for drop in 0..12 {
+                for drop_at_half in drop / 4..=drop - drop / 4 {
+                    let unit = |bits| I16F16::from_bits(bits);
+                    let opening = OpeningDuty {
+                        without_pressure_pct: unit(with + drop),
+                        at_half_pct: unit(with + drop - drop_at_half),
+                        with_supply_pressure_pct: unit(with),
+                    };
+                    let Ok(curve) = OpeningCurve::new(&opening, supply, FIELDS) else {
+                        panic!("{opening:?} is allowed");
+                    };
+                    for difference in (-supply / 8..supply + supply / 8).step_by(997) {
+                        let duty = curve.at(difference);
+                        assert!(
+                            (with..=with + drop).contains(&duty),
+                            "{duty} at {difference} on {curve:?}"
+                        );
+                    }
+                    assert_eq!((curve.at(0), curve.at(supply)), (with + drop, with));
+                }
+            }
+        }
     }
 }
