@@ -131,7 +131,7 @@ impl ReferenceProfile {
         {
             None => Ok(()),
             Some(knot) => Err(ProfileError::OutOfRange {
-                time_s: knot.time_ns as f64 * 1e-9,
+                time_s: knot.time_ns as f64 / 1e9,
                 reference_bar: knot.reference_bar,
             }),
         }
@@ -154,7 +154,7 @@ impl fmt::Display for ReferenceProfile {
             if pair[0].reference_bar == pair[1].reference_bar {
                 continue;
             }
-            let time_s = pair[1].time_ns as f64 * 1e-9;
+            let time_s = pair[1].time_ns as f64 / 1e9;
             let way = if pair[0].time_ns == pair[1].time_ns {
                 "step"
             } else {
@@ -197,4 +197,101 @@ pub enum ProfileError {
         /// The reference [bar gauge].
         reference_bar: f64,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use recording::{Provenance, TimeBase};
+
+    use super::*;
+
+    fn recorded(times_s: Vec<f64>, values: Vec<f64>, unit: Unit) -> Recording {
+        let mut recording = Recording::new(Provenance::from_source("R.csv"));
+        let base = recording.add_time_base(TimeBase::new(times_s).unwrap());
+        recording.add_signal("p_ref", unit, base, values).unwrap();
+        recording
+    }
+
+    #[test]
+    fn a_recorded_reference_holds_until_the_next_row_and_starts_at_time_0() {
+        let log = recorded(
+            vec![5.0, 5.5, 7.0],
+            vec![200.0, 300.0, 100.0],
+            Unit::KilopascalGauge,
+        );
+        let profile = ReferenceProfile::from_recording(&log).unwrap();
+        for (time_ns, expected) in [
+            (0, 2.0),
+            (499_999_999, 2.0),
+            (500_000_000, 3.0),
+            (1_999_999_999, 3.0),
+            (2_000_000_000, 1.0),
+            (u64::MAX, 1.0),
+        ] {
+            assert_eq!(profile.at_ns(time_ns), expected, "{time_ns} ns");
+        }
+        assert_eq!(profile.end_ns(), 2_000_000_000);
+    }
+
+    #[test]
+    fn a_recorded_reference_that_is_absent_missing_absolute_or_impossible_is_refused_with_what_to_do()
+     {
+        let cases = [
+            (
+                recorded(vec![0.0, 0.5], vec![2.0, f64::NAN], Unit::BarGauge),
+                "no value at 0.5 s",
+            ),
+            (
+                recorded(vec![0.0, 0.5], vec![2.0, 3.0], Unit::BarAbsolute),
+                "p_ref_bar_gauge",
+            ),
+            (
+                recorded(vec![0.0, 0.5], vec![2.0, 300.0], Unit::BarGauge),
+                "300 bar gauge at 0.5 s",
+            ),
+            (
+                recorded(vec![0.0, 0.5], vec![2.0, 3.0], Unit::Volt),
+                "check its unit",
+            ),
+            (
+                Recording::new(Provenance::from_source("R.csv")),
+                "R.csv has no signal \"p_ref\"",
+            ),
+        ];
+        for (log, expected) in cases {
+            let error = ReferenceProfile::from_recording(&log)
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains(expected),
+                "{error:?} does not say {expected:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_profile_prints_its_steps_and_ramps_in_order() {
+        let profile = ReferenceProfile::starting_at(2.0)
+            .hold_ms(500)
+            .step_to(3.0)
+            .hold_ms(1000)
+            .ramp_to(1.0, 200);
+        assert_eq!(
+            profile.to_string(),
+            "0 s: 2 bar, 0.5 s: step to 3 bar, 1.7 s: ramp to 1 bar"
+        );
+    }
+
+    #[test]
+    fn a_reference_out_of_range_is_refused_and_the_ends_are_not() {
+        for (reference_bar, expected) in
+            [(-1.0, true), (15.0, true), (15.1, false), (f64::NAN, false)]
+        {
+            assert_eq!(
+                ReferenceProfile::starting_at(reference_bar).check().is_ok(),
+                expected,
+                "{reference_bar}"
+            );
+        }
+    }
 }

@@ -139,3 +139,59 @@ pub fn verdicts<'a>(
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every scattered parameter, with the bounds that data/README.md gives, over many rigs.
+    #[test]
+    fn rigs_differ_within_the_scatter_of_the_bench_and_use_all_of_it() {
+        let kind = PlantParameters::nominal();
+        let rigs: Vec<_> = (0..300)
+            .map(|seed| scattered(&kind, seed).unwrap())
+            .collect();
+        for (key, half_width) in [
+            ("flow.discharge_fill", 0.08 * 0.95),
+            ("flow.discharge_vent", 0.08 * 0.97),
+            ("armature.preload_fill_n", 0.03 * 3.58),
+            ("armature.preload_vent_n", 0.03 * 3.34),
+            ("coil.resistance_20c_ohm", 0.03 * 82.2),
+            ("coil.inductance_closed_h", 0.06 * 0.44),
+            ("coil.inductance_open_h", 0.06 * 0.48),
+            ("chamber.volume_m3", 0.03 * 75e-6),
+            ("armature.spring_n_per_m", 0.05 * 2800.0),
+            ("ecu.command_delay_s", 1.5e-3),
+            ("gas.supply_pressure_bar_gauge", 0.15),
+        ] {
+            let centre = kind.get(key).unwrap();
+            let widest = rigs
+                .iter()
+                .map(|rig| (rig.get(key).unwrap() - centre).abs())
+                .fold(0.0, f64::max);
+            let share = widest / half_width;
+            assert!(
+                share > 0.95 && share <= 1.0 + 1e-12,
+                "{key}: {share} of its scatter"
+            );
+        }
+    }
+
+    #[test]
+    fn inductances_scatter_together_and_the_rest_stays() {
+        let kind = PlantParameters::nominal();
+        let rig = scattered(&kind, 7).unwrap();
+        let ratio =
+            |rig: &PlantParameters| rig.coil.inductance_open_h / rig.coil.inductance_closed_h;
+        assert!((ratio(&rig) - ratio(&kind)).abs() < 1e-12);
+        assert_eq!(rig.armature.mass_kg, kind.armature.mass_kg);
+        assert_eq!(rig.flow.orifice_fill_m, kind.flow.orifice_fill_m);
+    }
+
+    #[test]
+    fn a_seed_is_a_rig() {
+        let kind = PlantParameters::nominal();
+        assert_eq!(scattered(&kind, 7).unwrap(), scattered(&kind, 7).unwrap());
+        assert_ne!(scattered(&kind, 7).unwrap(), scattered(&kind, 8).unwrap());
+    }
+}

@@ -40,9 +40,6 @@ pub const NOISE_MAX_MBAR_RMS: f64 = 1000.0;
 /// Longest scenario [samples]: a day at 100 Hz, so that a run's recording fits into memory.
 pub const DURATION_MAX_SAMPLES: u32 = 8_640_000;
 
-/// Sample time of the built-in profiles [ms].
-const SAMPLE_MS: u32 = 10;
-
 impl Scenario {
     /// A reference profile on the nominal plant with the recommended controller and the bench's sensor noise, from ambient
     /// pressure to the end of the profile.
@@ -158,15 +155,26 @@ pub struct BuiltIn {
     /// What it is for, in one sentence.
     pub about: &'static str,
     profile: fn() -> ReferenceProfile,
-    orifice_m: Option<f64>,
+    start: Start,
+    orifice_m: f64,
+}
+
+/// Chamber pressure at the start of a built-in scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Start {
+    /// Ambient pressure.
+    Ambient,
+    /// The profile's first reference.
+    AtReference,
 }
 
 impl BuiltIn {
     /// The scenario.
     pub fn scenario(&self) -> Scenario {
         let mut scenario = Scenario::new(self.name, (self.profile)());
-        if let Some(orifice_m) = self.orifice_m {
-            scenario.plant = with_orifices(scenario.plant, orifice_m);
+        scenario.plant = with_orifices(scenario.plant, self.orifice_m);
+        if self.start == Start::AtReference {
+            scenario.start_pressure_bar = scenario.reference.at_ns(0);
         }
         scenario
     }
@@ -187,50 +195,60 @@ pub fn with_orifices(mut plant: PlantParameters, diameter_m: f64) -> PlantParame
 /// Orifice of the rig of figures 6.5 and 6.7 [m].
 pub const FIGURE_ORIFICE_M: f64 = 1.3e-3;
 
+/// Orifice that the thesis finds necessary [m] (section 6.4.2); that of the nominal plant.
+pub const REQUIRED_ORIFICE_M: f64 = 1.9e-3;
+
 /// All built-in scenarios.
 pub const BUILT_IN: &[BuiltIn] = &[
     BuiltIn {
         name: "figure-6.5",
         about: "staircase up and down between 1.5 and 8 bar in 16 s on the 1.3 mm rig; levels and instants are ours, \
                 the axes are those of figure 6.5",
-        profile: || staircase(1000, 600),
-        orifice_m: Some(FIGURE_ORIFICE_M),
+        profile: || staircase(1000, 600, 600),
+        start: Start::Ambient,
+        orifice_m: FIGURE_ORIFICE_M,
     },
     BuiltIn {
         name: "figure-6.7",
         about: "the same staircase in 30 s, the time axis of figure 6.7",
-        profile: || staircase(1900, 2200),
-        orifice_m: Some(FIGURE_ORIFICE_M),
+        profile: || staircase(1900, 500, 1000),
+        start: Start::Ambient,
+        orifice_m: FIGURE_ORIFICE_M,
     },
     BuiltIn {
         name: "fill-requirement",
         about: "from ambient pressure to 0.26 p_sup (section 1.4), five times",
         profile: fill_requirement,
-        orifice_m: None,
+        start: Start::Ambient,
+        orifice_m: REQUIRED_ORIFICE_M,
     },
     BuiltIn {
         name: "vent-requirement",
         about: "from 0.88 p_sup to 0.71 p_sup (section 1.4), five times",
         profile: vent_requirement,
-        orifice_m: None,
+        start: Start::Ambient,
+        orifice_m: REQUIRED_ORIFICE_M,
     },
     BuiltIn {
         name: "hold",
         about: "steps of 0.05 to 0.5 bar around 3.5 bar: small errors, and rest between them",
         profile: small_steps,
-        orifice_m: None,
+        start: Start::AtReference,
+        orifice_m: REQUIRED_ORIFICE_M,
     },
     BuiltIn {
         name: "operating-range",
         about: "steps of every size between 0.18 and 0.71 p_sup (section 6.4.2), up and down",
         profile: operating_range,
-        orifice_m: None,
+        start: Start::AtReference,
+        orifice_m: REQUIRED_ORIFICE_M,
     },
     BuiltIn {
         name: "full-range",
         about: "between ambient pressure and 0.95 p_sup, beyond the operating range",
         profile: full_range,
-        orifice_m: None,
+        start: Start::Ambient,
+        orifice_m: REQUIRED_ORIFICE_M,
     },
 ];
 
@@ -240,7 +258,7 @@ fn psup(share: f64) -> f64 {
 
 /// Figures 6.5 and 6.7 print axes only: 0 to 16 s and 0 to 30 s, up to about 8 bar. The text tells a fill step near 4 s that
 /// overshoots, and figure 6.6 a step near 15.6 s between 4 and 7 bar. This staircase has those; its levels are ours.
-fn staircase(stair_ms: u32, last_ms: u32) -> ReferenceProfile {
+fn staircase(stair_ms: u32, before_last_ms: u32, last_ms: u32) -> ReferenceProfile {
     [
         1.5, 3.0, 4.5, 6.0, 7.0, 8.0, 7.0, 6.0, 4.5, 3.0, 1.5, 3.5, 5.5, 4.0,
     ]
@@ -249,9 +267,9 @@ fn staircase(stair_ms: u32, last_ms: u32) -> ReferenceProfile {
         ReferenceProfile::starting_at(0.0).hold_ms(stair_ms),
         |profile, level_bar| profile.step_to(level_bar).hold_ms(stair_ms),
     )
-    .hold_ms(last_ms / 2 / SAMPLE_MS * SAMPLE_MS)
+    .hold_ms(before_last_ms)
     .step_to(6.5)
-    .hold_ms(stair_ms)
+    .hold_ms(last_ms)
 }
 
 fn fill_requirement() -> ReferenceProfile {
@@ -361,4 +379,110 @@ pub enum ScenarioError {
         /// The plant's [ms].
         plant_ms: f64,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_scenario_can_be_run_and_found_by_its_name() {
+        for built_in in BUILT_IN {
+            let scenario = Scenario::built_in(built_in.name).unwrap();
+            assert_eq!(scenario.name, built_in.name);
+            assert_eq!(scenario.check(), Ok(()));
+            assert!(!built_in.about.is_empty());
+        }
+        assert!(Scenario::built_in("no such").is_none());
+    }
+
+    #[test]
+    fn the_two_figures_run_as_long_as_their_axes() {
+        for (name, expected_s) in [("figure-6.5", 16.0), ("figure-6.7", 30.0)] {
+            let found_s = Scenario::built_in(name).unwrap().reference.end_ns() as f64 * 1e-9;
+            assert!((found_s - expected_s).abs() < 0.5, "{name}: {found_s} s");
+        }
+    }
+
+    #[test]
+    fn the_operating_range_is_swept_to_both_ends_and_never_left() {
+        let requirement = Requirement::THESIS;
+        let scenario = Scenario::built_in("operating-range").unwrap();
+        let references: Vec<f64> = (0..scenario.reference.end_ns() / 10_000_000)
+            .map(|sample| scenario.reference.at_ns(sample * 10_000_000))
+            .collect();
+        assert!(
+            references
+                .iter()
+                .all(|&bar| requirement.is_operating_reference(bar))
+        );
+        let [low, high] = requirement.operating_range_psup.map(psup);
+        assert!(references.contains(&low) && references.contains(&high));
+    }
+
+    #[test]
+    fn what_cannot_be_run_is_refused_with_the_value_and_the_bound() {
+        let sound = Scenario::built_in("hold").unwrap();
+        let mut slow_plant = sound.clone();
+        slow_plant.plant.ecu.sample_time_s = 0.02;
+        let cases = [
+            (
+                Scenario {
+                    duration_samples: 0,
+                    ..sound.clone()
+                },
+                "0 samples is out of range: 1 to 8640000",
+            ),
+            (
+                Scenario {
+                    start_pressure_bar: 9.0,
+                    ..sound.clone()
+                },
+                "start at 9 bar gauge is out of range: 0 to",
+            ),
+            (
+                Scenario {
+                    sensor_noise_mbar_rms: f64::NAN,
+                    ..sound.clone()
+                },
+                "NaN mbar rms is out of range",
+            ),
+            (
+                Scenario {
+                    reference: ReferenceProfile::starting_at(99.0),
+                    ..sound
+                },
+                "99 bar gauge",
+            ),
+            (
+                slow_plant,
+                "sample_time_ms = 10 is not the plant's ecu.sample_time_s = 20 ms",
+            ),
+        ];
+        for (scenario, expected) in cases {
+            let error = scenario.check().unwrap_err().to_string();
+            assert!(
+                error.contains(expected),
+                "{error:?} does not say {expected:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_scenario_prints_everything_that_decides_it() {
+        let scenario = Scenario::built_in("hold").unwrap().seeded(42);
+        let text = scenario.to_string();
+        for part in [
+            "hold",
+            "seed: 42",
+            "start: 3.5 bar gauge",
+            "step to 3.55 bar",
+            "noise 4 mbar rms",
+            "510 Pa per code",
+        ] {
+            assert!(text.contains(part), "{part:?} is not in\n{text}");
+        }
+        assert!(text.contains(&controller_file::write(&scenario.controller)));
+        assert!(text.contains(&scenario.plant.to_toml()));
+    }
 }

@@ -6,6 +6,8 @@
 
 mod speed;
 mod steps;
+#[cfg(test)]
+mod tests;
 mod trajectory;
 mod valves;
 mod verdict;

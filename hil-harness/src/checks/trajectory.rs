@@ -5,8 +5,8 @@ use recording::{ConversionError, MissingSignal, Quantity, Recording, Unit};
 /// Signals of a closed loop, all of one length, without gaps.
 #[derive(Clone, Debug)]
 pub(super) struct Trajectory {
-    /// Time of the first sample [s].
-    pub(super) start_s: f64,
+    /// Instant of each sample [s].
+    pub(super) times_s: Vec<f64>,
     /// Sample time [s].
     pub(super) sample_s: f64,
     /// Reference [bar gauge].
@@ -79,7 +79,7 @@ impl Trajectory {
         let count = |name| signal(name, Quantity::Count, Unit::Count);
         let counted = recording.signal("actuations_fill").is_some();
         Ok(Self {
-            start_s: base.start_s(),
+            times_s: base.times_s().to_vec(),
             sample_s: sampling.median_step_s.ok_or(JudgeError::Uneven)?,
             reference: pressure("p_ref")?,
             pressure: pressure("p_ch")?,
@@ -97,6 +97,6 @@ impl Trajectory {
     }
 
     pub(super) fn time_s(&self, index: usize) -> f64 {
-        self.start_s + self.sample_s * index as f64
+        self.times_s[index]
     }
 }

@@ -84,6 +84,7 @@ pub(super) fn rest_actuations(
     let actuations = trajectory.actuations.as_ref()?;
     let (worst, count) = steps
         .iter()
+        .filter(|step| step.in_operating_range)
         .map(|step| {
             (
                 step,
