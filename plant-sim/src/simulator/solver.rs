@@ -1,0 +1,248 @@
+//! Solves the plant through a stretch in which no output changes.
+
+use super::tolerance::Tolerance;
+use crate::coil::{Drive, RestingCurrent};
+use crate::plant::{FILL, Plant, PlantState, VENT};
+use crate::solver::dormand_prince;
+use crate::valve::{Motion, ValveState};
+
+/// Longest step while an armature moves [s]: a quarter of its travel time, so that no arrival and
+/// return fit into one step.
+const LONGEST_MOTION_STEP: f64 = 0.5e-3;
+/// Longest step of the pressure alone [s].
+const LONGEST_FLOW_STEP: f64 = 5e-3;
+/// Time that passes at least with every located event [s]; keeps a chattering armature going forward.
+pub(super) const SHORTEST_EVENT: f64 = 1e-9;
+
+/// Work done since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Statistics {
+    /// Accepted integration steps.
+    pub steps: u64,
+    /// Steps repeated with a smaller size.
+    pub rejected_steps: u64,
+    /// Intervals passed by formula alone: nothing moved, and flows were choked or absent.
+    pub exact_intervals: u64,
+    /// Located events.
+    pub events: u64,
+}
+
+/// The plant, its state and what the solution needs to know of its past.
+#[derive(Debug, Clone)]
+pub(super) struct Solver {
+    pub(super) plant: Plant,
+    pub(super) state: PlantState,
+    /// ∫ i dt since the last sample [A s].
+    pub(super) charge: [f64; 2],
+    pub(super) statistics: Statistics,
+    tolerance: Tolerance,
+    /// Step size to try next [s]: flow only, and with motion.
+    proposal: [f64; 2],
+}
+
+impl Solver {
+    pub(super) fn new(plant: Plant, tolerance: Tolerance) -> Self {
+        Self {
+            state: plant.rest_state(),
+            plant,
+            charge: [0.0; 2],
+            statistics: Statistics::default(),
+            tolerance,
+            proposal: [1e-3, 0.25e-3],
+        }
+    }
+
+    /// Advances through `duration` [s] in which no output changes.
+    pub(super) fn advance(&mut self, duration: f64) {
+        let mut remaining = duration;
+        while remaining > 0.0 {
+            self.release_departing();
+            let moving = self
+                .state
+                .valves
+                .map(|valve| valve.motion == Motion::Moving);
+            remaining = match moving {
+                [false, false] => self.advance_resting(remaining),
+                [true, false] => self.integrate::<4, 1>([FILL], remaining),
+                [false, true] => self.integrate::<4, 1>([VENT], remaining),
+                [true, true] => self.integrate::<7, 2>([FILL, VENT], remaining),
+            };
+        }
+    }
+
+    /// Sets free every armature that a force already pulls off its stop.
+    fn release_departing(&mut self) {
+        for index in [FILL, VENT] {
+            let drop = self.plant.pressure_drop(index, self.state.pressure);
+            let valve = &mut self.state.valves[index];
+            let force = self.plant.valves[index].departing_force(
+                valve.motion,
+                valve.x,
+                valve.current,
+                drop,
+            );
+            if force > 0.0 {
+                valve.motion = Motion::Moving;
+            }
+        }
+    }
+
+    /// Both armatures rest: by formula where the chamber is closed or its flows are choked, else the pressure
+    /// alone is integrated.
+    fn advance_resting(&mut self, remaining: f64) -> f64 {
+        let areas = self.effective_areas();
+        let course = self.plant.resting_pressure(areas, self.state.pressure);
+        let Some(pressure) = course.filter(|course| course.valid_for() > SHORTEST_EVENT) else {
+            return self.integrate::<1, 0>([], remaining);
+        };
+        let currents = self.resting_currents();
+        let limit = remaining.min(pressure.valid_for());
+        let (taken, departing) = match self.first_departure(limit, &currents, |t| pressure.at(t)) {
+            Some((time, index)) => (time, Some(index)),
+            None => (limit, None),
+        };
+        self.statistics.exact_intervals += 1;
+        self.state.pressure = pressure.at(taken);
+        for index in [FILL, VENT] {
+            self.settle_current(index, &currents[index], taken);
+        }
+        if let Some(index) = departing {
+            self.statistics.events += 1;
+            self.state.valves[index].motion = Motion::Moving;
+        }
+        remaining - taken
+    }
+
+    fn resting_currents(&self) -> [RestingCurrent; 2] {
+        [FILL, VENT]
+            .map(|index| self.plant.valves[index].resting_current(&self.state.valves[index]))
+    }
+
+    fn effective_areas(&self) -> [f64; 2] {
+        [FILL, VENT]
+            .map(|index| self.plant.valves[index].effective_area(self.state.valves[index].x))
+    }
+
+    /// Moves the current of a resting coil on by `time` and accounts for its charge.
+    fn settle_current(&mut self, index: usize, course: &RestingCurrent, time: f64) {
+        let valve = &mut self.state.valves[index];
+        let current = course.at(time);
+        self.charge[index] += course.charge(time, current);
+        valve.current = current;
+        if current == 0.0 && matches!(valve.drive, Drive::FreeWheeling(_)) {
+            valve.drive = Drive::Blocked;
+        }
+    }
+
+    /// One step of pressure and the `moving` valves, at most `remaining` [s] long; what is left.
+    fn integrate<const N: usize, const M: usize>(
+        &mut self,
+        moving: [usize; M],
+        remaining: f64,
+    ) -> f64 {
+        let plant = &self.plant;
+        let drives = self.state.valves.map(|valve| valve.drive);
+        let resting_areas = self.effective_areas();
+        let rates = |y: &[f64; N]| {
+            let pressure = y[0];
+            let mut areas = resting_areas;
+            let mut rates = [0.0; N];
+            for (slot, &index) in moving.iter().enumerate() {
+                let valve = &plant.valves[index];
+                let [current, x, v] = [y[1 + 3 * slot], y[2 + 3 * slot], y[3 + 3 * slot]];
+                areas[index] = valve.effective_area(x);
+                let drop = plant.pressure_drop(index, pressure);
+                rates[1 + 3 * slot..4 + 3 * slot].copy_from_slice(&valve.rates(
+                    drives[index],
+                    current,
+                    x,
+                    v,
+                    drop,
+                ));
+            }
+            rates[0] = plant.pressure_rate(areas, pressure);
+            rates
+        };
+
+        let start = self.pack::<N, M>(moving);
+        let start_rate = rates(&start);
+        let (kind, longest) = if M == 0 {
+            (0, LONGEST_FLOW_STEP)
+        } else {
+            (1, LONGEST_MOTION_STEP)
+        };
+        let mut rejected = 0;
+        let (h, step) = loop {
+            let h = self.proposal[kind].min(longest).min(remaining);
+            let step = dormand_prince::step(rates, &start, &start_rate, h);
+            let error = self.tolerance.measure(&step.error);
+            // The fourth root for the fifth: cheaper, and more careful after a large error.
+            let factor = (0.9 / error.sqrt().sqrt()).clamp(0.2, 4.0);
+            if error <= 1.0 {
+                // A step cut short by the segment's end says nothing against the longer one.
+                let cut_short = h < self.proposal[kind];
+                let floor = if cut_short { self.proposal[kind] } else { 0.0 };
+                self.proposal[kind] = (h * factor).max(floor).min(longest);
+                break (h, step);
+            }
+            self.proposal[kind] = h * factor.min(0.9);
+            rejected += 1;
+        };
+
+        let currents = self.resting_currents();
+        let located = self.first_event(moving, h, &start, &start_rate, &step, &currents);
+        let (taken, end) = match located {
+            Some((time, _)) if time < h => (
+                time,
+                dormand_prince::step(rates, &start, &start_rate, time).end,
+            ),
+            _ => (h, step.end),
+        };
+        self.statistics.rejected_steps += rejected;
+        self.statistics.steps += 1;
+        self.commit(moving, &start, &end, taken, &currents);
+        if let Some((_, event)) = located {
+            self.statistics.events += 1;
+            self.apply(event);
+        }
+        remaining - taken
+    }
+
+    fn pack<const N: usize, const M: usize>(&self, moving: [usize; M]) -> [f64; N] {
+        let mut y = [0.0; N];
+        y[0] = self.state.pressure;
+        for (slot, &index) in moving.iter().enumerate() {
+            let ValveState { current, x, v, .. } = self.state.valves[index];
+            y[1 + 3 * slot..4 + 3 * slot].copy_from_slice(&[current, x, v]);
+        }
+        y
+    }
+
+    fn commit<const N: usize, const M: usize>(
+        &mut self,
+        moving: [usize; M],
+        start: &[f64; N],
+        end: &[f64; N],
+        taken: f64,
+        currents: &[RestingCurrent; 2],
+    ) {
+        self.state.pressure = end[0];
+        for index in [FILL, VENT] {
+            if self.state.valves[index].motion != Motion::Moving {
+                self.settle_current(index, &currents[index], taken);
+            }
+        }
+        for (slot, &index) in moving.iter().enumerate() {
+            let coil = &self.plant.valves[index].coil;
+            let valve = &mut self.state.valves[index];
+            [valve.current, valve.x, valve.v] =
+                [end[1 + 3 * slot], end[2 + 3 * slot], end[3 + 3 * slot]];
+            if let Some(voltage) = valve.drive.voltage() {
+                // Flux balance: R ∫i dt = ∫u dt - Δ(L i), exact whatever the armature did.
+                let flux = |y: &[f64; N]| coil.inductance(y[2 + 3 * slot]) * y[1 + 3 * slot];
+                self.charge[index] +=
+                    (voltage * taken - (flux(end) - flux(start))) / coil.resistance;
+            }
+        }
+    }
+}

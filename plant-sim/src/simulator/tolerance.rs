@@ -1,0 +1,55 @@
+//! How accurately the plant is solved.
+
+/// Local error allowed per step, for pressure [Pa], current [A], position [m], velocity [m/s].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Chamber pressure [Pa].
+    pub pressure: f64,
+    /// Coil current [A].
+    pub current: f64,
+    /// Armature position [m].
+    pub position: f64,
+    /// Armature velocity [m/s].
+    pub velocity: f64,
+}
+
+impl Tolerance {
+    /// The default times `factor`; a small factor makes a converged reference.
+    pub fn scaled(factor: f64) -> Self {
+        let default = Self::default();
+        Self {
+            pressure: default.pressure * factor,
+            current: default.current * factor,
+            position: default.position * factor,
+            velocity: default.velocity * factor,
+        }
+    }
+}
+
+impl Default for Tolerance {
+    /// Chosen so that the pressure stays within 0.2 mbar rms of a converged reference on a bench log;
+    /// docs/evidence.md has the figures.
+    fn default() -> Self {
+        Self {
+            pressure: 2.0,
+            current: 1e-5,
+            position: 1e-8,
+            velocity: 1e-4,
+        }
+    }
+}
+
+impl Tolerance {
+    /// Largest local error in units of the tolerance; 1 is just allowed.
+    #[inline]
+    pub(super) fn measure<const N: usize>(&self, error: &[f64; N]) -> f64 {
+        let weights = [self.current, self.position, self.velocity];
+        let valves = error[1..]
+            .iter()
+            .enumerate()
+            .map(|(n, error)| error.abs() / weights[n % 3]);
+        valves
+            .fold(error[0].abs() / self.pressure, f64::max)
+            .max(1e-6)
+    }
+}
