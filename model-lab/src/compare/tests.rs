@@ -100,8 +100,11 @@ fn innovations_of_the_true_model_have_the_rms_that_theory_gives() {
         };
         let comparison = compare(&PlantParameters::nominal(), &log, &options).unwrap();
         let short = signal(&comparison, "p_ch").short_horizon.clone().unwrap();
+        let floor = signal(&comparison, "p_ch").noise_floor.value.unwrap();
+        let theory = (2.0 / (2.0 - predictor_gain)).sqrt();
+        assert!((short.expected_rms.unwrap() / floor - theory).abs() < 1e-12);
         // Below theory, if anything: a venting chamber forgets a wrong pressure by itself.
-        let ratio = short.rms / (sigma * (2.0 / (2.0 - predictor_gain)).sqrt());
+        let ratio = short.rms / (sigma * theory);
         assert!((ratio - 1.0).abs() < 0.06, "gain {predictor_gain}: {ratio}");
     }
 }

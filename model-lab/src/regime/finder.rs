@@ -204,3 +204,131 @@ fn percent(share: f64) -> String {
         format!("{percent:.0}")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::Noise;
+
+    const SHUT: usize = 0;
+    const FILLING: usize = 1;
+    const VENTING: usize = 2;
+
+    /// 6000 samples: every third one shut, filling or venting, pressures spread over 0 to 8 bar, duties over 0 to 100 %.
+    fn spread() -> Features {
+        let count = 6000;
+        let spread = |step: usize| (0..count).map(move |n| (n * step % 1000) as f64 / 1000.0);
+        Features {
+            valve_state: (0..count).map(|n| n % 3).collect(),
+            flow: vec![0; count],
+            pressure_bar: spread(7).map(|part| 8.0 * part).collect(),
+            pressure_rate_bar_per_s: vec![0.0; count],
+            duty_pct: spread(13).map(|part| 100.0 * part).collect(),
+            since_switch_s: spread(17).map(Some).collect(),
+            energised_s: (0..count).map(|n| n as f64 * 5e-3).collect(),
+            times_s: (0..count).map(|n| n as f64 * 0.01).collect(),
+        }
+    }
+
+    /// What is found where `error` (of feature and index) is added to white noise.
+    fn found(error: impl Fn(&Features, usize) -> f64) -> Finding {
+        let features = spread();
+        let mut noise = Noise::new(1);
+        let residual: Vec<f64> = (0..6000)
+            .map(|n| noise.normal() + error(&features, n))
+            .collect();
+        find(
+            &features.dimensions(),
+            &features,
+            &Excess::new(&residual, 1.0, 1000.0),
+            Horizon::ShortHorizon,
+        )
+    }
+
+    #[test]
+    fn a_fault_below_a_pressure_is_named_with_valve_state_threshold_and_sign() {
+        let finding = found(|features, n| {
+            let acts = features.valve_state[n] == VENTING && features.pressure_bar[n] < 1.9;
+            if acts { 4.0 } else { 0.0 }
+        });
+        assert_eq!(finding.regime.as_deref(), Some("venting below 1.9 bar"));
+        assert!(
+            finding
+                .sentence
+                .ends_with("venting below 1.9 bar, measured higher than modelled")
+        );
+        assert!(
+            (finding.excess_share.unwrap() - 1.0).abs() < 0.1,
+            "{finding:?}"
+        );
+        assert!(
+            (finding.sample_share.unwrap() - 1.9 / 8.0 / 3.0).abs() < 0.005,
+            "{finding:?}"
+        );
+    }
+
+    #[test]
+    fn a_fault_above_a_pressure_whatever_the_valves_do_is_no_valve_s_fault() {
+        let finding = found(|features, n| {
+            if features.pressure_bar[n] >= 6.0 {
+                -3.0
+            } else {
+                0.0
+            }
+        });
+        assert_eq!(finding.regime.as_deref(), Some("above 6.0 bar"));
+        assert!(
+            finding.sentence.ends_with("measured lower than modelled"),
+            "{}",
+            finding.sentence
+        );
+    }
+
+    #[test]
+    fn a_fault_of_one_duty_band_is_named_by_it() {
+        let finding = found(|features, n| {
+            let acts =
+                features.valve_state[n] == FILLING && (30.0..50.0).contains(&features.duty_pct[n]);
+            if acts {
+                4.0 * if n % 2 == 0 { 1.0 } else { -1.0 }
+            } else {
+                0.0
+            }
+        });
+        assert_eq!(finding.regime.as_deref(), Some("filling, duty 30 to 50 %"));
+        assert!(
+            finding.sentence.ends_with("with either sign"),
+            "{}",
+            finding.sentence
+        );
+    }
+
+    #[test]
+    fn a_fault_that_comes_with_heat_is_named_by_the_time_under_current() {
+        let finding = found(|features, n| {
+            let acts = features.valve_state[n] != SHUT && features.energised_s[n] >= 24.0;
+            if acts { 4.0 } else { 0.0 }
+        });
+        let regime = finding.regime.unwrap();
+        assert!(
+            regime.contains("after 24 s and more under current"),
+            "{regime}"
+        );
+    }
+
+    #[test]
+    fn a_fault_that_is_everywhere_is_placed_nowhere() {
+        let finding = found(|_, _| 2.0);
+        assert_eq!(finding.regime, None);
+        assert_eq!(
+            finding.sentence,
+            "the excess is spread over the whole log, measured higher than modelled"
+        );
+    }
+
+    #[test]
+    fn noise_alone_has_no_regime() {
+        let finding = found(|_, _| 0.0);
+        assert_eq!((finding.regime, finding.excess_share), (None, None));
+    }
+}

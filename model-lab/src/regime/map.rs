@@ -47,3 +47,44 @@ pub(crate) fn error_map(features: &Features, excess: &Excess, horizon: Horizon) 
         pressure_bands,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn venting_lies_above_shut_and_filling_below_each_further_out_with_its_duty() {
+        let features = Features {
+            valve_state: vec![0; 5],
+            flow: vec![0; 5],
+            pressure_bar: vec![0.5, 2.5, 2.5, 0.5, 7.9],
+            pressure_rate_bar_per_s: vec![0.0; 5],
+            duty_pct: vec![-95.0, -20.0, 0.0, 20.0, 95.0],
+            since_switch_s: vec![None; 5],
+            energised_s: vec![0.0; 5],
+            times_s: vec![0.0, 1.0, 2.0, 3.0, 4.0],
+        };
+        let residual = [1.0, 2.0, 3.0, f64::NAN, 5.0];
+        let map = error_map(
+            &features,
+            &Excess::new(&residual, 0.0, 0.0),
+            Horizon::FreeRun,
+        );
+        let cell = |cell: &MapCell| {
+            (
+                &map.duty_bands[cell.duty_band][..],
+                &map.pressure_bands[cell.pressure_band][..],
+                cell.error.bias,
+            )
+        };
+        assert_eq!(
+            map.cells.iter().map(cell).collect::<Vec<_>>(),
+            [
+                ("vent 90 % and more", "0 to 1 bar", 1.0),
+                ("vent below 30 %", "2 to 3 bar", 2.0),
+                ("0 %", "2 to 3 bar", 3.0),
+                ("fill 90 % and more", "7 to 8 bar", 5.0),
+            ]
+        );
+    }
+}
