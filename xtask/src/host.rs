@@ -43,6 +43,7 @@ pub(crate) fn lint(report: &mut Report) {
             "clippy",
             "--workspace",
             "--all-targets",
+            "--keep-going",
             "--",
             "-D",
             "warnings",
@@ -50,7 +51,7 @@ pub(crate) fn lint(report: &mut Report) {
     });
     report.step("documentation", || {
         let mut doc = cargo();
-        doc.args(["doc", "--workspace", "--no-deps"]);
+        doc.args(["doc", "--workspace", "--no-deps", "--keep-going"]);
         process::run(doc.env("RUSTDOCFLAGS", "-D warnings"), DEADLINE)
     });
 }
@@ -82,6 +83,7 @@ fn examples() -> Result<(), Failure> {
     run(&["build", "--workspace", "--examples"])?;
     let mut outcome = Ok(());
     for name in example_names()? {
+        eprintln!("{}", name.display());
         let mut example = Command::new(target_dir().join("debug/examples").join(name));
         example.current_dir(root());
         if let Err(failure) = process::capture(&mut example, EXAMPLE_DEADLINE) {

@@ -15,7 +15,7 @@ use crate::board::{Board, Verdict};
 /// The LED register of the board's FPGA (AN386, "FPGA system control and I/O"): bit 0 is LED 0, bit 1 is LED 1.
 const LEDS: *mut u32 = 0x4002_8000 as *mut u32;
 
-/// Longest line that leaves in one piece [bytes]; a longer one leaves in several.
+/// Longest line that leaves in one piece, in bytes; a longer one leaves in several.
 const LINE_LENGTH: usize = 128;
 
 struct Mps2An386;

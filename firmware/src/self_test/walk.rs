@@ -8,7 +8,7 @@ use super::random::Random;
 
 /// Each machine and each configuration starts here, so that digests differ by configuration only.
 const SEED: NonZeroU32 = NonZeroU32::new(0x6c07_8965).unwrap();
-/// Longest time in one manner [samples].
+/// Longest time in one manner, in samples.
 const STRETCH_MAX: u32 = 200;
 /// Supply pressure of the thesis' rigs, 8.4 bar gauge [2⁻¹⁶ bar].
 const SUPPLY: u32 = 550_502;
