@@ -14,17 +14,17 @@ pub const RESIDUAL_SIGN: &str = "residual = measured - modelled";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Comparison {
-    /// [`COMPARISON_SCHEMA`].
+    /// Name and version of this format, `retarder.comparison/1`.
     pub schema: String,
     /// Source of the log.
     pub log: String,
-    /// [`RESIDUAL_SIGN`].
+    /// Sign of every residual, bias and worst error: measured minus modelled.
     pub sign: String,
     /// Instants of the log.
     pub samples: usize,
-    /// From the first to the last instant [s].
+    /// From the first to the last instant in s.
     pub duration_s: f64,
-    /// Median distance of two instants [s]; null for a single one.
+    /// Median distance of two instants in s; null for a single one.
     pub sample_interval_s: Option<f64>,
     /// How the logged currents are meant.
     pub current_sampling: CurrentMeaning,
@@ -81,7 +81,7 @@ pub enum CurrentMeaning {
 pub struct Start {
     /// At rest or at the measured pressure.
     pub from: StartFrom,
-    /// Chamber pressure at the first instant [bar gauge].
+    /// Chamber pressure at the first instant in bar gauge.
     pub pressure_bar_gauge: f64,
     /// The same in words.
     pub statement: String,
@@ -195,11 +195,11 @@ pub struct ErrorSummary {
     pub worst: f64,
     /// Its magnitude over the noise floor.
     pub worst_in_noise: Option<f64>,
-    /// Its instant [s].
+    /// Its instant in s.
     pub worst_time_s: f64,
     /// Mean error.
     pub bias: f64,
-    /// 100 (1 - |measured - modelled| / |measured - mean|) [%]; null for a constant measurement.
+    /// 100 (1 - |measured - modelled| / |measured - mean|) in %; null for a constant measurement.
     pub fit_pct: Option<f64>,
     /// Samples over which the error remembers: 1 for white noise.
     pub autocorrelation_time_samples: Option<f64>,
@@ -239,7 +239,7 @@ pub struct InputCorrelation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeOffset {
-    /// Lag [ms]; positive where the measurement is late.
+    /// Lag in ms; positive where the measurement is late.
     pub lag_ms: f64,
     /// Correlation of the changes as they are.
     pub correlation_unshifted: f64,
