@@ -1,9 +1,9 @@
 //! Solves the plant through a stretch in which no output changes.
 
-use super::tolerance::Tolerance;
+use super::tolerance::{Tolerance, Weights};
 use crate::coil::{Drive, RestingCurrent};
 use crate::plant::{FILL, Plant, PlantState, VENT};
-use crate::solver::dormand_prince;
+use crate::solver::dormand_prince::{self, Step};
 use crate::valve::{Motion, ValveState};
 
 /// Longest step while an armature moves [s]: a quarter of its travel time, so that no arrival and
@@ -35,7 +35,7 @@ pub(super) struct Solver {
     /// ∫ i dt since the last sample [A s].
     pub(super) charge: [f64; 2],
     pub(super) statistics: Statistics,
-    tolerance: Tolerance,
+    weights: Weights,
     /// Step size to try next [s]: flow only, and with motion.
     proposal: [f64; 2],
 }
@@ -47,7 +47,7 @@ impl Solver {
             plant,
             charge: [0.0; 2],
             statistics: Statistics::default(),
-            tolerance,
+            weights: tolerance.weights(),
             proposal: [1e-3, 0.25e-3],
         }
     }
@@ -134,48 +134,69 @@ impl Solver {
         }
     }
 
-    /// One step of pressure and the `moving` valves, at most `remaining` [s] long; what is left.
+    /// Integrates pressure and the `moving` valves up to the next event, at most over `remaining` [s]; what is
+    /// left.
     fn integrate<const N: usize, const M: usize>(
         &mut self,
         moving: [usize; M],
-        remaining: f64,
+        mut remaining: f64,
     ) -> f64 {
-        let plant = &self.plant;
         let drives = self.state.valves.map(|valve| valve.drive);
         let resting_areas = self.effective_areas();
-        let rates = |y: &[f64; N]| {
-            let pressure = y[0];
-            let mut areas = resting_areas;
-            let mut rates = [0.0; N];
-            for (slot, &index) in moving.iter().enumerate() {
-                let valve = &plant.valves[index];
-                let [current, x, v] = [y[1 + 3 * slot], y[2 + 3 * slot], y[3 + 3 * slot]];
-                areas[index] = valve.effective_area(x);
-                let drop = plant.pressure_drop(index, pressure);
-                rates[1 + 3 * slot..4 + 3 * slot].copy_from_slice(&valve.rates(
-                    drives[index],
-                    current,
-                    x,
-                    v,
-                    drop,
-                ));
-            }
-            rates[0] = plant.pressure_rate(areas, pressure);
-            rates
-        };
+        let mut start = self.pack::<N, M>(moving);
+        let mut start_rate = self.rates(moving, drives, resting_areas, &start);
+        while remaining > 0.0 {
+            let (h, step) = self.step(
+                moving,
+                drives,
+                resting_areas,
+                &start,
+                &start_rate,
+                remaining,
+            );
+            let currents = self.resting_currents();
+            let Some((time, event)) =
+                self.first_event(moving, h, &start, &start_rate, &step, &currents)
+            else {
+                self.commit(moving, &start, &step.end, h, &currents);
+                (start, start_rate) = (step.end, step.end_rate);
+                remaining -= h;
+                continue;
+            };
+            let rates = |y: &[f64; N]| self.rates(moving, drives, resting_areas, y);
+            let end = if time < h {
+                dormand_prince::step(rates, &start, &start_rate, time).end
+            } else {
+                step.end
+            };
+            self.commit(moving, &start, &end, time, &currents);
+            self.statistics.events += 1;
+            self.apply(event);
+            return remaining - time;
+        }
+        remaining
+    }
 
-        let start = self.pack::<N, M>(moving);
-        let start_rate = rates(&start);
+    /// One step that keeps the tolerance, at most `remaining` [s] long; its length and result.
+    fn step<const N: usize, const M: usize>(
+        &mut self,
+        moving: [usize; M],
+        drives: [Drive; 2],
+        resting_areas: [f64; 2],
+        start: &[f64; N],
+        start_rate: &[f64; N],
+        remaining: f64,
+    ) -> (f64, Step<N>) {
         let (kind, longest) = if M == 0 {
             (0, LONGEST_FLOW_STEP)
         } else {
             (1, LONGEST_MOTION_STEP)
         };
-        let mut rejected = 0;
-        let (h, step) = loop {
+        loop {
             let h = self.proposal[kind].min(longest).min(remaining);
-            let step = dormand_prince::step(rates, &start, &start_rate, h);
-            let error = self.tolerance.measure(&step.error);
+            let rates = |y: &[f64; N]| self.rates(moving, drives, resting_areas, y);
+            let step = dormand_prince::step(rates, start, start_rate, h);
+            let error = self.weights.measure(&step.error);
             // The fourth root for the fifth: cheaper, and more careful after a large error.
             let factor = (0.9 / error.sqrt().sqrt()).clamp(0.2, 4.0);
             if error <= 1.0 {
@@ -183,29 +204,36 @@ impl Solver {
                 let cut_short = h < self.proposal[kind];
                 let floor = if cut_short { self.proposal[kind] } else { 0.0 };
                 self.proposal[kind] = (h * factor).max(floor).min(longest);
-                break (h, step);
+                self.statistics.steps += 1;
+                return (h, step);
             }
             self.proposal[kind] = h * factor.min(0.9);
-            rejected += 1;
-        };
-
-        let currents = self.resting_currents();
-        let located = self.first_event(moving, h, &start, &start_rate, &step, &currents);
-        let (taken, end) = match located {
-            Some((time, _)) if time < h => (
-                time,
-                dormand_prince::step(rates, &start, &start_rate, time).end,
-            ),
-            _ => (h, step.end),
-        };
-        self.statistics.rejected_steps += rejected;
-        self.statistics.steps += 1;
-        self.commit(moving, &start, &end, taken, &currents);
-        if let Some((_, event)) = located {
-            self.statistics.events += 1;
-            self.apply(event);
+            self.statistics.rejected_steps += 1;
         }
-        remaining - taken
+    }
+
+    /// The rates of pressure and the `moving` valves; the others stay where they are.
+    #[inline(always)]
+    fn rates<const N: usize, const M: usize>(
+        &self,
+        moving: [usize; M],
+        drives: [Drive; 2],
+        resting_areas: [f64; 2],
+        y: &[f64; N],
+    ) -> [f64; N] {
+        let pressure = y[0];
+        let mut areas = resting_areas;
+        let mut rates = [0.0; N];
+        for (slot, index) in moving.into_iter().enumerate() {
+            let valve = &self.plant.valves[index];
+            let [current, x, v] = [y[1 + 3 * slot], y[2 + 3 * slot], y[3 + 3 * slot]];
+            areas[index] = valve.effective_area(x);
+            let drop = self.plant.pressure_drop(index, pressure);
+            let valve_rates = valve.rates(drives[index], current, x, v, drop);
+            rates[1 + 3 * slot..4 + 3 * slot].copy_from_slice(&valve_rates);
+        }
+        rates[0] = self.plant.pressure_rate(areas, pressure);
+        rates
     }
 
     fn pack<const N: usize, const M: usize>(&self, moving: [usize; M]) -> [f64; N] {

@@ -39,17 +39,33 @@ impl Default for Tolerance {
     }
 }
 
+/// The inverse of a tolerance.
+#[derive(Debug, Clone)]
+pub(super) struct Weights {
+    pressure: f64,
+    /// Current, position, velocity.
+    valve: [f64; 3],
+}
+
 impl Tolerance {
+    pub(super) fn weights(&self) -> Weights {
+        Weights {
+            pressure: 1.0 / self.pressure,
+            valve: [self.current, self.position, self.velocity].map(f64::recip),
+        }
+    }
+}
+
+impl Weights {
     /// Largest local error in units of the tolerance; 1 is just allowed.
     #[inline]
     pub(super) fn measure<const N: usize>(&self, error: &[f64; N]) -> f64 {
-        let weights = [self.current, self.position, self.velocity];
         let valves = error[1..]
             .iter()
             .enumerate()
-            .map(|(n, error)| error.abs() / weights[n % 3]);
+            .map(|(n, error)| error.abs() * self.valve[n % 3]);
         valves
-            .fold(error[0].abs() / self.pressure, f64::max)
+            .fold(error[0].abs() * self.pressure, f64::max)
             .max(1e-6)
     }
 }

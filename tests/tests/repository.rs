@@ -1,0 +1,127 @@
+//! What the repository promises about itself.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use retarder_tests::bench_log::repository;
+
+fn read(path: &str) -> String {
+    fs::read_to_string(repository().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// A crate must carry the files that it bundles, and a person looks for them under `data/`: the copies agree.
+#[test]
+fn bundled_files_are_the_ones_under_data() {
+    for (bundled, data) in [
+        (
+            "plant-sim/models/nominal-plant.toml",
+            "data/nominal-plant.toml",
+        ),
+        (
+            "model-lab/data/measurements.toml",
+            "data/thesis/measurements.toml",
+        ),
+    ] {
+        assert_eq!(read(bundled), read(data), "{bundled} and {data}");
+    }
+}
+
+/// The dependencies between our crates, each allowed one in ARCHITECTURE.md's table and no other.
+#[test]
+fn crates_depend_on_each_other_as_the_architecture_says() {
+    let architecture = read("ARCHITECTURE.md");
+    let rows = architecture
+        .lines()
+        .skip_while(|line| !line.contains("may depend on"))
+        .skip(2)
+        .take_while(|line| line.starts_with('|'));
+    let allowed: BTreeMap<String, Vec<String>> = rows
+        .map(|row| {
+            let cells: Vec<_> = row.split('|').map(str::trim).collect();
+            let name = cells[1].trim_matches('`').to_owned();
+            let list = cells[3]
+                .split(',')
+                .map(|cell| cell.trim().trim_matches('`').to_owned());
+            (name, list.collect())
+        })
+        .collect();
+    assert!(
+        allowed.len() >= 9,
+        "the table of crates was found: {allowed:?}"
+    );
+    for (name, allowed_names) in &allowed {
+        let manifest = read(&format!("{name}/Cargo.toml"));
+        for other in allowed.keys().filter(|other| *other != name) {
+            let depends = manifest.lines().any(|line| {
+                line.starts_with(&format!("{other}.workspace"))
+                    || line.starts_with(&format!("{other} ="))
+            });
+            let may = allowed_names.contains(other) || allowed_names.contains(&"all".to_owned());
+            assert!(
+                !depends || may,
+                "{name} depends on {other}, which ARCHITECTURE.md does not allow"
+            );
+        }
+    }
+}
+
+/// Every dependency says what it saves us: a comment stands above it.
+#[test]
+fn every_outside_dependency_has_its_reason() {
+    for entry in fs::read_dir(repository()).unwrap() {
+        let manifest = entry.unwrap().path().join("Cargo.toml");
+        if !manifest.exists() {
+            continue;
+        }
+        let text = fs::read_to_string(&manifest).unwrap();
+        let mut in_dependencies = false;
+        let mut last = "";
+        for line in text.lines() {
+            if line.starts_with('[') {
+                in_dependencies = line.contains("dependencies]");
+            } else if in_dependencies && !line.starts_with('#') && line.contains('=') {
+                let ours = line.contains("workspace = true") || line.contains("path =");
+                let explained = last.starts_with('#');
+                assert!(ours || explained, "{}: {line}", manifest.display());
+            }
+            // Several dependencies may share one sentence only if they stand in one line each with it.
+            last = line;
+        }
+    }
+}
+
+/// No document points at a file that is not there.
+#[test]
+fn links_between_documents_lead_somewhere() {
+    let mut documents = vec![
+        repository().join("README.md"),
+        repository().join("ARCHITECTURE.md"),
+    ];
+    documents.push(repository().join("CONTRIBUTING.md"));
+    for entry in fs::read_dir(repository().join("docs")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "md") {
+            documents.push(path);
+        }
+    }
+    for document in documents {
+        let text = fs::read_to_string(&document).unwrap();
+        for target in text
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+        {
+            let file = target.split('#').next().unwrap_or("");
+            if file.is_empty() || file.contains("://") {
+                continue;
+            }
+            let folder = document.parent().unwrap_or(Path::new("."));
+            assert!(
+                folder.join(file).exists(),
+                "{}: {target}",
+                document.display()
+            );
+        }
+    }
+}
