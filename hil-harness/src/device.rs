@@ -33,14 +33,14 @@ pub trait DeviceUnderTest {
 /// What a controller tells about its inside, to be logged and compared bit for bit. The plant never sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Telemetry {
-    /// Control signal u [%], 2⁻¹² %.
+    /// Control signal u \[%\], 2⁻¹² %.
     pub control_signal_bits: i32,
     /// The controller's state after the sample ([`State::to_words`]).
     pub state_words: [i32; State::WORDS],
 }
 
 impl Telemetry {
-    /// Control signal u [%], exactly.
+    /// Control signal u \[%\], exactly.
     pub fn control_signal_pct(&self) -> f64 {
         f64::from(self.control_signal_bits) / 4096.0
     }
@@ -57,7 +57,7 @@ pub enum DutError {
     NoAnswer {
         /// Sample that was sent.
         sample: u32,
-        /// How long was waited [ms].
+        /// How long was waited \[ms\].
         waited_ms: u32,
     },
     /// An answer to another sample.

@@ -43,7 +43,7 @@ impl ReferenceProfile {
         }
     }
 
-    /// Rests for `duration_ms` [ms].
+    /// Rests for `duration_ms` \[ms\].
     #[must_use]
     pub fn hold_ms(self, duration_ms: u32) -> Self {
         let reference_bar = self.last().reference_bar;
@@ -56,7 +56,7 @@ impl ReferenceProfile {
         self.ramp_to(reference_bar, 0)
     }
 
-    /// Goes straight to `reference_bar` [bar gauge] within `duration_ms` [ms].
+    /// Goes straight to `reference_bar` [bar gauge] within `duration_ms` \[ms\].
     #[must_use]
     pub fn ramp_to(mut self, reference_bar: f64, duration_ms: u32) -> Self {
         let time_ns = self.last().time_ns + u64::from(duration_ms) * NS_PER_MS;
@@ -113,7 +113,7 @@ impl ReferenceProfile {
         }
     }
 
-    /// When it ends [ns].
+    /// When it ends \[ns\].
     pub fn end_ns(&self) -> u64 {
         self.last().time_ns
     }
@@ -183,7 +183,7 @@ pub enum ProfileError {
     Missing {
         /// Index of the sample, from 0.
         index: usize,
-        /// Its time [s].
+        /// Its time \[s\].
         time_s: f64,
     },
     /// A reference is no pressure that a chamber could be asked for.
@@ -192,7 +192,7 @@ pub enum ProfileError {
         REFERENCE_RANGE_BAR[0], REFERENCE_RANGE_BAR[1]
     )]
     OutOfRange {
-        /// Time of the reference [s].
+        /// Time of the reference \[s\].
         time_s: f64,
         /// The reference [bar gauge].
         reference_bar: f64,

@@ -3,25 +3,25 @@
 /// What is asked of the loop. Pressures that the thesis gives in p_sup are kept so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
-    /// T_req [samples]: the time within which a reference is reached (section 1.4).
+    /// T_req \[samples\]: the time within which a reference is reached (section 1.4).
     pub t_req_samples: u32,
-    /// P_tol [bar]: how close is reached (section 1.4; the size is that of figure 6.8).
+    /// P_tol \[bar\]: how close is reached (section 1.4; the size is that of figure 6.8).
     pub p_tol_bar: f64,
     /// p_sup [bar gauge], the unit of the following shares (working value, see data/thesis/measurements.toml).
     pub supply_pressure_bar: f64,
-    /// References that the retarder uses, lowest and highest [p_sup] (section 6.4.2).
+    /// References that the retarder uses, lowest and highest \[p_sup\] (section 6.4.2).
     pub operating_range_psup: [f64; 2],
-    /// Filling from ambient pressure to here [p_sup] ... (section 1.4)
+    /// Filling from ambient pressure to here \[p_sup\] ... (section 1.4)
     pub fill_to_psup: f64,
-    /// ... takes less than this [T_req].
+    /// ... takes less than this \[T_req\].
     pub fill_max_t_req: f64,
-    /// Venting from here [p_sup] ... (section 1.4)
+    /// Venting from here \[p_sup\] ... (section 1.4)
     pub vent_from_psup: f64,
-    /// ... to here [p_sup] ...
+    /// ... to here \[p_sup\] ...
     pub vent_to_psup: f64,
-    /// ... takes less than this [T_req].
+    /// ... takes less than this \[T_req\].
     pub vent_max_t_req: f64,
-    /// Duty cycles that the fill valve may get besides 0: lowest and highest [%]. The lowest of all conditions is that of the
+    /// Duty cycles that the fill valve may get besides 0: lowest and highest \[%\]. The lowest of all conditions is that of the
     /// thesis' Scheme 1 (section 6.4.1), the highest fully opens (table 4.1).
     pub duty_fill_pct: [f64; 2],
     /// The same for the vent valve (tables 4.1 and 4.2).
@@ -61,7 +61,7 @@ impl Requirement {
     }
 }
 
-/// Resolution of pressures on the wire [bar].
+/// Resolution of pressures on the wire \[bar\].
 const RESOLUTION_BAR: f64 = 1.0 / 65536.0;
 
 impl Default for Requirement {

@@ -17,7 +17,7 @@ pub struct Scenario {
     pub name: String,
     /// What the chamber pressure is asked to do.
     pub reference: ReferenceProfile,
-    /// How long it runs [samples]; the profile's last reference holds if it ends earlier.
+    /// How long it runs \[samples\]; the profile's last reference holds if it ends earlier.
     pub duration_samples: u32,
     /// The plant.
     pub plant: PlantParameters,
@@ -37,7 +37,7 @@ pub const BENCH_NOISE_MBAR_RMS: f64 = 4.0;
 /// Largest noise that a scenario may have [mbar rms].
 pub const NOISE_MAX_MBAR_RMS: f64 = 1000.0;
 
-/// Longest scenario [samples]: a day at 100 Hz, so that a run's recording fits into memory.
+/// Longest scenario \[samples\]: a day at 100 Hz, so that a run's recording fits into memory.
 pub const DURATION_MAX_SAMPLES: u32 = 8_640_000;
 
 impl Scenario {
@@ -180,7 +180,7 @@ impl BuiltIn {
     }
 }
 
-/// The same plant with both orifices of this diameter [m], such as prototype 2 with 1.3 mm.
+/// The same plant with both orifices of this diameter \[m\], such as prototype 2 with 1.3 mm.
 pub fn with_orifices(mut plant: PlantParameters, diameter_m: f64) -> PlantParameters {
     plant.flow.orifice_fill_m = diameter_m;
     plant.flow.orifice_vent_m = diameter_m;
@@ -192,10 +192,10 @@ pub fn with_orifices(mut plant: PlantParameters, diameter_m: f64) -> PlantParame
     plant
 }
 
-/// Orifice of the rig of figures 6.5 and 6.7 [m].
+/// Orifice of the rig of figures 6.5 and 6.7 \[m\].
 pub const FIGURE_ORIFICE_M: f64 = 1.3e-3;
 
-/// Orifice that the thesis finds necessary [m] (section 6.4.2); that of the nominal plant.
+/// Orifice that the thesis finds necessary \[m\] (section 6.4.2); that of the nominal plant.
 pub const REQUIRED_ORIFICE_M: f64 = 1.9e-3;
 
 /// All built-in scenarios.
@@ -349,7 +349,7 @@ pub enum ScenarioError {
         "a duration of {samples} samples is out of range: 1 to {DURATION_MAX_SAMPLES}; split the profile"
     )]
     Duration {
-        /// Wanted duration [samples].
+        /// Wanted duration \[samples\].
         samples: u32,
     },
     /// The chamber cannot start there.
@@ -374,9 +374,9 @@ pub enum ScenarioError {
          set both to the ECU's period"
     )]
     SampleTimes {
-        /// The controller's [ms].
+        /// The controller's \[ms\].
         controller_ms: f64,
-        /// The plant's [ms].
+        /// The plant's \[ms\].
         plant_ms: f64,
     },
 }

@@ -45,7 +45,7 @@ impl PressureSensor {
     pub const CODE_AT_LOWEST: i64 = 48;
     /// Code at the highest pressure (assumed).
     pub const CODE_AT_HIGHEST: i64 = 4048;
-    /// Pressure per code [Pa]: 5.1 mbar.
+    /// Pressure per code \[Pa\]: 5.1 mbar.
     pub const STEP_PA: i64 =
         (Self::HIGHEST_PA - Self::LOWEST_PA) / (Self::CODE_AT_HIGHEST - Self::CODE_AT_LOWEST);
     /// Ambient pressure [Pa abs] that the ECU subtracts to have a relative pressure (section 2.4.4 says 1 bar; the standard

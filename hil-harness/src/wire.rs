@@ -54,7 +54,7 @@ impl ReferenceCode {
     }
 }
 
-/// Duty cycle [%], 0 ..= 100, 2⁻¹⁶ % — to the plant.
+/// Duty cycle \[%\], 0 ..= 100, 2⁻¹⁶ % — to the plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DutyCode(u32);
 

@@ -1,5 +1,6 @@
 //! The loop as a whole: the same bits twice, alarms that ring, promises kept on many rigs.
 
+use controller::Settings;
 use hil_harness::checks::{CheckId, StepResponse};
 use hil_harness::scenario::{FIGURE_ORIFICE_M, with_orifices};
 use hil_harness::wire::DutyCode;
@@ -247,13 +248,13 @@ fn late_steps(scenario: &Scenario, rigs_count: u32) -> (usize, usize, u32) {
     (late, steps.len(), steps.iter().map(settled).max().unwrap())
 }
 
-/// The requirement on the rigs that a series would bring, with ten samples in hand on the required orifice.
+/// The requirement on the rigs that a series would bring, with twenty samples in hand on the required orifice.
 #[test]
 fn the_recommended_controller_reaches_every_operating_reference_in_time_on_200_rigs() {
     for name in ["operating-range", "hold"] {
         let (late, steps, slowest) = late_steps(&Scenario::built_in(name).unwrap(), 200);
         assert!(
-            late == 0 && slowest <= 40,
+            late == 0 && slowest <= 30,
             "{name}: {late} of {steps} steps late, slowest {slowest} samples"
         );
     }
@@ -266,7 +267,7 @@ fn the_recommended_controller_also_keeps_time_on_the_rig_of_the_figures() {
         let plant = with_orifices(scenario.plant.clone(), FIGURE_ORIFICE_M);
         let (late, steps, slowest) = late_steps(&scenario.on(plant), 50);
         assert!(
-            late == 0 && slowest <= 48,
+            late == 0 && slowest <= 42,
             "{name}: {late} of {steps} steps late, slowest {slowest} samples"
         );
     }
@@ -288,31 +289,103 @@ fn the_recommended_controller_has_no_limit_cycle_on_any_rig() {
     }
 }
 
-/// Section 6.4.1: 25.5 % as lower limit in all conditions makes the loop slow where the pressure helps the valve least.
+/// Section 1.4, counted as in table 4.3. A rig in a hundred misses it by its sensor's noise and its weak valve.
 #[test]
-fn the_thesis_controller_is_slow_where_its_lower_limit_does_not_open_the_valve() {
-    let settling = |controller| {
-        let scenario = Scenario::built_in("figure-6.5")
-            .unwrap()
-            .controlled_by(controller);
-        let steps = run_in_process(&scenario)
-            .unwrap()
-            .verdict(&REQUIREMENT)
-            .unwrap()
-            .steps;
-        let total: f64 = steps
-            .iter()
-            .map(|step| f64::from(step.settled_samples.unwrap_or(step.held_samples)))
-            .sum();
-        total / steps.len() as f64
-    };
-    let (thesis, recommended) = (
-        settling(controller_file::thesis()),
-        settling(controller_file::recommended()),
+fn the_recommended_controller_fills_in_time_on_nearly_every_rig() {
+    let scenario = Scenario::built_in("fill-requirement").unwrap();
+    let fills = rigs::verdicts(&scenario, &REQUIREMENT, 200)
+        .filter(|rig| {
+            rig.as_ref()
+                .unwrap()
+                .verdict
+                .check(CheckId::FillTime)
+                .unwrap()
+                .holds
+        })
+        .count();
+    assert!(fills >= 190, "{fills} of 200 rigs");
+}
+
+/// Table 4.3 has 0.052 T_req for this rig with the valve fully open: 2.6 samples, where 2.5 are required. No controller mends that.
+#[test]
+fn venting_misses_its_limit_even_with_the_valve_fully_open_as_in_table_4_3() {
+    let mut scenario = Scenario::new(
+        "open vent",
+        ReferenceProfile::starting_at(0.88 * 8.4)
+            .hold_ms(100)
+            .step_to(0.0)
+            .hold_ms(1500),
     );
+    scenario.start_pressure_bar = 0.88 * 8.4;
+    let mut open = Puppet(|sensors: Sensors| Actuators {
+        duty_vent: if sensors.sample < 10 {
+            DutyCode::OFF
+        } else {
+            DutyCode::FULL
+        },
+        ..Actuators::OFF
+    });
+    let verdict = run(&scenario, &mut open)
+        .unwrap()
+        .verdict(&REQUIREMENT)
+        .unwrap();
+    let check = verdict.check(CheckId::VentTime).unwrap();
+    let samples = check.reached.unwrap();
+    assert!(!check.holds && samples < 3.0, "{samples} samples");
+}
+
+fn responses_without_noise(scenario: Scenario, controller: Settings) -> Vec<StepResponse> {
+    let mut scenario = scenario.controlled_by(controller);
+    scenario.sensor_noise_mbar_rms = 0.0;
+    run_in_process(&scenario)
+        .unwrap()
+        .verdict(&REQUIREMENT)
+        .unwrap()
+        .steps
+}
+
+/// Section 6.4.1: 25.5 % in all conditions is slow close to a reference, as it opens the fill valve least at high pressure;
+/// section 7.2 expects the pressure-dependent limit to mend that. Only the limit differs here.
+#[test]
+fn the_thesis_lower_limit_makes_small_fills_at_high_pressure_slow() {
+    let profile = [4.6, 4.9, 5.2, 5.5, 5.8].into_iter().fold(
+        ReferenceProfile::starting_at(4.3).hold_ms(500),
+        |profile, bar| profile.step_to(bar).hold_ms(2000),
+    );
+    let mut scenario = Scenario::new("small fills", profile);
+    scenario.start_pressure_bar = 4.3;
+    let mean_reached = |controller| {
+        let steps = responses_without_noise(scenario.clone(), controller);
+        let reached = steps
+            .iter()
+            .map(|step| f64::from(step.reached_samples.unwrap_or(step.held_samples)));
+        reached.sum::<f64>() / steps.len() as f64
+    };
+    let thesis = controller_file::thesis();
+    let mended = Settings {
+        duty_min: controller_file::recommended().duty_min,
+        ..thesis
+    };
+    let (slow, fast) = (mean_reached(thesis), mean_reached(mended));
     assert!(
-        thesis > 1.5 * recommended,
-        "mean settling time: thesis {thesis}, recommended {recommended} samples"
+        slow > 2.0 * fast,
+        "25.5 % everywhere: {slow} samples, by pressure: {fast} samples"
+    );
+}
+
+/// Section 6.4.1: "works fairly well, but with some overshoots".
+#[test]
+fn the_thesis_controller_overshoots_more_than_the_recommended_one() {
+    let scenario = Scenario::built_in("operating-range").unwrap();
+    let mean_overshoot = |controller| {
+        let steps = responses_without_noise(scenario.clone(), controller);
+        steps.iter().map(|step| step.overshoot_bar).sum::<f64>() / steps.len() as f64
+    };
+    let thesis = mean_overshoot(controller_file::thesis());
+    let recommended = mean_overshoot(controller_file::recommended());
+    assert!(
+        thesis > 1.4 * recommended,
+        "thesis {thesis} bar, recommended {recommended} bar"
     );
 }
 

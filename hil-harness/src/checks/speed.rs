@@ -5,7 +5,7 @@ use super::trajectory::Trajectory;
 use super::verdict::{Bound, Check, CheckId};
 use crate::requirement::Requirement;
 
-/// A passage begins this close to where it is defined to begin, at the latest [bar].
+/// A passage begins this close to where it is defined to begin, at the latest \[bar\].
 const START_WITHIN_TOLERANCES: f64 = 1.5;
 /// The pressure moves once this share of the passage is done.
 const ONSET_SHARE: f64 = 0.05;
@@ -61,7 +61,7 @@ impl Passage {
     }
 }
 
-/// Duration of a passage [samples].
+/// Duration of a passage \[samples\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Duration {
     /// From the step of the reference on.

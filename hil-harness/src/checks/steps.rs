@@ -12,7 +12,7 @@ use crate::requirement::Requirement;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepResponse {
-    /// Instant of the step [s].
+    /// Instant of the step \[s\].
     pub time_s: f64,
     /// Index of the step's sample in the recording.
     pub index: usize,
@@ -22,19 +22,19 @@ pub struct StepResponse {
     pub to_bar: f64,
     /// Whether the retarder uses the new reference (section 6.4.2).
     pub in_operating_range: bool,
-    /// How long the reference was held [samples].
+    /// How long the reference was held \[samples\].
     pub held_samples: u32,
     /// First sample within the tolerance; none if never.
     pub reached_samples: Option<u32>,
     /// First sample from which on the pressure stayed within the tolerance; none if never.
     pub settled_samples: Option<u32>,
-    /// How far the pressure went beyond the reference [bar].
+    /// How far the pressure went beyond the reference \[bar\].
     pub overshoot_bar: f64,
-    /// Largest magnitude of the error from T_req on [bar].
+    /// Largest magnitude of the error from T_req on \[bar\].
     pub steady_error_bar: f64,
 }
 
-/// A pressure that is off by less than this is not off: rounding of decimal numbers [bar].
+/// A pressure that is off by less than this is not off: rounding of decimal numbers \[bar\].
 pub(super) const ROUNDING_BAR: f64 = 1e-9;
 
 /// Every step that is held for T_req or longer. The samples of a ramp are steps that are not held.

@@ -5,15 +5,15 @@ use recording::{ConversionError, MissingSignal, Quantity, Recording, Unit};
 /// Signals of a closed loop, all of one length, without gaps.
 #[derive(Clone, Debug)]
 pub(super) struct Trajectory {
-    /// Instant of each sample [s].
+    /// Instant of each sample \[s\].
     pub(super) times_s: Vec<f64>,
-    /// Sample time [s].
+    /// Sample time \[s\].
     pub(super) sample_s: f64,
     /// Reference [bar gauge].
     pub(super) reference: Vec<f64>,
     /// Chamber pressure [bar gauge].
     pub(super) pressure: Vec<f64>,
-    /// Duty cycles of fill and vent valve [%].
+    /// Duty cycles of fill and vent valve \[%\].
     pub(super) duty: [Vec<f64>; 2],
     /// How often fill and vent valve were lifted until each sample, where logged.
     pub(super) actuations: Option<[Vec<f64>; 2]>,

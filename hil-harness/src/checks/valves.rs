@@ -5,7 +5,7 @@ use super::trajectory::Trajectory;
 use super::verdict::{Actuations, Bound, Check, CheckId};
 use crate::requirement::Requirement;
 
-/// A duty cycle off by less than this is not off: its resolution on the wire [%].
+/// A duty cycle off by less than this is not off: its resolution on the wire \[%\].
 const ROUNDING_PCT: f64 = 1.0 / 65536.0;
 
 /// Scheme 1 never energises both valves.

@@ -327,6 +327,25 @@ prop_compose! {
     }
 }
 
+/// `fixed` alone prints both 6553 and 6554 units as 0.1.
+#[test]
+fn every_number_up_to_10_is_written_so_that_it_reads_back() {
+    for bits in 1..10 << 16 {
+        let value = I16F16::from_bits(bits);
+        let settings = Settings {
+            tolerance_bar: value,
+            ..Settings::thesis()
+        };
+        let text = write(&settings);
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("tolerance_bar"))
+            .unwrap();
+        let number = line.split_whitespace().nth(2).unwrap();
+        assert_eq!(number.parse::<I16F16>(), Ok(value), "{number}");
+    }
+}
+
 proptest! {
     #[test]
     fn what_is_written_reads_back_to_the_same_bits(settings in settings()) {

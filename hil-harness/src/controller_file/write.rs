@@ -139,8 +139,16 @@ struct File {
 
 impl File {
     fn number(&mut self, table: &'static str, name: &str, number: I16F16) {
-        // The shortest decimal that reads back to the same bits.
-        self.value(table, name, &number.to_string());
+        // `fixed` prints a decimal within half a step, and at a tie (6553 units of 2^-16 print as 0.1, which is 6554) that
+        // reads back as the neighbour. Six true decimals tell every step apart; f64 holds them all.
+        let short = number.to_string();
+        let reads_back = short.parse::<I16F16>() == Ok(number);
+        let text = if reads_back {
+            short
+        } else {
+            format!("{:.6}", number.to_num::<f64>())
+        };
+        self.value(table, name, &text);
     }
 
     fn number_or_off(&mut self, table: &'static str, name: &str, number: Option<I16F16>) {
