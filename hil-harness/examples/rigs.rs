@@ -14,10 +14,14 @@ use hil_harness::{controller_file, rigs};
 const RIGS: u32 = 200;
 
 fn main() -> ExitCode {
-    let rigs = std::env::args()
-        .nth(1)
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(RIGS);
+    let rigs = match std::env::args().nth(1).map(|text| text.parse()) {
+        None => RIGS,
+        Some(Ok(rigs)) if rigs > 0 => rigs,
+        Some(_) => {
+            eprintln!("the number of rigs is a whole number from 1 on, such as {RIGS}");
+            return ExitCode::from(2);
+        }
+    };
     let controllers = [
         ("thesis", controller_file::thesis()),
         ("recommended", controller_file::recommended()),

@@ -1,6 +1,7 @@
 //! Many rigs of one kind: no two valves are alike.
 
 use plant_sim::{ParameterError, PlantParameters};
+use serde::{Deserialize, Serialize};
 
 use crate::checks::{JudgeError, Verdict};
 use crate::random::{Random, Stream};
@@ -72,7 +73,8 @@ pub fn scattered(
 }
 
 /// One rig of a batch.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RigVerdict {
     /// Number of the rig, from 0.
     pub rig: u32,

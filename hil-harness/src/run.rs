@@ -70,8 +70,8 @@ pub enum RunError {
     Signal(#[from] AddSignalError),
 }
 
-/// Parts of a sample in which the armatures are watched: 1 ms at 10 ms. A full stroke and back takes several.
-const WATCHES_PER_SAMPLE: u64 = 10;
+/// How often the armatures are watched [ns]: a full stroke and back takes several milliseconds.
+const WATCH_NS: u64 = 1_000_000;
 /// An armature is lifted beyond this share of its stroke ...
 const LIFTED_ABOVE: f64 = 0.10;
 /// ... and down again below this one.
@@ -166,11 +166,11 @@ impl<'a> World<'a> {
             duty_fill_pct: actuators.duty_fill.percent(),
             duty_vent_pct: actuators.duty_vent.percent(),
         });
-        let start_ns = self.simulator.time_ns();
         let stroke = self.scenario.plant.armature.stroke_m;
-        for watch in 1..=WATCHES_PER_SAMPLE {
-            self.simulator
-                .advance_to_ns(start_ns + self.sample_ns * watch / WATCHES_PER_SAMPLE);
+        let end_ns = self.simulator.time_ns() + self.sample_ns;
+        while self.simulator.time_ns() < end_ns {
+            let watch_ns = self.simulator.time_ns() + WATCH_NS;
+            self.simulator.advance_to_ns(watch_ns.min(end_ns));
             for (lifts, valve) in self.lifts.iter_mut().zip(&self.simulator.state().valves) {
                 lifts.watch(valve.x / stroke);
             }

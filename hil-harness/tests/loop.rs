@@ -6,9 +6,10 @@ use hil_harness::scenario::{FIGURE_ORIFICE_M, with_orifices};
 use hil_harness::wire::DutyCode;
 use hil_harness::{
     Actuators, DeviceUnderTest, DutError, InProcess, ReferenceProfile, Requirement, RunError,
-    Scenario, Sensors, Telemetry, controller_file, rigs, run, run_in_process, scattered,
+    Scenario, Sensors, Telemetry, controller_file, judge, rigs, run, run_in_process, scattered,
 };
 use proptest::prelude::*;
+use recording::csv;
 
 const REQUIREMENT: Requirement = Requirement::THESIS;
 
@@ -27,16 +28,57 @@ fn short_scenario() -> Scenario {
 fn the_same_scenario_gives_the_same_bits_and_another_seed_does_not() {
     let first = run_in_process(&short_scenario()).unwrap();
     assert_eq!(first, run_in_process(&short_scenario()).unwrap());
-    // A device that has run before starts from power-on again.
-    let mut used = InProcess::new(&short_scenario().controller).unwrap();
-    run(&short_scenario(), &mut used).unwrap();
-    assert_eq!(first, run(&short_scenario(), &mut used).unwrap());
     assert_ne!(
         first.exchanges,
         run_in_process(&short_scenario().seeded(2))
             .unwrap()
             .exchanges
     );
+}
+
+/// The first run is cut off while the boost is at work; nothing of it may reach the second one.
+#[test]
+fn a_device_that_has_run_before_starts_from_power_on_again() {
+    let scenario = Scenario::new("one bar", ReferenceProfile::starting_at(1.0).hold_ms(500));
+    let mut used = InProcess::new(&scenario.controller).unwrap();
+    let cut_off = Scenario {
+        duration_samples: 4,
+        ..scenario.clone()
+    };
+    run(&cut_off, &mut used).unwrap();
+    assert_eq!(
+        run(&scenario, &mut used).unwrap(),
+        run_in_process(&scenario).unwrap()
+    );
+}
+
+#[test]
+fn currents_and_positions_are_logged_under_their_valve() {
+    for (duty_fill, duty_vent, expected) in [
+        (DutyCode::FULL, DutyCode::OFF, [292.0, 0.0, 0.5, 0.0]),
+        (DutyCode::OFF, DutyCode::FULL, [0.0, 292.0, 0.0, 0.5]),
+    ] {
+        let mut open = Puppet(|_| Actuators {
+            duty_fill,
+            duty_vent,
+        });
+        let recording = run(&short_scenario(), &mut open).unwrap().recording;
+        let names = ["i_fill", "i_vent", "x_fill", "x_vent"];
+        let found = names.map(|name| {
+            *recording
+                .signal(name)
+                .unwrap()
+                .values_or_nan()
+                .last()
+                .unwrap()
+        });
+        for (found, expected) in found.iter().zip(expected) {
+            assert!(
+                (found - expected).abs() < 0.1,
+                "{found} instead of {expected}"
+            );
+        }
+    }
 }
 
 #[test]
@@ -130,6 +172,37 @@ fn a_shut_valve_is_not_counted_and_an_opened_one_is() {
             .map(|a| (a.fill, a.vent)),
         Some((1, 0))
     );
+}
+
+/// A result is a recording: what was written to a file and read back is judged alike, as a bench log would be.
+#[test]
+fn a_run_read_back_from_csv_has_the_same_verdict() {
+    let recording = run_in_process(&short_scenario()).unwrap().recording;
+    let (time_base, _) = recording.time_bases().next().unwrap();
+    let bytes = csv::write(Vec::new(), &recording, time_base, &csv::Decimals::default()).unwrap();
+    let source = recording.provenance().source.clone();
+    let read_back = csv::read(&source, bytes.as_slice(), &csv::Options::default()).unwrap();
+    assert_eq!(
+        judge(&read_back, &REQUIREMENT),
+        judge(&recording, &REQUIREMENT)
+    );
+}
+
+#[test]
+fn a_reference_from_csv_drives_the_loop() {
+    let text = "time_s,p_ref_bar_gauge\n10,0\n10.1,3\n11.1,2\n12,2\n";
+    let log = csv::read("R.csv", text.as_bytes(), &csv::Options::default()).unwrap();
+    let scenario = Scenario::new(
+        "from a file",
+        ReferenceProfile::from_recording(&log).unwrap(),
+    );
+    let steps = run_in_process(&scenario)
+        .unwrap()
+        .verdict(&REQUIREMENT)
+        .unwrap()
+        .steps;
+    let found: Vec<_> = steps.iter().map(|step| (step.index, step.to_bar)).collect();
+    assert_eq!(found, [(10, 3.0), (110, 2.0)]);
 }
 
 /// A device that does what it is told here.
