@@ -5,8 +5,6 @@ use super::trajectory::Trajectory;
 use super::verdict::{Bound, Check, CheckId};
 use crate::requirement::Requirement;
 
-/// A passage begins this close to where it is defined to begin, at the latest \[bar\].
-const START_WITHIN_TOLERANCES: f64 = 1.5;
 /// The pressure moves once this share of the passage is done.
 const ONSET_SHARE: f64 = 0.05;
 
@@ -41,12 +39,12 @@ impl Passage {
         (self.to_bar - self.from_bar).signum()
     }
 
-    /// Whether `step` leads through the whole passage.
+    /// Whether `step` leads from a reference at the passage's beginning through the whole of it. The pressure itself begins
+    /// within P_tol of that.
     fn is_in(&self, step: &StepResponse, requirement: &Requirement) -> bool {
-        let near = (step.from_bar - self.from_bar).abs()
-            <= START_WITHIN_TOLERANCES * requirement.p_tol_bar;
+        let begins = (step.previous_bar - self.from_bar).abs() <= requirement.p_tol_bar;
         // A reference at the passage's end arrives rounded to 2⁻¹⁶ bar.
-        near && self.direction() * (step.to_bar - self.to_bar) >= -1e-4
+        begins && self.direction() * (step.to_bar - self.to_bar) >= -1e-4
     }
 
     /// Where the passage ends for `step`: at its level, or P_tol before the reference if that comes first. A loop that holds

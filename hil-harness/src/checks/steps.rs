@@ -16,6 +16,8 @@ pub struct StepResponse {
     pub time_s: f64,
     /// Index of the step's sample in the recording.
     pub index: usize,
+    /// The reference before \[bar gauge\]; the pressure itself where the recording begins with the step.
+    pub previous_bar: f64,
     /// Chamber pressure at the step [bar gauge].
     pub from_bar: f64,
     /// The new reference [bar gauge].
@@ -76,6 +78,9 @@ fn response(
     Some(StepResponse {
         time_s: trajectory.time_s(start),
         index: start,
+        previous_bar: start
+            .checked_sub(1)
+            .map_or(from_bar, |before| trajectory.reference[before]),
         from_bar,
         to_bar,
         in_operating_range: requirement.is_operating_reference(to_bar),

@@ -234,6 +234,26 @@ fn venting_takes_less_than_two_and_a_half_samples() {
 }
 
 #[test]
+fn a_passage_is_timed_from_a_reference_at_its_beginning_only() {
+    let level = 0.26 * 8.4;
+    for (before, expected) in [(0.1, true), (0.11, false)] {
+        let made = passage(before, level + before, 4.0, 4.0);
+        assert_eq!(
+            made.verdict().check(CheckId::FillTime).is_some(),
+            expected,
+            "{before} bar"
+        );
+    }
+    let too_short = passage(0.0, level, level - 0.01, 4.0);
+    assert!(
+        too_short
+            .verdict()
+            .not_exercised
+            .contains(&CheckId::FillTime)
+    );
+}
+
+#[test]
 fn a_passage_to_the_reference_itself_ends_at_its_tolerance() {
     let level = 0.26 * 8.4;
     let mut made = passage(0.0, level - 0.1, level, 4.0);
