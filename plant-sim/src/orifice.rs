@@ -118,6 +118,15 @@ impl NozzleLaw {
     }
 }
 
+/// What limits the flow of a valve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Limit {
+    /// The gap between armature and seat (equation 3.20).
+    Curtain,
+    /// The bore behind it (equation 3.21).
+    Bore,
+}
+
 /// The opening of a valve: a curtain that grows with the lift until the bore limits it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orifice {
@@ -148,6 +157,17 @@ impl Orifice {
     #[inline]
     pub fn effective_area(&self, lift: f64) -> f64 {
         self.discharge_coefficient * self.circumference * lift.clamp(0.0, self.saturation_lift)
+    }
+
+    /// The effective area [m²] by one part of the law, continued smoothly beyond its end: a solver's step
+    /// that passes the kink or a stop sees no kink, and ends there.
+    #[inline]
+    pub fn effective_area_by(&self, limit: Limit, lift: f64) -> f64 {
+        let lift = match limit {
+            Limit::Curtain => lift,
+            Limit::Bore => self.saturation_lift,
+        };
+        self.discharge_coefficient * self.circumference * lift
     }
 
     /// d(effective area)/d(lift) at `lift` [m]: zero where the bore limits the flow.

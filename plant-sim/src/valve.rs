@@ -3,7 +3,7 @@
 use crate::armature::Armature;
 use crate::coil::{Coil, Drive, RestingCurrent};
 use crate::magnet::Magnet;
-use crate::orifice::Orifice;
+use crate::orifice::{Limit, Orifice};
 
 /// What the valve does without current (section 2.3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,11 +90,36 @@ impl Valve {
         self.orifice.effective_area(self.lift(x))
     }
 
-    /// Armature position at which the area law has its kink [m].
-    pub fn saturation_position(&self) -> f64 {
-        match self.function {
-            ValveFunction::NormallyClosed => self.orifice.saturation_lift(),
-            ValveFunction::NormallyOpen => self.armature.stroke - self.orifice.saturation_lift(),
+    /// The part of the area law that holds at `x` and, at the kink itself, where `v` leads.
+    #[inline]
+    pub fn limit(&self, x: f64, v: f64) -> Limit {
+        let [lowest, highest] = self.interval(Limit::Curtain);
+        let inside = lowest < x && x < highest;
+        let entering = (x == lowest && (v > 0.0 || lowest == 0.0))
+            || (x == highest && (v <= 0.0 || highest == self.armature.stroke));
+        if inside || entering {
+            Limit::Curtain
+        } else {
+            Limit::Bore
+        }
+    }
+
+    /// Discharge coefficient times open area [m²] by one part of the area law.
+    #[inline]
+    pub fn effective_area_by(&self, limit: Limit, x: f64) -> f64 {
+        self.orifice.effective_area_by(limit, self.lift(x))
+    }
+
+    /// The armature positions between which one part of the area law holds [m]: from a stop to the kink, where
+    /// curtain and bore are equal, or from there to the other stop.
+    pub fn interval(&self, limit: Limit) -> [f64; 2] {
+        let stroke = self.armature.stroke;
+        let saturation = self.orifice.saturation_lift().min(stroke);
+        match (self.function, limit) {
+            (ValveFunction::NormallyClosed, Limit::Curtain) => [0.0, saturation],
+            (ValveFunction::NormallyClosed, Limit::Bore) => [saturation, stroke],
+            (ValveFunction::NormallyOpen, Limit::Curtain) => [stroke - saturation, stroke],
+            (ValveFunction::NormallyOpen, Limit::Bore) => [0.0, stroke - saturation],
         }
     }
 

@@ -187,8 +187,10 @@ fn coil_energy_is_balanced() {
 #[test]
 fn mean_current_is_the_mean_of_the_current() {
     let nominal = PlantParameters::nominal();
-    let mut fine = Simulator::new(&nominal);
-    let mut coarse = Simulator::new(&nominal);
+    // Tight, so that both trajectories are the same one.
+    let tight = Tolerance::scaled(1e-3);
+    let mut fine = Simulator::with_tolerance(&nominal, tight);
+    let mut coarse = Simulator::with_tolerance(&nominal, tight);
     for simulator in [&mut fine, &mut coarse] {
         simulator.command(command(65.0, 0.0));
     }

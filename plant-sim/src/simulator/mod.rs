@@ -1,8 +1,7 @@
 //! The event-driven solution of the plant.
 //!
 //! Between two events the plant is smooth. Events that are known in advance (PWM edges, samples) end a
-//! segment; events that follow from the state are located within a step, which is then repeated up to
-//! the event:
+//! segment; events that follow from the state are located within a step, which then ends there:
 //!
 //! - an armature departs from a stop: magnet and pressure overcome spring and preload, or no longer do;
 //! - an armature arrives at a stop, where its velocity ends;
@@ -15,6 +14,7 @@
 
 mod event;
 mod solver;
+mod span;
 mod tolerance;
 
 pub use solver::Statistics;

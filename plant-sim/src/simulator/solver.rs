@@ -1,9 +1,11 @@
 //! Solves the plant through a stretch in which no output changes.
 
+use super::span::{Span, first_of};
 use super::tolerance::{Tolerance, Weights};
 use crate::coil::{Drive, RestingCurrent};
+use crate::orifice::Limit;
 use crate::plant::{FILL, Plant, PlantState, VENT};
-use crate::solver::dormand_prince::{self, Step};
+use crate::solver::dormand_prince;
 use crate::valve::{Motion, ValveState};
 
 /// Longest step while an armature moves [s]: a quarter of its travel time, so that no arrival and
@@ -141,52 +143,41 @@ impl Solver {
         moving: [usize; M],
         mut remaining: f64,
     ) -> f64 {
-        let drives = self.state.valves.map(|valve| valve.drive);
-        let resting_areas = self.effective_areas();
+        let smooth = Smooth {
+            moving,
+            drives: moving.map(|index| self.state.valves[index].drive),
+            limits: moving.map(|index| {
+                let ValveState { x, v, .. } = self.state.valves[index];
+                self.plant.valves[index].limit(x, v)
+            }),
+            resting_areas: self.effective_areas(),
+        };
         let mut start = self.pack::<N, M>(moving);
-        let mut start_rate = self.rates(moving, drives, resting_areas, &start);
+        let mut start_rate = smooth.rates(&self.plant, &start);
         while remaining > 0.0 {
-            let (h, step) = self.step(
-                moving,
-                drives,
-                resting_areas,
-                &start,
-                &start_rate,
-                remaining,
-            );
+            let span = self.step(&smooth, start, start_rate, remaining);
             let currents = self.resting_currents();
-            let Some((time, event)) =
-                self.first_event(moving, h, &start, &start_rate, &step, &currents)
-            else {
-                self.commit(moving, &start, &step.end, h, &currents);
-                (start, start_rate) = (step.end, step.end_rate);
-                remaining -= h;
-                continue;
-            };
-            let rates = |y: &[f64; N]| self.rates(moving, drives, resting_areas, y);
-            let end = if time < h {
-                dormand_prince::step(rates, &start, &start_rate, time).end
-            } else {
-                step.end
-            };
-            self.commit(moving, &start, &end, time, &currents);
-            self.statistics.events += 1;
-            self.apply(event);
-            return remaining - time;
+            if let Some((time, event)) = self.first_event(&smooth, &span, &currents) {
+                self.commit(moving, &start, &span.at(time), time, &currents);
+                self.statistics.events += 1;
+                self.apply(event);
+                return remaining - time;
+            }
+            self.commit(moving, &start, &span.end, span.h, &currents);
+            (start, start_rate) = (span.end, span.end_rate);
+            remaining -= span.h;
         }
         remaining
     }
 
-    /// One step that keeps the tolerance, at most `remaining` [s] long; its length and result.
+    /// One step that keeps the tolerance, at most `remaining` [s] long.
     fn step<const N: usize, const M: usize>(
         &mut self,
-        moving: [usize; M],
-        drives: [Drive; 2],
-        resting_areas: [f64; 2],
-        start: &[f64; N],
-        start_rate: &[f64; N],
+        smooth: &Smooth<M>,
+        start: [f64; N],
+        start_rate: [f64; N],
         remaining: f64,
-    ) -> (f64, Step<N>) {
+    ) -> Span<N> {
         let (kind, longest) = if M == 0 {
             (0, LONGEST_FLOW_STEP)
         } else {
@@ -194,8 +185,8 @@ impl Solver {
         };
         loop {
             let h = self.proposal[kind].min(longest).min(remaining);
-            let rates = |y: &[f64; N]| self.rates(moving, drives, resting_areas, y);
-            let step = dormand_prince::step(rates, start, start_rate, h);
+            let rates = |y: &[f64; N]| smooth.rates(&self.plant, y);
+            let step = dormand_prince::step(rates, &start, &start_rate, h);
             let error = self.weights.measure(&step.error);
             // The fourth root for the fifth: cheaper, and more careful after a large error.
             let factor = (0.9 / error.sqrt().sqrt()).clamp(0.2, 4.0);
@@ -205,35 +196,17 @@ impl Solver {
                 let floor = if cut_short { self.proposal[kind] } else { 0.0 };
                 self.proposal[kind] = (h * factor).max(floor).min(longest);
                 self.statistics.steps += 1;
-                return (h, step);
+                return Span {
+                    h,
+                    start,
+                    start_rate,
+                    end: step.end,
+                    end_rate: step.end_rate,
+                };
             }
             self.proposal[kind] = h * factor.min(0.9);
             self.statistics.rejected_steps += 1;
         }
-    }
-
-    /// The rates of pressure and the `moving` valves; the others stay where they are.
-    #[inline(always)]
-    fn rates<const N: usize, const M: usize>(
-        &self,
-        moving: [usize; M],
-        drives: [Drive; 2],
-        resting_areas: [f64; 2],
-        y: &[f64; N],
-    ) -> [f64; N] {
-        let pressure = y[0];
-        let mut areas = resting_areas;
-        let mut rates = [0.0; N];
-        for (slot, index) in moving.into_iter().enumerate() {
-            let valve = &self.plant.valves[index];
-            let [current, x, v] = [y[1 + 3 * slot], y[2 + 3 * slot], y[3 + 3 * slot]];
-            areas[index] = valve.effective_area(x);
-            let drop = self.plant.pressure_drop(index, pressure);
-            let valve_rates = valve.rates(drives[index], current, x, v, drop);
-            rates[1 + 3 * slot..4 + 3 * slot].copy_from_slice(&valve_rates);
-        }
-        rates[0] = self.plant.pressure_rate(areas, pressure);
-        rates
     }
 
     fn pack<const N: usize, const M: usize>(&self, moving: [usize; M]) -> [f64; N] {
@@ -241,7 +214,7 @@ impl Solver {
         y[0] = self.state.pressure;
         for (slot, &index) in moving.iter().enumerate() {
             let ValveState { current, x, v, .. } = self.state.valves[index];
-            y[1 + 3 * slot..4 + 3 * slot].copy_from_slice(&[current, x, v]);
+            y[first_of(slot)..first_of(slot + 1)].copy_from_slice(&[current, x, v]);
         }
         y
     }
@@ -260,17 +233,47 @@ impl Solver {
                 self.settle_current(index, &currents[index], taken);
             }
         }
-        for (slot, &index) in moving.iter().enumerate() {
+        for (slot, index) in moving.into_iter().enumerate() {
             let coil = &self.plant.valves[index].coil;
             let valve = &mut self.state.valves[index];
-            [valve.current, valve.x, valve.v] =
-                [end[1 + 3 * slot], end[2 + 3 * slot], end[3 + 3 * slot]];
+            let first = first_of(slot);
+            [valve.current, valve.x, valve.v] = [end[first], end[first + 1], end[first + 2]];
             if let Some(voltage) = valve.drive.voltage() {
                 // Flux balance: R ∫i dt = ∫u dt - Δ(L i), exact whatever the armature did.
-                let flux = |y: &[f64; N]| coil.inductance(y[2 + 3 * slot]) * y[1 + 3 * slot];
+                let flux = |y: &[f64; N]| coil.inductance(y[first + 1]) * y[first];
                 self.charge[index] +=
                     (voltage * taken - (flux(end) - flux(start))) / coil.resistance;
             }
         }
+    }
+}
+
+/// The right-hand side between two events, where it is smooth: `M` valves move, the others stay.
+pub(super) struct Smooth<const M: usize> {
+    pub(super) moving: [usize; M],
+    pub(super) drives: [Drive; M],
+    /// Which part of the area law the step stays on.
+    pub(super) limits: [Limit; M],
+    resting_areas: [f64; 2],
+}
+
+impl<const M: usize> Smooth<M> {
+    #[inline(always)]
+    fn rates<const N: usize>(&self, plant: &Plant, y: &[f64; N]) -> [f64; N] {
+        let pressure = y[0];
+        let mut areas = self.resting_areas;
+        let mut rates = [0.0; N];
+        for slot in 0..M {
+            let index = self.moving[slot];
+            let valve = &plant.valves[index];
+            let first = first_of(slot);
+            let [current, x, v] = [y[first], y[first + 1], y[first + 2]];
+            areas[index] = valve.effective_area_by(self.limits[slot], x);
+            let drop = plant.pressure_drop(index, pressure);
+            let valve_rates = valve.rates(self.drives[slot], current, x, v, drop);
+            rates[first..first + 3].copy_from_slice(&valve_rates);
+        }
+        rates[0] = plant.pressure_rate(areas, pressure);
+        rates
     }
 }

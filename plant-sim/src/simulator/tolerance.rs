@@ -31,10 +31,10 @@ impl Default for Tolerance {
     /// docs/evidence.md has the figures.
     fn default() -> Self {
         Self {
-            pressure: 2.0,
-            current: 1e-5,
-            position: 1e-8,
-            velocity: 1e-4,
+            pressure: 5.0,
+            current: 3e-5,
+            position: 3e-8,
+            velocity: 3e-4,
         }
     }
 }

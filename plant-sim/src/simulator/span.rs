@@ -1,0 +1,74 @@
+//! A step of the solver as a course over time.
+//!
+//! The state holds the pressure, then current, position and velocity of each moving valve. Within a step,
+//! position has both derivatives at both ends and is a quintic; the others are cubics. Both are more accurate
+//! than the step itself, so an event needs no second step up to it.
+
+use crate::solver::hermite::{Cubic, Quintic};
+
+/// A step from `start` to `end` over `h` [s], with the rates at both ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Span<const N: usize> {
+    pub(super) h: f64,
+    pub(super) start: [f64; N],
+    pub(super) start_rate: [f64; N],
+    pub(super) end: [f64; N],
+    pub(super) end_rate: [f64; N],
+}
+
+/// Index of the current of the moving valve in `slot`; position and velocity follow.
+#[inline]
+pub(super) fn first_of(slot: usize) -> usize {
+    1 + 3 * slot
+}
+
+impl<const N: usize> Span<N> {
+    fn cubic(&self, n: usize) -> Cubic {
+        Cubic::new(
+            self.h,
+            self.start[n],
+            self.start_rate[n],
+            self.end[n],
+            self.end_rate[n],
+        )
+    }
+
+    /// Chamber pressure over time.
+    pub(super) fn pressure(&self) -> Cubic {
+        self.cubic(0)
+    }
+
+    /// Current of the moving valve in `slot` over time.
+    pub(super) fn current(&self, slot: usize) -> Cubic {
+        self.cubic(first_of(slot))
+    }
+
+    /// Position of the moving valve in `slot` over time.
+    pub(super) fn position(&self, slot: usize) -> Quintic {
+        let x = first_of(slot) + 1;
+        Quintic::new(
+            self.h,
+            [self.start[x], self.start[x + 1], self.start_rate[x + 1]],
+            [self.end[x], self.end[x + 1], self.end_rate[x + 1]],
+        )
+    }
+
+    /// The state at `time` within the step.
+    pub(super) fn at(&self, time: f64) -> [f64; N] {
+        if time >= self.h {
+            return self.end;
+        }
+        let mut state = [0.0; N];
+        state[0] = self.pressure().at(time);
+        for slot in 0..N / 3 {
+            let position = self.position(slot);
+            let values = [
+                self.current(slot).at(time),
+                position.at(time),
+                position.rate_at(time),
+            ];
+            state[first_of(slot)..first_of(slot + 1)].copy_from_slice(&values);
+        }
+        state
+    }
+}
