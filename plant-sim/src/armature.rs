@@ -5,30 +5,30 @@
 /// the magnetic force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Armature {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: f64,
-    /// Distance between the end stops [m].
+    /// Distance between the end stops (m).
     pub stroke: f64,
-    /// Viscous friction [N s/m] (equation 3.14).
+    /// Viscous friction (N s/m) (equation 3.14).
     pub viscous_friction: f64,
-    /// Spring rate [N/m] (equation 3.15).
+    /// Spring rate (N/m) (equation 3.15).
     pub spring_rate: f64,
-    /// Spring preload at x = 0 [N] (equation 3.16).
+    /// Spring preload at x = 0 (N) (equation 3.16).
     pub preload: f64,
-    /// Area on which the pressure difference acts [m²] (equation 3.13); negative where the pressure
+    /// Area on which the pressure difference acts (m²) (equation 3.13); negative where the pressure
     /// acts against the magnet, as in a normally open valve.
     pub pressure_area: f64,
 }
 
 impl Armature {
-    /// Force at rest without the magnet's [N], positive towards the stroke; `pressure_drop` is upside
-    /// minus downside pressure [Pa].
+    /// Force at rest without the magnet's (N), positive towards the stroke; `pressure_drop` is upside
+    /// minus downside pressure (Pa).
     #[inline]
     pub fn static_force(&self, x: f64, pressure_drop: f64) -> f64 {
         self.pressure_area * pressure_drop - self.preload - self.spring_rate * x
     }
 
-    /// Acceleration [m/s²] under the magnet's force (equation 3.11).
+    /// Acceleration (m/s²) under the magnet's force (equation 3.11).
     #[inline]
     pub fn acceleration(&self, magnetic_force: f64, x: f64, v: f64, pressure_drop: f64) -> f64 {
         (magnetic_force + self.static_force(x, pressure_drop) - self.viscous_friction * v)

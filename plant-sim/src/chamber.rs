@@ -3,19 +3,19 @@
 /// Chamber parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chamber {
-    /// R T / V [Pa/kg]: pressure per mass (equation 3.17).
+    /// R T / V (Pa/kg): pressure per mass (equation 3.17).
     pub pressure_per_mass: f64,
 }
 
 impl Chamber {
-    /// A chamber of `volume` [m³] with gas of `gas_constant` [J/(kg K)] at `temperature` [K].
+    /// A chamber of `volume` (m³) with gas of `gas_constant` (J/(kg K)) at `temperature` (K).
     pub fn new(volume: f64, gas_constant: f64, temperature: f64) -> Self {
         Self {
             pressure_per_mass: gas_constant * temperature / volume,
         }
     }
 
-    /// dp/dt [Pa/s] for the mass flows in and out [kg/s] (equation 3.24).
+    /// dp/dt (Pa/s) for the mass flows in and out (kg/s) (equation 3.24).
     #[inline]
     pub fn pressure_rate(&self, mass_flow_in: f64, mass_flow_out: f64) -> f64 {
         self.pressure_per_mass * (mass_flow_in - mass_flow_out)

@@ -4,9 +4,9 @@
 /// What drives the coil; fixed between two events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive {
-    /// The ECU output is high: the coil sees the supply voltage [V] (equation 3.2).
+    /// The ECU output is high: the coil sees the supply voltage (V) (equation 3.2).
     Energised(f64),
-    /// The output is low and the current circulates through the free-wheel diode, whose drop [V]
+    /// The output is low and the current circulates through the free-wheel diode, whose drop (V)
     /// opposes it (equation 3.5).
     FreeWheeling(f64),
     /// The output is low and the current is extinct: the diode blocks.
@@ -16,22 +16,22 @@ pub enum Drive {
 /// Coil parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coil {
-    /// Resistance [Ω].
+    /// Resistance (Ω).
     pub resistance: f64,
-    /// Inductance with the armature at x = 0 [H], L_off of equation 3.6.
+    /// Inductance with the armature at x = 0 (H), L_off of equation 3.6.
     pub inductance_at_rest: f64,
-    /// dL/dx [H/m]: (L_on - L_off) over the stroke, equation 3.6.
+    /// dL/dx (H/m): (L_on - L_off) over the stroke, equation 3.6.
     pub inductance_slope: f64,
 }
 
 impl Coil {
-    /// Inductance at armature position `x` [m] (equation 3.6) [H].
+    /// Inductance at armature position `x` (m) (equation 3.6) (H).
     #[inline]
     pub fn inductance(&self, x: f64) -> f64 {
         self.inductance_at_rest + self.inductance_slope * x
     }
 
-    /// di/dt [A/s] with the motional voltage of equation 3.3; `v` is dx/dt [m/s].
+    /// di/dt (A/s) with the motional voltage of equation 3.3; `v` is dx/dt (m/s).
     #[inline]
     pub fn current_rate(&self, drive: Drive, current: f64, x: f64, v: f64) -> f64 {
         let Some(voltage) = drive.voltage() else {
@@ -56,7 +56,7 @@ impl Coil {
 }
 
 impl Drive {
-    /// Voltage around the loop without the resistive drop [V]; none where the diode blocks.
+    /// Voltage around the loop without the resistive drop (V); none where the diode blocks.
     #[inline]
     pub fn voltage(self) -> Option<f64> {
         match self {
@@ -82,7 +82,7 @@ impl RestingCurrent {
         time_constant: 1.0,
     };
 
-    /// Current at `time` [s] [A].
+    /// Current at `time` (s) (A).
     #[inline]
     pub fn at(&self, time: f64) -> f64 {
         if self.initial == self.steady {
@@ -92,7 +92,7 @@ impl RestingCurrent {
         (self.steady + (self.initial - self.steady) * decay).max(0.0)
     }
 
-    /// ∫ i dt from 0 to `time` [s], where the current is already `end` there [A s].
+    /// ∫ i dt from 0 to `time` (s), where the current is already `end` there (A s).
     #[inline]
     pub fn charge(&self, time: f64, end: f64) -> f64 {
         let flowing = if end > 0.0 {
@@ -103,7 +103,7 @@ impl RestingCurrent {
         self.steady * flowing + self.time_constant * (self.initial - end)
     }
 
-    /// Time at which a falling current is extinct [s]; infinite where it never is.
+    /// Time at which a falling current is extinct (s); infinite where it never is.
     fn extinction(&self) -> f64 {
         if self.steady < 0.0 {
             self.time_constant * (1.0 - self.initial / self.steady).ln()

@@ -9,9 +9,9 @@ use std::collections::VecDeque;
 /// Duty cycles commanded to the two valves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Command {
-    /// Duty cycle of the fill valve [%], 0 to 100.
+    /// Duty cycle of the fill valve (%), 0 to 100.
     pub duty_fill_pct: f64,
-    /// Duty cycle of the vent valve [%], 0 to 100.
+    /// Duty cycle of the vent valve (%), 0 to 100.
     pub duty_vent_pct: f64,
 }
 

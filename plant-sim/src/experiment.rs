@@ -36,18 +36,18 @@ impl ValveId {
     }
 }
 
-/// Resolution of the duty limits [%].
+/// Resolution of the duty limits (%).
 pub const DUTY_RESOLUTION_PCT: f64 = 0.05;
 /// Share of the stroke by which an armature must leave its seat before the bench notices.
 ///
 /// Below it the armature trembles by micrometres: no pressure change that a log shows within a second.
 pub const NOTICEABLE_TRAVEL: f64 = 0.05;
-/// Time in which the PWM reaches its steady cycle [ns].
+/// Time in which the PWM reaches its steady cycle (ns).
 const SETTLING_NS: u64 = 300_000_000;
-/// Time over which the steady cycle is watched [ns].
+/// Time over which the steady cycle is watched (ns).
 const WATCHING_NS: u64 = 200_000_000;
 
-/// The lowest duty cycle [%] that opens the valve (section 4.1): its armature leaves the rest stop by a
+/// The lowest duty cycle (%) that opens the valve (section 4.1): its armature leaves the rest stop by a
 /// noticeable travel, with the full supply pressure across the valve or with none. None where even 100 %
 /// does not.
 pub fn opening_duty_pct(
@@ -62,7 +62,7 @@ pub fn opening_duty_pct(
     })
 }
 
-/// The lowest duty cycle [%] that keeps the valve open (section 4.1), with no pressure across it: the armature
+/// The lowest duty cycle (%) that keeps the valve open (section 4.1), with no pressure across it: the armature
 /// no longer returns to its seat within a PWM period. The thesis found this limit by ear, and a seat that is no
 /// longer struck is what ends the sound; at rest at full stroke the armature is only from about 7 % duty more
 /// on. None where even 100 % does not keep it open.
@@ -131,20 +131,20 @@ fn lowest_duty_pct(holds: impl Fn(f64) -> bool) -> Option<f64> {
 /// A measured pressure change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressureStep {
-    /// Time from the command to the first change of pressure [s].
+    /// Time from the command to the first change of pressure (s).
     pub dead_time_s: f64,
-    /// Time from the pressure `from` to the pressure `to` [s].
+    /// Time from the pressure `from` to the pressure `to` (s).
     pub duration_s: f64,
 }
 
-/// Time grid on which pressures are read [ns].
+/// Time grid on which pressures are read (ns).
 const GRID_NS: u64 = 50_000;
-/// A pressure change that a sensor would notice [Pa]: one step of it.
+/// A pressure change that a sensor would notice (Pa): one step of it.
 const NOTICEABLE_PA: f64 = 510.0;
-/// Longest time waited for a pressure [ns].
+/// Longest time waited for a pressure (ns).
 const PATIENCE_NS: u64 = 20_000_000_000;
 
-/// Steps `valve` to `duty_pct` and reads the time from `from` to `to` [bar gauge]; the chamber starts at
+/// Steps `valve` to `duty_pct` and reads the time from `from` to `to` (bar gauge); the chamber starts at
 /// ambient pressure for the fill valve and at supply pressure for the vent valve (figures 4.1, 4.2, 4.9 to
 /// 4.11). None where `to` is not reached within 20 s.
 pub fn pressure_step(
@@ -184,7 +184,7 @@ pub fn pressure_step(
     None
 }
 
-/// Mean, least and largest current [A] of the fill valve in the steady PWM cycle at `duty_pct`, with the
+/// Mean, least and largest current (A) of the fill valve in the steady PWM cycle at `duty_pct`, with the
 /// supply pressure disconnected (figures 4.3 and 4.4).
 pub fn steady_current(parameters: &PlantParameters, duty_pct: f64) -> [f64; 3] {
     let mut simulator = at_duty(parameters, ValveId::Fill, duty_pct, false);

@@ -33,13 +33,13 @@ pub const PRESSURE: usize = 3;
 pub struct Linearisation {
     /// ∂f/∂x.
     pub a: [[f64; STATES]; STATES],
-    /// ∂f/∂u for the voltages of fill and vent coil [V].
+    /// ∂f/∂u for the voltages of fill and vent coil (V).
     pub b: [[f64; 2]; STATES],
     /// ∂g/∂x of the output y = chamber pressure.
     pub c: [f64; STATES],
 }
 
-/// Linearises the plant about `state` with both coils at the voltages `voltage` [V].
+/// Linearises the plant about `state` with both coils at the voltages `voltage` (V).
 pub fn linearise(plant: &Plant, voltage: [f64; 2], state: &[f64; STATES]) -> Linearisation {
     let pressure = state[PRESSURE];
     let mut a = [[0.0; STATES]; STATES];
@@ -84,7 +84,7 @@ pub fn linearise(plant: &Plant, voltage: [f64; 2], state: &[f64; STATES]) -> Lin
     Linearisation { a, b, c }
 }
 
-/// d(mass flow per effective area)/d(chamber pressure) for flow in the normal direction [s/m].
+/// d(mass flow per effective area)/d(chamber pressure) for flow in the normal direction (s/m).
 fn flow_slope(plant: &Plant, index: usize, pressure: f64) -> f64 {
     let nozzle = &plant.nozzle;
     if index == FILL {

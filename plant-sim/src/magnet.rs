@@ -3,14 +3,14 @@
 /// F_M = c i² / (gap - x)², with c = μ0 A_p N² / 2.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Magnet {
-    /// c [N m²/A²].
+    /// c (N m²/A²).
     pub force_constant: f64,
-    /// Effective air gap with the armature at x = 0 [m].
+    /// Effective air gap with the armature at x = 0 (m).
     pub gap: f64,
 }
 
 impl Magnet {
-    /// Force in the direction of +x [N] (equation 3.10).
+    /// Force in the direction of +x (N) (equation 3.10).
     #[inline]
     pub fn force(&self, current: f64, x: f64) -> f64 {
         let ratio = current / (self.gap - x);

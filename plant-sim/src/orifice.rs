@@ -12,24 +12,24 @@ pub const LAMINAR_RATIO: f64 = 0.9999;
 /// The gas and the nozzle law, prepared once: everything in equation 3.19 but area and pressures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NozzleLaw {
-    /// Ratio below which the flow is choked `[-]`, equation 3.22.
+    /// Ratio below which the flow is choked (-), equation 3.22.
     critical_ratio: f64,
-    /// (2/(k+1))^(k/(k-1)): where the isentropic law itself has its maximum `[-]`.
+    /// (2/(k+1))^(k/(k-1)): where the isentropic law itself has its maximum (-).
     isentropic_critical_ratio: f64,
-    /// (k-1)/k `[-]`.
+    /// (k-1)/k (-).
     exponent: f64,
-    /// sqrt(2k/(k-1) / (R T)) [s/m].
+    /// sqrt(2k/(k-1) / (R T)) (s/m).
     subsonic_factor: f64,
-    /// Choked mass flow per effective area and upstream pressure [s/m].
+    /// Choked mass flow per effective area and upstream pressure (s/m).
     choked_factor: f64,
-    /// Slope of the linear zone per (1 - ratio) [s/m].
+    /// Slope of the linear zone per (1 - ratio) (s/m).
     laminar_slope: f64,
 }
 
 impl NozzleLaw {
     /// Prepares the law for a gas.
     ///
-    /// `heat_capacity_ratio` k > 1, `gas_constant` [J/(kg K)], `temperature` [K],
+    /// `heat_capacity_ratio` k > 1, `gas_constant` (J/(kg K)), `temperature` (K),
     /// `critical_ratio` as printed in equation 3.22 (0.528 for air).
     pub fn new(
         heat_capacity_ratio: f64,
@@ -51,9 +51,9 @@ impl NozzleLaw {
         law
     }
 
-    /// Mass flow from `upstream` to `downstream` [kg/s]; negative where the pressures are reversed.
+    /// Mass flow from `upstream` to `downstream` (kg/s); negative where the pressures are reversed.
     ///
-    /// `effective_area` is discharge coefficient times area [m²], pressures are absolute [Pa].
+    /// `effective_area` is discharge coefficient times area (m²), pressures are absolute (Pa).
     #[inline]
     pub fn mass_flow(&self, effective_area: f64, upstream: f64, downstream: f64) -> f64 {
         if self.is_choked(upstream, downstream) {
@@ -65,23 +65,23 @@ impl NozzleLaw {
         }
     }
 
-    /// Whether the flow from `upstream` to `downstream` [Pa abs] is choked.
+    /// Whether the flow from `upstream` to `downstream` (Pa abs) is choked.
     #[inline]
     pub fn is_choked(&self, upstream: f64, downstream: f64) -> bool {
         downstream <= self.critical_ratio * upstream
     }
 
-    /// Critical pressure ratio `[-]`.
+    /// Critical pressure ratio (-).
     pub fn critical_ratio(&self) -> f64 {
         self.critical_ratio
     }
 
-    /// Ψ / sqrt(R T) of choked flow [s/m].
+    /// Ψ / sqrt(R T) of choked flow (s/m).
     pub fn choked_factor(&self) -> f64 {
         self.choked_factor
     }
 
-    /// Ψ(ratio) / sqrt(R T) [s/m]: mass flow per effective area and upstream pressure.
+    /// Ψ(ratio) / sqrt(R T) (s/m): mass flow per effective area and upstream pressure.
     #[inline]
     pub fn flow_function(&self, ratio: f64) -> f64 {
         if ratio <= self.critical_ratio {
@@ -93,7 +93,7 @@ impl NozzleLaw {
         }
     }
 
-    /// d(`flow_function`)/d(ratio) [s/m], for the linearisation of appendix A.
+    /// d(`flow_function`)/d(ratio) (s/m), for the linearisation of appendix A.
     pub fn flow_function_slope(&self, ratio: f64) -> f64 {
         if ratio <= self.critical_ratio.max(self.isentropic_critical_ratio) {
             0.0
@@ -130,16 +130,16 @@ pub enum Limit {
 /// The opening of a valve: a curtain that grows with the lift until the bore limits it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orifice {
-    /// π d0 [m].
+    /// π d0 (m).
     circumference: f64,
-    /// Lift at which curtain and bore are equal, d0/4 [m].
+    /// Lift at which curtain and bore are equal, d0/4 (m).
     saturation_lift: f64,
-    /// Discharge coefficient `[-]`.
+    /// Discharge coefficient (-).
     discharge_coefficient: f64,
 }
 
 impl Orifice {
-    /// An orifice of `diameter` [m] with a discharge coefficient.
+    /// An orifice of `diameter` (m) with a discharge coefficient.
     pub fn new(diameter: f64, discharge_coefficient: f64) -> Self {
         Self {
             circumference: PI * diameter,
@@ -148,18 +148,18 @@ impl Orifice {
         }
     }
 
-    /// Lift beyond which the area no longer grows [m]: d0/4, from equations 3.20 and 3.21.
+    /// Lift beyond which the area no longer grows (m): d0/4, from equations 3.20 and 3.21.
     pub fn saturation_lift(&self) -> f64 {
         self.saturation_lift
     }
 
-    /// Discharge coefficient times smallest area at `lift` [m] (equations 3.20, 3.21) [m²].
+    /// Discharge coefficient times smallest area at `lift` (m) (equations 3.20, 3.21) (m²).
     #[inline]
     pub fn effective_area(&self, lift: f64) -> f64 {
         self.discharge_coefficient * self.circumference * lift.clamp(0.0, self.saturation_lift)
     }
 
-    /// The effective area [m²] by one part of the law, continued smoothly beyond its end: a solver's step
+    /// The effective area (m²) by one part of the law, continued smoothly beyond its end: a solver's step
     /// that passes the kink or a stop sees no kink, and ends there.
     #[inline]
     pub fn effective_area_by(&self, limit: Limit, lift: f64) -> f64 {
@@ -170,7 +170,7 @@ impl Orifice {
         self.discharge_coefficient * self.circumference * lift
     }
 
-    /// d(effective area)/d(lift) at `lift` [m]: zero where the bore limits the flow.
+    /// d(effective area)/d(lift) at `lift` (m): zero where the bore limits the flow.
     pub fn effective_area_slope(&self, lift: f64) -> f64 {
         if lift < self.saturation_lift {
             self.discharge_coefficient * self.circumference

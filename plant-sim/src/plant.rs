@@ -19,11 +19,11 @@ pub struct Plant {
     pub nozzle: NozzleLaw,
     /// The chamber.
     pub chamber: Chamber,
-    /// Supply pressure [Pa abs], upside of the fill valve.
+    /// Supply pressure (Pa abs), upside of the fill valve.
     pub supply_pressure: f64,
-    /// Ambient pressure [Pa abs], downside of the vent valve.
+    /// Ambient pressure (Pa abs), downside of the vent valve.
     pub ambient_pressure: f64,
-    /// Drop of the free-wheel diode [V].
+    /// Drop of the free-wheel diode (V).
     pub diode_drop: f64,
 }
 
@@ -32,7 +32,7 @@ pub struct Plant {
 pub struct PlantState {
     /// Fill and vent valve.
     pub valves: [ValveState; 2],
-    /// Chamber pressure [Pa abs].
+    /// Chamber pressure (Pa abs).
     pub pressure: f64,
 }
 
@@ -45,7 +45,7 @@ impl Plant {
         }
     }
 
-    /// Upside minus downside pressure of a valve [Pa] at chamber pressure `pressure` [Pa abs].
+    /// Upside minus downside pressure of a valve (Pa) at chamber pressure `pressure` (Pa abs).
     #[inline]
     pub fn pressure_drop(&self, valve: usize, pressure: f64) -> f64 {
         if valve == FILL {
@@ -55,7 +55,7 @@ impl Plant {
         }
     }
 
-    /// Mass flow through a valve with `effective_area` [m²] [kg/s], positive downstream.
+    /// Mass flow through a valve with `effective_area` (m²) (kg/s), positive downstream.
     #[inline]
     pub fn mass_flow(&self, valve: usize, effective_area: f64, pressure: f64) -> f64 {
         if effective_area == 0.0 {
@@ -69,7 +69,7 @@ impl Plant {
         }
     }
 
-    /// dp/dt [Pa/s] for the effective areas of fill and vent valve [m²] (equation 3.29).
+    /// dp/dt (Pa/s) for the effective areas of fill and vent valve (m²) (equation 3.29).
     #[inline]
     pub fn pressure_rate(&self, effective_areas: [f64; 2], pressure: f64) -> f64 {
         self.chamber.pressure_rate(
@@ -151,18 +151,18 @@ impl Plant {
 /// A chamber pressure that follows dp/dt = `rise` - `decay_rate` p: closed, or choked through either valve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RestingPressure {
-    /// Pressure at time 0 [Pa abs].
+    /// Pressure at time 0 (Pa abs).
     initial: f64,
-    /// Choked inflow [Pa/s].
+    /// Choked inflow (Pa/s).
     rise: f64,
-    /// Choked outflow per pressure [1/s].
+    /// Choked outflow per pressure (1/s).
     decay_rate: f64,
-    /// Time for which the flows stay choked [s].
+    /// Time for which the flows stay choked (s).
     valid_for: f64,
 }
 
 impl RestingPressure {
-    /// Pressure at `time` [s] [Pa abs].
+    /// Pressure at `time` (s) (Pa abs).
     #[inline]
     pub fn at(&self, time: f64) -> f64 {
         if self.decay_rate == 0.0 {
@@ -173,7 +173,7 @@ impl RestingPressure {
         }
     }
 
-    /// Time for which the formula holds [s].
+    /// Time for which the formula holds (s).
     pub fn valid_for(&self) -> f64 {
         self.valid_for
     }

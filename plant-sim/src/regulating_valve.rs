@@ -32,9 +32,9 @@ impl RegulatingValveParameters {
 #[derive(Debug, Clone)]
 pub struct RegulatingValve {
     parameters: RegulatingValveParameters,
-    /// Position [m], 0 at the air-side stop.
+    /// Position (m), 0 at the air-side stop.
     x: f64,
-    /// Velocity [m/s].
+    /// Velocity (m/s).
     v: f64,
 }
 
@@ -91,17 +91,17 @@ impl RegulatingValve {
         }
     }
 
-    /// Position of the plunger [m].
+    /// Position of the plunger (m).
     pub fn position(&self) -> f64 {
         self.x
     }
 
-    /// Velocity of the plunger [m/s].
+    /// Velocity of the plunger (m/s).
     pub fn velocity(&self) -> f64 {
         self.v
     }
 
-    /// Force on the plunger without friction [N] at chamber gauge pressure `pressure` [Pa].
+    /// Force on the plunger without friction (N) at chamber gauge pressure `pressure` (Pa).
     fn force(&self, pressure: f64, x: f64) -> f64 {
         let p = &self.parameters;
         pressure * p.air_area_m2
@@ -110,7 +110,7 @@ impl RegulatingValve {
             - p.spring_n_per_m * x
     }
 
-    /// Advances by `duration` [s] while the chamber's gauge pressure goes from `start` to `end` [Pa].
+    /// Advances by `duration` (s) while the chamber's gauge pressure goes from `start` to `end` (Pa).
     pub fn advance(&mut self, duration: f64, start: f64, end: f64) {
         let pressure_rate = (end - start) / duration;
         let force_rate = pressure_rate * self.parameters.air_area_m2;
@@ -146,7 +146,7 @@ impl RegulatingValve {
         (direction * p.static_friction_n - force) / force_rate + 1e-9
     }
 
-    /// Slides in one direction until it reverses, meets a stop or `limit` [s] is over.
+    /// Slides in one direction until it reverses, meets a stop or `limit` (s) is over.
     fn slide(&mut self, force: f64, force_rate: f64, limit: f64) -> f64 {
         let p = &self.parameters;
         let direction = if self.v == 0.0 {

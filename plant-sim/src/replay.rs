@@ -16,11 +16,11 @@ use crate::simulator::{Sample, Simulator, Statistics, Tolerance};
 /// What the log tells the model at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayInput {
-    /// Instant [ns] since the start of the log.
+    /// Instant (ns) since the start of the log.
     pub time_ns: u64,
     /// Commanded duty cycles; none where the log misses them, which holds the last ones.
     pub command: Option<Command>,
-    /// Supply voltage at the ECU [V], where logged; none holds the last one.
+    /// Supply voltage at the ECU (V), where logged; none holds the last one.
     pub supply_voltage_v: Option<f64>,
 }
 
@@ -100,7 +100,7 @@ impl Replay {
         &mut self.simulator
     }
 
-    /// Advances to the instant of `input`, samples, then hands over the command. The plunger's position [mm]
+    /// Advances to the instant of `input`, samples, then hands over the command. The plunger's position (mm)
     /// comes along where there is a regulating valve.
     pub fn row(&mut self, input: ReplayInput) -> (Row, Option<f64>) {
         self.simulator.advance_to_ns(input.time_ns);

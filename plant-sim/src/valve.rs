@@ -51,11 +51,11 @@ pub enum Motion {
 /// The state of a valve between two events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValveState {
-    /// Coil current [A], never negative.
+    /// Coil current (A), never negative.
     pub current: f64,
-    /// Armature position [m], 0 to stroke.
+    /// Armature position (m), 0 to stroke.
     pub x: f64,
-    /// Armature velocity [m/s].
+    /// Armature velocity (m/s).
     pub v: f64,
     /// At a stop or moving.
     pub motion: Motion,
@@ -75,7 +75,7 @@ impl ValveState {
 }
 
 impl Valve {
-    /// Lift of the valve seat [m] with the armature at `x`.
+    /// Lift of the valve seat (m) with the armature at `x`.
     #[inline]
     pub fn lift(&self, x: f64) -> f64 {
         match self.function {
@@ -84,7 +84,7 @@ impl Valve {
         }
     }
 
-    /// Discharge coefficient times open area [m²] with the armature at `x`.
+    /// Discharge coefficient times open area (m²) with the armature at `x`.
     #[inline]
     pub fn effective_area(&self, x: f64) -> f64 {
         self.orifice.effective_area(self.lift(x))
@@ -104,13 +104,13 @@ impl Valve {
         }
     }
 
-    /// Discharge coefficient times open area [m²] by one part of the area law.
+    /// Discharge coefficient times open area (m²) by one part of the area law.
     #[inline]
     pub fn effective_area_by(&self, limit: Limit, x: f64) -> f64 {
         self.orifice.effective_area_by(limit, self.lift(x))
     }
 
-    /// The armature positions between which one part of the area law holds [m]: from a stop to the kink, where
+    /// The armature positions between which one part of the area law holds (m): from a stop to the kink, where
     /// curtain and bore are equal, or from there to the other stop.
     pub fn interval(&self, limit: Limit) -> [f64; 2] {
         let stroke = self.armature.stroke;
@@ -147,7 +147,7 @@ impl Valve {
         self.coil.at_rest(state.drive, state.current, state.x)
     }
 
-    /// The force that pulls a resting armature off its stop [N]: it departs when this is positive.
+    /// The force that pulls a resting armature off its stop (N): it departs when this is positive.
     #[inline]
     pub fn departing_force(&self, motion: Motion, x: f64, current: f64, pressure_drop: f64) -> f64 {
         let net = self.magnet.force(current, x) + self.armature.static_force(x, pressure_drop);

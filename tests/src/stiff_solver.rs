@@ -24,9 +24,9 @@ type State = [f64; STATES];
 const FIRST: [usize; 2] = [0, 4];
 /// Roots per valve: rest stop or departure, full stroke, extinction.
 const ROOTS: usize = 3;
-/// First step after a restart [s].
+/// First step after a restart (s).
 const FIRST_STEP: f64 = 1e-5;
-/// A stop lies this far outside the stroke [m], so that an armature at a stop is not on a root.
+/// A stop lies this far outside the stroke (m), so that an armature at a stop is not on a root.
 const STOP_MARGIN: f64 = 1e-12;
 
 /// What the equations depend on besides the state.
@@ -38,7 +38,7 @@ struct Mode {
 
 /// A trajectory sampled at the instants of the inputs.
 pub struct Trajectory {
-    /// Chamber pressure [Pa abs] at each input.
+    /// Chamber pressure (Pa abs) at each input.
     pub pressure: Vec<f64>,
     /// Accepted steps.
     pub steps: usize,

@@ -25,23 +25,23 @@ pub struct Measurements {
 pub struct Requirement {
     /// T_req in ECU samples.
     pub t_req_samples: u32,
-    /// Longest time to fill from ambient to 0.26 P_sup [T_req].
+    /// Longest time to fill from ambient to 0.26 P_sup (T_req).
     pub fill_0_to_026_psup_max_t_req: f64,
-    /// Longest time to vent from 0.88 to 0.71 P_sup [T_req].
+    /// Longest time to vent from 0.88 to 0.71 P_sup (T_req).
     pub vent_088_to_071_psup_max_t_req: f64,
-    /// Range of references in operation [P_sup].
+    /// Range of references in operation (P_sup).
     pub operating_range_psup: [f64; 2],
-    /// Tolerance [bar].
+    /// Tolerance (bar).
     pub p_tol_bar: f64,
     /// Samples that the error prediction looks ahead.
     pub prediction_samples: u32,
-    /// Longest time from a command to the valve's response [T_req].
+    /// Longest time from a command to the valve's response (T_req).
     pub worst_valve_delay_t_req: f64,
-    /// Command delay of the thesis' model [s].
+    /// Command delay of the thesis' model (s).
     pub model_time_delay_s: f64,
 }
 
-/// Duty cycles at which the valves open and stay open [%].
+/// Duty cycles at which the valves open and stay open (%).
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DutyLimits {
@@ -59,7 +59,7 @@ pub struct DutyLimits {
     pub vent_hold: f64,
 }
 
-/// Coil currents [mA].
+/// Coil currents (mA).
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(non_snake_case, reason = "the file's keys end in the unit mA")]
@@ -78,19 +78,19 @@ pub struct CoilMeasurements {
 pub struct FillingAndVenting {
     /// Prototype 1 or 2.
     pub prototype: u32,
-    /// Dead volume [cm³].
+    /// Dead volume (cm³).
     pub volume_cm3: f64,
-    /// Diameter of both orifices [mm].
+    /// Diameter of both orifices (mm).
     pub orifice_mm: f64,
-    /// Dead time before filling [T_req].
+    /// Dead time before filling (T_req).
     pub delay_t_req: f64,
-    /// Time from ambient to 0.26 P_sup [T_req].
+    /// Time from ambient to 0.26 P_sup (T_req).
     pub fill_0_to_026_psup_t_req: f64,
-    /// Time from 0.88 to 0.71 P_sup [T_req].
+    /// Time from 0.88 to 0.71 P_sup (T_req).
     pub vent_088_to_071_psup_t_req: f64,
-    /// Time from ambient to P_sup [T_req].
+    /// Time from ambient to P_sup (T_req).
     pub fill_full_t_req: f64,
-    /// Time from P_sup to ambient [T_req].
+    /// Time from P_sup to ambient (T_req).
     pub vent_full_t_req: f64,
 }
 

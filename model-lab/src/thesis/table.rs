@@ -10,13 +10,13 @@ use super::measurements::{FillingAndVenting, Measurements};
 /// Schema of [`ThesisTable`] as JSON.
 pub const THESIS_SCHEMA: &str = "retarder.thesis/1";
 
-/// A duty limit holds within this [% duty].
+/// A duty limit holds within this (% duty).
 const DUTY_LIMIT_PCT: f64 = 1.5;
-/// A time holds within this [samples]: the resolution of the measurement.
+/// A time holds within this (samples): the resolution of the measurement.
 const TIME_LIMIT_SAMPLES: f64 = 1.0;
-/// A current holds within this [%].
+/// A current holds within this (%).
 const CURRENT_LIMIT_PCT: f64 = 1.0;
-/// The bore of the valve itself [mm]; smaller orifices were inserted into the housing, in series.
+/// The bore of the valve itself (mm); smaller orifices were inserted into the housing, in series.
 const VALVE_BORE_MM: f64 = 1.9;
 
 /// All rows.

@@ -126,17 +126,17 @@ pub struct ChamberParameters {
 pub const PA_PER_BAR: f64 = 1e5;
 
 impl EcuParameters {
-    /// ECU sample time [ns].
+    /// ECU sample time (ns).
     pub fn sample_time_ns(&self) -> u64 {
         nanoseconds(self.sample_time_s)
     }
 
-    /// PWM period [ns].
+    /// PWM period (ns).
     pub fn pwm_period_ns(&self) -> u64 {
         nanoseconds(1.0 / self.pwm_frequency_hz)
     }
 
-    /// Delay from a command to its effect at the output [ns].
+    /// Delay from a command to its effect at the output (ns).
     pub fn command_delay_ns(&self) -> u64 {
         nanoseconds(self.command_delay_s)
     }
@@ -147,7 +147,7 @@ fn nanoseconds(seconds: f64) -> u64 {
 }
 
 impl GasParameters {
-    /// Supply pressure [Pa abs].
+    /// Supply pressure (Pa abs).
     pub fn supply_pressure_pa(&self) -> f64 {
         self.supply_pressure_bar_gauge * PA_PER_BAR + self.ambient_pressure_pa
     }

@@ -15,7 +15,7 @@ const VALVES: &str = "valves";
 pub(super) const VALVE_KEYS: [&str; 2] = ["fill", "vent"];
 const FUNCTIONS: &[&str] = &["normally_closed", "normally_open"];
 
-/// Size beyond which a file is certainly not a plant file [bytes].
+/// Size beyond which a file is certainly not a plant file (bytes).
 const MAX_BYTES: usize = 1 << 20;
 
 pub(super) fn sections() -> Vec<String> {

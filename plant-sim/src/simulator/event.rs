@@ -13,7 +13,7 @@ pub(super) enum Event {
     /// A resting armature departs from its stop.
     Departs(usize),
     /// A moving armature reaches a stop, or the position at which its orifice changes from curtain to bore or
-    /// back [m].
+    /// back (m).
     Reaches(usize, f64),
     /// The current of a moving valve ends.
     CurrentExtinct(usize),

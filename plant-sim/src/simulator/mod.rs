@@ -29,15 +29,15 @@ use solver::Solver;
 /// What a sample of the plant shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Time of the sample [ns].
+    /// Time of the sample (ns).
     pub time_ns: u64,
-    /// Chamber pressure [Pa abs].
+    /// Chamber pressure (Pa abs).
     pub pressure: f64,
-    /// Coil currents of fill and vent valve [A].
+    /// Coil currents of fill and vent valve (A).
     pub current: [f64; 2],
-    /// Mean coil currents since the last sample [A].
+    /// Mean coil currents since the last sample (A).
     pub mean_current: [f64; 2],
-    /// Armature positions [m].
+    /// Armature positions (m).
     pub position: [f64; 2],
 }
 
@@ -91,7 +91,7 @@ impl Simulator {
         &self.solver.state
     }
 
-    /// The present time [ns].
+    /// The present time (ns).
     pub fn time_ns(&self) -> u64 {
         self.time_ns
     }
@@ -106,7 +106,7 @@ impl Simulator {
         self.ecu_output.command(self.time_ns, command);
     }
 
-    /// Sets the supply voltage at the ECU [V] from now on.
+    /// Sets the supply voltage at the ECU (V) from now on.
     pub fn set_supply_voltage(&mut self, volt: f64) {
         self.supply_voltage = volt;
         for valve in &mut self.solver.state.valves {
@@ -116,7 +116,7 @@ impl Simulator {
         }
     }
 
-    /// Moves the chamber pressure to `pressure` [Pa abs]: a correction by a measurement, or a start
+    /// Moves the chamber pressure to `pressure` (Pa abs): a correction by a measurement, or a start
     /// from another pressure than ambient.
     pub fn set_chamber_pressure(&mut self, pressure: f64) {
         self.solver.state.pressure = pressure;

@@ -8,12 +8,12 @@ use crate::plant::{FILL, Plant, PlantState, VENT};
 use crate::solver::dormand_prince;
 use crate::valve::{Motion, ValveState};
 
-/// Longest step while an armature moves [s]: a quarter of its travel time, so that no arrival and
+/// Longest step while an armature moves (s): a quarter of its travel time, so that no arrival and
 /// return fit into one step.
 const LONGEST_MOTION_STEP: f64 = 0.5e-3;
-/// Longest step of the pressure alone [s].
+/// Longest step of the pressure alone (s).
 const LONGEST_FLOW_STEP: f64 = 5e-3;
-/// Time that passes at least with every located event [s]; keeps a chattering armature going forward.
+/// Time that passes at least with every located event (s); keeps a chattering armature going forward.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
 
 /// Work done since the start.
@@ -34,11 +34,11 @@ pub struct Statistics {
 pub(super) struct Solver {
     pub(super) plant: Plant,
     pub(super) state: PlantState,
-    /// ∫ i dt since the last sample [A s].
+    /// ∫ i dt since the last sample (A s).
     pub(super) charge: [f64; 2],
     pub(super) statistics: Statistics,
     weights: Weights,
-    /// Step size to try next [s]: flow only, and with motion.
+    /// Step size to try next (s): flow only, and with motion.
     proposal: [f64; 2],
 }
 
@@ -54,7 +54,7 @@ impl Solver {
         }
     }
 
-    /// Advances through `duration` [s] in which no output changes.
+    /// Advances through `duration` (s) in which no output changes.
     pub(super) fn advance(&mut self, duration: f64) {
         let mut remaining = duration;
         while remaining > 0.0 {
@@ -136,7 +136,7 @@ impl Solver {
         }
     }
 
-    /// Integrates pressure and the `moving` valves up to the next event, at most over `remaining` [s]; what is
+    /// Integrates pressure and the `moving` valves up to the next event, at most over `remaining` (s); what is
     /// left.
     fn integrate<const N: usize, const M: usize>(
         &mut self,
@@ -170,7 +170,7 @@ impl Solver {
         remaining
     }
 
-    /// One step that keeps the tolerance, at most `remaining` [s] long.
+    /// One step that keeps the tolerance, at most `remaining` (s) long.
     fn step<const N: usize, const M: usize>(
         &mut self,
         smooth: &Smooth<M>,

@@ -6,7 +6,7 @@
 
 use crate::solver::hermite::{Cubic, Quintic};
 
-/// A step from `start` to `end` over `h` [s], with the rates at both ends.
+/// A step from `start` to `end` over `h` (s), with the rates at both ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span<const N: usize> {
     pub(super) h: f64,

@@ -1,15 +1,15 @@
 //! How accurately the plant is solved.
 
-/// Local error allowed per step, for pressure [Pa], current [A], position [m], velocity [m/s].
+/// Local error allowed per step, for pressure (Pa), current (A), position (m), velocity (m/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Chamber pressure [Pa].
+    /// Chamber pressure (Pa).
     pub pressure: f64,
-    /// Coil current [A].
+    /// Coil current (A).
     pub current: f64,
-    /// Armature position [m].
+    /// Armature position (m).
     pub position: f64,
-    /// Armature velocity [m/s].
+    /// Armature velocity (m/s).
     pub velocity: f64,
 }
 
