@@ -22,7 +22,7 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         }
         let _ = write!(text, "{} = {value:?}", spec.key);
         if let Some(provenance) = parameters.provenance.get(&spec.name()) {
-            let _ = write!(text, "   # {}", provenance.replace(['\n', '\r'], " "));
+            let _ = write!(text, "   # {}", provenance.replace(char::is_control, " "));
         }
         text.push('\n');
     }
