@@ -130,15 +130,14 @@ mod tests {
         ] {
             let exact = linearise(&plant, [24.0; 2], &state);
             let numeric = numeric_a(&plant, 24.0, &state);
-            for row in 0..STATES {
-                for column in 0..STATES {
-                    let (ours, theirs) = (exact.a[row][column], numeric[row][column]);
-                    let scale = theirs.abs().max(1e-6);
-                    assert!(
-                        (ours - theirs).abs() < 2e-4 * scale,
-                        "A({row},{column}) {ours} {theirs} at {state:?}"
-                    );
-                }
+            let entries = |a: [[f64; STATES]; STATES]| a.into_iter().flatten().enumerate();
+            for ((n, ours), (_, theirs)) in entries(exact.a).zip(entries(numeric)) {
+                let scale = theirs.abs().max(1e-6);
+                let (row, column) = (n / STATES, n % STATES);
+                assert!(
+                    (ours - theirs).abs() < 2e-4 * scale,
+                    "A({row},{column}) {ours} {theirs} at {state:?}"
+                );
             }
         }
     }
