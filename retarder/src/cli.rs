@@ -1,0 +1,312 @@
+//! Commands and options: what a person can type. Each option is defined once.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use clap_complete::Shell;
+use hil_harness::scenario::BUILT_IN;
+
+/// Model-based control of two on/off solenoid valves: simulate the plant, hold the model against a bench log, close
+/// the loop.
+///
+/// Without a command: a tour of all of it on a bundled bench log, with a report in report.html.
+#[derive(Debug, Parser)]
+#[command(name = "retarder", version, after_help = TOUR_EXAMPLES, max_term_width = 110)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+const TOUR_EXAMPLES: &str = "\
+Examples:
+  retarder                                                   the tour
+  retarder compare --log bench.csv                           does the nominal model hold?
+  retarder parameters --toml > my-plant.toml                 a plant file to start from
+  retarder compare --plant my-plant.toml --log bench.csv
+  retarder control --plant my-plant.toml                     does the loop keep its promises?
+
+Exit status: 0 holds, 1 does not hold, 2 could not run or could not tell.
+Colours: NO_COLOR=1 turns them off, CLICOLOR_FORCE=1 on. COLUMNS sets the width of tables and plots.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Duty log in, recording out: the model driven by the duty cycles of a log
+    Simulate(SimulateArgs),
+    /// Hold the model against a measurement: how large is the error, and where
+    Compare(CompareArgs),
+    /// Run the closed loop on the model and judge it by the thesis' requirements
+    Control(ControlArgs),
+    /// The measured figures of the thesis beside the simulated ones
+    Thesis(ThesisArgs),
+    /// The parameters of a plant file: value, unit, range, meaning, where the value comes from
+    Parameters(ParametersArgs),
+    /// The settings of a controller file: value and meaning
+    Settings(SettingsArgs),
+    /// The JSON Schema of a result
+    Schema {
+        /// Which result
+        result: SchemaName,
+    },
+    /// Completions for your shell
+    #[command(after_help = COMPLETION_EXAMPLES)]
+    Completions {
+        /// bash, elvish, fish, powershell or zsh
+        shell: Shell,
+    },
+}
+
+const COMPLETION_EXAMPLES: &str = "\
+Examples:
+  retarder completions bash > ~/.local/share/bash-completion/completions/retarder
+  retarder completions zsh > ~/.zfunc/_retarder
+  retarder completions fish > ~/.config/fish/completions/retarder.fish";
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder simulate --log bench.csv --out model.csv
+  retarder simulate --log bench.csv --set gas.supply_pressure_bar_gauge=8.0 | head
+  zcat long.csv.gz | retarder simulate --log - --out model.csv --json")]
+pub(crate) struct SimulateArgs {
+    #[command(flatten)]
+    pub(crate) log: LogArgs,
+    #[command(flatten)]
+    pub(crate) plant: PlantArgs,
+    #[command(flatten)]
+    pub(crate) out: OutArg,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder compare --log bench.csv
+  retarder compare --plant my-plant.toml --log bench.csv --html comparison.html
+  retarder compare --log bench.csv --set chamber.volume_m3=80e-6 --signal i_fill
+  retarder compare --log bench.csv --allow 3 --tolerance p_ch=0.05 --json | jq .verdict
+
+Exit status: 0 the model holds, 1 it does not, 2 could not run or could not tell.")]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub(crate) log: LogArgs,
+    #[command(flatten)]
+    pub(crate) plant: PlantArgs,
+    /// A signal holds if its free-run rms is at most this many times its noise floor
+    #[arg(long, value_name = "MULTIPLES", default_value_t = 1.5)]
+    pub(crate) allow: f64,
+    /// A signal holds if its free-run rms is at most this, in bar, mA or mm, whatever its noise
+    #[arg(long, value_name = "SIGNAL=RMS", value_parser = assignment)]
+    pub(crate) tolerance: Vec<Assignment>,
+    /// Show regimes and plots of this signal, not of the one that is farthest off
+    #[arg(long, value_name = "NAME")]
+    pub(crate) signal: Option<String>,
+    #[command(flatten)]
+    pub(crate) html: HtmlArg,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder control
+  retarder control --controller thesis --scenario fill-requirement
+  retarder control --plant my-plant.toml --controller my-controller.toml --reference profile.csv
+  retarder control --rigs 200                 on 200 rigs that differ as valves do
+  retarder control --out run.csv --json       the course as CSV, the verdict as JSON
+
+A reference profile is a CSV file with the columns time_s and p_ref_bar_gauge; each value holds until the next.
+Exit status: 0 every binding requirement holds, 1 one does not, 2 could not run.")]
+pub(crate) struct ControlArgs {
+    #[command(flatten)]
+    pub(crate) plant: PlantArgs,
+    #[command(flatten)]
+    pub(crate) controller: ControllerArg,
+    /// Reference profile, CSV
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "scenario")]
+    pub(crate) reference: Option<PathBuf>,
+    /// Built-in scenario: reference profile, start, and plant if none is given
+    #[arg(long, value_name = "NAME", default_value = DEFAULT_SCENARIO, value_parser = scenario_names())]
+    pub(crate) scenario: String,
+    /// Run on this many more rigs, scattered about the plant as valves are
+    #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    pub(crate) rigs: u32,
+    /// Seed of sensor noise and rigs
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) out: OutArg,
+    #[command(flatten)]
+    pub(crate) html: HtmlArg,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+}
+
+/// The profile of the thesis' figures.
+pub(crate) const DEFAULT_SCENARIO: &str = "figure-6.5";
+
+fn scenario_names() -> impl TypedValueParser<Value = String> {
+    PossibleValuesParser::new(
+        BUILT_IN
+            .iter()
+            .map(|built_in| PossibleValue::new(built_in.name).help(built_in.about)),
+    )
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder thesis
+  retarder thesis --plant my-plant.toml --json thesis.json
+
+Exit status: 0 every figure that the plain model is held to is reached, 1 one is not, 2 could not run.")]
+pub(crate) struct ThesisArgs {
+    #[command(flatten)]
+    pub(crate) plant: PlantArgs,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder parameters
+  retarder parameters --toml > my-plant.toml
+  retarder parameters --plant my-plant.toml --set coil.resistance_20c_ohm=80 --toml > warmer.toml")]
+pub(crate) struct ParametersArgs {
+    #[command(flatten)]
+    pub(crate) plant: PlantArgs,
+    #[command(flatten)]
+    pub(crate) toml: TomlArg,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder settings
+  retarder settings --controller thesis --toml > my-controller.toml")]
+pub(crate) struct SettingsArgs {
+    #[command(flatten)]
+    pub(crate) controller: ControllerArg,
+    #[command(flatten)]
+    pub(crate) toml: TomlArg,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PlantArgs {
+    /// Plant file; without it the thesis model, `retarder parameters`
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) plant: Option<PathBuf>,
+    /// Change a parameter of the plant; may be repeated
+    #[arg(long, value_name = "SECTION.KEY=VALUE", value_parser = assignment)]
+    pub(crate) set: Vec<Assignment>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LogArgs {
+    /// Bench log, CSV with units in the header (`p_ch_bar_gauge`); - is the standard input
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) log: PathBuf,
+    /// TOML file that maps the columns of a log that does not explain itself
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) mapping: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ControllerArg {
+    /// Controller file, or `thesis` or `recommended` for one that comes along
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, default_value = "recommended")]
+    pub(crate) controller: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct OutArg {
+    /// Write the recording to this CSV file
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct HtmlArg {
+    /// Write a report with plots, one file that needs no other
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) html: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct JsonArg {
+    /// The result as JSON (see `retarder schema`) in this file; to the standard output, in place of the text, without FILE
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, num_args = 0..=1, default_missing_value = "-")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TomlArg {
+    /// Print a file to start from
+    #[arg(long)]
+    pub(crate) toml: bool,
+}
+
+/// A result with a JSON form.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SchemaName {
+    /// retarder.comparison/1, of `compare`
+    Comparison,
+    /// retarder.control/1, of `control`
+    Control,
+    /// retarder.rigs/1, of `control --rigs`
+    Rigs,
+    /// retarder.simulation/1, of `simulate`
+    Simulation,
+    /// retarder.thesis/1, of `thesis`
+    Thesis,
+}
+
+/// `name=number`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Assignment {
+    pub(crate) name: String,
+    pub(crate) value: f64,
+}
+
+fn assignment(text: &str) -> Result<Assignment, String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("expected NAME=VALUE, such as chamber.volume_m3=75e-6")?;
+    let value = value.trim().parse().map_err(|_| {
+        format!("`{value}` is no number; write digits with a decimal point, such as 8.4")
+    })?;
+    Ok(Assignment {
+        name: name.trim().to_owned(),
+        value,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_definitions_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn an_assignment_has_a_name_and_a_number() {
+        let found = assignment("chamber.volume_m3 = 75e-6").unwrap();
+        assert_eq!(
+            (found.name.as_str(), found.value),
+            ("chamber.volume_m3", 75e-6)
+        );
+        assert!(
+            assignment("chamber.volume_m3")
+                .unwrap_err()
+                .contains("NAME=VALUE")
+        );
+        assert!(assignment("a.b=8,4").unwrap_err().contains("`8,4`"));
+    }
+}

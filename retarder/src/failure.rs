@@ -1,0 +1,181 @@
+//! Why a command could not run: what was wrong, where, and what to do.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use hil_harness::RunError;
+use hil_harness::checks::JudgeError;
+use hil_harness::controller_file::ControllerFileError;
+use hil_harness::reference_profile::ProfileError;
+use hil_harness::rigs::RigError;
+use model_lab::CompareError;
+use plant_sim::ParameterError;
+use plant_sim::replay::ReplayError;
+use recording::csv::{CsvError, MappingError, WriteError};
+
+/// Why there is no result.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    #[error("{}: {error}; check the name and the rights", path.display())]
+    Read { path: PathBuf, error: io::Error },
+    #[error("{}: not UTF-8 text; save it as UTF-8", path.display())]
+    NotText { path: PathBuf },
+    #[error("{}: larger than the {limit} bytes of any file of this kind; is it the right one?", path.display())]
+    TooLarge { path: PathBuf, limit: u64 },
+    #[error(transparent)]
+    Log(#[from] CsvError),
+    #[error(transparent)]
+    Mapping(#[from] MappingError),
+    #[error("{error}{source_lines}")]
+    Plant {
+        error: ParameterError,
+        source_lines: SourceLines,
+    },
+    #[error("{error}{source_lines}")]
+    Controller {
+        error: ControllerFileError,
+        source_lines: SourceLines,
+    },
+    #[error("--set {error}")]
+    Set { error: ParameterError },
+    #[error(
+        "--set {name}: the plant has no [regulating_valve]; add the table to its plant file first"
+    )]
+    SetAbsent { name: String },
+    #[error("{}: {error}", path.display())]
+    Reference { path: PathBuf, error: ProfileError },
+    #[error("{}: {error}", path.display())]
+    Replay { path: PathBuf, error: ReplayError },
+    #[error(transparent)]
+    Compare(#[from] CompareError),
+    #[error("there is no compared signal `{name}`; compared are {compared}")]
+    NoSuchSignal { name: String, compared: String },
+    #[error(transparent)]
+    Run(#[from] RunError),
+    #[error(transparent)]
+    Judge(#[from] JudgeError),
+    #[error(transparent)]
+    Rigs(#[from] RigError),
+    #[error("{}: {error}", target(path))]
+    Write {
+        path: Option<PathBuf>,
+        error: WriteError,
+    },
+    #[error("two results for the standard output; write one of them to a file with {option} FILE")]
+    TwoOnStandardOutput { option: &'static str },
+    #[error("interrupted; nothing was written")]
+    Interrupted,
+    #[error("Ctrl-C cannot be watched for: {0}")]
+    Signal(#[from] ctrlc::Error),
+}
+
+impl Failure {
+    /// What went wrong with the output `path`; none is the standard output.
+    pub(crate) fn write(path: Option<&Path>, error: impl Into<WriteError>) -> Self {
+        Self::Write {
+            path: path.map(Path::to_path_buf),
+            error: error.into(),
+        }
+    }
+
+    /// The reader of the standard output has seen enough: no failure.
+    pub(crate) fn is_broken_pipe(&self) -> bool {
+        matches!(self, Self::Write { path: None, error: WriteError::Io(error) } if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}
+
+fn target(path: &Option<PathBuf>) -> String {
+    path.as_ref().map_or_else(
+        || "standard output".to_owned(),
+        |path| path.display().to_string(),
+    )
+}
+
+/// The lines of a file that its problems point at, with a mark below.
+#[derive(Debug, Default)]
+pub(crate) struct SourceLines(Vec<(usize, String)>);
+
+/// A file with more problems than this shows the lines of the first ones only.
+const LINES_MAX: usize = 5;
+/// Longest line shown [characters].
+const LINE_LENGTH_MAX: usize = 100;
+
+impl SourceLines {
+    /// Lines of `text` by their numbers, from 1.
+    pub(crate) fn of(text: &str, numbers: impl Iterator<Item = usize>) -> Self {
+        let mut numbers: Vec<usize> = numbers.collect();
+        numbers.dedup();
+        let line = |number: usize| {
+            let line = text.lines().nth(number.checked_sub(1)?)?;
+            let line: String = line
+                .chars()
+                .map(|character| {
+                    if character.is_control() {
+                        ' '
+                    } else {
+                        character
+                    }
+                })
+                .take(LINE_LENGTH_MAX)
+                .collect();
+            Some((number, line))
+        };
+        Self(
+            numbers
+                .into_iter()
+                .take(LINES_MAX)
+                .filter_map(line)
+                .collect(),
+        )
+    }
+}
+
+impl fmt::Display for SourceLines {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self
+            .0
+            .iter()
+            .map(|(number, _)| number.to_string().len())
+            .max();
+        let width = width.unwrap_or_default();
+        for (number, line) in &self.0 {
+            let statement = line.split('#').next().unwrap_or_default().trim_end();
+            let indent = statement.len() - statement.trim_start().len();
+            let marks = statement.trim_start().chars().count().max(1);
+            write!(
+                f,
+                "\n{:width$} |\n{number:>width$} | {line}\n{:width$} | {:indent$}{}",
+                "",
+                "",
+                "",
+                "^".repeat(marks)
+            )?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_source_line_is_marked_without_its_comment() {
+        let lines = SourceLines::of(
+            "[coil]\n  inductance_h = 440 # datasheet\n",
+            [2].into_iter(),
+        );
+        assert_eq!(
+            lines.to_string(),
+            "\n  |\n2 |   inductance_h = 440 # datasheet\n  |   ^^^^^^^^^^^^^^^^^^"
+        );
+    }
+
+    #[test]
+    fn lines_that_are_not_there_and_characters_that_a_terminal_obeys_are_left_out() {
+        assert_eq!(SourceLines::of("a\n", [0, 7].into_iter()).to_string(), "");
+        let hostile = SourceLines::of("a = \u{1b}[31m\n", [1].into_iter()).to_string();
+        assert!(!hostile.contains('\u{1b}'), "{hostile:?}");
+    }
+}

@@ -1,0 +1,262 @@
+//! Arguments become values: files are read and checked here, and nowhere else.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use hil_harness::{ReferenceProfile, Scenario, controller_file};
+use plant_sim::PlantParameters;
+use recording::Recording;
+use recording::csv::{self, Mapping};
+
+use crate::cli::{ControlArgs, ControllerArg, LogArgs, PlantArgs};
+use crate::failure::{Failure, SourceLines};
+
+/// The tour's bench log, as it lies in the data folder.
+const TOUR_LOG: &str = include_str!("../../data/synthetic/practice-01-id.csv");
+/// Its name.
+pub(crate) const TOUR_LOG_NAME: &str = "practice-01-id.csv";
+
+/// A plant and what to call it.
+#[derive(Debug, Clone)]
+pub(crate) struct NamedPlant {
+    pub(crate) name: String,
+    pub(crate) parameters: PlantParameters,
+}
+
+impl NamedPlant {
+    /// The thesis model.
+    pub(crate) fn nominal() -> Self {
+        Self {
+            name: "nominal plant".to_owned(),
+            parameters: PlantParameters::nominal(),
+        }
+    }
+
+    /// The plant of the arguments; where they name no file, `default` with their changes.
+    pub(crate) fn from_args(args: &PlantArgs, default: Self) -> Result<Self, Failure> {
+        let mut plant = match &args.plant {
+            None => default,
+            Some(path) => {
+                let text = read_text(path)?;
+                let name = path.display().to_string();
+                let parameters = PlantParameters::from_toml(&text, &name).map_err(|error| {
+                    let lines = error.problems().iter().filter_map(|problem| problem.line());
+                    let source_lines = SourceLines::of(&text, lines);
+                    Failure::Plant {
+                        error,
+                        source_lines,
+                    }
+                })?;
+                Self { name, parameters }
+            }
+        };
+        for change in &args.set {
+            plant
+                .parameters
+                .set(&change.name, change.value, "--set on the command line")
+                .map_err(|error| Failure::Set { error })?;
+            if plant.parameters.get(&change.name).is_none() {
+                return Err(Failure::SetAbsent {
+                    name: change.name.clone(),
+                });
+            }
+            plant.name += &format!(", {} = {}", change.name, change.value);
+        }
+        Ok(plant)
+    }
+}
+
+/// How the log is to be read.
+pub(crate) fn csv_options(args: &LogArgs) -> Result<csv::Options, Failure> {
+    Ok(csv::Options {
+        mapping: match &args.mapping {
+            Some(path) => Mapping::read_file(path)?,
+            None => Mapping::default(),
+        },
+        ..csv::Options::default()
+    })
+}
+
+/// The whole log.
+pub(crate) fn log(args: &LogArgs) -> Result<Recording, Failure> {
+    let options = csv_options(args)?;
+    if is_standard_input(&args.log) {
+        return Ok(csv::read(STANDARD_INPUT, io::stdin().lock(), &options)?);
+    }
+    Ok(csv::read_file(&args.log, &options)?)
+}
+
+/// The log as a stream: its name, its bytes, and its size where that is known.
+pub(crate) fn open_log(args: &LogArgs) -> Result<(String, Box<dyn Read>, Option<u64>), Failure> {
+    if is_standard_input(&args.log) {
+        return Ok((
+            STANDARD_INPUT.to_owned(),
+            Box::new(io::stdin().lock()),
+            None,
+        ));
+    }
+    let failed = |error| Failure::Read {
+        path: args.log.clone(),
+        error,
+    };
+    let file = File::open(&args.log).map_err(failed)?;
+    let metadata = file.metadata().map_err(failed)?;
+    let name = args.log.file_name().unwrap_or(args.log.as_os_str());
+    let size = metadata.is_file().then_some(metadata.len());
+    Ok((name.to_string_lossy().into_owned(), Box::new(file), size))
+}
+
+const STANDARD_INPUT: &str = "standard input";
+
+fn is_standard_input(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// The log of the tour.
+pub(crate) fn tour_log() -> Result<Recording, Failure> {
+    Ok(csv::read(
+        TOUR_LOG_NAME,
+        TOUR_LOG.as_bytes(),
+        &csv::Options::default(),
+    )?)
+}
+
+/// A controller and what to call it.
+#[derive(Debug, Clone)]
+pub(crate) struct NamedController {
+    pub(crate) name: String,
+    pub(crate) settings: controller::Settings,
+    /// The file as it was written.
+    pub(crate) text: String,
+}
+
+impl NamedController {
+    /// The controller of the argument.
+    pub(crate) fn from_args(args: &ControllerArg) -> Result<Self, Failure> {
+        let (name, text) = match args.controller.to_str() {
+            Some("thesis") => ("thesis controller", controller_file::THESIS_TOML.to_owned()),
+            Some("recommended") => (
+                "recommended controller",
+                controller_file::RECOMMENDED_TOML.to_owned(),
+            ),
+            _ => ("", read_text(&args.controller)?),
+        };
+        let name = match name {
+            "" => args.controller.display().to_string(),
+            shipped => shipped.to_owned(),
+        };
+        let settings = controller_file::read(&text, &name).map_err(|error| {
+            let lines = error.problems().iter().filter_map(|problem| problem.line());
+            let source_lines = SourceLines::of(&text, lines);
+            Failure::Controller {
+                error,
+                source_lines,
+            }
+        })?;
+        Ok(Self {
+            name,
+            settings,
+            text,
+        })
+    }
+}
+
+/// A scenario, and what its plant and its controller are called.
+#[derive(Debug, Clone)]
+pub(crate) struct NamedScenario {
+    pub(crate) scenario: Scenario,
+    pub(crate) plant: String,
+    pub(crate) controller: String,
+}
+
+impl NamedScenario {
+    /// The built-in scenario `name`, with the recommended controller.
+    pub(crate) fn built_in(name: &str) -> Option<Self> {
+        let scenario = Scenario::built_in(name)?;
+        Some(Self {
+            plant: built_in_plant(&scenario).name,
+            controller: "recommended controller".to_owned(),
+            scenario,
+        })
+    }
+
+    /// The scenario of the arguments.
+    pub(crate) fn from_args(args: &ControlArgs) -> Result<Self, Failure> {
+        let controller = NamedController::from_args(&args.controller)?;
+        let scenario = match &args.reference {
+            Some(path) => Scenario::new(file_stem(path), reference(path)?),
+            None => Scenario::built_in(&args.scenario).unwrap_or_else(|| {
+                unreachable!("clap lets only the names of built-in scenarios pass")
+            }),
+        };
+        let plant = NamedPlant::from_args(&args.plant, built_in_plant(&scenario))?;
+        Ok(Self {
+            scenario: scenario
+                .on(plant.parameters)
+                .controlled_by(controller.settings)
+                .seeded(args.seed),
+            plant: plant.name,
+            controller: controller.name,
+        })
+    }
+}
+
+fn built_in_plant(scenario: &Scenario) -> NamedPlant {
+    let parameters = scenario.plant.clone();
+    NamedPlant {
+        name: format!(
+            "nominal plant, {:.1} mm orifices",
+            1e3 * parameters.flow.orifice_fill_m
+        ),
+        parameters,
+    }
+}
+
+fn reference(path: &Path) -> Result<ReferenceProfile, Failure> {
+    let recording = csv::read_file(path, &csv::Options::default())?;
+    ReferenceProfile::from_recording(&recording).map_err(|error| Failure::Reference {
+        path: path.to_path_buf(),
+        error,
+    })
+}
+
+fn file_stem(path: &Path) -> String {
+    path.file_stem()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// No plant or controller file is larger [bytes].
+const TEXT_MAX_BYTES: u64 = 1 << 20;
+
+fn read_text(path: &Path) -> Result<String, Failure> {
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(TEXT_MAX_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|error| Failure::Read {
+            path: path.to_path_buf(),
+            error,
+        })?;
+    if bytes.len() as u64 > TEXT_MAX_BYTES {
+        return Err(Failure::TooLarge {
+            path: path.to_path_buf(),
+            limit: TEXT_MAX_BYTES,
+        });
+    }
+    String::from_utf8(bytes).map_err(|_| Failure::NotText {
+        path: path.to_path_buf(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_log_of_the_tour_is_read() {
+        let log = tour_log().unwrap();
+        assert_eq!(log.time_bases().next().unwrap().1.len(), 6000);
+    }
+}

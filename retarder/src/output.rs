@@ -1,0 +1,122 @@
+//! Results leave the process: files, standard output, exit status.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use recording::csv::{Decimals, WriteError};
+use recording::{Recording, write_file_atomically};
+
+use crate::failure::Failure;
+use crate::print::{self, Terminal};
+use crate::run::{Answer, Outcome};
+use crate::task::{Targets, is_standard_output};
+
+/// Writes the files that were asked for and prints the rest. The answer decides the exit status.
+pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, Failure> {
+    if let (Some(path), Outcome::Control(controlled)) = (&targets.recording, &outcome) {
+        write_recording(path, &controlled.run.recording)?;
+    }
+    if let Some(path) = &targets.html
+        && let Some(html) = html(&outcome)
+    {
+        write_text(path, &html)?;
+    }
+    let mut is_printed = false;
+    if let Some(path) = &targets.json
+        && let Some(json) = json(&outcome)
+    {
+        if is_standard_output(path) {
+            is_printed = true;
+            write_standard_output(&json)?;
+        } else {
+            write_text(path, &json)?;
+        }
+    }
+    match &outcome {
+        // The standard output may carry the recording.
+        Outcome::Simulation(simulation) => {
+            let text = print::simulation(simulation, &Terminal::standard_error());
+            // Whoever closed the standard error does not want to know.
+            let _ = anstream::stderr().write_all(text.as_bytes());
+        }
+        _ if is_printed => {}
+        _ => write_standard_output(&print::outcome(
+            &outcome,
+            &targets,
+            &Terminal::standard_output(),
+        ))?,
+    }
+    Ok(outcome.answer())
+}
+
+/// The one place that decides the exit status; a failure is told on the standard error.
+pub(crate) fn exit_code(ended: Result<Answer, Failure>) -> ExitCode {
+    match ended {
+        Ok(Answer::Holds) => ExitCode::SUCCESS,
+        Ok(Answer::DoesNotHold) => ExitCode::from(1),
+        Ok(Answer::Open) => ExitCode::from(2),
+        Err(failure) if failure.is_broken_pipe() => ExitCode::SUCCESS,
+        Err(failure) => {
+            let text = print::failure(&failure, &Terminal::standard_error());
+            let _ = anstream::stderr().write_all(text.as_bytes());
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn json(outcome: &Outcome) -> Option<String> {
+    let json = match outcome {
+        Outcome::Simulation(simulation) => serde_json::to_string_pretty(simulation),
+        Outcome::Comparison(compared) => serde_json::to_string_pretty(&compared.comparison),
+        Outcome::Control(controlled) if controlled.rigs.is_empty() => {
+            serde_json::to_string_pretty(&controlled.verdict)
+        }
+        Outcome::Control(controlled) => serde_json::to_string_pretty(&controlled.rigs()),
+        Outcome::Thesis(figures) => serde_json::to_string_pretty(&figures.table),
+        Outcome::Tour(_) | Outcome::Parameters(_) | Outcome::Settings(_) | Outcome::Text(_) => {
+            return None;
+        }
+    };
+    // Structs of numbers and texts under named keys; maps with other keys do not occur.
+    let mut json = json.expect("results have a JSON form");
+    json.push('\n');
+    Some(json)
+}
+
+fn html(_outcome: &Outcome) -> Option<String> {
+    None
+}
+
+fn write_recording(path: &Path, recording: &Recording) -> Result<(), Failure> {
+    let Some((time_base, _)) = recording.time_bases().next() else {
+        return Ok(());
+    };
+    let written = if is_standard_output(path) {
+        recording::csv::write(
+            io::stdout().lock(),
+            recording,
+            time_base,
+            &Decimals::shortest(),
+        )
+        .map(drop)
+    } else {
+        write_file_atomically(path, |file| {
+            recording::csv::write(file, recording, time_base, &Decimals::shortest()).map(drop)
+        })
+    };
+    written
+        .map_err(|error| Failure::write(Some(path).filter(|path| !is_standard_output(path)), error))
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    write_file_atomically(path, |file| file.write_all(text.as_bytes()))
+        .map_err(|error: io::Error| Failure::write(Some(path), WriteError::Io(error)))
+}
+
+fn write_standard_output(text: &str) -> Result<(), Failure> {
+    let mut out = anstream::stdout().lock();
+    out.write_all(text.as_bytes())
+        .and_then(|()| out.flush())
+        .map_err(|error| Failure::write(None, error))
+}

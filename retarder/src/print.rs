@@ -1,0 +1,183 @@
+//! Outcomes become text for a terminal. Nothing is computed here that another reader of the result would want to know.
+
+mod chart;
+mod comparison;
+mod control;
+mod number;
+mod parameters;
+mod simulation;
+mod table;
+mod thesis;
+mod tour;
+
+use std::io::{stderr, stdout};
+
+use anstream::{AutoStream, ColorChoice};
+
+use crate::failure::Failure;
+use crate::run::Outcome;
+use crate::task::Targets;
+
+pub(crate) use simulation::simulation;
+
+/// What text is laid out for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Terminal {
+    /// Width [characters].
+    width: usize,
+    /// Whether colours are shown.
+    is_coloured: bool,
+}
+
+/// Width where there is no terminal to ask.
+const WIDTH_WITHOUT_TERMINAL: usize = 100;
+/// Tables and plots keep their form within these widths.
+const WIDTH_RANGE: [usize; 2] = [60, 140];
+
+impl Terminal {
+    /// The terminal of the standard output.
+    pub(crate) fn standard_output() -> Self {
+        Self {
+            width: width(),
+            is_coloured: AutoStream::choice(&stdout()) != ColorChoice::Never,
+        }
+    }
+
+    /// The terminal of the standard error.
+    pub(crate) fn standard_error() -> Self {
+        Self {
+            width: width(),
+            is_coloured: AutoStream::choice(&stderr()) != ColorChoice::Never,
+        }
+    }
+
+    fn paint(&self, colour: Colour, text: &str) -> String {
+        if self.is_coloured {
+            format!("\u{1b}[{}m{text}\u{1b}[0m", colour.code())
+        } else {
+            text.to_owned()
+        }
+    }
+}
+
+/// What the person says in COLUMNS counts before what the terminal says.
+fn width() -> usize {
+    let said = std::env::var("COLUMNS")
+        .ok()
+        .and_then(|text| text.parse().ok());
+    let seen = || terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
+    let [least, largest] = WIDTH_RANGE;
+    said.or_else(seen)
+        .unwrap_or(WIDTH_WITHOUT_TERMINAL)
+        .clamp(least, largest)
+}
+
+/// Meanings that have a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Colour {
+    /// A title.
+    Title,
+    /// What holds.
+    Good,
+    /// What does not.
+    Bad,
+    /// What one should know.
+    Notice,
+    /// Axes, notes.
+    Faint,
+    /// Measured, fill valve.
+    First,
+    /// Modelled, vent valve.
+    Second,
+}
+
+impl Colour {
+    /// Parameters of the escape sequence: the 16 colours that every terminal lets its user choose.
+    fn code(self) -> &'static str {
+        match self {
+            Self::Title => "1",
+            Self::Good => "32",
+            Self::Bad => "1;31",
+            Self::Notice => "33",
+            Self::Faint => "2",
+            Self::First => "36",
+            Self::Second => "33",
+        }
+    }
+}
+
+/// The text of an outcome.
+pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal) -> String {
+    let mut text = match outcome {
+        Outcome::Tour(tour) => tour::tour(tour, targets, terminal),
+        Outcome::Simulation(result) => simulation(result, terminal),
+        Outcome::Comparison(compared) => comparison::comparison(compared, terminal),
+        Outcome::Control(controlled) => control::control(controlled, terminal),
+        Outcome::Thesis(figures) => thesis::thesis(figures, terminal),
+        Outcome::Parameters(plant) => parameters::parameters(plant, terminal),
+        Outcome::Settings(controller) => parameters::settings(controller, terminal),
+        Outcome::Text(text) => text.clone(),
+    };
+    if !matches!(outcome, Outcome::Tour(_)) {
+        let files = [&targets.recording, &targets.html, &targets.json];
+        for path in files.into_iter().flatten() {
+            text += &format!("\nWritten: {}", path.display());
+        }
+    }
+    if !text.ends_with('\n') {
+        text.push('\n');
+    }
+    text
+}
+
+/// The text of a failure.
+pub(crate) fn failure(failure: &Failure, terminal: &Terminal) -> String {
+    format!("{} {failure}\n", terminal.paint(Colour::Bad, "error:"))
+}
+
+/// A title above a part of the text.
+fn title(text: &str, terminal: &Terminal) -> String {
+    format!("{}\n", terminal.paint(Colour::Title, text))
+}
+
+/// A paragraph, wrapped to the terminal.
+fn paragraph(text: &str, terminal: &Terminal) -> String {
+    let mut lines: Vec<String> = vec![String::new()];
+    for word in text.split(' ') {
+        let last = lines.len() - 1;
+        let line = &mut lines[last];
+        let length = line.chars().count();
+        if length > 0 && length + 1 + word.chars().count() > terminal.width {
+            lines.push(word.to_owned());
+        } else {
+            if length > 0 {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_paragraph_is_no_wider_than_the_terminal_and_loses_no_word() {
+        let terminal = Terminal {
+            width: 20,
+            is_coloured: false,
+        };
+        let text = "one two three four five six seven eight nine ten";
+        let wrapped = paragraph(text, &terminal);
+        assert!(
+            wrapped.lines().all(|line| line.chars().count() <= 20),
+            "{wrapped}"
+        );
+        assert_eq!(
+            wrapped.split_whitespace().collect::<Vec<_>>().join(" "),
+            text
+        );
+    }
+}

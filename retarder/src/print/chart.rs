@@ -1,0 +1,340 @@
+//! Courses over time as terminal plots.
+
+mod raster;
+
+use std::fmt::Write as _;
+
+use raster::{DOTS, Raster};
+
+use super::number::significant;
+use super::{Colour, Terminal};
+
+/// A plot of courses over one axis of time.
+pub(super) struct Chart<'a> {
+    /// What is shown, with unit.
+    pub(super) title: &'a str,
+    pub(super) courses: Vec<Course<'a>>,
+    /// A band of the values around 0 that is marked, with what it is.
+    pub(super) band: Option<(f64, &'a str)>,
+    /// Height without title and axis [characters].
+    pub(super) height: usize,
+    /// First and last instant [s].
+    pub(super) span_s: [f64; 2],
+    /// Values that the axis shows at least.
+    pub(super) at_least: Option<[f64; 2]>,
+}
+
+/// One course.
+pub(super) struct Course<'a> {
+    pub(super) name: &'a str,
+    pub(super) colour: Colour,
+    /// Without colours the course is drawn with this character; none draws a line.
+    pub(super) mark: Option<char>,
+    pub(super) times_s: &'a [f64],
+    /// NaN where missing.
+    pub(super) values: &'a [f64],
+}
+
+/// Characters that hold the labels of the values.
+const LABELS: usize = 8;
+/// Without colours, marks are this many characters apart.
+const MARK_DISTANCE: usize = 3;
+
+impl Chart<'_> {
+    /// Draws the plot; an empty text where there is nothing to draw.
+    pub(super) fn draw(&self, terminal: &Terminal) -> String {
+        let Some([low, high]) = self.range() else {
+            return String::new();
+        };
+        let columns = terminal.width.saturating_sub(LABELS + 2).max(10);
+        let frame = Frame {
+            columns,
+            rows: self.height,
+            span_s: self.span_s,
+            range: [low, high],
+        };
+        let mut raster = Raster::new(columns, self.height);
+        for course in &self.courses {
+            frame.draw(course, &mut raster, terminal.is_coloured);
+        }
+        let mut text = self.heading(terminal);
+        let ticks = frame.value_ticks();
+        let band_rows = self
+            .band
+            .map(|(half_width, _)| [half_width, -half_width].map(|edge| frame.row(edge)));
+        for row in 0..self.height {
+            let label = ticks.iter().find(|(tick_row, _)| *tick_row == row);
+            let axis = match label {
+                Some((_, label)) => format!("{label:>LABELS$} ┤"),
+                None => format!("{:LABELS$} │", ""),
+            };
+            text += &terminal.paint(Colour::Faint, &axis);
+            let empty = match &band_rows {
+                Some(rows) if rows.contains(&Some(row)) => '╌',
+                _ => ' ',
+            };
+            text += paint_runs(raster.row(row, empty), terminal).trim_end();
+            text.push('\n');
+        }
+        text + &frame.time_axis(terminal)
+    }
+
+    fn heading(&self, terminal: &Terminal) -> String {
+        let mut text = terminal.paint(Colour::Title, self.title);
+        for course in &self.courses {
+            let key = match course.mark {
+                Some(mark) if !terminal.is_coloured => mark.to_string().repeat(2),
+                _ => "──".to_owned(),
+            };
+            let _ = write!(
+                text,
+                "   {} {}",
+                terminal.paint(course.colour, &key),
+                course.name
+            );
+        }
+        if let Some((_, name)) = self.band {
+            let _ = write!(text, "   {} {name}", terminal.paint(Colour::Faint, "╌╌"));
+        }
+        text + "\n"
+    }
+
+    /// Lowest and highest value shown; none without any.
+    fn range(&self) -> Option<[f64; 2]> {
+        let band = self.band.map(|(half_width, _)| [-half_width, half_width]);
+        let bounds = band.into_iter().chain(self.at_least).flatten();
+        let values = self.courses.iter().flat_map(|course| {
+            let shown = course.times_s.iter().zip(course.values);
+            shown.filter(|&(time_s, _)| (self.span_s[0]..=self.span_s[1]).contains(time_s))
+        });
+        let all = values
+            .map(|(_, &value)| value)
+            .filter(|value| value.is_finite());
+        let [low, high] = all
+            .chain(bounds)
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                [low.min(value), high.max(value)]
+            });
+        match low.partial_cmp(&high)? {
+            std::cmp::Ordering::Less => {
+                let margin = 0.03 * (high - low);
+                // What never goes below 0 is not shown to.
+                let low = if low >= 0.0 {
+                    (low - margin).max(0.0)
+                } else {
+                    low - margin
+                };
+                Some([low, high + margin])
+            }
+            std::cmp::Ordering::Equal => Some([low - 0.5, high + 0.5]),
+            std::cmp::Ordering::Greater => None,
+        }
+    }
+}
+
+/// From values to places.
+struct Frame {
+    columns: usize,
+    rows: usize,
+    span_s: [f64; 2],
+    range: [f64; 2],
+}
+
+impl Frame {
+    fn x(&self, time_s: f64) -> isize {
+        let share = (time_s - self.span_s[0]) / (self.span_s[1] - self.span_s[0]);
+        (share * (DOTS[0] * self.columns - 1) as f64).round() as isize
+    }
+
+    fn y(&self, value: f64) -> isize {
+        let share = (self.range[1] - value) / (self.range[1] - self.range[0]);
+        (share * (DOTS[1] * self.rows - 1) as f64).round() as isize
+    }
+
+    /// Row of characters that shows `value`; none outside.
+    fn row(&self, value: f64) -> Option<usize> {
+        let row = usize::try_from(self.y(value)).ok()? / DOTS[1];
+        (row < self.rows).then_some(row)
+    }
+
+    fn draw(&self, course: &Course<'_>, raster: &mut Raster<Colour>, is_coloured: bool) {
+        let mark = course.mark.filter(|_| !is_coloured);
+        let mut last: Option<(isize, isize)> = None;
+        let mut last_mark = isize::MIN;
+        for (&time_s, &value) in course.times_s.iter().zip(course.values) {
+            if !value.is_finite() || !(self.span_s[0]..=self.span_s[1]).contains(&time_s) {
+                last = None;
+                continue;
+            }
+            let place = (self.x(time_s), self.y(value));
+            match mark {
+                Some(mark) if place.0 / (DOTS[0] * MARK_DISTANCE) as isize != last_mark => {
+                    last_mark = place.0 / (DOTS[0] * MARK_DISTANCE) as isize;
+                    raster.mark(place.0, place.1, mark, course.colour);
+                }
+                Some(_) => {}
+                None => raster.line(last.unwrap_or(place), place, course.colour),
+            }
+            last = Some(place);
+        }
+    }
+
+    /// Rows with their labels.
+    fn value_ticks(&self) -> Vec<(usize, String)> {
+        let step = nice_step((self.range[1] - self.range[0]) / (self.rows as f64 / 3.0).max(2.0));
+        ticks(self.range, step)
+            .filter_map(|value| Some((self.row(value)?, label(value, step))))
+            .collect()
+    }
+
+    fn time_axis(&self, terminal: &Terminal) -> String {
+        let span = self.span_s[1] - self.span_s[0];
+        let step = nice_step(span / (self.columns as f64 / 12.0));
+        let mut axis: Vec<char> = vec!['─'; self.columns];
+        let mut labels: Vec<char> = vec![' '; LABELS + 2 + self.columns];
+        for time_s in ticks(self.span_s, step) {
+            let Ok(column) = usize::try_from(self.x(time_s)) else {
+                continue;
+            };
+            let column = (column / DOTS[0]).min(self.columns - 1);
+            axis[column] = '┬';
+            let text = format!("{} s", label(time_s, step));
+            let middle = LABELS + 2 + column;
+            let start = (middle + 1).saturating_sub(text.chars().count().div_ceil(2));
+            let start = start.min(labels.len() - text.chars().count());
+            for (place, character) in labels[start..].iter_mut().zip(text.chars()) {
+                *place = character;
+            }
+        }
+        let axis: String = axis.into_iter().collect();
+        let labels: String = labels.into_iter().collect();
+        let text = format!("{:LABELS$} └{axis}\n{}", "", labels.trim_end());
+        text.lines()
+            .map(|line| terminal.paint(Colour::Faint, line) + "\n")
+            .collect()
+    }
+}
+
+/// The next larger of 1, 2 and 5 times a power of ten.
+fn nice_step(step: f64) -> f64 {
+    let power = 10_f64.powf(step.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|factor| factor * power)
+        .find(|nice| *nice >= step * (1.0 - 1e-9))
+        .unwrap_or(10.0 * power)
+}
+
+fn ticks([low, high]: [f64; 2], step: f64) -> impl Iterator<Item = f64> {
+    let first = (low / step).ceil() as i64;
+    let last = (high / step).floor() as i64;
+    (first..=last).map(move |index| index as f64 * step)
+}
+
+fn label(value: f64, step: f64) -> String {
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    let text = format!("{:.decimals$}", value + 0.0);
+    if text.chars().count() > LABELS {
+        significant(value, 3)
+    } else {
+        text
+    }
+}
+
+/// One escape sequence for neighbours of one colour.
+fn paint_runs(cells: impl Iterator<Item = (char, Option<Colour>)>, terminal: &Terminal) -> String {
+    let mut text = String::new();
+    let mut run = String::new();
+    let mut run_colour = None;
+    let finish = |run: &mut String, colour: Option<Colour>, text: &mut String| {
+        match colour {
+            Some(colour) => *text += &terminal.paint(colour, run),
+            None if run.contains('╌') => *text += &terminal.paint(Colour::Faint, run),
+            None => *text += run,
+        }
+        run.clear();
+    };
+    for (character, colour) in cells {
+        if colour != run_colour {
+            finish(&mut run, run_colour, &mut text);
+            run_colour = colour;
+        }
+        run.push(character);
+    }
+    finish(&mut run, run_colour, &mut text);
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(is_coloured: bool) -> String {
+        let times_s: Vec<f64> = (0..=100).map(|n| f64::from(n) * 0.1).collect();
+        let values: Vec<f64> = times_s.iter().map(|time_s| time_s - 5.0).collect();
+        let chart = Chart {
+            title: "error [bar]",
+            courses: vec![Course {
+                name: "ramp",
+                colour: Colour::First,
+                mark: None,
+                times_s: &times_s,
+                values: &values,
+            }],
+            band: Some((2.0, "noise")),
+            height: 9,
+            span_s: [0.0, 10.0],
+            at_least: None,
+        };
+        chart.draw(&Terminal {
+            width: 60,
+            is_coloured,
+        })
+    }
+
+    #[test]
+    fn a_plot_keeps_to_the_width_and_shows_title_key_band_and_both_axes() {
+        let text = ramp(false);
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 60),
+            "{text}"
+        );
+        assert!(
+            text.starts_with("error [bar]   ── ramp   ╌╌ noise\n"),
+            "{text}"
+        );
+        assert_eq!(
+            text.lines().filter(|line| line.contains('╌')).count(),
+            3,
+            "{text}"
+        );
+        for label in ["4 ┤", "-4 ┤", "0 s", "10 s"] {
+            assert!(text.contains(label), "{label}: {text}");
+        }
+        assert_eq!(text.lines().count(), 1 + 9 + 2);
+    }
+
+    #[test]
+    fn colours_change_nothing_else() {
+        let painted = ramp(true);
+        assert!(painted.contains("\u{1b}[36m"));
+        let plain = anstream::adapter::strip_str(&painted).to_string();
+        let cut = |text: &str| {
+            text.lines()
+                .map(str::trim_end)
+                .collect::<Vec<_>>()
+                .join("\n")
+        };
+        assert_eq!(cut(&plain), cut(&ramp(false)));
+    }
+
+    #[test]
+    fn steps_are_1_2_5() {
+        for (step, expected) in [(0.011, 0.02), (0.1, 0.1), (3.0, 5.0), (70.0, 100.0)] {
+            assert!(
+                (nice_step(step) - expected).abs() < 1e-9 * expected,
+                "{step}"
+            );
+        }
+    }
+}

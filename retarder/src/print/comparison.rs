@@ -1,0 +1,302 @@
+//! Model against measurement.
+
+use model_lab::result::{Horizon, RegimeBin, RegimeShares, SignalComparison};
+use recording::{Recording, Unit};
+
+use super::chart::{Chart, Course};
+use super::number::{or_dash, percent, signed, significant};
+use super::table::{Align, Table, bar, verdict};
+use super::{Colour, Terminal, paragraph, title};
+use crate::run::Answer;
+use crate::run::compare::Compared;
+
+/// The whole comparison.
+pub(super) fn comparison(compared: &Compared, terminal: &Terminal) -> String {
+    let focus = compared.focus();
+    let mut text = head(compared, terminal);
+    text += "\n";
+    text += &signals(compared, terminal);
+    text += "\n";
+    for signal in &compared.comparison.signals {
+        text += &finding(signal, terminal);
+    }
+    for left_out in &compared.comparison.not_compared {
+        text += &paragraph(
+            &format!("{} is not compared: {}", left_out.name, left_out.reason),
+            terminal,
+        );
+    }
+    text += "\n";
+    text += &plots(compared, terminal);
+    text += "\n";
+    text += &title(&format!("Where the error of {} is", focus.name), terminal);
+    text += &regimes(focus, &focus.regimes, terminal);
+    text += "\n";
+    text + &answer(compared, terminal)
+}
+
+/// What was compared.
+pub(super) fn head(compared: &Compared, terminal: &Terminal) -> String {
+    let comparison = &compared.comparison;
+    let mut text = title(
+        &format!("{} against {}", compared.plant.name, comparison.log),
+        terminal,
+    );
+    let mut facts = format!(
+        "{} samples, {:.2} s; the model starts {}.",
+        comparison.samples, comparison.duration_s, comparison.start.statement
+    );
+    if comparison.held_commands > 0 {
+        facts += &format!(
+            " In {} samples a duty cycle is missing and the last one was held.",
+            comparison.held_commands
+        );
+    }
+    text += &paragraph(&facts, terminal);
+    text
+}
+
+/// One row per signal.
+pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
+    let mut table = Table::new(
+        [
+            ("signal", Align::Left),
+            ("noise", Align::Right),
+            ("rms", Align::Right),
+            ("× noise", Align::Right),
+            ("limit", Align::Right),
+            ("worst", Align::Right),
+            ("at s", Align::Right),
+            ("fit %", Align::Right),
+            ("short rms", Align::Right),
+            ("", Align::Left),
+        ],
+        terminal,
+    );
+    for signal in &compared.comparison.signals {
+        let free = &signal.free_run;
+        table.row([
+            format!("{} [{}]", signal.name, signal.unit).into(),
+            or_dash(signal.noise_floor.value, |value| significant(value, 3)).into(),
+            significant(free.rms, 3).into(),
+            or_dash(free.rms_in_noise, |value| significant(value, 3)).into(),
+            or_dash(signal.limit, |value| significant(value, 3)).into(),
+            signed(free.worst, 3).into(),
+            format!("{:.2}", free.worst_time_s).into(),
+            or_dash(free.fit_pct, |value| format!("{value:.1}")).into(),
+            or_dash(signal.short_horizon.as_ref(), |short| {
+                significant(short.rms, 3)
+            })
+            .into(),
+            verdict(signal.holds),
+        ]);
+    }
+    let mut text = table.to_string();
+    let horizon = match &compared.comparison.predictor {
+        None => String::new(),
+        Some(predictor) => format!(
+            " short rms: with the measured {} correcting the model after each sample.",
+            predictor.signal
+        ),
+    };
+    text += &faint_paragraph(
+        &format!(
+            "Errors are measured minus modelled. rms: the model driven by the duty cycles alone.{horizon}"
+        ),
+        terminal,
+    );
+    text
+}
+
+fn faint_paragraph(text: &str, terminal: &Terminal) -> String {
+    paragraph(text, terminal)
+        .lines()
+        .map(|line| terminal.paint(Colour::Faint, line) + "\n")
+        .collect()
+}
+
+/// The finding of one signal, and what is left in its error.
+pub(super) fn finding(signal: &SignalComparison, terminal: &Terminal) -> String {
+    let mut sentence = format!("{}: {}.", signal.name, signal.finding.sentence);
+    if signal.holds == Some(false)
+        && let Some(offset) = signal
+            .time_offset
+            .as_ref()
+            .filter(|offset| offset.mismatch_explained > 0.2)
+    {
+        sentence += &format!(" {}.", offset.statement);
+    }
+    paragraph(&sentence, terminal)
+}
+
+/// Measured and modelled, and the residual with the noise.
+pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
+    let signal = compared.focus();
+    let traces = &compared.comparison.traces;
+    let measured = course(
+        &compared.log,
+        &signal.name,
+        traces.free_run.signal(&signal.name).map(|s| s.unit()),
+    );
+    let modelled = course(&traces.free_run, &signal.name, None);
+    let residual = course(&traces.free_run_residual, &signal.name, None);
+    let (Some(measured), Some(modelled), Some(residual)) = (measured, modelled, residual) else {
+        return String::new();
+    };
+    let span_s = [
+        modelled.times_s[0],
+        modelled.times_s[modelled.times_s.len() - 1],
+    ];
+    let overlay_title = format!("{} [{}]", signal.name, modelled.unit.symbol());
+    let overlay = Chart {
+        title: &overlay_title,
+        courses: vec![
+            Course {
+                name: "measured",
+                colour: Colour::First,
+                mark: None,
+                times_s: &measured.times_s,
+                values: &measured.values,
+            },
+            Course {
+                name: "modelled",
+                colour: Colour::Second,
+                mark: Some('×'),
+                times_s: &modelled.times_s,
+                values: &modelled.values,
+            },
+        ],
+        band: None,
+        height: 12,
+        span_s,
+        at_least: None,
+    };
+    let residual_title = format!("measured - modelled [{}]", signal.unit);
+    let noise = signal.noise_floor.value.map(|value| {
+        (
+            value,
+            format!("noise ±{} {}", significant(value, 2), signal.unit),
+        )
+    });
+    let residual_chart = Chart {
+        title: &residual_title,
+        courses: vec![Course {
+            name: "residual",
+            colour: Colour::First,
+            mark: None,
+            times_s: &residual.times_s,
+            values: &residual.values,
+        }],
+        band: noise.as_ref().map(|(value, name)| (*value, name.as_str())),
+        height: 9,
+        span_s,
+        at_least: None,
+    };
+    overlay.draw(terminal) + "\n" + &residual_chart.draw(terminal)
+}
+
+/// A signal with its instants.
+struct OwnedCourse {
+    times_s: Vec<f64>,
+    values: Vec<f64>,
+    unit: Unit,
+}
+
+/// The signal `name` in `unit`, or as it was logged where it cannot be converted.
+fn course(recording: &Recording, name: &str, unit: Option<Unit>) -> Option<OwnedCourse> {
+    let signal = recording.signal(name)?;
+    let times_s = recording.time_base_of(name)?.times_s().to_vec();
+    let logged = signal.unit();
+    let unit = unit.unwrap_or(logged);
+    let (values, unit) = match signal.values_at_ambient(unit, recording::STANDARD_ATMOSPHERE_PA) {
+        Ok(values) => (values, unit),
+        Err(_) => (signal.values_or_nan().to_vec(), logged),
+    };
+    Some(OwnedCourse {
+        times_s,
+        values,
+        unit,
+    })
+}
+
+/// Width of the bars of the shares [characters].
+const BAR: usize = 10;
+
+/// Shares of the excess error.
+pub(super) fn regimes(
+    signal: &SignalComparison,
+    dimensions: &[RegimeShares],
+    terminal: &Terminal,
+) -> String {
+    let bias = format!("bias [{}]", signal.unit);
+    let rms = format!("rms [{}]", signal.unit);
+    let mut table = Table::new(
+        [
+            ("regime", Align::Left),
+            ("samples", Align::Right),
+            ("excess", Align::Right),
+            ("", Align::Left),
+            (&bias, Align::Right),
+            (&rms, Align::Right),
+            ("free run", Align::Right),
+        ],
+        terminal,
+    );
+    for dimension in dimensions {
+        table.heading(&dimension.title);
+        for bin in &dimension.bins {
+            let local = local(bin);
+            table.row([
+                format!("  {}", bin.label).into(),
+                percent(bin.sample_share).into(),
+                or_dash(local.excess_share, percent).into(),
+                super::table::painted(Colour::Notice, bar(local.excess_share.unwrap_or(0.0), BAR)),
+                signed(local.bias, 2).into(),
+                significant(local.rms, 3).into(),
+                or_dash(bin.free_run.excess_share, percent).into(),
+            ]);
+        }
+    }
+    let mut text = table.to_string();
+    let which = match signal.finding.horizon {
+        Horizon::ShortHorizon => {
+            "excess: share of the error beyond the noise, on the short horizon, where an error stays where it arises. \
+             free run: the same in free run, where it is carried on."
+        }
+        Horizon::FreeRun => "excess: share of the error beyond the noise.",
+    };
+    text += &faint_paragraph(which, terminal);
+    text
+}
+
+fn local(bin: &RegimeBin) -> &model_lab::result::BinError {
+    bin.short_horizon.as_ref().unwrap_or(&bin.free_run)
+}
+
+/// The verdict in a sentence.
+pub(super) fn answer(compared: &Compared, terminal: &Terminal) -> String {
+    let verdict = &compared.comparison.verdict;
+    let (colour, sentence) = match compared.answer() {
+        Answer::Holds => (Colour::Good, format!("The model holds: {}.", verdict.rule)),
+        Answer::DoesNotHold => (
+            Colour::Bad,
+            format!(
+                "The model does not hold for {}. It would if {}.",
+                verdict.failing.join(", "),
+                verdict.rule
+            ),
+        ),
+        Answer::Open => (
+            Colour::Notice,
+            format!(
+                "No verdict: the noise of {} is unknown. Say what is small enough: --tolerance {}=RMS.",
+                verdict.undecided.join(", "),
+                verdict.undecided.first().map_or("p_ch", String::as_str)
+            ),
+        ),
+    };
+    paragraph(&sentence, terminal)
+        .lines()
+        .map(|line| terminal.paint(colour, line) + "\n")
+        .collect()
+}

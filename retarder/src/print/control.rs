@@ -1,0 +1,282 @@
+//! The closed loop.
+
+use hil_harness::Verdict;
+use hil_harness::checks::{Bound, Check, CheckId};
+use recording::Recording;
+
+use super::chart::{Chart, Course};
+use super::number::{or_dash, significant, value};
+use super::table::{Align, Entry, Table, painted};
+use super::{Colour, Terminal, paragraph, title};
+use crate::run::control::Controlled;
+
+/// The run, its verdict and its rigs.
+pub(super) fn control(controlled: &Controlled, terminal: &Terminal) -> String {
+    let mut text = head(controlled, terminal);
+    text += "\n";
+    text += &plots(&controlled.run.recording, terminal);
+    text += "\n";
+    text += &requirements(&[controlled], terminal);
+    if !controlled.rigs.is_empty() {
+        text += "\n";
+        text += &rigs(controlled, terminal);
+    }
+    text += "\n";
+    text + &answer(controlled, terminal)
+}
+
+fn head(controlled: &Controlled, terminal: &Terminal) -> String {
+    let scenario = &controlled.scenario.scenario;
+    let mut text = title(
+        &format!(
+            "{}: {} on {}",
+            scenario.name, controlled.scenario.controller, controlled.scenario.plant
+        ),
+        terminal,
+    );
+    let seconds = f64::from(scenario.duration_samples) * scenario.plant.ecu.sample_time_s;
+    text += &paragraph(
+        &format!(
+            "{} samples, {seconds:.1} s from {} bar; sensor noise {} mbar rms, seed {}.",
+            scenario.duration_samples,
+            scenario.start_pressure_bar,
+            scenario.sensor_noise_mbar_rms,
+            scenario.seed
+        ),
+        terminal,
+    );
+    text
+}
+
+/// Reference and chamber pressure, with the duty cycles below.
+pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
+    let Some(times) = recording.time_base_of("p_ch") else {
+        return String::new();
+    };
+    let times_s = times.times_s();
+    let span_s = [times.start_s(), times.end_s()];
+    let values = |name: &str| {
+        recording
+            .signal(name)
+            .map_or(&[][..], |signal| signal.values_or_nan())
+    };
+    let course = |name: &'static str, signal: &str, colour, mark| Course {
+        name,
+        colour,
+        mark,
+        times_s,
+        values: values(signal),
+    };
+    let pressure = Chart {
+        title: "pressure [bar gauge]",
+        courses: vec![
+            course("reference", "p_ref", Colour::Second, Some('×')),
+            course("chamber", "p_ch", Colour::First, None),
+        ],
+        band: None,
+        height: 12,
+        span_s,
+        at_least: Some([0.0, 1.0]),
+    };
+    // The vent valve lowers the pressure, so it is drawn downwards.
+    let vent: Vec<f64> = values("duty_vent").iter().map(|duty| -duty).collect();
+    let duty = Chart {
+        title: "duty cycle [%]",
+        courses: vec![
+            course("fill", "duty_fill", Colour::First, None),
+            Course {
+                name: "vent (downwards)",
+                colour: Colour::Second,
+                mark: None,
+                times_s,
+                values: &vent,
+            },
+        ],
+        band: None,
+        height: 7,
+        span_s,
+        at_least: Some([-100.0, 100.0]),
+    };
+    pressure.draw(terminal) + "\n" + &duty.draw(terminal)
+}
+
+/// The requirements with what was reached, in one table for several runs.
+pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String {
+    let mut table = Table::new(
+        [
+            ("requirement", Align::Left),
+            ("reached", Align::Right),
+            ("limit", Align::Right),
+            ("unit", Align::Left),
+            ("", Align::Left),
+            ("evidence", Align::Left),
+        ],
+        terminal,
+    );
+    for (heading, is_binding) in [("Required by the thesis", true), ("Also looked at", false)] {
+        table.heading(heading);
+        for id in CheckId::ALL {
+            for run in runs {
+                let Some(check) = run
+                    .verdict
+                    .check(id)
+                    .filter(|check| check.binding == is_binding)
+                else {
+                    continue;
+                };
+                let evidence = match runs {
+                    [_] => check.evidence.clone(),
+                    _ => format!("{}: {}", run.scenario.scenario.name, check.evidence),
+                };
+                table.row([
+                    format!("  {}", check.requirement).into(),
+                    or_dash(check.reached, |reached| significant(reached, 3)).into(),
+                    format!("{} {}", relation(check.bound), value(check.limit)).into(),
+                    check.unit.as_str().into(),
+                    word(check),
+                    painted(Colour::Faint, evidence),
+                ]);
+            }
+        }
+    }
+    let mut text = table.to_string();
+    if let Some(missing) = not_exercised(runs) {
+        text += &paragraph(
+            &format!("Not exercised by this profile: {missing}."),
+            terminal,
+        );
+    }
+    text
+}
+
+/// Checks that no run gives occasion to.
+fn not_exercised(runs: &[&Controlled]) -> Option<String> {
+    let names: Vec<String> = CheckId::ALL
+        .into_iter()
+        .filter(|id| {
+            runs.iter()
+                .all(|run| run.verdict.not_exercised.contains(id))
+        })
+        .map(|id| id.name().replace('_', " "))
+        .collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+fn relation(bound: Bound) -> &'static str {
+    match bound {
+        Bound::AtMost => "≤",
+        Bound::LessThan => "<",
+    }
+}
+
+fn word(check: &Check) -> Entry {
+    match (check.holds, check.binding) {
+        (true, _) => painted(Colour::Good, "holds"),
+        (false, true) => painted(Colour::Bad, "FAILS"),
+        (false, false) => painted(Colour::Notice, "beyond"),
+    }
+}
+
+/// How the checks stand over all rigs.
+fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
+    let count = controlled.rigs.len();
+    let mut text = title(&format!("{count} rigs scattered about the plant"), terminal);
+    let mut table = Table::new(
+        [
+            ("worst of a rig", Align::Left),
+            ("median", Align::Right),
+            ("90 %", Align::Right),
+            ("all", Align::Right),
+            ("limit", Align::Right),
+            ("unit", Align::Left),
+            ("rigs that hold", Align::Right),
+        ],
+        terminal,
+    );
+    for id in CheckId::ALL {
+        let checks: Vec<&Check> = controlled
+            .rigs
+            .iter()
+            .filter_map(|rig| rig.verdict.check(id))
+            .collect();
+        let Some(first) = checks.first() else {
+            continue;
+        };
+        let mut reached: Vec<f64> = checks
+            .iter()
+            .map(|check| check.reached.unwrap_or(f64::INFINITY))
+            .collect();
+        reached.sort_by(f64::total_cmp);
+        let quantile = |share: f64| {
+            let reached = reached[(share * (reached.len() - 1) as f64).round() as usize];
+            if reached.is_finite() {
+                significant(reached, 3)
+            } else {
+                "never".to_owned()
+            }
+        };
+        let holding = checks.iter().filter(|check| check.holds).count();
+        let colour = match (holding == checks.len(), first.binding) {
+            (true, _) => Colour::Good,
+            (false, true) => Colour::Bad,
+            (false, false) => Colour::Notice,
+        };
+        table.row([
+            id.name().replace('_', " ").into(),
+            quantile(0.5).into(),
+            quantile(0.9).into(),
+            quantile(1.0).into(),
+            format!("{} {}", relation(first.bound), value(first.limit)).into(),
+            first.unit.as_str().into(),
+            painted(colour, format!("{holding} of {}", checks.len())),
+        ]);
+    }
+    text += &table.to_string();
+    if let Some(rig) = controlled.rigs.iter().find(|rig| !rig.verdict.holds) {
+        text += &paragraph(
+            &format!(
+                "Rig {} (seed {}) is the first that fails.",
+                rig.rig, rig.seed
+            ),
+            terminal,
+        );
+    }
+    text
+}
+
+/// The verdict in a sentence.
+pub(super) fn answer(controlled: &Controlled, terminal: &Terminal) -> String {
+    let mut sentence = sentence(&controlled.verdict);
+    if !controlled.rigs.is_empty() {
+        sentence += &format!(
+            " On {} of {} rigs every binding requirement holds.",
+            controlled.rigs_that_hold(),
+            controlled.rigs.len()
+        );
+    }
+    let colour = if controlled.holds() {
+        Colour::Good
+    } else {
+        Colour::Bad
+    };
+    paragraph(&sentence, terminal)
+        .lines()
+        .map(|line| terminal.paint(colour, line) + "\n")
+        .collect()
+}
+
+fn sentence(verdict: &Verdict) -> String {
+    let failing: Vec<String> = verdict
+        .checks
+        .iter()
+        .filter(|check| check.binding && !check.holds)
+        .map(|check| check.id.name().replace('_', " "))
+        .collect();
+    if verdict.holds {
+        "The loop keeps every binding requirement.".to_owned()
+    } else if verdict.steps.is_empty() {
+        "No verdict: no step of the reference is held for T_req, so nothing was proved.".to_owned()
+    } else {
+        format!("The loop does not hold: {}.", failing.join(", "))
+    }
+}

@@ -1,0 +1,41 @@
+//! The work that a simulation took.
+
+use super::number::significant;
+use super::{Terminal, paragraph, title};
+use crate::run::simulate::Simulation;
+
+/// What was simulated, and how fast.
+pub(crate) fn simulation(simulation: &Simulation, terminal: &Terminal) -> String {
+    let mut text = title(
+        &format!("{} driven by {}", simulation.plant, simulation.log),
+        terminal,
+    );
+    let mut facts = format!(
+        "{} rows, {} s in {} s: {} times faster than real time, with reading and writing.",
+        simulation.rows,
+        significant(simulation.duration_s, 4),
+        significant(simulation.elapsed_s, 2),
+        significant(simulation.times_real_time, 3),
+    );
+    if let Some(steps) = simulation.steps_per_pwm_period {
+        facts += &format!(
+            " {} integration steps per PWM period; {} accepted, {} repeated, {} intervals by formula, {} events located.",
+            significant(steps, 3),
+            simulation.steps,
+            simulation.rejected_steps,
+            simulation.exact_intervals,
+            simulation.events
+        );
+    }
+    if simulation.held_commands > 0 {
+        facts += &format!(
+            " In {} rows a duty cycle is missing and the last one was held.",
+            simulation.held_commands
+        );
+    }
+    text += &paragraph(&facts, terminal);
+    if let Some(path) = &simulation.recording {
+        text += &format!("Written: {path}\n");
+    }
+    text
+}

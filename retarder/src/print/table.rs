@@ -1,0 +1,159 @@
+//! Tables: a line below the head, cells that wrap to the width of the terminal.
+
+use comfy_table::{
+    Attribute, Cell, CellAlignment, Color, ContentArrangement, ContentLineStyle, LineStyle,
+    TableStyle,
+};
+
+use super::{Colour, Terminal};
+
+const STYLE: TableStyle = TableStyle::new()
+    .header_lines(ContentLineStyle::none())
+    .header_separator(LineStyle::none().fill('─').junction('─'))
+    .content_lines(ContentLineStyle::none());
+
+/// A table under construction.
+pub(super) struct Table {
+    table: comfy_table::Table,
+    is_coloured: bool,
+}
+
+/// Where the cells of a column stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Align {
+    Left,
+    Right,
+}
+
+impl Table {
+    /// A table with these columns.
+    pub(super) fn new<const N: usize>(columns: [(&str, Align); N], terminal: &Terminal) -> Self {
+        let mut table = comfy_table::Table::new();
+        table
+            .load_style(STYLE)
+            .set_content_arrangement(ContentArrangement::Dynamic)
+            .set_width(u16::try_from(terminal.width).unwrap_or(u16::MAX));
+        if terminal.is_coloured {
+            table.enforce_styling();
+        } else {
+            table.force_no_tty();
+        }
+        table.set_header(columns.map(|(name, _)| Cell::new(name).add_attribute(Attribute::Bold)));
+        for (index, (_, align)) in columns.iter().enumerate() {
+            if let Some(column) = table.column_mut(index) {
+                column.set_padding((u16::from(index > 0), 1));
+                column.set_cell_alignment(match align {
+                    Align::Left => CellAlignment::Left,
+                    Align::Right => CellAlignment::Right,
+                });
+            }
+        }
+        Self {
+            table,
+            is_coloured: terminal.is_coloured,
+        }
+    }
+
+    /// One more row.
+    pub(super) fn row<const N: usize>(&mut self, cells: [Entry; N]) {
+        self.table.add_row(cells.map(|entry| entry.0));
+    }
+
+    /// A row with one text in its first column.
+    pub(super) fn heading(&mut self, text: &str) {
+        self.table
+            .add_row([Cell::new(text).add_attribute(Attribute::Bold)]);
+    }
+}
+
+impl std::fmt::Display for Table {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for line in self.table.lines() {
+            // Styled cells end with an escape sequence, so only plain ones have blanks to cut.
+            let line = if self.is_coloured {
+                line.as_str()
+            } else {
+                line.trim_end()
+            };
+            writeln!(f, "{line}")?;
+        }
+        Ok(())
+    }
+}
+
+/// A cell.
+pub(super) struct Entry(Cell);
+
+impl<T: ToString> From<T> for Entry {
+    fn from(content: T) -> Self {
+        Self(Cell::new(content))
+    }
+}
+
+/// A cell in the colour of its meaning.
+pub(super) fn painted(colour: Colour, text: impl ToString) -> Entry {
+    let cell = Cell::new(text);
+    Entry(match colour {
+        Colour::Title => cell.add_attribute(Attribute::Bold),
+        Colour::Good => cell.fg(Color::DarkGreen),
+        Colour::Bad => cell.fg(Color::DarkRed).add_attribute(Attribute::Bold),
+        Colour::Notice | Colour::Second => cell.fg(Color::DarkYellow),
+        Colour::Faint => cell.add_attribute(Attribute::Dim),
+        Colour::First => cell.fg(Color::DarkCyan),
+    })
+}
+
+/// Whether something holds, in a word.
+pub(super) fn verdict(holds: Option<bool>) -> Entry {
+    match holds {
+        Some(true) => painted(Colour::Good, "holds"),
+        Some(false) => painted(Colour::Bad, "FAILS"),
+        None => painted(Colour::Faint, "-"),
+    }
+}
+
+/// Eighths of a block.
+const EIGHTHS: [char; 9] = [' ', '▏', '▎', '▍', '▌', '▋', '▊', '▉', '█'];
+
+/// A bar of `share` (0 to 1) of `width` characters.
+pub(super) fn bar(share: f64, width: usize) -> String {
+    let eighths = (share.clamp(0.0, 1.0) * (8 * width) as f64).round() as usize;
+    let mut bar = "█".repeat(eighths / 8);
+    if !eighths.is_multiple_of(8) {
+        bar.push(EIGHTHS[eighths % 8]);
+    }
+    bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_is_no_wider_than_the_terminal() {
+        let terminal = Terminal {
+            width: 40,
+            is_coloured: false,
+        };
+        let mut table = Table::new([("name", Align::Left), ("value", Align::Right)], &terminal);
+        table.row([
+            "a long text that needs more than one line of the table".into(),
+            1.5.into(),
+        ]);
+        let text = table.to_string();
+        assert!(text.lines().count() > 3, "{text}");
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 40),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_bar_has_the_length_of_its_share() {
+        assert_eq!(bar(1.0, 4), "████");
+        assert_eq!(bar(0.5, 4), "██");
+        assert_eq!(bar(-0.1, 4), "");
+        assert_eq!(bar(7.0, 2), "██");
+        assert_eq!(bar(3.0 / 32.0, 4), "▍");
+    }
+}

@@ -1,0 +1,61 @@
+//! Progress on the standard error, where that is a terminal.
+
+use std::io::Read;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A bar or a spinner that vanishes when it is dropped.
+pub(crate) struct Progress(ProgressBar);
+
+const TICK: Duration = Duration::from_millis(100);
+
+impl Progress {
+    /// Work of unknown length.
+    pub(crate) fn of_unknown_length(what: &'static str) -> Self {
+        Self::new(None, what, "{spinner} {msg} {elapsed}")
+    }
+
+    /// `count` things to do.
+    pub(crate) fn of_count(what: &'static str, count: u64) -> Self {
+        let template = "{spinner} {msg} {wide_bar} {pos}/{len}, {eta} left";
+        Self::new(Some(count), what, template)
+    }
+
+    /// Input of `size` bytes to read, where that is known.
+    pub(crate) fn of_bytes(what: &'static str, size: Option<u64>) -> Self {
+        let template = match size {
+            Some(_) => "{spinner} {msg} {wide_bar} {bytes}/{total_bytes}, {eta} left",
+            None => "{spinner} {msg} {bytes}, {elapsed}",
+        };
+        Self::new(size, what, template)
+    }
+
+    fn new(length: Option<u64>, what: &'static str, template: &str) -> Self {
+        let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr());
+        let style = ProgressStyle::with_template(template)
+            .unwrap_or_else(|_| ProgressStyle::default_spinner());
+        bar.set_style(style);
+        bar.set_message(what);
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(TICK);
+        }
+        Self(bar)
+    }
+
+    /// One more is done.
+    pub(crate) fn step(&self) {
+        self.0.inc(1);
+    }
+
+    /// Counts what is read.
+    pub(crate) fn watch<R: Read>(&self, reader: R) -> impl Read + use<R> {
+        self.0.wrap_read(reader)
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,58 @@
+//! Tasks become outcomes: values that know nothing of how they are shown.
+
+pub(crate) mod compare;
+pub(crate) mod control;
+pub(crate) mod schema;
+pub(crate) mod simulate;
+pub(crate) mod thesis;
+pub(crate) mod tour;
+
+use crate::input::{NamedController, NamedPlant};
+
+/// What came of a task.
+pub(crate) enum Outcome {
+    Tour(tour::Tour),
+    Simulation(simulate::Simulation),
+    Comparison(compare::Compared),
+    Control(control::Controlled),
+    Thesis(thesis::Figures),
+    Parameters(NamedPlant),
+    Settings(NamedController),
+    /// Text that is the result as it stands.
+    Text(String),
+}
+
+/// The answer that the exit status gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Answer {
+    Holds,
+    DoesNotHold,
+    /// There is a result, but it does not decide.
+    Open,
+}
+
+impl Answer {
+    pub(crate) fn of(holds: bool) -> Self {
+        if holds {
+            Self::Holds
+        } else {
+            Self::DoesNotHold
+        }
+    }
+}
+
+impl Outcome {
+    /// What the outcome says. What asks nothing, such as the tour, holds.
+    pub(crate) fn answer(&self) -> Answer {
+        match self {
+            Self::Comparison(compared) => compared.answer(),
+            Self::Control(controlled) => Answer::of(controlled.holds()),
+            Self::Thesis(figures) => Answer::of(figures.table.holds),
+            Self::Tour(_)
+            | Self::Simulation(_)
+            | Self::Parameters(_)
+            | Self::Settings(_)
+            | Self::Text(_) => Answer::Holds,
+        }
+    }
+}

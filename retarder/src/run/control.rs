@@ -1,0 +1,116 @@
+//! The closed loop on the model.
+
+use hil_harness::rigs::{self, RigVerdict};
+use hil_harness::{Requirement, Run, Verdict, run_in_process};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::schema;
+
+use crate::failure::Failure;
+use crate::input::NamedScenario;
+use crate::progress::Progress;
+
+/// A run of the loop and how it stands against the requirement.
+pub(crate) struct Controlled {
+    pub(crate) scenario: NamedScenario,
+    pub(crate) run: Run,
+    pub(crate) verdict: Verdict,
+    /// The same on other rigs; empty where none was asked for.
+    pub(crate) rigs: Vec<RigVerdict>,
+}
+
+/// Runs the scenario, then again on `rigs` scattered rigs.
+pub(crate) fn run(scenario: NamedScenario, rigs: u32) -> Result<Controlled, Failure> {
+    let requirement = Requirement::THESIS;
+    let run = run_in_process(&scenario.scenario)?;
+    let verdict = run.verdict(&requirement)?;
+    let progress = Progress::of_count("rigs", rigs.into());
+    let rigs = rigs::verdicts(&scenario.scenario, &requirement, rigs)
+        .inspect(|_| progress.step())
+        .collect::<Result<_, _>>()?;
+    Ok(Controlled {
+        scenario,
+        run,
+        verdict,
+        rigs,
+    })
+}
+
+impl Controlled {
+    /// Whether every binding check holds, on every rig.
+    pub(crate) fn holds(&self) -> bool {
+        self.verdict.holds && self.rigs.iter().all(|rig| rig.verdict.holds)
+    }
+}
+
+/// Name and version of the JSON form of [`Rigs`].
+pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/1";
+
+/// The loop on many rigs.
+#[derive(Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Rigs<'a> {
+    /// Name and version of this format.
+    pub(crate) schema: &'static str,
+    /// Name of the scenario.
+    pub(crate) scenario: &'a str,
+    /// The plant that the rigs are scattered about.
+    pub(crate) plant: &'a str,
+    /// The controller.
+    pub(crate) controller: &'a str,
+    /// Seed of sensor noise and rigs.
+    pub(crate) seed: u64,
+    /// Whether every binding check holds on the plant and on every rig.
+    pub(crate) holds: bool,
+    /// Rigs on which every binding check holds.
+    pub(crate) rigs_that_hold: usize,
+    /// The verdict on the plant itself.
+    #[schemars(with = "schema::Verdict")]
+    pub(crate) verdict: &'a Verdict,
+    /// The verdicts on the rigs.
+    pub(crate) rigs: Vec<Rig<'a>>,
+}
+
+/// One rig.
+#[derive(Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Rig<'a> {
+    /// Number of the rig, from 0.
+    pub(crate) rig: u32,
+    /// Its seed.
+    pub(crate) seed: u64,
+    /// How the loop stood on it.
+    #[schemars(with = "schema::Verdict")]
+    pub(crate) verdict: &'a Verdict,
+}
+
+impl Controlled {
+    /// Rigs on which every binding check holds.
+    pub(crate) fn rigs_that_hold(&self) -> usize {
+        self.rigs.iter().filter(|rig| rig.verdict.holds).count()
+    }
+
+    /// The run and its rigs as they stand in JSON.
+    pub(crate) fn rigs(&self) -> Rigs<'_> {
+        Rigs {
+            schema: RIGS_SCHEMA,
+            scenario: &self.scenario.scenario.name,
+            plant: &self.scenario.plant,
+            controller: &self.scenario.controller,
+            seed: self.scenario.scenario.seed,
+            holds: self.holds(),
+            rigs_that_hold: self.rigs_that_hold(),
+            verdict: &self.verdict,
+            rigs: self
+                .rigs
+                .iter()
+                .map(|rig| Rig {
+                    rig: rig.rig,
+                    seed: rig.seed,
+                    verdict: &rig.verdict,
+                })
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Duty log in, recording out, in memory that does not grow with the log.
+
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use plant_sim::replay::{CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS, Replay, inputs};
+use plant_sim::{PlantParameters, Tolerance};
+use recording::csv::{Column, Decimals, Options, Reader, WriteError, Writer};
+use recording::{AtomicFile, Provenance, Recording, TimeBase, Unit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+use crate::input::NamedPlant;
+use crate::interrupt;
+use crate::progress::Progress;
+
+/// What to simulate.
+pub(crate) struct Task {
+    pub(crate) plant: NamedPlant,
+    /// Name, bytes and size of the log.
+    pub(crate) log: (String, Box<dyn Read>, Option<u64>),
+    pub(crate) options: Options,
+    /// CSV file; none is the standard output.
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// Name and version of the JSON form of a [`Simulation`].
+pub(crate) const SIMULATION_SCHEMA: &str = "retarder.simulation/1";
+
+/// A simulation and the work that it took.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Simulation {
+    /// Name and version of this format.
+    pub(crate) schema: String,
+    /// Name of the log.
+    pub(crate) log: String,
+    /// The plant: its file, and what was changed on the command line.
+    pub(crate) plant: String,
+    /// The file that was written; null for the standard output.
+    pub(crate) recording: Option<String>,
+    /// Rows read and written.
+    pub(crate) rows: u64,
+    /// From the first to the last row, s.
+    pub(crate) duration_s: f64,
+    /// Rows in which a command was missing and the last one was held.
+    pub(crate) held_commands: u64,
+    /// How the currents are meant: means of the interval before the row, or values of the instant.
+    pub(crate) currents_are_means: bool,
+    /// Accepted integration steps.
+    pub(crate) steps: u64,
+    /// Steps repeated with a smaller size.
+    pub(crate) rejected_steps: u64,
+    /// Intervals that were passed by formula alone.
+    pub(crate) exact_intervals: u64,
+    /// Events that were located: end stops, extinct currents, kinks.
+    pub(crate) events: u64,
+    /// Accepted and rejected steps per PWM period; null for a log without duration.
+    pub(crate) steps_per_pwm_period: Option<f64>,
+    /// Time that simulation, reading and writing took together, s.
+    pub(crate) elapsed_s: f64,
+    /// Duration over elapsed time.
+    pub(crate) times_real_time: f64,
+}
+
+/// Rows that are held at a time.
+const CHUNK_ROWS: usize = 4096;
+
+/// Simulates row by row.
+pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
+    let Task {
+        plant,
+        log: (name, bytes, size),
+        options,
+        out,
+    } = task;
+    let progress = Progress::of_bytes("simulating", size);
+    let reader = Reader::new(&name, progress.watch(bytes), &options)?;
+    match &out {
+        None => {
+            let sink = io::BufWriter::new(io::stdout().lock());
+            simulate(&plant, &name, reader, (None, sink), &AtomicBool::new(false))
+                .map(|(simulation, _)| simulation)
+        }
+        Some(path) => {
+            let failed = |error: io::Error| Failure::write(Some(path), error);
+            let interrupted = interrupt::flag()?;
+            let sink = AtomicFile::create(path).map_err(failed)?;
+            let (simulation, sink) =
+                simulate(&plant, &name, reader, (Some(path), sink), &interrupted)?;
+            sink.commit().map_err(failed)?;
+            Ok(simulation)
+        }
+    }
+}
+
+fn simulate<W: Write>(
+    plant: &NamedPlant,
+    log: &str,
+    mut reader: Reader<impl Read>,
+    (path, sink): (Option<&PathBuf>, W),
+    interrupted: &AtomicBool,
+) -> Result<(Simulation, W), Failure> {
+    let begin = Instant::now();
+    let failed = |error: WriteError| Failure::write(path.map(PathBuf::as_path), error);
+    let provenance = provenance(log, plant);
+    let columns = columns(&plant.parameters);
+    let mut writer = Writer::new(sink, &provenance, &columns, &decimals()).map_err(failed)?;
+    let mut replay: Option<Replay> = None;
+    let mut count = Count::default();
+    let mut means = true;
+    while let Some(chunk) = next_chunk(&mut reader)? {
+        // The library says what is wrong with the signals, as for a whole log.
+        let (base, inputs) = inputs(&chunk).map_err(|error| Failure::Replay {
+            path: Path::new(log).to_path_buf(),
+            error,
+        })?;
+        let replay = replay.get_or_insert_with(|| {
+            let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
+            let sampling = CurrentSampling::of_interval(interval_s, &plant.parameters);
+            means = sampling == CurrentSampling::MeanOfInterval;
+            Replay::new(&plant.parameters, sampling, Tolerance::default())
+        });
+        for (mut input, &time_s) in inputs.into_iter().zip(base.times_s()) {
+            if interrupted.load(Ordering::Relaxed) {
+                return Err(Failure::Interrupted);
+            }
+            let start_s = *count.start_s.get_or_insert(time_s);
+            input.time_ns = ((time_s - start_s) * 1e9).round() as u64;
+            count.rows += 1;
+            count.end_s = time_s;
+            count.held_commands += u64::from(input.command.is_none());
+            let (row, plunger) = replay.row(input);
+            let mut values = [0.0; ROW_SIGNALS.len() + 1];
+            values[..row.len()].copy_from_slice(&row);
+            values[row.len()] = plunger.unwrap_or_default();
+            writer
+                .write_row(time_s, &values[..columns.len()])
+                .map_err(failed)?;
+        }
+    }
+    let sink = writer.finish().map_err(failed)?;
+    let statistics = replay
+        .map(|mut replay| replay.simulator().statistics())
+        .unwrap_or_default();
+    let duration_s = count.end_s - count.start_s.unwrap_or(count.end_s);
+    let elapsed_s = begin.elapsed().as_secs_f64();
+    let periods = duration_s * plant.parameters.ecu.pwm_frequency_hz;
+    let simulation = Simulation {
+        schema: SIMULATION_SCHEMA.to_owned(),
+        log: log.to_owned(),
+        plant: plant.name.clone(),
+        recording: path.map(|path| path.display().to_string()),
+        rows: count.rows,
+        duration_s,
+        held_commands: count.held_commands,
+        currents_are_means: means,
+        steps: statistics.steps,
+        rejected_steps: statistics.rejected_steps,
+        exact_intervals: statistics.exact_intervals,
+        events: statistics.events,
+        steps_per_pwm_period: (periods > 0.0)
+            .then(|| (statistics.steps + statistics.rejected_steps) as f64 / periods),
+        elapsed_s,
+        times_real_time: duration_s / elapsed_s,
+    };
+    Ok((simulation, sink))
+}
+
+#[derive(Default)]
+struct Count {
+    start_s: Option<f64>,
+    end_s: f64,
+    rows: u64,
+    held_commands: u64,
+}
+
+/// The next rows as a recording of their own; none at the end.
+fn next_chunk(reader: &mut Reader<impl Read>) -> Result<Option<Recording>, Failure> {
+    let columns = reader.columns().to_vec();
+    let mut times_s = Vec::with_capacity(CHUNK_ROWS);
+    let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
+    while times_s.len() < CHUNK_ROWS
+        && let Some(row) = reader.next_row()?
+    {
+        times_s.push(row.time_s);
+        for (samples, &value) in samples.iter_mut().zip(row.values) {
+            samples.push(value);
+        }
+    }
+    if times_s.is_empty() {
+        return Ok(None);
+    }
+    let mut chunk = Recording::new(Provenance::default());
+    let base = TimeBase::new(times_s).expect("the reader refuses times that do not increase");
+    let base = chunk.add_time_base(base);
+    for (column, samples) in columns.into_iter().zip(samples) {
+        chunk
+            .add_signal(column.name, column.unit, base, samples)
+            .expect("the reader refuses names that are taken or impossible");
+    }
+    Ok(Some(chunk))
+}
+
+fn provenance(log: &str, plant: &NamedPlant) -> Provenance {
+    let mut provenance =
+        Provenance::from_source(format!("model of {log}")).with_note("plant", &plant.name);
+    provenance.producer = Some(concat!("retarder ", env!("CARGO_PKG_VERSION")).to_owned());
+    provenance
+}
+
+fn columns(parameters: &PlantParameters) -> Vec<Column> {
+    let plunger = parameters
+        .regulating_valve
+        .is_some()
+        .then_some(PLUNGER_SIGNAL);
+    ROW_SIGNALS
+        .into_iter()
+        .chain(plunger)
+        .map(|(name, unit)| Column {
+            name: name.to_owned(),
+            unit,
+        })
+        .collect()
+}
+
+/// Digits beyond the tolerance of the solver are noise: 0.1 Pa, 0.1 µA and 1 nm are written.
+fn decimals() -> Decimals {
+    Decimals::shortest()
+        .with(Unit::BarGauge, 6)
+        .with(Unit::Milliampere, 4)
+        .with(Unit::Millimetre, 6)
+}

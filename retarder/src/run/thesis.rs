@@ -1,0 +1,21 @@
+//! The figures of the thesis.
+
+use model_lab::thesis::{Measurements, ThesisTable, compare_with_model};
+
+use crate::input::NamedPlant;
+use crate::progress::Progress;
+
+/// Measured and simulated figures.
+pub(crate) struct Figures {
+    pub(crate) plant: String,
+    pub(crate) table: ThesisTable,
+}
+
+/// Repeats the experiments of the thesis on the model.
+pub(crate) fn run(plant: NamedPlant) -> Figures {
+    let _progress = Progress::of_unknown_length("repeating the experiments of the thesis");
+    Figures {
+        table: compare_with_model(&plant.parameters, &Measurements::bundled()),
+        plant: plant.name,
+    }
+}

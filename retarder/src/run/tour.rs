@@ -1,0 +1,35 @@
+//! The tour: a bench log, the model beside it, and the loop on the model.
+
+use model_lab::CompareOptions;
+
+use super::compare::{self, Compared};
+use super::control::{self, Controlled};
+use crate::failure::Failure;
+use crate::input::{self, NamedPlant, NamedScenario};
+
+/// The scenarios of the tour: the figures' profile, and the two steps that section 1.4 puts numbers to.
+const SCENARIOS: [&str; 3] = ["figure-6.5", "fill-requirement", "vent-requirement"];
+
+/// Everything that the tour shows.
+pub(crate) struct Tour {
+    pub(crate) compared: Compared,
+    /// In the order of [`SCENARIOS`].
+    pub(crate) loops: Vec<Controlled>,
+}
+
+/// Takes the tour.
+pub(crate) fn run() -> Result<Tour, Failure> {
+    let log = input::tour_log()?;
+    let compared = compare::run(
+        NamedPlant::nominal(),
+        log,
+        &CompareOptions::default(),
+        Some("p_ch"),
+    )?;
+    let loops = SCENARIOS
+        .into_iter()
+        .filter_map(NamedScenario::built_in)
+        .map(|scenario| control::run(scenario, 0))
+        .collect::<Result<_, _>>()?;
+    Ok(Tour { compared, loops })
+}

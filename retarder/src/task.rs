@@ -1,0 +1,178 @@
+//! What is to be done, with every file read and every value checked.
+
+use std::path::PathBuf;
+
+use clap::CommandFactory as _;
+use model_lab::CompareOptions;
+use recording::Recording;
+
+use crate::cli::{Cli, Command, CompareArgs, ControlArgs, SchemaName, SimulateArgs};
+use crate::failure::Failure;
+use crate::input::{self, NamedController, NamedPlant, NamedScenario};
+use crate::run::{self, Outcome, schema};
+
+/// A task and where its results go.
+pub(crate) struct Task {
+    work: Work,
+    targets: Targets,
+}
+
+/// Where results go besides the text; `-` is the standard output.
+#[derive(Debug, Default)]
+pub(crate) struct Targets {
+    pub(crate) json: Option<PathBuf>,
+    pub(crate) html: Option<PathBuf>,
+    pub(crate) recording: Option<PathBuf>,
+}
+
+enum Work {
+    Tour,
+    Simulate(run::simulate::Task),
+    Compare {
+        plant: NamedPlant,
+        log: Recording,
+        options: CompareOptions,
+        focus: Option<String>,
+    },
+    Control {
+        scenario: Box<NamedScenario>,
+        rigs: u32,
+    },
+    Thesis(NamedPlant),
+    Parameters(NamedPlant),
+    Settings(NamedController),
+    Text(String),
+}
+
+/// File that the tour writes.
+const TOUR_REPORT: &str = "report.html";
+
+impl Task {
+    /// Reads and checks everything that the arguments name.
+    pub(crate) fn resolve(arguments: Cli) -> Result<Self, Failure> {
+        let mut targets = Targets::default();
+        let work = match arguments.command {
+            None => {
+                targets.html = Some(TOUR_REPORT.into());
+                Work::Tour
+            }
+            Some(Command::Simulate(args)) => simulate(args, &mut targets)?,
+            Some(Command::Compare(args)) => compare(args, &mut targets)?,
+            Some(Command::Control(args)) => control(args, &mut targets)?,
+            Some(Command::Thesis(args)) => {
+                targets.json = args.json.json;
+                Work::Thesis(NamedPlant::from_args(&args.plant, NamedPlant::nominal())?)
+            }
+            Some(Command::Parameters(args)) => {
+                let is_untouched = args.plant.plant.is_none() && args.plant.set.is_empty();
+                let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
+                match (args.toml.toml, is_untouched) {
+                    (true, true) => {
+                        Work::Text(plant_sim::parameters::NOMINAL_PLANT_TOML.to_owned())
+                    }
+                    (true, false) => Work::Text(plant.parameters.to_toml()),
+                    (false, _) => Work::Parameters(plant),
+                }
+            }
+            Some(Command::Settings(args)) => {
+                let controller = NamedController::from_args(&args.controller)?;
+                if args.toml.toml {
+                    Work::Text(controller.text)
+                } else {
+                    Work::Settings(controller)
+                }
+            }
+            Some(Command::Schema { result }) => Work::Text(schema_text(result)),
+            Some(Command::Completions { shell }) => Work::Text(completions(shell)),
+        };
+        Ok(Self { work, targets })
+    }
+
+    /// Does the work.
+    pub(crate) fn run(self) -> Result<(Outcome, Targets), Failure> {
+        let outcome = match self.work {
+            Work::Tour => Outcome::Tour(run::tour::run()?),
+            Work::Simulate(task) => Outcome::Simulation(run::simulate::run(task)?),
+            Work::Compare {
+                plant,
+                log,
+                options,
+                focus,
+            } => Outcome::Comparison(run::compare::run(plant, log, &options, focus.as_deref())?),
+            Work::Control { scenario, rigs } => {
+                Outcome::Control(run::control::run(*scenario, rigs)?)
+            }
+            Work::Thesis(plant) => Outcome::Thesis(run::thesis::run(plant)),
+            Work::Parameters(plant) => Outcome::Parameters(plant),
+            Work::Settings(controller) => Outcome::Settings(controller),
+            Work::Text(text) => Outcome::Text(text),
+        };
+        Ok((outcome, self.targets))
+    }
+}
+
+fn simulate(args: SimulateArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    let to_standard_output =
+        |path: &Option<PathBuf>| path.as_deref().is_some_and(is_standard_output);
+    let out = args.out.out.filter(|path| !is_standard_output(path));
+    if out.is_none() && to_standard_output(&args.json.json) {
+        return Err(Failure::TwoOnStandardOutput { option: "--out" });
+    }
+    targets.json = args.json.json;
+    let options = input::csv_options(&args.log)?;
+    let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
+    let log = input::open_log(&args.log)?;
+    Ok(Work::Simulate(run::simulate::Task {
+        plant,
+        log,
+        options,
+        out,
+    }))
+}
+
+fn compare(args: CompareArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    (targets.json, targets.html) = (args.json.json, args.html.html);
+    Ok(Work::Compare {
+        plant: NamedPlant::from_args(&args.plant, NamedPlant::nominal())?,
+        log: input::log(&args.log)?,
+        options: CompareOptions {
+            allowed_noise_multiples: args.allow,
+            tolerances: args
+                .tolerance
+                .into_iter()
+                .map(|tolerance| (tolerance.name, tolerance.value))
+                .collect(),
+            ..CompareOptions::default()
+        },
+        focus: args.signal,
+    })
+}
+
+fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    let scenario = Box::new(NamedScenario::from_args(&args)?);
+    *targets = Targets {
+        json: args.json.json,
+        html: args.html.html,
+        recording: args.out.out,
+    };
+    Ok(Work::Control {
+        scenario,
+        rigs: args.rigs,
+    })
+}
+
+pub(crate) fn is_standard_output(path: &std::path::Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn schema_text(result: SchemaName) -> String {
+    let mut text = format!("{:#}", schema::of(result).to_value());
+    text.push('\n');
+    text
+}
+
+fn completions(shell: clap_complete::Shell) -> String {
+    let mut bytes = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "retarder", &mut bytes);
+    String::from_utf8_lossy(&bytes).into_owned()
+}
