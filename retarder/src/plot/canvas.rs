@@ -1,0 +1,452 @@
+//! The paper: a figure, its texts, and panels with axes.
+
+use std::ops::Range;
+
+use plotters::chart::ChartContext;
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::course::Point;
+use super::palette;
+use super::quantity::tick;
+
+/// Units of drawing per pixel: the backend counts in whole numbers, a screen shows less than a pixel.
+const SCALE: i32 = 4;
+/// The reader's own font; no file is loaded.
+const FONT: &str = "system-ui, -apple-system, Segoe UI, Roboto, Helvetica, Arial, sans-serif";
+/// Mean width of a character in ems, for the places of legend entries.
+const CHARACTER_EM: f64 = 0.57;
+/// The backend divides the size of a font by this.
+const BACKEND_FONT_SIZE: f64 = 1.24;
+/// Size of ordinary text \[px\].
+const TEXT_PX: f64 = 12.5;
+/// Size of titles \[px\].
+const TITLE_PX: f64 = 15.0;
+
+/// Room left of a panel for its labels \[px\].
+pub(super) const LABELS_PX: i32 = 52;
+/// Width of a figure across the page \[px\].
+pub(super) const WIDTH_PX: i32 = 960;
+/// Left edge of titles and captions \[px\].
+const LEFT_PX: i32 = 8;
+/// Right of a panel, so that the last label of its axis is not cut \[px\].
+pub(super) const RIGHT_PX: i32 = 16;
+
+/// A figure could not be drawn.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the figure cannot be drawn: {reason}")]
+pub struct PlotError {
+    reason: String,
+}
+
+type Backend<'a> = SVGBackend<'a>;
+type DrawError = DrawingAreaErrorKind<<Backend<'static> as DrawingBackend>::ErrorType>;
+type Plane = Cartesian2d<RangedCoordf64, RangedCoordf64>;
+
+impl From<DrawError> for PlotError {
+    fn from(error: DrawError) -> Self {
+        Self {
+            reason: error.to_string(),
+        }
+    }
+}
+
+/// A drawn figure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    width_px: i32,
+    height_px: i32,
+    description: String,
+    /// The elements between `<svg>` and `</svg>`.
+    elements: String,
+}
+
+impl Figure {
+    /// To stand within an HTML page; colours as on white.
+    pub fn inline_svg(&self) -> String {
+        self.svg("", "")
+    }
+
+    /// A file of its own, on a white ground.
+    pub fn svg_file(&self) -> String {
+        let mut file = self.svg(
+            " xmlns=\"http://www.w3.org/2000/svg\"",
+            "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n",
+        );
+        file.push('\n');
+        file
+    }
+
+    fn svg(&self, namespace: &str, ground: &str) -> String {
+        let Self {
+            width_px,
+            height_px,
+            description,
+            elements,
+        } = self;
+        let (width, height) = (width_px * SCALE, height_px * SCALE);
+        let description = escaped(description);
+        format!(
+            "<svg{namespace} width=\"{width_px}\" height=\"{height_px}\" viewBox=\"0 0 {width} {height}\" \
+             role=\"img\" font-family=\"{FONT}\" stroke-linejoin=\"round\">\n<title>{description}</title>\n{ground}{elements}</svg>"
+        )
+    }
+}
+
+/// Text as text within SVG and HTML.
+fn escaped(text: &str) -> String {
+    text.chars().fold(String::new(), |mut escaped, character| {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            other => escaped.push(printable(other)),
+        }
+        escaped
+    })
+}
+
+/// Control characters are no part of SVG.
+fn printable(character: char) -> char {
+    if character.is_control() {
+        char::REPLACEMENT_CHARACTER
+    } else {
+        character
+    }
+}
+
+/// Draws a figure; `description` is for those who do not see it.
+pub(super) fn figure(
+    width_px: i32,
+    height_px: i32,
+    description: impl Into<String>,
+    draw: impl FnOnce(&Sheet<'_>) -> Result<(), PlotError>,
+) -> Result<Figure, PlotError> {
+    let mut text = String::new();
+    {
+        let size = ((width_px * SCALE) as u32, (height_px * SCALE) as u32);
+        let sheet = Sheet {
+            area: SVGBackend::with_string(&mut text, size).into_drawing_area(),
+        };
+        draw(&sheet)?;
+        sheet.area.present()?;
+    }
+    // The outermost element is written by the figure itself.
+    let begin = text.find('>').map_or(0, |end| end + 1);
+    let end = text.rfind("</svg>").unwrap_or(text.len());
+    Ok(Figure {
+        width_px,
+        height_px,
+        description: description.into(),
+        // Once for all: the font stands on the outermost element.
+        elements: text[begin..end]
+            .trim_start()
+            .replace(&format!(" font-family=\"{FONT}\""), ""),
+    })
+}
+
+/// Where a text stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Align {
+    Left,
+    Centre,
+    Right,
+}
+
+/// Paper to draw on, in pixels from the upper left.
+pub(super) struct Sheet<'a> {
+    area: DrawingArea<Backend<'a>, Shift>,
+}
+
+/// A place \[px\].
+pub(super) type Pixel = (i32, i32);
+
+impl<'a> Sheet<'a> {
+    /// What the figure shows, in its first line.
+    pub(super) fn title(&self, text: &str) -> Result<(), PlotError> {
+        let style = font(TITLE_PX, palette::INK, Align::Left, true);
+        self.write(text, (LEFT_PX, 14), style)
+    }
+
+    /// A line of ordinary text, vertically centred at the place.
+    pub(super) fn text(
+        &self,
+        text: &str,
+        at: Pixel,
+        align: Align,
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        self.write(text, at, font(TEXT_PX, colour, align, false))
+    }
+
+    /// The same, smaller.
+    pub(super) fn small_text(
+        &self,
+        text: &str,
+        at: Pixel,
+        align: Align,
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        self.write(text, at, font(TEXT_PX - 2.0, colour, align, false))
+    }
+
+    /// The same, bold.
+    pub(super) fn bold_text(&self, text: &str, at: Pixel, align: Align) -> Result<(), PlotError> {
+        self.write(text, at, font(TEXT_PX, palette::INK, align, true))
+    }
+
+    fn write(&self, text: &str, at: Pixel, style: TextStyle<'_>) -> Result<(), PlotError> {
+        let text: String = text.chars().map(printable).collect();
+        Ok(self.area.draw_text(&text, &style, scaled(at))?)
+    }
+
+    /// A filled rectangle.
+    pub(super) fn rectangle(
+        &self,
+        corners: [Pixel; 2],
+        style: impl Into<ShapeStyle>,
+    ) -> Result<(), PlotError> {
+        let corners = corners.map(scaled);
+        Ok(self
+            .area
+            .draw(&Rectangle::new(corners, style.into().filled()))?)
+    }
+
+    /// A straight line.
+    pub(super) fn line(
+        &self,
+        ends: [Pixel; 2],
+        colour: RGBColor,
+        width_px: f64,
+    ) -> Result<(), PlotError> {
+        let ends = ends.map(scaled).to_vec();
+        Ok(self
+            .area
+            .draw(&PathElement::new(ends, stroke(colour, width_px)))?)
+    }
+
+    /// A dot with a radius \[px\].
+    pub(super) fn dot(
+        &self,
+        at: Pixel,
+        radius_px: f64,
+        style: impl Into<ShapeStyle>,
+    ) -> Result<(), PlotError> {
+        let radius = (radius_px * f64::from(SCALE)) as i32;
+        Ok(self.area.draw(&Circle::new(scaled(at), radius, style))?)
+    }
+
+    /// Axes with ticks and the name of the upright one above them.
+    pub(super) fn panel(&self, panel: &Panel<'_>) -> Result<Chart<'a>, PlotError> {
+        let Panel {
+            corner: (left, top),
+            size: (width, height),
+            x,
+            y,
+            ..
+        } = panel;
+        let label_height = 26;
+        let area = self.area.clone().shrink(
+            scaled((left - LABELS_PX, *top)),
+            scaled((width + LABELS_PX, height + label_height)),
+        );
+        let mut chart = ChartBuilder::on(&area)
+            .set_label_area_size(LabelAreaPosition::Left, LABELS_PX * SCALE)
+            .set_label_area_size(LabelAreaPosition::Bottom, label_height * SCALE)
+            .build_cartesian_2d(x.clone(), y.clone())?;
+        let labels = font(TEXT_PX - 0.5, palette::LABEL, Align::Left, false);
+        let mut mesh = chart.configure_mesh();
+        let x_tick = |value: &f64| {
+            if panel.x_caption.is_some() {
+                tick(value)
+            } else {
+                String::new()
+            }
+        };
+        mesh.disable_x_mesh()
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(stroke(palette::GRID, 1.0))
+            .axis_style(stroke(palette::AXIS, 1.0))
+            .set_all_tick_mark_size(4 * SCALE)
+            .label_style(labels)
+            .x_labels((width / 60).max(3) as usize)
+            .y_labels((height / 28).max(3) as usize)
+            .y_label_formatter(&tick)
+            .x_label_formatter(&x_tick)
+            .draw()?;
+        self.text(
+            panel.y_caption,
+            (left - LABELS_PX + LEFT_PX, top - 16),
+            Align::Left,
+            palette::INK,
+        )?;
+        if let Some(caption) = panel.x_caption {
+            let at = (left + width / 2, top + height + label_height + 8);
+            self.text(caption, at, Align::Centre, palette::INK)?;
+        }
+        Ok(Chart { chart })
+    }
+
+    /// Entries with a sample of their colour, ending at the right end of `right`.
+    pub(super) fn legend(
+        &self,
+        right: Pixel,
+        entries: &[(&str, RGBColor)],
+    ) -> Result<(), PlotError> {
+        let (mut x, y) = right;
+        for (text, colour) in entries.iter().rev() {
+            x -= width_of(text);
+            self.text(text, (x, y), Align::Left, palette::LABEL)?;
+            x -= 26;
+            self.rectangle([(x, y - 2), (x + 18, y + 1)], *colour)?;
+            x -= 18;
+        }
+        Ok(())
+    }
+}
+
+/// Axes to be drawn.
+pub(super) struct Panel<'t> {
+    /// Upper left corner of the plot itself \[px\].
+    pub(super) corner: Pixel,
+    /// Width and height of the plot itself \[px\].
+    pub(super) size: Pixel,
+    pub(super) x: Range<f64>,
+    pub(super) y: Range<f64>,
+    /// Quantity and unit of the level axis; none where the panel below has it.
+    pub(super) x_caption: Option<&'t str>,
+    /// Quantity and unit of the upright axis.
+    pub(super) y_caption: &'t str,
+}
+
+/// Axes that take curves.
+pub(super) struct Chart<'a> {
+    chart: ChartContext<'a, Backend<'a>, Plane>,
+}
+
+impl Chart<'_> {
+    /// A band between two values, across the whole panel.
+    pub(super) fn band(&mut self, values: Range<f64>, colour: RGBColor) -> Result<(), PlotError> {
+        let x = self.chart.x_range();
+        let y = self.chart.y_range();
+        let inside = |value: f64| value.clamp(y.start, y.end);
+        let corners = [(x.start, inside(values.start)), (x.end, inside(values.end))];
+        self.chart
+            .plotting_area()
+            .draw(&Rectangle::new(corners, colour.filled()))?;
+        Ok(())
+    }
+
+    /// A level line at a value.
+    pub(super) fn level(&mut self, value: f64, colour: RGBColor) -> Result<(), PlotError> {
+        let x = self.chart.x_range();
+        self.curve(&[vec![(x.start, value), (x.end, value)]], colour, 1.0)
+    }
+
+    /// Connected pieces; a piece of a single point is a dot.
+    pub(super) fn curve(
+        &mut self,
+        pieces: &[Vec<Point>],
+        colour: RGBColor,
+        width_px: f64,
+    ) -> Result<(), PlotError> {
+        let area = self.chart.plotting_area();
+        for piece in pieces {
+            match piece.as_slice() {
+                [] => {}
+                [point] => area.draw(&Circle::new(*point, SCALE, colour.filled()))?,
+                _ => area.draw(&PathElement::new(piece.clone(), stroke(colour, width_px)))?,
+            }
+        }
+        Ok(())
+    }
+
+    /// The area between two curves over the same instants.
+    pub(super) fn area_between(
+        &mut self,
+        lower: &[Point],
+        upper: &[Point],
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        let outline: Vec<Point> = lower.iter().chain(upper.iter().rev()).copied().collect();
+        self.chart
+            .plotting_area()
+            .draw(&Polygon::new(outline, colour.filled()))?;
+        Ok(())
+    }
+
+    /// A dot, filled or as a ring.
+    pub(super) fn dot(
+        &mut self,
+        at: Point,
+        colour: RGBColor,
+        filled: bool,
+    ) -> Result<(), PlotError> {
+        let style = if filled {
+            colour.filled()
+        } else {
+            stroke(colour, 1.5)
+        };
+        self.chart
+            .plotting_area()
+            .draw(&Circle::new(at, 9 * SCALE / 2, style))?;
+        Ok(())
+    }
+}
+
+/// A line of this width.
+pub(super) fn stroke(colour: RGBColor, width_px: f64) -> ShapeStyle {
+    colour.stroke_width((width_px * f64::from(SCALE)) as u32)
+}
+
+/// About the width of a line of text \[px\].
+pub(super) fn width_of(text: &str) -> i32 {
+    (text.chars().count() as f64 * TEXT_PX * CHARACTER_EM) as i32
+}
+
+/// Long names shortened, so that they cannot cover a figure.
+pub(super) fn clipped(text: &str, characters: usize) -> String {
+    if text.chars().count() <= characters {
+        return text.to_owned();
+    }
+    let kept: String = text.chars().take(characters.saturating_sub(1)).collect();
+    format!("{kept}…")
+}
+
+/// A range with some room on both sides, never empty.
+pub(super) fn with_room(extent: Range<f64>) -> Range<f64> {
+    let length = extent.end - extent.start;
+    let room = if length > 0.0 { 0.06 * length } else { 0.5 };
+    extent.start - room..extent.end + room
+}
+
+/// The smallest range that holds both.
+pub(super) fn union(a: Range<f64>, b: Range<f64>) -> Range<f64> {
+    a.start.min(b.start)..a.end.max(b.end)
+}
+
+fn scaled((x, y): Pixel) -> Pixel {
+    (x * SCALE, y * SCALE)
+}
+
+fn font(size_px: f64, colour: RGBColor, align: Align, bold: bool) -> TextStyle<'static> {
+    let style = if bold {
+        FontStyle::Bold
+    } else {
+        FontStyle::Normal
+    };
+    let size = size_px * BACKEND_FONT_SIZE * f64::from(SCALE);
+    let horizontal = match align {
+        Align::Left => HPos::Left,
+        Align::Centre => HPos::Center,
+        Align::Right => HPos::Right,
+    };
+    TextStyle {
+        color: colour.to_backend_color(),
+        pos: Pos::new(horizontal, VPos::Center),
+        ..TextStyle::from((FONT, size, style).into_font())
+    }
+}

@@ -1,0 +1,267 @@
+//! Measured over modelled, what is left, and what was commanded, on one axis of time.
+
+use std::ops::Range;
+
+use model_lab::result::{Comparison, ErrorSummary, SignalComparison};
+use recording::{Recording, Unit};
+
+use super::canvas::{
+    self, Chart, Figure, LABELS_PX, Panel, PlotError, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure,
+    union, with_room,
+};
+use super::course::Course;
+use super::palette;
+use super::quantity::{SmallUnit, capitalised, signal_words};
+
+/// Width of the plots themselves \[px\].
+const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
+const OVERLAY_PX: i32 = 210;
+const RESIDUAL_PX: i32 = 110;
+/// Between two panels: the caption of the next one \[px\].
+const BETWEEN_PX: i32 = 44;
+const FIRST_TOP_PX: i32 = 62;
+
+/// The signal measured and modelled, both residuals with the band of the noise, and the duty cycles of `log`. `window_s` is
+/// an excerpt; without it all is shown.
+///
+/// # Errors
+/// The drawing itself fails.
+pub fn comparison(
+    log: &Recording,
+    comparison: &Comparison,
+    signal: &SignalComparison,
+    window_s: Option<Range<f64>>,
+) -> Result<Figure, PlotError> {
+    let traces = &comparison.traces;
+    let modelled = Course::of(&traces.free_run, &signal.name);
+    let residual = Course::of(&traces.free_run_residual, &signal.name);
+    let short_horizon = signal
+        .short_horizon
+        .as_ref()
+        .zip(Course::of(&traces.short_horizon_residual, &signal.name));
+    let window_s = window_s
+        .or_else(|| modelled.as_ref().map(Course::window_s))
+        .unwrap_or(0.0..1.0);
+    let residuals = 1 + i32::from(short_horizon.is_some());
+    let height_px = FIRST_TOP_PX
+        + OVERLAY_PX
+        + (residuals + 1) * BETWEEN_PX
+        + residuals * RESIDUAL_PX
+        + DUTIES_PX
+        + 46;
+    let words = clipped(signal_words(&signal.name), 40);
+    let title = format!(
+        "{}, measured and modelled, {}",
+        capitalised(&words),
+        span(&window_s)
+    );
+    figure(WIDTH_PX, height_px, title.clone(), |sheet| {
+        sheet.title(&title)?;
+        let mut top_px = FIRST_TOP_PX;
+        let unit = traces
+            .free_run
+            .signal(&signal.name)
+            .map_or("", |signal| signal.unit().symbol());
+        let overlay = Overlay {
+            words: &words,
+            unit,
+            window_s: &window_s,
+        };
+        overlay.draw(sheet, top_px, modelled.as_ref(), residual.as_ref())?;
+        top_px += OVERLAY_PX + BETWEEN_PX;
+        let runs = [
+            residual.map(|course| {
+                (
+                    "model driven by the duty cycles alone",
+                    palette::MODEL,
+                    &signal.free_run,
+                    course,
+                )
+            }),
+            short_horizon.map(|(summary, course)| {
+                (
+                    "model corrected by each measured pressure",
+                    palette::SHORT_HORIZON,
+                    summary,
+                    course,
+                )
+            }),
+        ];
+        for (run, colour, summary, course) in runs.into_iter().flatten() {
+            let residual = Residual {
+                run,
+                colour,
+                summary,
+                unit: &signal.unit,
+                window_s: &window_s,
+            };
+            residual.draw(sheet, top_px, course)?;
+            top_px += RESIDUAL_PX + BETWEEN_PX;
+        }
+        duties(sheet, (LABELS_PX, top_px), PLOT_PX, log, &window_s)
+    })
+}
+
+/// The window of `length_s` in which the free-run residual of the signal `name` is largest; none if the log is not longer.
+pub fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Option<Range<f64>> {
+    let residual = Course::of(&comparison.traces.free_run_residual, name)?;
+    let all_s = residual.window_s();
+    if all_s.end - all_s.start <= length_s {
+        return None;
+    }
+    let points: Vec<_> = residual.squares().collect();
+    let (mut first, mut sum, mut best) = (0, 0.0, (f64::NEG_INFINITY, all_s.start));
+    for (time_s, square) in &points {
+        sum += square;
+        while points[first].0 < time_s - length_s {
+            sum -= points[first].1;
+            first += 1;
+        }
+        // A window that begins before the log would be shorter than asked for.
+        if time_s - all_s.start >= length_s && sum > best.0 {
+            best = (sum, time_s - length_s);
+        }
+    }
+    // Whole seconds read better, and stay within the log.
+    let start_s = best.1.floor().max(all_s.start);
+    Some(start_s..start_s + length_s)
+}
+
+/// Height of the strip of duty cycles \[px\].
+pub(super) const DUTIES_PX: i32 = 70;
+
+/// The duty cycles of both valves, with the axis of time below.
+pub(super) fn duties(
+    sheet: &Sheet<'_>,
+    corner: canvas::Pixel,
+    width_px: i32,
+    recording: &Recording,
+    window_s: &Range<f64>,
+) -> Result<(), PlotError> {
+    let mut chart = sheet.panel(&Panel {
+        corner,
+        size: (width_px, DUTIES_PX),
+        x: window_s.clone(),
+        y: -4.0..104.0,
+        x_caption: Some("time [s]"),
+        y_caption: "Duty cycle [%]",
+    })?;
+    sheet.legend(
+        (corner.0 + width_px, corner.1 - 16),
+        &[("fill valve", palette::FILL), ("vent valve", palette::VENT)],
+    )?;
+    for (name, colour) in [("duty_vent", palette::VENT), ("duty_fill", palette::FILL)] {
+        if let Some(course) = Course::of_in(recording, name, Unit::Percent) {
+            chart.curve(&course.stairs(window_s, width_px as usize), colour, 1.25)?;
+        }
+    }
+    Ok(())
+}
+
+/// `0 to 60 s`.
+pub(super) fn span(window_s: &Range<f64>) -> String {
+    let round = |time_s: f64| (time_s * 100.0).round() / 100.0;
+    format!("{} to {} s", round(window_s.start), round(window_s.end))
+}
+
+struct Overlay<'a> {
+    words: &'a str,
+    unit: &'a str,
+    window_s: &'a Range<f64>,
+}
+
+impl Overlay<'_> {
+    fn draw(
+        &self,
+        sheet: &Sheet<'_>,
+        top_px: i32,
+        modelled: Option<&Course<'_>>,
+        residual: Option<&Course<'_>>,
+    ) -> Result<(), PlotError> {
+        // Residuals are measured minus modelled, on the same instants.
+        let measured = modelled
+            .zip(residual)
+            .and_then(|(modelled, residual)| modelled.plus(residual));
+        let curves = [
+            (measured.as_ref(), palette::INK, 2.0),
+            (modelled, palette::MODEL, 1.25),
+        ];
+        let extent = curves
+            .iter()
+            .filter_map(|(course, ..)| course.and_then(|course| course.extent(self.window_s)))
+            .reduce(union);
+        let mut chart = sheet.panel(&Panel {
+            corner: (LABELS_PX, top_px),
+            size: (PLOT_PX, OVERLAY_PX),
+            x: self.window_s.clone(),
+            y: with_room(extent.unwrap_or(0.0..1.0)),
+            x_caption: None,
+            y_caption: &format!("{} [{}]", capitalised(self.words), self.unit),
+        })?;
+        sheet.legend(
+            (LABELS_PX + PLOT_PX, top_px - 16),
+            &[("measured", palette::INK), ("modelled", palette::MODEL)],
+        )?;
+        for (course, colour, width_px) in curves {
+            if let Some(course) = course {
+                chart.curve(
+                    &course.lines(self.window_s, PLOT_PX as usize),
+                    colour,
+                    width_px,
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
+struct Residual<'a> {
+    run: &'a str,
+    colour: plotters::style::RGBColor,
+    summary: &'a ErrorSummary,
+    unit: &'a str,
+    window_s: &'a Range<f64>,
+}
+
+impl Residual<'_> {
+    fn draw(&self, sheet: &Sheet<'_>, top_px: i32, course: Course<'_>) -> Result<(), PlotError> {
+        let unit = SmallUnit::of_errors_in(self.unit);
+        let course = course.times(unit.per_unit);
+        let sigma = self.summary.expected_rms.map(|sigma| sigma * unit.per_unit);
+        let band = 3.5 * sigma.unwrap_or(0.0);
+        let extent = union(
+            course.extent(self.window_s).unwrap_or(0.0..0.0),
+            -band..band,
+        );
+        let mut chart = sheet.panel(&Panel {
+            corner: (LABELS_PX, top_px),
+            size: (PLOT_PX, RESIDUAL_PX),
+            x: self.window_s.clone(),
+            y: with_room(extent),
+            x_caption: None,
+            y_caption: &format!("Measured − modelled [{}], {}", unit.symbol, self.run),
+        })?;
+        let right = (LABELS_PX + PLOT_PX, top_px - 16);
+        if let Some(sigma) = sigma {
+            self.noise(&mut chart, sigma)?;
+            sheet.legend(
+                right,
+                &[
+                    ("noise ±1 σ", palette::BAND_INNER),
+                    ("±3 σ", palette::BAND_OUTER),
+                ],
+            )?;
+        }
+        chart.level(0.0, palette::AXIS)?;
+        chart.curve(
+            &course.lines(self.window_s, PLOT_PX as usize),
+            self.colour,
+            1.0,
+        )
+    }
+
+    fn noise(&self, chart: &mut Chart<'_>, sigma: f64) -> Result<(), PlotError> {
+        chart.band(-3.0 * sigma..3.0 * sigma, palette::BAND_OUTER)?;
+        chart.band(-sigma..sigma, palette::BAND_INNER)
+    }
+}

@@ -1,0 +1,154 @@
+//! The closed loop: what was wanted, what was reached, and what the valves did.
+
+use std::ops::Range;
+
+use hil_harness::Requirement;
+use hil_harness::checks::{StepResponse, Verdict};
+use recording::{Recording, Unit};
+
+use super::canvas::{
+    Figure, LABELS_PX, Panel, PlotError, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure, union,
+    with_room,
+};
+use super::comparison::{DUTIES_PX, duties, span};
+use super::course::Course;
+use super::palette;
+
+const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
+const PRESSURE_PX: i32 = 250;
+const LIFTS_PX: i32 = 70;
+const BETWEEN_PX: i32 = 44;
+const FIRST_TOP_PX: i32 = 62;
+/// Shown before and after a step, so that its beginning and its rest are seen.
+const AROUND_STEP_S: [f64; 2] = [0.05, 0.85];
+
+/// Reference, pressure with the tolerance around the reference, lifts of the armatures where recorded, and duty cycles.
+/// `window_s` is an excerpt; without it all is shown.
+///
+/// # Errors
+/// The drawing itself fails.
+pub fn control(
+    recording: &Recording,
+    requirement: &Requirement,
+    title: &str,
+    window_s: Option<Range<f64>>,
+) -> Result<Figure, PlotError> {
+    let pressure = Course::of_in(recording, "p_ch", Unit::BarGauge);
+    let window_s = window_s
+        .or_else(|| pressure.as_ref().map(Course::window_s))
+        .unwrap_or(0.0..1.0);
+    let lifts = ["x_fill", "x_vent"].map(|name| Course::of_in(recording, name, Unit::Millimetre));
+    let has_lifts = lifts.iter().any(Option::is_some);
+    let lifts_px = if has_lifts { LIFTS_PX + BETWEEN_PX } else { 0 };
+    let height_px = FIRST_TOP_PX + PRESSURE_PX + BETWEEN_PX + lifts_px + DUTIES_PX + 46;
+    let title = format!("{}, {}", clipped(title, 80), span(&window_s));
+    figure(WIDTH_PX, height_px, title.clone(), |sheet| {
+        sheet.title(&title)?;
+        let mut top_px = FIRST_TOP_PX;
+        let reference = Course::of_in(recording, "p_ref", Unit::BarGauge);
+        pressures(
+            sheet,
+            top_px,
+            [reference, pressure],
+            requirement.p_tol_bar,
+            &window_s,
+        )?;
+        top_px += PRESSURE_PX + BETWEEN_PX;
+        if has_lifts {
+            draw_lifts(sheet, top_px, &lifts, &window_s)?;
+            top_px += LIFTS_PX + BETWEEN_PX;
+        }
+        duties(sheet, (LABELS_PX, top_px), PLOT_PX, recording, &window_s)
+    })
+}
+
+/// The step to look at closely: the one in the operating range that settled last, or any; with the window to show.
+pub fn step_of_interest(verdict: &Verdict) -> Option<(&StepResponse, Range<f64>)> {
+    let step = verdict.steps.iter().max_by_key(|step| {
+        (
+            step.in_operating_range,
+            step.settled_samples.unwrap_or(u32::MAX),
+        )
+    })?;
+    let [before_s, after_s] = AROUND_STEP_S;
+    Some((step, step.time_s - before_s..step.time_s + after_s))
+}
+
+fn pressures(
+    sheet: &Sheet<'_>,
+    top_px: i32,
+    [reference, pressure]: [Option<Course<'_>>; 2],
+    tolerance_bar: f64,
+    window_s: &Range<f64>,
+) -> Result<(), PlotError> {
+    let extent = [&reference, &pressure]
+        .into_iter()
+        .flatten()
+        .filter_map(|course| course.extent(window_s))
+        .reduce(union)
+        .unwrap_or(0.0..1.0);
+    let mut chart = sheet.panel(&Panel {
+        corner: (LABELS_PX, top_px),
+        size: (PLOT_PX, PRESSURE_PX),
+        x: window_s.clone(),
+        y: with_room(extent.start - tolerance_bar..extent.end + tolerance_bar),
+        x_caption: None,
+        y_caption: "Chamber pressure [bar gauge]",
+    })?;
+    sheet.legend(
+        (LABELS_PX + PLOT_PX, top_px - 16),
+        &[
+            ("chamber pressure", palette::MODEL),
+            ("reference", palette::INK),
+            (&format!("±{tolerance_bar} bar"), palette::BAND_INNER),
+        ],
+    )?;
+    if let Some(reference) = reference {
+        let stairs = reference.stairs(window_s, PLOT_PX as usize);
+        for stair in &stairs {
+            let [lower, upper] = [-tolerance_bar, tolerance_bar].map(|offset| {
+                stair
+                    .iter()
+                    .map(|(time_s, bar)| (*time_s, bar + offset))
+                    .collect::<Vec<_>>()
+            });
+            chart.area_between(&lower, &upper, palette::BAND_INNER)?;
+        }
+        chart.curve(&stairs, palette::INK, 1.0)?;
+    }
+    if let Some(pressure) = pressure {
+        chart.curve(
+            &pressure.lines(window_s, PLOT_PX as usize),
+            palette::MODEL,
+            1.75,
+        )?;
+    }
+    Ok(())
+}
+
+fn draw_lifts(
+    sheet: &Sheet<'_>,
+    top_px: i32,
+    lifts: &[Option<Course<'_>>; 2],
+    window_s: &Range<f64>,
+) -> Result<(), PlotError> {
+    let greatest_mm = lifts
+        .iter()
+        .flatten()
+        .filter_map(|course| course.extent(window_s))
+        .fold(0.1, |greatest: f64, extent| greatest.max(extent.end));
+    let mut chart = sheet.panel(&Panel {
+        corner: (LABELS_PX, top_px),
+        size: (PLOT_PX, LIFTS_PX),
+        x: window_s.clone(),
+        y: with_room(0.0..greatest_mm),
+        x_caption: None,
+        y_caption: "Lift of the armature at the sample [mm]",
+    })?;
+    for (course, colour) in lifts.iter().zip([palette::FILL, palette::VENT]).rev() {
+        if let Some(course) = course {
+            chart.curve(&course.lines(window_s, PLOT_PX as usize), colour, 1.25)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,148 @@
+//! Where the error is, over duty cycle and pressure.
+
+use model_lab::result::{ErrorMap, MapCell, SignalComparison};
+use plotters::style::{Color, RGBColor};
+
+use super::canvas::{Align, Figure, PlotError, Sheet, WIDTH_PX, clipped, figure};
+use super::palette;
+use super::quantity::{SmallUnit, capitalised, short, signal_words};
+
+const ROW_LABELS_PX: i32 = 150;
+const TOP_PX: i32 = 84;
+const ROW_PX: i32 = 34;
+/// A share below this is left without a number, for the eye to find what matters.
+const SHARE_SHOWN: f64 = 0.005;
+
+/// The share of the excess in each cell, coloured by the sign of the mean error there.
+///
+/// # Errors
+/// The drawing itself fails.
+pub fn error_map(signal: &SignalComparison) -> Result<Figure, PlotError> {
+    let map = &signal.error_map;
+    let rows = map.duty_bands.len() as i32;
+    let height_px = TOP_PX + rows * ROW_PX + 56;
+    let title = format!(
+        "{}: share of the excess error by duty cycle and pressure",
+        capitalised(&clipped(signal_words(&signal.name), 40))
+    );
+    figure(WIDTH_PX, height_px, title.clone(), |sheet| {
+        sheet.title(&title)?;
+        let grid = Grid::new(map);
+        grid.captions(sheet)?;
+        let greatest = map.cells.iter().filter_map(share).fold(0.0, f64::max);
+        for cell in &map.cells {
+            grid.cell(sheet, cell, greatest, SmallUnit::of_errors_in(&signal.unit))?;
+        }
+        legend(sheet)
+    })
+}
+
+fn share(cell: &MapCell) -> Option<f64> {
+    cell.error.excess_share
+}
+
+fn legend(sheet: &Sheet<'_>) -> Result<(), PlotError> {
+    sheet.legend(
+        (WIDTH_PX - 16, 38),
+        &[
+            ("share, where measured higher than modelled", palette::MODEL),
+            ("lower", palette::FILL),
+            ("no share", palette::GRID),
+        ],
+    )
+}
+
+struct Grid<'a> {
+    map: &'a ErrorMap,
+    column_px: i32,
+}
+
+impl<'a> Grid<'a> {
+    fn new(map: &'a ErrorMap) -> Self {
+        let columns = map.pressure_bands.len().max(1) as i32;
+        let column_px = ((WIDTH_PX - ROW_LABELS_PX - 16) / columns).min(140);
+        Self { map, column_px }
+    }
+
+    fn corner(&self, row: usize, column: usize) -> (i32, i32) {
+        (
+            ROW_LABELS_PX + column as i32 * self.column_px,
+            TOP_PX + row as i32 * ROW_PX,
+        )
+    }
+
+    fn captions(&self, sheet: &Sheet<'_>) -> Result<(), PlotError> {
+        sheet.text("Duty cycle", (16, TOP_PX - 18), Align::Left, palette::INK)?;
+        for (row, label) in self.map.duty_bands.iter().enumerate() {
+            let (x, y) = self.corner(row, 0);
+            let label = if label == "0 %" {
+                "both valves shut"
+            } else {
+                label
+            };
+            sheet.text(
+                &clipped(label, 22),
+                (x - 12, y + ROW_PX / 2),
+                Align::Right,
+                palette::LABEL,
+            )?;
+        }
+        let bottom = TOP_PX + self.map.duty_bands.len() as i32 * ROW_PX;
+        for (column, label) in self.map.pressure_bands.iter().enumerate() {
+            let x = self.corner(0, column).0 + self.column_px / 2;
+            sheet.text(
+                &clipped(label, 16),
+                (x, bottom + 16),
+                Align::Centre,
+                palette::LABEL,
+            )?;
+        }
+        let middle = self.corner(0, self.map.pressure_bands.len()).0 / 2 + ROW_LABELS_PX / 2;
+        sheet.text(
+            "Chamber pressure of the model, gauge",
+            (middle, bottom + 40),
+            Align::Centre,
+            palette::INK,
+        )
+    }
+
+    fn cell(
+        &self,
+        sheet: &Sheet<'_>,
+        cell: &MapCell,
+        greatest: f64,
+        unit: SmallUnit<'_>,
+    ) -> Result<(), PlotError> {
+        let (x, y) = self.corner(cell.duty_band, cell.pressure_band);
+        let corners = [(x + 1, y + 1), (x + self.column_px - 1, y + ROW_PX - 1)];
+        sheet.rectangle(corners, palette::GRID.mix(0.6))?;
+        let share = share(cell).unwrap_or(0.0);
+        if share < SHARE_SHOWN || greatest <= 0.0 {
+            return Ok(());
+        }
+        let strength = 0.12 + 0.68 * (share / greatest).min(1.0);
+        sheet.rectangle(corners, hue(cell.error.bias).mix(strength))?;
+        let middle = x + self.column_px / 2;
+        sheet.bold_text(&percent(share), (middle, y + 11), Align::Centre)?;
+        let bias = cell.error.bias * unit.per_unit;
+        let sign = if bias > 0.0 { "+" } else { "" };
+        let mean = format!("{sign}{} {}", short(bias), unit.symbol);
+        sheet.small_text(&mean, (middle, y + 25), Align::Centre, palette::INK)
+    }
+}
+
+fn hue(bias: f64) -> RGBColor {
+    if bias > 0.0 {
+        palette::MODEL
+    } else {
+        palette::FILL
+    }
+}
+
+fn percent(share: f64) -> String {
+    if share < 0.095 {
+        format!("{:.1} %", 100.0 * share)
+    } else {
+        format!("{:.0} %", 100.0 * share)
+    }
+}

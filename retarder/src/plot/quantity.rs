@@ -1,0 +1,74 @@
+//! Words and units of the signals.
+
+/// A unit in which errors are pleasant to read: `0.012 bar` is `12 mbar`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmallUnit<'a> {
+    /// Values in the original unit times this are values in `symbol`.
+    pub per_unit: f64,
+    /// For tables and axes.
+    pub symbol: &'a str,
+}
+
+impl<'a> SmallUnit<'a> {
+    /// For errors given in `unit`.
+    pub fn of_errors_in(unit: &'a str) -> Self {
+        match unit {
+            "bar" => Self {
+                per_unit: 1e3,
+                symbol: "mbar",
+            },
+            "mm" => Self {
+                per_unit: 1e3,
+                symbol: "µm",
+            },
+            symbol => Self {
+                per_unit: 1.0,
+                symbol,
+            },
+        }
+    }
+}
+
+/// What a signal is, for people; the name itself where it is none of ours.
+pub fn signal_words(name: &str) -> &str {
+    match name {
+        "p_ch" => "chamber pressure",
+        "p_sup" => "supply pressure",
+        "i_fill" => "current of the fill valve",
+        "i_vent" => "current of the vent valve",
+        "x_fill" => "lift of the fill valve",
+        "x_vent" => "lift of the vent valve",
+        "x_plunger" => "position of the plunger",
+        other => other,
+    }
+}
+
+/// The first letter large, as at the beginning of a title.
+pub(super) fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters
+        .next()
+        .map(|first| first.to_uppercase().chain(letters).collect())
+        .unwrap_or_default()
+}
+
+/// About three significant digits, with a true minus sign.
+pub(super) fn short(value: f64) -> String {
+    let decimals = match value.abs() {
+        magnitude if magnitude >= 100.0 => 0,
+        magnitude if magnitude >= 10.0 => 1,
+        magnitude if magnitude >= 1.0 => 2,
+        _ => 3,
+    };
+    with_minus(format!("{value:.decimals$}"))
+}
+
+/// The tick of an axis: as many decimals as it needs.
+pub(super) fn tick(value: &f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    with_minus(format!("{}", if rounded == 0.0 { 0.0 } else { rounded }))
+}
+
+fn with_minus(number: String) -> String {
+    number.replace('-', "\u{2212}")
+}

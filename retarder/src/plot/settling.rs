@@ -1,0 +1,72 @@
+//! How long each step took.
+
+use hil_harness::Requirement;
+use hil_harness::checks::{StepResponse, Verdict};
+
+use super::canvas::{Align, Figure, LABELS_PX, Panel, PlotError, RIGHT_PX, WIDTH_PX, figure};
+use super::palette;
+
+const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
+const HEIGHT_PX: i32 = 200;
+const TOP_PX: i32 = 62;
+
+/// Settling time of every step over its new reference, against T_req. A ring is a reference outside the operating range;
+/// what never settled stands at the upper edge.
+///
+/// # Errors
+/// The drawing itself fails.
+pub fn settling(verdict: &Verdict, requirement: &Requirement) -> Result<Figure, PlotError> {
+    let limit = f64::from(requirement.t_req_samples);
+    let slowest = verdict
+        .steps
+        .iter()
+        .filter_map(|step| step.settled_samples)
+        .fold(limit, |slowest, samples| slowest.max(f64::from(samples)));
+    let highest = 1.15 * slowest;
+    let title = "Settling time of each step of the reference, against the limit";
+    figure(WIDTH_PX, TOP_PX + HEIGHT_PX + 46, title, |sheet| {
+        sheet.title(title)?;
+        let references = verdict.steps.iter().map(|step| step.to_bar);
+        let greatest_bar = references.fold(1.0, f64::max);
+        let mut chart = sheet.panel(&Panel {
+            corner: (LABELS_PX, TOP_PX),
+            size: (PLOT_PX, HEIGHT_PX),
+            x: -0.2..greatest_bar + 0.3,
+            y: 0.0..highest,
+            x_caption: Some("new reference [bar gauge]"),
+            y_caption: "Settling time [samples]",
+        })?;
+        sheet.legend(
+            (LABELS_PX + PLOT_PX, TOP_PX - 16),
+            &[
+                ("rising step", palette::FILL),
+                ("falling step", palette::VENT),
+                ("limit", palette::LIMIT),
+            ],
+        )?;
+        chart.level(limit, palette::LIMIT)?;
+        for step in &verdict.steps {
+            let samples = step.settled_samples.map_or(highest, f64::from);
+            chart.dot(
+                (step.to_bar, samples),
+                colour(step),
+                step.in_operating_range,
+            )?;
+        }
+        let note = "ring: outside the operating range; at the upper edge: never settled";
+        sheet.small_text(
+            note,
+            (LABELS_PX + PLOT_PX, TOP_PX + HEIGHT_PX + 34),
+            Align::Right,
+            palette::LABEL,
+        )
+    })
+}
+
+fn colour(step: &StepResponse) -> plotters::style::RGBColor {
+    if step.to_bar >= step.from_bar {
+        palette::FILL
+    } else {
+        palette::VENT
+    }
+}

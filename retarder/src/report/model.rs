@@ -1,0 +1,246 @@
+//! Where measured and modelled part.
+
+use maud::{Markup, html};
+use model_lab::Comparison;
+use model_lab::result::{ErrorSummary, Horizon, LimitFrom, RegimeShares, SignalComparison};
+
+use super::contents::ModelPart;
+use super::number::{known, number, percent, signed};
+use super::page::{Standing, figure, foreign};
+use crate::plot::{self, SmallUnit, signal_words};
+
+/// Length of the excerpts \[s\].
+const EXCERPT_S: f64 = 10.0;
+
+pub(super) fn standing(comparison: &Comparison) -> Standing {
+    let verdict = &comparison.verdict;
+    if !verdict.failing.is_empty() {
+        Standing::DoesNotHold
+    } else if verdict.holds && verdict.undecided.is_empty() {
+        Standing::Holds
+    } else {
+        Standing::Open
+    }
+}
+
+/// How far off the model is, and where.
+pub(super) fn headline(comparison: &Comparison) -> String {
+    let is_failing = |signal: &&SignalComparison| signal.holds == Some(false);
+    match (standing(comparison), comparison.signals.iter().find(is_failing)) {
+        (_, Some(signal)) => {
+            let unit = SmallUnit::of_errors_in(&signal.unit);
+            let noise = signal.free_run.rms_in_noise.map_or(String::new(), |multiple| {
+                format!(", {} times what the measurement scatters by itself", number(multiple))
+            });
+            format!(
+                "The model misses the {} by {} {} rms{noise}. {}.",
+                signal_words(&signal.name),
+                number(signal.free_run.rms * unit.per_unit),
+                unit.symbol,
+                signal.finding.sentence
+            )
+        }
+        (Standing::Open, None) => {
+            "Nothing speaks against the model, but not every signal has a limit to be held to.".to_owned()
+        }
+        _ => "Every compared signal is within its limit: what is left is about as small as the noise.".to_owned(),
+    }
+}
+
+pub(super) fn section(part: &ModelPart<'_>) -> Markup {
+    let comparison = part.comparison;
+    html! {
+        section #model {
+            h2 { "Model against measurement " (standing(comparison).badge()) }
+            p.rule { "The rule: " (foreign(&comparison.verdict.rule)) "." }
+            (signal_table(comparison))
+            (how_to_read(comparison))
+            @for signal in &comparison.signals { (signal_section(part, signal)) }
+            @if !comparison.not_compared.is_empty() {
+                h3 { "Not compared" }
+                ul {
+                    @for signal in &comparison.not_compared {
+                        li { code { (foreign(&signal.name)) } ": " (foreign(&signal.reason)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn signal_table(comparison: &Comparison) -> Markup {
+    html! {
+        div.table {
+            table {
+                caption { "Free run: the model is driven by the logged duty cycles alone. Errors are measured − modelled." }
+                thead {
+                    tr {
+                        th { "Signal" } th { "Unit" } th.number { "Noise σ" } th.number { "Error rms" } th.number { "× noise" }
+                        th.number { "Limit" } th.number { "Worst" } th.number { "at [s]" } th.number { "Bias" }
+                        th.number { "Fit [%]" } th { "Verdict" }
+                    }
+                }
+                tbody { @for signal in &comparison.signals { (signal_row(signal)) } }
+            }
+        }
+    }
+}
+
+fn signal_row(signal: &SignalComparison) -> Markup {
+    let unit = SmallUnit::of_errors_in(&signal.unit);
+    let scaled = |value: f64| value * unit.per_unit;
+    let free = &signal.free_run;
+    let standing = signal.holds.map_or(Standing::Open, Standing::of);
+    html! {
+        tr {
+            th scope="row" { (foreign(signal_words(&signal.name))) " " code { (foreign(&signal.name)) } }
+            td { (foreign(unit.symbol)) }
+            td.number { (known(signal.noise_floor.value.map(scaled))) }
+            td.number { (number(scaled(free.rms))) }
+            td.number { (known(free.rms_in_noise)) }
+            td.number { (known(signal.limit.map(scaled))) }
+            td.number { (signed(scaled(free.worst))) }
+            td.number { (format!("{:.2}", free.worst_time_s)) }
+            td.number { (signed(scaled(free.bias))) }
+            td.number { (known(free.fit_pct)) }
+            td { (standing.badge()) }
+        }
+    }
+}
+
+fn how_to_read(comparison: &Comparison) -> Markup {
+    html! {
+        aside {
+            h3 { "How to read this" }
+            p {
+                "The model gets the duty cycles of the log and nothing else; what it then says is laid over what was measured. "
+                "The difference counts against the noise: what the measurement scatters by itself while nothing can change, shown as a grey band. "
+                "A residual inside the band is no fault of the model."
+            }
+            p {
+                "In free run an error stays in the chamber until it is vented, so it is seen long after it arose. "
+                "Look at the corrected run to see where it arises: there the measured pressure sets the model right after each sample"
+                @if let Some(predictor) = &comparison.predictor {
+                    ", which looks about " (format!("{:.0}", 1.0 / predictor.gain)) " samples ahead"
+                }
+                "."
+            }
+            p {
+                "The excess is the squared error beyond the noise. A regime with a large share of it and a small share of the samples "
+                "is where the model lacks something."
+            }
+            p.note { (foreign(&comparison.start.statement)) }
+        }
+    }
+}
+
+fn signal_section(part: &ModelPart<'_>, signal: &SignalComparison) -> Markup {
+    let (log, comparison) = (part.log, part.comparison);
+    let excerpt_s = plot::excerpt(comparison, &signal.name, EXCERPT_S);
+    html! {
+        article {
+            h3 { (foreign(signal_words(&signal.name))) " " code { (foreign(&signal.name)) } }
+            p.finding { (foreign(&signal.finding.sentence)) "." }
+            @if let Some(excerpt_s) = excerpt_s {
+                p.lead { "The ten seconds in which the free run is furthest off:" }
+                (figure(plot::comparison(log, comparison, signal, Some(excerpt_s))))
+                p.lead { "The whole log:" }
+            }
+            (figure(plot::comparison(log, comparison, signal, None)))
+            p.lead {
+                "Where the error is, "
+                (match signal.error_map.horizon {
+                    Horizon::ShortHorizon => "on the short horizon",
+                    Horizon::FreeRun => "in free run",
+                })
+                ". Each cell: share of the excess, and mean error."
+            }
+            (figure(plot::error_map(signal)))
+            div.panels { @for shares in &signal.regimes { (figure(plot::regime(shares))) } }
+            details {
+                summary { "The same in numbers" }
+                (details(signal))
+                @for shares in &signal.regimes { (regime_table(shares, &signal.unit)) }
+            }
+        }
+    }
+}
+
+fn details(signal: &SignalComparison) -> Markup {
+    let unit = SmallUnit::of_errors_in(&signal.unit);
+    html! {
+        dl {
+            dt { "Samples" } dd { (signal.compared) " compared, " (signal.missing) " missing" }
+            dt { "Noise floor" } dd { (foreign(&signal.noise_floor.statement)) }
+            dt { "Limit" }
+            dd {
+                @if let Some(limit) = signal.limit { (number(limit * unit.per_unit)) " " (foreign(unit.symbol)) ", " }
+                (match signal.limit_from {
+                    LimitFrom::NoiseFloor => "from the noise floor",
+                    LimitFrom::Tolerance => "a tolerance given for this signal",
+                    LimitFrom::Unknown => "unknown: neither noise floor nor tolerance",
+                })
+            }
+            @if let Some(offset) = &signal.time_offset { dt { "Time offset" } dd { (foreign(&offset.statement)) } }
+            (error_lines("Free run", &signal.free_run, unit))
+            @if let Some(short_horizon) = &signal.short_horizon {
+                (error_lines("Short horizon", short_horizon, unit))
+            }
+        }
+    }
+}
+
+fn error_lines(run: &str, error: &ErrorSummary, unit: SmallUnit<'_>) -> Markup {
+    html! {
+        dt { (run) }
+        dd {
+            (number(error.rms * unit.per_unit)) " " (foreign(unit.symbol)) " rms"
+            @if let Some(expected) = error.expected_rms {
+                "; a perfect model would have " (number(expected * unit.per_unit)) " " (foreign(unit.symbol))
+            }
+            @if let Some(samples) = error.autocorrelation_time_samples {
+                "; the error remembers " (number(samples)) " samples (white noise: 1)"
+            }
+            @if let Some(test) = &error.whiteness {
+                "; Ljung-Box Q = " (number(test.q)) " over " (test.lags) " lags, p = " (number(test.p_value))
+            }
+            @for correlation in &error.input_correlation {
+                "; correlation with " code { (foreign(&correlation.input)) } " "
+                (signed(correlation.rho)) " at " (correlation.lag_samples)
+                " samples (by chance below " (number(correlation.bound_99)) ")"
+            }
+        }
+    }
+}
+
+fn regime_table(shares: &RegimeShares, unit: &str) -> Markup {
+    let unit = SmallUnit::of_errors_in(unit);
+    html! {
+        div.table {
+            table {
+                caption { "By " (foreign(&shares.title)) ", errors in " (foreign(unit.symbol)) }
+                thead {
+                    tr {
+                        th { "Regime" } th.number { "Samples" } th.number { "Share of samples" } th.number { "Share of excess" }
+                        th.number { "Bias" } th.number { "Rms" } th.number { "Share, free run" } th.number { "Rms, free run" }
+                    }
+                }
+                tbody {
+                    @for bin in &shares.bins {
+                        @let error = bin.short_horizon.as_ref().unwrap_or(&bin.free_run);
+                        tr {
+                            th scope="row" { (foreign(&bin.label)) }
+                            td.number { (bin.samples) }
+                            td.number { (percent(bin.sample_share)) }
+                            td.number { (error.excess_share.map_or("within chance".to_owned(), percent)) }
+                            td.number { (signed(error.bias * unit.per_unit)) }
+                            td.number { (number(error.rms * unit.per_unit)) }
+                            td.number { (bin.free_run.excess_share.map_or("within chance".to_owned(), percent)) }
+                            td.number { (number(bin.free_run.rms * unit.per_unit)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

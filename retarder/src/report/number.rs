@@ -1,0 +1,29 @@
+//! Numbers for people.
+
+/// About three significant digits, with a true minus sign.
+pub(super) fn number(value: f64) -> String {
+    let decimals = match value.abs() {
+        magnitude if magnitude >= 100.0 => 0,
+        magnitude if magnitude >= 10.0 => 1,
+        magnitude if magnitude >= 1.0 => 2,
+        magnitude if magnitude >= 0.01 || magnitude == 0.0 => 3,
+        _ => 5,
+    };
+    format!("{value:.decimals$}").replace('-', "\u{2212}")
+}
+
+/// The same with `+` where it is positive.
+pub(super) fn signed(value: f64) -> String {
+    let sign = if value > 0.0 { "+" } else { "" };
+    format!("{sign}{}", number(value))
+}
+
+/// A number that may be unknown.
+pub(super) fn known(value: Option<f64>) -> String {
+    value.map_or("unknown".to_owned(), number)
+}
+
+/// A share, 0 to 1, as percent.
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share).replace('-', "\u{2212}")
+}
