@@ -143,9 +143,10 @@ fn passage(
     if beyond(deepest) <= 0.0 {
         return None;
     }
-    // It may have just left this very bound, so the search starts where it is inside.
-    let inside = (1..=6)
-        .map(|halvings| deepest / f64::from(1 << halvings))
+    // It may have just left this very bound: then the search starts where it is inside.
+    let halvings = (1..=6).map(|halvings| deepest / f64::from(1 << halvings));
+    let inside = core::iter::once(0.0)
+        .chain(halvings)
         .find(|&t| beyond(t) < 0.0);
     Some(inside.map_or(SHORTEST_EVENT, |lo| first_positive(beyond, lo, deepest)))
 }
@@ -173,6 +174,14 @@ mod tests {
             (time - (1.0 - 0.2_f64.sqrt()) / 4.0 * 1.0).abs() < 0.15 && x.at(time).abs() < 1e-9
         );
         assert_eq!(arrives(0.1), None, "it turns before the seat");
+    }
+
+    /// A hundredth of the step inside the bound: seen as no distance at all, this cost 0.003 mbar per pulse.
+    #[test]
+    fn an_armature_that_starts_just_inside_a_bound_arrives_in_its_time() {
+        let x = Quintic::new(1.0, [0.01, -1.0, 0.0], [-0.99, -1.0, 0.0]);
+        let time = passage(|t| -x.at(t), |t| x.rate_at(t), false, 1.0).unwrap();
+        assert!((time - 0.01).abs() < 1e-9, "{time}");
     }
 
     /// Just left the stop (x = 0, v = 0): the start itself is no arrival.

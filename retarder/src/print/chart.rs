@@ -50,7 +50,7 @@ impl Chart<'_> {
         let frame = Frame {
             columns,
             rows: self.height,
-            span_s: self.span_s,
+            span_s: rounded_up(self.span_s),
             range: [low, high],
         };
         let mut raster = Raster::new(columns, self.height);
@@ -181,7 +181,7 @@ impl Frame {
 
     /// Rows with their labels.
     fn value_ticks(&self) -> Vec<(usize, String)> {
-        let step = nice_step((self.range[1] - self.range[0]) / (self.rows as f64 / 3.0).max(2.0));
+        let step = nice_step((self.range[1] - self.range[0]) / (self.rows as f64 / 2.0).max(2.0));
         ticks(self.range, step)
             .filter_map(|value| Some((self.row(value)?, label(value, step))))
             .collect()
@@ -213,6 +213,13 @@ impl Frame {
             .map(|line| terminal.paint(Colour::Faint, line) + "\n")
             .collect()
     }
+}
+
+/// A log of 59.99 s is drawn to 60 s, so that the axis ends with a label.
+fn rounded_up([start_s, end_s]: [f64; 2]) -> [f64; 2] {
+    let step = nice_step((end_s - start_s) / 1000.0);
+    let rounded_s = (end_s / step).ceil() * step;
+    [start_s, if rounded_s > start_s { rounded_s } else { start_s + 1.0 }]
 }
 
 /// The next larger of 1, 2 and 5 times a power of ten.

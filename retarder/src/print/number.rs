@@ -1,6 +1,6 @@
 //! Numbers as people read them.
 
-/// `value` with `digits` significant digits and no exponent: 0.375, 86.8, 1230.
+/// `value` with `digits` significant digits: 0.375, 86.8, 1234, 2.89e-7.
 pub(super) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 {
@@ -14,7 +14,10 @@ pub(super) fn significant(value: f64, digits: i32) -> String {
         .split_once('e')
         .and_then(|(_, exponent)| exponent.parse::<i32>().ok())
         .unwrap_or_default();
-    let decimals = (digits - 1 - exponent).clamp(0, 12);
+    if exponent < -4 {
+        return format!("{value:.*e}", (digits - 1).max(0) as usize);
+    }
+    let decimals = (digits - 1 - exponent).max(0);
     format!("{value:.*}", decimals as usize)
 }
 
@@ -64,6 +67,7 @@ mod tests {
             (9.996, "10.0"),
             (1234.5, "1234"),
             (-0.004_321, "-0.00432"),
+            (2.887e-7, "2.89e-7"),
             (f64::NAN, "-"),
         ] {
             assert_eq!(significant(value, 3), expected);

@@ -1,75 +1,72 @@
 //! What plant files and controller files are made of.
 
 use hil_harness::controller_file::{self, KEYS};
-use plant_sim::parameters::PARAMETERS;
+use plant_sim::parameters::{PARAMETERS, ParameterSpec};
 
 use super::number::{or_dash, value};
-use super::table::{Align, Table, painted};
-use super::{Colour, Terminal, title};
+use super::{Colour, Terminal, indented, title};
 use crate::input::{NamedController, NamedPlant};
 
-/// All parameters of a plant.
+/// All parameters of a plant, as they stand in its file.
 pub(super) fn parameters(plant: &NamedPlant, terminal: &Terminal) -> String {
-    let mut table = Table::new(
-        [
-            ("parameter", Align::Left),
-            ("value", Align::Right),
-            ("unit", Align::Left),
-            ("range", Align::Left),
-            ("meaning", Align::Left),
-            ("value from", Align::Left),
-        ],
-        terminal,
-    );
+    let mut text = title(&format!("Parameters of the {}", plant.name), terminal);
     let mut section = "";
     for spec in PARAMETERS.iter() {
         if spec.section != section {
             section = spec.section;
-            table.heading(&format!("[{section}]"));
+            text += &format!("\n[{section}]\n");
         }
-        let origin = plant.parameters.provenance.get(&spec.name());
-        table.row([
-            format!("  {}", spec.key).into(),
-            or_dash(spec.value(&plant.parameters), value).into(),
-            spec.unit.into(),
-            format!("{} to {}", value(spec.range.0), value(spec.range.1)).into(),
-            spec.about.into(),
-            painted(Colour::Faint, origin.map_or("", String::as_str)),
-        ]);
+        text += &parameter(spec, plant, terminal);
     }
-    let mut text = title(&format!("Parameters of {}", plant.name), terminal);
-    text += &table.to_string();
     text += "\nChange one: --set SECTION.KEY=VALUE. A file to start from: retarder parameters --toml > my-plant.toml\n";
     text
 }
 
-/// All settings of a controller.
-pub(super) fn settings(controller: &NamedController, terminal: &Terminal) -> String {
-    let mut table = Table::new(
-        [
-            ("setting", Align::Left),
-            ("value", Align::Right),
-            ("meaning", Align::Left),
-        ],
-        terminal,
-    );
-    let text = controller_file::write(&controller.settings);
-    let mut section = "";
-    for key in KEYS {
-        if key.table != section {
-            section = key.table;
-            table.heading(&format!("[{section}]"));
+fn parameter(spec: &ParameterSpec, plant: &NamedPlant, terminal: &Terminal) -> String {
+    let found = or_dash(spec.value(&plant.parameters), value);
+    let assignment = format!("{} = {found}", spec.key);
+    let (low, high) = spec.range;
+    let range = format!("{} to {} {}", value(low), value(high), spec.unit);
+    let origin = match plant.parameters.provenance.get(&spec.name()) {
+        Some(origin) => format!("{}. Value: {origin}", spec.about),
+        None if spec.value(&plant.parameters).is_none() => {
+            format!("{}. Optional: the whole table may be absent", spec.about)
         }
-        table.row([
-            format!("  {}", key.name).into(),
-            value_in(&text, key.table, key.name).unwrap_or("-").into(),
-            key.about.into(),
-        ]);
+        None => spec.about.to_owned(),
+    };
+    entry(&assignment, &range, &origin, terminal)
+}
+
+/// All settings of a controller, as they stand in its file.
+pub(super) fn settings(controller: &NamedController, terminal: &Terminal) -> String {
+    let mut text = title(&format!("Settings of the {}", controller.name), terminal);
+    let file = controller_file::write(&controller.settings);
+    let mut table = "";
+    for key in KEYS {
+        if key.table != table {
+            table = key.table;
+            text += &format!("\n[{table}]\n");
+        }
+        let found = value_in(&file, key.table, key.name);
+        let assignment = format!("{} = {}", key.name, found.unwrap_or("-"));
+        let note = if found.is_some() { "" } else { "not used by this controller" };
+        text += &entry(&assignment, note, key.about, terminal);
     }
-    let mut text = title(&format!("Settings of {}", controller.name), terminal);
-    text += &table.to_string();
     text += "\nA file to start from: retarder settings --toml > my-controller.toml\n";
     text
+}
+
+/// Column of what stands beside an assignment.
+const BESIDE: usize = 48;
+
+fn entry(assignment: &str, beside: &str, meaning: &str, terminal: &Terminal) -> String {
+    let padding = " ".repeat(BESIDE.saturating_sub(assignment.chars().count()));
+    let line = format!("{}{padding} {beside}", terminal.paint(Colour::First, assignment));
+    let meaning: String = indented(meaning, 4, terminal)
+        .lines()
+        .map(|line| terminal.paint(Colour::Faint, line) + "\n")
+        .collect();
+    format!("{}\n{meaning}", line.trim_end())
 }
 
 /// The value of a key in a file that we have written: one key per line, comments behind.

@@ -15,8 +15,12 @@ const STYLE: TableStyle = TableStyle::new()
 /// A table under construction.
 pub(super) struct Table {
     table: comfy_table::Table,
-    is_coloured: bool,
+    terminal: Terminal,
+    headings: Vec<String>,
 }
+
+/// Stands in the table where a heading goes, which is wider than a column. A character that no text has.
+const HEADING: &str = "\u{e000}";
 
 /// Where the cells of a column stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +54,8 @@ impl Table {
         }
         Self {
             table,
-            is_coloured: terminal.is_coloured,
+            terminal: *terminal,
+            headings: Vec::new(),
         }
     }
 
@@ -59,23 +64,23 @@ impl Table {
         self.table.add_row(cells.map(|entry| entry.0));
     }
 
-    /// A row with one text in its first column.
+    /// A line between the rows.
     pub(super) fn heading(&mut self, text: &str) {
-        self.table
-            .add_row([Cell::new(text).add_attribute(Attribute::Bold)]);
+        self.headings.push(text.to_owned());
+        self.table.add_row([HEADING]);
     }
 }
 
 impl std::fmt::Display for Table {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut headings = self.headings.iter();
         for line in self.table.lines() {
-            // Styled cells end with an escape sequence, so only plain ones have blanks to cut.
-            let line = if self.is_coloured {
-                line.as_str()
+            if line.contains(HEADING) {
+                let heading = headings.next().map_or("", String::as_str);
+                writeln!(f, "{}", self.terminal.paint(Colour::Title, heading))?;
             } else {
-                line.trim_end()
-            };
-            writeln!(f, "{line}")?;
+                writeln!(f, "{}", line.trim_end())?;
+            }
         }
         Ok(())
     }
@@ -140,8 +145,10 @@ mod tests {
             "a long text that needs more than one line of the table".into(),
             1.5.into(),
         ]);
+        table.heading("a heading of 39 characters, in one line");
         let text = table.to_string();
-        assert!(text.lines().count() > 3, "{text}");
+        assert!(text.lines().count() > 4, "{text}");
+        assert!(text.ends_with("a heading of 39 characters, in one line\n"), "{text}");
         assert!(
             text.lines().all(|line| line.chars().count() <= 40),
             "{text}"
