@@ -142,18 +142,27 @@ fn title(text: &str, terminal: &Terminal) -> String {
 
 /// A paragraph, wrapped to the terminal.
 fn paragraph(text: &str, terminal: &Terminal) -> String {
-    let mut lines: Vec<String> = vec![String::new()];
+    indented(text, 0, terminal)
+}
+
+/// A paragraph in a colour.
+fn painted_paragraph(colour: Colour, text: &str, terminal: &Terminal) -> String {
+    paragraph(text, terminal)
+        .lines()
+        .map(|line| terminal.paint(colour, line) + "\n")
+        .collect()
+}
+
+/// A paragraph that begins `indent` characters from the left.
+fn indented(text: &str, indent: usize, terminal: &Terminal) -> String {
+    let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
-        let last = lines.len() - 1;
-        let line = &mut lines[last];
-        let length = line.chars().count();
-        if length > 0 && length + 1 + word.chars().count() > terminal.width {
-            lines.push(word.to_owned());
-        } else {
-            if length > 0 {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= terminal.width => {
                 line.push(' ');
+                line.push_str(word);
             }
-            line.push_str(word);
+            _ => lines.push(format!("{:indent$}{word}", "")),
         }
     }
     lines.join("\n") + "\n"

@@ -8,9 +8,9 @@ use crate::plant::{FILL, Plant, PlantState, VENT};
 use crate::solver::dormand_prince;
 use crate::valve::{Motion, ValveState};
 
-/// Longest step while an armature moves (s): a quarter of its travel time, so that no arrival and
-/// return fit into one step.
-const LONGEST_MOTION_STEP: f64 = 0.5e-3;
+/// Longest step while an armature moves (s): a third of its travel time, so that it turns at most once in a
+/// step.
+const LONGEST_MOTION_STEP: f64 = 0.8e-3;
 /// Longest step of the pressure alone (s).
 const LONGEST_FLOW_STEP: f64 = 5e-3;
 /// Time that passes at least with every located event (s); keeps a chattering armature going forward.

@@ -31,10 +31,10 @@ impl Default for Tolerance {
     /// docs/evidence.md has the figures.
     fn default() -> Self {
         Self {
-            pressure: 5.0,
-            current: 3e-5,
-            position: 3e-8,
-            velocity: 3e-4,
+            pressure: 10.0,
+            current: 1e-4,
+            position: 1e-7,
+            velocity: 1e-3,
         }
     }
 }

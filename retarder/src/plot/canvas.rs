@@ -37,7 +37,7 @@ pub(super) const RIGHT_PX: i32 = 16;
 /// A figure could not be drawn.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the figure cannot be drawn: {reason}")]
-pub struct PlotError {
+pub(crate) struct PlotError {
     reason: String,
 }
 
@@ -55,7 +55,7 @@ impl From<DrawError> for PlotError {
 
 /// A drawn figure.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Figure {
+pub(crate) struct Figure {
     width_px: i32,
     height_px: i32,
     description: String,
@@ -65,12 +65,12 @@ pub struct Figure {
 
 impl Figure {
     /// To stand within an HTML page; colours as on white.
-    pub fn inline_svg(&self) -> String {
+    pub(crate) fn inline_svg(&self) -> String {
         self.svg("", "")
     }
 
     /// A file of its own, on a white ground.
-    pub fn svg_file(&self) -> String {
+    pub(crate) fn svg_file(&self) -> String {
         let mut file = self.svg(
             " xmlns=\"http://www.w3.org/2000/svg\"",
             "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n",

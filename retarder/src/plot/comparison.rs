@@ -26,7 +26,7 @@ const FIRST_TOP_PX: i32 = 62;
 ///
 /// # Errors
 /// The drawing itself fails.
-pub fn comparison(
+pub(crate) fn comparison(
     log: &Recording,
     comparison: &Comparison,
     signal: &SignalComparison,
@@ -103,7 +103,7 @@ pub fn comparison(
 }
 
 /// The window of `length_s` in which the free-run residual of the signal `name` is largest; none if the log is not longer.
-pub fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Option<Range<f64>> {
+pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Option<Range<f64>> {
     let residual = Course::of(&comparison.traces.free_run_residual, name)?;
     let all_s = residual.window_s();
     if all_s.end - all_s.start <= length_s {

@@ -27,7 +27,7 @@ const AROUND_STEP_S: [f64; 2] = [0.05, 0.85];
 ///
 /// # Errors
 /// The drawing itself fails.
-pub fn control(
+pub(crate) fn control(
     recording: &Recording,
     requirement: &Requirement,
     title: &str,
@@ -63,7 +63,7 @@ pub fn control(
 }
 
 /// The step to look at closely: the one in the operating range that settled last, or any; with the window to show.
-pub fn step_of_interest(verdict: &Verdict) -> Option<(&StepResponse, Range<f64>)> {
+pub(crate) fn step_of_interest(verdict: &Verdict) -> Option<(&StepResponse, Range<f64>)> {
     let step = verdict.steps.iter().max_by_key(|step| {
         (
             step.in_operating_range,

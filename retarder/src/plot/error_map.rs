@@ -17,7 +17,7 @@ const SHARE_SHOWN: f64 = 0.005;
 ///
 /// # Errors
 /// The drawing itself fails.
-pub fn error_map(signal: &SignalComparison) -> Result<Figure, PlotError> {
+pub(crate) fn error_map(signal: &SignalComparison) -> Result<Figure, PlotError> {
     let map = &signal.error_map;
     let rows = map.duty_bands.len() as i32;
     let height_px = TOP_PX + rows * ROW_PX + 56;

@@ -4,11 +4,11 @@ use plotters::style::RGBColor;
 
 /// A colour on white and its counterpart on a dark ground, both as `#RRGGBB`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Counterpart {
+pub(crate) struct Counterpart {
     /// As drawn.
-    pub on_white: &'static str,
+    pub(crate) on_white: &'static str,
     /// On a dark ground.
-    pub on_dark: &'static str,
+    pub(crate) on_dark: &'static str,
 }
 
 /// What was measured; text that matters.
@@ -35,7 +35,7 @@ pub(super) const VENT: RGBColor = RGBColor(0xCC, 0x79, 0xA7);
 pub(super) const LIMIT: RGBColor = RGBColor(0xB0, 0x2A, 0x1E);
 
 /// What becomes of each colour on a dark ground.
-pub const DARK: &[Counterpart] = &[
+pub(crate) const DARK: &[Counterpart] = &[
     pair("#1F1F1F", "#EDEBE8"),
     pair("#595959", "#B3B0AC"),
     pair("#9A9A9A", "#75726E"),

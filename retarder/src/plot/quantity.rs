@@ -2,16 +2,16 @@
 
 /// A unit in which errors are pleasant to read: `0.012 bar` is `12 mbar`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SmallUnit<'a> {
+pub(crate) struct SmallUnit<'a> {
     /// Values in the original unit times this are values in `symbol`.
-    pub per_unit: f64,
+    pub(crate) per_unit: f64,
     /// For tables and axes.
-    pub symbol: &'a str,
+    pub(crate) symbol: &'a str,
 }
 
 impl<'a> SmallUnit<'a> {
     /// For errors given in `unit`.
-    pub fn of_errors_in(unit: &'a str) -> Self {
+    pub(crate) fn of_errors_in(unit: &'a str) -> Self {
         match unit {
             "bar" => Self {
                 per_unit: 1e3,
@@ -30,7 +30,7 @@ impl<'a> SmallUnit<'a> {
 }
 
 /// What a signal is, for people; the name itself where it is none of ours.
-pub fn signal_words(name: &str) -> &str {
+pub(crate) fn signal_words(name: &str) -> &str {
     match name {
         "p_ch" => "chamber pressure",
         "p_sup" => "supply pressure",

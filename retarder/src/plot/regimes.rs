@@ -15,7 +15,7 @@ const BARS_PX: i32 = WIDTH_PX - LABELS_PX - 52;
 ///
 /// # Errors
 /// The drawing itself fails.
-pub fn regime(shares: &RegimeShares) -> Result<Figure, PlotError> {
+pub(crate) fn regime(shares: &RegimeShares) -> Result<Figure, PlotError> {
     let height_px = TOP_PX + shares.bins.len() as i32 * ROW_PX + 30;
     let description = format!("Share of the excess error by {}", shares.title);
     figure(WIDTH_PX, height_px, description, |sheet| {

@@ -15,7 +15,7 @@ const TOP_PX: i32 = 62;
 ///
 /// # Errors
 /// The drawing itself fails.
-pub fn settling(verdict: &Verdict, requirement: &Requirement) -> Result<Figure, PlotError> {
+pub(crate) fn settling(verdict: &Verdict, requirement: &Requirement) -> Result<Figure, PlotError> {
     let limit = f64::from(requirement.t_req_samples);
     let slowest = verdict
         .steps

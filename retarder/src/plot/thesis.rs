@@ -18,7 +18,7 @@ const DOTS_PX: i32 = WIDTH_PX - LABELS_PX - 130;
 ///
 /// # Errors
 /// The drawing itself fails.
-pub fn thesis(table: &ThesisTable) -> Result<Figure, PlotError> {
+pub(crate) fn thesis(table: &ThesisTable) -> Result<Figure, PlotError> {
     let mut groups: Vec<Vec<&Row>> = Vec::new();
     for row in &table.rows {
         match groups.iter_mut().find(|group| group[0].unit == row.unit) {

@@ -6,7 +6,7 @@ use recording::{Recording, Unit};
 use super::chart::{Chart, Course};
 use super::number::{or_dash, percent, signed, significant};
 use super::table::{Align, Table, bar, verdict};
-use super::{Colour, Terminal, paragraph, title};
+use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::Answer;
 use crate::run::compare::Compared;
 
@@ -29,9 +29,11 @@ pub(super) fn comparison(compared: &Compared, terminal: &Terminal) -> String {
     text += "\n";
     text += &plots(compared, terminal);
     text += "\n";
-    text += &title(&format!("Where the error of {} is", focus.name), terminal);
-    text += &regimes(focus, &focus.regimes, terminal);
-    text += "\n";
+    if compared.shows_regimes() {
+        text += &title(&format!("Where the error of {} is", focus.name), terminal);
+        text += &regimes(focus, &focus.regimes, terminal);
+        text += "\n";
+    }
     text + &answer(compared, terminal)
 }
 
@@ -99,7 +101,7 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
             predictor.signal
         ),
     };
-    text += &faint_paragraph(
+    text += &painted_paragraph(Colour::Faint, 
         &format!(
             "Errors are measured minus modelled. rms: the model driven by the duty cycles alone.{horizon}"
         ),
@@ -108,18 +110,13 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
     text
 }
 
-fn faint_paragraph(text: &str, terminal: &Terminal) -> String {
-    paragraph(text, terminal)
-        .lines()
-        .map(|line| terminal.paint(Colour::Faint, line) + "\n")
-        .collect()
-}
-
-/// The finding of one signal, and what is left in its error.
+/// The finding of one signal that does not hold.
 pub(super) fn finding(signal: &SignalComparison, terminal: &Terminal) -> String {
+    if signal.holds == Some(true) {
+        return String::new();
+    }
     let mut sentence = format!("{}: {}.", signal.name, signal.finding.sentence);
-    if signal.holds == Some(false)
-        && let Some(offset) = signal
+    if let Some(offset) = signal
             .time_offset
             .as_ref()
             .filter(|offset| offset.mismatch_explained > 0.2)
@@ -265,7 +262,7 @@ pub(super) fn regimes(
         }
         Horizon::FreeRun => "excess: share of the error beyond the noise.",
     };
-    text += &faint_paragraph(which, terminal);
+    text += &painted_paragraph(Colour::Faint, which, terminal);
     text
 }
 
@@ -277,11 +274,14 @@ fn local(bin: &RegimeBin) -> &model_lab::result::BinError {
 pub(super) fn answer(compared: &Compared, terminal: &Terminal) -> String {
     let verdict = &compared.comparison.verdict;
     let (colour, sentence) = match compared.answer() {
-        Answer::Holds => (Colour::Good, format!("The model holds: {}.", verdict.rule)),
+        Answer::Holds => (
+            Colour::Good,
+            format!("The model holds: {}.", verdict.rule),
+        ),
         Answer::DoesNotHold => (
             Colour::Bad,
             format!(
-                "The model does not hold for {}. It would if {}.",
+                "The model does not hold for {}. The rule: {}.",
                 verdict.failing.join(", "),
                 verdict.rule
             ),
@@ -295,8 +295,5 @@ pub(super) fn answer(compared: &Compared, terminal: &Terminal) -> String {
             ),
         ),
     };
-    paragraph(&sentence, terminal)
-        .lines()
-        .map(|line| terminal.paint(colour, line) + "\n")
-        .collect()
+    painted_paragraph(colour, &sentence, terminal)
 }

@@ -1,13 +1,13 @@
 //! The closed loop.
 
-use hil_harness::Verdict;
+use hil_harness::{Requirement, Verdict};
 use hil_harness::checks::{Bound, Check, CheckId};
 use recording::Recording;
 
 use super::chart::{Chart, Course};
-use super::number::{or_dash, significant, value};
+use super::number::{significant, value};
 use super::table::{Align, Entry, Table, painted};
-use super::{Colour, Terminal, paragraph, title};
+use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::control::Controlled;
 
 /// The run, its verdict and its rigs.
@@ -100,7 +100,7 @@ pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
     pressure.draw(terminal) + "\n" + &duty.draw(terminal)
 }
 
-/// The requirements with what was reached, in one table for several runs.
+/// The requirements with the worst that was reached in any of the runs.
 pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String {
     let mut table = Table::new(
         [
@@ -109,44 +109,73 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
             ("limit", Align::Right),
             ("unit", Align::Left),
             ("", Align::Left),
-            ("evidence", Align::Left),
+            ("worst, or seen in", Align::Left),
         ],
         terminal,
     );
     for (heading, is_binding) in [("Required by the thesis", true), ("Also looked at", false)] {
         table.heading(heading);
         for id in CheckId::ALL {
-            for run in runs {
-                let Some(check) = run
-                    .verdict
-                    .check(id)
-                    .filter(|check| check.binding == is_binding)
-                else {
-                    continue;
-                };
-                let evidence = match runs {
-                    [_] => check.evidence.clone(),
-                    _ => format!("{}: {}", run.scenario.scenario.name, check.evidence),
-                };
-                table.row([
-                    format!("  {}", check.requirement).into(),
-                    or_dash(check.reached, |reached| significant(reached, 3)).into(),
-                    format!("{} {}", relation(check.bound), value(check.limit)).into(),
-                    check.unit.as_str().into(),
-                    word(check),
-                    painted(Colour::Faint, evidence),
-                ]);
+            let checks = runs.iter().filter_map(|run| Some((*run, run.verdict.check(id)?)));
+            let Some((run, check)) = checks.max_by(|(_, a), (_, b)| severity(a).total_cmp(&severity(b))) else {
+                continue;
+            };
+            if check.binding != is_binding {
+                continue;
             }
+            let evidence = match runs {
+                [_] => check.evidence.clone(),
+                _ => format!("{}: {}", run.scenario.scenario.name, check.evidence),
+            };
+            table.row([
+                in_short(id).into(),
+                check
+                    .reached
+                    .map_or_else(|| "never".to_owned(), |reached| significant(reached, 3))
+                    .into(),
+                format!("{} {}", relation(check.bound), value(check.limit)).into(),
+                check.unit.as_str().into(),
+                word(check),
+                painted(Colour::Faint, evidence),
+            ]);
         }
     }
     let mut text = table.to_string();
     if let Some(missing) = not_exercised(runs) {
-        text += &paragraph(
-            &format!("Not exercised by this profile: {missing}."),
-            terminal,
-        );
+        text += &paragraph(&format!("Not exercised by this profile: {missing}."), terminal);
     }
     text
+}
+
+/// What was reached over its limit; never reached is worst.
+fn severity(check: &Check) -> f64 {
+    check.reached.map_or(f64::INFINITY, |reached| {
+        if check.limit > 0.0 { reached / check.limit } else { reached }
+    })
+}
+
+/// The requirement in a few words; the JSON has it in full.
+fn in_short(id: CheckId) -> String {
+    let Requirement {
+        operating_range_psup: [low, high],
+        fill_to_psup,
+        vent_from_psup,
+        vent_to_psup,
+        ..
+    } = Requirement::THESIS;
+    match id {
+        CheckId::SettlingTime => format!("reach {low} to {high} p_sup and stay"),
+        CheckId::SettlingTimeBeyondOperatingRange => "reach the rest and stay".to_owned(),
+        CheckId::SteadyError => "error after T_req".to_owned(),
+        CheckId::Overshoot => "overshoot".to_owned(),
+        CheckId::FillTime => format!("fill from 0 to {fill_to_psup} p_sup"),
+        CheckId::FillTimeWithDeadTime => "the same with dead time".to_owned(),
+        CheckId::VentTime => format!("vent {vent_from_psup} to {vent_to_psup} p_sup"),
+        CheckId::VentTimeWithDeadTime => "the same with dead time".to_owned(),
+        CheckId::NeverBothValves => "both valves energised".to_owned(),
+        CheckId::DutyLimits => "duty outside its limits".to_owned(),
+        CheckId::RestActuations => "valve moves in 1 s at rest".to_owned(),
+    }
 }
 
 /// Checks that no run gives occasion to.
@@ -157,7 +186,7 @@ fn not_exercised(runs: &[&Controlled]) -> Option<String> {
             runs.iter()
                 .all(|run| run.verdict.not_exercised.contains(id))
         })
-        .map(|id| id.name().replace('_', " "))
+        .map(in_short)
         .collect();
     (!names.is_empty()).then(|| names.join(", "))
 }
@@ -222,7 +251,7 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
             (false, false) => Colour::Notice,
         };
         table.row([
-            id.name().replace('_', " ").into(),
+            in_short(id).into(),
             quantile(0.5).into(),
             quantile(0.9).into(),
             quantile(1.0).into(),
@@ -259,10 +288,7 @@ pub(super) fn answer(controlled: &Controlled, terminal: &Terminal) -> String {
     } else {
         Colour::Bad
     };
-    paragraph(&sentence, terminal)
-        .lines()
-        .map(|line| terminal.paint(colour, line) + "\n")
-        .collect()
+    painted_paragraph(colour, &sentence, terminal)
 }
 
 fn sentence(verdict: &Verdict) -> String {
@@ -270,7 +296,7 @@ fn sentence(verdict: &Verdict) -> String {
         .checks
         .iter()
         .filter(|check| check.binding && !check.holds)
-        .map(|check| check.id.name().replace('_', " "))
+        .map(|check| in_short(check.id))
         .collect();
     if verdict.holds {
         "The loop keeps every binding requirement.".to_owned()

@@ -2,8 +2,8 @@
 
 use model_lab::thesis::Row;
 
-use super::number::{or_dash, signed, significant};
-use super::table::{Align, Table, painted, verdict};
+use super::number::{or_dash, signed};
+use super::table::{Align, Table, verdict};
 use super::{Colour, Terminal, paragraph, title};
 use crate::run::thesis::Figures;
 
@@ -19,10 +19,11 @@ pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
             ("figure", Align::Left),
             ("measured", Align::Right),
             ("simulated", Align::Right),
+            ("unit", Align::Left),
             ("deviation", Align::Right),
+            ("", Align::Left),
             ("limit", Align::Right),
             ("", Align::Left),
-            ("source", Align::Left),
         ],
         terminal,
     );
@@ -34,20 +35,18 @@ pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
             table.heading(&of_row);
             group = Some(of_row);
         }
+        let deviation = row.deviation.as_ref();
         table.row([
-            format!("  {}{}", row.quantity, note_mark(row, &mut notes)).into(),
-            format!("{} {}", significant(row.measured, 3), row.unit).into(),
-            or_dash(row.simulated, |simulated| {
-                format!("{} {}", significant(simulated, 3), row.unit)
-            })
-            .into(),
-            or_dash(row.deviation.as_ref(), |deviation| {
-                format!("{} {}", signed(deviation.value, 2), deviation.unit)
-            })
-            .into(),
+            format!("{}{}", row.quantity, note_mark(row, &mut notes)).into(),
+            figure(row.measured, row).into(),
+            row.simulated
+                .map_or_else(|| "never".to_owned(), |simulated| figure(simulated, row))
+                .into(),
+            row.unit.as_str().into(),
+            or_dash(deviation, |deviation| signed(deviation.value, 2)).into(),
+            deviation.map_or("", |deviation| deviation.unit.as_str()).into(),
             or_dash(row.limit, |limit| format!("±{limit}")).into(),
             verdict(row.holds),
-            painted(Colour::Faint, &row.source),
         ]);
     }
     text += &table.to_string();
@@ -69,10 +68,19 @@ pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
     text + &terminal.paint(colour, &sentence) + "\n"
 }
 
+/// Times in T_req are printed with three decimals in the thesis, the rest with one.
+fn figure(value: f64, row: &Row) -> String {
+    match row.unit.as_str() {
+        "T_req" => format!("{value:.3}"),
+        _ => format!("{value:.1}"),
+    }
+}
+
 fn group_of(row: &Row) -> String {
-    row.rig.clone().unwrap_or_else(|| match row.unit.as_str() {
-        "mA" => "Currents".to_owned(),
-        _ => "Duty limits".to_owned(),
+    let of_rig = row.rig.as_ref().map(|rig| format!("{rig} (tables 4.3, 4.4)"));
+    of_rig.unwrap_or_else(|| match row.unit.as_str() {
+        "mA" => "Currents (section 4.2.4, figures 4.4, 5.3)".to_owned(),
+        _ => "Duty limits (tables 4.1, 4.2)".to_owned(),
     })
 }
 

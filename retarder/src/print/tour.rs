@@ -1,5 +1,7 @@
 //! The tour.
 
+use hil_harness::checks::CheckId;
+
 use super::{Colour, Terminal, comparison, control, paragraph, title};
 use crate::run::control::Controlled;
 use crate::run::tour::Tour;
@@ -11,10 +13,10 @@ const DIMENSIONS: usize = 3;
 /// Comparison, loop, report, and what to try next.
 pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> String {
     let focus = tour.compared.focus();
-    let step = |number: u32, text: &str| title(&format!("{number}. {text}"), terminal);
     let mut text = step(
         1,
         "Does the model describe the bench? A log of 60 s against the model of the thesis",
+        terminal,
     );
     text += &comparison::head(&tour.compared, terminal);
     text += "\n";
@@ -25,32 +27,68 @@ pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> Strin
     let shown = &focus.regimes[..DIMENSIONS.min(focus.regimes.len())];
     text += &comparison::regimes(focus, shown, terminal);
     text += "\n";
-    text += &paragraph(&format!("Finding: {}.", focus.finding.sentence), terminal);
+    for signal in &tour.compared.comparison.signals {
+        text += &comparison::finding(signal, terminal);
+    }
     text += &comparison::answer(&tour.compared, terminal);
     text += &paragraph(
         "That is as it should be: behind this log is a rig with physics that the plain model lacks.",
         terminal,
     );
     text += "\n";
-    let loops: Vec<&Controlled> = tour.loops.iter().collect();
-    text += &step(
-        2,
-        "Does the loop keep its promises? The controller on the model",
-    );
-    if let Some(first) = loops.first() {
-        text += &control::plots(&first.run.recording, terminal);
+    text += &closed_loop(tour, terminal);
+    text += "\n";
+    text += &step(3, "What now?", terminal);
+    if let Some(path) = &targets.html {
+        let path = terminal.paint(Colour::Good, &path.display().to_string());
+        text += &format!("All plots are in {path}: open it in a browser.\n");
     }
+    text + TRY
+}
+
+fn closed_loop(tour: &Tour, terminal: &Terminal) -> String {
+    let mut text = step(2, "Does the loop keep its promises? The controller on the model", terminal);
+    let loops: Vec<&Controlled> = tour.loops.iter().collect();
+    let Some(first) = loops.first() else {
+        return text;
+    };
+    let names: Vec<&str> = loops
+        .iter()
+        .map(|run| run.scenario.scenario.name.as_str())
+        .collect();
+    text += &paragraph(
+        &format!(
+            "The {} on the nominal plant, with sensor noise; profiles {}. Plotted is {}.",
+            first.scenario.controller,
+            names.join(", "),
+            names[0]
+        ),
+        terminal,
+    );
+    text += "\n";
+    text += &control::plots(&first.run.recording, terminal);
     text += "\n";
     text += &control::requirements(&loops, terminal);
     text += "\n";
-    text += &step(3, "What now?");
-    if let Some(path) = &targets.html {
-        text += &format!(
-            "All plots are in {}: open it in a browser.\n",
-            terminal.paint(Colour::Good, &path.display().to_string())
+    for run in &loops {
+        text += &control::answer(run, terminal);
+    }
+    let vents_late = loops
+        .iter()
+        .filter_map(|run| run.verdict.check(CheckId::VentTime))
+        .any(|check| !check.holds);
+    if vents_late {
+        text += &paragraph(
+            "The venting time is a finding of the thesis as well: with the valve fully open its bench took 2.6 samples \
+             (table 4.3), so no controller reaches the limit with this orifice.",
+            terminal,
         );
     }
-    text + TRY
+    text
+}
+
+fn step(number: u32, text: &str, terminal: &Terminal) -> String {
+    title(&format!("{number}. {text}"), terminal)
 }
 
 const TRY: &str = "

@@ -11,5 +11,5 @@ mod origin;
 mod page;
 mod thesis;
 
-pub use contents::{Contents, ControlPart, Input, ModelPart, Origin};
-pub use page::html;
+pub(crate) use contents::{Contents, ControlPart, Input, ModelPart, Origin};
+pub(crate) use page::html;

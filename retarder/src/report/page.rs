@@ -13,7 +13,7 @@ const SECURITY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src d
 const STYLE: &str = include_str!("style.css");
 
 /// The report as one self-contained HTML file: equal contents give equal bytes.
-pub fn html(contents: &Contents<'_>) -> String {
+pub(crate) fn html(contents: &Contents<'_>) -> String {
     markup! {
         (DOCTYPE)
         html lang="en" {

@@ -16,6 +16,8 @@ pub(crate) struct Compared {
     pub(crate) comparison: Comparison,
     /// Index of the signal that is shown closely.
     focus: usize,
+    /// Whether a person chose it.
+    is_chosen: bool,
 }
 
 /// Compares; `focus` names the signal to show closely, without it the one that is farthest off.
@@ -27,6 +29,7 @@ pub(crate) fn run(
 ) -> Result<Compared, Failure> {
     let _progress = Progress::of_unknown_length("comparing");
     let comparison = compare(&plant.parameters, &log, options)?;
+    let is_chosen = focus.is_some();
     let focus = match focus {
         None => farthest_off(&comparison.signals),
         Some(name) => comparison
@@ -38,18 +41,18 @@ pub(crate) fn run(
                 compared: names(&comparison.signals),
             })?,
     };
-    Ok(Compared {
-        plant,
-        log,
-        comparison,
-        focus,
-    })
+    Ok(Compared { plant, log, comparison, focus, is_chosen })
 }
 
 impl Compared {
     /// The signal that is shown closely.
     pub(crate) fn focus(&self) -> &SignalComparison {
         &self.comparison.signals[self.focus]
+    }
+
+    /// Whether there is an error to place, or one was asked for.
+    pub(crate) fn shows_regimes(&self) -> bool {
+        self.is_chosen || self.focus().holds != Some(true)
     }
 
     pub(crate) fn answer(&self) -> Answer {
