@@ -184,7 +184,7 @@ impl OpeningDuty {
     }
 
     /// The force balance: the magnetic force goes with i², i with the duty cycle, and the pressure takes its share of the
-    /// preload, so duty² falls linearly with the pressure difference (section 4.2.2). The parabola meets this curve at both
+    /// preload, so duty² falls linearly with the pressure difference (section 5.1.3). The parabola meets this curve at both
     /// ends and in the middle.
     pub const fn force_balance(
         without_pressure_pct: I16F16,
@@ -243,11 +243,22 @@ impl Settings {
 
     /// What we would put on a truck: the thesis' controller with pressure-dependent lower limits (section 7.2), a prediction
     /// that a jump of the reference does not fool, and an integral part that does not outlive the reference it was built for.
+    /// The numbers were tuned on simulated rigs; `hil-harness/controllers/recommended.toml` has the reason for each.
     pub const fn recommended() -> Self {
         const RECOMMENDED: Settings = Settings {
+            gain_pct_per_bar: I16F16::lit("35"),
+            integral_time_ms: Some(I16F16::lit("700")),
+            derivative_time_ms: Some(I16F16::lit("16")),
             integral_at_reference: IntegralAtReference::Clear,
+            tolerance_bar: I16F16::lit("0.085"),
+            prediction: Prediction::OneStep,
             prediction_basis: PredictionBasis::Pressure,
             switch_off: SwitchOff::InsideOrBeyond,
+            boost: Some(Boost {
+                rate_pct_per_bar_s: I16F16::lit("250"),
+                max_pct: I16F16::lit("100"),
+                response_bar: I16F16::lit("0.3"),
+            }),
             duty_min: LowerLimit::PressureDependent {
                 fill: OpeningDuty::force_balance(I16F16::lit("54.5"), I16F16::lit("28.5")),
                 vent: OpeningDuty::force_balance(I16F16::lit("51.5"), I16F16::lit("25.5")),

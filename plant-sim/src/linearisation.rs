@@ -8,17 +8,16 @@
 //! - The coil rows: with L = L_off - x (L_off - L_on)/(x_on - x_off), ∂f1/∂x1 is -R/L. Printed is
 //!   -R/(x (L_off - L_on)/(x_on - x_off) - L_off) = +R/L, an unstable coil; likewise ∂f5/∂x5. The entries of B
 //!   have the same wrong sign (printed -1/L).
-//! - ∂f1/∂x2 and ∂f5/∂x6 lack the factor from the chain rule with the right sign; they vanish at an
-//!   equilibrium only because u = R i there. The motional term of equation 3.4, dropped in 3.26 and 3.30, adds
+//! - ∂f1/∂x2 and ∂f5/∂x6 have the wrong sign for the same reason, and ∂f5/∂x6 is printed with u1 for u2; they
+//!   vanish at an equilibrium, where u = R i. The motional term of equation 3.4, dropped in 3.26 and 3.30, adds
 //!   ∂f1/∂x3 = -i L'/L, which does not vanish.
 //! - ∂f7/∂x4 is printed as -π/m (d/2)². Equation 3.32 has +(x4 - P_atm): the chamber pressure lifts the vent
 //!   valve, so the sign is plus.
-//! - A(2,1) = 1 belongs to A(2,3): ẋ2 = x3. The second entry of B belongs to row 5, the vent coil, not to row 4.
 //! - ∂f4/∂x4 is printed for a choked fill and a subsonic vent valve. With both valves open and orifices of one
-//!   size the balance lies near 0.8 P_sup (figure 4.6): the fill flow is subsonic and the vent flow choked. Here
+//!   size the balance lies near 0.81 P_sup: the fill flow is subsonic and the vent flow choked. Here
 //!   both are taken as they are.
 //! - ∂f4/∂x2 and ∂f4/∂x6 are zero where the bore limits the flow (equation 3.21), which is so at full stroke.
-//! - D is printed as ∂f/∂x; it is ∂g/∂u, zero.
+//! - C and D are printed as ∂f/∂x; they are ∂g/∂x and ∂g/∂u.
 
 use crate::coil::Drive;
 use crate::plant::{FILL, Plant, VENT};

@@ -14,8 +14,8 @@ pub const LAMINAR_RATIO: f64 = 0.9999;
 pub struct NozzleLaw {
     /// Ratio below which the flow is choked (-), equation 3.22.
     critical_ratio: f64,
-    /// (2/(k+1))^(k/(k-1)): where the isentropic law itself has its maximum (-).
-    isentropic_critical_ratio: f64,
+    /// (1 - the isentropic critical ratio) / (1 - the orifice's): 1 for the ideal orifice.
+    stretch: f64,
     /// (k-1)/k (-).
     exponent: f64,
     /// sqrt(2k/(k-1) / (R T)) (s/m).
@@ -30,7 +30,10 @@ impl NozzleLaw {
     /// Prepares the law for a gas.
     ///
     /// `heat_capacity_ratio` k > 1, `gas_constant` (J/(kg K)), `temperature` (K),
-    /// `critical_ratio` as printed in equation 3.22 (0.528 for air).
+    /// `critical_ratio` as in equation 3.22 (0.528 for air). A real component has a smaller one: its subsonic
+    /// branch is the isentropic one stretched over the ratios that are left, so that the flow falls smoothly
+    /// from choked to none whatever the ratio. A ratio that is equation 3.22 rounded to three digits is taken as
+    /// that equation.
     pub fn new(
         heat_capacity_ratio: f64,
         gas_constant: f64,
@@ -39,15 +42,18 @@ impl NozzleLaw {
     ) -> Self {
         let k = heat_capacity_ratio;
         let sqrt_rt = (gas_constant * temperature).sqrt();
+        let isentropic = (2.0 / (k + 1.0)).powf(k / (k - 1.0));
+        let rounded = (critical_ratio - isentropic).abs() <= 0.5e-3;
+        let critical_ratio = if rounded { isentropic } else { critical_ratio };
         let mut law = Self {
             critical_ratio,
-            isentropic_critical_ratio: (2.0 / (k + 1.0)).powf(k / (k - 1.0)),
+            stretch: (1.0 - isentropic) / (1.0 - critical_ratio),
             exponent: (k - 1.0) / k,
             subsonic_factor: (2.0 * k / (k - 1.0)).sqrt() / sqrt_rt,
             choked_factor: (k * (2.0 / (k + 1.0)).powf((k + 1.0) / (k - 1.0))).sqrt() / sqrt_rt,
             laminar_slope: 0.0,
         };
-        law.laminar_slope = law.isentropic(LAMINAR_RATIO) / (1.0 - LAMINAR_RATIO);
+        law.laminar_slope = law.subsonic(LAMINAR_RATIO) / (1.0 - LAMINAR_RATIO);
         law
     }
 
@@ -87,7 +93,7 @@ impl NozzleLaw {
         if ratio <= self.critical_ratio {
             self.choked_factor
         } else if ratio < LAMINAR_RATIO {
-            self.isentropic(ratio.max(self.isentropic_critical_ratio))
+            self.subsonic(ratio)
         } else {
             self.laminar_slope * (1.0 - ratio)
         }
@@ -95,24 +101,32 @@ impl NozzleLaw {
 
     /// d(`flow_function`)/d(ratio) (s/m), for the linearisation of appendix A.
     pub fn flow_function_slope(&self, ratio: f64) -> f64 {
-        if ratio <= self.critical_ratio.max(self.isentropic_critical_ratio) {
+        if ratio <= self.critical_ratio {
             0.0
         } else if ratio < LAMINAR_RATIO {
             // With w = r^((k-1)/k): Ψ² = c (r/w)² (1 - w), and d(r/w)/dr = 1/(k w).
+            let ratio = self.stretched(ratio);
             let w = ratio.powf(self.exponent);
             let square = (ratio / w).powi(2) * (1.0 - w);
             let square_slope = 2.0 * (ratio / w) * (1.0 - self.exponent) / w * (1.0 - w)
                 - (ratio / w).powi(2) * self.exponent * w / ratio;
-            self.subsonic_factor * square_slope / (2.0 * square.sqrt())
+            self.stretch * self.subsonic_factor * square_slope / (2.0 * square.sqrt())
         } else {
             -self.laminar_slope
         }
     }
 
-    /// The isentropic branch of equation 3.19, with r^(2/k) - r^((k+1)/k) = (r/w)² (1 - w) and
+    /// The ratio at which the ideal orifice stands where this one stands at `ratio`.
+    #[inline]
+    fn stretched(&self, ratio: f64) -> f64 {
+        1.0 - self.stretch * (1.0 - ratio)
+    }
+
+    /// The subsonic branch of equation 3.19, with r^(2/k) - r^((k+1)/k) = (r/w)² (1 - w) and
     /// w = r^((k-1)/k): one power instead of two.
     #[inline]
-    fn isentropic(&self, ratio: f64) -> f64 {
+    fn subsonic(&self, ratio: f64) -> f64 {
+        let ratio = self.stretched(ratio);
         let w = ratio.powf(self.exponent);
         self.subsonic_factor * (ratio / w) * (1.0 - w).sqrt()
     }
@@ -218,25 +232,35 @@ mod tests {
 
     #[test]
     fn flow_function_is_continuous_and_falls_with_the_ratio() {
-        let law = air();
-        let mut last = law.flow_function(0.0);
-        for step in 1..=100_000 {
-            let now = law.flow_function(f64::from(step) / 1e5);
-            assert!(now <= last + 1e-12 * last, "{step}");
-            assert!(last - now < 2e-5, "jump at {step}: {last} {now}");
-            last = now;
+        for critical_ratio in [0.1, 0.3, 0.5, 0.528, 0.6] {
+            let law = NozzleLaw::new(AIR.0, AIR.1, AIR.2, critical_ratio);
+            let mut last = law.flow_function(0.0);
+            for step in 1..=100_000 {
+                let now = law.flow_function(f64::from(step) / 1e5);
+                assert!(
+                    now <= last * (1.0 + 1e-12),
+                    "{critical_ratio} {step}: {last} {now}"
+                );
+                assert!(
+                    last - now < 2e-5,
+                    "jump at {critical_ratio} {step}: {last} {now}"
+                );
+                last = now;
+            }
+            assert_eq!(law.flow_function(1.0), 0.0);
         }
-        assert_eq!(law.flow_function(1.0), 0.0);
     }
 
     #[test]
     fn slope_is_the_derivative_of_the_flow_function() {
-        let law = air();
-        for ratio in [0.3, 0.55, 0.7, 0.9, 0.995, 0.99995] {
-            let h = 1e-7;
-            let numeric = (law.flow_function(ratio + h) - law.flow_function(ratio - h)) / (2.0 * h);
-            let error = (law.flow_function_slope(ratio) - numeric).abs();
-            assert!(error < 1e-5 * (1e-3 + numeric.abs()), "{ratio}: {error}");
+        for law in [air(), NozzleLaw::new(AIR.0, AIR.1, AIR.2, 0.4)] {
+            for ratio in [0.3, 0.55, 0.7, 0.9, 0.995, 0.99995] {
+                let h = 1e-7;
+                let numeric =
+                    (law.flow_function(ratio + h) - law.flow_function(ratio - h)) / (2.0 * h);
+                let error = (law.flow_function_slope(ratio) - numeric).abs();
+                assert!(error < 1e-5 * (1e-3 + numeric.abs()), "{ratio}: {error}");
+            }
         }
     }
 

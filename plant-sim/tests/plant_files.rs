@@ -4,6 +4,19 @@ use plant_sim::PlantParameters;
 use plant_sim::parameters::{NOMINAL_PLANT_TOML, PARAMETERS};
 use plant_sim::valve::ValveFunction;
 
+const REGULATING_VALVE: &str = "
+[regulating_valve]
+plunger_mass_kg = 0.15
+air_area_m2 = 1.4e-3
+oil_area_m2 = 0.0
+oil_pressure_bar_gauge = 0.0
+spring_n_per_m = 42e3
+preload_n = 200
+static_friction_n = 12
+dynamic_friction_n = 8
+stroke_m = 15e-3
+";
+
 /// The nominal file with `from` replaced by `to`, which must occur.
 fn changed(from: &str, to: &str) -> String {
     assert!(NOMINAL_PLANT_TOML.contains(from), "{from}");
@@ -117,10 +130,26 @@ fn refusals_name_file_line_value_bound_and_what_to_do() {
             format!("{NOMINAL_PLANT_TOML}\n[regulating_valve]\nplunger_mass_kg = 0.1\n"),
             "`stroke_m` is missing in [regulating_valve]",
         ),
+        (
+            format!("{NOMINAL_PLANT_TOML}{REGULATING_VALVE}")
+                .replace("dynamic_friction_n = 8", "dynamic_friction_n = 20"),
+            "friction in motion, 20 N, cannot exceed friction at rest, static_friction_n = 12 N",
+        ),
     ] {
         let message = refusal(&text);
         assert!(message.contains(says), "expected: {says}\nfound: {message}");
     }
+}
+
+#[test]
+fn a_regulating_valve_joins_the_plant() {
+    let text = format!("{NOMINAL_PLANT_TOML}{REGULATING_VALVE}");
+    let plant = PlantParameters::from_toml(&text, "rig.toml").unwrap();
+    assert_eq!(plant.regulating_valve.as_ref().unwrap().stroke_m, 15e-3);
+    assert_eq!(
+        PlantParameters::from_toml(&plant.to_toml(), "again").unwrap(),
+        plant
+    );
 }
 
 #[test]

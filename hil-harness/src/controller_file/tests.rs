@@ -26,8 +26,9 @@ fn the_shipped_files_are_read_and_accepted_by_the_controller() {
 }
 
 #[test]
-fn the_shipped_thesis_file_is_the_controllers_own_thesis() {
+fn the_shipped_files_are_the_controllers_own_settings() {
     assert_eq!(thesis(), Settings::thesis());
+    assert_eq!(recommended(), Settings::recommended());
 }
 
 #[test]

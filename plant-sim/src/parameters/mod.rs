@@ -218,6 +218,17 @@ impl PlantParameters {
                 ),
             );
         }
+        if let Some(valve) = &self.regulating_valve
+            && valve.dynamic_friction_n > valve.static_friction_n
+        {
+            return at(
+                "regulating_valve.dynamic_friction_n",
+                format!(
+                    "friction in motion, {} N, cannot exceed friction at rest, static_friction_n = {} N",
+                    valve.dynamic_friction_n, valve.static_friction_n
+                ),
+            );
+        }
         None
     }
 

@@ -1,8 +1,8 @@
 //! Location of an event within a step.
 
 /// The time in (`lo`, `h`] at which `g` passes zero upwards, when it is not positive at `lo` and positive at
-/// `h`: Illinois' variant of the false position method, until the interval or the value is 1e-11 of what it
-/// was.
+/// `h`: Illinois' variant of the false position method, until the interval is 1e-12 of `h` or the value 1e-11
+/// of that at `h`.
 pub(crate) fn first_positive(g: impl Fn(f64) -> f64, lo: f64, h: f64) -> f64 {
     let (mut below, mut g_below) = (lo, g(lo).min(0.0));
     let (mut above, mut g_above) = (h, g(h));
