@@ -16,7 +16,7 @@ const DUTY_LIMIT_PCT: f64 = 1.5;
 const TIME_LIMIT_SAMPLES: f64 = 1.0;
 /// A current holds within this (%).
 const CURRENT_LIMIT_PCT: f64 = 1.0;
-/// The bore of the valve itself (mm); smaller orifices were inserted into the housing, in series.
+/// The bore of the valve itself (mm); smaller orifices were inserted into the housing before it.
 const VALVE_BORE_MM: f64 = 1.9;
 
 /// All rows.
@@ -254,7 +254,7 @@ fn filling_and_venting(
         short_fill.map(|step| step.dead_time_s),
     )
     .with_note("varies with the phase of the command in the ECU sample");
-    let inserted = "an inserted orifice sits in series with the valve (figure 4.12): effect series_restriction";
+    let inserted = "an orifice inserted into the housing (figure 4.12), whose own discharge coefficient is not known; the bench is faster than the model";
     let ends = "ends within the tolerance of 0.1 bar; the last part depends on supply line and flow law: effects supply_line_droop, critical_ratio";
     let mut rows = vec![dead_time];
     rows.extend(short.map(|row| {
