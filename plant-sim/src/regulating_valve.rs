@@ -5,28 +5,8 @@
 //! Within a step the chamber pressure is taken as linear in time. The plunger is then an oscillator under
 //! a ramp, solved exactly from one change of direction, stop or stick to the next.
 
-use crate::parameters::PA_PER_BAR;
+use crate::parameters::{PA_PER_BAR, RegulatingValveParameters};
 use crate::solver::root::first_positive;
-
-/// `[regulating_valve]` of a plant file; described in [`PARAMETERS`](crate::parameters::PARAMETERS).
-#[derive(Debug, Clone, PartialEq, Default)]
-#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
-pub struct RegulatingValveParameters {
-    pub plunger_mass_kg: f64,
-    pub air_area_m2: f64,
-    pub oil_area_m2: f64,
-    pub oil_pressure_bar_gauge: f64,
-    pub spring_n_per_m: f64,
-    pub preload_n: f64,
-    pub static_friction_n: f64,
-    pub dynamic_friction_n: f64,
-    pub stroke_m: f64,
-}
-
-impl RegulatingValveParameters {
-    /// Name of the table in a plant file.
-    pub const SECTION: &'static str = "regulating_valve";
-}
 
 /// The plunger's state.
 #[derive(Debug, Clone)]

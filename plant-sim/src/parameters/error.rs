@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::table::ParameterSpec;
+use super::table::{ParameterSpec, sections};
 use super::units::plausible_unit;
 
 /// All problems of one plant file.
@@ -105,7 +105,7 @@ impl fmt::Display for Problem {
             Self::UnknownSection { section, .. } => write!(
                 f,
                 "unknown table [{section}]; a plant file has the tables {}",
-                super::read::sections().join(", ")
+                sections().join(", ")
             ),
             Self::UnknownKey {
                 key, suggestion, ..

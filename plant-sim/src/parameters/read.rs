@@ -4,31 +4,15 @@ use std::ops::Range;
 
 use toml_edit::{Document, Item, TableLike, Value};
 
+use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
-use super::table::{PARAMETERS, ParameterSpec};
+use super::table::{FUNCTIONS, PARAMETERS, ParameterSpec, REGULATING_VALVE, VALVE_KEYS, VALVES};
 use super::units::in_other_unit;
-use super::{PlantParameters, RegulatingValveParameters};
+use super::values::{PlantParameters, RegulatingValveParameters};
 use crate::valve::ValveFunction;
-
-/// `[valves]`: which function the valves have.
-const VALVES: &str = "valves";
-pub(super) const VALVE_KEYS: [&str; 2] = ["fill", "vent"];
-const FUNCTIONS: &[&str] = &["normally_closed", "normally_open"];
 
 /// Size beyond which a file is certainly not a plant file (bytes).
 const MAX_BYTES: usize = 1 << 20;
-
-pub(super) fn sections() -> Vec<String> {
-    let mut sections: Vec<String> = Vec::new();
-    for spec in PARAMETERS.iter() {
-        let section = format!("[{}]", spec.section);
-        if !sections.contains(&section) {
-            sections.push(section);
-        }
-    }
-    sections.push(format!("[{VALVES}]"));
-    sections
-}
 
 struct Reader<'a> {
     text: &'a str,
@@ -64,7 +48,7 @@ pub(super) fn read(text: &str, name: &str) -> Result<PlantParameters, ParameterE
         .problems
         .sort_by_key(|problem| problem.line().unwrap_or(usize::MAX));
     if reader.problems.is_empty() {
-        reader.problems.extend(reader.parameters.inconsistency());
+        reader.problems.extend(inconsistency(&reader.parameters));
     }
     if reader.problems.is_empty() {
         Ok(reader.parameters)
@@ -77,7 +61,7 @@ impl Reader<'_> {
     fn root(&mut self, document: &Document<&str>) {
         let root = document.as_table();
         let mut present: Vec<&'static ParameterSpec> = Vec::new();
-        if root.contains_key(RegulatingValveParameters::SECTION) {
+        if root.contains_key(REGULATING_VALVE) {
             self.parameters.regulating_valve = Some(RegulatingValveParameters::default());
         }
         for (section, item) in root.iter() {
@@ -226,22 +210,4 @@ fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
             .filter(|byte| **byte == b'\n')
             .count()
     })
-}
-
-impl PlantParameters {
-    /// All zeros, to be filled from a file.
-    fn blank() -> Self {
-        Self {
-            ecu: super::EcuParameters::default(),
-            coil: super::CoilParameters::default(),
-            magnet: super::MagnetParameters::default(),
-            armature: super::ArmatureParameters::default(),
-            flow: super::FlowParameters::default(),
-            gas: super::GasParameters::default(),
-            chamber: super::ChamberParameters::default(),
-            functions: [ValveFunction::NormallyClosed; 2],
-            regulating_valve: None,
-            provenance: std::collections::BTreeMap::new(),
-        }
-    }
 }

@@ -1,7 +1,14 @@
 //! The one list of all parameters.
 
-use super::PlantParameters;
-use crate::regulating_valve::RegulatingValveParameters;
+use super::values::PlantParameters;
+
+/// `[valves]`: which function the valves have.
+pub(super) const VALVES: &str = "valves";
+pub(super) const VALVE_KEYS: [&str; 2] = ["fill", "vent"];
+pub(super) const FUNCTIONS: &[&str] = &["normally_closed", "normally_open"];
+
+/// The table of a plant file that may be absent.
+pub(super) const REGULATING_VALVE: &str = "regulating_valve";
 
 /// One parameter: where it stands, its unit, its range and what it means.
 #[derive(Debug)]
@@ -48,7 +55,7 @@ impl ParameterSpec {
 
     /// Whether a plant file may leave the section out.
     pub fn is_optional(&self) -> bool {
-        self.section == RegulatingValveParameters::SECTION
+        self.section == REGULATING_VALVE
     }
 }
 
@@ -112,7 +119,7 @@ const THESIS_MODEL: &[ParameterSpec] = parameters! {
     chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "dead volume V_ch of chamber, channels and actuator (section 2.2)";
 };
 
-const REGULATING_VALVE: &[ParameterSpec] = optional_parameters! {
+const REGULATING_VALVE_MODEL: &[ParameterSpec] = optional_parameters! {
     regulating_valve.plunger_mass_kg ["kg"] 1e-3 ..= 10.0, "mass of the plunger (equation 3.25)";
     regulating_valve.air_area_m2 ["m2"] 1e-6 ..= 0.1, "plunger area on the air side (equation 3.25)";
     regulating_valve.oil_area_m2 ["m2"] 0.0 ..= 0.1, "plunger area on the oil side (equation 3.25)";
@@ -126,4 +133,17 @@ const REGULATING_VALVE: &[ParameterSpec] = optional_parameters! {
 
 /// All parameters of a plant file, in its order.
 pub static PARAMETERS: std::sync::LazyLock<Vec<&'static ParameterSpec>> =
-    std::sync::LazyLock::new(|| THESIS_MODEL.iter().chain(REGULATING_VALVE).collect());
+    std::sync::LazyLock::new(|| THESIS_MODEL.iter().chain(REGULATING_VALVE_MODEL).collect());
+
+/// The tables that a plant file may have, as they are written.
+pub(super) fn sections() -> Vec<String> {
+    let mut sections: Vec<String> = Vec::new();
+    for spec in PARAMETERS.iter() {
+        let section = format!("[{}]", spec.section);
+        if !sections.contains(&section) {
+            sections.push(section);
+        }
+    }
+    sections.push(format!("[{VALVES}]"));
+    sections
+}

@@ -2,9 +2,8 @@
 
 use core::fmt::Write as _;
 
-use super::PlantParameters;
-use super::read::VALVE_KEYS;
-use super::table::PARAMETERS;
+use super::table::{PARAMETERS, VALVE_KEYS, VALVES};
+use super::values::PlantParameters;
 use crate::valve::ValveFunction;
 
 pub(super) fn write(parameters: &PlantParameters) -> String {
@@ -26,7 +25,7 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         }
         text.push('\n');
     }
-    let _ = write!(text, "\n[valves]\n");
+    let _ = write!(text, "\n[{VALVES}]\n");
     for (key, function) in VALVE_KEYS.iter().zip(parameters.functions) {
         let word = match function {
             ValveFunction::NormallyClosed => "normally_closed",

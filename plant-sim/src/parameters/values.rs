@@ -1,0 +1,165 @@
+//! The values of a plant file, by its tables.
+
+use std::collections::BTreeMap;
+
+use crate::valve::ValveFunction;
+
+/// Everything a plant file says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlantParameters {
+    /// `[ecu]`
+    pub ecu: EcuParameters,
+    /// `[coil]`, of both valves.
+    pub coil: CoilParameters,
+    /// `[magnet]`, of both valves.
+    pub magnet: MagnetParameters,
+    /// `[armature]`, of both valves but for the preloads.
+    pub armature: ArmatureParameters,
+    /// `[flow]`
+    pub flow: FlowParameters,
+    /// `[gas]`
+    pub gas: GasParameters,
+    /// `[chamber]`
+    pub chamber: ChamberParameters,
+    /// `[valves]`: normally closed or normally open, fill and vent.
+    pub functions: [ValveFunction; 2],
+    /// `[regulating_valve]`: an output stage, where the file has one.
+    pub regulating_valve: Option<RegulatingValveParameters>,
+    /// Where each value comes from, by `section.key`; the comment behind the value in the file.
+    pub provenance: BTreeMap<String, String>,
+}
+
+/// The ECU's sampling and output stage.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct EcuParameters {
+    pub sample_time_s: f64,
+    pub pwm_frequency_hz: f64,
+    pub command_delay_s: f64,
+    pub supply_voltage_v: f64,
+    pub free_wheel_diode_drop_v: f64,
+}
+
+/// Coil of each valve.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct CoilParameters {
+    pub resistance_20c_ohm: f64,
+    pub resistance_temperature_coefficient_per_k: f64,
+    pub inductance_closed_h: f64,
+    pub inductance_open_h: f64,
+}
+
+/// Magnetic circuit of each valve.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct MagnetParameters {
+    pub force_constant_n_m2_per_a2: f64,
+    pub gap_closed_m: f64,
+}
+
+/// Armature and spring of each valve.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct ArmatureParameters {
+    pub mass_kg: f64,
+    pub stroke_m: f64,
+    pub viscous_friction_ns_per_m: f64,
+    pub spring_n_per_m: f64,
+    pub pressure_force_diameter_m: f64,
+    pub preload_fill_n: f64,
+    pub preload_vent_n: f64,
+}
+
+/// Orifices and flow law.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct FlowParameters {
+    pub orifice_fill_m: f64,
+    pub orifice_vent_m: f64,
+    pub discharge_fill: f64,
+    pub discharge_vent: f64,
+    pub critical_ratio: f64,
+}
+
+/// The gas and the pressures around the plant.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct GasParameters {
+    pub gas_constant_j_per_kg_k: f64,
+    pub heat_capacity_ratio: f64,
+    pub temperature_k: f64,
+    pub supply_pressure_bar_gauge: f64,
+    pub ambient_pressure_pa: f64,
+}
+
+/// The chamber.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct ChamberParameters {
+    pub volume_m3: f64,
+}
+
+/// The regulating valve behind the chamber.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct RegulatingValveParameters {
+    pub plunger_mass_kg: f64,
+    pub air_area_m2: f64,
+    pub oil_area_m2: f64,
+    pub oil_pressure_bar_gauge: f64,
+    pub spring_n_per_m: f64,
+    pub preload_n: f64,
+    pub static_friction_n: f64,
+    pub dynamic_friction_n: f64,
+    pub stroke_m: f64,
+}
+
+/// Pascal per bar.
+pub const PA_PER_BAR: f64 = 1e5;
+
+impl EcuParameters {
+    /// ECU sample time (ns).
+    pub fn sample_time_ns(&self) -> u64 {
+        nanoseconds(self.sample_time_s)
+    }
+
+    /// PWM period (ns).
+    pub fn pwm_period_ns(&self) -> u64 {
+        nanoseconds(1.0 / self.pwm_frequency_hz)
+    }
+
+    /// Delay from a command to its effect at the output (ns).
+    pub fn command_delay_ns(&self) -> u64 {
+        nanoseconds(self.command_delay_s)
+    }
+}
+
+fn nanoseconds(seconds: f64) -> u64 {
+    (seconds * 1e9).round() as u64
+}
+
+impl GasParameters {
+    /// Supply pressure (Pa abs).
+    pub fn supply_pressure_pa(&self) -> f64 {
+        self.supply_pressure_bar_gauge * PA_PER_BAR + self.ambient_pressure_pa
+    }
+}
+
+impl PlantParameters {
+    /// All zeros, to be filled from a file.
+    pub(super) fn blank() -> Self {
+        Self {
+            ecu: EcuParameters::default(),
+            coil: CoilParameters::default(),
+            magnet: MagnetParameters::default(),
+            armature: ArmatureParameters::default(),
+            flow: FlowParameters::default(),
+            gas: GasParameters::default(),
+            chamber: ChamberParameters::default(),
+            functions: [ValveFunction::NormallyClosed; 2],
+            regulating_valve: None,
+            provenance: BTreeMap::new(),
+        }
+    }
+}
