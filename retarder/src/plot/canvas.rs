@@ -70,6 +70,7 @@ impl Figure {
     }
 
     /// A file of its own, on a white ground.
+    #[cfg(test)]
     pub(crate) fn svg_file(&self) -> String {
         let mut file = self.svg(
             " xmlns=\"http://www.w3.org/2000/svg\"",

@@ -55,11 +55,11 @@ impl<'a> Course<'a> {
         self
     }
 
-    /// First and last instant \[s\].
+    /// From the first instant to the end of the last sample \[s\].
     pub(super) fn window_s(&self) -> Range<f64> {
         let start_s = self.times_s.first().copied().unwrap_or(0.0);
         let end_s = self.times_s.last().copied().unwrap_or(0.0);
-        start_s..end_s.max(start_s + self.step_s)
+        start_s..end_s + self.step_s
     }
 
     /// Least and greatest value in the window; none where nothing was sampled.
@@ -87,12 +87,13 @@ impl<'a> Course<'a> {
         let point = |row: usize| (self.times_s[row], self.values[row]);
         self.pieces(window_s)
             .into_iter()
-            .map(|rows| thinned(&rows.map(point).collect::<Vec<_>>(), window_s, columns))
+            .map(|rows| drawn(&rows.map(point).collect::<Vec<_>>(), window_s, columns))
             .collect()
     }
 
     /// Stairs: a value holds until the next sample, as a command does.
     pub(super) fn stairs(&self, window_s: &Range<f64>, columns: usize) -> Vec<Vec<Point>> {
+        let begins_inside = |row: &usize| self.times_s[*row] < window_s.end;
         let stair = |row: usize, end: usize| {
             let from_s = self.times_s[row];
             let to_s = if row + 1 < end {
@@ -109,8 +110,11 @@ impl<'a> Course<'a> {
             .into_iter()
             .map(|rows| {
                 let end = rows.end;
-                let points: Vec<_> = rows.flat_map(|row| stair(row, end)).collect();
-                thinned(&points, window_s, columns)
+                let points: Vec<_> = rows
+                    .filter(begins_inside)
+                    .flat_map(|row| stair(row, end))
+                    .collect();
+                drawn(&points, window_s, columns)
             })
             .collect()
     }
@@ -145,28 +149,141 @@ impl<'a> Course<'a> {
     }
 }
 
-/// At most four points per column of pixels: the first, the least, the greatest and the last, in their order. A line
-/// through them covers the same pixels as one through all points, so that no peak is lost.
+/// The points that a line needs.
+fn drawn(points: &[Point], window_s: &Range<f64>, columns: usize) -> Vec<Point> {
+    thinned(&without_level_points(points.to_vec()), window_s, columns)
+}
+
+/// Of each level stretch only its ends, which changes nothing of what is drawn.
+fn without_level_points(mut points: Vec<Point>) -> Vec<Point> {
+    let mut kept = 0;
+    for row in 0..points.len() {
+        let is_level = kept >= 2
+            && points[kept - 2].1 == points[kept - 1].1
+            && points[kept - 1].1 == points[row].1;
+        let place = if is_level { kept - 1 } else { kept };
+        points[place] = points[row];
+        kept = place + 1;
+    }
+    points.truncate(kept);
+    points
+}
+
+/// At most two points per column of pixels: the least and the greatest, in their order. A line through them covers the same
+/// pixels as one through all points, so that no peak is lost.
 fn thinned(points: &[Point], window_s: &Range<f64>, columns: usize) -> Vec<Point> {
-    let length_s = window_s.end - window_s.start;
-    let column = |point: &Point| ((point.0 - window_s.start) / length_s * columns as f64) as usize;
-    if points.len() <= 4 * columns {
+    if points.len() <= 2 * columns {
         return points.to_vec();
     }
-    let mut kept = Vec::with_capacity(4 * columns);
-    for group in points.chunk_by(|a, b| column(a) == column(b)) {
+    let length_s = window_s.end - window_s.start;
+    let column = |point: &Point| ((point.0 - window_s.start) / length_s * columns as f64) as usize;
+    let extremes = |group: &[Point]| {
         let by_value = |a: &usize, b: &usize| group[*a].1.total_cmp(&group[*b].1);
-        let least = (0..group.len()).min_by(by_value).unwrap_or(0);
-        let greatest = (0..group.len()).max_by(by_value).unwrap_or(0);
-        let mut rows = [0, least, greatest, group.len() - 1];
-        rows.sort_unstable();
-        let mut last = None;
-        for row in rows {
-            if last != Some(row) {
-                kept.push(group[row]);
+        let rows = 0..group.len();
+        let least = rows.clone().min_by(by_value).unwrap_or(0);
+        let greatest = rows.max_by(by_value).unwrap_or(0);
+        let both = (least != greatest).then(|| group[least.max(greatest)]);
+        [Some(group[least.min(greatest)]), both]
+    };
+    points
+        .chunk_by(|a, b| column(a) == column(b))
+        .flat_map(extremes)
+        .flatten()
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use recording::{Provenance, TimeBase};
+
+    use super::*;
+
+    fn recording_of(values: Vec<f64>) -> Recording {
+        let mut recording = Recording::new(Provenance::from_source("made up"));
+        let times = TimeBase::uniform(0.0, 0.01, values.len()).unwrap();
+        let times = recording.add_time_base(times);
+        recording
+            .add_signal("p_ch", Unit::BarGauge, times, values)
+            .unwrap();
+        recording
+    }
+
+    fn lines(recording: &Recording, columns: usize) -> Vec<Vec<Point>> {
+        let course = Course::of(recording, "p_ch").unwrap();
+        course.lines(&course.window_s(), columns)
+    }
+
+    proptest! {
+        /// Goal: a peak of a single sample is seen in a log of any length. Method: in each column of pixels the drawn points
+        /// reach as low and as high as all samples do, and every drawn point is a sample.
+        #[test]
+        fn thinning_keeps_the_extremes_of_every_column(
+            values in prop::collection::vec(prop_oneof![Just(0.0), -9.0..9.0], 1..2000),
+            columns in 1_usize..80,
+        ) {
+            let end_s = values.len() as f64 * 0.01;
+            let window_s = 0.0..end_s;
+            let points: Vec<Point> = values.iter().enumerate().map(|(row, value)| (row as f64 * 0.01, *value)).collect();
+            let drawn = thinned(&points, &window_s, columns);
+            prop_assert!(drawn.len() <= 2 * columns);
+            prop_assert!(drawn.iter().all(|point| points.contains(point)));
+            prop_assert!(drawn.windows(2).all(|pair| pair[0].0 < pair[1].0));
+            let reach = |points: &[Point], column: usize| {
+                let in_column = |point: &&Point| (point.0 / end_s * columns as f64) as usize == column;
+                let values = points.iter().filter(in_column).map(|point| point.1);
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), value| (value.min(least), value.max(greatest)))
+            };
+            for column in 0..columns {
+                prop_assert_eq!(reach(&drawn, column), reach(&points, column), "column {}", column);
             }
-            last = Some(row);
+        }
+
+        /// Goal: leaving out the middle of level stretches changes no line. Method: every dropped point lies between two kept
+        /// ones of its own value.
+        #[test]
+        fn only_points_on_a_level_line_are_left_out(values in prop::collection::vec(0_u8..3, 1..200)) {
+            let points: Vec<Point> = values.iter().enumerate().map(|(row, value)| (row as f64, f64::from(*value))).collect();
+            let kept = without_level_points(points.clone());
+            for point in &points {
+                let after = kept.partition_point(|kept| kept.0 < point.0);
+                let is_kept = kept.get(after) == Some(point);
+                let is_between = after > 0 && after < kept.len() && kept[after - 1].1 == point.1 && kept[after].1 == point.1;
+                prop_assert!(is_kept || is_between, "{:?} in {:?}", point, kept);
+            }
+            prop_assert_eq!(kept.first(), points.first());
+            prop_assert_eq!(kept.last(), points.last());
         }
     }
-    kept
+
+    #[test]
+    fn a_missing_sample_breaks_the_line() {
+        let recording = recording_of(vec![1.0, 2.0, f64::NAN, 3.0, f64::NAN]);
+        assert_eq!(
+            lines(&recording, 100),
+            [vec![(0.0, 1.0), (0.01, 2.0)], vec![(0.03, 3.0)]]
+        );
+    }
+
+    #[test]
+    fn a_drop_out_of_the_logger_breaks_the_line() {
+        let mut recording = Recording::new(Provenance::from_source("made up"));
+        let times = TimeBase::new(vec![0.0, 0.01, 0.02, 0.5, 0.51]).unwrap();
+        let times = recording.add_time_base(times);
+        recording
+            .add_signal("p_ch", Unit::BarGauge, times, vec![0.0, 1.0, 2.0, 3.0, 4.0])
+            .unwrap();
+        let pieces = lines(&recording, 100);
+        assert_eq!(pieces.iter().map(Vec::len).collect::<Vec<_>>(), [3, 2]);
+    }
+
+    #[test]
+    fn a_command_holds_until_the_next_one() {
+        let recording = recording_of(vec![0.0, 50.0, 0.0]);
+        let course = Course::of(&recording, "p_ch").unwrap();
+        let corners = course.stairs(&(0.0..0.03), 100).concat();
+        let values: Vec<f64> = corners.iter().map(|corner| corner.1).collect();
+        assert_eq!(values, [0.0, 0.0, 50.0, 50.0, 0.0, 0.0]);
+        assert_eq!(corners[1].0, corners[2].0, "the edge is upright");
+    }
 }

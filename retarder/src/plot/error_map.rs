@@ -1,5 +1,7 @@
 //! Where the error is, over duty cycle and pressure.
 
+use std::ops::Range;
+
 use model_lab::result::{ErrorMap, MapCell, SignalComparison};
 use plotters::style::{Color, RGBColor};
 
@@ -19,15 +21,14 @@ const SHARE_SHOWN: f64 = 0.005;
 /// The drawing itself fails.
 pub(crate) fn error_map(signal: &SignalComparison) -> Result<Figure, PlotError> {
     let map = &signal.error_map;
-    let rows = map.duty_bands.len() as i32;
-    let height_px = TOP_PX + rows * ROW_PX + 56;
+    let grid = Grid::new(map);
+    let height_px = grid.bottom_px() + 56;
     let title = format!(
         "{}: share of the excess error by duty cycle and pressure",
         capitalised(&clipped(signal_words(&signal.name), 40))
     );
     figure(WIDTH_PX, height_px, title.clone(), |sheet| {
         sheet.title(&title)?;
-        let grid = Grid::new(map);
         grid.captions(sheet)?;
         let greatest = map.cells.iter().filter_map(share).fold(0.0, f64::max);
         for cell in &map.cells {
@@ -45,41 +46,50 @@ fn legend(sheet: &Sheet<'_>) -> Result<(), PlotError> {
     sheet.legend(
         (WIDTH_PX - 16, 38),
         &[
-            ("share, where measured higher than modelled", palette::MODEL),
-            ("lower", palette::FILL),
-            ("no share", palette::GRID),
+            ("measured higher than modelled", palette::MODEL),
+            ("measured lower", palette::FILL),
+            ("below 0.5 % of the excess", palette::GRID),
         ],
     )
 }
 
 struct Grid<'a> {
     map: &'a ErrorMap,
+    /// From the first to the last duty band that has samples.
+    rows: Range<usize>,
     column_px: i32,
 }
 
 impl<'a> Grid<'a> {
     fn new(map: &'a ErrorMap) -> Self {
         let columns = map.pressure_bands.len().max(1) as i32;
-        let column_px = ((WIDTH_PX - ROW_LABELS_PX - 16) / columns).min(140);
-        Self { map, column_px }
+        let column_px = ((WIDTH_PX - ROW_LABELS_PX - 16) / columns).clamp(3, 140);
+        let rows = map.cells.iter().map(|cell| cell.duty_band);
+        let first = rows.clone().min().unwrap_or(0);
+        let end = rows.max().map_or(0, |last| last + 1);
+        Self {
+            map,
+            rows: first..end,
+            column_px,
+        }
+    }
+
+    fn bottom_px(&self) -> i32 {
+        TOP_PX + self.rows.len() as i32 * ROW_PX
     }
 
     fn corner(&self, row: usize, column: usize) -> (i32, i32) {
         (
             ROW_LABELS_PX + column as i32 * self.column_px,
-            TOP_PX + row as i32 * ROW_PX,
+            TOP_PX + row.saturating_sub(self.rows.start) as i32 * ROW_PX,
         )
     }
 
     fn captions(&self, sheet: &Sheet<'_>) -> Result<(), PlotError> {
         sheet.text("Duty cycle", (16, TOP_PX - 18), Align::Left, palette::INK)?;
-        for (row, label) in self.map.duty_bands.iter().enumerate() {
+        for row in self.rows.clone() {
             let (x, y) = self.corner(row, 0);
-            let label = if label == "0 %" {
-                "both valves shut"
-            } else {
-                label
-            };
+            let label = self.map.duty_bands.get(row).map_or("", String::as_str);
             sheet.text(
                 &clipped(label, 22),
                 (x - 12, y + ROW_PX / 2),
@@ -87,7 +97,7 @@ impl<'a> Grid<'a> {
                 palette::LABEL,
             )?;
         }
-        let bottom = TOP_PX + self.map.duty_bands.len() as i32 * ROW_PX;
+        let bottom = self.bottom_px();
         for (column, label) in self.map.pressure_bands.iter().enumerate() {
             let x = self.corner(0, column).0 + self.column_px / 2;
             sheet.text(

@@ -19,7 +19,7 @@ pub(crate) use canvas::{Figure, PlotError};
 pub(crate) use comparison::{comparison, excerpt};
 pub(crate) use control::{control, step_of_interest};
 pub(crate) use error_map::error_map;
-pub(crate) use quantity::{SmallUnit, signal_words};
+pub(crate) use quantity::{SmallUnit, capitalised, signal_words};
 pub(crate) use regimes::regime;
 pub(crate) use settling::settling;
 pub(crate) use thesis::thesis;

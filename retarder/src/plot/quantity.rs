@@ -44,7 +44,7 @@ pub(crate) fn signal_words(name: &str) -> &str {
 }
 
 /// The first letter large, as at the beginning of a title.
-pub(super) fn capitalised(words: &str) -> String {
+pub(crate) fn capitalised(words: &str) -> String {
     let mut letters = words.chars();
     letters
         .next()

@@ -31,7 +31,7 @@ pub(crate) fn settling(verdict: &Verdict, requirement: &Requirement) -> Result<F
         let mut chart = sheet.panel(&Panel {
             corner: (LABELS_PX, TOP_PX),
             size: (PLOT_PX, HEIGHT_PX),
-            x: -0.2..greatest_bar + 0.3,
+            x: -0.1..greatest_bar + 0.3,
             y: 0.0..highest,
             x_caption: Some("new reference [bar gauge]"),
             y_caption: "Settling time [samples]",
@@ -56,7 +56,7 @@ pub(crate) fn settling(verdict: &Verdict, requirement: &Requirement) -> Result<F
         let note = "ring: outside the operating range; at the upper edge: never settled";
         sheet.small_text(
             note,
-            (LABELS_PX + PLOT_PX, TOP_PX + HEIGHT_PX + 34),
+            (LABELS_PX + PLOT_PX, 14),
             Align::Right,
             palette::LABEL,
         )

@@ -1,5 +1,6 @@
 //! What goes into a report.
 
+use hil_harness::rigs::RigVerdict;
 use hil_harness::{Requirement, Verdict};
 use model_lab::Comparison;
 use model_lab::thesis::ThesisTable;
@@ -12,8 +13,8 @@ pub(crate) struct Contents<'a> {
     pub(crate) title: &'a str,
     /// Model against measurement.
     pub(crate) model: Option<ModelPart<'a>>,
-    /// The closed loop on the model.
-    pub(crate) control: Option<ControlPart<'a>>,
+    /// The closed loop on the model, one part per scenario.
+    pub(crate) control: &'a [ControlPart<'a>],
     /// The thesis' own figures.
     pub(crate) thesis: Option<&'a ThesisTable>,
     /// What to try next, one sentence or command each.
@@ -40,6 +41,12 @@ pub(crate) struct ControlPart<'a> {
     pub(crate) requirement: &'a Requirement,
     /// What was reached.
     pub(crate) verdict: &'a Verdict,
+    /// Which plant was controlled.
+    pub(crate) plant: &'a str,
+    /// Which controller did it.
+    pub(crate) controller: &'a str,
+    /// The same on scattered rigs; empty where none was asked for.
+    pub(crate) rigs: &'a [RigVerdict],
 }
 
 /// Where a report comes from, so that another person gets the same one.

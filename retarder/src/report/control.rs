@@ -2,35 +2,53 @@
 
 use hil_harness::Verdict;
 use hil_harness::checks::{Bound, Check};
+use hil_harness::rigs::RigVerdict;
 use maud::{Markup, html};
 
 use super::contents::ControlPart;
 use super::number::number;
 use super::page::{Standing, figure, foreign};
-use crate::plot;
+use crate::plot::{self, capitalised};
 
-pub(super) fn headline(verdict: &Verdict) -> String {
-    let broken: Vec<&Check> = verdict
-        .checks
-        .iter()
-        .filter(|check| check.binding && !check.holds)
-        .collect();
-    match broken.as_slice() {
-        [] if verdict.steps.is_empty() => {
+pub(super) fn standing(parts: &[ControlPart<'_>]) -> Standing {
+    Standing::of(parts.iter().all(holds))
+}
+
+/// On the plant and on every rig.
+fn holds(part: &ControlPart<'_>) -> bool {
+    part.verdict.holds && part.rigs.iter().all(|rig| rig.verdict.holds)
+}
+
+fn binding<'a>(parts: &'a [ControlPart<'_>]) -> impl Iterator<Item = &'a Check> {
+    let checks = parts.iter().flat_map(|part| &part.verdict.checks);
+    checks.filter(|check| check.binding)
+}
+
+pub(super) fn headline(parts: &[ControlPart<'_>]) -> String {
+    let steps: usize = parts.iter().map(|part| part.verdict.steps.len()).sum();
+    let mut broken = binding(parts).filter(|check| !check.holds);
+    let failing_rigs =
+        |part: &ControlPart<'_>| part.rigs.iter().filter(|rig| !rig.verdict.holds).count();
+    let rigs: usize = parts.iter().map(|part| part.rigs.len()).sum();
+    let on_rigs = match (rigs, parts.iter().map(failing_rigs).sum::<usize>()) {
+        (0, _) => String::new(),
+        (_, 0) => format!(" So it is on each of {rigs} rigs."),
+        (_, failing) => format!(" On {failing} of {rigs} rigs something binding is not kept."),
+    };
+    match (broken.next(), broken.count()) {
+        _ if parts.iter().any(|part| part.verdict.steps.is_empty()) => {
             "No step of the reference was held long enough to be judged.".to_owned()
         }
-        [] => format!(
-            "All {} requirements that this run exercises are kept, over {} steps of the reference.",
-            verdict.checks.iter().filter(|check| check.binding).count(),
-            verdict.steps.len()
+        (None, _) => format!(
+            "Every binding requirement is kept, over {steps} steps of the reference.{on_rigs}"
         ),
-        [first, rest @ ..] => {
-            let others = match rest.len() {
+        (Some(first), others) => {
+            let others = match others {
                 0 => String::new(),
                 count => format!(", and {count} more"),
             };
             format!(
-                "Not kept: {}; reached {}, limit {} {}{others}.",
+                "Not kept: {}; reached {}, limit {} {}{others}.{on_rigs}",
                 first.requirement,
                 reached(first),
                 first.limit,
@@ -40,28 +58,58 @@ pub(super) fn headline(verdict: &Verdict) -> String {
     }
 }
 
-pub(super) fn section(part: &ControlPart<'_>) -> Markup {
+pub(super) fn section(parts: &[ControlPart<'_>]) -> Markup {
+    html! {
+        section #control {
+            h2 { "Control loop " (standing(parts).badge()) }
+            p.rule {
+                "The rule: every binding requirement is kept, and at least one step was judged. "
+                "What is not binding is shown and does not decide."
+            }
+            @for part in parts { (run(part)) }
+        }
+    }
+}
+
+fn run(part: &ControlPart<'_>) -> Markup {
     let ControlPart {
         recording,
         requirement,
         verdict,
+        plant,
+        controller,
+        rigs,
     } = *part;
+    let title = format!("Closed loop, {}", verdict.source);
     html! {
-        section #control {
-            h2 { "Control loop " (Standing::of(verdict.holds).badge()) }
-            p.rule {
-                "The rule: every binding requirement is kept, and at least one step was judged. "
-                "What is not binding is shown and does not decide. Run: " code { (foreign(&verdict.source)) } "."
-            }
+        article {
+            h3 { (foreign(&capitalised(&verdict.source))) " " (Standing::of(holds(part)).badge()) }
+            p.note { "Plant: " (foreign(plant)) ". Controller: " (foreign(controller)) "." }
             (check_table(verdict))
-            (figure(plot::control(recording, requirement, "Closed loop: reference and pressure", None)))
+            @if !rigs.is_empty() { (rig_line(rigs)) }
+            (figure(plot::control(recording, requirement, &title, None)))
             @if let Some((step, window_s)) = plot::step_of_interest(verdict) {
                 p.lead {
                     "The step that settles last, from " (number(step.from_bar)) " to " (number(step.to_bar)) " bar gauge:"
                 }
-                (figure(plot::control(recording, requirement, "Closed loop: a step", Some(window_s))))
+                (figure(plot::control(recording, requirement, &title, Some(window_s))))
             }
             @if !verdict.steps.is_empty() { (figure(plot::settling(verdict, requirement))) }
+        }
+    }
+}
+
+fn rig_line(rigs: &[RigVerdict]) -> Markup {
+    let failing: Vec<&RigVerdict> = rigs.iter().filter(|rig| !rig.verdict.holds).collect();
+    html! {
+        p {
+            "On scattered rigs: " (rigs.len() - failing.len()) " of " (rigs.len()) " keep every binding requirement."
+            @if !failing.is_empty() {
+                " Not so rig"
+                @for rig in failing.iter().take(10) { " " (rig.rig) " (seed " (rig.seed) ")" }
+                @if failing.len() > 10 { " and others" }
+                "."
+            }
         }
     }
 }
@@ -106,14 +154,22 @@ fn check_row(check: &Check) -> Markup {
     };
     html! {
         tr {
-            th scope="row" { (foreign(&check.requirement)) }
+            th scope="row" { (foreign(&capitalised(&check.requirement))) }
             td.number { (reached(check)) }
             td.number { (relation) (check.limit) }
-            td { (foreign(&check.unit)) }
+            td.unit { (foreign(&check.unit)) }
             td { (if check.binding { "yes" } else { "no" }) }
-            td { (Standing::of(check.holds).badge()) }
+            td { (standing_of(check).badge()) }
             td { (foreign(&check.evidence)) }
         }
+    }
+}
+
+fn standing_of(check: &Check) -> Standing {
+    if check.binding || check.holds {
+        Standing::of(check.holds)
+    } else {
+        Standing::Beyond
     }
 }
 

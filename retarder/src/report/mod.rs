@@ -13,3 +13,6 @@ mod thesis;
 
 pub(crate) use contents::{Contents, ControlPart, Input, ModelPart, Origin};
 pub(crate) use page::html;
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,7 @@ use model_lab::result::{ErrorSummary, Horizon, LimitFrom, RegimeShares, SignalCo
 use super::contents::ModelPart;
 use super::number::{known, number, percent, signed};
 use super::page::{Standing, figure, foreign};
-use crate::plot::{self, SmallUnit, signal_words};
+use crate::plot::{self, SmallUnit, capitalised, signal_words};
 
 /// Length of the excerpts \[s\].
 const EXCERPT_S: f64 = 10.0;
@@ -93,8 +93,8 @@ fn signal_row(signal: &SignalComparison) -> Markup {
     let standing = signal.holds.map_or(Standing::Open, Standing::of);
     html! {
         tr {
-            th scope="row" { (foreign(signal_words(&signal.name))) " " code { (foreign(&signal.name)) } }
-            td { (foreign(unit.symbol)) }
+            th scope="row" { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }
+            td.unit { (foreign(unit.symbol)) }
             td.number { (known(signal.noise_floor.value.map(scaled))) }
             td.number { (number(scaled(free.rms))) }
             td.number { (known(free.rms_in_noise)) }
@@ -129,7 +129,7 @@ fn how_to_read(comparison: &Comparison) -> Markup {
                 "The excess is the squared error beyond the noise. A regime with a large share of it and a small share of the samples "
                 "is where the model lacks something."
             }
-            p.note { (foreign(&comparison.start.statement)) }
+            p.note { "The model starts " (foreign(&comparison.start.statement)) "." }
         }
     }
 }
@@ -139,7 +139,7 @@ fn signal_section(part: &ModelPart<'_>, signal: &SignalComparison) -> Markup {
     let excerpt_s = plot::excerpt(comparison, &signal.name, EXCERPT_S);
     html! {
         article {
-            h3 { (foreign(signal_words(&signal.name))) " " code { (foreign(&signal.name)) } }
+            h3 { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }
             p.finding { (foreign(&signal.finding.sentence)) "." }
             @if let Some(excerpt_s) = excerpt_s {
                 p.lead { "The ten seconds in which the free run is furthest off:" }

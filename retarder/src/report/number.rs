@@ -3,10 +3,12 @@
 /// About three significant digits, with a true minus sign.
 pub(super) fn number(value: f64) -> String {
     let decimals = match value.abs() {
+        // Counts stay counts.
+        magnitude if magnitude.fract() == 0.0 => 0,
         magnitude if magnitude >= 100.0 => 0,
         magnitude if magnitude >= 10.0 => 1,
         magnitude if magnitude >= 1.0 => 2,
-        magnitude if magnitude >= 0.01 || magnitude == 0.0 => 3,
+        magnitude if magnitude >= 0.01 => 3,
         _ => 5,
     };
     format!("{value:.decimals$}").replace('-', "\u{2212}")

@@ -23,7 +23,7 @@ pub(crate) fn html(contents: &Contents<'_>) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 meta name="generator" content=(concat!("retarder ", env!("CARGO_PKG_VERSION")));
-                title { (contents.title) }
+                title { (printable(contents.title)) }
                 style { (PreEscaped(style())) }
             }
             body {
@@ -34,7 +34,7 @@ pub(crate) fn html(contents: &Contents<'_>) -> String {
                         (navigation(contents))
                     }
                     @if let Some(part) = &contents.model { (model::section(part)) }
-                    @if let Some(part) = &contents.control { (control::section(part)) }
+                    @if !contents.control.is_empty() { (control::section(contents.control)) }
                     @if let Some(table) = contents.thesis { (thesis::section(table)) }
                     @if !contents.next_steps.is_empty() { (next_steps(contents.next_steps)) }
                     (origin::section(&contents.origin))
@@ -51,8 +51,8 @@ fn summary(contents: &Contents<'_>) -> Markup {
             @if let Some(part) = &contents.model {
                 (statement("Model", model::standing(part.comparison), &model::headline(part.comparison)))
             }
-            @if let Some(part) = &contents.control {
-                (statement("Control loop", Standing::of(part.verdict.holds), &control::headline(part.verdict)))
+            @if !contents.control.is_empty() {
+                (statement("Control loop", control::standing(contents.control), &control::headline(contents.control)))
             }
             @if let Some(table) = contents.thesis {
                 (statement("Thesis", Standing::of(table.holds), &thesis::headline(table)))
@@ -78,7 +78,7 @@ fn navigation(contents: &Contents<'_>) -> Markup {
             "#model",
             "Model against measurement",
         ),
-        (contents.control.is_some(), "#control", "Control loop"),
+        (!contents.control.is_empty(), "#control", "Control loop"),
         (contents.thesis.is_some(), "#thesis", "Thesis"),
         (has_next_steps, "#next", "What to try next"),
         (true, "#origin", "Origin"),
@@ -121,6 +121,8 @@ pub(super) enum Standing {
     DoesNotHold,
     /// Nothing speaks against it, and something is unknown.
     Open,
+    /// Beyond a limit that decides nothing.
+    Beyond,
 }
 
 impl Standing {
@@ -138,6 +140,7 @@ impl Standing {
             Self::Holds => ("badge holds", "✓ holds"),
             Self::DoesNotHold => ("badge fails", "✗ does not hold"),
             Self::Open => ("badge open", "? open"),
+            Self::Beyond => ("badge open", "beyond, not binding"),
         };
         markup! { span class=(class) { (words) } }
     }
@@ -145,15 +148,17 @@ impl Standing {
 
 /// Text from a file: escaped, printable, and of a direction of its own, so that it cannot turn what stands beside it.
 pub(super) fn foreign(text: &str) -> Markup {
-    let printable: String = text
-        .chars()
-        .map(|letter| match letter {
-            '\n' | '\t' => ' ',
-            letter if letter.is_control() => char::REPLACEMENT_CHARACTER,
-            letter => letter,
-        })
-        .collect();
-    markup! { bdi { (printable) } }
+    markup! { bdi { (printable(text)) } }
+}
+
+/// Control characters are no part of a page.
+fn printable(text: &str) -> String {
+    let letter = |letter: char| match letter {
+        '\n' | '\t' => ' ',
+        letter if letter.is_control() => char::REPLACEMENT_CHARACTER,
+        letter => letter,
+    };
+    text.chars().map(letter).collect()
 }
 
 /// A figure, or why there is none.

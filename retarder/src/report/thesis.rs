@@ -55,7 +55,7 @@ fn table_row(row: &Row) -> Markup {
             }
             td.number { (number(row.measured)) }
             td.number { (row.simulated.map_or("never".to_owned(), number)) }
-            td { (foreign(&row.unit)) }
+            td.unit { (foreign(&row.unit)) }
             td.number {
                 @if let Some(deviation) = &row.deviation { (signed(deviation.value)) " " (foreign(&deviation.unit)) }
             }

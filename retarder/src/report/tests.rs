@@ -1,0 +1,232 @@
+//! Claims about whole reports: nothing gets in from a log but text, nothing goes out, and the same comes out again.
+
+use hil_harness::{Requirement, Run, Scenario, Verdict, run_in_process};
+use model_lab::thesis::{Measurements, ThesisTable, compare_with_model};
+use model_lab::{CompareOptions, Comparison, compare};
+use plant_sim::PlantParameters;
+use recording::{Recording, csv};
+
+use super::*;
+use crate::plot;
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+const LOG: &str = "practice-01-id.csv";
+
+/// What a log or a file name might try.
+const HOSTILE: &str = "</title></svg><script>alert(1)</script><img src=x onerror='alert(2)'>\" onload=\"x &lt; \u{0}\u{1b}[31m\u{202e}";
+
+struct Bench {
+    log: Recording,
+    comparison: Comparison,
+    run: Run,
+    verdict: Verdict,
+    thesis: ThesisTable,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let path = format!("{ROOT}/data/synthetic/{LOG}");
+        let log = csv::read_file(path, &csv::Options::default()).unwrap();
+        let nominal = PlantParameters::nominal();
+        let run = run_in_process(&Scenario::built_in("figure-6.5").unwrap()).unwrap();
+        Self {
+            comparison: compare(&nominal, &log, &CompareOptions::default()).unwrap(),
+            log,
+            verdict: run.verdict(&Requirement::THESIS).unwrap(),
+            run,
+            thesis: compare_with_model(&nominal, &Measurements::bundled()),
+        }
+    }
+
+    /// A report in which every foreign text is `text`.
+    fn report(&self, text: &str) -> String {
+        let input = Input {
+            role: text.to_owned(),
+            name: text.to_owned(),
+            identity: Some((17, text.to_owned())),
+        };
+        let control = ControlPart {
+            recording: &self.run.recording,
+            requirement: &Requirement::THESIS,
+            verdict: &self.verdict,
+            plant: text,
+            controller: text,
+            rigs: &[],
+        };
+        html(&Contents {
+            title: text,
+            model: Some(ModelPart {
+                log: &self.log,
+                comparison: &self.comparison,
+            }),
+            control: &[control],
+            thesis: Some(&self.thesis),
+            next_steps: &[text.to_owned()],
+            origin: Origin {
+                command_line: text,
+                inputs: &[input, Input::of_recording("log", self.log.provenance())],
+                versions: &[(text.to_owned(), text.to_owned())],
+            },
+        })
+    }
+}
+
+/// Goal: what stands in a log is shown and never obeyed. Method: every text of every part is hostile.
+#[test]
+fn hostile_text_stays_text() {
+    let mut bench = Bench::new();
+    let hostile = || HOSTILE.to_owned();
+    bench.comparison.verdict.rule = hostile();
+    bench.comparison.start.statement = hostile();
+    for signal in &mut bench.comparison.signals {
+        signal.finding.sentence = hostile();
+        signal.noise_floor.statement = hostile();
+        signal.unit = hostile();
+        signal.error_map.duty_bands.fill(hostile());
+        signal.error_map.pressure_bands.fill(hostile());
+        for shares in &mut signal.regimes {
+            shares.title = hostile();
+            shares.bins.iter_mut().for_each(|bin| bin.label = hostile());
+        }
+    }
+    bench.comparison.signals[1].name = hostile();
+    bench.verdict.source = hostile();
+    for check in &mut bench.verdict.checks {
+        (check.requirement, check.evidence, check.unit) = (hostile(), hostile(), hostile());
+    }
+    for row in &mut bench.thesis.rows {
+        (row.quantity, row.unit, row.source) = (hostile(), hostile(), hostile());
+        (row.rig, row.note) = (Some(hostile()), Some(hostile()));
+    }
+    let report = bench.report(HOSTILE);
+    for forbidden in [
+        "<script",
+        "<img",
+        "</title></svg>",
+        "\" onload=\"",
+        "\0",
+        "\u{1b}",
+    ] {
+        assert!(!report.contains(forbidden), "{forbidden:?} got through");
+    }
+    assert!(report.contains("&lt;script&gt;alert(1)&lt;/script&gt;"));
+    assert_well_formed(&report);
+}
+
+#[test]
+fn every_tag_is_closed_in_its_place() {
+    assert_well_formed(&Bench::new().report("bench"));
+}
+
+#[test]
+fn the_report_names_no_other_machine_and_forbids_to_load_or_run() {
+    let report = Bench::new().report("bench");
+    for forbidden in [
+        "http://", "https://", "src=", "@import", "url(", "<script", "<link", "<iframe",
+    ] {
+        assert!(!report.contains(forbidden), "{forbidden:?}");
+    }
+    assert!(
+        report.contains("http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';")
+    );
+}
+
+#[test]
+fn equal_contents_give_equal_bytes() {
+    assert_eq!(Bench::new().report("bench"), Bench::new().report("bench"));
+}
+
+#[test]
+fn a_minute_of_log_and_a_run_make_less_than_a_megabyte_and_a_half() {
+    let bytes = Bench::new().report("bench").len();
+    assert!(bytes < 1_500_000, "{bytes} bytes");
+}
+
+#[test]
+fn the_verdict_is_the_one_of_the_comparison_and_open_where_it_is_unknown() {
+    let mut comparison = Bench::new().comparison;
+    let badge = |comparison: &Comparison| model::standing(comparison).badge().into_string();
+    assert!(badge(&comparison).contains("does not hold"));
+    assert!(model::headline(&comparison).starts_with("The model misses the chamber pressure by "));
+    comparison.verdict.failing.clear();
+    comparison.verdict.undecided = vec!["p_ch".to_owned()];
+    comparison
+        .signals
+        .iter_mut()
+        .for_each(|signal| signal.holds = None);
+    assert!(badge(&comparison).contains("open"));
+    comparison.verdict.undecided.clear();
+    comparison.verdict.holds = true;
+    assert!(badge(&comparison).contains("✓ holds"));
+}
+
+#[test]
+fn a_report_of_nothing_is_still_a_page() {
+    let report = html(&Contents {
+        title: "empty",
+        model: None,
+        control: &[],
+        thesis: None,
+        next_steps: &[],
+        origin: Origin::default(),
+    });
+    assert_well_formed(&report);
+    assert!(!report.contains("id=\"model\"") && !report.contains("id=\"next\""));
+}
+
+/// The picture of the README says what the figure says today. It is drawn by
+/// `BLESS=1 cargo nextest run -p retarder picture_of_the_readme`; look at it before it is committed.
+///
+/// Only its texts are compared: a solver that moves a line by a thousandth of a bar asks for no new picture.
+#[test]
+fn the_picture_of_the_readme_has_the_texts_of_the_figure() {
+    let bench = Bench::new();
+    let signal = &bench.comparison.signals[0];
+    let window_s = plot::excerpt(&bench.comparison, &signal.name, 10.0);
+    let picture = plot::comparison(&bench.log, &bench.comparison, signal, window_s)
+        .unwrap()
+        .svg_file();
+    assert_well_formed(&picture);
+    let path = format!("{ROOT}/docs/pictures/comparison.svg");
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&path, &picture).unwrap();
+    }
+    let blessed = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(
+        texts(&blessed),
+        texts(&picture),
+        "look at it, then bless it"
+    );
+}
+
+/// The texts between tags, in their order.
+fn texts(svg: &str) -> Vec<&str> {
+    svg.split('<')
+        .filter_map(|piece| piece.split_once('>'))
+        .map(|(_, text)| text.trim())
+        .filter(|text| !text.is_empty())
+        .collect()
+}
+
+/// Every tag is closed by its like, and `<`, `>` and `"` occur in markup only.
+fn assert_well_formed(markup: &str) {
+    const VOID: [&str; 3] = ["meta", "br", "!DOCTYPE"];
+    let mut open = Vec::new();
+    for piece in markup.split('<').skip(1) {
+        let (tag, text) = piece
+            .split_once('>')
+            .unwrap_or_else(|| panic!("no end of <{piece}"));
+        assert!(
+            open.last() == Some(&"style") || !text.contains('>'),
+            "stray > in {text:?}"
+        );
+        assert_eq!(tag.matches('"').count() % 2, 0, "odd quotes in <{tag}>");
+        let name = tag.split_ascii_whitespace().next().unwrap_or_default();
+        if let Some(name) = name.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name), "</{name}> closes another tag");
+        } else if !tag.ends_with('/') && !VOID.contains(&name) {
+            open.push(name);
+        }
+    }
+    assert!(open.is_empty(), "never closed: {open:?}");
+}
