@@ -9,6 +9,7 @@ mod control_signal;
 mod distributor;
 mod duty;
 mod error;
+mod input_output;
 mod integrator;
 mod lower_limit;
 mod pid;
@@ -26,11 +27,12 @@ pub use control_signal::ControlSignal;
 pub use duty::Duty;
 pub use error::{Coefficient, ConfigError, Field, StateError};
 pub use fixed;
+pub use input_output::{Input, Output};
 pub use pressure::Pressure;
 pub use settings::{
     AntiWindup, Boost, Distributor, IntegralAtReference, LowerLimit, OpeningDuty, Prediction,
     PredictionBasis, Settings, SwitchOff,
 };
 pub use state::State;
-pub use step::{Input, Output, step, step_traced};
+pub use step::{step, step_traced};
 pub use trace::{Activity, Saturation, Trace};

@@ -3,9 +3,9 @@
 use crate::config::Config;
 use crate::control_signal::ControlSignal;
 use crate::error::StateError;
+use crate::input_output::Input;
 use crate::integrator::Integrator;
 use crate::pressure::Pressure;
-use crate::step::Input;
 
 /// What one sample leaves to the next: pressure and error of the sample, integral part, boost.
 ///

@@ -3,39 +3,11 @@
 use crate::arithmetic::{differ_in_sign, high_word_towards_zero};
 use crate::config::Config;
 use crate::control_signal::ControlSignal;
-use crate::duty::Duty;
+use crate::input_output::{Input, Output};
 use crate::integrator::Integrator;
 use crate::pressure::Pressure;
 use crate::state::{Sample, State};
 use crate::trace::{Activity, Saturation, Trace};
-
-/// What the controller is told in a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Input {
-    /// Reference of the chamber pressure.
-    pub reference: Pressure,
-    /// Measured chamber pressure.
-    pub pressure: Pressure,
-}
-
-/// What the valves get until the next sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Output {
-    /// Fill valve.
-    pub duty_fill: Duty,
-    /// Vent valve.
-    pub duty_vent: Duty,
-}
-
-impl Output {
-    /// Both valves off.
-    pub const OFF: Self = Self {
-        duty_fill: Duty::OFF,
-        duty_vent: Duty::OFF,
-    };
-}
 
 /// One sample of the controller: a pure function of configuration, state and input.
 ///

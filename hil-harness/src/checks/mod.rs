@@ -4,6 +4,7 @@
 //! Signals: `p_ref`, `p_ch`, `duty_fill`, `duty_vent`; with `actuations_fill` and `actuations_vent` (counted from the start)
 //! also how often the valves move.
 
+mod check;
 mod speed;
 mod steps;
 #[cfg(test)]
@@ -12,9 +13,11 @@ mod trajectory;
 mod valves;
 mod verdict;
 
+pub use check::{Bound, Check, CheckId};
 pub use steps::StepResponse;
 pub use trajectory::JudgeError;
-pub use verdict::{Actuations, Bound, Check, CheckId, SCHEMA, Verdict};
+pub use valves::Actuations;
+pub use verdict::{SCHEMA, Verdict};
 
 use recording::Recording;
 

@@ -1,8 +1,8 @@
 //! How fast the chamber fills and vents: the two timed passages of section 1.4.
 
+use super::check::{Bound, Check, CheckId};
 use super::steps::{ROUNDING_BAR, StepResponse, place_of};
 use super::trajectory::Trajectory;
-use super::verdict::{Bound, Check, CheckId};
 use crate::requirement::Requirement;
 
 /// The pressure moves once this share of the passage is done.

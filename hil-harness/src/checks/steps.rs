@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::check::{Bound, Check, CheckId};
 use super::trajectory::Trajectory;
-use super::verdict::{Bound, Check, CheckId};
 use crate::requirement::Requirement;
 
 /// Answer to one step of the reference that was then held for at least T_req.

@@ -2,8 +2,22 @@
 
 use super::steps::{StepResponse, place_of};
 use super::trajectory::Trajectory;
-use super::verdict::{Actuations, Bound, Check, CheckId};
+use serde::{Deserialize, Serialize};
+
+use super::check::{Bound, Check, CheckId};
 use crate::requirement::Requirement;
+
+/// How often the valves moved in the whole recording.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Actuations {
+    /// Fill valve.
+    pub fill: u32,
+    /// Vent valve.
+    pub vent: u32,
+    /// Both, per second of the recording [1/s].
+    pub per_s: f64,
+}
 
 /// A duty cycle off by less than this is not off: its resolution on the wire \[%\].
 const ROUNDING_PCT: f64 = 1.0 / 65536.0;

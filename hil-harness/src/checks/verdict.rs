@@ -5,7 +5,9 @@ use core::fmt;
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
+use super::check::{Check, CheckId};
 use super::steps::StepResponse;
+use super::valves::Actuations;
 
 /// Name and version of the JSON form of a [`Verdict`].
 pub const SCHEMA: &str = "retarder.control/1";
@@ -28,114 +30,6 @@ pub struct Verdict {
     pub steps: Vec<StepResponse>,
     /// How often the valves moved; none where it was not logged.
     pub actuations: Option<Actuations>,
-}
-
-/// How often the valves moved in the whole recording.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Actuations {
-    /// Fill valve.
-    pub fill: u32,
-    /// Vent valve.
-    pub vent: u32,
-    /// Both, per second of the recording [1/s].
-    pub per_s: f64,
-}
-
-/// One requirement and what was reached.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Check {
-    /// Which check.
-    pub id: CheckId,
-    /// The requirement in words, with its source.
-    pub requirement: String,
-    /// How `reached` is compared with `limit`.
-    pub bound: Bound,
-    /// The limit, in `unit`.
-    pub limit: f64,
-    /// The worst that was reached, in `unit`; none if it was never reached.
-    pub reached: Option<f64>,
-    /// Unit of `limit` and `reached`.
-    pub unit: String,
-    /// Whether `reached` respects `limit`.
-    pub holds: bool,
-    /// Whether the thesis requires it. What is not binding is shown and does not decide the verdict.
-    pub binding: bool,
-    /// Where the worst occurred, or how much was looked at.
-    pub evidence: String,
-}
-
-/// Which check; stable names for files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[allow(missing_docs, reason = "the requirement of each check says what it is")]
-pub enum CheckId {
-    SettlingTime,
-    SteadyError,
-    Overshoot,
-    SettlingTimeBeyondOperatingRange,
-    FillTime,
-    FillTimeWithDeadTime,
-    VentTime,
-    VentTimeWithDeadTime,
-    NeverBothValves,
-    DutyLimits,
-    RestActuations,
-}
-
-impl CheckId {
-    /// All of them, in the order of a verdict.
-    pub const ALL: [Self; 11] = [
-        Self::SettlingTime,
-        Self::SteadyError,
-        Self::Overshoot,
-        Self::SettlingTimeBeyondOperatingRange,
-        Self::FillTime,
-        Self::FillTimeWithDeadTime,
-        Self::VentTime,
-        Self::VentTimeWithDeadTime,
-        Self::NeverBothValves,
-        Self::DutyLimits,
-        Self::RestActuations,
-    ];
-
-    /// The name in files and tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::SettlingTime => "settling_time",
-            Self::SteadyError => "steady_error",
-            Self::Overshoot => "overshoot",
-            Self::SettlingTimeBeyondOperatingRange => "settling_time_beyond_operating_range",
-            Self::FillTime => "fill_time",
-            Self::FillTimeWithDeadTime => "fill_time_with_dead_time",
-            Self::VentTime => "vent_time",
-            Self::VentTimeWithDeadTime => "vent_time_with_dead_time",
-            Self::NeverBothValves => "never_both_valves",
-            Self::DutyLimits => "duty_limits",
-            Self::RestActuations => "rest_actuations",
-        }
-    }
-}
-
-/// How a value respects its limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Bound {
-    /// The limit itself is allowed.
-    AtMost,
-    /// The limit itself is not.
-    LessThan,
-}
-
-impl Bound {
-    /// Whether `reached` respects `limit`; what was never reached does not.
-    pub fn allows(self, reached: Option<f64>, limit: f64) -> bool {
-        reached.is_some_and(|reached| match self {
-            Self::AtMost => reached <= limit,
-            Self::LessThan => reached < limit,
-        })
-    }
 }
 
 impl Verdict {
@@ -164,31 +58,6 @@ impl Verdict {
     /// The check with this id, if the recording gave occasion to it.
     pub fn check(&self, id: CheckId) -> Option<&Check> {
         self.checks.iter().find(|check| check.id == id)
-    }
-}
-
-impl fmt::Display for Check {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = match (self.holds, self.binding) {
-            (true, _) => "holds",
-            (false, true) => "FAILS",
-            (false, false) => "beyond",
-        };
-        let relation = match self.bound {
-            Bound::AtMost => "at most",
-            Bound::LessThan => "less than",
-        };
-        let reached = self
-            .reached
-            .map_or("never".to_owned(), |reached| format!("{reached:.2}"));
-        write!(
-            f,
-            "{word:6} {}: {reached}, {relation} {} {} ({})",
-            self.id.name(),
-            self.limit,
-            self.unit,
-            self.evidence
-        )
     }
 }
 
