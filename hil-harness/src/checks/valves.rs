@@ -1,10 +1,10 @@
 //! What the valves get, and how often they move.
 
-use super::steps::{StepResponse, place_of};
-use super::trajectory::Trajectory;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Bound, Check, CheckId};
+use super::steps::{StepResponse, place_of};
+use super::trajectory::Trajectory;
 use crate::requirement::Requirement;
 
 /// How often the valves moved in the whole recording.
@@ -15,7 +15,7 @@ pub struct Actuations {
     pub fill: u32,
     /// Vent valve.
     pub vent: u32,
-    /// Both, per second of the recording [1/s].
+    /// Both, per second of the recording (1/s).
     pub per_s: f64,
 }
 
