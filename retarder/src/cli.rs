@@ -159,12 +159,14 @@ fn scenario_names() -> impl TypedValueParser<Value = String> {
 #[command(after_help = "\
 Examples:
   retarder thesis
-  retarder thesis --plant my-plant.toml --json thesis.json
+  retarder thesis --plant my-plant.toml --html thesis.html --json thesis.json
 
 Exit status: 0 every figure that the plain model is held to is reached, 1 one is not, 2 could not run.")]
 pub(crate) struct ThesisArgs {
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
+    #[command(flatten)]
+    pub(crate) html: HtmlArg,
     #[command(flatten)]
     pub(crate) json: JsonArg,
 }

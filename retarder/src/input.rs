@@ -6,11 +6,13 @@ use std::path::Path;
 
 use hil_harness::{ReferenceProfile, Scenario, controller_file};
 use plant_sim::PlantParameters;
-use recording::Recording;
 use recording::csv::{self, Mapping};
+use recording::{InputFile, Recording};
+use sha2::{Digest as _, Sha256};
 
 use crate::cli::{ControlArgs, ControllerArg, LogArgs, PlantArgs};
 use crate::failure::{Failure, SourceLines};
+use crate::report::Input;
 
 /// The tour's bench log, as it lies in the data folder.
 const TOUR_LOG: &str = include_str!("../../data/synthetic/practice-01-id.csv");
@@ -22,6 +24,8 @@ pub(crate) const TOUR_LOG_NAME: &str = "practice-01-id.csv";
 pub(crate) struct NamedPlant {
     pub(crate) name: String,
     pub(crate) parameters: PlantParameters,
+    /// The file; none for what is built in.
+    file: Option<InputFile>,
 }
 
 impl NamedPlant {
@@ -30,6 +34,7 @@ impl NamedPlant {
         Self {
             name: "nominal plant".to_owned(),
             parameters: PlantParameters::nominal(),
+            file: None,
         }
     }
 
@@ -48,7 +53,11 @@ impl NamedPlant {
                         source_lines,
                     }
                 })?;
-                Self { name, parameters }
+                Self {
+                    name,
+                    parameters,
+                    file: Some(identity(&text)),
+                }
             }
         };
         for change in &args.set {
@@ -64,6 +73,26 @@ impl NamedPlant {
             plant.name += &format!(", {} = {}", change.name, change.value);
         }
         Ok(plant)
+    }
+
+    /// What a report says of it.
+    pub(crate) fn input(&self) -> Input {
+        named_input("plant", &self.name, self.file)
+    }
+}
+
+fn named_input(role: &str, name: &str, file: Option<InputFile>) -> Input {
+    Input {
+        role: role.to_owned(),
+        name: name.to_owned(),
+        identity: file.map(|file| (file.size_bytes, file.sha256_hex())),
+    }
+}
+
+fn identity(text: &str) -> InputFile {
+    InputFile {
+        size_bytes: text.len() as u64,
+        sha256: Sha256::digest(text).into(),
     }
 }
 
@@ -87,14 +116,22 @@ pub(crate) fn log(args: &LogArgs) -> Result<Recording, Failure> {
     Ok(csv::read_file(&args.log, &options)?)
 }
 
-/// The log as a stream: its name, its bytes, and its size where that is known.
-pub(crate) fn open_log(args: &LogArgs) -> Result<(String, Box<dyn Read>, Option<u64>), Failure> {
+/// A log that is read as it is needed.
+pub(crate) struct LogStream {
+    pub(crate) name: String,
+    pub(crate) bytes: Box<dyn Read>,
+    /// Size in bytes, where it is known.
+    pub(crate) size: Option<u64>,
+}
+
+/// Opens the log.
+pub(crate) fn open_log(args: &LogArgs) -> Result<LogStream, Failure> {
     if is_standard_input(&args.log) {
-        return Ok((
-            STANDARD_INPUT.to_owned(),
-            Box::new(io::stdin().lock()),
-            None,
-        ));
+        return Ok(LogStream {
+            name: STANDARD_INPUT.to_owned(),
+            bytes: Box::new(io::stdin().lock()),
+            size: None,
+        });
     }
     let failed = |error| Failure::Read {
         path: args.log.clone(),
@@ -103,8 +140,11 @@ pub(crate) fn open_log(args: &LogArgs) -> Result<(String, Box<dyn Read>, Option<
     let file = File::open(&args.log).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
     let name = args.log.file_name().unwrap_or(args.log.as_os_str());
-    let size = metadata.is_file().then_some(metadata.len());
-    Ok((name.to_string_lossy().into_owned(), Box::new(file), size))
+    Ok(LogStream {
+        name: name.to_string_lossy().into_owned(),
+        bytes: Box::new(file),
+        size: metadata.is_file().then_some(metadata.len()),
+    })
 }
 
 const STANDARD_INPUT: &str = "standard input";
@@ -129,22 +169,29 @@ pub(crate) struct NamedController {
     pub(crate) settings: controller::Settings,
     /// The file as it was written.
     pub(crate) text: String,
+    /// The file; none for what is built in.
+    file: Option<InputFile>,
 }
 
 impl NamedController {
     /// The controller of the argument.
     pub(crate) fn from_args(args: &ControllerArg) -> Result<Self, Failure> {
-        let (name, text) = match args.controller.to_str() {
-            Some("thesis") => ("thesis controller", controller_file::THESIS_TOML.to_owned()),
-            Some("recommended") => (
-                "recommended controller",
-                controller_file::RECOMMENDED_TOML.to_owned(),
+        let (name, text, file) = match args.controller.to_str() {
+            Some("thesis") => (
+                "thesis controller".to_owned(),
+                controller_file::THESIS_TOML.to_owned(),
+                None,
             ),
-            _ => ("", read_text(&args.controller)?),
-        };
-        let name = match name {
-            "" => args.controller.display().to_string(),
-            shipped => shipped.to_owned(),
+            Some("recommended") => (
+                "recommended controller".to_owned(),
+                controller_file::RECOMMENDED_TOML.to_owned(),
+                None,
+            ),
+            _ => {
+                let text = read_text(&args.controller)?;
+                let file = Some(identity(&text));
+                (args.controller.display().to_string(), text, file)
+            }
         };
         let settings = controller_file::read(&text, &name).map_err(|error| {
             let lines = error.problems().iter().filter_map(|problem| problem.line());
@@ -158,6 +205,7 @@ impl NamedController {
             name,
             settings,
             text,
+            file,
         })
     }
 }
@@ -168,6 +216,8 @@ pub(crate) struct NamedScenario {
     pub(crate) scenario: Scenario,
     pub(crate) plant: String,
     pub(crate) controller: String,
+    /// What a report says of the files behind it.
+    pub(crate) inputs: Vec<Input>,
 }
 
 impl NamedScenario {
@@ -177,6 +227,7 @@ impl NamedScenario {
         Some(Self {
             plant: built_in_plant(&scenario).name,
             controller: "recommended controller".to_owned(),
+            inputs: Vec::new(),
             scenario,
         })
     }
@@ -184,13 +235,25 @@ impl NamedScenario {
     /// The scenario of the arguments.
     pub(crate) fn from_args(args: &ControlArgs) -> Result<Self, Failure> {
         let controller = NamedController::from_args(&args.controller)?;
-        let scenario = match &args.reference {
-            Some(path) => Scenario::new(file_stem(path), reference(path)?),
-            None => Scenario::built_in(&args.scenario).unwrap_or_else(|| {
-                unreachable!("clap lets only the names of built-in scenarios pass")
-            }),
+        let (scenario, profile) = match &args.reference {
+            Some(path) => {
+                let (profile, input) = reference(path)?;
+                (Scenario::new(file_stem(path), profile), Some(input))
+            }
+            None => {
+                let scenario = Scenario::built_in(&args.scenario);
+                let scenario = scenario.unwrap_or_else(|| {
+                    unreachable!("clap lets only the names of built-in scenarios pass")
+                });
+                (scenario, None)
+            }
         };
         let plant = NamedPlant::from_args(&args.plant, built_in_plant(&scenario))?;
+        let mut inputs = vec![
+            plant.input(),
+            named_input("controller", &controller.name, controller.file),
+        ];
+        inputs.extend(profile);
         Ok(Self {
             scenario: scenario
                 .on(plant.parameters)
@@ -198,6 +261,7 @@ impl NamedScenario {
                 .seeded(args.seed),
             plant: plant.name,
             controller: controller.name,
+            inputs,
         })
     }
 }
@@ -210,15 +274,21 @@ fn built_in_plant(scenario: &Scenario) -> NamedPlant {
             1e3 * parameters.flow.orifice_fill_m
         ),
         parameters,
+        file: None,
     }
 }
 
-fn reference(path: &Path) -> Result<ReferenceProfile, Failure> {
+fn reference(path: &Path) -> Result<(ReferenceProfile, Input), Failure> {
     let recording = csv::read_file(path, &csv::Options::default())?;
-    ReferenceProfile::from_recording(&recording).map_err(|error| Failure::Reference {
-        path: path.to_path_buf(),
-        error,
-    })
+    let profile =
+        ReferenceProfile::from_recording(&recording).map_err(|error| Failure::Reference {
+            path: path.to_path_buf(),
+            error,
+        })?;
+    Ok((
+        profile,
+        Input::of_recording("reference", recording.provenance()),
+    ))
 }
 
 fn file_stem(path: &Path) -> String {

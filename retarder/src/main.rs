@@ -1,15 +1,18 @@
 //! `retarder`: commands for model-based control of two on/off solenoid valves.
 //!
 //! Arguments are parsed ([`cli`]), become a task with every file read ([`task`], [`input`]), the task becomes an
-//! outcome ([`run`]), and the outcome is written and printed ([`output`], [`print`]). `retarder --help` says the rest.
+//! outcome ([`run`]), and the outcome is written and printed ([`output`], [`print`](mod@print), [`page`] with [`report`]). `retarder --help` says the rest.
 
 mod cli;
 mod failure;
 mod input;
 mod interrupt;
 mod output;
+mod page;
+mod plot;
 mod print;
 mod progress;
+mod report;
 mod run;
 mod task;
 

@@ -8,26 +8,29 @@ use recording::csv::{Decimals, WriteError};
 use recording::{Recording, write_file_atomically};
 
 use crate::failure::Failure;
+use crate::page;
 use crate::print::{self, Terminal};
 use crate::run::{Answer, Outcome};
 use crate::task::{Targets, is_standard_output};
 
 /// Writes the files that were asked for and prints the rest. The answer decides the exit status.
 pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, Failure> {
+    // Whether something else than the text has the standard output.
+    let mut is_taken = false;
     if let (Some(path), Outcome::Control(controlled)) = (&targets.recording, &outcome) {
+        is_taken = is_standard_output(path);
         write_recording(path, &controlled.run.recording)?;
     }
     if let Some(path) = &targets.html
-        && let Some(html) = html(&outcome)
+        && let Some(html) = page::html(&outcome)
     {
         write_text(path, &html)?;
     }
-    let mut is_printed = false;
     if let Some(path) = &targets.json
         && let Some(json) = json(&outcome)
     {
         if is_standard_output(path) {
-            is_printed = true;
+            is_taken = true;
             write_standard_output(&json)?;
         } else {
             write_text(path, &json)?;
@@ -40,7 +43,7 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
             // Whoever closed the standard error does not want to know.
             let _ = anstream::stderr().write_all(text.as_bytes());
         }
-        _ if is_printed => {}
+        _ if is_taken => {}
         _ => write_standard_output(&print::outcome(
             &outcome,
             &targets,
@@ -84,10 +87,6 @@ fn json(outcome: &Outcome) -> Option<String> {
     Some(json)
 }
 
-fn html(_outcome: &Outcome) -> Option<String> {
-    None
-}
-
 fn write_recording(path: &Path, recording: &Recording) -> Result<(), Failure> {
     let Some((time_base, _)) = recording.time_bases().next() else {
         return Ok(());
@@ -114,9 +113,11 @@ fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
         .map_err(|error: io::Error| Failure::write(Some(path), WriteError::Io(error)))
 }
 
+/// A reader who has seen enough changes neither the answer nor the exit status.
 fn write_standard_output(text: &str) -> Result<(), Failure> {
     let mut out = anstream::stdout().lock();
-    out.write_all(text.as_bytes())
-        .and_then(|()| out.flush())
-        .map_err(|error| Failure::write(None, error))
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::write(None, error)),
+        _ => Ok(()),
+    }
 }

@@ -137,7 +137,7 @@ pub(crate) fn failure(failure: &Failure, terminal: &Terminal) -> String {
 
 /// A title above a part of the text.
 fn title(text: &str, terminal: &Terminal) -> String {
-    format!("{}\n", terminal.paint(Colour::Title, text))
+    painted_paragraph(Colour::Title, text, terminal)
 }
 
 /// A paragraph, wrapped to the terminal.
@@ -147,8 +147,12 @@ fn paragraph(text: &str, terminal: &Terminal) -> String {
 
 /// A paragraph in a colour.
 fn painted_paragraph(colour: Colour, text: &str, terminal: &Terminal) -> String {
-    paragraph(text, terminal)
-        .lines()
+    painted_lines(colour, &paragraph(text, terminal), terminal)
+}
+
+/// Each line in a colour of its own, for what cuts text into lines.
+fn painted_lines(colour: Colour, text: &str, terminal: &Terminal) -> String {
+    text.lines()
         .map(|line| terminal.paint(colour, line) + "\n")
         .collect()
 }

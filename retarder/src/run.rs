@@ -11,10 +11,10 @@ use crate::input::{NamedController, NamedPlant};
 
 /// What came of a task.
 pub(crate) enum Outcome {
-    Tour(tour::Tour),
+    Tour(Box<tour::Tour>),
     Simulation(simulate::Simulation),
-    Comparison(compare::Compared),
-    Control(control::Controlled),
+    Comparison(Box<compare::Compared>),
+    Control(Box<control::Controlled>),
     Thesis(thesis::Figures),
     Parameters(NamedPlant),
     Settings(NamedController),

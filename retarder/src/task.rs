@@ -60,7 +60,7 @@ impl Task {
             Some(Command::Compare(args)) => compare(args, &mut targets)?,
             Some(Command::Control(args)) => control(args, &mut targets)?,
             Some(Command::Thesis(args)) => {
-                targets.json = args.json.json;
+                (targets.json, targets.html) = (args.json.json, args.html.html);
                 Work::Thesis(NamedPlant::from_args(&args.plant, NamedPlant::nominal())?)
             }
             Some(Command::Parameters(args)) => {
@@ -91,16 +91,19 @@ impl Task {
     /// Does the work.
     pub(crate) fn run(self) -> Result<(Outcome, Targets), Failure> {
         let outcome = match self.work {
-            Work::Tour => Outcome::Tour(run::tour::run()?),
+            Work::Tour => Outcome::Tour(Box::new(run::tour::run()?)),
             Work::Simulate(task) => Outcome::Simulation(run::simulate::run(task)?),
             Work::Compare {
                 plant,
                 log,
                 options,
                 focus,
-            } => Outcome::Comparison(run::compare::run(plant, log, &options, focus.as_deref())?),
+            } => {
+                let compared = run::compare::run(plant, log, &options, focus.as_deref())?;
+                Outcome::Comparison(Box::new(compared))
+            }
             Work::Control { scenario, rigs } => {
-                Outcome::Control(run::control::run(*scenario, rigs)?)
+                Outcome::Control(Box::new(run::control::run(*scenario, rigs)?))
             }
             Work::Thesis(plant) => Outcome::Thesis(run::thesis::run(plant)),
             Work::Parameters(plant) => Outcome::Parameters(plant),
@@ -112,10 +115,8 @@ impl Task {
 }
 
 fn simulate(args: SimulateArgs, targets: &mut Targets) -> Result<Work, Failure> {
-    let to_standard_output =
-        |path: &Option<PathBuf>| path.as_deref().is_some_and(is_standard_output);
     let out = args.out.out.filter(|path| !is_standard_output(path));
-    if out.is_none() && to_standard_output(&args.json.json) {
+    if out.is_none() && goes_to_standard_output(&args.json.json) {
         return Err(Failure::TwoOnStandardOutput { option: "--out" });
     }
     targets.json = args.json.json;
@@ -149,6 +150,9 @@ fn compare(args: CompareArgs, targets: &mut Targets) -> Result<Work, Failure> {
 }
 
 fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    if goes_to_standard_output(&args.out.out) && goes_to_standard_output(&args.json.json) {
+        return Err(Failure::TwoOnStandardOutput { option: "--out" });
+    }
     let scenario = Box::new(NamedScenario::from_args(&args)?);
     *targets = Targets {
         json: args.json.json,
@@ -163,6 +167,10 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
 
 pub(crate) fn is_standard_output(path: &std::path::Path) -> bool {
     path.as_os_str() == "-"
+}
+
+fn goes_to_standard_output(path: &Option<PathBuf>) -> bool {
+    path.as_deref().is_some_and(is_standard_output)
 }
 
 fn schema_text(result: SchemaName) -> String {

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use raster::{DOTS, Raster};
 
 use super::number::significant;
-use super::{Colour, Terminal};
+use super::{Colour, Terminal, painted_lines};
 
 /// A plot of courses over one axis of time.
 pub(super) struct Chart<'a> {
@@ -209,9 +209,7 @@ impl Frame {
         let axis: String = axis.into_iter().collect();
         let labels: String = labels.into_iter().collect();
         let text = format!("{:LABELS$} └{axis}\n{}", "", labels.trim_end());
-        text.lines()
-            .map(|line| terminal.paint(Colour::Faint, line) + "\n")
-            .collect()
+        painted_lines(Colour::Faint, &text, terminal)
     }
 }
 
@@ -219,7 +217,14 @@ impl Frame {
 fn rounded_up([start_s, end_s]: [f64; 2]) -> [f64; 2] {
     let step = nice_step((end_s - start_s) / 1000.0);
     let rounded_s = (end_s / step).ceil() * step;
-    [start_s, if rounded_s > start_s { rounded_s } else { start_s + 1.0 }]
+    [
+        start_s,
+        if rounded_s > start_s {
+            rounded_s
+        } else {
+            start_s + 1.0
+        },
+    ]
 }
 
 /// The next larger of 1, 2 and 5 times a power of ten.
@@ -315,7 +320,7 @@ mod tests {
             3,
             "{text}"
         );
-        for label in ["4 ┤", "-4 ┤", "0 s", "10 s"] {
+        for label in ["5 ┤", "0 ┤", "-5 ┤", "0 s", "10 s"] {
             assert!(text.contains(label), "{label}: {text}");
         }
         assert_eq!(text.lines().count(), 1 + 9 + 2);

@@ -1,6 +1,6 @@
 //! Model against measurement.
 
-use model_lab::result::{Horizon, RegimeBin, RegimeShares, SignalComparison};
+use model_lab::result::{Horizon, RegimeBin, RegimeShares, SignalComparison, TimeOffset};
 use recording::{Recording, Unit};
 
 use super::chart::{Chart, Course};
@@ -65,12 +65,12 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
             ("signal", Align::Left),
             ("noise", Align::Right),
             ("rms", Align::Right),
-            ("× noise", Align::Right),
+            ("×noise", Align::Right),
             ("limit", Align::Right),
             ("worst", Align::Right),
             ("at s", Align::Right),
             ("fit %", Align::Right),
-            ("short rms", Align::Right),
+            ("short", Align::Right),
             ("", Align::Left),
         ],
         terminal,
@@ -79,10 +79,10 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
         let free = &signal.free_run;
         table.row([
             format!("{} [{}]", signal.name, signal.unit).into(),
-            or_dash(signal.noise_floor.value, |value| significant(value, 3)).into(),
+            or_dash(signal.noise_floor.value, |value| significant(value, 2)).into(),
             significant(free.rms, 3).into(),
             or_dash(free.rms_in_noise, |value| significant(value, 3)).into(),
-            or_dash(signal.limit, |value| significant(value, 3)).into(),
+            or_dash(signal.limit, |value| significant(value, 2)).into(),
             signed(free.worst, 3).into(),
             format!("{:.2}", free.worst_time_s).into(),
             or_dash(free.fit_pct, |value| format!("{value:.1}")).into(),
@@ -97,11 +97,12 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
     let horizon = match &compared.comparison.predictor {
         None => String::new(),
         Some(predictor) => format!(
-            " short rms: with the measured {} correcting the model after each sample.",
+            " short: with the measured {} correcting the model after each sample.",
             predictor.signal
         ),
     };
-    text += &painted_paragraph(Colour::Faint, 
+    text += &painted_paragraph(
+        Colour::Faint,
         &format!(
             "Errors are measured minus modelled. rms: the model driven by the duty cycles alone.{horizon}"
         ),
@@ -117,13 +118,18 @@ pub(super) fn finding(signal: &SignalComparison, terminal: &Terminal) -> String 
     }
     let mut sentence = format!("{}: {}.", signal.name, signal.finding.sentence);
     if let Some(offset) = signal
-            .time_offset
-            .as_ref()
-            .filter(|offset| offset.mismatch_explained > 0.2)
+        .time_offset
+        .as_ref()
+        .filter(|offset| is_clear(offset))
     {
         sentence += &format!(" {}.", offset.statement);
     }
     paragraph(&sentence, terminal)
+}
+
+/// A lag of half a millisecond that accounts for a fifth of the mismatch is worth a sentence.
+fn is_clear(offset: &TimeOffset) -> bool {
+    offset.lag_ms.abs() >= 0.5 && offset.mismatch_explained >= 0.2
 }
 
 /// Measured and modelled, and the residual with the noise.
@@ -235,7 +241,7 @@ pub(super) fn regimes(
             ("", Align::Left),
             (&bias, Align::Right),
             (&rms, Align::Right),
-            ("free run", Align::Right),
+            ("free", Align::Right),
         ],
         terminal,
     );
@@ -258,7 +264,7 @@ pub(super) fn regimes(
     let which = match signal.finding.horizon {
         Horizon::ShortHorizon => {
             "excess: share of the error beyond the noise, on the short horizon, where an error stays where it arises. \
-             free run: the same in free run, where it is carried on."
+             free: the same in free run, where it is carried on."
         }
         Horizon::FreeRun => "excess: share of the error beyond the noise.",
     };
@@ -274,10 +280,7 @@ fn local(bin: &RegimeBin) -> &model_lab::result::BinError {
 pub(super) fn answer(compared: &Compared, terminal: &Terminal) -> String {
     let verdict = &compared.comparison.verdict;
     let (colour, sentence) = match compared.answer() {
-        Answer::Holds => (
-            Colour::Good,
-            format!("The model holds: {}.", verdict.rule),
-        ),
+        Answer::Holds => (Colour::Good, format!("The model holds: {}.", verdict.rule)),
         Answer::DoesNotHold => (
             Colour::Bad,
             format!(

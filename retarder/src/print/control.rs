@@ -1,7 +1,7 @@
 //! The closed loop.
 
-use hil_harness::{Requirement, Verdict};
 use hil_harness::checks::{Bound, Check, CheckId};
+use hil_harness::{Requirement, Verdict};
 use recording::Recording;
 
 use super::chart::{Chart, Course};
@@ -22,7 +22,7 @@ pub(super) fn control(controlled: &Controlled, terminal: &Terminal) -> String {
         text += &rigs(controlled, terminal);
     }
     text += "\n";
-    text + &answer(controlled, terminal)
+    text + &answer(controlled, None, terminal)
 }
 
 fn head(controlled: &Controlled, terminal: &Terminal) -> String {
@@ -106,18 +106,20 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
         [
             ("requirement", Align::Left),
             ("reached", Align::Right),
-            ("limit", Align::Right),
-            ("unit", Align::Left),
+            ("limit", Align::Left),
             ("", Align::Left),
-            ("worst, or seen in", Align::Left),
         ],
         terminal,
     );
     for (heading, is_binding) in [("Required by the thesis", true), ("Also looked at", false)] {
         table.heading(heading);
         for id in CheckId::ALL {
-            let checks = runs.iter().filter_map(|run| Some((*run, run.verdict.check(id)?)));
-            let Some((run, check)) = checks.max_by(|(_, a), (_, b)| severity(a).total_cmp(&severity(b))) else {
+            let checks = runs
+                .iter()
+                .filter_map(|run| Some((*run, run.verdict.check(id)?)));
+            let Some((run, check)) =
+                checks.max_by(|(_, a), (_, b)| severity(a).total_cmp(&severity(b)))
+            else {
                 continue;
             };
             if check.binding != is_binding {
@@ -133,16 +135,18 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
                     .reached
                     .map_or_else(|| "never".to_owned(), |reached| significant(reached, 3))
                     .into(),
-                format!("{} {}", relation(check.bound), value(check.limit)).into(),
-                check.unit.as_str().into(),
+                limit(check).into(),
                 word(check),
-                painted(Colour::Faint, evidence),
             ]);
+            table.remark(&evidence);
         }
     }
     let mut text = table.to_string();
     if let Some(missing) = not_exercised(runs) {
-        text += &paragraph(&format!("Not exercised by this profile: {missing}."), terminal);
+        text += &paragraph(
+            &format!("Not exercised by this profile: {missing}."),
+            terminal,
+        );
     }
     text
 }
@@ -150,7 +154,11 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
 /// What was reached over its limit; never reached is worst.
 fn severity(check: &Check) -> f64 {
     check.reached.map_or(f64::INFINITY, |reached| {
-        if check.limit > 0.0 { reached / check.limit } else { reached }
+        if check.limit > 0.0 {
+            reached / check.limit
+        } else {
+            reached
+        }
     })
 }
 
@@ -164,14 +172,14 @@ fn in_short(id: CheckId) -> String {
         ..
     } = Requirement::THESIS;
     match id {
-        CheckId::SettlingTime => format!("reach {low} to {high} p_sup and stay"),
-        CheckId::SettlingTimeBeyondOperatingRange => "reach the rest and stay".to_owned(),
+        CheckId::SettlingTime => format!("reach {low} to {high} p_sup, stay"),
+        CheckId::SettlingTimeBeyondOperatingRange => "reach what is beyond, stay".to_owned(),
         CheckId::SteadyError => "error after T_req".to_owned(),
         CheckId::Overshoot => "overshoot".to_owned(),
         CheckId::FillTime => format!("fill from 0 to {fill_to_psup} p_sup"),
-        CheckId::FillTimeWithDeadTime => "the same with dead time".to_owned(),
+        CheckId::FillTimeWithDeadTime => "fill, with dead time".to_owned(),
         CheckId::VentTime => format!("vent {vent_from_psup} to {vent_to_psup} p_sup"),
-        CheckId::VentTimeWithDeadTime => "the same with dead time".to_owned(),
+        CheckId::VentTimeWithDeadTime => "vent, with dead time".to_owned(),
         CheckId::NeverBothValves => "both valves energised".to_owned(),
         CheckId::DutyLimits => "duty outside its limits".to_owned(),
         CheckId::RestActuations => "valve moves in 1 s at rest".to_owned(),
@@ -188,14 +196,15 @@ fn not_exercised(runs: &[&Controlled]) -> Option<String> {
         })
         .map(in_short)
         .collect();
-    (!names.is_empty()).then(|| names.join(", "))
+    (!names.is_empty()).then(|| names.join("; "))
 }
 
-fn relation(bound: Bound) -> &'static str {
-    match bound {
+fn limit(check: &Check) -> String {
+    let relation = match check.bound {
         Bound::AtMost => "≤",
         Bound::LessThan => "<",
-    }
+    };
+    format!("{relation} {} {}", value(check.limit), check.unit)
 }
 
 fn word(check: &Check) -> Entry {
@@ -216,9 +225,8 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
             ("median", Align::Right),
             ("90 %", Align::Right),
             ("all", Align::Right),
-            ("limit", Align::Right),
-            ("unit", Align::Left),
-            ("rigs that hold", Align::Right),
+            ("limit", Align::Left),
+            ("hold", Align::Right),
         ],
         terminal,
     );
@@ -255,8 +263,7 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
             quantile(0.5).into(),
             quantile(0.9).into(),
             quantile(1.0).into(),
-            format!("{} {}", relation(first.bound), value(first.limit)).into(),
-            first.unit.as_str().into(),
+            limit(first).into(),
             painted(colour, format!("{holding} of {}", checks.len())),
         ]);
     }
@@ -273,9 +280,10 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
     text
 }
 
-/// The verdict in a sentence.
-pub(super) fn answer(controlled: &Controlled, terminal: &Terminal) -> String {
-    let mut sentence = sentence(&controlled.verdict);
+/// The verdict in a sentence, which begins with the name of the run where there are several.
+pub(super) fn answer(controlled: &Controlled, name: Option<&str>, terminal: &Terminal) -> String {
+    let mut sentence =
+        name.map(|name| format!("{name}: ")).unwrap_or_default() + &sentence(&controlled.verdict);
     if !controlled.rigs.is_empty() {
         sentence += &format!(
             " On {} of {} rigs every binding requirement holds.",

@@ -4,7 +4,7 @@ use hil_harness::controller_file::{self, KEYS};
 use plant_sim::parameters::{PARAMETERS, ParameterSpec};
 
 use super::number::{or_dash, value};
-use super::{Colour, Terminal, indented, title};
+use super::{Colour, Terminal, indented, painted_lines, title};
 use crate::input::{NamedController, NamedPlant};
 
 /// All parameters of a plant, as they stand in its file.
@@ -18,8 +18,8 @@ pub(super) fn parameters(plant: &NamedPlant, terminal: &Terminal) -> String {
         }
         text += &parameter(spec, plant, terminal);
     }
-    text += "\nChange one: --set SECTION.KEY=VALUE. A file to start from: retarder parameters --toml > my-plant.toml\n";
-    text
+    text += "\nChange one: --set SECTION.KEY=VALUE\n";
+    text + "A file to start from: retarder parameters --toml > my-plant.toml\n"
 }
 
 fn parameter(spec: &ParameterSpec, plant: &NamedPlant, terminal: &Terminal) -> String {
@@ -49,11 +49,14 @@ pub(super) fn settings(controller: &NamedController, terminal: &Terminal) -> Str
         }
         let found = value_in(&file, key.table, key.name);
         let assignment = format!("{} = {}", key.name, found.unwrap_or("-"));
-        let note = if found.is_some() { "" } else { "not used by this controller" };
+        let note = if found.is_some() {
+            ""
+        } else {
+            "not used by this controller"
+        };
         text += &entry(&assignment, note, key.about, terminal);
     }
-    text += "\nA file to start from: retarder settings --toml > my-controller.toml\n";
-    text
+    text + "\nA file to start from: retarder settings --toml > my-controller.toml\n"
 }
 
 /// Column of what stands beside an assignment.
@@ -61,11 +64,11 @@ const BESIDE: usize = 48;
 
 fn entry(assignment: &str, beside: &str, meaning: &str, terminal: &Terminal) -> String {
     let padding = " ".repeat(BESIDE.saturating_sub(assignment.chars().count()));
-    let line = format!("{}{padding} {beside}", terminal.paint(Colour::First, assignment));
-    let meaning: String = indented(meaning, 4, terminal)
-        .lines()
-        .map(|line| terminal.paint(Colour::Faint, line) + "\n")
-        .collect();
+    let line = format!(
+        "{}{padding} {beside}",
+        terminal.paint(Colour::First, assignment)
+    );
+    let meaning = painted_lines(Colour::Faint, &indented(meaning, 4, terminal), terminal);
     format!("{}\n{meaning}", line.trim_end())
 }
 

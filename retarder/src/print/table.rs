@@ -5,7 +5,7 @@ use comfy_table::{
     TableStyle,
 };
 
-use super::{Colour, Terminal};
+use super::{Colour, Terminal, indented, painted_lines};
 
 const STYLE: TableStyle = TableStyle::new()
     .header_lines(ContentLineStyle::none())
@@ -16,11 +16,11 @@ const STYLE: TableStyle = TableStyle::new()
 pub(super) struct Table {
     table: comfy_table::Table,
     terminal: Terminal,
-    headings: Vec<String>,
+    wide: Vec<String>,
 }
 
-/// Stands in the table where a heading goes, which is wider than a column. A character that no text has.
-const HEADING: &str = "\u{e000}";
+/// Stands in the table where a line goes that is wider than a column. A character that no text has.
+const WIDE: &str = "\u{e000}";
 
 /// Where the cells of a column stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,7 +45,7 @@ impl Table {
         table.set_header(columns.map(|(name, _)| Cell::new(name).add_attribute(Attribute::Bold)));
         for (index, (_, align)) in columns.iter().enumerate() {
             if let Some(column) = table.column_mut(index) {
-                column.set_padding((u16::from(index > 0), 1));
+                column.set_padding((0, 1));
                 column.set_cell_alignment(match align {
                     Align::Left => CellAlignment::Left,
                     Align::Right => CellAlignment::Right,
@@ -55,7 +55,7 @@ impl Table {
         Self {
             table,
             terminal: *terminal,
-            headings: Vec::new(),
+            wide: Vec::new(),
         }
     }
 
@@ -64,20 +64,33 @@ impl Table {
         self.table.add_row(cells.map(|entry| entry.0));
     }
 
-    /// A line between the rows.
+    /// A title between the rows.
     pub(super) fn heading(&mut self, text: &str) {
-        self.headings.push(text.to_owned());
-        self.table.add_row([HEADING]);
+        self.wide(self.terminal.paint(Colour::Title, text));
+    }
+
+    /// A remark below a row.
+    pub(super) fn remark(&mut self, text: &str) {
+        let text = painted_lines(
+            Colour::Faint,
+            &indented(text, 4, &self.terminal),
+            &self.terminal,
+        );
+        self.wide(text.trim_end().to_owned());
+    }
+
+    fn wide(&mut self, text: String) {
+        self.wide.push(text);
+        self.table.add_row([WIDE]);
     }
 }
 
 impl std::fmt::Display for Table {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut headings = self.headings.iter();
+        let mut wide = self.wide.iter();
         for line in self.table.lines() {
-            if line.contains(HEADING) {
-                let heading = headings.next().map_or("", String::as_str);
-                writeln!(f, "{}", self.terminal.paint(Colour::Title, heading))?;
+            if line.contains(WIDE) {
+                writeln!(f, "{}", wide.next().map_or("", String::as_str))?;
             } else {
                 writeln!(f, "{}", line.trim_end())?;
             }
@@ -148,7 +161,10 @@ mod tests {
         table.heading("a heading of 39 characters, in one line");
         let text = table.to_string();
         assert!(text.lines().count() > 4, "{text}");
-        assert!(text.ends_with("a heading of 39 characters, in one line\n"), "{text}");
+        assert!(
+            text.ends_with("a heading of 39 characters, in one line\n"),
+            "{text}"
+        );
         assert!(
             text.lines().all(|line| line.chars().count() <= 40),
             "{text}"

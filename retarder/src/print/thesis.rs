@@ -11,7 +11,10 @@ use crate::run::thesis::Figures;
 pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
     let rows = &figures.table.rows;
     let mut text = title(
-        &format!("Measured in the thesis, simulated with {}", figures.plant),
+        &format!(
+            "Measured in the thesis, simulated with {}",
+            figures.plant.name
+        ),
         terminal,
     );
     let mut table = Table::new(
@@ -21,7 +24,6 @@ pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
             ("simulated", Align::Right),
             ("unit", Align::Left),
             ("deviation", Align::Right),
-            ("", Align::Left),
             ("limit", Align::Right),
             ("", Align::Left),
         ],
@@ -35,16 +37,22 @@ pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
             table.heading(&of_row);
             group = Some(of_row);
         }
-        let deviation = row.deviation.as_ref();
         table.row([
-            format!("{}{}", row.quantity, note_mark(row, &mut notes)).into(),
+            format!(
+                "{}{}",
+                unbreakable(&row.quantity),
+                note_mark(row, &mut notes)
+            )
+            .into(),
             figure(row.measured, row).into(),
             row.simulated
                 .map_or_else(|| "never".to_owned(), |simulated| figure(simulated, row))
                 .into(),
             row.unit.as_str().into(),
-            or_dash(deviation, |deviation| signed(deviation.value, 2)).into(),
-            deviation.map_or("", |deviation| deviation.unit.as_str()).into(),
+            or_dash(row.deviation.as_ref(), |deviation| {
+                format!("{} {}", signed(deviation.value, 2), deviation.unit)
+            })
+            .into(),
             or_dash(row.limit, |limit| format!("±{limit}")).into(),
             verdict(row.holds),
         ]);
@@ -77,11 +85,19 @@ fn figure(value: f64, row: &Row) -> String {
 }
 
 fn group_of(row: &Row) -> String {
-    let of_rig = row.rig.as_ref().map(|rig| format!("{rig} (tables 4.3, 4.4)"));
+    let of_rig = row
+        .rig
+        .as_ref()
+        .map(|rig| format!("{rig} (tables 4.3, 4.4)"));
     of_rig.unwrap_or_else(|| match row.unit.as_str() {
         "mA" => "Currents (section 4.2.4, figures 4.4, 5.3)".to_owned(),
         _ => "Duty limits (tables 4.1, 4.2)".to_owned(),
     })
+}
+
+/// A number and its percent sign stay on one line.
+fn unbreakable(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
 }
 
 fn note_mark<'a>(row: &'a Row, notes: &mut Vec<&'a str>) -> String {

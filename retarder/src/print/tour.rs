@@ -2,7 +2,11 @@
 
 use hil_harness::checks::CheckId;
 
-use super::{Colour, Terminal, comparison, control, paragraph, title};
+use super::{
+    Colour, Terminal, comparison, control, indented, painted_lines, painted_paragraph, paragraph,
+    title,
+};
+use crate::page::NEXT_STEPS;
 use crate::run::control::Controlled;
 use crate::run::tour::Tour;
 use crate::task::Targets;
@@ -15,7 +19,7 @@ pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> Strin
     let focus = tour.compared.focus();
     let mut text = step(
         1,
-        "Does the model describe the bench? A log of 60 s against the model of the thesis",
+        "Does the model describe the bench? A log of 60 s against the thesis' model",
         terminal,
     );
     text += &comparison::head(&tour.compared, terminal);
@@ -43,11 +47,15 @@ pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> Strin
         let path = terminal.paint(Colour::Good, &path.display().to_string());
         text += &format!("All plots are in {path}: open it in a browser.\n");
     }
-    text + TRY
+    text + &next_steps(terminal)
 }
 
 fn closed_loop(tour: &Tour, terminal: &Terminal) -> String {
-    let mut text = step(2, "Does the loop keep its promises? The controller on the model", terminal);
+    let mut text = step(
+        2,
+        "Does the loop keep its promises? The controller on the model",
+        terminal,
+    );
     let loops: Vec<&Controlled> = tour.loops.iter().collect();
     let Some(first) = loops.first() else {
         return text;
@@ -70,8 +78,13 @@ fn closed_loop(tour: &Tour, terminal: &Terminal) -> String {
     text += "\n";
     text += &control::requirements(&loops, terminal);
     text += "\n";
+    text += &painted_paragraph(
+        Colour::Faint,
+        "T_req is 50 samples of 10 ms, p_sup is 8.4 bar. What is beyond a limit that the thesis does not set decides nothing.",
+        terminal,
+    );
     for run in &loops {
-        text += &control::answer(run, terminal);
+        text += &control::answer(run, Some(&run.scenario.scenario.name), terminal);
     }
     let vents_late = loops
         .iter()
@@ -91,14 +104,14 @@ fn step(number: u32, text: &str, terminal: &Terminal) -> String {
     title(&format!("{number}. {text}"), terminal)
 }
 
-const TRY: &str = "
-  retarder compare --log data/synthetic/practice-00-id.csv     another rig
-  retarder compare --log YOUR-LOG.csv --html comparison.html   your own bench; columns such as time_s, duty_fill_pct, p_ch_bar_gauge
-  retarder parameters --toml > my-plant.toml                   a plant file to change; then compare --plant my-plant.toml
-  retarder control --controller thesis                         the loop of the thesis, with its own controller
-  retarder control --rigs 100                                  the loop on a hundred rigs that differ as valves do
-  retarder thesis                                              the figures of the thesis, measured and simulated
-  retarder --help                                              the rest
-
-From this folder, without installing: `cargo run --release -- compare ...`
-";
+/// Commands to type, each below the reason for it.
+fn next_steps(terminal: &Terminal) -> String {
+    let mut text = String::new();
+    for [command, reason] in NEXT_STEPS {
+        text += &format!("  {}\n", terminal.paint(Colour::First, command));
+        text += &painted_lines(Colour::Faint, &indented(reason, 6, terminal), terminal);
+    }
+    let from_source =
+        "Not installed? `cargo run --release -- compare ...` does the same in this folder.";
+    text + &paragraph(from_source, terminal)
+}

@@ -41,7 +41,13 @@ pub(crate) fn run(
                 compared: names(&comparison.signals),
             })?,
     };
-    Ok(Compared { plant, log, comparison, focus, is_chosen })
+    Ok(Compared {
+        plant,
+        log,
+        comparison,
+        focus,
+        is_chosen,
+    })
 }
 
 impl Compared {

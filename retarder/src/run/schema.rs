@@ -91,6 +91,8 @@ struct StepResponse {
     time_s: f64,
     /// Index of the step's sample in the recording.
     index: usize,
+    /// The reference before the step, bar gauge.
+    previous_bar: f64,
     /// Chamber pressure at the step, bar gauge.
     from_bar: f64,
     /// The new reference, bar gauge.

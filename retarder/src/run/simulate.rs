@@ -1,11 +1,13 @@
 //! Duty log in, recording out, in memory that does not grow with the log.
 
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plant_sim::replay::{CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS, Replay, inputs};
+use plant_sim::replay::{
+    CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS, Replay, ReplayInput, inputs,
+};
 use plant_sim::{PlantParameters, Tolerance};
 use recording::csv::{Column, Decimals, Options, Reader, WriteError, Writer};
 use recording::{AtomicFile, Provenance, Recording, TimeBase, Unit};
@@ -13,15 +15,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::input::NamedPlant;
+use crate::input::{LogStream, NamedPlant};
 use crate::interrupt;
 use crate::progress::Progress;
 
 /// What to simulate.
 pub(crate) struct Task {
     pub(crate) plant: NamedPlant,
-    /// Name, bytes and size of the log.
-    pub(crate) log: (String, Box<dyn Read>, Option<u64>),
+    pub(crate) log: LogStream,
     pub(crate) options: Options,
     /// CSV file; none is the standard output.
     pub(crate) out: Option<PathBuf>,
@@ -73,7 +74,7 @@ const CHUNK_ROWS: usize = 4096;
 pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
     let Task {
         plant,
-        log: (name, bytes, size),
+        log: LogStream { name, bytes, size },
         options,
         out,
     } = task;
@@ -106,103 +107,132 @@ fn simulate<W: Write>(
 ) -> Result<(Simulation, W), Failure> {
     let begin = Instant::now();
     let failed = |error: WriteError| Failure::write(path.map(PathBuf::as_path), error);
-    let provenance = provenance(log, plant);
+    // A log that is refused at its beginning leaves no header on the standard output.
+    let mut chunk = Chunk::next(&mut reader, log)?;
+    let mut model = Model::new(&plant.parameters, chunk.median_step_s);
     let columns = columns(&plant.parameters);
+    let provenance = provenance(log, plant);
     let mut writer = Writer::new(sink, &provenance, &columns, &decimals()).map_err(failed)?;
-    let mut replay: Option<Replay> = None;
-    let mut count = Count::default();
-    let mut means = true;
-    while let Some(chunk) = next_chunk(&mut reader)? {
-        // The library says what is wrong with the signals, as for a whole log.
-        let (base, inputs) = inputs(&chunk).map_err(|error| Failure::Replay {
-            path: Path::new(log).to_path_buf(),
-            error,
-        })?;
-        let replay = replay.get_or_insert_with(|| {
-            let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
-            let sampling = CurrentSampling::of_interval(interval_s, &plant.parameters);
-            means = sampling == CurrentSampling::MeanOfInterval;
-            Replay::new(&plant.parameters, sampling, Tolerance::default())
-        });
-        for (mut input, &time_s) in inputs.into_iter().zip(base.times_s()) {
+    while !chunk.rows.is_empty() {
+        for (time_s, input) in chunk.rows {
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Interrupted);
             }
-            let start_s = *count.start_s.get_or_insert(time_s);
-            input.time_ns = ((time_s - start_s) * 1e9).round() as u64;
-            count.rows += 1;
-            count.end_s = time_s;
-            count.held_commands += u64::from(input.command.is_none());
-            let (row, plunger) = replay.row(input);
-            let mut values = [0.0; ROW_SIGNALS.len() + 1];
-            values[..row.len()].copy_from_slice(&row);
-            values[row.len()] = plunger.unwrap_or_default();
+            let values = model.row(time_s, input);
             writer
                 .write_row(time_s, &values[..columns.len()])
                 .map_err(failed)?;
         }
+        chunk = Chunk::next(&mut reader, log)?;
     }
     let sink = writer.finish().map_err(failed)?;
-    let statistics = replay
-        .map(|mut replay| replay.simulator().statistics())
-        .unwrap_or_default();
-    let duration_s = count.end_s - count.start_s.unwrap_or(count.end_s);
+    let statistics = model.replay.simulator().statistics();
+    let duration_s = model.end_s - model.start_s.unwrap_or(model.end_s);
     let elapsed_s = begin.elapsed().as_secs_f64();
     let periods = duration_s * plant.parameters.ecu.pwm_frequency_hz;
+    let tried = (statistics.steps + statistics.rejected_steps) as f64;
     let simulation = Simulation {
         schema: SIMULATION_SCHEMA.to_owned(),
         log: log.to_owned(),
         plant: plant.name.clone(),
         recording: path.map(|path| path.display().to_string()),
-        rows: count.rows,
+        rows: model.rows,
         duration_s,
-        held_commands: count.held_commands,
-        currents_are_means: means,
+        held_commands: model.held_commands,
+        currents_are_means: model.sampling == CurrentSampling::MeanOfInterval,
         steps: statistics.steps,
         rejected_steps: statistics.rejected_steps,
         exact_intervals: statistics.exact_intervals,
         events: statistics.events,
-        steps_per_pwm_period: (periods > 0.0)
-            .then(|| (statistics.steps + statistics.rejected_steps) as f64 / periods),
+        steps_per_pwm_period: (periods > 0.0).then(|| tried / periods),
         elapsed_s,
         times_real_time: duration_s / elapsed_s,
     };
     Ok((simulation, sink))
 }
 
-#[derive(Default)]
-struct Count {
+/// The plant on its way through the log.
+struct Model {
+    replay: Replay,
+    sampling: CurrentSampling,
     start_s: Option<f64>,
     end_s: f64,
     rows: u64,
     held_commands: u64,
 }
 
-/// The next rows as a recording of their own; none at the end.
-fn next_chunk(reader: &mut Reader<impl Read>) -> Result<Option<Recording>, Failure> {
-    let columns = reader.columns().to_vec();
-    let mut times_s = Vec::with_capacity(CHUNK_ROWS);
-    let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
-    while times_s.len() < CHUNK_ROWS
-        && let Some(row) = reader.next_row()?
-    {
-        times_s.push(row.time_s);
-        for (samples, &value) in samples.iter_mut().zip(row.values) {
-            samples.push(value);
+impl Model {
+    fn new(parameters: &PlantParameters, median_step_s: Option<f64>) -> Self {
+        let sampling =
+            CurrentSampling::of_interval(median_step_s.unwrap_or(f64::INFINITY), parameters);
+        Self {
+            replay: Replay::new(parameters, sampling, Tolerance::default()),
+            sampling,
+            start_s: None,
+            end_s: 0.0,
+            rows: 0,
+            held_commands: 0,
         }
     }
-    if times_s.is_empty() {
-        return Ok(None);
+
+    /// The values of one row; the last one is of no meaning without a regulating valve.
+    fn row(&mut self, time_s: f64, input: ReplayInput) -> [f64; ROW_SIGNALS.len() + 1] {
+        let start_s = *self.start_s.get_or_insert(time_s);
+        self.end_s = time_s;
+        self.rows += 1;
+        self.held_commands += u64::from(input.command.is_none());
+        let (row, plunger) = self.replay.row(ReplayInput {
+            time_ns: ((time_s - start_s) * 1e9).round() as u64,
+            ..input
+        });
+        let mut values = [0.0; ROW_SIGNALS.len() + 1];
+        values[..row.len()].copy_from_slice(&row);
+        values[row.len()] = plunger.unwrap_or_default();
+        values
     }
-    let mut chunk = Recording::new(Provenance::default());
-    let base = TimeBase::new(times_s).expect("the reader refuses times that do not increase");
-    let base = chunk.add_time_base(base);
-    for (column, samples) in columns.into_iter().zip(samples) {
-        chunk
-            .add_signal(column.name, column.unit, base, samples)
-            .expect("the reader refuses names that are taken or impossible");
+}
+
+/// Some rows of the log: instants and commands. Empty at the end.
+#[derive(Default)]
+struct Chunk {
+    rows: Vec<(f64, ReplayInput)>,
+    median_step_s: Option<f64>,
+}
+
+impl Chunk {
+    /// The next rows. They pass through a recording, so that the library reads and refuses signals as in a whole log.
+    fn next(reader: &mut Reader<impl Read>, log: &str) -> Result<Self, Failure> {
+        let columns = reader.columns().to_vec();
+        let mut times_s = Vec::with_capacity(CHUNK_ROWS);
+        let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
+        while times_s.len() < CHUNK_ROWS
+            && let Some(row) = reader.next_row()?
+        {
+            times_s.push(row.time_s);
+            for (samples, &value) in samples.iter_mut().zip(row.values) {
+                samples.push(value);
+            }
+        }
+        if times_s.is_empty() {
+            return Ok(Self::default());
+        }
+        let mut recording = Recording::new(Provenance::default());
+        let base = TimeBase::new(times_s).expect("the reader refuses times that do not increase");
+        let base = recording.add_time_base(base);
+        for (column, samples) in columns.into_iter().zip(samples) {
+            recording
+                .add_signal(column.name, column.unit, base, samples)
+                .expect("the reader refuses names that are taken or impossible");
+        }
+        let (base, inputs) = inputs(&recording).map_err(|error| Failure::Replay {
+            path: PathBuf::from(log),
+            error,
+        })?;
+        Ok(Self {
+            rows: base.times_s().iter().copied().zip(inputs).collect(),
+            median_step_s: base.sampling().median_step_s,
+        })
     }
-    Ok(Some(chunk))
 }
 
 fn provenance(log: &str, plant: &NamedPlant) -> Provenance {

@@ -7,7 +7,7 @@ use crate::progress::Progress;
 
 /// Measured and simulated figures.
 pub(crate) struct Figures {
-    pub(crate) plant: String,
+    pub(crate) plant: NamedPlant,
     pub(crate) table: ThesisTable,
 }
 
@@ -16,6 +16,6 @@ pub(crate) fn run(plant: NamedPlant) -> Figures {
     let _progress = Progress::of_unknown_length("repeating the experiments of the thesis");
     Figures {
         table: compare_with_model(&plant.parameters, &Measurements::bundled()),
-        plant: plant.name,
+        plant,
     }
 }

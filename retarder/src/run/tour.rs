@@ -4,6 +4,7 @@ use model_lab::CompareOptions;
 
 use super::compare::{self, Compared};
 use super::control::{self, Controlled};
+use super::thesis::{self, Figures};
 use crate::failure::Failure;
 use crate::input::{self, NamedPlant, NamedScenario};
 
@@ -15,6 +16,7 @@ pub(crate) struct Tour {
     pub(crate) compared: Compared,
     /// In the order of [`SCENARIOS`].
     pub(crate) loops: Vec<Controlled>,
+    pub(crate) figures: Figures,
 }
 
 /// Takes the tour.
@@ -31,5 +33,10 @@ pub(crate) fn run() -> Result<Tour, Failure> {
         .filter_map(NamedScenario::built_in)
         .map(|scenario| control::run(scenario, 0))
         .collect::<Result<_, _>>()?;
-    Ok(Tour { compared, loops })
+    let figures = thesis::run(NamedPlant::nominal());
+    Ok(Tour {
+        compared,
+        loops,
+        figures,
+    })
 }

@@ -1,0 +1,156 @@
+//! Outcomes become contents of the HTML report.
+
+use hil_harness::Requirement;
+
+use crate::report::{self, Contents, ControlPart, Input, ModelPart, Origin};
+use crate::run::Outcome;
+use crate::run::compare::Compared;
+use crate::run::control::Controlled;
+use crate::run::thesis::Figures;
+
+/// What to try after the tour, with the reason.
+pub(crate) const NEXT_STEPS: [[&str; 2]; 7] = [
+    [
+        "retarder compare --log data/synthetic/practice-00-id.csv",
+        "another rig",
+    ],
+    [
+        "retarder compare --log YOUR-LOG.csv --html comparison.html",
+        "your own bench: a CSV file with columns such as time_s, duty_fill_pct, duty_vent_pct, p_ch_bar_gauge",
+    ],
+    [
+        "retarder parameters --toml > my-plant.toml",
+        "a plant file to change; then compare --plant my-plant.toml",
+    ],
+    [
+        "retarder control --controller thesis",
+        "the loop with the thesis' own controller",
+    ],
+    [
+        "retarder control --rigs 100",
+        "the loop on a hundred rigs that differ as valves do",
+    ],
+    [
+        "retarder thesis",
+        "the figures of the thesis, measured and simulated",
+    ],
+    ["retarder --help", "the rest"],
+];
+
+/// The report; none for outcomes that have none.
+pub(crate) fn html(outcome: &Outcome) -> Option<String> {
+    Some(match outcome {
+        Outcome::Tour(tour) => {
+            let next_steps = NEXT_STEPS.map(|[command, reason]| format!("{command}: {reason}"));
+            let inputs = [
+                vec![
+                    Input::of_recording("log", tour.compared.log.provenance()),
+                    tour.compared.plant.input(),
+                ],
+                tour.loops
+                    .iter()
+                    .flat_map(|run| run.scenario.inputs.clone())
+                    .collect(),
+            ]
+            .concat();
+            page(&Page {
+                title: "A tour: model, bench and loop",
+                compared: Some(&tour.compared),
+                loops: &tour.loops,
+                figures: Some(&tour.figures),
+                next_steps: &next_steps,
+                inputs: &inputs,
+            })
+        }
+        Outcome::Comparison(compared) => page(&Page {
+            title: &format!(
+                "{} against {}",
+                compared.plant.name, compared.comparison.log
+            ),
+            compared: Some(compared),
+            inputs: &[
+                Input::of_recording("log", compared.log.provenance()),
+                compared.plant.input(),
+            ],
+            ..Page::default()
+        }),
+        Outcome::Control(controlled) => page(&Page {
+            title: &format!(
+                "{}: {}",
+                controlled.scenario.scenario.name, controlled.scenario.controller
+            ),
+            loops: std::slice::from_ref(controlled),
+            inputs: &controlled.scenario.inputs,
+            ..Page::default()
+        }),
+        Outcome::Thesis(figures) => page(&Page {
+            title: &format!("The figures of the thesis and the {}", figures.plant.name),
+            figures: Some(figures),
+            inputs: &[figures.plant.input()],
+            ..Page::default()
+        }),
+        Outcome::Simulation(_)
+        | Outcome::Parameters(_)
+        | Outcome::Settings(_)
+        | Outcome::Text(_) => return None,
+    })
+}
+
+#[derive(Default)]
+struct Page<'a> {
+    title: &'a str,
+    compared: Option<&'a Compared>,
+    loops: &'a [Controlled],
+    figures: Option<&'a Figures>,
+    next_steps: &'a [String],
+    inputs: &'a [Input],
+}
+
+fn page(page: &Page<'_>) -> String {
+    let control: Vec<ControlPart<'_>> = page
+        .loops
+        .iter()
+        .map(|run| ControlPart {
+            recording: &run.run.recording,
+            requirement: &Requirement::THESIS,
+            verdict: &run.verdict,
+            plant: &run.scenario.plant,
+            controller: &run.scenario.controller,
+            rigs: &run.rigs,
+        })
+        .collect();
+    report::html(&Contents {
+        title: page.title,
+        model: page.compared.map(|compared| ModelPart {
+            log: &compared.log,
+            comparison: &compared.comparison,
+        }),
+        control: &control,
+        thesis: page.figures.map(|figures| &figures.table),
+        next_steps: page.next_steps,
+        origin: Origin {
+            command_line: &command_line(),
+            inputs: page.inputs,
+            versions: &[("retarder".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
+        },
+    })
+}
+
+/// The command as it was typed, without the folder of the program.
+fn command_line() -> String {
+    let arguments = std::env::args_os().skip(1).map(|argument| {
+        let argument = argument.to_string_lossy().into_owned();
+        let is_plain = argument
+            .chars()
+            .all(|character| character.is_alphanumeric() || "-_./=,:+".contains(character));
+        if is_plain && !argument.is_empty() {
+            argument
+        } else {
+            format!("'{}'", argument.replace('\'', "'\\''"))
+        }
+    });
+    let words: Vec<String> = std::iter::once("retarder".to_owned())
+        .chain(arguments)
+        .collect();
+    words.join(" ")
+}

@@ -1,0 +1,119 @@
+use std::io::{BufRead as _, BufReader};
+use std::process::Stdio;
+
+use model_lab::Comparison;
+
+use crate::runner::{Bench, assert_contains, data};
+
+#[test]
+fn a_log_of_another_rig_does_not_hold_and_one_that_is_allowed_more_does() {
+    let bench = Bench::new();
+    let log = data("synthetic/practice-01-id.csv");
+    let out = bench.run(&["compare", "--log", &log]).ended_with(1);
+    assert_contains(
+        &out,
+        &["FAILS", "Where the error of p_ch is", "time in the log"],
+    );
+    let out = bench
+        .run(&["compare", "--log", &log, "--allow", "100"])
+        .ended_with(0);
+    assert_contains(&out, &["holds", "at most 100 times its noise floor"]);
+}
+
+/// The plant of practice-01 draws less current; with a higher resistance the current holds better, and the pressure is
+/// told to be of no interest.
+#[test]
+fn tolerances_and_changed_parameters_count() {
+    let bench = Bench::new();
+    let log = data("synthetic/practice-01-id.csv");
+    let compare = |more: &[&str]| {
+        let arguments = [&["compare", "--log", &log, "--json"], more].concat();
+        let ran = bench.run(&arguments);
+        serde_json::from_str::<Comparison>(&ran.out).unwrap()
+    };
+    let nominal = compare(&["--tolerance", "p_ch=1"]);
+    assert_eq!(nominal.verdict.failing, ["i_fill", "i_vent"]);
+    let changed = compare(&["--set", "coil.resistance_20c_ohm=84.2"]);
+    assert!(changed.signals[1].free_run.rms < 0.7 * nominal.signals[1].free_run.rms);
+}
+
+#[test]
+fn json_is_a_comparison_of_the_library_and_goes_where_it_is_sent() {
+    let bench = Bench::new();
+    let log = data("synthetic/practice-01-id.csv");
+    let on_standard_output = bench
+        .run(&["compare", "--log", &log, "--json"])
+        .ended_with(1);
+    let out = bench
+        .run(&[
+            "compare", "--log", &log, "--json", "c.json", "--html", "c.html",
+        ])
+        .ended_with(1);
+    assert_contains(&out, &["Written: c.json", "Written: c.html"]);
+    assert_eq!(bench.read("c.json"), on_standard_output);
+    // Unknown fields are refused by the type.
+    let comparison: Comparison = serde_json::from_str(&on_standard_output).unwrap();
+    assert_eq!(comparison.schema, "retarder.comparison/1");
+    assert!(bench.read("c.html").contains("retarder compare --log"));
+}
+
+#[test]
+fn a_verdict_that_cannot_be_given_is_neither_yes_nor_no() {
+    let bench = Bench::new();
+    // Always under current: no stretch that shows the noise.
+    let rows: String = (0..100)
+        .map(|row| format!("{:.2},60,{}\n", f64::from(row) * 0.01, row % 7))
+        .collect();
+    bench.file(
+        "busy.csv",
+        &format!("time_s,duty_fill_pct,i_fill_mA\n{rows}"),
+    );
+    let ran = bench.run(&["compare", "--log", "busy.csv"]);
+    assert_contains(&ran.out, &["No verdict", "--tolerance i_fill=RMS"]);
+    assert_eq!(ran.status, 2);
+}
+
+#[test]
+fn a_mapping_explains_a_file_of_the_wild() {
+    let bench = Bench::new();
+    bench.file(
+        "wild.csv",
+        "0;0;0,5\n10;0;0,5\n20;60;0,5\n30;60;0,5\n40;0;0,6\n50;0;0,7\n",
+    );
+    bench.file(
+        "wild.toml",
+        "schema = 1\n[dialect]\nheader = false\ndecimal = \",\"\ndelimiter = \"semicolon\"\n\
+         [time]\ncolumn = 1\nunit = \"ms\"\n[signal.duty_fill]\ncolumn = 2\nunit = \"pct\"\n\
+         [signal.p_ch]\ncolumn = 3\nunit = \"bar_gauge\"\nscale = 0.5\noffset = -0.25\n",
+    );
+    let out = bench
+        .run(&[
+            "compare",
+            "--log",
+            "wild.csv",
+            "--mapping",
+            "wild.toml",
+            "--tolerance",
+            "p_ch=0.2",
+        ])
+        .ended_with(0);
+    assert_contains(&out, &["6 samples, 0.05 s", "p_ch [bar]"]);
+}
+
+#[test]
+fn a_reader_who_has_seen_enough_does_not_change_the_answer() {
+    let bench = Bench::new();
+    let mut child = bench
+        .command(&["compare", "--log", &data("synthetic/practice-01-id.csv")])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let mut err = String::new();
+    BufReader::new(child.stderr.take().unwrap())
+        .read_line(&mut err)
+        .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    assert_eq!(err, "");
+}

@@ -1,0 +1,275 @@
+//! Every kind of mistake once: status 2, nothing on the standard output, and a message that names culprit, value,
+//! bound and what to do.
+
+use crate::runner::{Bench, assert_contains, data, short_log};
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench
+        .file("log.csv", &short_log())
+        .file(
+            "back.csv",
+            "time_s,duty_fill_pct\n0.00,0\n0.02,0\n0.01,0\n0.03,0\n",
+        )
+        .file("no-unit.csv", "time_s,duty_fill\n0.00,0\n0.01,0\n")
+        .file("no-duty.csv", "time_s,p_ch_bar_gauge\n0.00,0\n0.01,0\n")
+        .file("low.csv", "time_s,p_ref_bar_gauge\n0,0\n1,15.5\n")
+        .file("broken.toml", "[ecu\n")
+        .file("empty.toml", "")
+        .file("large.toml", &"#\n".repeat(600_000));
+    std::fs::write(bench.path("binary.toml"), b"\xff\xfe[\x00").unwrap();
+    let plant = bench.run(&["parameters", "--toml"]).ended_with(0);
+    bench
+        .file(
+            "range.toml",
+            &plant.replace("resistance_20c_ohm = 82.2", "resistance_20c_ohm = -82.2"),
+        )
+        .file(
+            "unit.toml",
+            &plant.replace("stroke_m = 0.5e-3", "stroke_mm = 0.5"),
+        )
+        .file("key.toml", &plant.replace("[gas]", "[gas]\nhumidity = 3"));
+    let controller = bench
+        .run(&["settings", "--controller", "thesis", "--toml"])
+        .ended_with(0);
+    bench.file(
+        "gain.toml",
+        &controller.replace("gain_pct_per_bar = 40", "gain_pct_per_bar = -40"),
+    );
+    bench
+}
+
+#[track_caller]
+fn check(bench: &Bench, arguments: &[&str], expected: &[&str]) {
+    let before = bench.files();
+    let ran = bench.run(arguments);
+    assert_contains(&ran.err, expected);
+    assert!(ran.err.starts_with("error: "), "{}", ran.err);
+    assert!(!ran.err.contains("panicked"), "{}", ran.err);
+    assert_eq!((ran.status, ran.out.as_str()), (2, ""), "{arguments:?}");
+    assert_eq!(bench.files(), before);
+}
+
+#[test]
+fn files_that_are_not_there_or_no_text() {
+    let bench = bench();
+    check(
+        &bench,
+        &["compare", "--log", "absent.csv"],
+        &["absent.csv", "No such file"],
+    );
+    check(
+        &bench,
+        &["simulate", "--log", "absent.csv"],
+        &["absent.csv", "check the name"],
+    );
+    check(
+        &bench,
+        &["thesis", "--plant", "absent.toml"],
+        &["absent.toml", "check the name"],
+    );
+    check(
+        &bench,
+        &["thesis", "--plant", "binary.toml"],
+        &["binary.toml", "save it as UTF-8"],
+    );
+    check(
+        &bench,
+        &["thesis", "--plant", "large.toml"],
+        &["large.toml", "1048576 bytes"],
+    );
+    check(
+        &bench,
+        &[
+            "simulate",
+            "--log",
+            "log.csv",
+            "--out",
+            "no/such/folder/out.csv",
+        ],
+        &["no/such/folder/out.csv", "could not be written"],
+    );
+}
+
+#[test]
+fn plant_files_with_the_line_and_a_mark() {
+    let bench = bench();
+    check(
+        &bench,
+        &["thesis", "--plant", "broken.toml"],
+        &["broken.toml:1", "not valid TOML", "1 | [ecu"],
+    );
+    check(
+        &bench,
+        &["thesis", "--plant", "empty.toml"],
+        &["`sample_time_s` is missing in [ecu]"],
+    );
+    check(
+        &bench,
+        &["thesis", "--plant", "range.toml"],
+        &[
+            "range.toml:",
+            "= -82.2 is out of range: allowed 0.5 to 5000 ohm",
+            " | resistance_20c_ohm = -82.2",
+            "| ^^^^",
+        ],
+    );
+    check(
+        &bench,
+        &["thesis", "--plant", "unit.toml"],
+        &["stroke_mm", "write `stroke_m = 5e-4`"],
+    );
+    check(
+        &bench,
+        &["thesis", "--plant", "key.toml"],
+        &["unknown parameter `gas.humidity`", "retarder parameters"],
+    );
+}
+
+#[test]
+fn parameters_on_the_command_line() {
+    let bench = bench();
+    let set = |assignment| ["thesis", "--set", assignment];
+    check(&bench, &set("coil.resistance"), &["NAME=VALUE"]);
+    check(
+        &bench,
+        &set("coil.resistance=80"),
+        &["unknown parameter `coil.resistance`", "retarder parameters"],
+    );
+    check(
+        &bench,
+        &set("chamber.volume_m3=80"),
+        &["= 80 is out of range: allowed"],
+    );
+    check(
+        &bench,
+        &set("chamber.volume_m3=8,0"),
+        &["`8,0` is no number"],
+    );
+    check(
+        &bench,
+        &set("regulating_valve.plunger_mass_kg=0.1"),
+        &["[regulating_valve]"],
+    );
+}
+
+#[test]
+fn controller_files_with_the_line_and_a_mark() {
+    let bench = bench();
+    check(
+        &bench,
+        &["control", "--controller", "gain.toml"],
+        &[
+            "gain.toml:",
+            "= -40 is out of range: allowed 0.01 to 1000",
+            " | gain_pct_per_bar = -40",
+            "| ^^^^",
+        ],
+    );
+    check(
+        &bench,
+        &["control", "--controller", "broken.toml"],
+        &["broken.toml:1", "not valid TOML"],
+    );
+}
+
+#[test]
+fn logs() {
+    let bench = bench();
+    check(
+        &bench,
+        &["compare", "--log", "back.csv"],
+        &["E-CSV-TIME-ORDER", "back.csv, line 4"],
+    );
+    check(
+        &bench,
+        &["simulate", "--log", "back.csv"],
+        &["E-CSV-TIME-ORDER", "back.csv, line 4"],
+    );
+    check(
+        &bench,
+        &["simulate", "--log", "no-unit.csv"],
+        &["no-unit.csv", "duty_fill"],
+    );
+    check(
+        &bench,
+        &["simulate", "--log", "no-duty.csv"],
+        &["no-duty.csv", "duty_fill", "p_ch"],
+    );
+    check(
+        &bench,
+        &["compare", "--log", "no-duty.csv"],
+        &["duty_fill", "p_ch"],
+    );
+    check(
+        &bench,
+        &["compare", "--log", "log.csv"],
+        &["has no measured signal that the model has"],
+    );
+    check(
+        &bench,
+        &["simulate", "--log", "log.csv", "--mapping", "broken.toml"],
+        &["broken.toml"],
+    );
+}
+
+#[test]
+fn references() {
+    let bench = bench();
+    check(
+        &bench,
+        &["control", "--reference", "low.csv"],
+        &["low.csv", "15.5 bar gauge at 1 s is out of range"],
+    );
+    check(
+        &bench,
+        &["control", "--reference", "log.csv"],
+        &["log.csv", "p_ref"],
+    );
+    check(
+        &bench,
+        &["control", "--scenario", "figure-9.9"],
+        &["figure-9.9", "figure-6.5"],
+    );
+}
+
+#[test]
+fn options() {
+    let bench = bench();
+    let log = data("synthetic/practice-01-check.csv");
+    let compare = |more: &[&'static str]| {
+        let arguments = [&["compare", "--log", log.as_str()], more].concat();
+        arguments.into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    for (more, expected) in [
+        (
+            &["--signal", "p_chamber"][..],
+            &["`p_chamber`", "p_ch, i_fill, i_vent"][..],
+        ),
+        (
+            &["--tolerance", "p_chamber=1"],
+            &["\"p_chamber\"", "remove it or correct the name"],
+        ),
+        (&["--allow", "0"], &["allowed_noise_multiples", "positive"]),
+        (
+            &["--html", "no/such/folder/c.html"],
+            &["no/such/folder/c.html"],
+        ),
+    ] {
+        let arguments = compare(more);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        check(&bench, &arguments, expected);
+    }
+    check(
+        &bench,
+        &["simulate", "--log", "log.csv", "--json"],
+        &["two results for the standard output", "--out FILE"],
+    );
+    check(
+        &bench,
+        &["control", "--out", "-", "--json"],
+        &["two results for the standard output", "--out FILE"],
+    );
+    check(&bench, &["simulte"], &["simulte", "simulate"]);
+    check(&bench, &["compare"], &["--log <FILE>"]);
+}

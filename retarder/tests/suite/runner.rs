@@ -1,0 +1,107 @@
+//! Runs the binary in a folder of its own.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A folder that vanishes, with the binary run in it.
+pub struct Bench(TempDir);
+
+/// What came of a run.
+#[derive(Debug)]
+pub struct Ran {
+    pub status: i32,
+    pub out: String,
+    pub err: String,
+}
+
+impl Bench {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    /// A file with this text, made if need be.
+    pub fn file(&self, name: &str, text: &str) -> &Self {
+        fs::write(self.path(name), text).unwrap();
+        self
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// Names of all files.
+    pub fn files(&self) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(self.0.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// The command before it runs: no terminal, no colours, 100 columns.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_retarder"));
+        command
+            .args(arguments)
+            .current_dir(self.0.path())
+            .env("COLUMNS", "100")
+            .env_remove("CLICOLOR_FORCE")
+            .env_remove("NO_COLOR");
+        command
+    }
+
+    pub fn run(&self, arguments: &[&str]) -> Ran {
+        Ran::of(self.command(arguments).output().unwrap())
+    }
+}
+
+impl Ran {
+    pub fn of(output: Output) -> Self {
+        Self {
+            status: output.status.code().expect("not ended by a signal"),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// The run ended with `status`; returns the standard output.
+    #[track_caller]
+    pub fn ended_with(self, status: i32) -> String {
+        assert_eq!(self.status, status, "{}\n{}", self.out, self.err);
+        self.out
+    }
+}
+
+/// A bundled file.
+pub fn data(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../data")
+        .join(name);
+    path.to_str().unwrap().to_owned()
+}
+
+/// A log of one second: shut, filling from 0.2 s, shut from 0.4 s.
+pub fn short_log() -> String {
+    (0..100).fold(
+        "time_s,duty_fill_pct,duty_vent_pct\n".to_owned(),
+        |text, row| {
+            let duty = if (20..40).contains(&row) { 60 } else { 0 };
+            text + &format!("{:.2},{duty},0\n", f64::from(row) * 0.01)
+        },
+    )
+}
+
+#[track_caller]
+pub fn assert_contains(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "`{part}` is not in:\n{text}");
+    }
+}

@@ -1,0 +1,90 @@
+//! Results against their published schemas, and these against the types.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde_json::Value;
+
+use crate::runner::{Bench, data};
+
+const RESULTS: [&str; 5] = ["comparison", "control", "rigs", "simulation", "thesis"];
+
+fn published(result: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/schema/{result}.json"))
+}
+
+/// `BLESS=1 cargo test -p retarder` writes them anew.
+#[test]
+fn the_published_schemas_are_those_of_the_types() {
+    let bench = Bench::new();
+    for result in RESULTS {
+        let of_type = bench.run(&["schema", result]).ended_with(0);
+        if std::env::var_os("BLESS").is_some() {
+            fs::create_dir_all(published(result).parent().unwrap()).unwrap();
+            fs::write(published(result), &of_type).unwrap();
+        }
+        let found = fs::read_to_string(published(result)).unwrap_or_default();
+        assert_eq!(
+            found, of_type,
+            "docs/schema/{result}.json is out of date: BLESS=1"
+        );
+    }
+}
+
+/// Real results are valid; with one more field at any depth, or one less, they are not.
+#[test]
+fn results_keep_to_their_schemas_and_nothing_else_does() {
+    let bench = Bench::new();
+    let log = data("synthetic/practice-01-check.csv");
+    let runs: [&[&str]; 5] = [
+        &["compare", "--log", &log, "--json"],
+        &["control", "--json"],
+        &["control", "--rigs", "1", "--json"],
+        &["simulate", "--log", &log, "--out", "model.csv", "--json"],
+        &["thesis", "--json"],
+    ];
+    for (result, arguments) in RESULTS.into_iter().zip(runs) {
+        let json: Value = serde_json::from_str(&bench.run(arguments).out).unwrap();
+        let schema: Value = serde_json::from_str(&bench.run(&["schema", result]).out).unwrap();
+        let validator = jsonschema::validator_for(&schema).unwrap();
+        let problems: Vec<String> = validator
+            .iter_errors(&json)
+            .map(|error| format!("{}: {error}", error.instance_path()))
+            .collect();
+        assert!(problems.is_empty(), "{result}: {problems:?}");
+        assert_eq!(json["schema"], format!("retarder.{result}/1"));
+
+        let objects = pointers_to_objects(&json, String::new());
+        assert!(!objects.is_empty());
+        for pointer in objects {
+            let mut more = json.clone();
+            let object = more.pointer_mut(&pointer).unwrap().as_object_mut().unwrap();
+            object.insert("surprise".to_owned(), Value::Null);
+            assert!(
+                !validator.is_valid(&more),
+                "{result}: a surprise at `{pointer}` is accepted"
+            );
+        }
+        let mut less = json.clone();
+        less.as_object_mut().unwrap().remove("schema");
+        assert!(!validator.is_valid(&less), "{result}: no schema");
+    }
+}
+
+/// Every object of the value, the first of each array.
+fn pointers_to_objects(value: &Value, pointer: String) -> Vec<String> {
+    match value {
+        Value::Object(fields) => {
+            let inner = fields
+                .iter()
+                .flat_map(|(name, value)| pointers_to_objects(value, format!("{pointer}/{name}")))
+                .collect::<Vec<_>>();
+            [vec![pointer], inner].concat()
+        }
+        Value::Array(items) => items
+            .first()
+            .map(|item| pointers_to_objects(item, format!("{pointer}/0")))
+            .unwrap_or_default(),
+        _ => Vec::new(),
+    }
+}

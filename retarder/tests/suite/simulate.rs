@@ -1,0 +1,177 @@
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::process::{Command, Stdio};
+
+use plant_sim::replay::replay;
+use plant_sim::{PlantParameters, Tolerance};
+use recording::csv;
+
+use crate::runner::{Bench, assert_contains, data, short_log};
+
+/// What is simulated is a measurement of the same plant: the comparison holds, and another plant does not.
+#[test]
+fn a_simulated_recording_holds_against_its_own_plant_only() {
+    let bench = Bench::new();
+    let log = data("synthetic/practice-00-check.csv");
+    let ran = bench.run(&["simulate", "--log", &log, "--out", "model.csv"]);
+    assert_contains(
+        &ran.err,
+        &[
+            "times faster than real time",
+            "integration steps per PWM period",
+            "Written: model.csv",
+        ],
+    );
+    assert_eq!(ran.ended_with(0), "");
+    bench.run(&["compare", "--log", "model.csv"]).ended_with(0);
+    bench
+        .run(&[
+            "compare",
+            "--log",
+            "model.csv",
+            "--set",
+            "chamber.volume_m3=76e-6",
+        ])
+        .ended_with(1);
+}
+
+/// Rows in chunks are the rows of the whole: the values are those of the library's replay, as they are written.
+#[test]
+fn streaming_gives_the_rows_of_a_replay_in_memory() {
+    let bench = Bench::new();
+    let path = data("synthetic/practice-00-id.csv");
+    let on_standard_output = bench.run(&["simulate", "--log", &path]).ended_with(0);
+    let streamed = csv::read(
+        "streamed",
+        on_standard_output.as_bytes(),
+        &csv::Options::default(),
+    )
+    .unwrap();
+    let log = csv::read_file(&path, &csv::Options::default()).unwrap();
+    let replayed = replay(
+        &PlantParameters::nominal(),
+        &log,
+        Tolerance::default(),
+        |_, _| {},
+    )
+    .unwrap();
+    for (name, step) in [
+        ("p_ch", 1e-6),
+        ("i_fill", 1e-4),
+        ("i_vent", 1e-4),
+        ("x_fill", 1e-6),
+    ] {
+        let [streamed, replayed] =
+            [&streamed, &replayed.recording].map(|recording| recording.signal(name).unwrap());
+        assert_eq!(streamed.len(), 6000);
+        let pairs = streamed
+            .values_or_nan()
+            .iter()
+            .zip(replayed.values_or_nan());
+        let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(worst <= 0.5001 * step, "{name}: {worst}");
+    }
+}
+
+#[test]
+fn the_same_log_gives_the_same_bytes_from_a_file_and_from_the_standard_input() {
+    let bench = Bench::new();
+    bench.file("log.csv", &short_log());
+    let from_file = bench.run(&["simulate", "--log", "log.csv"]).ended_with(0);
+    let output = bench
+        .command(&["simulate", "--log", "-"])
+        .stdin(std::fs::File::open(bench.path("log.csv")).unwrap())
+        .output()
+        .unwrap();
+    let from_input = String::from_utf8(output.stdout).unwrap();
+    let rows = |text: &str| text.split_once("time_s").unwrap().1.to_owned();
+    assert_eq!(rows(&from_input), rows(&from_file));
+}
+
+#[test]
+fn a_log_that_breaks_off_leaves_the_older_file_as_it_was() {
+    let bench = Bench::new();
+    bench.file("log.csv", &format!("{}1.00,sixty,0\n", short_log()));
+    bench.file("model.csv", "older");
+    let ran = bench.run(&["simulate", "--log", "log.csv", "--out", "model.csv"]);
+    assert_contains(&ran.err, &["line 102", "\"sixty\""]);
+    assert_eq!(ran.status, 2);
+    assert_eq!(bench.read("model.csv"), "older");
+    assert_eq!(bench.files(), ["log.csv", "model.csv"]);
+}
+
+#[test]
+fn a_reader_who_has_seen_enough_is_no_failure() {
+    let bench = Bench::new();
+    let mut child = bench
+        .command(&["simulate", "--log", &data("synthetic/practice-00-id.csv")])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::with_capacity(16, child.stdout.take().unwrap())
+        .read_line(&mut line)
+        .unwrap();
+    assert_eq!(line, "# source: model of practice-00-id.csv\n");
+    let mut err = String::new();
+    child
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut err)
+        .unwrap();
+    assert_eq!((child.wait().unwrap().code(), err.as_str()), (Some(0), ""));
+}
+
+/// The log is a pipe that stays open, so that the process is at work when the signal comes.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_no_file_behind() {
+    use std::io::Write as _;
+    use std::time::{Duration, Instant};
+
+    let bench = Bench::new();
+    let mut child = bench
+        .command(&["simulate", "--log", "-", "--out", "model.csv"])
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    input
+        .write_all(b"time_s,duty_fill_pct,duty_vent_pct\n")
+        .unwrap();
+    let mut row = 0;
+    let mut rows = |count: u32| {
+        let end = row + count;
+        let text: String = (row..end)
+            .map(|row| format!("{:.2},0,0\n", f64::from(row) * 0.01))
+            .collect();
+        row = end;
+        text
+    };
+    input.write_all(rows(20_000).as_bytes()).unwrap();
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while bench.files().is_empty() {
+        assert!(Instant::now() < deadline, "no output file was begun");
+        std::thread::yield_now();
+    }
+    let interrupted = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(interrupted.success());
+    // What it waits for: more rows. It may end before it has read them all.
+    while Instant::now() < deadline && input.write_all(rows(5000).as_bytes()).is_ok() {}
+    drop(input);
+    let mut err = String::new();
+    child
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut err)
+        .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(2));
+    assert_contains(&err, &["error: interrupted"]);
+    assert_eq!(bench.files(), Vec::<String>::new());
+}

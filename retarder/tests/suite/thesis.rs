@@ -1,0 +1,31 @@
+use model_lab::thesis::ThesisTable;
+
+use crate::runner::{Bench, assert_contains};
+
+#[test]
+fn the_nominal_plant_reaches_the_figures_that_it_is_held_to() {
+    let bench = Bench::new();
+    let out = bench
+        .run(&["thesis", "--json", "t.json", "--html", "t.html"])
+        .ended_with(0);
+    assert_contains(
+        &out,
+        &[
+            "Duty limits",
+            "prototype 2, 75 cm³, 1.9 mm",
+            "coil_heating",
+            "are reached",
+        ],
+    );
+    let table: ThesisTable = serde_json::from_str(&bench.read("t.json")).unwrap();
+    assert!(table.holds && table.schema == "retarder.thesis/1");
+}
+
+#[test]
+fn a_wrong_plant_does_not() {
+    let bench = Bench::new();
+    let out = bench
+        .run(&["thesis", "--set", "armature.preload_fill_n=4.5"])
+        .ended_with(1);
+    assert_contains(&out, &["FAILS", "preload_fill_n = 4.5"]);
+}
