@@ -20,10 +20,15 @@ fn stage<const N: usize, const S: usize>(
     weights: [f64; S],
     rates: [&[f64; N]; S],
 ) -> [f64; N] {
-    core::array::from_fn(|n| {
-        let slope: f64 = (0..S).map(|s| weights[s] * rates[s][n]).sum();
-        y[n] + h * slope
-    })
+    // Over the stages outside and the states inside: two states share an instruction.
+    let mut sum = *y;
+    for (weight, rate) in weights.into_iter().zip(rates) {
+        let weight = h * weight;
+        for n in 0..N {
+            sum[n] += weight * rate[n];
+        }
+    }
+    sum
 }
 
 /// Steps dy/dt = f(y) from `y`, where `k1` = f(y), over `h`.
