@@ -9,13 +9,10 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::course::Point;
+use super::figure::{FONT, Figure, PlotError, SCALE, printable};
 use super::palette;
 use super::quantity::tick;
 
-/// Units of drawing per pixel: the backend counts in whole numbers, a screen shows less than a pixel.
-const SCALE: i32 = 4;
-/// The reader's own font; no file is loaded.
-const FONT: &str = "system-ui, -apple-system, Segoe UI, Roboto, Helvetica, Arial, sans-serif";
 /// Mean width of a character in ems, for the places of legend entries.
 const CHARACTER_EM: f64 = 0.57;
 /// The backend divides the size of a font by this.
@@ -34,88 +31,13 @@ const LEFT_PX: i32 = 8;
 /// Right of a panel, so that the last label of its axis is not cut \[px\].
 pub(super) const RIGHT_PX: i32 = 16;
 
-/// A figure could not be drawn.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the figure cannot be drawn: {reason}")]
-pub(crate) struct PlotError {
-    reason: String,
-}
-
 type Backend<'a> = SVGBackend<'a>;
 type DrawError = DrawingAreaErrorKind<<Backend<'static> as DrawingBackend>::ErrorType>;
 type Plane = Cartesian2d<RangedCoordf64, RangedCoordf64>;
 
 impl From<DrawError> for PlotError {
     fn from(error: DrawError) -> Self {
-        Self {
-            reason: error.to_string(),
-        }
-    }
-}
-
-/// A drawn figure.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Figure {
-    width_px: i32,
-    height_px: i32,
-    description: String,
-    /// The elements between `<svg>` and `</svg>`.
-    elements: String,
-}
-
-impl Figure {
-    /// To stand within an HTML page; colours as on white.
-    pub(crate) fn inline_svg(&self) -> String {
-        self.svg("", "")
-    }
-
-    /// A file of its own, on a white ground.
-    #[cfg(test)]
-    pub(crate) fn svg_file(&self) -> String {
-        let mut file = self.svg(
-            " xmlns=\"http://www.w3.org/2000/svg\"",
-            "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n",
-        );
-        file.push('\n');
-        file
-    }
-
-    fn svg(&self, namespace: &str, ground: &str) -> String {
-        let Self {
-            width_px,
-            height_px,
-            description,
-            elements,
-        } = self;
-        let (width, height) = (width_px * SCALE, height_px * SCALE);
-        let description = escaped(description);
-        format!(
-            "<svg{namespace} width=\"{width_px}\" height=\"{height_px}\" viewBox=\"0 0 {width} {height}\" \
-             role=\"img\" font-family=\"{FONT}\" stroke-linejoin=\"round\">\n<title>{description}</title>\n{ground}{elements}</svg>"
-        )
-    }
-}
-
-/// Text as text within SVG and HTML.
-fn escaped(text: &str) -> String {
-    text.chars().fold(String::new(), |mut escaped, character| {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            other => escaped.push(printable(other)),
-        }
-        escaped
-    })
-}
-
-/// Control characters are no part of SVG.
-fn printable(character: char) -> char {
-    if character.is_control() {
-        char::REPLACEMENT_CHARACTER
-    } else {
-        character
+        Self::because(&error)
     }
 }
 
@@ -135,18 +57,11 @@ pub(super) fn figure(
         draw(&sheet)?;
         sheet.area.present()?;
     }
-    // The outermost element is written by the figure itself.
-    let begin = text.find('>').map_or(0, |end| end + 1);
-    let end = text.rfind("</svg>").unwrap_or(text.len());
-    Ok(Figure {
-        width_px,
-        height_px,
-        description: description.into(),
-        // Once for all: the font stands on the outermost element.
-        elements: text[begin..end]
-            .trim_start()
-            .replace(&format!(" font-family=\"{FONT}\""), ""),
-    })
+    Ok(Figure::from_backend(
+        (width_px, height_px),
+        description.into(),
+        &text,
+    ))
 }
 
 /// Where a text stands.
@@ -417,10 +332,15 @@ pub(super) fn clipped(text: &str, characters: usize) -> String {
     format!("{kept}…")
 }
 
-/// A range with some room on both sides, never empty.
+/// A range with some room on both sides, never empty and never too short for the digits of its ends.
 pub(super) fn with_room(extent: Range<f64>) -> Range<f64> {
     let length = extent.end - extent.start;
-    let room = if length > 0.0 { 0.06 * length } else { 0.5 };
+    let magnitude = extent.start.abs().max(extent.end.abs());
+    let room = if length > 0.0 {
+        (0.06 * length).max(1e-6 * magnitude)
+    } else {
+        0.5_f64.max(1e-6 * magnitude)
+    };
     extent.start - room..extent.end + room
 }
 
@@ -449,5 +369,59 @@ fn font(size_px: f64, colour: RGBColor, align: Align, bold: bool) -> TextStyle<'
         color: colour.to_backend_color(),
         pos: Pos::new(horizontal, VPos::Center),
         ..TextStyle::from((FONT, size, style).into_font())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn value() -> impl Strategy<Value = f64> {
+        (-9.99..9.99, -12..12)
+            .prop_map(|(digits, exponent): (f64, i32)| digits * 10_f64.powi(exponent))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// Goal: no log, however odd its values, keeps a figure from being drawn. Method: ends of any sign and size.
+        #[test]
+        fn axes_are_drawn_for_every_range(a in value(), b in value()) {
+            let drawn = figure(400, 200, "made up", |sheet| {
+                let mut chart = sheet.panel(&Panel {
+                    corner: (LABELS_PX, 40),
+                    size: (300, 100),
+                    x: 0.0..1.0,
+                    y: with_room(a.min(b)..a.max(b)),
+                    x_caption: Some("time [s]"),
+                    y_caption: "made up",
+                })?;
+                chart.curve(&[vec![(0.0, a), (1.0, b)]], palette::INK, 1.0)
+            });
+            let svg = drawn.unwrap().inline_svg();
+            let ticks = svg.matches("<text").count();
+            prop_assert!((2..60).contains(&ticks), "{} texts", ticks);
+        }
+    }
+
+    #[test]
+    fn a_long_name_is_shortened_and_a_short_one_is_not() {
+        assert_eq!(clipped("p_ch", 4), "p_ch");
+        assert_eq!(clipped("äöüßx", 4), "äöü…");
+    }
+
+    /// The page of the report has its own escaping; a figure stands alone too.
+    #[test]
+    fn text_in_a_figure_is_no_markup() {
+        let hostile = "<script>\u{0}\"&";
+        let drawn = figure(100, 100, hostile, |sheet| sheet.title(hostile)).unwrap();
+        let svg = drawn.svg_file();
+        assert_eq!(
+            svg.matches("&lt;script&gt;\u{fffd}&quot;&amp;").count(),
+            2,
+            "{svg}"
+        );
     }
 }

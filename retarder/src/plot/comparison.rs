@@ -6,10 +6,10 @@ use model_lab::result::{Comparison, ErrorSummary, SignalComparison};
 use recording::{Recording, Unit};
 
 use super::canvas::{
-    self, Chart, Figure, LABELS_PX, Panel, PlotError, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure,
-    union, with_room,
+    self, Chart, LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure, union, with_room,
 };
 use super::course::Course;
+use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::{SmallUnit, capitalised, signal_words};
 
@@ -263,5 +263,72 @@ impl Residual<'_> {
     fn noise(&self, chart: &mut Chart<'_>, sigma: f64) -> Result<(), PlotError> {
         chart.band(-3.0 * sigma..3.0 * sigma, palette::BAND_OUTER)?;
         chart.band(-sigma..sigma, palette::BAND_INNER)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use model_lab::{CompareOptions, compare};
+    use plant_sim::PlantParameters;
+    use recording::csv;
+
+    use super::*;
+
+    const LOG: &str = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../data/synthetic/practice-01-id.csv"
+    );
+
+    fn practice_log() -> (Recording, Comparison) {
+        let log = csv::read_file(LOG, &csv::Options::default()).unwrap();
+        let options = CompareOptions::default();
+        let comparison = compare(&PlantParameters::nominal(), &log, &options).unwrap();
+        (log, comparison)
+    }
+
+    /// Goal: the excerpt shows the difference at its largest. Method: no other window of ten whole seconds holds a tenth more.
+    #[test]
+    fn the_excerpt_is_where_the_residual_is_largest() {
+        let (_, comparison) = practice_log();
+        let residual = Course::of(&comparison.traces.free_run_residual, "p_ch").unwrap();
+        let squares_in = |window_s: &Range<f64>| -> f64 {
+            let inside = residual
+                .squares()
+                .filter(|(time_s, _)| window_s.contains(time_s));
+            inside.map(|(_, square)| square).sum()
+        };
+        let found_s = excerpt(&comparison, "p_ch", 10.0).unwrap();
+        let greatest = (0..50)
+            .map(|second| squares_in(&(f64::from(second)..f64::from(second) + 10.0)))
+            .fold(0.0, f64::max);
+        assert!(squares_in(&found_s) > 0.9 * greatest, "{found_s:?}");
+        assert_eq!(
+            excerpt(&comparison, "p_ch", 60.0),
+            None,
+            "the log is not longer"
+        );
+    }
+
+    #[test]
+    fn every_axis_names_its_quantity_and_unit() {
+        let (log, comparison) = practice_log();
+        let [pressure, fill_current, _] = comparison.signals.as_slice() else {
+            panic!("three signals are compared");
+        };
+        let svg = |signal| {
+            super::comparison(&log, &comparison, signal, None)
+                .unwrap()
+                .inline_svg()
+        };
+        for caption in [
+            "Chamber pressure [bar gauge]",
+            "Measured − modelled [mbar], model driven by the duty cycles alone",
+            "Measured − modelled [mbar], model corrected by each measured pressure",
+            "Duty cycle [%]",
+            "time [s]",
+        ] {
+            assert_eq!(svg(pressure).matches(caption).count(), 1, "{caption}");
+        }
+        assert!(svg(fill_current).contains("Current of the fill valve [mA]"));
     }
 }

@@ -7,11 +7,11 @@ use hil_harness::checks::{StepResponse, Verdict};
 use recording::{Recording, Unit};
 
 use super::canvas::{
-    Figure, LABELS_PX, Panel, PlotError, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure, union,
-    with_room,
+    LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure, union, with_room,
 };
 use super::comparison::{DUTIES_PX, duties, span};
 use super::course::Course;
+use super::figure::{Figure, PlotError};
 use super::palette;
 
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;

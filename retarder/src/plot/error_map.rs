@@ -5,7 +5,8 @@ use std::ops::Range;
 use model_lab::result::{ErrorMap, MapCell, SignalComparison};
 use plotters::style::{Color, RGBColor};
 
-use super::canvas::{Align, Figure, PlotError, Sheet, WIDTH_PX, clipped, figure};
+use super::canvas::{Align, Sheet, WIDTH_PX, clipped, figure};
+use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::{SmallUnit, capitalised, short, signal_words};
 

@@ -9,16 +9,17 @@ mod comparison;
 mod control;
 mod course;
 mod error_map;
+mod figure;
 pub(crate) mod palette;
 mod quantity;
 mod regimes;
 mod settling;
 mod thesis;
 
-pub(crate) use canvas::{Figure, PlotError};
 pub(crate) use comparison::{comparison, excerpt};
 pub(crate) use control::{control, step_of_interest};
 pub(crate) use error_map::error_map;
+pub(crate) use figure::{Figure, PlotError};
 pub(crate) use quantity::{SmallUnit, capitalised, signal_words};
 pub(crate) use regimes::regime;
 pub(crate) use settling::settling;

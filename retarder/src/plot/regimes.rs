@@ -2,7 +2,8 @@
 
 use model_lab::result::{RegimeBin, RegimeShares};
 
-use super::canvas::{Align, Figure, PlotError, Sheet, clipped, figure};
+use super::canvas::{Align, Sheet, clipped, figure};
+use super::figure::{Figure, PlotError};
 use super::palette;
 
 const WIDTH_PX: i32 = 464;

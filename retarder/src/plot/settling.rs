@@ -3,7 +3,8 @@
 use hil_harness::Requirement;
 use hil_harness::checks::{StepResponse, Verdict};
 
-use super::canvas::{Align, Figure, LABELS_PX, Panel, PlotError, RIGHT_PX, WIDTH_PX, figure};
+use super::canvas::{Align, LABELS_PX, Panel, RIGHT_PX, WIDTH_PX, figure};
+use super::figure::{Figure, PlotError};
 use super::palette;
 
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;

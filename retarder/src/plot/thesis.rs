@@ -2,14 +2,15 @@
 
 use model_lab::thesis::{Row, ThesisTable};
 
-use super::canvas::{Align, Figure, PlotError, Sheet, WIDTH_PX, clipped, figure, stroke};
+use super::canvas::{Align, Sheet, WIDTH_PX, clipped, figure, stroke};
+use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::short;
 
-const TOP_PX: i32 = 44;
+const TOP_PX: i32 = 40;
 const ROW_PX: i32 = 22;
-const HEADER_PX: i32 = 34;
-const FOOTER_PX: i32 = 34;
+const HEADER_PX: i32 = 26;
+const FOOTER_PX: i32 = 36;
 const LABELS_PX: i32 = 470;
 const DOTS_PX: i32 = WIDTH_PX - LABELS_PX - 130;
 
@@ -58,10 +59,11 @@ fn draw_group(sheet: &Sheet<'_>, top_px: i32, group: &[&Row]) -> Result<(), Plot
             palette::LABEL,
         )?;
     }
+    let caption = (LABELS_PX + DOTS_PX / 2, bottom + 27);
     sheet.text(
-        &format!("[{}]", group[0].unit),
-        (LABELS_PX + DOTS_PX + 12, bottom + 10),
-        Align::Left,
+        &axis_caption(&group[0].unit),
+        caption,
+        Align::Centre,
         palette::INK,
     )?;
     for (index, row) in group.iter().enumerate() {
@@ -73,6 +75,16 @@ fn draw_group(sheet: &Sheet<'_>, top_px: i32, group: &[&Row]) -> Result<(), Plot
         )?;
     }
     Ok(())
+}
+
+fn axis_caption(unit: &str) -> String {
+    let quantity = match unit {
+        "%" => "duty cycle ",
+        "mA" => "current ",
+        "T_req" => "time ",
+        _ => "",
+    };
+    format!("{quantity}[{}]", clipped(unit, 20))
 }
 
 fn draw_row(sheet: &Sheet<'_>, y: i32, row: &Row, axis: &LogAxis) -> Result<(), PlotError> {

@@ -75,9 +75,9 @@ fn signal_table(comparison: &Comparison) -> Markup {
                 caption { "Free run: the model is driven by the logged duty cycles alone. Errors are measured − modelled." }
                 thead {
                     tr {
-                        th { "Signal" } th { "Unit" } th.number { "Noise σ" } th.number { "Error rms" } th.number { "× noise" }
-                        th.number { "Limit" } th.number { "Worst" } th.number { "at [s]" } th.number { "Bias" }
-                        th.number { "Fit [%]" } th { "Verdict" }
+                        th { "Signal" } th { "Verdict" } th { "Unit" } th.number { "Noise σ" } th.number { "Error rms" }
+                        th.number { "× noise" } th.number { "Limit" } th.number { "Bias" } th.number { "Fit [%]" }
+                        th.number { "Worst" }
                     }
                 }
                 tbody { @for signal in &comparison.signals { (signal_row(signal)) } }
@@ -94,16 +94,15 @@ fn signal_row(signal: &SignalComparison) -> Markup {
     html! {
         tr {
             th scope="row" { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }
+            td { (standing.badge()) }
             td.unit { (foreign(unit.symbol)) }
             td.number { (known(signal.noise_floor.value.map(scaled))) }
             td.number { (number(scaled(free.rms))) }
             td.number { (known(free.rms_in_noise)) }
             td.number { (known(signal.limit.map(scaled))) }
-            td.number { (signed(scaled(free.worst))) }
-            td.number { (format!("{:.2}", free.worst_time_s)) }
             td.number { (signed(scaled(free.bias))) }
             td.number { (known(free.fit_pct)) }
-            td { (standing.badge()) }
+            td.number { (signed(scaled(free.worst))) br; span.note { "at " (format!("{:.2}", free.worst_time_s)) " s" } }
         }
     }
 }
@@ -202,7 +201,7 @@ fn error_lines(run: &str, error: &ErrorSummary, unit: SmallUnit<'_>) -> Markup {
                 "; the error remembers " (number(samples)) " samples (white noise: 1)"
             }
             @if let Some(test) = &error.whiteness {
-                "; Ljung-Box Q = " (number(test.q)) " over " (test.lags) " lags, p = " (number(test.p_value))
+                "; Ljung-Box Q = " (number(test.q)) " over " (test.lags) " lags, " (probability(test.p_value))
             }
             @for correlation in &error.input_correlation {
                 "; correlation with " code { (foreign(&correlation.input)) } " "
@@ -210,6 +209,14 @@ fn error_lines(run: &str, error: &ErrorSummary, unit: SmallUnit<'_>) -> Markup {
                 " samples (by chance below " (number(correlation.bound_99)) ")"
             }
         }
+    }
+}
+
+fn probability(p_value: f64) -> String {
+    if p_value < 0.001 {
+        "p below 0.001".to_owned()
+    } else {
+        format!("p = {p_value:.3}")
     }
 }
 

@@ -1,0 +1,105 @@
+//! A drawn figure as SVG text.
+
+/// Units of drawing per pixel: the backend counts in whole numbers, a screen shows less than a pixel.
+pub(super) const SCALE: i32 = 4;
+/// The reader's own font; no file is loaded.
+pub(super) const FONT: &str =
+    "system-ui, -apple-system, Segoe UI, Roboto, Helvetica, Arial, sans-serif";
+
+/// A figure could not be drawn.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the figure cannot be drawn: {reason}")]
+pub(crate) struct PlotError {
+    reason: String,
+}
+
+impl PlotError {
+    pub(super) fn because(error: &impl ToString) -> Self {
+        Self {
+            reason: error.to_string(),
+        }
+    }
+}
+
+/// A drawn figure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Figure {
+    width_px: i32,
+    height_px: i32,
+    description: String,
+    /// The elements between `<svg>` and `</svg>`.
+    elements: String,
+}
+
+impl Figure {
+    /// What the backend wrote, without its outermost element and with the font said once.
+    pub(super) fn from_backend(
+        (width_px, height_px): (i32, i32),
+        description: String,
+        text: &str,
+    ) -> Self {
+        let begin = text.find('>').map_or(0, |end| end + 1);
+        let end = text.rfind("</svg>").unwrap_or(text.len());
+        let font = format!(" font-family=\"{FONT}\"");
+        Self {
+            width_px,
+            height_px,
+            description,
+            elements: text[begin..end].trim_start().replace(&font, ""),
+        }
+    }
+
+    /// To stand within an HTML page; colours as on white.
+    pub(crate) fn inline_svg(&self) -> String {
+        self.svg("", "")
+    }
+
+    /// A file of its own, on a white ground.
+    #[cfg(test)]
+    pub(crate) fn svg_file(&self) -> String {
+        let mut file = self.svg(
+            " xmlns=\"http://www.w3.org/2000/svg\"",
+            "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n",
+        );
+        file.push('\n');
+        file
+    }
+
+    fn svg(&self, namespace: &str, ground: &str) -> String {
+        let Self {
+            width_px,
+            height_px,
+            description,
+            elements,
+        } = self;
+        let (width, height) = (width_px * SCALE, height_px * SCALE);
+        let description = escaped(description);
+        format!(
+            "<svg{namespace} width=\"{width_px}\" height=\"{height_px}\" viewBox=\"0 0 {width} {height}\" \
+             role=\"img\" font-family=\"{FONT}\" stroke-linejoin=\"round\">\n<title>{description}</title>\n{ground}{elements}</svg>"
+        )
+    }
+}
+
+/// Text as text within SVG and HTML.
+fn escaped(text: &str) -> String {
+    text.chars().fold(String::new(), |mut escaped, character| {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            other => escaped.push(printable(other)),
+        }
+        escaped
+    })
+}
+
+/// Control characters are no part of SVG.
+pub(super) fn printable(character: char) -> char {
+    if character.is_control() {
+        char::REPLACEMENT_CHARACTER
+    } else {
+        character
+    }
+}
