@@ -7,37 +7,37 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// A folder that vanishes, with the binary run in it.
-pub struct Bench(TempDir);
+pub(crate) struct Bench(TempDir);
 
 /// What came of a run.
 #[derive(Debug)]
-pub struct Ran {
-    pub status: i32,
-    pub out: String,
-    pub err: String,
+pub(crate) struct Ran {
+    pub(crate) status: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
 }
 
 impl Bench {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
 
     /// A file with this text, made if need be.
-    pub fn file(&self, name: &str, text: &str) -> &Self {
+    pub(crate) fn file(&self, name: &str, text: &str) -> &Self {
         fs::write(self.path(name), text).unwrap();
         self
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    pub fn read(&self, name: &str) -> String {
+    pub(crate) fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
     /// Names of all files.
-    pub fn files(&self) -> Vec<String> {
+    pub(crate) fn files(&self) -> Vec<String> {
         let mut names: Vec<String> = fs::read_dir(self.0.path())
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -47,7 +47,7 @@ impl Bench {
     }
 
     /// The command before it runs: no terminal, no colours, 100 columns.
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_retarder"));
         command
             .args(arguments)
@@ -58,13 +58,13 @@ impl Bench {
         command
     }
 
-    pub fn run(&self, arguments: &[&str]) -> Ran {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Ran {
         Ran::of(self.command(arguments).output().unwrap())
     }
 }
 
 impl Ran {
-    pub fn of(output: Output) -> Self {
+    pub(crate) fn of(output: Output) -> Self {
         Self {
             status: output.status.code().expect("not ended by a signal"),
             out: String::from_utf8(output.stdout).unwrap(),
@@ -74,14 +74,14 @@ impl Ran {
 
     /// The run ended with `status`; returns the standard output.
     #[track_caller]
-    pub fn ended_with(self, status: i32) -> String {
+    pub(crate) fn ended_with(self, status: i32) -> String {
         assert_eq!(self.status, status, "{}\n{}", self.out, self.err);
         self.out
     }
 }
 
 /// A bundled file.
-pub fn data(name: &str) -> String {
+pub(crate) fn data(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../data")
         .join(name);
@@ -89,7 +89,7 @@ pub fn data(name: &str) -> String {
 }
 
 /// A log of one second: shut, filling from 0.2 s, shut from 0.4 s.
-pub fn short_log() -> String {
+pub(crate) fn short_log() -> String {
     (0..100).fold(
         "time_s,duty_fill_pct,duty_vent_pct\n".to_owned(),
         |text, row| {
@@ -100,7 +100,7 @@ pub fn short_log() -> String {
 }
 
 #[track_caller]
-pub fn assert_contains(text: &str, parts: &[&str]) {
+pub(crate) fn assert_contains(text: &str, parts: &[&str]) {
     for part in parts {
         assert!(text.contains(part), "`{part}` is not in:\n{text}");
     }

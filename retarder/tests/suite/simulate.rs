@@ -1,5 +1,6 @@
-use std::io::{BufRead as _, BufReader, Read as _};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use plant_sim::replay::replay;
 use plant_sim::{PlantParameters, Tolerance};
@@ -126,52 +127,49 @@ fn a_reader_who_has_seen_enough_is_no_failure() {
 /// The log is a pipe that stays open, so that the process is at work when the signal comes.
 #[cfg(unix)]
 #[test]
-fn ctrl_c_leaves_no_file_behind() {
-    use std::io::Write as _;
-    use std::time::{Duration, Instant};
-
-    let bench = Bench::new();
-    let mut child = bench
-        .command(&["simulate", "--log", "-", "--out", "model.csv"])
-        .stdin(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut input = child.stdin.take().unwrap();
-    input
-        .write_all(b"time_s,duty_fill_pct,duty_vent_pct\n")
-        .unwrap();
-    let mut row = 0;
-    let mut rows = |count: u32| {
-        let end = row + count;
-        let text: String = (row..end)
-            .map(|row| format!("{:.2},0,0\n", f64::from(row) * 0.01))
-            .collect();
-        row = end;
-        text
-    };
-    input.write_all(rows(20_000).as_bytes()).unwrap();
-    let deadline = Instant::now() + Duration::from_secs(20);
-    while bench.files().is_empty() {
-        assert!(Instant::now() < deadline, "no output file was begun");
-        std::thread::yield_now();
+fn a_signal_to_end_leaves_no_file_behind() {
+    for signal in ["-INT", "-TERM"] {
+        let bench = Bench::new();
+        let mut child = bench
+            .command(&["simulate", "--log", "-", "--out", "model.csv"])
+            .stdin(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut input = child.stdin.take().unwrap();
+        let header = "time_s,duty_fill_pct,duty_vent_pct\n";
+        input.write_all(header.as_bytes()).unwrap();
+        let mut next = 0;
+        let mut rows = || {
+            let first = next;
+            next += 20_000;
+            (first..next)
+                .map(|row| format!("{:.2},0,0\n", f64::from(row) * 0.01))
+                .collect::<String>()
+        };
+        input.write_all(rows().as_bytes()).unwrap();
+        let deadline = Instant::now() + Duration::from_secs(20);
+        while bench.files().is_empty() {
+            assert!(Instant::now() < deadline, "no output file was begun");
+            std::thread::yield_now();
+        }
+        let sent = Command::new("kill")
+            .args([signal, &child.id().to_string()])
+            .status()
+            .unwrap();
+        assert!(sent.success());
+        // It waits for rows. It may end before it has read all of these.
+        while Instant::now() < deadline && input.write_all(rows().as_bytes()).is_ok() {}
+        drop(input);
+        let mut err = String::new();
+        child
+            .stderr
+            .take()
+            .unwrap()
+            .read_to_string(&mut err)
+            .unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(2));
+        assert_contains(&err, &["error: interrupted"]);
+        assert_eq!(bench.files(), Vec::<String>::new());
     }
-    let interrupted = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(interrupted.success());
-    // What it waits for: more rows. It may end before it has read them all.
-    while Instant::now() < deadline && input.write_all(rows(5000).as_bytes()).is_ok() {}
-    drop(input);
-    let mut err = String::new();
-    child
-        .stderr
-        .take()
-        .unwrap()
-        .read_to_string(&mut err)
-        .unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(2));
-    assert_contains(&err, &["error: interrupted"]);
-    assert_eq!(bench.files(), Vec::<String>::new());
 }
