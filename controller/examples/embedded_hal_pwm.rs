@@ -3,7 +3,7 @@
 //! On a target replace [`Bench`] by the HAL's PWM channels and ADC; [`Loop`] stays as it is. Here it runs on the host against a chamber of a few lines and
 //! asserts its story:
 //! ```sh
-//! cargo run -p controller --example embedded_hal_pwm
+//! cargo run -p retarder-controller --example embedded_hal_pwm
 //! ```
 
 use std::cell::Cell;

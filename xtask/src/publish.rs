@@ -8,7 +8,7 @@ use crate::workspace::cargo;
 
 /// The crates that others may depend on, in one command so that those that need each other find each other unpublished.
 const LIBRARIES: [&str; 5] = [
-    "controller",
+    "retarder-controller",
     "recording",
     "plant-sim",
     "model-lab",

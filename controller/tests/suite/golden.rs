@@ -1,7 +1,7 @@
 //! The bits of a million samples of each configuration, as one number each.
 //!
 //! A change here means that every target computes something else than before. If that is the intention, bless it:
-//! `BLESS=1 cargo nextest run -p controller golden`, and say in the commit what moved and why.
+//! `BLESS=1 cargo nextest run -p retarder-controller golden`, and say in the commit what moved and why.
 
 use std::fmt::Write as _;
 use std::{env, fs};
