@@ -44,6 +44,7 @@ pub(crate) enum Command {
     /// The settings of a controller file: value and meaning
     Settings(SettingsArgs),
     /// The JSON Schema of a result
+    #[command(after_help = "Example:\n  retarder schema comparison > comparison.schema.json")]
     Schema {
         /// Which result
         result: SchemaName,

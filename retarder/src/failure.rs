@@ -98,7 +98,7 @@ pub(crate) struct SourceLines(Vec<(usize, String)>);
 
 /// A file with more problems than this shows the lines of the first ones only.
 const LINES_MAX: usize = 5;
-/// Longest line shown [characters].
+/// Longest line shown in characters.
 const LINE_LENGTH_MAX: usize = 100;
 
 impl SourceLines {

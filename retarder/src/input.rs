@@ -298,7 +298,7 @@ fn file_stem(path: &Path) -> String {
         .into_owned()
 }
 
-/// No plant or controller file is larger [bytes].
+/// No plant or controller file has more bytes.
 const TEXT_MAX_BYTES: u64 = 1 << 20;
 
 fn read_text(path: &Path) -> Result<String, Failure> {

@@ -23,7 +23,7 @@ pub(crate) use simulation::simulation;
 /// What text is laid out for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Terminal {
-    /// Width [characters].
+    /// Width in characters.
     width: usize,
     /// Whether colours are shown.
     is_coloured: bool,

@@ -16,9 +16,9 @@ pub(super) struct Chart<'a> {
     pub(super) courses: Vec<Course<'a>>,
     /// A band of the values around 0 that is marked, with what it is.
     pub(super) band: Option<(f64, &'a str)>,
-    /// Height without title and axis [characters].
+    /// Height without title and axis in characters.
     pub(super) height: usize,
-    /// First and last instant [s].
+    /// First and last instant in s.
     pub(super) span_s: [f64; 2],
     /// Values that the axis shows at least.
     pub(super) at_least: Option<[f64; 2]>,

@@ -222,7 +222,7 @@ fn course(recording: &Recording, name: &str, unit: Option<Unit>) -> Option<Owned
     })
 }
 
-/// Width of the bars of the shares [characters].
+/// Width of the bars of the shares in characters.
 const BAR: usize = 10;
 
 /// Shares of the excess error.

@@ -104,14 +104,14 @@ fn step(number: u32, text: &str, terminal: &Terminal) -> String {
     title(&format!("{number}. {text}"), terminal)
 }
 
-/// Commands to type, each below the reason for it.
+/// Commands to type, each with the reason for it below.
 fn next_steps(terminal: &Terminal) -> String {
-    let mut text = String::new();
+    let not_installed = "Where `retarder` is not installed (`cargo install --path retarder`), write \
+                         `cargo run --release --` in its place.";
+    let mut text = paragraph(not_installed, terminal);
     for [command, reason] in NEXT_STEPS {
         text += &format!("  {}\n", terminal.paint(Colour::First, command));
         text += &painted_lines(Colour::Faint, &indented(reason, 6, terminal), terminal);
     }
-    let from_source =
-        "Not installed? `cargo run --release -- compare ...` does the same in this folder.";
-    text + &paragraph(from_source, terminal)
+    text
 }

@@ -1,4 +1,4 @@
-use crate::runner::{Bench, assert_contains, data};
+use crate::runner::{Bench, assert_contains};
 
 #[test]
 fn a_printed_plant_file_is_a_plant_file_and_every_parameter_is_listed() {
@@ -66,13 +66,14 @@ fn every_command_has_help_with_an_example_and_completions_name_every_command() {
         "thesis",
         "parameters",
         "settings",
+        "schema",
         "completions",
     ];
     for command in commands {
         let help = bench.run(&[command, "--help"]).ended_with(0);
         assert_contains(
             &help,
-            &["Usage:", "Examples:", &format!("  retarder {command}")],
+            &["Usage:", "Example", &format!("  retarder {command}")],
         );
     }
     for shell in ["bash", "zsh", "fish", "powershell"] {
@@ -81,11 +82,53 @@ fn every_command_has_help_with_an_example_and_completions_name_every_command() {
     }
 }
 
+/// `--help` at the end refuses what stands before it and is wrong, and runs nothing.
 #[test]
-fn the_example_commands_of_the_tour_are_commands() {
+fn every_command_that_the_tour_and_the_help_propose_is_understood() {
     let bench = Bench::new();
-    let log = data("synthetic/practice-00-id.csv");
-    bench.run(&["compare", "--log", &log]).ended_with(1);
-    bench.run(&["control", "--controller", "thesis"]);
-    bench.run(&["--help"]).ended_with(0);
+    let mut texts = bench.run(&[]).ended_with(0);
+    for command in [
+        "",
+        "simulate",
+        "compare",
+        "control",
+        "thesis",
+        "parameters",
+        "settings",
+        "schema",
+        "completions",
+    ] {
+        let arguments = [command, "--help"];
+        texts += &bench
+            .run(if command.is_empty() {
+                &arguments[1..]
+            } else {
+                &arguments
+            })
+            .ended_with(0);
+    }
+    let mut count = 0;
+    for line in texts
+        .lines()
+        .map(str::trim_start)
+        .filter(|line| line.starts_with("retarder "))
+    {
+        // A shell takes the rest of the line, and so does the remark behind two blanks.
+        let command = line
+            .split(['>', '|'])
+            .next()
+            .unwrap()
+            .split("  ")
+            .next()
+            .unwrap();
+        let arguments: Vec<&str> = command
+            .split_whitespace()
+            .skip(1)
+            .chain(["--help"])
+            .collect();
+        let ran = bench.run(&arguments);
+        assert_eq!(ran.status, 0, "{line}\n{}", ran.err);
+        count += 1;
+    }
+    assert!(count > 25, "{count} commands");
 }

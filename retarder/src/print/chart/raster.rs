@@ -21,7 +21,7 @@ pub(super) const DOTS: [usize; 2] = [2, 4];
 const BITS: [[u8; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
 
 impl<L: Copy> Raster<L> {
-    /// An empty grid [characters].
+    /// An empty grid, sizes in characters.
     pub(super) fn new(width: usize, height: usize) -> Self {
         let cell = Cell {
             dots: 0,
