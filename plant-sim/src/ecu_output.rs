@@ -48,7 +48,7 @@ impl EcuOutput {
         }
     }
 
-    /// Accepts a command given at `now_ns`.
+    /// Accepts a command given at `now_ns`. A duty cycle below 0 or NaN is 0 %, one above 100 is 100 %.
     pub fn command(&mut self, now_ns: u64, command: Command) {
         self.pending.push_back((now_ns + self.delay_ns, command));
     }
@@ -61,7 +61,7 @@ impl EcuOutput {
             .fold(self.next_period_ns, u64::min)
     }
 
-    /// Brings the outputs up to `now_ns` and tells which are high (fill, vent) from now on.
+    /// Brings the outputs up to `now_ns`, which is not beyond the next edge, and tells which are high (fill, vent) from now on.
     pub fn update(&mut self, now_ns: u64) -> [bool; 2] {
         if now_ns == self.next_period_ns {
             while let Some(&(effective_ns, command)) = self.pending.front()
@@ -72,7 +72,8 @@ impl EcuOutput {
             }
             self.high_until_ns = self.in_force.duty_pct().map(|duty_pct| {
                 // Half a nanosecond of a period of milliseconds: far below any timer's tick.
-                now_ns + (duty_pct / 100.0 * self.period_ns as f64).round() as u64
+                let share = (duty_pct / 100.0).clamp(0.0, 1.0);
+                now_ns + (share * self.period_ns as f64).round() as u64
             });
             self.next_period_ns += self.period_ns;
         }

@@ -4,6 +4,7 @@ use crate::ecu_output::Command;
 use crate::parameters::{PA_PER_BAR, PlantParameters};
 use crate::plant::{FILL, VENT};
 use crate::simulator::Simulator;
+use crate::valve::ValveFunction;
 
 /// One of the two valves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,55 +43,60 @@ pub const DUTY_RESOLUTION_PCT: f64 = 0.05;
 ///
 /// Below it the armature trembles by micrometres: no pressure change that a log shows within a second.
 pub const NOTICEABLE_TRAVEL: f64 = 0.05;
-/// Time in which the PWM reaches its steady cycle (ns).
+/// Time in which the PWM reaches its steady cycle (ns), and at least thirty periods.
 const SETTLING_NS: u64 = 300_000_000;
-/// Time over which the steady cycle is watched (ns).
-const WATCHING_NS: u64 = 200_000_000;
+/// PWM periods over which the steady cycle is watched.
+const WATCHED_PERIODS: u64 = 20;
 
 /// The lowest duty cycle (%) that opens the valve (section 4.1): its armature leaves the rest stop by a
 /// noticeable travel, with the full supply pressure across the valve or with none. None where even 100 %
-/// does not.
+/// does not, and for a normally open valve, which needs none to open.
 pub fn opening_duty_pct(
     parameters: &PlantParameters,
     valve: ValveId,
     with_pressure: bool,
 ) -> Option<f64> {
     let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
-    lowest_duty_pct(|duty_pct| {
-        let mut simulator = at_duty(parameters, valve, duty_pct, with_pressure);
-        positions(&mut simulator, valve, 0, SETTLING_NS).any(|x| x >= lift)
+    lowest_duty_pct(parameters, valve, |duty_pct| {
+        let simulator = at_duty(parameters, valve, duty_pct, with_pressure);
+        positions(parameters, simulator, valve, 0, settled_ns(parameters)).any(|x| x >= lift)
     })
 }
 
 /// The lowest duty cycle (%) that keeps the valve open (section 4.1), with no pressure across it: the armature
 /// no longer returns to its seat within a PWM period. The thesis found this limit by ear, and a seat that is no
 /// longer struck is what ends the sound; at rest at full stroke the armature is only from about 7 % duty more
-/// on. None where even 100 % does not keep it open.
+/// on. None where even 100 % does not keep it open, and for a normally open valve.
 pub fn holding_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
     let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
-    lowest_duty_pct(|duty_pct| {
-        let mut simulator = at_duty(parameters, valve, duty_pct, false);
-        positions(
-            &mut simulator,
-            valve,
-            SETTLING_NS,
-            SETTLING_NS + WATCHING_NS,
-        )
-        .all(|x| x >= lift)
+    let start_ns = settled_ns(parameters);
+    let end_ns = start_ns + WATCHED_PERIODS * parameters.ecu.pwm_period_ns();
+    lowest_duty_pct(parameters, valve, |duty_pct| {
+        let simulator = at_duty(parameters, valve, duty_pct, false);
+        positions(parameters, simulator, valve, start_ns, end_ns).all(|x| x >= lift)
     })
+}
+
+/// The instant at which the PWM has reached its steady cycle, counted from the command (ns).
+fn settled_ns(parameters: &PlantParameters) -> u64 {
+    parameters.ecu.command_delay_ns() + SETTLING_NS.max(30 * parameters.ecu.pwm_period_ns())
 }
 
 /// Armature positions between two instants, a hundred in each PWM period.
 fn positions(
-    simulator: &mut Simulator,
+    parameters: &PlantParameters,
+    mut simulator: Simulator,
     valve: ValveId,
     start_ns: u64,
     end_ns: u64,
 ) -> impl Iterator<Item = f64> {
-    (start_ns..end_ns).step_by(100_000).map(move |time_ns| {
-        simulator.advance_to_ns(time_ns);
-        simulator.state().valves[valve.index()].x
-    })
+    let step_ns = (parameters.ecu.pwm_period_ns() / 100).max(1);
+    (start_ns..end_ns)
+        .step_by(step_ns as usize)
+        .map(move |time_ns| {
+            simulator.advance_to_ns(time_ns);
+            simulator.state().valves[valve.index()].x
+        })
 }
 
 fn at_duty(
@@ -111,10 +117,15 @@ fn at_duty(
     simulator
 }
 
-/// Bisection for the lowest duty cycle at which `holds`.
-fn lowest_duty_pct(holds: impl Fn(f64) -> bool) -> Option<f64> {
+/// Bisection for the lowest duty cycle at which `holds`, for a valve that opens under current.
+fn lowest_duty_pct(
+    parameters: &PlantParameters,
+    valve: ValveId,
+    holds: impl Fn(f64) -> bool,
+) -> Option<f64> {
     let (mut below, mut above) = (0.0, 100.0);
-    if !holds(above) {
+    let normally_open = parameters.functions[valve.index()] == ValveFunction::NormallyOpen;
+    if normally_open || !holds(above) {
         return None;
     }
     while above - below > DUTY_RESOLUTION_PCT {
@@ -188,7 +199,7 @@ pub fn pressure_step(
 /// supply pressure disconnected (figures 4.3 and 4.4).
 pub fn steady_current(parameters: &PlantParameters, duty_pct: f64) -> [f64; 3] {
     let mut simulator = at_duty(parameters, ValveId::Fill, duty_pct, false);
-    simulator.advance_to_ns(SETTLING_NS);
+    simulator.advance_to_ns(settled_ns(parameters));
     simulator.sample();
     let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
     let step_ns = parameters.ecu.pwm_period_ns() / 200;
@@ -247,6 +258,38 @@ mod tests {
                 "{name}: {simulated} {measured}"
             );
         }
+    }
+
+    /// A slow ECU changes when things happen, not what happens.
+    #[test]
+    fn a_long_command_delay_does_not_change_the_limits() {
+        let mut delayed = PlantParameters::nominal();
+        delayed.ecu.command_delay_s = 0.4;
+        let nominal = PlantParameters::nominal();
+        for valve in [ValveId::Fill, ValveId::Vent] {
+            assert_eq!(
+                opening_duty_pct(&delayed, valve, true),
+                opening_duty_pct(&nominal, valve, true)
+            );
+            assert_eq!(
+                holding_duty_pct(&delayed, valve),
+                holding_duty_pct(&nominal, valve)
+            );
+        }
+        let [mean, ..] = steady_current(&delayed, 75.0);
+        assert!(
+            (mean / steady_current(&nominal, 75.0)[0] - 1.0).abs() < 1e-3,
+            "{mean}"
+        );
+    }
+
+    #[test]
+    fn a_normally_open_valve_has_no_opening_duty() {
+        let mut parameters = PlantParameters::nominal();
+        parameters.functions[VENT] = ValveFunction::NormallyOpen;
+        assert_eq!(opening_duty_pct(&parameters, ValveId::Vent, true), None);
+        assert_eq!(holding_duty_pct(&parameters, ValveId::Vent), None);
+        assert!(opening_duty_pct(&parameters, ValveId::Fill, true).is_some());
     }
 
     /// Equation 4.2 in the limit: 292 mA at 100 %, and about 60 mA least current at 40 % (figure 4.4).

@@ -83,20 +83,20 @@ pub fn linearise(plant: &Plant, voltage: [f64; 2], state: &[f64; STATES]) -> Lin
     Linearisation { a, b, c }
 }
 
-/// d(mass flow per effective area)/d(chamber pressure) for flow in the normal direction (s/m).
+/// d(mass flow per effective area)/d(chamber pressure) (s/m).
 fn flow_slope(plant: &Plant, index: usize, pressure: f64) -> f64 {
     let nozzle = &plant.nozzle;
     if index == FILL {
-        nozzle.flow_function_slope(pressure / plant.supply_pressure)
+        nozzle.mass_flow_slopes(plant.supply_pressure, pressure)[1]
     } else {
-        let ratio = plant.ambient_pressure / pressure;
-        nozzle.flow_function(ratio) - ratio * nozzle.flow_function_slope(ratio)
+        nozzle.mass_flow_slopes(pressure, plant.ambient_pressure)[0]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::valve::ValveFunction;
     use crate::{Command, PlantParameters, Simulator};
 
     fn numeric_a(plant: &Plant, voltage: f64, state: &[f64; STATES]) -> [[f64; STATES]; STATES] {
@@ -121,22 +121,29 @@ mod tests {
     /// sides of the kink in the area.
     #[test]
     fn matrices_are_the_derivatives_of_the_right_hand_side() {
-        let plant = PlantParameters::nominal().plant();
-        for state in [
-            [0.2, 0.2e-3, 0.0, 4e5, 0.2, 0.3e-3, 0.0],
-            [0.25, 0.1e-3, 0.3, 8e5, 0.1, 0.4e-3, -0.2],
-            [0.29, 0.49e-3, 0.0, 1.5e5, 0.29, 0.49e-3, 0.1],
-        ] {
-            let exact = linearise(&plant, [24.0; 2], &state);
-            let numeric = numeric_a(&plant, 24.0, &state);
-            let entries = |a: [[f64; STATES]; STATES]| a.into_iter().flatten().enumerate();
-            for ((n, ours), (_, theirs)) in entries(exact.a).zip(entries(numeric)) {
-                let scale = theirs.abs().max(1e-6);
-                let (row, column) = (n / STATES, n % STATES);
-                assert!(
-                    (ours - theirs).abs() < 2e-4 * scale,
-                    "A({row},{column}) {ours} {theirs} at {state:?}"
-                );
+        let mut parameters = PlantParameters::nominal();
+        for function in [ValveFunction::NormallyClosed, ValveFunction::NormallyOpen] {
+            parameters.functions[VENT] = function;
+            let plant = parameters.plant();
+            for state in [
+                [0.2, 0.2e-3, 0.0, 4e5, 0.2, 0.3e-3, 0.0],
+                [0.25, 0.1e-3, 0.3, 8e5, 0.1, 0.4e-3, -0.2],
+                [0.29, 0.49e-3, 0.0, 1.5e5, 0.29, 0.49e-3, 0.1],
+                // Reversed flow through either valve.
+                [0.29, 0.3e-3, 0.0, 10e5, 0.29, 0.3e-3, 0.0],
+                [0.29, 0.3e-3, 0.0, 0.9e5, 0.29, 0.3e-3, 0.0],
+            ] {
+                let exact = linearise(&plant, [24.0; 2], &state);
+                let numeric = numeric_a(&plant, 24.0, &state);
+                let entries = |a: [[f64; STATES]; STATES]| a.into_iter().flatten().enumerate();
+                for ((n, ours), (_, theirs)) in entries(exact.a).zip(entries(numeric)) {
+                    let scale = theirs.abs().max(1e-6);
+                    let (row, column) = (n / STATES, n % STATES);
+                    assert!(
+                        (ours - theirs).abs() < 2e-4 * scale,
+                        "A({row},{column}) {ours} {theirs} at {state:?}"
+                    );
+                }
             }
         }
     }

@@ -71,6 +71,18 @@ impl NozzleLaw {
         }
     }
 
+    /// The derivatives of `mass_flow` per effective area by `upstream` and `downstream` (s/m), for the linearisation
+    /// of appendix A.
+    pub fn mass_flow_slopes(&self, upstream: f64, downstream: f64) -> [f64; 2] {
+        if upstream < downstream {
+            let [by_downstream, by_upstream] = self.mass_flow_slopes(downstream, upstream);
+            return [-by_upstream, -by_downstream];
+        }
+        let ratio = downstream / upstream;
+        let slope = self.flow_function_slope(ratio);
+        [self.flow_function(ratio) - ratio * slope, slope]
+    }
+
     /// Whether the flow from `upstream` to `downstream` (Pa abs) is choked.
     #[inline]
     pub fn is_choked(&self, upstream: f64, downstream: f64) -> bool {

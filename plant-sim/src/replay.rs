@@ -4,7 +4,7 @@
 //! and the sensor values sampled just then. Coil currents are means over the interval that ends there when
 //! rows are slower than the PWM (an ECU log), and values of the instant when they are faster (a scope).
 
-use recording::{AddSignalError, Provenance, Quantity, Recording, TimeBase, TimeBaseError, Unit};
+use recording::{AddSignalError, Provenance, Quantity, Recording, TimeBase, Unit};
 use recording::{ConversionError, MissingSignal};
 
 use crate::ecu_output::Command;
@@ -164,8 +164,11 @@ pub struct Replayed {
 }
 
 /// Replays a whole log: `duty_fill` and `duty_vent` (either may be absent and is then 0 %), and `u_bat`
-/// where it was logged. `correct` sees each row before the command goes out and may move the state, as a
-/// predictor does; pass `|_, _| {}` for a free run.
+/// where it was logged. `correct` sees the simulator after each row and may move its pressure, as a predictor
+/// does; pass `|_, _| {}` for a free run.
+///
+/// # Errors
+/// As [`inputs`].
 pub fn replay(
     parameters: &PlantParameters,
     log: &Recording,
@@ -207,7 +210,15 @@ pub fn replay(
     })
 }
 
+/// The longest time between two rows that is replayed (s): an hour of open valves takes seconds, a wrong clock
+/// would take for ever.
+pub const LONGEST_GAP_S: f64 = 3600.0;
+
 /// The commands of a log, with the time base that they share.
+///
+/// # Errors
+/// No duty cycle, one of another kind, signals that were not sampled together, or a gap of more than
+/// [`LONGEST_GAP_S`].
 pub fn inputs(log: &Recording) -> Result<(&TimeBase, Vec<ReplayInput>), ReplayError> {
     let duties = ["duty_fill", "duty_vent"];
     let present = duties.into_iter().find(|name| log.signal(name).is_some());
@@ -215,6 +226,9 @@ pub fn inputs(log: &Recording) -> Result<(&TimeBase, Vec<ReplayInput>), ReplayEr
     let first = log.require(present.unwrap_or(duties[FILL]), Quantity::DutyCycle)?;
     let id = first.time_base();
     let base = log.time_base(id).ok_or(ReplayError::NoTimeBase)?;
+    for pair in base.times_s().windows(2) {
+        check_gap(pair[0], pair[1])?;
+    }
     let column = |name: &'static str, quantity, unit| -> Result<Option<Vec<f64>>, ReplayError> {
         if log.signal(name).is_none() {
             return Ok(None);
@@ -248,6 +262,21 @@ pub fn inputs(log: &Recording) -> Result<(&TimeBase, Vec<ReplayInput>), ReplayEr
     Ok((base, inputs.collect()))
 }
 
+/// Whether the time from one row to the next can be replayed.
+///
+/// # Errors
+/// [`ReplayError::Gap`] if it is longer than [`LONGEST_GAP_S`].
+pub fn check_gap(from_s: f64, to_s: f64) -> Result<(), ReplayError> {
+    let gap_s = to_s - from_s;
+    if gap_s > LONGEST_GAP_S {
+        return Err(ReplayError::Gap {
+            after_s: from_s,
+            gap_s,
+        });
+    }
+    Ok(())
+}
+
 /// Why a log cannot be replayed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReplayError {
@@ -260,9 +289,16 @@ pub enum ReplayError {
     /// The simulated signals do not make a recording.
     #[error(transparent)]
     Recording(#[from] AddSignalError),
-    /// The simulated instants do not make a time base.
-    #[error(transparent)]
-    TimeBase(#[from] TimeBaseError),
+    /// A gap that no bench log has.
+    #[error(
+        "no row for {gap_s} s after {after_s} s, longer than {LONGEST_GAP_S} s: cut the log there, or mend its time"
+    )]
+    Gap {
+        /// Time of the last row before the gap (s).
+        after_s: f64,
+        /// Length of the gap (s).
+        gap_s: f64,
+    },
     /// The commands have no time base.
     #[error("the duty cycles have no time base")]
     NoTimeBase,

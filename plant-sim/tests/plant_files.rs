@@ -153,6 +153,44 @@ fn a_regulating_valve_joins_the_plant() {
 }
 
 #[test]
+fn setting_a_value_is_checked_like_reading_it() {
+    let mut plant = PlantParameters::nominal();
+    let before = plant.clone();
+    for (name, value, says) in [
+        (
+            "regulating_valve.stroke_m",
+            0.01,
+            "no table [regulating_valve]",
+        ),
+        (
+            "chamber.volume_cm3",
+            75.0,
+            "write `chamber.volume_m3 = 7.5e-5`",
+        ),
+        ("chamber.volume_m3", 75.0, "if the number is in cm3"),
+        (
+            "armature.stroke_m",
+            9e-3,
+            "must be larger than armature.stroke_m",
+        ),
+        ("no.such", 1.0, "unknown parameter"),
+    ] {
+        let message = plant.set(name, value, "test").unwrap_err().to_string();
+        assert!(message.contains(says), "{name}: {message}");
+        assert_eq!(plant, before, "{name} changed nothing");
+    }
+    assert!(plant.check().is_ok());
+    plant.ecu.pwm_frequency_hz = 4e9;
+    assert!(
+        plant
+            .check()
+            .unwrap_err()
+            .to_string()
+            .contains("ecu.pwm_frequency_hz")
+    );
+}
+
+#[test]
 fn all_problems_are_reported_at_once() {
     let text = changed("mass_kg = 5.0e-3", "mass_kg = -1").replace("volume_m3", "volumen_m3");
     let error = PlantParameters::from_toml(&text, "rig.toml").unwrap_err();

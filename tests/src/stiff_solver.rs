@@ -10,13 +10,13 @@ use std::rc::Rc;
 use diffsol::{
     DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, OdeSolverStopReason,
 };
-use plant_sim::PlantParameters;
 use plant_sim::coil::Drive;
 use plant_sim::ecu_output::EcuOutput;
 use plant_sim::linearisation::{STATES, linearise};
 use plant_sim::plant::{FILL, Plant, VENT};
 use plant_sim::replay::ReplayInput;
 use plant_sim::valve::Motion;
+use plant_sim::{Command, PlantParameters};
 
 type State = [f64; STATES];
 
@@ -193,6 +193,7 @@ pub fn simulate(
     let mut supply = parameters.ecu.supply_voltage_v;
     let mut state: State = [0.0; STATES];
     state[3] = ambient;
+    let mut command = Command::default();
     let (mut now_ns, mut steps) = (0, 0);
     let mut pressure = Vec::with_capacity(inputs.len());
     for input in inputs {
@@ -251,7 +252,8 @@ pub fn simulate(
         if let Some(volt) = input.supply_voltage_v {
             supply = volt;
         }
-        output.command(now_ns, input.command.unwrap_or_default());
+        command = input.command.unwrap_or(command);
+        output.command(now_ns, command);
     }
     Ok(Trajectory { pressure, steps })
 }

@@ -488,12 +488,11 @@ fn check_golden(name: &str, text: &str) {
     let differs = blessed
         .lines()
         .zip(text.lines())
-        .position(|(blessed, now)| blessed != now);
-    assert_eq!(
-        blessed,
-        text,
-        "{name} differs from line {:?} on",
-        differs.map(|line| line + 1)
+        .enumerate()
+        .find(|(_, (blessed, now))| blessed != now);
+    assert!(
+        blessed == text,
+        "{name} differs, first in (line - 1, (blessed, now)): {differs:?}"
     );
 }
 

@@ -48,6 +48,8 @@ pub enum Problem {
         found: String,
         choices: &'static [&'static str],
     },
+    /// The plant leaves out the table of the parameter.
+    AbsentSection { spec: &'static ParameterSpec },
     /// Values that exclude each other.
     Inconsistent { key: &'static str, rule: String },
 }
@@ -76,7 +78,9 @@ impl Problem {
             | Self::WrongType { line, .. }
             | Self::OutOfRange { line, .. }
             | Self::UnknownChoice { line, .. } => Some(*line).filter(|&line| line > 0),
-            Self::MissingKey { .. } | Self::Inconsistent { .. } => None,
+            Self::MissingKey { .. } | Self::AbsentSection { .. } | Self::Inconsistent { .. } => {
+                None
+            }
         }
     }
 }
@@ -159,6 +163,11 @@ impl fmt::Display for Problem {
                 f,
                 "`{key}` = \"{found}\" is not one of {}",
                 choices.join(", ")
+            ),
+            Self::AbsentSection { spec } => write!(
+                f,
+                "this plant has no table [{}]: add it to the plant file, with all its keys, before setting `{}`",
+                spec.section, spec.key
             ),
             Self::Inconsistent { key, rule } => write!(f, "`{key}`: {rule}"),
         }

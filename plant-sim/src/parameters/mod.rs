@@ -20,6 +20,7 @@ pub use values::{
 };
 
 use consistency::inconsistency;
+use units::in_other_unit;
 
 /// The plant file shipped with the crate: the thesis model.
 pub const NOMINAL_PLANT_TOML: &str = include_str!("../../models/nominal-plant.toml");
@@ -32,28 +33,59 @@ impl PlantParameters {
     }
 
     /// Reads a plant file; `name` is what errors call it.
+    ///
+    /// # Errors
+    /// All problems of the file at once, each with its line, the value, what is allowed and what to write.
     pub fn from_toml(text: &str, name: &str) -> Result<Self, ParameterError> {
         read::read(text, name)
     }
 
-    /// The parameters as a plant file, with units, ranges and provenance as comments.
+    /// Checks values that were set field by field, as [`Self::from_toml`] and [`Self::set`] check theirs.
+    ///
+    /// # Errors
+    /// Every value that is out of range, or the first that contradicts another one.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let out_of_range = PARAMETERS.iter().filter_map(|spec| {
+            let value = spec.value(self)?;
+            (!spec.contains(value)).then_some(Problem::OutOfRange {
+                line: 0,
+                spec,
+                value,
+            })
+        });
+        let mut problems: Vec<_> = out_of_range.collect();
+        if problems.is_empty() {
+            problems.extend(inconsistency(self));
+        }
+        if problems.is_empty() {
+            Ok(())
+        } else {
+            Err(ParameterError::new("plant", problems))
+        }
+    }
+
+    /// The parameters as a plant file, with their provenance as comments.
     pub fn to_toml(&self) -> String {
         write::write(self)
     }
 
-    /// The value of `section.key`, where the plant has it.
+    /// The value of `section.key`; none where there is no such parameter, or the plant leaves its table out.
     pub fn get(&self, name: &str) -> Option<f64> {
         ParameterSpec::by_name(name).and_then(|spec| spec.value(self))
     }
 
     /// Sets `section.key` after checking its range; says `provenance` from now on.
+    ///
+    /// # Errors
+    /// There is no such parameter, the plant leaves its table out, or the value is out of range or contradicts
+    /// another one; nothing is changed then.
     pub fn set(&mut self, name: &str, value: f64, provenance: &str) -> Result<(), ParameterError> {
         let refuse = |problem| ParameterError::new(name, vec![problem]);
         let spec = ParameterSpec::by_name(name).ok_or_else(|| {
             refuse(Problem::UnknownKey {
                 line: 0,
                 key: name.to_owned(),
-                suggestion: None,
+                suggestion: in_other_unit_of_section(name, value),
             })
         })?;
         if !spec.contains(value) {
@@ -64,9 +96,10 @@ impl PlantParameters {
             }));
         }
         let mut changed = self.clone();
-        if let Some(slot) = (spec.slot)(&mut changed) {
-            *slot = value;
-        }
+        let Some(slot) = (spec.slot)(&mut changed) else {
+            return Err(refuse(Problem::AbsentSection { spec }));
+        };
+        *slot = value;
         changed
             .provenance
             .insert(name.to_owned(), provenance.to_owned());
@@ -76,4 +109,12 @@ impl PlantParameters {
         *self = changed;
         Ok(())
     }
+}
+
+/// What to write for a `section.key` whose key has another unit.
+fn in_other_unit_of_section(name: &str, value: f64) -> Option<String> {
+    let (section, key) = name.split_once('.')?;
+    let specs = PARAMETERS.iter().filter(|spec| spec.section == section);
+    in_other_unit(key, specs)
+        .map(|(spec, factor)| format!("{} = {:e}", spec.name(), value * factor))
 }

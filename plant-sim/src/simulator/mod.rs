@@ -62,7 +62,8 @@ pub struct Simulator {
 }
 
 impl Simulator {
-    /// A simulator at rest at time zero.
+    /// A simulator at rest at time zero. `parameters` are as a plant file may have them: those read or set by
+    /// [`PlantParameters`] are, others pass [`PlantParameters::check`] first.
     pub fn new(parameters: &PlantParameters) -> Self {
         Self::with_tolerance(parameters, Tolerance::default())
     }
@@ -118,7 +119,14 @@ impl Simulator {
 
     /// Moves the chamber pressure to `pressure` (Pa abs): a correction by a measurement, or a start
     /// from another pressure than ambient.
+    ///
+    /// # Panics
+    /// If `pressure` is not positive and finite.
     pub fn set_chamber_pressure(&mut self, pressure: f64) {
+        assert!(
+            pressure > 0.0 && pressure.is_finite(),
+            "an absolute pressure is positive, not {pressure}"
+        );
         self.solver.state.pressure = pressure;
     }
 

@@ -8,11 +8,15 @@ use crate::plant::{FILL, Plant, PlantState, VENT};
 use crate::solver::dormand_prince;
 use crate::valve::{Motion, ValveState};
 
-/// Longest step while an armature moves (s): a third of its travel time, so that it turns at most once in a
-/// step.
+/// Longest step while an armature moves (s): a third of the nominal travel time, so that it turns at most
+/// once in a step.
 const LONGEST_MOTION_STEP: f64 = 0.8e-3;
 /// Longest step of the pressure alone (s).
 const LONGEST_FLOW_STEP: f64 = 5e-3;
+/// The first step after an event is at most this many times as long as the last one was until the event.
+const EVENTS_AHEAD: f64 = 10.0;
+/// And never shortened below this (s).
+const SHORTEST_STEP_AFTER_EVENT: f64 = 1e-6;
 /// Time that passes at least with every located event (s); keeps a chattering armature going forward.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
 
@@ -161,6 +165,11 @@ impl Solver {
                 self.commit(moving, &start, &span.at(time), time, &currents);
                 self.statistics.events += 1;
                 self.apply(event);
+                // An event early in a step says that the step was too long to see what happens around it: an
+                // armature that hovers at its seat would chatter.
+                let kind = usize::from(M > 0);
+                let around = (EVENTS_AHEAD * time).max(SHORTEST_STEP_AFTER_EVENT);
+                self.proposal[kind] = self.proposal[kind].min(around);
                 return remaining - time;
             }
             self.commit(moving, &start, &span.end, span.h, &currents);
@@ -178,11 +187,8 @@ impl Solver {
         start_rate: [f64; N],
         remaining: f64,
     ) -> Span<N> {
-        let (kind, longest) = if M == 0 {
-            (0, LONGEST_FLOW_STEP)
-        } else {
-            (1, LONGEST_MOTION_STEP)
-        };
+        let kind = usize::from(M > 0);
+        let longest = [LONGEST_FLOW_STEP, LONGEST_MOTION_STEP][kind];
         loop {
             let h = self.proposal[kind].min(longest).min(remaining);
             let rates = |y: &[f64; N]| smooth.rates(&self.plant, y);

@@ -15,7 +15,11 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// The default times `factor`; a small factor makes a converged reference.
+    ///
+    /// # Panics
+    /// If `factor` is not positive: no step is short enough for no error at all.
     pub fn scaled(factor: f64) -> Self {
+        assert!(factor > 0.0, "a tolerance factor is positive, not {factor}");
         let default = Self::default();
         Self {
             pressure: default.pressure * factor,

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plant_sim::replay::{
-    CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS, Replay, ReplayInput, inputs,
+    CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS, Replay, ReplayError, ReplayInput, check_gap,
+    inputs,
 };
 use plant_sim::{PlantParameters, Tolerance};
 use recording::csv::{Column, Decimals, Options, Reader, WriteError, Writer};
@@ -118,7 +119,10 @@ fn simulate<W: Write>(
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Interrupted);
             }
-            let values = model.row(time_s, input);
+            let values = model.row(time_s, input).map_err(|error| Failure::Replay {
+                path: log.into(),
+                error,
+            })?;
             writer
                 .write_row(time_s, &values[..columns.len()])
                 .map_err(failed)?;
@@ -176,8 +180,15 @@ impl Model {
     }
 
     /// The values of one row; the last one is of no meaning without a regulating valve.
-    fn row(&mut self, time_s: f64, input: ReplayInput) -> [f64; ROW_SIGNALS.len() + 1] {
+    fn row(
+        &mut self,
+        time_s: f64,
+        input: ReplayInput,
+    ) -> Result<[f64; ROW_SIGNALS.len() + 1], ReplayError> {
         let start_s = *self.start_s.get_or_insert(time_s);
+        if self.rows > 0 {
+            check_gap(self.end_s, time_s)?;
+        }
         self.end_s = time_s;
         self.rows += 1;
         self.held_commands += u64::from(input.command.is_none());
@@ -188,7 +199,7 @@ impl Model {
         let mut values = [0.0; ROW_SIGNALS.len() + 1];
         values[..row.len()].copy_from_slice(&row);
         values[row.len()] = plunger.unwrap_or_default();
-        values
+        Ok(values)
     }
 }
 
