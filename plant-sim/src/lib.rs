@@ -12,6 +12,7 @@ pub mod parameters;
 pub mod plant;
 pub mod regulating_valve;
 pub mod replay;
+pub mod resting_pressure;
 mod simulator;
 mod solver;
 pub mod valve;

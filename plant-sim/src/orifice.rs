@@ -99,6 +99,11 @@ impl NozzleLaw {
         self.choked_factor
     }
 
+    /// Mass flow per effective area, upstream pressure and (1 - ratio) where the pressures are nearly equal (s/m).
+    pub fn laminar_slope(&self) -> f64 {
+        self.laminar_slope
+    }
+
     /// Ψ(ratio) / sqrt(R T) (s/m): mass flow per effective area and upstream pressure.
     #[inline]
     pub fn flow_function(&self, ratio: f64) -> f64 {

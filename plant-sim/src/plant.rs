@@ -3,6 +3,7 @@
 use crate::chamber::Chamber;
 use crate::coil::Drive;
 use crate::orifice::NozzleLaw;
+use crate::resting_pressure::SubsonicCurves;
 use crate::valve::{Valve, ValveState};
 
 /// Index of the fill valve.
@@ -17,6 +18,8 @@ pub struct Plant {
     pub valves: [Valve; 2],
     /// Flow law of both orifices.
     pub nozzle: NozzleLaw,
+    /// The universal curves of subsonic flow with these orifices.
+    pub subsonic: SubsonicCurves,
     /// The chamber.
     pub chamber: Chamber,
     /// Supply pressure (Pa abs), upside of the fill valve.
@@ -78,42 +81,6 @@ impl Plant {
         )
     }
 
-    /// The exact course of the pressure from `pressure` on while the areas stay as they are; none where the
-    /// flow is subsonic, for which there is no closed form.
-    pub fn resting_pressure(
-        &self,
-        effective_areas: [f64; 2],
-        pressure: f64,
-    ) -> Option<RestingPressure> {
-        let nozzle = &self.nozzle;
-        let [fill_area, vent_area] = effective_areas;
-        let flows = |area: f64, choked: bool| area == 0.0 || choked;
-        let formula = flows(fill_area, nozzle.is_choked(self.supply_pressure, pressure))
-            && flows(vent_area, nozzle.is_choked(pressure, self.ambient_pressure));
-        if !formula {
-            return None;
-        }
-        let factor = self.chamber.pressure_per_mass * nozzle.choked_factor();
-        let rise = factor * fill_area * self.supply_pressure;
-        let decay_rate = factor * vent_area;
-        let mut course = RestingPressure {
-            initial: pressure,
-            rise,
-            decay_rate,
-            valid_for: f64::INFINITY,
-        };
-        // The fill flow stops being choked on the way up, the vent flow on the way down.
-        let highest = nozzle.critical_ratio() * self.supply_pressure;
-        let lowest = self.ambient_pressure / nozzle.critical_ratio();
-        if fill_area > 0.0 {
-            course.valid_for = course.valid_for.min(course.time_of(highest));
-        }
-        if vent_area > 0.0 {
-            course.valid_for = course.valid_for.min(course.time_of(lowest));
-        }
-        Some(course)
-    }
-
     /// The whole right-hand side between the end stops, equations 3.26 to 3.32 with the motional term of
     /// equation 3.4, for the states in the order of section 3.5: i, x, v of the fill valve, chamber
     /// pressure, i, x, v of the vent valve (SI units). The simulator integrates the moving part of it; this
@@ -145,52 +112,5 @@ impl Plant {
             vent_rates[1],
             vent_rates[2],
         ]
-    }
-}
-
-/// A chamber pressure that follows dp/dt = `rise` - `decay_rate` p: closed, or choked through either valve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RestingPressure {
-    /// Pressure at time 0 (Pa abs).
-    initial: f64,
-    /// Choked inflow (Pa/s).
-    rise: f64,
-    /// Choked outflow per pressure (1/s).
-    decay_rate: f64,
-    /// Time for which the flows stay choked (s).
-    valid_for: f64,
-}
-
-impl RestingPressure {
-    /// Pressure at `time` (s) (Pa abs).
-    #[inline]
-    pub fn at(&self, time: f64) -> f64 {
-        if self.decay_rate == 0.0 {
-            self.initial + self.rise * time
-        } else {
-            let steady = self.rise / self.decay_rate;
-            steady + (self.initial - steady) * (-self.decay_rate * time).exp()
-        }
-    }
-
-    /// Time for which the formula holds (s).
-    pub fn valid_for(&self) -> f64 {
-        self.valid_for
-    }
-
-    /// The time at which the pressure arrives at `level` from its start; infinite if it does not.
-    fn time_of(&self, level: f64) -> f64 {
-        let (rate_now, rate_then) = (
-            self.rise - self.decay_rate * self.initial,
-            self.rise - self.decay_rate * level,
-        );
-        let ahead = (level - self.initial) * rate_now;
-        if ahead < 0.0 || rate_now == 0.0 || rate_now * rate_then <= 0.0 {
-            f64::INFINITY
-        } else if self.decay_rate == 0.0 {
-            (level - self.initial) / self.rise
-        } else {
-            (rate_now / rate_then).ln() / self.decay_rate
-        }
     }
 }

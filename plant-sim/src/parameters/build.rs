@@ -7,12 +7,19 @@ use crate::coil::Coil;
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice};
 use crate::plant::Plant;
+use crate::resting_pressure::SubsonicCurves;
 use crate::valve::{Valve, ValveFunction};
 
 impl PlantParameters {
     /// The physics that these parameters describe.
     pub fn plant(&self) -> Plant {
         let gas = &self.gas;
+        let nozzle = NozzleLaw::new(
+            gas.heat_capacity_ratio,
+            gas.gas_constant_j_per_kg_k,
+            gas.temperature_k,
+            self.flow.critical_ratio,
+        );
         Plant {
             valves: [
                 self.valve(
@@ -28,12 +35,8 @@ impl PlantParameters {
                     self.flow.discharge_vent,
                 ),
             ],
-            nozzle: NozzleLaw::new(
-                gas.heat_capacity_ratio,
-                gas.gas_constant_j_per_kg_k,
-                gas.temperature_k,
-                self.flow.critical_ratio,
-            ),
+            subsonic: SubsonicCurves::new(&nozzle),
+            nozzle,
             chamber: Chamber::new(
                 self.chamber.volume_m3,
                 gas.gas_constant_j_per_kg_k,

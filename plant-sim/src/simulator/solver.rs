@@ -5,6 +5,7 @@ use super::tolerance::{Tolerance, Weights};
 use crate::coil::{Drive, RestingCurrent};
 use crate::orifice::Limit;
 use crate::plant::{FILL, Plant, PlantState, VENT};
+use crate::resting_pressure::RestingPressure;
 use crate::solver::dormand_prince;
 use crate::valve::{Motion, ValveState};
 
@@ -97,18 +98,19 @@ impl Solver {
     /// alone is integrated.
     fn advance_resting(&mut self, remaining: f64) -> f64 {
         let areas = self.effective_areas();
-        let course = self.plant.resting_pressure(areas, self.state.pressure);
+        let course = RestingPressure::of(&self.plant, areas, self.state.pressure);
         let Some(pressure) = course.filter(|course| course.valid_for() > SHORTEST_EVENT) else {
             return self.integrate::<1, 0>([], remaining);
         };
         let currents = self.resting_currents();
         let limit = remaining.min(pressure.valid_for());
-        let (taken, departing) = match self.first_departure(limit, &currents, |t| pressure.at(t)) {
-            Some((time, index)) => (time, Some(index)),
-            None => (limit, None),
-        };
+        let (taken, departing) =
+            match self.first_departure(limit, &currents, |t| pressure.at(&self.plant, t)) {
+                Some((time, index)) => (time, Some(index)),
+                None => (limit, None),
+            };
         self.statistics.exact_intervals += 1;
-        self.state.pressure = pressure.at(taken);
+        self.state.pressure = pressure.at(&self.plant, taken);
         for index in [FILL, VENT] {
             self.settle_current(index, &currents[index], taken);
         }

@@ -3,3 +3,4 @@
 pub(crate) mod dormand_prince;
 pub(crate) mod hermite;
 pub(crate) mod root;
+pub(crate) mod table;

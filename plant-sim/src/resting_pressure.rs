@@ -1,0 +1,319 @@
+//! The exact course of the chamber pressure while no armature moves.
+//!
+//! With constant areas the pressure follows one autonomous equation of first order, so it has a closed form or
+//! a universal curve:
+//!
+//! - **closed or choked** through either valve or both: dp/dt = a - b p, a line or an exponential;
+//! - **subsonic** through one valve: with the pressure ratio r over the valve and the effective area A,
+//!   dr/dt = κ A h(r), where h is Ψ for the fill valve (r = p/P_sup) and r Ψ for the vent valve (r = P_atm/p).
+//!   The solution r(κ A t) is one curve for all areas, volumes and pressures: tabulated once;
+//! - **nearly equal** pressures, where the flow is linear in the pressure drop: an exponential in 1 - r (fill)
+//!   or (1 - r)/r (vent).
+//!
+//! Only subsonic flow through both valves at once is left to the solver.
+
+use crate::orifice::{LAMINAR_RATIO, NozzleLaw};
+use crate::plant::{FILL, Plant, VENT};
+use crate::solver::dormand_prince;
+use crate::solver::table::Table;
+
+/// Intervals of a tabulated curve; the error is below 1e-9 of the pressure ratio.
+const INTERVALS: usize = 192;
+
+/// The universal curves of subsonic flow through the fill and the vent valve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SubsonicCurves {
+    curves: [Curve; 2],
+}
+
+impl SubsonicCurves {
+    /// Tabulates the curves of a nozzle law.
+    pub(crate) fn new(nozzle: &NozzleLaw) -> Self {
+        let fill = |ratio: f64| nozzle.flow_function(ratio);
+        let vent = |ratio: f64| ratio * nozzle.flow_function(ratio);
+        let lowest = nozzle.critical_ratio();
+        Self {
+            curves: [Curve::new(fill, lowest), Curve::new(vent, lowest)],
+        }
+    }
+}
+
+/// r(θ) of dr/dθ = h(r) from the critical ratio up to the laminar zone, in s = √(1 - r): the square root at equal
+/// pressures is then a straight line.
+#[derive(Debug, Clone, PartialEq)]
+struct Curve {
+    /// θ over s.
+    theta: Table,
+    /// s over θ.
+    s: Table,
+    /// θ at the laminar zone.
+    end: f64,
+}
+
+impl Curve {
+    fn new(h: impl Fn(f64) -> f64, lowest_ratio: f64) -> Self {
+        // -ds/dθ, smooth and positive up to equal pressures. The ratio stays off the ends, where the law
+        // changes.
+        let (nearly_choked, nearly_laminar) = (lowest_ratio + 1e-12, LAMINAR_RATIO - 1e-12);
+        let rate = |s: f64| h((1.0 - s * s).clamp(nearly_choked, nearly_laminar)) / (2.0 * s);
+        let (least, most) = ((1.0 - LAMINAR_RATIO).sqrt(), (1.0 - lowest_ratio).sqrt());
+        let step = (most - least) / INTERVALS as f64;
+        let node = |n: usize| least + step * n as f64;
+
+        let mut theta = [0.0; INTERVALS + 1];
+        for n in (0..INTERVALS).rev() {
+            theta[n] = theta[n + 1] + integral(|s| 1.0 / rate(s), node(n), step);
+        }
+        let end = theta[0];
+        let theta_nodes = (0..=INTERVALS).map(|n| [theta[n], -1.0 / rate(node(n))]);
+
+        let theta_step = end / INTERVALS as f64;
+        let mut s = most;
+        let s_nodes = (0..=INTERVALS).map(|_| {
+            let here = [s, -rate(s)];
+            let slope = |s: &[f64; 1]| [-rate(s[0].max(least))];
+            s = dormand_prince::step(slope, &[s], &slope(&[s]), theta_step).end[0];
+            here
+        });
+        Self {
+            s: Table::new(0.0, theta_step, s_nodes),
+            theta: Table::new(least, step, theta_nodes),
+            end,
+        }
+    }
+
+    fn theta_of(&self, ratio: f64) -> f64 {
+        self.theta.at((1.0 - ratio).sqrt())
+    }
+
+    fn ratio_at(&self, theta: f64) -> f64 {
+        let s = self.s.at(theta);
+        1.0 - s * s
+    }
+}
+
+/// ∫ f over `step` from `start`, by Boole's rule.
+fn integral(f: impl Fn(f64) -> f64, start: f64, step: f64) -> f64 {
+    let at = |quarter: f64| f(start + 0.25 * quarter * step);
+    step / 90.0 * (7.0 * (at(0.0) + at(4.0)) + 32.0 * (at(1.0) + at(3.0)) + 12.0 * at(2.0))
+}
+
+/// How the pressure goes on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    /// dp/dt = `rise` - `decay_rate` p.
+    Choked {
+        initial: f64,
+        rise: f64,
+        decay_rate: f64,
+    },
+    /// On the curve of `valve` from `theta` on, `pace` dθ/dt.
+    Subsonic { valve: usize, theta: f64, pace: f64 },
+    /// Towards equal pressures over `valve`: z = 1 - r or (1 - r)/r decays at `decay_rate`.
+    Laminar {
+        valve: usize,
+        z: f64,
+        decay_rate: f64,
+    },
+}
+
+/// A chamber pressure that is known over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RestingPressure {
+    kind: Kind,
+    /// Time for which the formula holds (s).
+    valid_for: f64,
+}
+
+impl RestingPressure {
+    /// The course from `pressure` (Pa abs) on while the effective areas (m²) stay as they are; none where it has
+    /// to be integrated.
+    pub fn of(plant: &Plant, effective_areas: [f64; 2], pressure: f64) -> Option<Self> {
+        let nozzle = &plant.nozzle;
+        let flows = |valve: usize, choked: bool| effective_areas[valve] == 0.0 || choked;
+        let fill_choked = nozzle.is_choked(plant.supply_pressure, pressure);
+        let vent_choked = nozzle.is_choked(pressure, plant.ambient_pressure);
+        if flows(FILL, fill_choked) && flows(VENT, vent_choked) {
+            return Some(Self::choked(plant, effective_areas, pressure));
+        }
+        match effective_areas {
+            [area, 0.0] => Self::through_one(plant, FILL, area, pressure / plant.supply_pressure),
+            [0.0, area] => Self::through_one(plant, VENT, area, plant.ambient_pressure / pressure),
+            _ => None,
+        }
+    }
+
+    fn choked(plant: &Plant, [fill_area, vent_area]: [f64; 2], pressure: f64) -> Self {
+        let nozzle = &plant.nozzle;
+        let factor = plant.chamber.pressure_per_mass * nozzle.choked_factor();
+        let rise = factor * fill_area * plant.supply_pressure;
+        let decay_rate = factor * vent_area;
+        let time_of = |level: f64| time_to_level(pressure, rise, decay_rate, level);
+        // The fill flow stops being choked on the way up, the vent flow on the way down.
+        let mut valid_for = f64::INFINITY;
+        if fill_area > 0.0 {
+            valid_for = valid_for.min(time_of(nozzle.critical_ratio() * plant.supply_pressure));
+        }
+        if vent_area > 0.0 {
+            valid_for = valid_for.min(time_of(plant.ambient_pressure / nozzle.critical_ratio()));
+        }
+        Self {
+            kind: Kind::Choked {
+                initial: pressure,
+                rise,
+                decay_rate,
+            },
+            valid_for,
+        }
+    }
+
+    /// Subsonic flow through one valve; none where it flows backwards.
+    fn through_one(plant: &Plant, valve: usize, area: f64, ratio: f64) -> Option<Self> {
+        let pace = plant.chamber.pressure_per_mass * area;
+        if ratio > 1.0 {
+            None
+        } else if ratio < LAMINAR_RATIO {
+            let curve = &plant.subsonic.curves[valve];
+            let theta = curve.theta_of(ratio);
+            Some(Self {
+                kind: Kind::Subsonic { valve, theta, pace },
+                valid_for: (curve.end - theta) / pace,
+            })
+        } else {
+            let z = if valve == FILL {
+                1.0 - ratio
+            } else {
+                1.0 / ratio - 1.0
+            };
+            Some(Self {
+                kind: Kind::Laminar {
+                    valve,
+                    z,
+                    decay_rate: pace * plant.nozzle.laminar_slope(),
+                },
+                valid_for: f64::INFINITY,
+            })
+        }
+    }
+
+    /// Time for which the formula holds (s).
+    pub fn valid_for(&self) -> f64 {
+        self.valid_for
+    }
+
+    /// Pressure at `time` (s) (Pa abs).
+    #[inline]
+    pub fn at(&self, plant: &Plant, time: f64) -> f64 {
+        let (valve, ratio) = match self.kind {
+            Kind::Choked {
+                initial,
+                rise,
+                decay_rate,
+            } => {
+                if decay_rate == 0.0 {
+                    return initial + rise * time;
+                }
+                let steady = rise / decay_rate;
+                return steady + (initial - steady) * (-decay_rate * time).exp();
+            }
+            Kind::Subsonic { valve, theta, pace } => {
+                let curve = &plant.subsonic.curves[valve];
+                (valve, curve.ratio_at(theta + pace * time))
+            }
+            Kind::Laminar {
+                valve,
+                z,
+                decay_rate,
+            } => {
+                let z = z * (-decay_rate * time).exp();
+                (
+                    valve,
+                    if valve == FILL {
+                        1.0 - z
+                    } else {
+                        1.0 / (1.0 + z)
+                    },
+                )
+            }
+        };
+        if valve == FILL {
+            plant.supply_pressure * ratio
+        } else {
+            plant.ambient_pressure / ratio
+        }
+    }
+}
+
+/// The time at which dp/dt = `rise` - `decay_rate` p leads from `pressure` to `level`; infinite if it does not.
+fn time_to_level(pressure: f64, rise: f64, decay_rate: f64, level: f64) -> f64 {
+    let (rate_now, rate_then) = (rise - decay_rate * pressure, rise - decay_rate * level);
+    let ahead = (level - pressure) * rate_now;
+    if ahead < 0.0 || rate_now == 0.0 || rate_now * rate_then <= 0.0 {
+        f64::INFINITY
+    } else if decay_rate == 0.0 {
+        (level - pressure) / rise
+    } else {
+        (rate_now / rate_then).ln() / decay_rate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PlantParameters;
+
+    /// Every formula against many small steps of the pressure's own equation, from choked through subsonic into
+    /// the laminar zone, filling and venting, with an ideal and a real critical ratio.
+    #[test]
+    fn every_course_solves_the_equation_of_the_pressure() {
+        for critical_ratio in [0.528, 0.35] {
+            let mut parameters = PlantParameters::nominal();
+            parameters.flow.critical_ratio = critical_ratio;
+            let plant = parameters.plant();
+            let (supply, ambient) = (plant.supply_pressure, plant.ambient_pressure);
+            for (areas, start) in [
+                ([2e-6, 0.0], 1.2e5),
+                ([2e-6, 0.0], 0.6 * supply),
+                ([0.5e-6, 0.0], 0.99 * supply),
+                ([2e-6, 0.0], 0.999_95 * supply),
+                ([0.0, 2e-6], 8e5),
+                ([0.0, 2e-6], 1.6 * ambient),
+                ([0.0, 1e-7], 1.01 * ambient),
+                ([0.0, 2e-6], 1.000_05 * ambient),
+                ([2e-6, 1e-6], 3.1e5),
+            ] {
+                let course = RestingPressure::of(&plant, areas, start).unwrap();
+                assert!(
+                    (course.at(&plant, 0.0) / start - 1.0).abs() < 1e-9,
+                    "{start}"
+                );
+                let span = course.valid_for().min(5e-3);
+                let rate = |p: &[f64; 1]| [plant.pressure_rate(areas, p[0])];
+                let mut pressure = [start];
+                for _ in 0..2000 {
+                    let slope = rate(&pressure);
+                    pressure = dormand_prince::step(rate, &pressure, &slope, span / 2000.0).end;
+                }
+                let error = course.at(&plant, span) / pressure[0] - 1.0;
+                assert!(
+                    error.abs() < 2e-9,
+                    "{critical_ratio} {areas:?} {start}: {error}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn subsonic_flow_through_both_valves_and_backwards_has_no_formula() {
+        let plant = PlantParameters::nominal().plant();
+        assert_eq!(RestingPressure::of(&plant, [1e-6, 1e-6], 8e5), None);
+        assert_eq!(
+            RestingPressure::of(&plant, [1e-6, 0.0], 1.1 * plant.supply_pressure),
+            None
+        );
+        assert_eq!(
+            RestingPressure::of(&plant, [0.0, 1e-6], 0.9 * plant.ambient_pressure),
+            None
+        );
+    }
+}
