@@ -1,6 +1,7 @@
 //! Many rigs of one kind: no two valves are alike.
 
 use plant_sim::{ParameterError, PlantParameters};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::checks::{JudgeError, Verdict};
@@ -73,7 +74,7 @@ pub fn scattered(
 }
 
 /// One rig of a batch.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigVerdict {
     /// Number of the rig, from 0.

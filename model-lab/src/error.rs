@@ -19,8 +19,10 @@ pub enum CompareError {
     Residual(#[from] AddSignalError),
     /// No signal is on both sides.
     #[error(
-        "{log} has no measured signal that the model has: it has {logged:?}, the model {modelled:?}; \
-         log one of these, or map a column to its name"
+        "{log} has no measured signal that the model has: it has {}, the model {}; \
+         log one of these, or map a column to its name",
+        listed(logged),
+        listed(modelled)
     )]
     NothingToCompare {
         /// Source of the log.
@@ -42,7 +44,8 @@ pub enum CompareError {
     },
     /// A tolerance for a signal that is not compared.
     #[error(
-        "there is a tolerance for {name:?}, but compared are {compared:?}; remove it or correct the name"
+        "there is a tolerance for {name:?}, but compared are {}; remove it or correct the name",
+        listed(compared)
     )]
     UnusedTolerance {
         /// The signal.
@@ -50,4 +53,13 @@ pub enum CompareError {
         /// What is compared.
         compared: Vec<String>,
     },
+}
+
+/// Names as they stand in a sentence.
+fn listed(names: &[String]) -> String {
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
+    }
 }

@@ -15,6 +15,7 @@ pub mod replay;
 pub mod resting_pressure;
 mod simulator;
 mod solver;
+pub mod subsonic_curves;
 pub mod valve;
 
 pub use ecu_output::Command;

@@ -3,7 +3,7 @@
 use crate::chamber::Chamber;
 use crate::coil::Drive;
 use crate::orifice::NozzleLaw;
-use crate::resting_pressure::SubsonicCurves;
+use crate::subsonic_curves::SubsonicCurves;
 use crate::valve::{Valve, ValveState};
 
 /// Index of the fill valve.

@@ -12,91 +12,8 @@
 //!
 //! Only subsonic flow through both valves at once is left to the solver.
 
-use crate::orifice::{LAMINAR_RATIO, NozzleLaw};
+use crate::orifice::LAMINAR_RATIO;
 use crate::plant::{FILL, Plant, VENT};
-use crate::solver::dormand_prince;
-use crate::solver::table::Table;
-
-/// Intervals of a tabulated curve; the error is below 1e-9 of the pressure ratio.
-const INTERVALS: usize = 192;
-
-/// The universal curves of subsonic flow through the fill and the vent valve.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SubsonicCurves {
-    curves: [Curve; 2],
-}
-
-impl SubsonicCurves {
-    /// Tabulates the curves of a nozzle law.
-    pub(crate) fn new(nozzle: &NozzleLaw) -> Self {
-        let fill = |ratio: f64| nozzle.flow_function(ratio);
-        let vent = |ratio: f64| ratio * nozzle.flow_function(ratio);
-        let lowest = nozzle.critical_ratio();
-        Self {
-            curves: [Curve::new(fill, lowest), Curve::new(vent, lowest)],
-        }
-    }
-}
-
-/// r(θ) of dr/dθ = h(r) from the critical ratio up to the laminar zone, in s = √(1 - r): the square root at equal
-/// pressures is then a straight line.
-#[derive(Debug, Clone, PartialEq)]
-struct Curve {
-    /// θ over s.
-    theta: Table,
-    /// s over θ.
-    s: Table,
-    /// θ at the laminar zone.
-    end: f64,
-}
-
-impl Curve {
-    fn new(h: impl Fn(f64) -> f64, lowest_ratio: f64) -> Self {
-        // -ds/dθ, smooth and positive up to equal pressures. The ratio stays off the ends, where the law
-        // changes.
-        let (nearly_choked, nearly_laminar) = (lowest_ratio + 1e-12, LAMINAR_RATIO - 1e-12);
-        let rate = |s: f64| h((1.0 - s * s).clamp(nearly_choked, nearly_laminar)) / (2.0 * s);
-        let (least, most) = ((1.0 - LAMINAR_RATIO).sqrt(), (1.0 - lowest_ratio).sqrt());
-        let step = (most - least) / INTERVALS as f64;
-        let node = |n: usize| least + step * n as f64;
-
-        let mut theta = [0.0; INTERVALS + 1];
-        for n in (0..INTERVALS).rev() {
-            theta[n] = theta[n + 1] + integral(|s| 1.0 / rate(s), node(n), step);
-        }
-        let end = theta[0];
-        let theta_nodes = (0..=INTERVALS).map(|n| [theta[n], -1.0 / rate(node(n))]);
-
-        let theta_step = end / INTERVALS as f64;
-        let mut s = most;
-        let s_nodes = (0..=INTERVALS).map(|_| {
-            let here = [s, -rate(s)];
-            let slope = |s: &[f64; 1]| [-rate(s[0].max(least))];
-            s = dormand_prince::step(slope, &[s], &slope(&[s]), theta_step).end[0];
-            here
-        });
-        Self {
-            s: Table::new(0.0, theta_step, s_nodes),
-            theta: Table::new(least, step, theta_nodes),
-            end,
-        }
-    }
-
-    fn theta_of(&self, ratio: f64) -> f64 {
-        self.theta.at((1.0 - ratio).sqrt())
-    }
-
-    fn ratio_at(&self, theta: f64) -> f64 {
-        let s = self.s.at(theta);
-        1.0 - s * s
-    }
-}
-
-/// ∫ f over `step` from `start`, by Boole's rule.
-fn integral(f: impl Fn(f64) -> f64, start: f64, step: f64) -> f64 {
-    let at = |quarter: f64| f(start + 0.25 * quarter * step);
-    step / 90.0 * (7.0 * (at(0.0) + at(4.0)) + 32.0 * (at(1.0) + at(3.0)) + 12.0 * at(2.0))
-}
 
 /// How the pressure goes on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -173,11 +90,11 @@ impl RestingPressure {
         if ratio > 1.0 {
             None
         } else if ratio < LAMINAR_RATIO {
-            let curve = &plant.subsonic.curves[valve];
+            let curve = plant.subsonic.of(valve);
             let theta = curve.theta_of(ratio);
             Some(Self {
                 kind: Kind::Subsonic { valve, theta, pace },
-                valid_for: (curve.end - theta) / pace,
+                valid_for: (curve.end() - theta) / pace,
             })
         } else {
             let z = if valve == FILL {
@@ -217,7 +134,7 @@ impl RestingPressure {
                 return steady + (initial - steady) * (-decay_rate * time).exp();
             }
             Kind::Subsonic { valve, theta, pace } => {
-                let curve = &plant.subsonic.curves[valve];
+                let curve = plant.subsonic.of(valve);
                 (valve, curve.ratio_at(theta + pace * time))
             }
             Kind::Laminar {
@@ -261,6 +178,7 @@ fn time_to_level(pressure: f64, rise: f64, decay_rate: f64, level: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::PlantParameters;
+    use crate::solver::dormand_prince;
 
     /// Every formula against many small steps of the pressure's own equation, from choked through subsonic into
     /// the laminar zone, filling and venting, with an ideal and a real critical ratio.

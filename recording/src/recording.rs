@@ -196,13 +196,23 @@ pub enum AddSignalError {
     },
 }
 
+/// Names as they stand in a sentence.
+fn listed(names: &[String]) -> String {
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
+    }
+}
+
 /// A signal that was asked for is not there, or is something else.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MissingSignal {
     /// No signal of this name.
     #[error(
-        "{source_name} has no signal {name:?} ({quantity}); it has {present:?}: log it, or map a column to this name"
+        "{source_name} has no signal {name:?} ({quantity}); it has {}: log it, or map a column to this name",
+        listed(present)
     )]
     Absent {
         /// Source of the recording.

@@ -1,5 +1,6 @@
 //! How the pressure answers to steps of the reference.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Bound, Check, CheckId};
@@ -9,7 +10,7 @@ use crate::requirement::Requirement;
 /// Answer to one step of the reference that was then held for at least T_req.
 ///
 /// Samples count from the one that first shows the new reference: that is number 0.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepResponse {
     /// Instant of the step \[s\].

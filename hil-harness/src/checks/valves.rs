@@ -1,5 +1,6 @@
 //! What the valves get, and how often they move.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Bound, Check, CheckId};
@@ -8,7 +9,7 @@ use super::trajectory::Trajectory;
 use crate::requirement::Requirement;
 
 /// How often the valves moved in the whole recording.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Actuations {
     /// Fill valve.

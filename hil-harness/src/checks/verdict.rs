@@ -3,6 +3,7 @@
 use core::fmt;
 
 use recording::Recording;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, CheckId};
@@ -13,7 +14,7 @@ use super::valves::Actuations;
 pub const SCHEMA: &str = "retarder.control/1";
 
 /// All checks of one recording.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Verdict {
     /// [`SCHEMA`].

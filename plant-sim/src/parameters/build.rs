@@ -7,7 +7,7 @@ use crate::coil::Coil;
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice};
 use crate::plant::Plant;
-use crate::resting_pressure::SubsonicCurves;
+use crate::subsonic_curves::SubsonicCurves;
 use crate::valve::{Valve, ValveFunction};
 
 impl PlantParameters {

@@ -6,8 +6,8 @@ use hil_harness::rigs::RigVerdict;
 use maud::{Markup, html};
 
 use super::contents::ControlPart;
+use super::element::{Standing, figure, foreign};
 use super::number::number;
-use super::page::{Standing, figure, foreign};
 use crate::plot::{self, capitalised};
 
 pub(super) fn standing(parts: &[ControlPart<'_>]) -> Standing {

@@ -5,6 +5,7 @@
 
 mod contents;
 mod control;
+mod element;
 mod model;
 mod number;
 mod origin;

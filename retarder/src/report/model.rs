@@ -5,8 +5,8 @@ use model_lab::Comparison;
 use model_lab::result::{ErrorSummary, Horizon, LimitFrom, RegimeShares, SignalComparison};
 
 use super::contents::ModelPart;
+use super::element::{Standing, figure, foreign};
 use super::number::{known, number, percent, signed};
-use super::page::{Standing, figure, foreign};
 use crate::plot::{self, SmallUnit, capitalised, signal_words};
 
 /// Length of the excerpts \[s\].

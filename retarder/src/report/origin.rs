@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::contents::{Input, Origin};
-use super::page::foreign;
+use super::element::foreign;
 
 pub(super) fn section(origin: &Origin<'_>) -> Markup {
     html! {

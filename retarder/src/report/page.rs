@@ -3,9 +3,9 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
 use super::contents::Contents;
+use super::element::{Standing, foreign, printable};
 use super::{control, model, origin, thesis};
 use crate::plot::palette::DARK;
-use crate::plot::{Figure, PlotError};
 
 /// Nothing may be loaded and nothing may run; the style stands in the page.
 const SECURITY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
@@ -112,59 +112,4 @@ fn style() -> String {
         })
         .collect();
     format!("{STYLE}\n@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n")
-}
-
-/// Whether something holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Standing {
-    Holds,
-    DoesNotHold,
-    /// Nothing speaks against it, and something is unknown.
-    Open,
-    /// Beyond a limit that decides nothing.
-    Beyond,
-}
-
-impl Standing {
-    pub(super) fn of(holds: bool) -> Self {
-        if holds {
-            Self::Holds
-        } else {
-            Self::DoesNotHold
-        }
-    }
-
-    /// A mark besides the colour, for those who do not tell them apart.
-    pub(super) fn badge(self) -> Markup {
-        let (class, words) = match self {
-            Self::Holds => ("badge holds", "✓ holds"),
-            Self::DoesNotHold => ("badge fails", "✗ does not hold"),
-            Self::Open => ("badge open", "? open"),
-            Self::Beyond => ("badge open", "beyond, not binding"),
-        };
-        markup! { span class=(class) { (words) } }
-    }
-}
-
-/// Text from a file: escaped, printable, and of a direction of its own, so that it cannot turn what stands beside it.
-pub(super) fn foreign(text: &str) -> Markup {
-    markup! { bdi { (printable(text)) } }
-}
-
-/// Control characters are no part of a page.
-fn printable(text: &str) -> String {
-    let letter = |letter: char| match letter {
-        '\n' | '\t' => ' ',
-        letter if letter.is_control() => char::REPLACEMENT_CHARACTER,
-        letter => letter,
-    };
-    text.chars().map(letter).collect()
-}
-
-/// A figure, or why there is none.
-pub(super) fn figure(drawn: Result<Figure, PlotError>) -> Markup {
-    match drawn {
-        Ok(figure) => markup! { figure { (PreEscaped(figure.inline_svg())) } },
-        Err(error) => markup! { p.note { (error) } },
-    }
 }

@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 use model_lab::thesis::{Row, ThesisTable};
 
+use super::element::{Standing, figure, foreign};
 use super::number::{number, signed};
-use super::page::{Standing, figure, foreign};
 use crate::plot;
 
 pub(super) fn headline(table: &ThesisTable) -> String {

@@ -5,8 +5,6 @@ use hil_harness::{Requirement, Run, Verdict, run_in_process};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::schema;
-
 use crate::failure::Failure;
 use crate::input::NamedScenario;
 use crate::progress::Progress;
@@ -66,7 +64,6 @@ pub(crate) struct Rigs<'a> {
     /// Rigs on which every binding check holds.
     pub(crate) rigs_that_hold: usize,
     /// The verdict on the plant itself.
-    #[schemars(with = "schema::Verdict")]
     pub(crate) verdict: &'a Verdict,
     /// The verdicts on the rigs.
     pub(crate) rigs: Vec<Rig<'a>>,
@@ -81,7 +78,6 @@ pub(crate) struct Rig<'a> {
     /// Its seed.
     pub(crate) seed: u64,
     /// How the loop stood on it.
-    #[schemars(with = "schema::Verdict")]
     pub(crate) verdict: &'a Verdict,
 }
 
