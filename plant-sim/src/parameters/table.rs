@@ -59,35 +59,30 @@ impl ParameterSpec {
     }
 }
 
+/// Rows of the list: `required` tables are always there, an `optional` one is an `Option`.
 macro_rules! parameters {
-    ($($section:ident.$key:ident [$unit:literal] $min:literal ..= $max:literal, $about:literal;)*) => {
+    ($kind:ident: $($section:ident.$key:ident [$unit:literal] $min:literal ..= $max:literal, $about:literal;)*) => {
         &[$(ParameterSpec {
             section: stringify!($section),
             key: stringify!($key),
             unit: $unit,
             range: ($min, $max),
             about: $about,
-            slot: |plant| Some(&mut plant.$section.$key),
-            read: |plant| Some(plant.$section.$key),
+            slot: |plant| parameters!(@slot $kind plant $section $key),
+            read: |plant| parameters!(@read $kind plant $section $key),
         }),*]
+    };
+    (@slot required $plant:ident $section:ident $key:ident) => { Some(&mut $plant.$section.$key) };
+    (@read required $plant:ident $section:ident $key:ident) => { Some($plant.$section.$key) };
+    (@slot optional $plant:ident $section:ident $key:ident) => {
+        $plant.$section.as_mut().map(|section| &mut section.$key)
+    };
+    (@read optional $plant:ident $section:ident $key:ident) => {
+        $plant.$section.as_ref().map(|section| section.$key)
     };
 }
 
-macro_rules! optional_parameters {
-    ($($section:ident.$key:ident [$unit:literal] $min:literal ..= $max:literal, $about:literal;)*) => {
-        &[$(ParameterSpec {
-            section: stringify!($section),
-            key: stringify!($key),
-            unit: $unit,
-            range: ($min, $max),
-            about: $about,
-            slot: |plant| plant.$section.as_mut().map(|section| &mut section.$key),
-            read: |plant| plant.$section.as_ref().map(|section| section.$key),
-        }),*]
-    };
-}
-
-const THESIS_MODEL: &[ParameterSpec] = parameters! {
+const THESIS_MODEL: &[ParameterSpec] = parameters! { required:
     ecu.sample_time_s ["s"] 1e-4 ..= 1.0, "ECU sample time T_ECU; the grid of commands and samples";
     ecu.pwm_frequency_hz ["Hz"] 5.0 ..= 5000.0, "PWM frequency f_PWM of both outputs (equation 3.1)";
     ecu.command_delay_s ["s"] 0.0 ..= 1.0, "time from a command to its effect at the output (section 4.2.4)";
@@ -119,7 +114,7 @@ const THESIS_MODEL: &[ParameterSpec] = parameters! {
     chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "dead volume V_ch of chamber, channels and actuator (section 2.2)";
 };
 
-const REGULATING_VALVE_MODEL: &[ParameterSpec] = optional_parameters! {
+const REGULATING_VALVE_MODEL: &[ParameterSpec] = parameters! { optional:
     regulating_valve.plunger_mass_kg ["kg"] 1e-3 ..= 10.0, "mass of the plunger (equation 3.25)";
     regulating_valve.air_area_m2 ["m2"] 1e-6 ..= 0.1, "plunger area on the air side (equation 3.25)";
     regulating_valve.oil_area_m2 ["m2"] 0.0 ..= 0.1, "plunger area on the oil side (equation 3.25)";
