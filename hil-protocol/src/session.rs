@@ -1,0 +1,7 @@
+//! Sessions.
+
+mod device;
+mod host;
+
+pub use device::DeviceSession;
+pub use host::{Event, HostError, HostSession};
