@@ -4,7 +4,7 @@
 mod counters;
 pub mod crc32;
 mod device;
-mod frame;
+pub mod frame;
 pub mod mailbox;
 mod message;
 mod session;

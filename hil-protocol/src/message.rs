@@ -174,10 +174,6 @@ pub enum Request {
 }
 
 /// From the device to the host.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "one at a time exists, and there is no allocator to box with"
-)]
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reply {
     /// Who answers: to [`Request::Hello`].

@@ -1,64 +1,249 @@
 //! The device's side.
 
-use crate::counters::LinkCounters;
+use super::{Place, session_number};
+use crate::counters::{LinkCounters, count};
 use crate::device::Device;
-use crate::frame::FRAME_MAX;
-use crate::message::Reply;
+use crate::frame::{self, DELIMITER, Decoder, Direction, FRAME_MAX, Header};
+use crate::message::{Refusal, Reply, Request, VERSION};
 
-/// The device's side of a link.
+/// Room for the frame of a [`Refusal`].
+const REFUSAL_MAX: usize = 64;
+
+/// The device's side of a link: bytes in, bytes out, no clock.
+///
+/// ```text
+///              Hello                          next request: carried out, answered
+///  no session ───────► open, request n due ──┐
+///      ▲                 ▲   ▲               │ the last request again: answered alike, not carried out
+///      │ reset           │   └───────────────┘ an older one: dropped; a later one: refused
+///      └─────────────────┤
+///                        └── Hello with another nonce: another session
+/// ```
 #[derive(Clone, Debug)]
 pub struct DeviceSession {
-    counters: LinkCounters,
+    decoder: Decoder,
+    conversation: Conversation,
 }
 
 impl DeviceSession {
     /// No session yet. `boot` is a number that differs from boot to boot: a counter in RAM that a reset leaves alone will do.
     pub const fn new(boot: u32) -> Self {
-        let _ = boot;
         Self {
-            counters: LinkCounters {
-                accepted: 0,
-                corrupt: 0,
-                unknown: 0,
-                echoed: 0,
-                duplicate: 0,
-                stale: 0,
-                foreign: 0,
-                skipped: 0,
-                repeated: 0,
+            decoder: Decoder::new(),
+            conversation: Conversation {
+                boot,
+                session: None,
+                counters: LinkCounters::ZERO,
+                answer: [0; FRAME_MAX],
+                answer_length: 0,
+                refusal: [0; REFUSAL_MAX],
             },
         }
     }
 
     /// Takes one byte from the wire; returns the frame to send, delimiter included, once a request is complete.
     pub fn receive_byte<D: Device>(&mut self, byte: u8, device: &mut D) -> Option<&[u8]> {
-        let _ = (byte, device);
-        None
+        let Self {
+            decoder,
+            conversation,
+        } = self;
+        match decoder.push(byte)? {
+            Ok(payload) => conversation.receive(payload, device),
+            Err(_) => {
+                count(&mut conversation.counters.corrupt);
+                None
+            }
+        }
     }
 
     /// Takes a whole frame, with or without its delimiter; returns the frame to send, if any.
     pub fn receive_frame<D: Device>(&mut self, frame: &[u8], device: &mut D) -> Option<&[u8]> {
-        let _ = (frame, device);
-        None
+        let frame = frame.strip_suffix(&[DELIMITER]).unwrap_or(frame);
+        for &byte in frame {
+            // A delimiter inside ends a frame of its own, which is none.
+            if let Some(Err(_)) = self.decoder.push(byte) {
+                count(&mut self.conversation.counters.corrupt);
+            }
+        }
+        self.receive_byte(DELIMITER, device)
     }
 
     /// A frame that nobody asked for ([`Reply::Measured`]), for a timer that runs the control task.
-    pub fn unasked<'a>(
-        &mut self,
-        reply: &Reply,
-        buffer: &'a mut [u8; FRAME_MAX],
-    ) -> Option<&'a [u8]> {
-        let _ = (reply, buffer);
-        None
+    ///
+    /// None without a session, or if the message does not fit.
+    pub fn unasked<'a>(&self, reply: &Reply, buffer: &'a mut [u8; FRAME_MAX]) -> Option<&'a [u8]> {
+        let session = self.conversation.session?;
+        let header = to_host(session.number, session.sequence);
+        frame::encode(header, reply, buffer).ok()
     }
 
-    /// Whether the control task runs once per request and not by its timer.
+    /// Whether the control task runs once per request and not by its timer. By its timer before a host came.
     pub const fn lock_step(&self) -> bool {
-        false
+        matches!(self.conversation.session, Some(session) if session.lock_step)
     }
 
     /// What this side has seen.
     pub const fn counters(&self) -> LinkCounters {
-        self.counters
+        self.conversation.counters
+    }
+}
+
+/// Everything but the bytes of the frame that is coming in.
+#[derive(Clone, Debug)]
+struct Conversation {
+    boot: u32,
+    session: Option<Session>,
+    counters: LinkCounters,
+    /// The frame of the last answer, for the case that it is lost.
+    answer: [u8; FRAME_MAX],
+    answer_length: usize,
+    /// A frame beside the conversation, which must not cost it its last answer.
+    refusal: [u8; REFUSAL_MAX],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Session {
+    /// The host's half of the number.
+    nonce: u32,
+    number: u32,
+    /// Of the request that was answered last.
+    sequence: u32,
+    lock_step: bool,
+}
+
+impl Conversation {
+    fn receive<D: Device>(&mut self, payload: &[u8], device: &mut D) -> Option<&[u8]> {
+        let Some((header, message)) = frame::header(payload) else {
+            count(&mut self.counters.unknown);
+            return None;
+        };
+        if header.direction != Direction::ToDevice {
+            count(&mut self.counters.echoed);
+            return None;
+        }
+        let request = frame::message(message);
+        if let (0, Some(Request::Hello { version, lock_step })) = (header.sequence, &request) {
+            return self.hello(header, *version, *lock_step, device);
+        }
+        let Some(session) = self
+            .session
+            .filter(|session| session.number == header.session)
+        else {
+            count(&mut self.counters.foreign);
+            return self.refuse(header, Refusal::NoSession);
+        };
+        match Place::of(header.sequence, session.sequence) {
+            Place::Same => {
+                count(&mut self.counters.duplicate);
+                self.last_answer()
+            }
+            Place::Next => {
+                self.session = Some(Session {
+                    sequence: header.sequence,
+                    ..session
+                });
+                let reply = self.reply(request, session.lock_step, device);
+                self.answer(header, &reply)
+            }
+            Place::Beyond => {
+                count(&mut self.counters.skipped);
+                self.refuse(
+                    header,
+                    Refusal::Skipped {
+                        expected: session.sequence.wrapping_add(1),
+                        found: header.sequence,
+                    },
+                )
+            }
+            Place::Before => {
+                count(&mut self.counters.stale);
+                None
+            }
+        }
+    }
+
+    fn hello<D: Device>(
+        &mut self,
+        header: Header,
+        version: u16,
+        lock_step: bool,
+        device: &mut D,
+    ) -> Option<&[u8]> {
+        if version != VERSION {
+            count(&mut self.counters.unknown);
+            return self.refuse(header, Refusal::Version { device: VERSION });
+        }
+        match self.session {
+            Some(session) if session.nonce == header.session => {
+                if session.sequence == 0 {
+                    count(&mut self.counters.duplicate);
+                    self.last_answer()
+                } else {
+                    count(&mut self.counters.stale);
+                    None
+                }
+            }
+            _ => {
+                self.session = Some(Session {
+                    nonce: header.session,
+                    number: session_number(header.session, self.boot),
+                    sequence: 0,
+                    lock_step,
+                });
+                count(&mut self.counters.accepted);
+                let mut identity = device.open(lock_step);
+                identity.boot = self.boot;
+                self.answer(header, &Reply::Identity(identity))
+            }
+        }
+    }
+
+    fn reply<D: Device>(
+        &mut self,
+        request: Option<Request>,
+        lock_step: bool,
+        device: &mut D,
+    ) -> Reply {
+        let Some(request) = request else {
+            count(&mut self.counters.unknown);
+            return Reply::Refused(Refusal::UnknownMessage);
+        };
+        count(&mut self.counters.accepted);
+        match request {
+            Request::Sample(_) if !lock_step => Reply::Refused(Refusal::NotInLockStep),
+            Request::Counters => Reply::Counters(self.counters),
+            // Within a session, where its number is not 0.
+            Request::Hello { .. } => Reply::Refused(Refusal::UnknownMessage),
+            request => device.answer(&request),
+        }
+    }
+
+    fn answer(&mut self, request: Header, reply: &Reply) -> Option<&[u8]> {
+        let header = to_host(request.session, request.sequence);
+        self.answer_length = match frame::encode(header, reply, &mut self.answer) {
+            Ok(frame) => frame.len(),
+            // No message is that long, which a test shows; the host would hear nothing and say so.
+            Err(_) => 0,
+        };
+        self.last_answer()
+    }
+
+    fn last_answer(&self) -> Option<&[u8]> {
+        self.answer
+            .get(..self.answer_length)
+            .filter(|frame| !frame.is_empty())
+    }
+
+    fn refuse(&mut self, request: Header, refusal: Refusal) -> Option<&[u8]> {
+        let header = to_host(request.session, request.sequence);
+        frame::encode(header, &Reply::Refused(refusal), &mut self.refusal).ok()
+    }
+}
+
+const fn to_host(session: u32, sequence: u32) -> Header {
+    Header {
+        direction: Direction::ToHost,
+        session,
+        sequence,
     }
 }

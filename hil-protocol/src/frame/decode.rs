@@ -1,0 +1,131 @@
+//! From bytes to a payload that was not damaged.
+
+use super::encode::FULL_BLOCK;
+use super::{CHECKSUM_LENGTH, DELIMITER, FRAME_MAX};
+use crate::crc32;
+
+/// Why bytes are no frame. The next frame is read as if nothing had been.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Damage {
+    /// The frame ended inside a block, or is shorter than its checksum: part of it is missing.
+    #[error("the frame ends too early: part of it was lost")]
+    Truncated,
+    /// More bytes than a frame can have came without a delimiter.
+    #[error(
+        "no delimiter within {FRAME_MAX} bytes: two frames ran together, or the other side does not send frames"
+    )]
+    TooLong,
+    /// Header or message were changed on the way.
+    #[error("the checksum is {found:#010x}, the frame's bytes give {computed:#010x}")]
+    Checksum {
+        /// The one in the frame.
+        found: u32,
+        /// The one that its bytes give.
+        computed: u32,
+    },
+}
+
+/// Takes the bytes of frames, one at a time, undoes the stuffing as they come, and checks what came at each delimiter.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    payload: [u8; FRAME_MAX],
+    length: usize,
+    /// Bytes of the block that are still to come.
+    block: u8,
+    /// Whether a zero stands between this block and the next.
+    zero_follows: bool,
+    /// Whether a byte came since the last delimiter.
+    begun: bool,
+    overflowed: bool,
+}
+
+impl Decoder {
+    /// At the beginning of a frame.
+    pub const fn new() -> Self {
+        Self {
+            payload: [0; FRAME_MAX],
+            length: 0,
+            block: 0,
+            zero_follows: false,
+            begun: false,
+            overflowed: false,
+        }
+    }
+
+    /// Takes one byte; after the last byte of a frame returns its header and message, undamaged, or the damage.
+    ///
+    /// Delimiters without bytes between them are no frames: any number of them may fill a pause.
+    pub fn push(&mut self, byte: u8) -> Option<Result<&[u8], Damage>> {
+        if byte == DELIMITER {
+            return self.end();
+        }
+        self.begun = true;
+        if let Some(left) = self.block.checked_sub(1) {
+            self.block = left;
+            self.append(byte);
+        } else {
+            if self.zero_follows {
+                self.append(DELIMITER);
+            }
+            self.zero_follows = byte != FULL_BLOCK;
+            self.block = byte.wrapping_sub(1);
+        }
+        None
+    }
+
+    fn append(&mut self, byte: u8) {
+        match self.payload.get_mut(self.length) {
+            Some(place) => {
+                *place = byte;
+                self.length = self.length.wrapping_add(1);
+            }
+            None => self.overflowed = true,
+        }
+    }
+
+    fn end(&mut self) -> Option<Result<&[u8], Damage>> {
+        let Self {
+            length,
+            block,
+            begun,
+            overflowed,
+            ..
+        } = *self;
+        self.length = 0;
+        self.block = 0;
+        self.zero_follows = false;
+        self.begun = false;
+        self.overflowed = false;
+        if !begun {
+            return None;
+        }
+        if overflowed {
+            return Some(Err(Damage::TooLong));
+        }
+        if block != 0 {
+            return Some(Err(Damage::Truncated));
+        }
+        Some(checked(self.payload.get(..length).unwrap_or(&[])))
+    }
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The bytes before the checksum, if it is theirs.
+fn checked(bytes: &[u8]) -> Result<&[u8], Damage> {
+    let Some((payload, checksum)) = bytes.split_last_chunk::<CHECKSUM_LENGTH>() else {
+        return Err(Damage::Truncated);
+    };
+    let found = u32::from_le_bytes(*checksum);
+    let computed = crc32::digest(payload);
+    if found == computed {
+        Ok(payload)
+    } else {
+        Err(Damage::Checksum { found, computed })
+    }
+}
