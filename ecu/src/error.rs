@@ -1,0 +1,96 @@
+//! What can be wrong with the settings of an ECU.
+
+use core::fmt;
+
+use controller::ConfigError;
+use controller::fixed::types::I16F16;
+
+/// Why [`EcuSettings`](crate::EcuSettings) are no configuration. Nothing runs with such settings; mend the named field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum EcuConfigError {
+    /// The controller's settings.
+    #[error("controller: {0}")]
+    Controller(#[from] ConfigError),
+    /// A field of the supervision outside its range.
+    #[error("{field} = {value} {unit} is out of range: must be {min} ..= {max} {unit}", unit = field.unit())]
+    OutOfRange {
+        /// Which field.
+        field: SupervisionField,
+        /// What it holds.
+        value: I16F16,
+        /// Smallest allowed value.
+        min: I16F16,
+        /// Largest allowed value.
+        max: I16F16,
+    },
+}
+
+/// A field of [`Supervision`](crate::Supervision).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SupervisionField {
+    /// `supply_pressure_min_bar`
+    SupplyPressureMin,
+    /// `supply_pressure_max_bar`
+    SupplyPressureMax,
+    /// `fill_rate_per_s`
+    FillRate,
+    /// `vent_rate_per_s`
+    VentRate,
+    /// `open_duty_fill_pct`
+    OpenDutyFill,
+    /// `open_duty_vent_pct`
+    OpenDutyVent,
+    /// `valve_settling_ms`
+    ValveSettling,
+    /// `ramp_bar_per_s`
+    Ramp,
+    /// `battery_min_v`
+    BatteryMin,
+    /// `battery_max_v`
+    BatteryMax,
+    /// `coil_current_min_ma`
+    CoilCurrentMin,
+    /// `coil_current_max_ma`
+    CoilCurrentMax,
+}
+
+impl SupervisionField {
+    /// The field's name in [`Supervision`](crate::Supervision).
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SupplyPressureMin => "supply_pressure_min_bar",
+            Self::SupplyPressureMax => "supply_pressure_max_bar",
+            Self::FillRate => "fill_rate_per_s",
+            Self::VentRate => "vent_rate_per_s",
+            Self::OpenDutyFill => "open_duty_fill_pct",
+            Self::OpenDutyVent => "open_duty_vent_pct",
+            Self::ValveSettling => "valve_settling_ms",
+            Self::Ramp => "ramp_bar_per_s",
+            Self::BatteryMin => "battery_min_v",
+            Self::BatteryMax => "battery_max_v",
+            Self::CoilCurrentMin => "coil_current_min_ma",
+            Self::CoilCurrentMax => "coil_current_max_ma",
+        }
+    }
+
+    /// Its unit.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::SupplyPressureMin | Self::SupplyPressureMax => "bar",
+            Self::FillRate | Self::VentRate => "1/s",
+            Self::OpenDutyFill | Self::OpenDutyVent => "%",
+            Self::ValveSettling => "ms",
+            Self::Ramp => "bar/s",
+            Self::BatteryMin | Self::BatteryMax => "V",
+            Self::CoilCurrentMin | Self::CoilCurrentMax => "mA",
+        }
+    }
+}
+
+impl fmt::Display for SupervisionField {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

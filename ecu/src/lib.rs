@@ -1,0 +1,22 @@
+#![doc = include_str!("../README.md")]
+#![no_std]
+
+mod config;
+mod ecu;
+mod error;
+mod fault;
+mod input_output;
+mod mode;
+mod sensor;
+mod settings;
+
+pub use config::EcuConfig;
+pub use controller;
+pub use ecu::Ecu;
+pub use error::{EcuConfigError, SupervisionField};
+pub use fault::{Fault, FaultSet};
+pub use hil_protocol::{ResetCause, Telemetry};
+pub use input_output::{Inputs, Outputs, safe_outputs};
+pub use mode::Mode;
+pub use sensor::{PressureSensor, SensorCode};
+pub use settings::{EcuSettings, Supervision, VentValve};
