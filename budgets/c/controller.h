@@ -4,25 +4,26 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Pressures in bar, duty cycles and parts of u in %; a rate is per sample. Q16.16 in the integer versions. */
+/* Pressures in bar, duty cycles and parts of u in %, the sum of errors in bar; a rate is per sample. Q16.16 in the integer
+   versions. */
 typedef struct {
-    int32_t tolerance, gain, derivative_gain, integral_gain, integral_max;
+    int32_t tolerance, gain, derivative_gain, integral_gain, sum_max;
     int32_t boost_rate, boost_max, boost_response;
     int32_t duty_min_fill, slope_fill, duty_min_vent, slope_vent;
 } integer_parameters;
 
 typedef struct {
-    float tolerance, gain, derivative_gain, integral_gain, integral_max;
+    float tolerance, gain, derivative_gain, integral_gain, sum_max;
     float boost_rate, boost_max, boost_response;
     float duty_min_fill, slope_fill, duty_min_vent, slope_vent;
 } float_parameters;
 
 typedef struct {
-    int32_t pressure, error, integral, boost;
+    int32_t pressure, error, sum, boost;
 } integer_state;
 
 typedef struct {
-    float pressure, error, integral, boost;
+    float pressure, error, sum, boost;
 } float_state;
 
 /* The duty cycles, as each version's calling convention returns them in registers. */

@@ -25,16 +25,16 @@ float_duties STEP(float_step)(const float_parameters *p, float_state *s, float r
         return off;
     }
 
-    float integral = limit(s->integral + p->integral_gain * error, p->integral_max);
+    float sum = limit(s->sum + error, p->sum_max);
     float boost = s->boost;
     if ((error < 0.0f ? -pressure_change : pressure_change) < p->boost_response) {
         boost = limit(boost + p->boost_rate * error, p->boost_max);
     }
 
-    float unsaturated = p->gain * error + p->derivative_gain * error_change + integral + boost;
+    float unsaturated = p->gain * error + p->derivative_gain * error_change + p->integral_gain * sum + boost;
     float u = limit(unsaturated, 100.0f);
     if (unsaturated == u || (unsaturated < 0.0f) != (error < 0.0f)) {
-        s->integral = integral;
+        s->sum = sum;
         s->boost = boost;
     }
 

@@ -46,7 +46,7 @@ uint64_t STEP(saturating_step)(const integer_parameters *p, integer_state *s, in
         return integer_duties(0, 0);
     }
 
-    int32_t integral = limit(add(s->integral, multiply(p->integral_gain, error)), p->integral_max);
+    int32_t sum = limit(add(s->sum, error), p->sum_max);
     int32_t towards_reference = error < 0 ? negate(pressure_change) : pressure_change;
     int32_t boost = s->boost;
     if (towards_reference < p->boost_response) {
@@ -54,11 +54,11 @@ uint64_t STEP(saturating_step)(const integer_parameters *p, integer_state *s, in
     }
 
     int32_t u = add(multiply(p->gain, error), multiply(p->derivative_gain, error_change));
-    u = add(add(u, integral), boost);
+    u = add(add(u, multiply(p->integral_gain, sum)), boost);
     bool driven = (u > FULL && error >= 0) || (u < -FULL && error < 0);
     u = limit(u, FULL);
     if (!driven) {
-        s->integral = integral;
+        s->sum = sum;
         s->boost = boost;
     }
 

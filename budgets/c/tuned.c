@@ -29,18 +29,19 @@ uint64_t STEP(tuned_step)(const integer_parameters *p, integer_state *s, int32_t
         return integer_duties(0, 0);
     }
 
-    int32_t integral = limit(__qadd(s->integral, multiply(p->integral_gain, error)), p->integral_max);
+    int32_t sum = limit(__qadd(s->sum, error), p->sum_max);
     int32_t boost = s->boost;
     if ((error < 0 ? -pressure_change : pressure_change) < p->boost_response) {
         boost = limit(__qadd(boost, multiply(p->boost_rate, error)), p->boost_max);
     }
 
-    int64_t sum = (int64_t)p->gain * error + (int64_t)p->derivative_gain * error_change;
+    int64_t wide = (int64_t)p->gain * error + (int64_t)p->derivative_gain * error_change;
+    wide += (int64_t)p->integral_gain * sum + ((int64_t)boost << 16);
     /* 2^-12 %, so that a word holds what gains up to 1000 make of it. */
-    int32_t unsaturated = (int32_t)(sum >> 20) + ((integral + boost) >> 4);
+    int32_t unsaturated = (int32_t)(wide >> 20);
     int32_t u = limit(unsaturated, 100 << 12);
     if (unsaturated == u || (unsaturated ^ error) < 0) {
-        s->integral = integral;
+        s->sum = sum;
         s->boost = boost;
     }
 

@@ -1,6 +1,50 @@
-//! The bench. For the ECU's processor: measures and prints. On the host: says how it is run.
+//! The bench: every candidate over the whole trace, one line each. On the host there is no processor to count on; it says so.
+
 #![cfg_attr(target_os = "none", no_std, no_main)]
-#[cfg(not(target_os = "none"))]
-fn main() {}
+
+#[cfg(all(target_os = "none", feature = "c-baselines"))]
+mod baselines;
 #[cfg(target_os = "none")]
-use cortex_m_rt as _;
+mod bench;
+#[cfg(target_os = "none")]
+mod callee;
+#[cfg(target_os = "none")]
+mod counter;
+#[cfg(target_os = "none")]
+mod peers;
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This bench counts instructions of a Cortex-M4F: run `cargo xtask budgets`.");
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use core::fmt::Write;
+    use core::panic::PanicInfo;
+
+    use cortex_m_rt::entry;
+    use cortex_m_semihosting::{debug, hio};
+
+    #[entry]
+    fn main() -> ! {
+        // Semihosting alone can end the run: without it there is nothing to report to, and the watcher's deadline ends it.
+        debug::exit(match crate::bench::run() {
+            Ok(()) => debug::EXIT_SUCCESS,
+            Err(_) => debug::EXIT_FAILURE,
+        });
+        loop {
+            core::hint::spin_loop();
+        }
+    }
+
+    #[panic_handler]
+    fn panic(info: &PanicInfo<'_>) -> ! {
+        // Whether the words get out cannot matter any more.
+        let _ = hio::hstdout().map(|mut out| writeln!(out, "{info}"));
+        debug::exit(debug::EXIT_FAILURE);
+        loop {
+            core::hint::spin_loop();
+        }
+    }
+}

@@ -32,6 +32,16 @@ pub struct Traced {
     pub trace: Option<Trace>,
 }
 
+impl Traced {
+    /// Before the first sample.
+    pub const fn at_rest() -> Self {
+        Self {
+            state: State::at_rest(),
+            trace: None,
+        }
+    }
+}
+
 /// The full step with its trace, every setting in RAM.
 pub extern "C" fn traced_step(
     config: &Config,

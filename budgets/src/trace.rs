@@ -1,9 +1,8 @@
-//! What every candidate is fed: the inputs of one closed loop, made once by the thesis' controller on a simple plant.
+//! What every candidate is fed: the inputs of one closed loop, the thesis' controller on a simple plant.
 //!
-//! All candidates see the same pressures, whatever they answer: a candidate that rounds differently does not get an easier
-//! way. The plant is of first order in the pressure, so that its numbers can be said in a line; the true one is `plant-sim`.
+//! All candidates see the same pressures, whatever they answer: one that rounds differently does not get an easier way. The plant is of first order in the pressure, so that its numbers can be said in a line; the true one is `plant-sim`.
 
-use controller::{Config, Duty, Input, Pressure, Settings, State, step};
+use controller::{Config, Duty, Input, Output, Pressure, Settings, State, step};
 
 /// Samples of the trace.
 pub const SAMPLES: usize = 102_400;
@@ -32,7 +31,7 @@ pub const RECOMMENDED: Config = match Config::new(&Settings::recommended()) {
     Err(_) => panic!("the recommended settings are out of bounds"),
 };
 
-/// The loop: an endless sequence of inputs, the same on every machine.
+/// The loop: an endless sequence of inputs and of what its controller answers, the same on every machine.
 pub struct ClosedLoop {
     random: u32,
     state: State,
@@ -69,9 +68,9 @@ impl Default for ClosedLoop {
 }
 
 impl Iterator for ClosedLoop {
-    type Item = Input;
+    type Item = (Input, Output);
 
-    fn next(&mut self) -> Option<Input> {
+    fn next(&mut self) -> Option<Self::Item> {
         if self.sample.is_multiple_of(STRETCH) {
             self.reference = self.below(SUPPLY);
         }
@@ -81,10 +80,10 @@ impl Iterator for ClosedLoop {
             reference: Pressure::from_bits(self.reference),
             pressure: Pressure::from_bits(self.pressure + noise),
         };
-        let duties = step(&THESIS, &mut self.state, input);
-        self.pressure += flow(duties.duty_fill, SUPPLY - self.pressure);
-        self.pressure -= flow(duties.duty_vent, self.pressure);
-        Some(input)
+        let output = step(&THESIS, &mut self.state, input);
+        self.pressure += flow(output.duty_fill, SUPPLY - self.pressure);
+        self.pressure -= flow(output.duty_vent, self.pressure);
+        Some((input, output))
     }
 }
 
@@ -107,7 +106,7 @@ mod tests {
         let mut state = State::at_rest();
         let mut activities = [0; 3];
         let (mut high, mut low, mut boosting, mut fill, mut vent) = (0, 0, 0, 0, 0);
-        for input in ClosedLoop::new().take(SAMPLES) {
+        for (input, _) in ClosedLoop::new().take(SAMPLES) {
             let (output, trace) = step_traced(&THESIS, &mut state, input);
             activities[match trace.activity {
                 Activity::Controlling => 0,
@@ -136,7 +135,7 @@ mod tests {
 
     #[test]
     fn the_pressure_stays_between_ambient_and_supply() {
-        for input in ClosedLoop::new().take(SAMPLES) {
+        for (input, _) in ClosedLoop::new().take(SAMPLES) {
             let bits = input.pressure.to_bits();
             assert!((-NOISE..=SUPPLY + NOISE).contains(&bits), "{bits}");
         }

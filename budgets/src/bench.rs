@@ -1,0 +1,186 @@
+//! Every candidate over the whole trace, one printed line each:
+//! ```text
+//! candidate=full_step entry=0x00000a1c calls=102400 sum=6400000 min=20 max=80 stack=24 state=24 config=44 deviation=0 decisions=0
+//! ```
+//! Instructions of the callee with its return; `stack`, `state` and `config` in bytes. `deviation` is the largest difference
+//! of a duty cycle from the project's own controller [2⁻¹⁶ %] while both drive the same valve, `decisions` the number of
+//! samples in which they do not; a PID kernel has neither.
+
+use core::fmt::{self, Write};
+
+use budgets::ours::{self, Traced};
+use budgets::trace::{ClosedLoop, RECOMMENDED, SAMPLES, THESIS};
+use controller::{Duty, State};
+use cortex_m_semihosting::hio::{self, HostStream};
+use idsp::iir::{DirectForm1, DirectForm1Wide};
+
+use crate::callee::{Callee, IntegerStep, Registers};
+use crate::counter::Counter;
+use crate::peers;
+
+/// Measures all candidates.
+pub(crate) fn run() -> fmt::Result {
+    let mut bench = Bench {
+        out: hio::hstdout().map_err(|()| fmt::Error)?,
+    };
+    bench.ours()?;
+    #[cfg(feature = "c-baselines")]
+    bench.baselines()?;
+    bench.kernels()
+}
+
+struct Bench {
+    out: HostStream,
+}
+
+impl Bench {
+    fn ours(&mut self) -> fmt::Result {
+        self.step("full_step", ours::full_step, &THESIS, State::at_rest())?;
+        self.step(
+            "full_step_constant",
+            ours::full_step_constant,
+            &(),
+            State::at_rest(),
+        )?;
+        self.step(
+            "traced_step",
+            ours::traced_step,
+            &RECOMMENDED,
+            Traced::at_rest(),
+        )
+    }
+
+    #[cfg(feature = "c-baselines")]
+    fn baselines(&mut self) -> fmt::Result {
+        use crate::baselines::{self as c, FLOAT, INTEGER};
+        for (name, step) in [
+            ("saturating_o2", c::saturating_step_o2 as c::IntegerStep),
+            ("saturating_os", c::saturating_step_os),
+            ("tuned_o2", c::tuned_step_o2),
+            ("tuned_os", c::tuned_step_os),
+        ] {
+            self.step(name, step, &INTEGER, c::State::default())?;
+        }
+        for (name, step) in [
+            ("float_o2", c::float_step_o2 as c::FloatStep),
+            ("float_os", c::float_step_os),
+        ] {
+            let mut state = c::State::default();
+            self.measure(name, Callee::float_step(step, &FLOAT, &mut state))?;
+        }
+        Ok(())
+    }
+
+    fn kernels(&mut self) -> fmt::Result {
+        let fixed = peers::fixed_biquad();
+        let mut state = DirectForm1::default();
+        let callee = Callee::integer_kernel(peers::idsp_fixed, &fixed, &mut state);
+        self.measure("idsp_fixed", callee)?;
+        let mut state = DirectForm1Wide::default();
+        let callee = Callee::integer_kernel(peers::idsp_fixed_wide, &fixed, &mut state);
+        self.measure("idsp_fixed_wide", callee)?;
+        let float = peers::float_biquad();
+        let mut state = DirectForm1::default();
+        let callee = Callee::float_kernel(peers::idsp_float, &float, &mut state);
+        self.measure("idsp_float", callee)?;
+        let mut pid = peers::pid();
+        self.measure("pid", Callee::float_kernel(peers::pid_step, &(), &mut pid))?;
+        let mut pid = peers::advanced_pid();
+        let callee = Callee::float_kernel(peers::advanced_pid_step, &0.01, &mut pid);
+        self.measure("advanced_pid", callee)
+    }
+
+    fn step<C, S>(
+        &mut self,
+        name: &str,
+        step: IntegerStep<C, S>,
+        config: &C,
+        mut state: S,
+    ) -> fmt::Result {
+        self.measure(name, Callee::integer_step(step, config, &mut state))
+    }
+
+    fn measure(&mut self, name: &str, callee: Callee<'_>) -> fmt::Result {
+        let mut counter = Counter::new();
+        let mut cost = Cost::NONE;
+        let mut difference = Difference::NONE;
+        for (input, output) in ClosedLoop::new().take(SAMPLES) {
+            let mut registers = Registers::from(input);
+            cost.add(counter.call(&callee, &mut registers));
+            if let Some(duties) = callee.duties(&registers) {
+                let expected = [output.duty_fill, output.duty_vent].map(Duty::to_bits);
+                difference.add(expected, duties);
+            }
+        }
+        writeln!(
+            self.out,
+            "candidate={name} entry={:#010x} calls={SAMPLES} {cost} stack={} state={} config={} {difference}",
+            callee.entry,
+            counter.stack_touched(),
+            callee.state_bytes,
+            callee.config_bytes,
+        )
+    }
+}
+
+/// Instructions over all calls.
+struct Cost {
+    sum: u32,
+    min: u32,
+    max: u32,
+}
+
+impl Cost {
+    const NONE: Self = Self {
+        sum: 0,
+        min: u32::MAX,
+        max: 0,
+    };
+
+    fn add(&mut self, instructions: u32) {
+        self.sum += instructions;
+        self.min = self.min.min(instructions);
+        self.max = self.max.max(instructions);
+    }
+}
+
+impl fmt::Display for Cost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { sum, min, max } = self;
+        write!(f, "sum={sum} min={min} max={max}")
+    }
+}
+
+/// How far a candidate's duty cycles are from the project's own controller's.
+struct Difference {
+    deviation: u32,
+    decisions: u32,
+}
+
+impl Difference {
+    const NONE: Self = Self {
+        deviation: 0,
+        decisions: 0,
+    };
+
+    fn add(&mut self, expected: [i32; 2], answered: [i32; 2]) {
+        let driven = |duties: [i32; 2]| duties.map(|duty| duty != 0);
+        if driven(expected) != driven(answered) {
+            self.decisions += 1;
+            return;
+        }
+        for (expected, answered) in expected.into_iter().zip(answered) {
+            self.deviation = self.deviation.max(expected.abs_diff(answered));
+        }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            deviation,
+            decisions,
+        } = self;
+        write!(f, "deviation={deviation} decisions={decisions}")
+    }
+}

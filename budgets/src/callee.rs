@@ -1,0 +1,119 @@
+//! A candidate as it is called: a function, and the configuration and the state that it is given by reference.
+
+use core::marker::PhantomData;
+
+use controller::Input;
+
+/// A full step in integers: reference and pressure [2⁻¹⁶ bar] to fill and vent [2⁻¹⁶ %], in the lower and upper word.
+pub(crate) type IntegerStep<C, S> = extern "C" fn(&C, &mut S, i32, i32) -> u64;
+/// A full step in floats: reference and pressure \[bar\] to fill and vent [%].
+pub(crate) type FloatStep<C, S> = extern "C" fn(&C, &mut S, f32, f32) -> FloatDuties;
+/// A PID controller and no more, in integers.
+pub(crate) type IntegerKernel<C, S> = extern "C" fn(&C, &mut S, i32, i32) -> i32;
+/// A PID controller and no more, in floats.
+pub(crate) type FloatKernel<C, S> = extern "C" fn(&C, &mut S, f32, f32) -> f32;
+
+/// Two duty cycles as the calling convention returns them, in the first two registers of the floating-point unit.
+#[repr(C)]
+pub(crate) struct FloatDuties {
+    fill: f32,
+    vent: f32,
+}
+
+/// What goes into a call and what comes out of it, as far as the calling convention keeps it in registers.
+#[repr(C)]
+pub(crate) struct Registers {
+    pub(crate) r0: u32,
+    pub(crate) r1: u32,
+    pub(crate) r2: i32,
+    pub(crate) r3: i32,
+    pub(crate) s0: f32,
+    pub(crate) s1: f32,
+}
+
+impl From<Input> for Registers {
+    fn from(input: Input) -> Self {
+        let (r2, r3) = (input.reference.to_bits(), input.pressure.to_bits());
+        Self {
+            r0: 0,
+            r1: 0,
+            r2,
+            r3,
+            s0: r2 as f32 / 65_536.0,
+            s1: r3 as f32 / 65_536.0,
+        }
+    }
+}
+
+/// Where a candidate's answer is.
+#[derive(Clone, Copy)]
+enum Answer {
+    Integers,
+    Floats,
+    /// A kernel's control signal, which no other candidate shares: only its cost is compared.
+    Kernel,
+}
+
+/// A candidate, ready to be called.
+pub(crate) struct Callee<'a> {
+    pub(crate) entry: usize,
+    pub(crate) config: *const (),
+    pub(crate) state: *mut (),
+    pub(crate) config_bytes: usize,
+    pub(crate) state_bytes: usize,
+    answer: Answer,
+    borrowed: PhantomData<&'a mut ()>,
+}
+
+impl<'a> Callee<'a> {
+    pub(crate) fn integer_step<C, S>(
+        step: IntegerStep<C, S>,
+        config: &'a C,
+        state: &'a mut S,
+    ) -> Self {
+        Self::new(step as usize, config, state, Answer::Integers)
+    }
+
+    #[cfg(feature = "c-baselines")]
+    pub(crate) fn float_step<C, S>(step: FloatStep<C, S>, config: &'a C, state: &'a mut S) -> Self {
+        Self::new(step as usize, config, state, Answer::Floats)
+    }
+
+    pub(crate) fn integer_kernel<C, S>(
+        kernel: IntegerKernel<C, S>,
+        config: &'a C,
+        state: &'a mut S,
+    ) -> Self {
+        Self::new(kernel as usize, config, state, Answer::Kernel)
+    }
+
+    pub(crate) fn float_kernel<C, S>(
+        kernel: FloatKernel<C, S>,
+        config: &'a C,
+        state: &'a mut S,
+    ) -> Self {
+        Self::new(kernel as usize, config, state, Answer::Kernel)
+    }
+
+    fn new<C, S>(entry: usize, config: &'a C, state: &'a mut S, answer: Answer) -> Self {
+        Self {
+            entry,
+            config: (&raw const *config).cast(),
+            state: (&raw mut *state).cast(),
+            config_bytes: size_of::<C>(),
+            state_bytes: size_of::<S>(),
+            answer,
+            borrowed: PhantomData,
+        }
+    }
+
+    /// The duty cycles in what a call left behind, fill and vent [2⁻¹⁶ %]; none of a kernel.
+    pub(crate) fn duties(&self, left: &Registers) -> Option<[i32; 2]> {
+        let bits = |percent: f32| (percent * 65_536.0) as i32;
+        match self.answer {
+            Answer::Integers => Some([left.r0 as i32, left.r1 as i32]),
+            Answer::Floats => Some([bits(left.s0), bits(left.s1)]),
+            Answer::Kernel => None,
+        }
+    }
+}
