@@ -10,10 +10,9 @@
 mod decode;
 mod encode;
 
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-pub use decode::{Damage, Decoder};
+pub use decode::{Damage, Decoder, header, message};
 pub use encode::{TooLong, encode};
 
 /// Most bytes of a frame, its delimiter included.
@@ -46,17 +45,4 @@ pub enum Direction {
     ToDevice,
     /// An answer.
     ToHost,
-}
-
-/// Header of an undamaged payload, and the bytes of its message; none if not even the header is known.
-pub fn header(payload: &[u8]) -> Option<(Header, &[u8])> {
-    postcard::take_from_bytes(payload).ok()
-}
-
-/// The message of which these are the bytes, all of them; none if it is not known.
-pub fn message<M: DeserializeOwned>(bytes: &[u8]) -> Option<M> {
-    match postcard::take_from_bytes(bytes) {
-        Ok((message, [])) => Some(message),
-        _ => None,
-    }
 }

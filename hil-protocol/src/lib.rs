@@ -1,6 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![no_std]
 
+#[cfg(test)]
+extern crate std;
+
 mod counters;
 pub mod crc32;
 mod device;
@@ -17,6 +20,6 @@ pub use message::{
     Actuators, Answer, BlackBoxPage, BlackBoxRecord, BlackBoxStatus, Identity, ImageIdentity,
     LOG_MAX, LogBytes, MEASURED_MAX, Measured, Name, RECORDS_MAX, Refusal, Reply, Request,
     ResetCause, STATE_WORDS, Sensors, SettingsSource, SignalIds, Telemetry, VALUES_MAX, VERSION,
-    Values,
+    Values, name,
 };
 pub use session::{DeviceSession, Event, HostError, HostSession};

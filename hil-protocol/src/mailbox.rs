@@ -124,7 +124,7 @@ impl Slot {
         if self.load(words, TAKEN, Ordering::Acquire) != sent {
             return Err(MailboxError::Full);
         }
-        for (index, chunk) in (BYTES..).zip(frame.chunks(WORD_BYTES)) {
+        for (index, chunk) in (BYTES..SLOT_WORDS).zip(frame.chunks(WORD_BYTES)) {
             let mut bytes = [0; WORD_BYTES];
             for (byte, &source) in bytes.iter_mut().zip(chunk) {
                 *byte = source;
@@ -146,7 +146,7 @@ impl Slot {
         let length = self.load(words, LENGTH, Ordering::Relaxed) as usize;
         // Memory that nobody has written yet may hold any length.
         let frame = buffer.get_mut(..length).unwrap_or(&mut []);
-        for (index, chunk) in (BYTES..).zip(frame.chunks_mut(WORD_BYTES)) {
+        for (index, chunk) in (BYTES..SLOT_WORDS).zip(frame.chunks_mut(WORD_BYTES)) {
             let bytes = self.load(words, index, Ordering::Relaxed).to_le_bytes();
             for (byte, source) in chunk.iter_mut().zip(bytes) {
                 *byte = source;

@@ -39,6 +39,19 @@ pub type Measured = Vec<i32, MEASURED_MAX>;
 /// Name of a board, or a version.
 pub type Name = String<32>;
 
+/// A name, cut where it is longer than a [`Name`] can be; of ASCII, or it is empty.
+///
+/// The list's own way from text keeps a panic when overflow is checked.
+pub fn name(text: &str) -> Name {
+    let mut bytes = Vec::new();
+    for byte in text.bytes() {
+        if bytes.push(byte).is_err() {
+            break;
+        }
+    }
+    Name::from_utf8(bytes).unwrap_or_default()
+}
+
 /// Bytes of the device's log, as the logging framework encoded them.
 pub type LogBytes = Vec<u8, LOG_MAX>;
 

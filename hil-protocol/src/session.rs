@@ -36,3 +36,24 @@ impl Place {
 const fn session_number(nonce: u32, boot: u32) -> u32 {
     nonce.wrapping_add(boot)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_go_round() {
+        for newest in [0, 1, 12_345, u32::MAX - 1, u32::MAX] {
+            for (ahead, place) in [
+                (0, Place::Same),
+                (1, Place::Next),
+                (2, Place::Beyond),
+                ((1 << 31) - 1, Place::Beyond),
+                (1 << 31, Place::Before),
+                (u32::MAX, Place::Before),
+            ] {
+                assert_eq!(Place::of(newest.wrapping_add(ahead), newest), place);
+            }
+        }
+    }
+}

@@ -1,7 +1,11 @@
 //! From bytes to a payload that was not damaged.
 
+use postcard::Deserializer;
+use postcard::de_flavors::Flavor;
+use serde::de::DeserializeOwned;
+
 use super::encode::FULL_BLOCK;
-use super::{CHECKSUM_LENGTH, DELIMITER, FRAME_MAX};
+use super::{CHECKSUM_LENGTH, DELIMITER, FRAME_MAX, Header};
 use crate::crc32;
 
 /// Why bytes are no frame. The next frame is read as if nothing had been.
@@ -127,5 +131,54 @@ fn checked(bytes: &[u8]) -> Result<&[u8], Damage> {
         Ok(payload)
     } else {
         Err(Damage::Checksum { found, computed })
+    }
+}
+
+/// Header of an undamaged payload, and the bytes of its message; none if not even the header is known.
+pub fn header(payload: &[u8]) -> Option<(Header, &[u8])> {
+    take(payload)
+}
+
+/// The message of which these are the bytes, all of them; none if it is not known.
+pub fn message<M: DeserializeOwned>(bytes: &[u8]) -> Option<M> {
+    match take(bytes) {
+        Some((message, [])) => Some(message),
+        _ => None,
+    }
+}
+
+fn take<T: DeserializeOwned>(bytes: &[u8]) -> Option<(T, &[u8])> {
+    let mut deserializer = Deserializer::from_flavor(Remaining(bytes));
+    let value = T::deserialize(&mut deserializer).ok()?;
+    Some((value, deserializer.finalize().ok()?))
+}
+
+/// Bytes still to be read. The serializer's own reader subtracts pointers, which keeps a panic when overflow is checked.
+struct Remaining<'a>(&'a [u8]);
+
+impl<'a> Flavor<'a> for Remaining<'a> {
+    type Remainder = &'a [u8];
+    type Source = &'a [u8];
+
+    fn pop(&mut self) -> postcard::Result<u8> {
+        let (&first, rest) = self
+            .0
+            .split_first()
+            .ok_or(postcard::Error::DeserializeUnexpectedEnd)?;
+        self.0 = rest;
+        Ok(first)
+    }
+
+    fn try_take_n(&mut self, count: usize) -> postcard::Result<&'a [u8]> {
+        let (taken, rest) = self
+            .0
+            .split_at_checked(count)
+            .ok_or(postcard::Error::DeserializeUnexpectedEnd)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn finalize(self) -> postcard::Result<&'a [u8]> {
+        Ok(self.0)
     }
 }
