@@ -9,6 +9,7 @@ use controller::Pressure;
 
 /// Code of the 12-bit ADC, 0 ..= 4095 — to the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SensorCode(u16);
 
 impl SensorCode {
@@ -34,6 +35,7 @@ impl SensorCode {
 
 /// The transfer curve of the pressure sensor with its ADC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PressureSensor;
 
 impl PressureSensor {
