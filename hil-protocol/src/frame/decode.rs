@@ -12,7 +12,7 @@ use crate::crc32;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Damage {
-    /// The frame ended inside a block, or is shorter than its checksum: part of it is missing.
+    /// The frame ended inside a block, or holds no more than its checksum: part of it is missing.
     #[error("the frame ends too early: part of it was lost")]
     Truncated,
     /// More bytes than a frame can have came without a delimiter.
@@ -125,6 +125,10 @@ fn checked(bytes: &[u8]) -> Result<&[u8], Damage> {
     let Some((payload, checksum)) = bytes.split_last_chunk::<CHECKSUM_LENGTH>() else {
         return Err(Damage::Truncated);
     };
+    // The checksum of nothing is 0: four zeros, which two flipped bits can cut out of a frame.
+    if payload.is_empty() {
+        return Err(Damage::Truncated);
+    }
     let found = u32::from_le_bytes(*checksum);
     let computed = crc32::digest(payload);
     if found == computed {

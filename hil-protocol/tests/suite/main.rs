@@ -1,0 +1,11 @@
+//! What the wire carries, and what it survives.
+
+mod flips;
+mod frames;
+mod garbage;
+mod link;
+mod mailbox;
+mod messages;
+mod sessions;
+mod stepper;
+mod worked_example;
