@@ -1,33 +1,84 @@
 //! The contract between the image and the machine it runs on.
 
-use core::fmt;
+use ecu::{Inputs, Outputs};
+use hil_protocol::{FRAME_MAX, LogBytes, ResetCause, Sensors};
 
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
-    /// The image did all that it was asked to do.
-    Passed,
-    /// It could not: it panicked, faulted or found nobody to report to.
-    Failed,
-}
+use crate::event::Event;
+use crate::retained::Retained;
 
 /// What the image asks of a machine.
 ///
-/// A board file holds facts only (addresses, pins, the way out to the person who watches); what to do with them is
-/// decided above this trait, where the host's tests see it.
-pub(crate) trait Board {
-    /// The safe state: both coils without current, whatever ran before.
+/// A board's folder holds facts only: addresses, pins, clocks, the wiring of the [drivers](crate::drivers). What to do with
+/// them is decided above this trait, where the host's tests see it. No method waits longer than it says.
+pub trait Board {
+    /// The board's name, at most 32 bytes.
+    const NAME: &'static str;
+
+    /// The safe state: no current in either coil, whatever ran before.
     ///
-    /// Must work at any moment, also from the panic and the fault handler, must not wait and cannot fail. Calling it
-    /// again changes nothing. It is the state at reset, and the state in which every run ends.
+    /// Must work at any moment, does not wait and cannot fail. Calling it again changes nothing. It is the state at reset.
+    /// The handlers of panics, faults and the watchdog reach the same outputs without this value.
     fn coils_off(&mut self);
 
-    /// Shows one line to whoever watches.
-    ///
-    /// # Errors
-    /// `fmt::Error` if the line did not get out: nobody watches, or the channel is closed.
-    fn show(&mut self, line: fmt::Arguments<'_>) -> fmt::Result;
+    /// Why the machine started, as far as the hardware tells.
+    fn reset_cause(&mut self) -> ResetCause;
 
-    /// Ends the run with its verdict. The caller has switched the coils off.
-    fn end(&mut self, verdict: Verdict) -> !;
+    /// The words that a warm reset leaves alone.
+    fn retained(&self) -> Retained<'_>;
+
+    /// Time since some moment \[µs\], from a hardware counter; goes on at 0 after 2³² - 1. Never goes back.
+    fn now_us(&self) -> u32;
+
+    /// How often the sample timer, 10 ms, has come since the last call.
+    fn take_ticks(&mut self) -> u32;
+
+    /// Tells the watchdog that all is well; it resets the machine if this is not said again in time.
+    fn feed_watchdog(&mut self, pace: Pace);
+
+    /// Whether the inputs of this machine may come from the link at this moment: always in an emulator, on a real board
+    /// only while its bench jumper is fitted.
+    fn may_simulate(&mut self) -> bool;
+
+    /// Puts these values where the sensors' values come from, for the next [`Board::measure`].
+    fn simulate(&mut self, sensors: &Sensors);
+
+    /// Back to the real sensors.
+    fn end_simulation(&mut self);
+
+    /// One sample of all inputs, through their drivers. What could not be measured is none.
+    fn measure(&mut self, elapsed_us: u32) -> Inputs;
+
+    /// Gives the coils their duty cycles, from the next PWM period on.
+    fn drive(&mut self, outputs: Outputs);
+
+    /// What came over a link, if anything did. Does not wait.
+    fn receive<'a>(&mut self, buffer: &'a mut [u8; FRAME_MAX]) -> Option<Received<'a>>;
+
+    /// Sends a frame over the link from which the last byte or frame came. Does not wait: a frame for which there is no
+    /// room is lost, as on any wire.
+    fn send(&mut self, frame: &[u8]);
+
+    /// Writes an event to the log.
+    fn log(&mut self, event: Event);
+
+    /// Takes the oldest bytes of the log; says how many were lost since the start.
+    fn take_log(&mut self, bytes: &mut LogBytes) -> u32;
+}
+
+/// What sets the pace of the control task, and so how soon the watchdog has to bite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// The sample timer: the watchdog bites after three samples without one.
+    Timer,
+    /// The host, which may stop to think: the watchdog only sees that the image is alive.
+    Host,
+}
+
+/// What came over a link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Received<'a> {
+    /// One byte of a stream.
+    Byte(u8),
+    /// A whole frame.
+    Frame(&'a [u8]),
 }

@@ -1,6 +1,8 @@
-//! The machines that the image knows, one file each.
+//! The machines that the image knows, one folder each; one of them is the board of this image.
 
 #[cfg(not(target_os = "none"))]
 pub(crate) mod host;
-#[cfg(target_os = "none")]
-pub(crate) mod mps2_an386;
+
+#[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
+#[path = "boards/mps2_an386/mod.rs"]
+pub(crate) mod board;

@@ -10,16 +10,15 @@
 
 mod configurations;
 mod digest;
+mod line;
 mod random;
 mod walk;
 
-use core::fmt;
-
 use controller::{Config, State, step};
 
-use crate::board::Board;
 use configurations::CONFIGURATIONS;
 use digest::Digest;
+use line::Line;
 use walk::Walk;
 
 /// Steps between two shown digests.
@@ -30,17 +29,30 @@ const STEPS: u32 = 64 * BLOCK;
 // What the evidence says of the comparison holds for any list of configurations.
 const _: () = assert!(CONFIGURATIONS.len() * STEPS as usize >= 1_000_000);
 
+/// Whoever watches a self-test.
+pub trait Watcher {
+    /// Shows one line, without its end.
+    ///
+    /// # Errors
+    /// The line did not get out: nobody watches, or the channel is closed.
+    fn show(&mut self, line: &str) -> Result<(), NotShown>;
+}
+
+/// A line did not get out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotShown;
+
 /// Why a self-test did not come to its end. The reason is shown where there is still somebody to show it to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Incomplete {
+pub enum Incomplete {
     /// A line did not get out.
     NotShown,
     /// The controller refused one of the configurations.
     Refused,
 }
 
-impl From<fmt::Error> for Incomplete {
-    fn from(_: fmt::Error) -> Self {
+impl From<NotShown> for Incomplete {
+    fn from(_: NotShown) -> Self {
         Self::NotShown
     }
 }
@@ -49,17 +61,20 @@ impl From<fmt::Error> for Incomplete {
 ///
 /// `flip` gives the bits to flip in the first output word of a configuration's step. It exists so that the comparison of
 /// two machines can be shown to notice; zero otherwise.
-pub(crate) fn run(
-    board: &mut impl Board,
-    flip: impl Fn(&str, u32) -> u32,
-) -> Result<(), Incomplete> {
+///
+/// # Errors
+/// [`Incomplete`]: the test has no result.
+pub fn run(watcher: &mut impl Watcher, flip: impl Fn(&str, u32) -> u32) -> Result<(), Incomplete> {
     for (name, settings) in &CONFIGURATIONS {
-        let config = match Config::new(settings) {
-            Ok(config) => config,
-            Err(error) => {
-                board.show(format_args!("config={name} refused: {error}"))?;
-                return Err(Incomplete::Refused);
-            }
+        let Ok(config) = Config::new(settings) else {
+            watcher.show(
+                Line::new()
+                    .text("config=")
+                    .text(name)
+                    .text(" refused")
+                    .as_str(),
+            )?;
+            return Err(Incomplete::Refused);
         };
         let mut state = State::at_rest();
         let mut walk = Walk::new();
@@ -73,54 +88,50 @@ pub(crate) fn run(
             }
             let done = number + 1;
             if done % BLOCK == 0 {
-                board.show(format_args!(
-                    "config={name} step={done} digest={:016x}",
-                    digest.value()
-                ))?;
+                watcher.show(told(name, " step=", done, digest).as_str())?;
             }
         }
-        board.show(format_args!(
-            "config={name} steps={STEPS} digest={:016x}",
-            digest.value()
-        ))?;
+        watcher.show(told(name, " steps=", STEPS, digest).as_str())?;
     }
     Ok(())
+}
+
+fn told(name: &str, key: &str, steps: u32, digest: Digest) -> Line {
+    Line::new()
+        .text("config=")
+        .text(name)
+        .text(key)
+        .decimal(steps)
+        .text(" digest=")
+        .hex(digest.value())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::board::Verdict;
-
     /// Keeps what it is shown, up to a number of lines.
     struct Listener {
         lines: Vec<String>,
         room: usize,
     }
 
-    impl Board for Listener {
-        fn coils_off(&mut self) {}
-
-        fn show(&mut self, line: fmt::Arguments<'_>) -> fmt::Result {
+    impl Watcher for Listener {
+        fn show(&mut self, line: &str) -> Result<(), NotShown> {
             if self.lines.len() == self.room {
-                return Err(fmt::Error);
+                return Err(NotShown);
             }
-            self.lines.push(line.to_string());
+            self.lines.push(line.to_owned());
             Ok(())
-        }
-
-        fn end(&mut self, verdict: Verdict) -> ! {
-            panic!("the self-test itself ended the run: {verdict:?}")
         }
     }
 
     fn lines(flip: impl Fn(&str, u32) -> u32) -> Vec<String> {
-        let mut board = Listener {
+        let mut listener = Listener {
             lines: Vec::new(),
             room: usize::MAX,
         };
-        assert_eq!(run(&mut board, flip), Ok(()));
-        board.lines
+        assert_eq!(run(&mut listener, flip), Ok(()));
+        listener.lines
     }
 
     #[test]
@@ -165,11 +176,11 @@ mod tests {
     }
 
     #[test]
-    fn a_board_that_cannot_show_a_line_ends_the_test() {
-        let mut board = Listener {
+    fn a_watcher_who_cannot_be_shown_a_line_ends_the_test() {
+        let mut listener = Listener {
             lines: Vec::new(),
             room: 3,
         };
-        assert_eq!(run(&mut board, |_, _| 0), Err(Incomplete::NotShown));
+        assert_eq!(run(&mut listener, |_, _| 0), Err(Incomplete::NotShown));
     }
 }

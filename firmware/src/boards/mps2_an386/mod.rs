@@ -1,0 +1,190 @@
+//! Arm MPS2 with the AN386 image: the Cortex-M4F machine that QEMU emulates (`-machine mps2-an386`).
+//!
+//! It has no coil drivers, no converter and no flash. What stands for them lies in memory that the host may map as well
+//! ([`pins`], `memory.x`), behind the same drivers as on a real board. Its two user LEDs show the coils: LED 0 lit is a
+//! duty cycle above zero for the fill valve's coil, LED 1 for the vent valve's.
+//!
+//! The clock is 25 MHz throughout (application note AN386, "Clocks").
+
+mod converter;
+mod memory;
+mod pins;
+mod pwm;
+mod register;
+mod self_test;
+mod timer;
+mod uart;
+mod watchdog;
+
+use core::sync::atomic::AtomicU32;
+
+use cortex_m_rt::{entry, exception};
+use ecu::{Inputs, Outputs, ResetCause};
+use firmware::drivers::{Mcp3201, Valve};
+use firmware::{Board, Event, Image, Life, Pace, Received, Retained};
+use hil_protocol::mailbox::{self, Mailbox};
+use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
+
+use crate::handlers;
+use crate::log;
+use converter::Converter;
+use firmware::Farewell;
+use pwm::Pwm;
+
+pub(crate) use memory::retained;
+pub(crate) use timer::now_us;
+
+defmt::timestamp!("{=u32:us}", now_us());
+
+/// The link from which something came last.
+enum Link {
+    Mailbox,
+    Uart,
+}
+
+struct Mps2An386 {
+    converter: Mcp3201<Converter>,
+    fill: Valve<Pwm>,
+    vent: Valve<Pwm>,
+    mailbox: Mailbox<&'static [AtomicU32; mailbox::WORDS]>,
+    link: Link,
+}
+
+impl Mps2An386 {
+    fn new() -> Self {
+        timer::start();
+        uart::start();
+        let Ok(fill) = Valve::new(Pwm::FILL);
+        let Ok(vent) = Valve::new(Pwm::VENT);
+        Self {
+            converter: Mcp3201::new(Converter),
+            fill,
+            vent,
+            mailbox: Mailbox::device(&memory::MAILBOX),
+            link: Link::Mailbox,
+        }
+    }
+}
+
+impl Board for Mps2An386 {
+    const NAME: &'static str = "mps2-an386";
+
+    fn coils_off(&mut self) {
+        coils_off();
+    }
+
+    fn reset_cause(&mut self) -> ResetCause {
+        // No register tells. What the image says before it resets the machine is all that is known.
+        ResetCause::Unknown
+    }
+
+    fn retained(&self) -> Retained<'_> {
+        retained()
+    }
+
+    fn now_us(&self) -> u32 {
+        now_us()
+    }
+
+    fn take_ticks(&mut self) -> u32 {
+        timer::take_ticks()
+    }
+
+    fn feed_watchdog(&mut self, pace: Pace) {
+        watchdog::feed(pace);
+    }
+
+    fn may_simulate(&mut self) -> bool {
+        true
+    }
+
+    fn simulate(&mut self, sensors: &Sensors) {
+        pins::simulate(sensors);
+    }
+
+    fn end_simulation(&mut self) {
+        // There are no other sensors than the simulated ones.
+    }
+
+    fn measure(&mut self, elapsed_us: u32) -> Inputs {
+        Inputs {
+            elapsed_us,
+            reference: pins::reference(),
+            pressure: self.converter.read().ok(),
+            current_fill_ma: pins::current_fill_ma(),
+            current_vent_ma: pins::current_vent_ma(),
+            battery_mv: pins::battery_mv(),
+        }
+    }
+
+    fn drive(&mut self, outputs: Outputs) {
+        let Ok(()) = self.fill.drive(outputs.duty_fill);
+        let Ok(()) = self.vent.drive(outputs.duty_vent);
+    }
+
+    fn receive<'a>(&mut self, buffer: &'a mut [u8; FRAME_MAX]) -> Option<Received<'a>> {
+        if let Some(frame) = self.mailbox.receive(buffer) {
+            self.link = Link::Mailbox;
+            return Some(Received::Frame(frame));
+        }
+        let byte = uart::receive()?;
+        self.link = Link::Uart;
+        Some(Received::Byte(byte))
+    }
+
+    fn send(&mut self, frame: &[u8]) {
+        match self.link {
+            // The host asks again for what it did not get.
+            Link::Mailbox => drop(self.mailbox.send(frame)),
+            Link::Uart => uart::send(frame),
+        }
+    }
+
+    fn log(&mut self, event: Event) {
+        log::log(event);
+    }
+
+    fn take_log(&mut self, bytes: &mut LogBytes) -> u32 {
+        log::take(bytes)
+    }
+}
+
+/// The safe state, from anywhere: see [`Board::coils_off`].
+pub(crate) fn coils_off() {
+    Pwm::all_off();
+}
+
+/// Nothing is in the way of a reset here.
+pub(crate) fn before_reset() {}
+
+#[entry]
+fn main() -> ! {
+    coils_off();
+    if self_test::is_wanted() {
+        self_test::run();
+    }
+    let mut image = Image::start(Mps2An386::new());
+    while image.turn() == Life::GoesOn {}
+    handlers::end(Farewell::Requested)
+}
+
+/// The timer's tick and the serial port's bytes.
+// SAFETY: cortex-m-rt demands the signature. The handler touches only counters and queues that are made for it.
+#[exception]
+unsafe fn DefaultHandler(interrupt: i16) {
+    match interrupt {
+        uart::RECEIVED => uart::on_received(),
+        uart::SENT => uart::on_sent(),
+        timer::TICK => timer::on_tick(),
+        // Nothing else was enabled.
+        _ => handlers::end(Farewell::Exception { pc: 0 }),
+    }
+}
+
+/// The watchdog's first warning is its last: nothing that still works is trusted with the coils.
+// SAFETY: cortex-m-rt demands the signature. The handler never returns, and touches only the outputs, the retained words
+// and the reset.
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    handlers::end(Farewell::Watchdog)
+}

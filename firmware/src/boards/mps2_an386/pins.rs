@@ -1,0 +1,89 @@
+//! The pins of the emulated board: words that stand for what sensors show and coils get.
+//!
+//! ```text
+//! word  0  reference [2⁻¹⁶ bar gauge]          word 32  compare value of the fill valve's PWM, of 65 535
+//!       1  code of the pressure sensor              33  compare value of the vent valve's PWM, of 65 535
+//!       2  current of the fill valve's coil [mA]
+//!       3  current of the vent valve's coil [mA]
+//!       4  supply voltage [mV]
+//!       5  which of these are there, a bit each
+//!      16  what to do after a reset: SELF_TEST, else serve
+//! ```
+//! In lock step the link's samples are put here; when the timer sets the pace, whoever maps the memory may do it.
+
+use core::sync::atomic::Ordering;
+
+use controller::Pressure;
+use ecu::SensorCode;
+use hil_protocol::Sensors;
+
+use super::memory::PIN_WORDS;
+
+const REFERENCE: usize = 0;
+const PRESSURE: usize = 1;
+const CURRENT_FILL: usize = 2;
+const CURRENT_VENT: usize = 3;
+const BATTERY: usize = 4;
+const PRESENT: usize = 5;
+const WISH: usize = 16;
+/// Where the compare values begin.
+pub(super) const COMPARE: usize = 32;
+
+/// The wish for a self-test, "test" in ASCII.
+const SELF_TEST: u32 = 0x7465_7374;
+
+/// Puts a sample's values to the pins.
+pub(super) fn simulate(sensors: &Sensors) {
+    let values = [
+        sensors.reference.map(|bits| bits as u32),
+        sensors.pressure.map(u32::from),
+        sensors.current_fill_ma.map(u32::from),
+        sensors.current_vent_ma.map(u32::from),
+        sensors.battery_mv.map(u32::from),
+    ];
+    let mut present = 0;
+    for (index, value) in values.into_iter().enumerate() {
+        if let Some(value) = value {
+            present |= 1 << index;
+            PIN_WORDS[index].store(value, Ordering::Relaxed);
+        }
+    }
+    PIN_WORDS[PRESENT].store(present, Ordering::Relaxed);
+}
+
+/// What is asked for; none: no valid message.
+pub(super) fn reference() -> Option<Pressure> {
+    word(REFERENCE).map(|bits| Pressure::from_bits(bits as i32))
+}
+
+/// What the pressure sensor's converter would answer; none: it does not.
+pub(super) fn pressure() -> Option<SensorCode> {
+    SensorCode::from_bits(half_word(PRESSURE)?)
+}
+
+pub(super) fn current_fill_ma() -> Option<u16> {
+    half_word(CURRENT_FILL)
+}
+
+pub(super) fn current_vent_ma() -> Option<u16> {
+    half_word(CURRENT_VENT)
+}
+
+pub(super) fn battery_mv() -> Option<u16> {
+    half_word(BATTERY)
+}
+
+/// Whether whoever started the machine wants the self-test and nothing else.
+pub(super) fn self_test_is_wanted() -> bool {
+    PIN_WORDS[WISH].load(Ordering::Relaxed) == SELF_TEST
+}
+
+fn word(index: usize) -> Option<u32> {
+    let present = PIN_WORDS[PRESENT].load(Ordering::Relaxed);
+    let value = PIN_WORDS[index].load(Ordering::Relaxed);
+    (present >> index & 1 == 1).then_some(value)
+}
+
+fn half_word(index: usize) -> Option<u16> {
+    u16::try_from(word(index)?).ok()
+}

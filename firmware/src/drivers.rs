@@ -1,0 +1,7 @@
+//! Drivers of the parts around the processor, over `embedded-hal` alone: the same code on each board and in the host's tests.
+
+mod mcp3201;
+mod valve;
+
+pub use mcp3201::{Mcp3201, ReadError, frame_of};
+pub use valve::Valve;

@@ -1,0 +1,85 @@
+//! The log's way from the macros into a ring in RAM, from which the link takes it.
+
+use core::cell::UnsafeCell;
+
+use critical_section::RestoreState;
+use defmt::{Encoder, Logger, global_logger};
+use firmware::{Event, LogRing};
+use hil_protocol::LogBytes;
+
+/// Bytes of the ring: about a hundred events.
+const RING: usize = 2048;
+
+struct Log {
+    encoder: Encoder,
+    ring: LogRing<RING>,
+    restore: RestoreState,
+}
+
+struct Shared(UnsafeCell<Log>);
+
+// SAFETY: `with` is the one way to the log. It runs with interrupts off on the only core, and what it is given does not
+// call it again; defmt holds the log between `acquire` and `release`, with interrupts off as well.
+unsafe impl Sync for Shared {}
+
+static LOG: Shared = Shared(UnsafeCell::new(Log {
+    encoder: Encoder::new(),
+    ring: LogRing::new(),
+    restore: RestoreState::invalid(),
+}));
+
+#[global_logger]
+struct IntoRing;
+
+// SAFETY: between `acquire` and `release` interrupts are off on the only core, so that frames do not mix.
+unsafe impl Logger for IntoRing {
+    fn acquire() {
+        // SAFETY: released in `release`, which defmt calls after each `acquire`, without nesting.
+        let restore = unsafe { critical_section::acquire() };
+        // SAFETY: interrupts are off, nobody else has the log.
+        let log = unsafe { &mut *LOG.0.get() };
+        log.restore = restore;
+        log.ring.start_frame();
+        log.encoder.start_frame(|bytes| log.ring.put(bytes));
+    }
+
+    unsafe fn write(bytes: &[u8]) {
+        // SAFETY: defmt calls this between `acquire` and `release` only.
+        let log = unsafe { &mut *LOG.0.get() };
+        log.encoder.write(bytes, |bytes| log.ring.put(bytes));
+    }
+
+    unsafe fn flush() {}
+
+    unsafe fn release() {
+        // SAFETY: as in `write`.
+        let log = unsafe { &mut *LOG.0.get() };
+        log.encoder.end_frame(|bytes| log.ring.put(bytes));
+        log.ring.end_frame();
+        let restore = log.restore;
+        // SAFETY: the state is the one that `acquire` got.
+        unsafe { critical_section::release(restore) }
+    }
+}
+
+/// Writes an event to the log.
+pub(crate) fn log(event: Event) {
+    match event {
+        Event::TicksMissed { .. } => defmt::warn!("{}", event),
+        _ => defmt::info!("{}", event),
+    }
+}
+
+/// Takes the oldest bytes; says how many were lost since the start.
+pub(crate) fn take(bytes: &mut LogBytes) -> u32 {
+    critical_section::with(|_| {
+        // SAFETY: interrupts are off, and no macro of the log runs in here.
+        let log = unsafe { &mut *LOG.0.get() };
+        while !bytes.is_full() {
+            let Some(byte) = log.ring.take() else { break };
+            // There is room.
+            let _ = bytes.push(byte);
+        }
+        log.ring.lost()
+    })
+}

@@ -1,0 +1,206 @@
+//! What the image tells its next life: a few words of RAM that a warm reset leaves alone.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use hil_protocol::ResetCause;
+use hil_protocol::crc32::values_digest;
+
+/// Why the image ended its life itself, said before it resets the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Farewell {
+    /// A host asked for it.
+    Requested,
+    /// The watchdog was about to bite.
+    Watchdog,
+    /// The image panicked in this line of a source file.
+    Panic {
+        /// Line number; 0: not known.
+        line: u32,
+    },
+    /// The processor took a fault exception at this address.
+    Exception {
+        /// The program counter.
+        pc: u32,
+    },
+}
+
+/// The words, wherever the board keeps them. Any bits are allowed: what a cold start left there is recognised.
+#[derive(Clone, Copy)]
+pub struct Retained<'a> {
+    words: &'a [AtomicU32; WORDS],
+}
+
+/// How many words are retained.
+pub const WORDS: usize = 4;
+
+/// What a start finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Start {
+    /// How often this image started since the words were lost, from 0.
+    pub boot: u32,
+    /// Whether the words were there: the machine was reset, its supply did not fail.
+    pub warm: bool,
+    /// What the life before said, if it said anything.
+    pub farewell: Option<Farewell>,
+}
+
+const BOOT: usize = 0;
+const REASON: usize = 1;
+const DETAIL: usize = 2;
+const CHECK: usize = 3;
+
+const NO_REASON: u32 = 0;
+const REQUESTED: u32 = 1;
+const WATCHDOG: u32 = 2;
+const PANIC: u32 = 3;
+const EXCEPTION: u32 = 4;
+
+impl<'a> Retained<'a> {
+    /// From words that no start-up code clears.
+    pub const fn new(words: &'a [AtomicU32; WORDS]) -> Self {
+        Self { words }
+    }
+
+    /// A new life begins: takes what the last one said and counts on. Call once per start.
+    pub fn start(&self) -> Start {
+        let warm = self.word(CHECK) == self.check();
+        let boot = if warm {
+            self.word(BOOT).wrapping_add(1)
+        } else {
+            0
+        };
+        let farewell = if warm { self.farewell() } else { None };
+        self.write(boot, NO_REASON, 0);
+        Start {
+            boot,
+            warm,
+            farewell,
+        }
+    }
+
+    /// Says why this life ends. Never waits and cannot fail; only the first word counts.
+    pub fn say(&self, farewell: Farewell) {
+        if self.word(REASON) != NO_REASON {
+            return;
+        }
+        let (reason, detail) = match farewell {
+            Farewell::Requested => (REQUESTED, 0),
+            Farewell::Watchdog => (WATCHDOG, 0),
+            Farewell::Panic { line } => (PANIC, line),
+            Farewell::Exception { pc } => (EXCEPTION, pc),
+        };
+        self.write(self.word(BOOT), reason, detail);
+    }
+
+    fn farewell(&self) -> Option<Farewell> {
+        let detail = self.word(DETAIL);
+        match self.word(REASON) {
+            REQUESTED => Some(Farewell::Requested),
+            WATCHDOG => Some(Farewell::Watchdog),
+            PANIC => Some(Farewell::Panic { line: detail }),
+            EXCEPTION => Some(Farewell::Exception { pc: detail }),
+            _ => None,
+        }
+    }
+
+    fn write(&self, boot: u32, reason: u32, detail: u32) {
+        for (index, word) in [boot, reason, detail].into_iter().enumerate() {
+            self.words[index].store(word, Ordering::Relaxed);
+        }
+        self.words[CHECK].store(self.check(), Ordering::Relaxed);
+    }
+
+    fn word(&self, index: usize) -> u32 {
+        self.words[index].load(Ordering::Relaxed)
+    }
+
+    /// CRC-32 over the other words, so that what a cold start finds is taken for a message once in 2³² times.
+    fn check(&self) -> u32 {
+        values_digest(&[BOOT, REASON, DETAIL].map(|index| self.word(index) as i32))
+    }
+}
+
+impl Farewell {
+    /// What the link tells of it.
+    pub const fn cause(self) -> ResetCause {
+        match self {
+            Self::Requested => ResetCause::Software,
+            Self::Watchdog => ResetCause::Watchdog,
+            Self::Panic { .. } => ResetCause::Panic,
+            Self::Exception { .. } => ResetCause::Exception,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(bits: [u32; WORDS]) -> [AtomicU32; WORDS] {
+        bits.map(AtomicU32::new)
+    }
+
+    #[test]
+    fn what_a_cold_start_finds_is_no_message() {
+        for bits in [[0; WORDS], [u32::MAX; WORDS], [1, PANIC, 42, 0xcccc_cccc]] {
+            let words = words(bits);
+            let start = Retained::new(&words).start();
+            let expected = Start {
+                boot: 0,
+                warm: false,
+                farewell: None,
+            };
+            assert_eq!(start, expected, "{bits:x?}");
+        }
+    }
+
+    #[test]
+    fn each_start_after_a_warm_reset_is_counted() {
+        let words = words([0; WORDS]);
+        let boots: Vec<u32> = (0..4).map(|_| Retained::new(&words).start().boot).collect();
+        assert_eq!(boots, [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn a_farewell_is_found_once_by_the_next_life() {
+        for farewell in [
+            Farewell::Requested,
+            Farewell::Watchdog,
+            Farewell::Panic { line: 4711 },
+            Farewell::Exception { pc: 0x0000_1234 },
+        ] {
+            let words = words([0; WORDS]);
+            let retained = Retained::new(&words);
+            retained.start();
+            retained.say(farewell);
+            assert_eq!(retained.start().farewell, Some(farewell));
+            assert_eq!(retained.start().farewell, None);
+        }
+    }
+
+    /// A fault in the panic handler is a consequence, not the cause.
+    #[test]
+    fn only_the_first_farewell_counts() {
+        let words = words([0; WORDS]);
+        let retained = Retained::new(&words);
+        retained.start();
+        retained.say(Farewell::Panic { line: 7 });
+        retained.say(Farewell::Exception { pc: 8 });
+        assert_eq!(retained.start().farewell, Some(Farewell::Panic { line: 7 }));
+    }
+
+    #[test]
+    fn any_flipped_bit_makes_the_words_unknown() {
+        for word in 0..WORDS {
+            for bit in 0..32 {
+                let words = words([0; WORDS]);
+                let retained = Retained::new(&words);
+                retained.start();
+                retained.say(Farewell::Watchdog);
+                words[word].fetch_xor(1 << bit, Ordering::Relaxed);
+                assert!(!retained.start().warm, "word {word}, bit {bit}");
+            }
+        }
+    }
+}
