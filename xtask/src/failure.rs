@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitStatus;
 use std::{io, time::Duration};
 
+use crate::budgets::Unproved;
 use crate::digests::{Difference, Unreadable};
 
 /// Why a step did not pass.
@@ -38,6 +39,8 @@ pub(crate) enum Failure {
     Differs(#[from] Difference),
     #[error("one flipped bit at {planted} was not found there; the comparison said: {said}")]
     CanaryLived { planted: String, said: String },
+    #[error(transparent)]
+    Budgets(#[from] Unproved),
     #[error("needs the step `{0}`, which did not pass")]
     Needs(&'static str),
 }

@@ -4,6 +4,7 @@
 //! [`qemu`], [`packages`]), and how a step runs, ends and is told ([`process`], [`report`]).
 
 mod arm;
+mod budgets;
 mod digests;
 mod failure;
 mod host;
@@ -46,6 +47,11 @@ enum Verb {
         /// The machine to build for.
         #[arg(long, default_value = "mps2-an386")]
         board: qemu::Board,
+        #[command(flatten)]
+        arm: ArmOptions,
+    },
+    /// What a control sample costs, beside its peers; fails if a budget is exceeded.
+    Budgets {
         #[command(flatten)]
         arm: ArmOptions,
     },
@@ -99,6 +105,7 @@ fn main() -> ExitCode {
             }
         }
         Verb::Image { board, arm } => arm::image(&mut report, board, arm.toolchain),
+        Verb::Budgets { arm } => budgets::run(&mut report, arm.toolchain),
         Verb::Setup { arm } => {
             host::setup(&mut report);
             arm::setup(&mut report, arm.toolchain);

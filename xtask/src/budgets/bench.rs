@@ -1,0 +1,147 @@
+//! The bench: built, run on the emulated machine, and its code read for what no run can show.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use super::Unproved;
+use super::code::Code;
+use super::counted::Counted;
+use super::figures::Figures;
+use super::table::Table;
+use super::unbounded::Unbounded;
+use crate::failure::Failure;
+use crate::toolchain::{TARGET, Toolchain};
+use crate::workspace::{arm_target_dir, find_program};
+use crate::{packages, process};
+
+const COMPILER: &str = "arm-none-eabi-gcc";
+const BUILD_DEADLINE: Duration = Duration::from_secs(600);
+/// Longest life of the bench, which takes some seconds.
+const RUN_DEADLINE: Duration = Duration::from_secs(120);
+
+/// Installs the C compiler if it is not there.
+pub(crate) fn compiler_ready() -> Result<(), Failure> {
+    match find_program(COMPILER) {
+        Some(_) => Ok(()),
+        None => packages::install("the C compiler for ARM", &["gcc-arm-none-eabi"]),
+    }
+}
+
+/// Builds one image of the bench.
+pub(crate) fn build(
+    toolchain: &Toolchain,
+    image: &str,
+    features: &[&str],
+) -> Result<PathBuf, Failure> {
+    process::run(
+        &mut build_command(toolchain, image, features),
+        BUILD_DEADLINE,
+    )?;
+    Ok(arm_target_dir().join(TARGET).join("firmware").join(image))
+}
+
+/// The command that builds one image of the bench.
+pub(crate) fn build_command(toolchain: &Toolchain, image: &str, features: &[&str]) -> Command {
+    let mut build = toolchain.cargo("build");
+    build.args(["--package", "budgets", "--bin", image]);
+    build.args(["--features", &features.join(",")]);
+    build
+}
+
+/// Runs the bench and proves what its code allows.
+pub(crate) fn measure(image: &Path) -> Result<Vec<Figures>, Failure> {
+    let said = process::capture(&mut counting_machine(image), RUN_DEADLINE)?;
+    let code = Code::of(image)?;
+    let counted = Counted::read(&said).map_err(Unproved::Bench)?;
+    let figures = counted.into_iter().map(|counted| {
+        let name = counted.name.clone();
+        let figures = Figures::of(&code, counted);
+        figures.ok_or_else(|| Unproved::Candidate { name }.into())
+    });
+    let mut figures = figures.collect::<Result<Vec<_>, Failure>>()?;
+    figures.sort_by_key(|figures| figures.candidate.place());
+    Ok(figures)
+}
+
+/// Each instruction takes 1024 ns of the machine's time, so that its clock counts them (`budgets/src/counter.rs`).
+fn counting_machine(image: &Path) -> Command {
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4"]);
+    qemu.args(["-nographic", "-monitor", "none", "-serial", "none"]);
+    qemu.args(["-semihosting-config", "enable=on,target=native"]);
+    qemu.args(["-icount", "shift=10"]);
+    qemu.arg("-kernel").arg(image);
+    qemu
+}
+
+/// The figures as a table.
+pub(crate) fn table(figures: &[Figures]) -> Table {
+    let mut table = Table::new(&[
+        "instructions per call, bytes",
+        "mean",
+        "seen",
+        "proved",
+        "code",
+        "state",
+        "config",
+        "stack",
+        "touched",
+        "panics",
+        "deviation %",
+    ]);
+    let mut duty = None;
+    for figures in figures {
+        if duty.replace(figures.candidate.duty) != Some(figures.candidate.duty) {
+            table.row(vec![figures.candidate.duty.to_string()]);
+        }
+        table.row(row(figures));
+    }
+    table
+}
+
+fn row(figures: &Figures) -> Vec<String> {
+    let counted = &figures.counted;
+    let bound = |bound: &Result<u32, Unbounded>| match bound {
+        Ok(bound) => bound.to_string(),
+        Err(reason) => reason.word().to_owned(),
+    };
+    let panics = if figures.reach.panics.is_empty() {
+        "no"
+    } else {
+        "yes"
+    };
+    let deviation = figures.deviation_pct();
+    vec![
+        format!("  {}", figures.candidate.title),
+        format!("{:.1}", counted.mean()),
+        counted.max.to_string(),
+        bound(&figures.proved),
+        figures.reach.bytes.to_string(),
+        counted.state_bytes.to_string(),
+        counted.config_bytes.to_string(),
+        bound(&figures.stack),
+        counted.stack.to_string(),
+        panics.to_owned(),
+        deviation.map_or("-".to_owned(), |deviation| format!("{deviation:.4}")),
+    ]
+}
+
+/// What the columns mean, and why a bound is missing where one is.
+pub(crate) fn legend(figures: &[Figures]) -> String {
+    let mut legend = LEGEND.to_owned();
+    for figures in figures {
+        if let Err(reason) = &figures.proved {
+            legend += &format!("\nno bound: {}: {reason}", figures.candidate.title);
+        }
+    }
+    legend
+}
+
+const LEGEND: &str = "\
+mean, seen: over 102 400 samples of one closed loop, the same for all (budgets/src/trace.rs); the return counts, the call does not
+proved: longest path through the linked code, callees included, for any input
+code: of the function and all it reaches, constants between the code included, the panic handler not
+stack: bound from the linked code; touched: what the run wrote
+panics: whether a path leads to the panic handler; Rust is compiled as the image is, with overflow checks on
+deviation: of a duty cycle from the controller's";

@@ -1,0 +1,96 @@
+//! Whom the bench measures, in the order of the table.
+
+use std::fmt;
+
+/// What a candidate can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Duty {
+    /// Prediction, PID, anti-windup, boost, tolerance, Scheme 1 with constant lower limits: all answer the same.
+    FullStep,
+    /// The full step with lower limits that follow the pressure, and the trace for the log.
+    Traced,
+    /// A PID controller and no more.
+    Kernel,
+}
+
+impl fmt::Display for Duty {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::FullStep => "full step of the thesis",
+            Self::Traced => "full step with limits by pressure, and its trace",
+            Self::Kernel => "PID controller alone",
+        })
+    }
+}
+
+/// One candidate.
+#[derive(Debug)]
+pub(crate) struct Candidate {
+    /// As the bench calls it.
+    pub(crate) name: &'static str,
+    /// As a person calls it.
+    pub(crate) title: &'static str,
+    pub(crate) duty: Duty,
+}
+
+const fn candidate(name: &'static str, title: &'static str, duty: Duty) -> Candidate {
+    Candidate { name, title, duty }
+}
+
+/// The step that the budgets are for.
+pub(crate) const THESIS_STEP: &str = "full_step";
+/// The step with everything that an ECU asks for.
+pub(crate) const TRACED_STEP: &str = "traced_step";
+/// The baselines that saturate each operation, in the order O2, Os.
+pub(crate) const SATURATING: [&str; 2] = ["saturating_o2", "saturating_os"];
+
+/// All of them.
+pub(crate) const CANDIDATES: [Candidate; 14] = [
+    candidate(
+        "full_step",
+        "controller, every setting in RAM",
+        Duty::FullStep,
+    ),
+    candidate(
+        "full_step_constant",
+        "controller, every setting constant",
+        Duty::FullStep,
+    ),
+    candidate(
+        "saturating_o2",
+        "C int32, saturated after each operation, -O2",
+        Duty::FullStep,
+    ),
+    candidate("saturating_os", "the same, -Os", Duty::FullStep),
+    candidate("tuned_o2", "C int32, tuned by hand, -O2", Duty::FullStep),
+    candidate("tuned_os", "the same, -Os", Duty::FullStep),
+    candidate("float_o2", "C float, on the FPU, -O2", Duty::FullStep),
+    candidate("float_os", "the same, -Os", Duty::FullStep),
+    candidate(
+        "traced_step",
+        "controller, limits by pressure, with trace",
+        Duty::Traced,
+    ),
+    candidate("idsp_fixed", "idsp 0.23 BiquadClamp, Q29", Duty::Kernel),
+    candidate(
+        "idsp_fixed_wide",
+        "idsp 0.23 BiquadClamp, Q29, wide state",
+        Duty::Kernel,
+    ),
+    candidate("idsp_float", "idsp 0.23 BiquadClamp, f32", Duty::Kernel),
+    candidate("pid", "pid 4.0, f32", Duty::Kernel),
+    candidate("advanced_pid", "advanced-pid 0.2, f32", Duty::Kernel),
+];
+
+impl Candidate {
+    /// Where it stands in the table.
+    pub(crate) fn place(&self) -> usize {
+        let place = CANDIDATES.iter().position(|other| other.name == self.name);
+        place.unwrap_or(CANDIDATES.len())
+    }
+
+    /// The candidate of this name.
+    pub(crate) fn named(name: &str) -> Option<&'static Self> {
+        CANDIDATES.iter().find(|candidate| candidate.name == name)
+    }
+}

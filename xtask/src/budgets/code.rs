@@ -1,0 +1,248 @@
+//! The linked code of an image: its instructions by address, and the functions they belong to.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use object::{Object, ObjectSymbol, SymbolKind};
+
+use super::Unproved;
+use super::instruction::{Flow, Instruction};
+use crate::failure::Failure;
+use crate::packages;
+use crate::process;
+use crate::workspace::find_program;
+
+const DISASSEMBLER: &str = "arm-none-eabi-objdump";
+const DEADLINE: Duration = Duration::from_secs(120);
+
+/// A function of the image, from its symbol.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Function {
+    pub(crate) name: String,
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+}
+
+impl Function {
+    pub(crate) fn bytes(&self) -> u32 {
+        self.end - self.start
+    }
+
+    /// Whether control comes here only to panic: the standard library's ways into the panic handler, and the handler.
+    pub(crate) fn panics(&self) -> bool {
+        const PANICS: [&str; 5] = [
+            "rust_begin_unwind",
+            "core::panicking::",
+            "unwrap_failed",
+            "expect_failed",
+            "_fail",
+        ];
+        PANICS.iter().any(|part| self.name.contains(part))
+    }
+}
+
+/// All code of an image.
+#[derive(Default)]
+pub(crate) struct Code {
+    instructions: BTreeMap<u32, Instruction>,
+    /// Constants between the instructions, by byte.
+    data: BTreeMap<u32, u8>,
+    /// By start; no two begin at the same address.
+    functions: BTreeMap<u32, Function>,
+}
+
+/// Installs the disassembler if it is not there.
+pub(crate) fn ready() -> Result<(), Failure> {
+    match find_program(DISASSEMBLER) {
+        Some(_) => Ok(()),
+        None => packages::install("a disassembler for ARM", &["binutils-arm-none-eabi"]),
+    }
+}
+
+impl Code {
+    /// Disassembles an image.
+    pub(crate) fn of(image: &Path) -> Result<Self, Failure> {
+        let mut disassembler = Command::new(DISASSEMBLER);
+        disassembler
+            .args(["--disassemble", "--no-show-raw-insn"])
+            .arg(image);
+        let text = process::capture(&mut disassembler, DEADLINE)?;
+        let bytes = fs::read(image).map_err(|source| Failure::File {
+            path: image.to_owned(),
+            source,
+        })?;
+        let elf = object::File::parse(&*bytes).map_err(|source| Unproved::Elf {
+            path: image.to_owned(),
+            source,
+        })?;
+        let functions = elf
+            .symbols()
+            .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
+            .map(|symbol| {
+                // Bit 0 of a function's address says Thumb.
+                let start = symbol.address() as u32 & !1;
+                let name = symbol.name().unwrap_or("a function without name");
+                Function {
+                    name: format!("{:#}", rustc_demangle::demangle(name)),
+                    start,
+                    end: start + symbol.size() as u32,
+                }
+            });
+        Ok(Self::read(&text, functions))
+    }
+
+    /// From the disassembler's text.
+    pub(crate) fn read(text: &str, functions: impl IntoIterator<Item = Function>) -> Self {
+        let mut code = Self::default();
+        for line in text.lines() {
+            code.add(line);
+        }
+        for function in functions {
+            code.functions.entry(function.start).or_insert(function);
+        }
+        code
+    }
+
+    /// `   2e:	bl	5c <name+0x4>	@ comment`, and everything else is a heading.
+    fn add(&mut self, line: &str) -> Option<()> {
+        let (address, rest) = line.split_once(":\t")?;
+        let address = u32::from_str_radix(address.trim(), 16).ok()?;
+        let rest = rest.split(['@', ';']).next().unwrap_or(rest);
+        let (mnemonic, operands) = rest
+            .trim_end()
+            .split_once('\t')
+            .unwrap_or((rest.trim_end(), ""));
+        match mnemonic {
+            ".word" => self.add_data(address, operands, 4),
+            ".short" => self.add_data(address, operands, 2),
+            ".byte" => self.add_data(address, operands, 1),
+            // What the disassembler cannot read is left out: whoever comes there falls off the code.
+            _ if !mnemonic.starts_with(|c: char| c.is_ascii_lowercase()) => None,
+            _ => {
+                let instruction = Instruction::read(mnemonic, operands.trim_end());
+                self.instructions.insert(address, instruction);
+                Some(())
+            }
+        }
+    }
+
+    fn add_data(&mut self, address: u32, value: &str, bytes: usize) -> Option<()> {
+        let value = u32::from_str_radix(value.trim().strip_prefix("0x")?, 16).ok()?;
+        let bytes = value.to_le_bytes().into_iter().take(bytes);
+        self.data.extend((address..).zip(bytes));
+        Some(())
+    }
+
+    pub(crate) fn at(&self, address: u32) -> Option<&Instruction> {
+        self.instructions.get(&address)
+    }
+
+    /// The address behind an instruction, be it another one, a constant or the end of the code.
+    fn after(&self, address: u32) -> u32 {
+        let behind = address + 1..;
+        let instruction = self.instructions.range(behind.clone()).next();
+        let constant = self.data.range(behind).next();
+        let instruction = instruction.map(|(&at, _)| at);
+        let constant = constant.map(|(&at, _)| at);
+        let next = instruction.into_iter().chain(constant).min();
+        next.unwrap_or(u32::MAX)
+    }
+
+    /// The function that an address lies in.
+    pub(crate) fn function(&self, address: u32) -> Option<&Function> {
+        let (_, function) = self.functions.range(..=address).next_back()?;
+        (address < function.end).then_some(function)
+    }
+
+    pub(crate) fn functions(&self) -> impl Iterator<Item = &Function> {
+        self.functions.values()
+    }
+
+    /// The function through which the instruction at this address panics, if it calls or jumps to one.
+    pub(crate) fn panic_from(&self, address: u32) -> Option<&Function> {
+        match self.at(address)?.flow {
+            Flow::Call(target) | Flow::Jump(target) => {
+                self.function(target).filter(|function| function.panics())
+            }
+            _ => None,
+        }
+    }
+
+    /// Where an address lies, for a person: `name+0x12`.
+    pub(crate) fn place(&self, address: u32) -> String {
+        match self.function(address) {
+            Some(function) => format!("{}+{:#x}", function.name, address - function.start),
+            None => format!("{address:#010x}"),
+        }
+    }
+
+    /// Where control may go from an instruction within the same call: not into the functions it calls.
+    pub(crate) fn successors(&self, address: u32) -> Vec<u32> {
+        let Some(instruction) = self.at(address) else {
+            return Vec::new();
+        };
+        match instruction.flow {
+            Flow::Next | Flow::Call(_) | Flow::IndirectCall | Flow::ReturnOrNext => {
+                vec![self.after(address)]
+            }
+            Flow::Jump(target) => vec![target],
+            Flow::Branch(target) => vec![target, self.after(address)],
+            Flow::Table(entry_bytes) => self.table(address, entry_bytes),
+            Flow::Return | Flow::IndirectJump | Flow::Trap => Vec::new(),
+        }
+    }
+
+    /// The targets of a TBB or TBH: its table lies behind it, each entry half the distance from there.
+    ///
+    /// The table ends with the constants behind the instruction; an odd one ends with a byte of padding, which leads into
+    /// the table itself and not to an instruction.
+    fn table(&self, address: u32, entry_bytes: u32) -> Vec<u32> {
+        let base = address + 4;
+        let byte = |at: u32| self.data.get(&at).map(|&byte| u32::from(byte));
+        let entry = |at: u32| match entry_bytes {
+            1 => byte(at),
+            _ => Some(byte(at)? | byte(at + 1)? << 8),
+        };
+        let entries = (base..).step_by(entry_bytes as usize).map_while(entry);
+        let mut targets: Vec<u32> = entries
+            .map(|entry| base + 2 * entry)
+            .filter(|target| self.instructions.contains_key(target))
+            .collect();
+        targets.sort_unstable();
+        targets.dedup();
+        targets
+    }
+}
+
+/// Code written for a test: `0 name:` begins a function, ` 2: adds r0, #1` is an instruction.
+#[cfg(test)]
+pub(crate) fn fixture(text: &str) -> Code {
+    let mut functions: Vec<Function> = Vec::new();
+    let mut disassembly = String::new();
+    for line in text.lines() {
+        match line.trim_end_matches(':').split_once(' ') {
+            Some((start, name))
+                if !line.starts_with(' ') && line.ends_with(':') && !start.ends_with(':') =>
+            {
+                let start = u32::from_str_radix(start, 16).unwrap();
+                if let Some(last) = functions.last_mut() {
+                    last.end = start;
+                }
+                functions.push(Function {
+                    name: name.to_owned(),
+                    start,
+                    end: u32::MAX,
+                });
+            }
+            _ => {
+                let (address, rest) = line.trim().split_once(": ").unwrap();
+                let rest = rest.replacen(' ', "\t", 1);
+                disassembly.push_str(&format!("{address}:\t{rest}\n"));
+            }
+        }
+    }
+    Code::read(&disassembly, functions)
+}

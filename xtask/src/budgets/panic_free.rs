@@ -1,0 +1,93 @@
+//! The proof by the linker: an image whose panic handler calls a function that nobody defines links only if no panic is left.
+
+use std::process::Command;
+use std::time::Duration;
+
+use super::Unproved;
+use crate::failure::Failure;
+use crate::process;
+
+/// The function that nobody defines.
+const UNDEFINED: &str = "this_image_can_panic";
+const DEADLINE: Duration = Duration::from_secs(600);
+
+/// Builds an image that must be free of panics: it has to link.
+pub(crate) fn links(build: &mut Command) -> Result<(), Failure> {
+    linked(process::capture(build, DEADLINE))
+}
+
+/// Builds an image with one panic on purpose: the linker has to refuse it, and for that reason.
+pub(crate) fn canary_is_refused(build: &mut Command) -> Result<(), Failure> {
+    refused(process::capture(build, DEADLINE))
+}
+
+fn linked(built: Result<String, Failure>) -> Result<(), Failure> {
+    match built {
+        Err(Failure::Ended { said, .. }) if names_it(&said) => {
+            Err(Unproved::CanPanic { said }.into())
+        }
+        other => other.map(drop),
+    }
+}
+
+fn refused(built: Result<String, Failure>) -> Result<(), Failure> {
+    match built {
+        Err(Failure::Ended { said, .. }) if names_it(&said) => Ok(()),
+        Ok(_) => Err(Unproved::CanaryLinked.into()),
+        other => other.map(drop),
+    }
+}
+
+/// Whether the linker, and not somebody else, complained of the missing function.
+fn names_it(said: &str) -> bool {
+    said.lines()
+        .any(|line| line.contains("undefined") && line.contains(UNDEFINED))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::process::ExitStatusExt;
+    use std::process::ExitStatus;
+
+    fn ended(said: &str) -> Result<String, Failure> {
+        Err(Failure::Ended {
+            line: "cargo build".to_owned(),
+            status: ExitStatus::from_raw(101 << 8),
+            said: said.to_owned(),
+        })
+    }
+
+    const LLD: &str = "rust-lld: error: undefined symbol: this_image_can_panic";
+    const GNU: &str = "panic_free.rs:48: undefined reference to `this_image_can_panic'";
+
+    #[test]
+    fn only_the_missing_function_proves_a_panic() {
+        for said in [LLD, GNU] {
+            assert!(matches!(
+                linked(ended(said)),
+                Err(Failure::Budgets(Unproved::CanPanic { .. }))
+            ));
+        }
+        assert!(linked(Ok(String::new())).is_ok());
+        assert!(matches!(
+            linked(ended("error[E0425]")),
+            Err(Failure::Ended { .. })
+        ));
+    }
+
+    #[test]
+    fn a_canary_that_links_or_fails_for_another_reason_proves_nothing() {
+        for said in [LLD, GNU] {
+            assert!(refused(ended(said)).is_ok());
+        }
+        assert!(matches!(
+            refused(Ok(String::new())),
+            Err(Failure::Budgets(Unproved::CanaryLinked))
+        ));
+        assert!(matches!(
+            refused(ended("error[E0425]")),
+            Err(Failure::Ended { .. })
+        ));
+    }
+}

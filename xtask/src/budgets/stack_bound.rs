@@ -1,0 +1,223 @@
+//! The most stack that a call can use, whatever its input: its own deepest point, callees included.
+//!
+//! The stack pointer is followed along every path; a loop is no obstacle as long as it leaves the stack as it found it.
+
+use std::collections::HashMap;
+
+use super::code::Code;
+use super::instruction::{Flow, StackChange};
+use super::unbounded::Unbounded;
+
+/// No frame is deeper: a loop that pushes in each round passes it soon.
+const DEEPEST: u32 = 1 << 20;
+
+/// The most bytes below the stack pointer of the caller.
+pub(crate) fn stack_bound(code: &Code, entry: u32) -> Result<u32, Unbounded> {
+    StackSearch::new(code).function(entry & !1)
+}
+
+/// A search that remembers what it found, for an image with several entries.
+pub(crate) struct StackSearch<'a> {
+    code: &'a Code,
+    /// The functions whose calls lead here.
+    callers: Vec<u32>,
+    /// What each function needs, so far.
+    functions: HashMap<u32, Need>,
+}
+
+/// What a call of a function means for its caller.
+#[derive(Clone, Copy)]
+struct Need {
+    bytes: u32,
+    returns: bool,
+}
+
+impl<'a> StackSearch<'a> {
+    pub(crate) fn new(code: &'a Code) -> Self {
+        Self {
+            code,
+            callers: Vec::new(),
+            functions: HashMap::new(),
+        }
+    }
+
+    /// The most bytes that a call of this function needs.
+    pub(crate) fn function(&mut self, entry: u32) -> Result<u32, Unbounded> {
+        self.need(entry).map(|need| need.bytes)
+    }
+
+    fn need(&mut self, entry: u32) -> Result<Need, Unbounded> {
+        if let Some(&need) = self.functions.get(&entry) {
+            return Ok(need);
+        }
+        if self.callers.contains(&entry) {
+            let at = self.code.place(entry);
+            return Err(Unbounded::Recursion { at });
+        }
+        self.callers.push(entry);
+        let need = self.follow(entry)?;
+        self.callers.pop();
+        self.functions.insert(entry, need);
+        Ok(need)
+    }
+
+    /// Every address is visited again when a path reaches it deeper than any before.
+    fn follow(&mut self, entry: u32) -> Result<Need, Unbounded> {
+        let mut need = Need {
+            bytes: 0,
+            returns: false,
+        };
+        let mut depths = HashMap::from([(entry, 0)]);
+        let mut open = vec![entry];
+        while let Some(address) = open.pop() {
+            let before = depths[&address];
+            let after = self.depth_after(address, before)?;
+            let mut deepest = after;
+            let mut goes_on = true;
+            let flow = self.code.at(address).map(|here| &here.flow);
+            match flow {
+                Some(&Flow::Call(target)) => {
+                    let callee = self.need(target)?;
+                    deepest += callee.bytes;
+                    goes_on = callee.returns;
+                }
+                Some(Flow::Return | Flow::ReturnOrNext) => need.returns = true,
+                _ => {}
+            }
+            need.bytes = need.bytes.max(deepest);
+            if !goes_on {
+                continue;
+            }
+            for next in self.code.successors(address) {
+                if depths.get(&next).is_none_or(|&known| known < after) {
+                    depths.insert(next, after);
+                    open.push(next);
+                }
+            }
+        }
+        Ok(need)
+    }
+
+    fn depth_after(&self, address: u32, before: u32) -> Result<u32, Unbounded> {
+        let at = || self.code.place(address);
+        let Some(instruction) = self.code.at(address) else {
+            return Err(Unbounded::NoCode { at: at() });
+        };
+        if let Some(function) = self.code.panic_from(address) {
+            return Err(Unbounded::panic(self.code, address, function));
+        }
+        match instruction.flow {
+            Flow::IndirectCall | Flow::IndirectJump => {
+                return Err(Unbounded::indirect(self.code, address));
+            }
+            Flow::Table(_) if self.code.successors(address).is_empty() => {
+                return Err(Unbounded::indirect(self.code, address));
+            }
+            _ => {}
+        }
+        match instruction.stack {
+            StackChange::None => Ok(before),
+            StackChange::Down(bytes) if before + bytes > DEEPEST => {
+                Err(Unbounded::StackGrows { at: at() })
+            }
+            StackChange::Down(bytes) => Ok(before + bytes),
+            StackChange::Up(bytes) => Ok(before.saturating_sub(bytes)),
+            StackChange::Unknown => Err(Unbounded::stack_pointer(self.code, address)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budgets::code::fixture;
+
+    fn bound(text: &str) -> Result<u32, Unbounded> {
+        stack_bound(&fixture(text), 0)
+    }
+
+    #[test]
+    fn a_leaf_without_frame_needs_nothing() {
+        assert_eq!(bound("0 f:\n 0: adds r0, #1\n 2: bx lr\n"), Ok(0));
+    }
+
+    #[test]
+    fn a_frame_and_the_deepest_of_its_callees_add_up() {
+        let code = "0 f:\n 0: push {r4, lr}\n 2: sub sp, #16\n 4: bl 20 <g>\n 8: bl 30 <h>\n c: add sp, #16\n e: pop {r4, pc}\n\
+                    20 g:\n 20: push {r7, lr}\n 22: pop {r7, pc}\n\
+                    30 h:\n 30: push {r4, r5, r7, lr}\n 32: pop {r4, r5, r7, pc}\n";
+        assert_eq!(bound(code), Ok(8 + 16 + 16));
+    }
+
+    #[test]
+    fn a_frame_that_is_gone_before_the_next_call_does_not_count_for_it() {
+        let code = "0 f:\n 0: push {r4, lr}\n 2: sub sp, #64\n 4: add sp, #64\n 6: bl 20 <g>\n a: pop {r4, pc}\n\
+                    20 g:\n 20: push {r7, lr}\n 22: pop {r7, pc}\n";
+        assert_eq!(bound(code), Ok(8 + 64));
+    }
+
+    #[test]
+    fn a_tail_call_needs_its_stack_below_what_is_left_of_the_caller() {
+        let code = "0 f:\n 0: push {r4, lr}\n 2: ldmia.w sp!, {r4, lr}\n 6: b.w 20 <g>\n\
+                    20 g:\n 20: push {r4, r5, r6, lr}\n 22: pop {r4, r5, r6, pc}\n";
+        assert_eq!(bound(code), Ok(16));
+    }
+
+    #[test]
+    fn the_path_that_pushes_more_counts() {
+        let code = "0 f:\n 0: cbz r0, 8 <f+0x8>\n 2: push {r4, r5, r6, lr}\n 4: pop {r4, r5, r6, pc}\n\
+                    8: push {r4, lr}\n a: pop {r4, pc}\n";
+        assert_eq!(bound(code), Ok(16));
+    }
+
+    #[test]
+    fn a_loop_that_leaves_the_stack_as_it_was_is_bounded_and_one_that_does_not_is_named() {
+        let balanced = "0 f:\n 0: push {r4}\n 2: pop {r4}\n 4: bne.n 0 <f>\n 6: bx lr\n";
+        assert_eq!(bound(balanced), Ok(4));
+        let grows = "0 f:\n 0: push {r4}\n 2: bne.n 0 <f>\n 4: bx lr\n";
+        let at = "f+0x0".to_owned();
+        assert_eq!(bound(grows), Err(Unbounded::StackGrows { at }));
+    }
+
+    /// Behind a call that never returns stand a constant pool or the next function, which are not part of the path.
+    #[test]
+    fn nothing_follows_a_call_that_never_returns() {
+        let code = "0 f:\n 0: push {r7, lr}\n 2: bl 20 <g>\n 6: .word 0x00000000\n20 g:\n 20: b.n 20 <g>\n";
+        assert_eq!(bound(code), Ok(8));
+    }
+
+    #[test]
+    fn what_has_no_bound_is_told_with_its_place() {
+        let at = |text: &str| text.to_owned();
+        for (code, reason) in [
+            (
+                "0 f:\n 0: push {r7, lr}\n 2: bl 20 <g>\n 6: pop {r7, pc}\n20 g:\n 20: b.w 30 <h>\n\
+                 30 h:\n 30: bl 0 <f>\n 34: bx lr\n",
+                Unbounded::Recursion { at: at("f+0x0") },
+            ),
+            (
+                "0 f:\n 0: sub.w sp, sp, r0\n 4: bx lr\n",
+                Unbounded::StackPointer {
+                    at: at("f+0x0"),
+                    text: at("sub.w sp, sp, r0"),
+                },
+            ),
+            (
+                "0 f:\n 0: bl 20 <x>\n20 core::panicking::panic:\n 20: b.n 20 <x>\n",
+                Unbounded::Panic {
+                    at: at("f+0x0"),
+                    function: at("core::panicking::panic"),
+                },
+            ),
+            (
+                "0 f:\n 0: bx r3\n",
+                Unbounded::Indirect {
+                    at: at("f+0x0"),
+                    text: at("bx r3"),
+                },
+            ),
+        ] {
+            assert_eq!(bound(code), Err(reason), "{code}");
+        }
+    }
+}

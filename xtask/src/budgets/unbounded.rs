@@ -1,0 +1,66 @@
+//! Why no bound can be proved, and where.
+
+use super::code::{Code, Function};
+
+/// Why a function has no bound that holds for every input.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum Unbounded {
+    #[error("loop at {at}")]
+    Loop { at: String },
+    #[error("recursion at {at}")]
+    Recursion { at: String },
+    #[error("panic: {at} calls {function}")]
+    Panic { at: String, function: String },
+    #[error("`{text}` at {at} goes nobody knows where")]
+    Indirect { at: String, text: String },
+    #[error("trap at {at}")]
+    Trap { at: String },
+    #[error("no code at {at}")]
+    NoCode { at: String },
+    #[error("`{text}` at {at} moves the stack pointer by nobody knows how much")]
+    StackPointer { at: String, text: String },
+    #[error("the stack grows in the loop at {at}")]
+    StackGrows { at: String },
+}
+
+impl Unbounded {
+    /// One word for a table.
+    pub(crate) fn word(&self) -> &'static str {
+        match self {
+            Self::Loop { .. } => "loop",
+            Self::Recursion { .. } => "recursion",
+            Self::Panic { .. } => "panic",
+            Self::Indirect { .. } => "indirect",
+            Self::Trap { .. } => "trap",
+            Self::NoCode { .. } => "no code",
+            Self::StackPointer { .. } => "sp",
+            Self::StackGrows { .. } => "stack grows",
+        }
+    }
+
+    pub(crate) fn panic(code: &Code, address: u32, function: &Function) -> Self {
+        Self::Panic {
+            at: code.place(address),
+            function: function.name.clone(),
+        }
+    }
+
+    pub(crate) fn indirect(code: &Code, address: u32) -> Self {
+        Self::Indirect {
+            at: code.place(address),
+            text: text(code, address),
+        }
+    }
+
+    pub(crate) fn stack_pointer(code: &Code, address: u32) -> Self {
+        Self::StackPointer {
+            at: code.place(address),
+            text: text(code, address),
+        }
+    }
+}
+
+fn text(code: &Code, address: u32) -> String {
+    let instruction = code.at(address);
+    instruction.map_or_else(String::new, |instruction| instruction.text.clone())
+}
