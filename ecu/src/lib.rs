@@ -1,7 +1,10 @@
 #![doc = include_str!("../README.md")]
 #![no_std]
 
+pub mod black_box;
+pub mod calibration;
 mod config;
+pub mod device;
 mod ecu;
 mod error;
 mod fault;
@@ -9,6 +12,7 @@ mod input_output;
 mod mode;
 mod sensor;
 mod settings;
+pub mod store;
 
 pub use config::EcuConfig;
 pub use controller;

@@ -59,10 +59,10 @@ impl Digest {
 
     /// Takes one byte.
     #[inline]
-    pub fn update(&mut self, byte: u8) {
+    pub const fn update(&mut self, byte: u8) {
         let [low, ..] = self.remainder.to_le_bytes();
         // An index of eight bits is within the table.
-        self.remainder = (self.remainder >> 8) ^ TABLE[usize::from(low ^ byte)];
+        self.remainder = (self.remainder >> 8) ^ TABLE[(low ^ byte) as usize];
     }
 
     /// Takes the four bytes of a word, lowest first.
@@ -70,6 +70,16 @@ impl Digest {
         for byte in word.to_le_bytes() {
             self.update(byte);
         }
+    }
+
+    /// Takes the bytes of a text and a zero after them.
+    pub const fn update_text(&mut self, text: &str) {
+        let mut rest = text.as_bytes();
+        while let Some((&byte, after)) = rest.split_first() {
+            self.update(byte);
+            rest = after;
+        }
+        self.update(0);
     }
 
     /// Of what was taken so far.

@@ -421,7 +421,7 @@ pub struct BlackBoxPage {
     pub page: u16,
     /// How many pages there are.
     pub pages: u16,
-    /// Records that were found torn, in all pages; they are left out.
+    /// Records of this page that a reset tore; they are left out.
     pub torn: u16,
     /// Oldest first.
     pub records: Vec<BlackBoxRecord, RECORDS_MAX>,
