@@ -3,33 +3,36 @@
 use std::path::Path;
 use std::{env, fs};
 
-/// Features that choose a board, and where its memory map lies.
-const BOARDS: [(&str, &str); 1] = [("CARGO_FEATURE_BOARD_MPS2_AN386", "../memory.x")];
+/// The features that choose a board, and the folders that they choose.
+const BOARDS: [(&str, &str); 2] = [
+    ("CARGO_FEATURE_BOARD_MPS2_AN386", "mps2_an386"),
+    ("CARGO_FEATURE_BOARD_NUCLEO_G474RE", "nucleo_g474re"),
+];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rerun-if-changed=build.rs");
     let folder = env::var("CARGO_MANIFEST_DIR")?;
-    for (_, memory_map) in BOARDS {
-        let path = Path::new(&folder).join(memory_map);
-        println!("cargo::rerun-if-changed={}", path.display());
-    }
+    let folder = Path::new(&folder);
+    let map = folder.join("../memory.x");
+    println!("cargo::rerun-if-changed={}", map.display());
     if env::var("CARGO_CFG_TARGET_OS")? != "none" {
         return Ok(());
     }
     let chosen: Vec<&str> = BOARDS
         .iter()
         .filter(|(feature, _)| env::var_os(feature).is_some())
-        .map(|&(_, memory_map)| memory_map)
+        .map(|&(_, board)| board)
         .collect();
-    let [memory_map] = chosen[..] else {
+    let [board] = chosen[..] else {
         return Err("an image is for one board: choose one feature `board-...`".into());
     };
-    // `link.x` of cortex-m-rt includes a file `memory.x`, which the linker looks for on its search path.
+    let addresses = folder.join("src/boards").join(board).join("board.x");
+    println!("cargo::rerun-if-changed={}", addresses.display());
+    // Read before `link.x` of cortex-m-rt, which includes `memory.x`.
+    println!("cargo::rustc-link-arg-bins=-T{}", addresses.display());
+    // Where cargo starts the linker there is a `memory.x`, the workspace's; elsewhere it is looked for here.
     let out = env::var("OUT_DIR")?;
-    fs::copy(
-        Path::new(&folder).join(memory_map),
-        Path::new(&out).join("memory.x"),
-    )?;
+    fs::copy(&map, Path::new(&out).join("memory.x"))?;
     println!("cargo::rustc-link-search={out}");
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
     // The strings of the log stay in the ELF, for whoever decodes it, and out of the flash.

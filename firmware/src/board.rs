@@ -35,6 +35,9 @@ pub trait Board {
     /// Tells the watchdog that all is well; it resets the machine if this is not said again in time.
     fn feed_watchdog(&mut self, pace: Pace);
 
+    /// A little work with each turn of the main loop, for what neither interrupts nor buffers; does not wait.
+    fn background(&mut self) {}
+
     /// Whether the inputs of this machine may come from the link at this moment: always in an emulator, on a real board
     /// only while its bench jumper is fitted.
     fn may_simulate(&mut self) -> bool;

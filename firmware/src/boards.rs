@@ -6,3 +6,7 @@ pub(crate) mod host;
 #[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
 #[path = "boards/mps2_an386/mod.rs"]
 pub(crate) mod board;
+
+#[cfg(all(target_os = "none", feature = "board-nucleo-g474re"))]
+#[path = "boards/nucleo_g474re/mod.rs"]
+pub(crate) mod board;

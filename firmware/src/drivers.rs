@@ -1,5 +1,6 @@
 //! Drivers of the parts around the processor, over `embedded-hal` alone: the same code on each board and in the host's tests.
 
+pub mod analog;
 mod mcp3201;
 mod valve;
 

@@ -70,6 +70,7 @@ impl<B: Board> Image<B> {
 
     /// One turn of the main loop: a sample if its time has come, then at most one byte or frame of the link.
     pub fn turn(&mut self) -> Life {
+        self.control.board.background();
         self.control.timer();
         let Some(received) = self.control.board.receive(&mut self.buffer) else {
             return Life::GoesOn;

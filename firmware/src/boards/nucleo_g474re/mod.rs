@@ -1,0 +1,136 @@
+//! ST NUCLEO-G474RE: an STM32G474RE (Cortex-M4F, 170 MHz) with debugger and serial port on the board. `docs/board.md` has the
+//! wiring. Never run on hardware yet: it is built in the CI, and what could be said wrong in it is said there.
+//!
+//! Section numbers are those of ST's reference manual RM0440.
+
+mod analog;
+mod converter;
+mod memory;
+mod start;
+mod timer;
+mod uart;
+mod watchdog;
+
+use cortex_m_rt::entry;
+use ecu::{Inputs, Outputs, ResetCause};
+use firmware::drivers::{Mcp3201, Valve};
+use firmware::{Board, Event, Farewell, Image, Life, Pace, Received, Retained};
+use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
+
+use crate::handlers;
+use crate::log;
+
+pub(crate) use memory::retained;
+pub(crate) use start::coils_off;
+pub(crate) use timer::now_us;
+
+defmt::timestamp!("{=u32:us}", now_us());
+
+struct NucleoG474Re {
+    fill: Valve<start::FillPwm>,
+    vent: Valve<start::VentPwm>,
+    converter: Mcp3201<converter::Bus>,
+    analog: analog::Analog,
+    bench_jumper: start::BenchJumper,
+    reset_cause: ResetCause,
+    /// Values from the link in place of the sensors'.
+    simulated: Option<Inputs>,
+}
+
+impl Board for NucleoG474Re {
+    const NAME: &'static str = "nucleo-g474re";
+
+    fn coils_off(&mut self) {
+        coils_off();
+    }
+
+    fn reset_cause(&mut self) -> ResetCause {
+        self.reset_cause
+    }
+
+    fn retained(&self) -> Retained<'_> {
+        retained()
+    }
+
+    fn now_us(&self) -> u32 {
+        now_us()
+    }
+
+    fn take_ticks(&mut self) -> u32 {
+        timer::take_ticks()
+    }
+
+    fn feed_watchdog(&mut self, pace: Pace) {
+        watchdog::feed(pace);
+    }
+
+    fn background(&mut self) {
+        self.analog.poll();
+    }
+
+    fn may_simulate(&mut self) -> bool {
+        self.bench_jumper.is_high()
+    }
+
+    fn simulate(&mut self, sensors: &Sensors) {
+        self.simulated = Some(Inputs::from(*sensors));
+    }
+
+    fn end_simulation(&mut self) {
+        self.simulated = None;
+    }
+
+    fn measure(&mut self, elapsed_us: u32) -> Inputs {
+        let means = self.analog.take();
+        if let Some(inputs) = self.simulated {
+            return Inputs {
+                elapsed_us,
+                ..inputs
+            };
+        }
+        Inputs {
+            elapsed_us,
+            reference: means.reference,
+            pressure: self.converter.read().ok(),
+            current_fill_ma: means.current_fill_ma,
+            current_vent_ma: means.current_vent_ma,
+            battery_mv: means.battery_mv,
+        }
+    }
+
+    fn drive(&mut self, outputs: Outputs) {
+        let Ok(()) = self.fill.drive(outputs.duty_fill);
+        let Ok(()) = self.vent.drive(outputs.duty_vent);
+        start::connect_coils();
+    }
+
+    fn receive<'a>(&mut self, _: &'a mut [u8; FRAME_MAX]) -> Option<Received<'a>> {
+        uart::receive().map(Received::Byte)
+    }
+
+    fn send(&mut self, frame: &[u8]) {
+        uart::send(frame);
+    }
+
+    fn log(&mut self, event: Event) {
+        log::log(event);
+    }
+
+    fn take_log(&mut self, bytes: &mut LogBytes) -> u32 {
+        log::take(bytes)
+    }
+}
+
+/// Nothing is in the way of a reset here.
+pub(crate) fn before_reset() {}
+
+#[entry]
+fn main() -> ! {
+    let Some(board) = start::start() else {
+        // Only a second start without a reset could find the peripherals taken.
+        handlers::end(Farewell::Exception { pc: 0 })
+    };
+    let mut image = Image::start(board);
+    while image.turn() == Life::GoesOn {}
+    handlers::end(Farewell::Requested)
+}

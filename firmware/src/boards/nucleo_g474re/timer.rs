@@ -1,0 +1,51 @@
+//! The clock, and the sample timer: the very timer that makes the PWM, so that a sample begins with a PWM period and its
+//! duty cycles act from the next one on, however late in the period they are computed.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use stm32g4xx_hal::rcc::{Enable, Rcc};
+use stm32g4xx_hal::stm32::{TIM1, TIM2, interrupt};
+
+static TICKS: AtomicU32 = AtomicU32::new(0);
+
+/// Microseconds, from timer 2: 32 bits.
+pub(super) fn start_clock(timer: TIM2, rcc: &mut Rcc) {
+    TIM2::enable(rcc);
+    let per_us = rcc.clocks.apb1_tim_clk.raw() / 1_000_000;
+    timer
+        .psc()
+        .write(|w| w.psc().set(per_us.saturating_sub(1) as u16));
+    timer.arr().reset();
+    // The prescaler is taken over with an update.
+    timer.egr().write(|w| w.ug().set_bit());
+    timer.cr1().write(|w| w.cen().set_bit());
+}
+
+/// An interrupt with each PWM period.
+pub(super) fn start_ticks() {
+    // SAFETY: one bit of a register that nobody else writes.
+    let timer = unsafe { &*TIM1::ptr() };
+    timer.dier().modify(|_, w| w.uie().set_bit());
+}
+
+/// Time since the start \[µs\]; goes on at 0.
+pub(crate) fn now_us() -> u32 {
+    // SAFETY: only reads.
+    unsafe { &*TIM2::ptr() }.cnt().read().bits()
+}
+
+/// Ticks since the last call.
+pub(super) fn take_ticks() -> u32 {
+    TICKS.swap(0, Ordering::Relaxed)
+}
+
+#[interrupt]
+fn TIM1_UP_TIM16() {
+    // SAFETY: the flag is cleared here only; bits written as one are left alone.
+    let timer = unsafe { &*TIM1::ptr() };
+    timer.sr().write(|w| unsafe { w.bits(!1) });
+    TICKS.store(
+        TICKS.load(Ordering::Relaxed).wrapping_add(1),
+        Ordering::Relaxed,
+    );
+}
