@@ -1,12 +1,17 @@
 //! Anti-windup, section 6.5.1.
 
-use crate::arithmetic::wide_product;
+use crate::arithmetic::{held, wide_product};
+use crate::control_signal::ControlSignal;
 use crate::error::{ConfigError, Field};
 use crate::integrator::Integrator;
 use crate::pid::{Pid, sample_time};
 use crate::range::{Range, propagate, quotient};
 use crate::settings::{self, Settings};
 
+/// 100 % of u.
+const FULL: i32 = ControlSignal::MAX.units();
+/// By how many bits the integral part (2⁻⁵⁹) is finer than the product of u (2⁻²⁰) and T_s/T_t (2⁻³⁰).
+const FINER: u32 = 59 - 20 - 30;
 const TRACKING_TIME_MS: Range = Range::new("0.1", "30000");
 
 /// Which integral part a sample leaves behind.
@@ -15,59 +20,92 @@ const TRACKING_TIME_MS: Range = Range::new("0.1", "30000");
 pub(crate) enum AntiWindup {
     Off,
     ConditionalIntegration,
-    BackCalculation {
-        /// T_s/T_t, 2⁻³⁰, at most 1.
-        share: i32,
-    },
+    BackCalculation,
 }
 
 impl AntiWindup {
-    pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
-        Ok(match settings.anti_windup {
+    pub(crate) const fn of(settings: &Settings) -> Self {
+        match settings.anti_windup {
             settings::AntiWindup::Off => Self::Off,
             settings::AntiWindup::ConditionalIntegration => Self::ConditionalIntegration,
-            settings::AntiWindup::BackCalculation { tracking_time_ms } => {
-                let sample_time = propagate!(sample_time(settings)) as u128;
-                // Faster than the sample time would take back more than was cut off.
-                let range = TRACKING_TIME_MS.from(settings.sample_time_ms);
-                let tracking_time =
-                    propagate!(range.checked(Field::TrackingTime, tracking_time_ms)) as u128;
-                // The tracking time is at least the sample time: above 0, and the share at most 1.
-                Self::BackCalculation {
-                    share: quotient(
-                        (sample_time << 30).wrapping_add(tracking_time / 2),
-                        tracking_time,
-                    ) as i32,
-                }
-            }
-        })
+            settings::AntiWindup::BackCalculation { .. } => Self::BackCalculation,
+        }
     }
 
-    /// The integral part for the next sample: `before` this sample, `after` its error was summed, and what saturation cut
-    /// off u (`excess` = u before - u after saturation, 2⁻¹² %); `driven` says that the error pushes further that way.
+    /// Leaves an integral part to the next sample: `summed`, the one in `kept` before this sample's error, or something between.
+    /// Says whether the error was summed.
     #[inline(always)]
-    pub(crate) fn settled(
-        &self,
+    pub(crate) const fn settle(
+        self,
+        tracking: Tracking,
         pid: &Pid,
-        before: Integrator,
-        after: Integrator,
-        excess: i32,
-        driven: bool,
-    ) -> Integrator {
+        kept: &mut Integrator,
+        summed: Integrator,
+        u: i32,
+    ) -> bool {
         match self {
-            Self::Off => after,
-            Self::ConditionalIntegration => {
-                if driven {
-                    before
-                } else {
-                    after
-                }
+            Self::ConditionalIntegration if is_driven(u) => false,
+            Self::Off | Self::ConditionalIntegration => {
+                *kept = summed;
+                true
             }
-            // |excess| < 2³⁰ and share ≤ 2³⁰: the product is below 2⁶⁰, with two more bits below 2⁶².
-            Self::BackCalculation { share } => after.corrected(
-                (wide_product(*share, excess) << 2).wrapping_neg(),
-                pid.integral_max(),
-            ),
+            Self::BackCalculation => {
+                let excess = cut_off(u);
+                *kept = tracking.drawn(pid, summed, excess);
+                excess == 0
+            }
         }
+    }
+}
+
+/// Whether u [100 %, 2⁻²⁰] is saturated and the error, along whose direction it is counted, drives it further.
+#[inline(always)]
+pub(crate) const fn is_driven(u: i32) -> bool {
+    u > FULL
+}
+
+/// What saturation cuts off u [100 %, 2⁻²⁰].
+#[inline(always)]
+const fn cut_off(u: i32) -> i32 {
+    if u > FULL {
+        u.wrapping_sub(FULL)
+    } else if u < -FULL {
+        u.wrapping_add(FULL)
+    } else {
+        0
+    }
+}
+
+/// T_s/T_t, 2⁻³⁰, at most 1; 0 where nothing is drawn back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Tracking(i32);
+
+impl Tracking {
+    pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
+        let settings::AntiWindup::BackCalculation { tracking_time_ms } = settings.anti_windup
+        else {
+            return Ok(Self(0));
+        };
+        let sample_time = propagate!(sample_time(settings)) as u128;
+        // Faster than the sample time would take back more than was cut off.
+        let range = TRACKING_TIME_MS.from(settings.sample_time_ms);
+        let tracking_time =
+            propagate!(range.checked(Field::TrackingTime, tracking_time_ms)) as u128;
+        // The tracking time is at least the sample time: above 0, and the share at most 1.
+        let share = quotient(
+            (sample_time << 30).wrapping_add(tracking_time / 2),
+            tracking_time,
+        );
+        Ok(Self(share as i32))
+    }
+
+    /// The integral part, drawn back by its share of what saturation cut off, within its bound.
+    #[inline(always)]
+    const fn drawn(self, pid: &Pid, integral: Integrator, excess: i32) -> Integrator {
+        // |excess| < 2³⁰ and the share at most 1: below 2⁶⁰, and the integral part at most 10 · 2⁵⁰.
+        let sum = (integral.bits() >> FINER).wrapping_sub(wide_product(self.0, excess));
+        let bound = (pid.integral_max() as i64) << (32 - FINER);
+        Integrator::from_bits(held(sum, bound) << FINER)
     }
 }

@@ -1,10 +1,12 @@
 //! The boost, section 6.5.3: an extra integrator that runs only while the pressure does not respond.
 
+use crate::arithmetic::wide_product_unsigned;
 use crate::error::{Coefficient, ConfigError, Field};
 use crate::integrator::Integrator;
-use crate::pid::{ERROR_SHIFT, GAIN_BITS, sample_time};
+use crate::pid::{GAIN_BITS, per_full_scale, sample_time};
 use crate::range::{CoefficientRange, Quotient, Range, propagate};
 use crate::settings::Settings;
+use crate::state::ERROR_SHIFT;
 
 const RATE_PCT_PER_BAR_S: Range = Range::new("0.1", "30000");
 const MAX_PCT: Range = Range::new("0", "1000");
@@ -16,12 +18,12 @@ const RATE_PER_SAMPLE: CoefficientRange = CoefficientRange::new("0.1", "1000");
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Boost {
-    /// Rate times T_s [%/bar per sample], 2⁻²¹.
-    rate: i32,
-    /// Bound [%], 2⁻¹².
-    max: i32,
-    /// Smallest change of the pressure towards the reference in a sample that counts as response \[bar\], 2⁻¹⁶.
+    /// Smallest change of the pressure towards the reference in a sample that counts as response \[bar\], 2⁻²⁵.
     response: i32,
+    /// Rate times T_s [100 %/bar per sample], 2⁻²⁷.
+    rate: i32,
+    /// Bound [100 %], 2⁻²⁰.
+    max: i32,
 }
 
 impl Boost {
@@ -29,9 +31,9 @@ impl Boost {
         let Some(boost) = settings.boost else {
             // No change is that negative: never needed.
             return Ok(Self {
+                response: i32::MIN,
                 rate: 0,
                 max: 0,
-                response: i32::MIN,
             });
         };
         let rate =
@@ -47,26 +49,23 @@ impl Boost {
             range: RATE_PER_SAMPLE,
         };
         Ok(Self {
+            response: response << ERROR_SHIFT,
             rate: propagate!(quotient.checked(GAIN_BITS)),
-            max: max >> 4,
-            response,
+            max: per_full_scale(max, 20),
         })
     }
 
-    /// Whether the pressure fails to move towards the reference.
+    /// Whether the pressure fails to respond, that is to move towards the reference.
     #[inline(always)]
-    pub(crate) const fn is_needed(&self, error: i32, pressure_change: i32) -> bool {
-        let towards_reference = if error < 0 {
-            pressure_change.wrapping_neg()
-        } else {
-            pressure_change
-        };
-        towards_reference < self.response
+    pub(crate) const fn is_needed(&self, pressure_change: i32) -> bool {
+        pressure_change < self.response
     }
 
-    /// One sample of boost more.
+    /// One sample of boost more, for an error along its direction.
     #[inline(always)]
     pub(crate) const fn advanced(&self, boost: Integrator, error: i32) -> Integrator {
-        boost.advanced(self.rate, error << ERROR_SHIFT, self.max)
+        // Unsigned, so that the compiler widens the error here alone; a widening that is shared with the PID's branch hides from it
+        // that each product is one instruction.
+        boost.advanced(wide_product_unsigned(self.rate, error), self.max)
     }
 }

@@ -1,13 +1,13 @@
 //! Settings, checked once and multiplied out.
 
-use crate::anti_windup::AntiWindup;
+use crate::anti_windup::Tracking;
 use crate::boost::Boost;
 use crate::distributor::Distributor;
 use crate::error::ConfigError;
 use crate::pid::Pid;
-use crate::prediction::Prediction;
 use crate::range::propagate;
-use crate::settings::{IntegralAtReference, Settings};
+use crate::settings::Settings;
+use crate::structure::Structure;
 use crate::tolerance::Tolerance;
 
 /// A controller that can run: the proof that its [`Settings`] are within bounds, and the coefficients they lead to.
@@ -16,12 +16,18 @@ use crate::tolerance::Tolerance;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config {
+    pub(crate) structure: Structure,
+    pub(crate) coefficients: Coefficients,
+}
+
+/// The numbers of a controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Coefficients {
     pub(crate) tolerance: Tolerance,
-    pub(crate) prediction: Prediction,
     pub(crate) boost: Boost,
     pub(crate) pid: Pid,
-    pub(crate) anti_windup: AntiWindup,
-    pub(crate) clears_integral: bool,
+    pub(crate) tracking: Tracking,
     pub(crate) distributor: Distributor,
 }
 
@@ -41,13 +47,14 @@ impl Config {
     /// The first field that is out of bounds, with its value and the bound ([`ConfigError`]).
     pub const fn new(settings: &Settings) -> Result<Self, ConfigError> {
         Ok(Self {
-            pid: propagate!(Pid::new(settings)),
-            anti_windup: propagate!(AntiWindup::new(settings)),
-            tolerance: propagate!(Tolerance::new(settings)),
-            prediction: Prediction::new(settings),
-            boost: propagate!(Boost::new(settings)),
-            clears_integral: matches!(settings.integral_at_reference, IntegralAtReference::Clear),
-            distributor: propagate!(Distributor::new(settings)),
+            structure: Structure::of(settings),
+            coefficients: Coefficients {
+                pid: propagate!(Pid::new(settings)),
+                tracking: propagate!(Tracking::new(settings)),
+                tolerance: propagate!(Tolerance::new(settings)),
+                boost: propagate!(Boost::new(settings)),
+                distributor: propagate!(Distributor::new(settings)),
+            },
         })
     }
 }

@@ -4,52 +4,79 @@ use core::fmt;
 
 use fixed::types::I20F12;
 
-/// Control signal u [%], -100 ..= 100 after saturation, 2⁻¹² % (0.00024 %) — between controller and distributor.
+/// Control signal u, -100 ..= 100 % after saturation, 2⁻²⁰ of 100 % (0.000 095 %) — between controller and distributor.
 ///
-/// Positive fills, negative vents (section 6.3). Before saturation it may be far beyond: up to ±2¹⁹ %.
+/// Positive fills, negative vents (section 6.3). Before saturation it may be far beyond: up to ±98 000 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ControlSignal(I20F12);
+pub struct ControlSignal(i32);
 
 impl ControlSignal {
     /// Neither valve is asked for.
-    pub const ZERO: Self = Self(I20F12::ZERO);
+    pub const ZERO: Self = Self(0);
     /// Fill at full.
-    pub const MAX: Self = Self(I20F12::lit("100"));
+    pub const MAX: Self = Self(1 << 20);
     /// Vent at full.
-    pub const MIN: Self = Self(I20F12::lit("-100"));
+    pub const MIN: Self = Self(-(1 << 20));
 
-    /// From percent, held at ±100 %.
+    /// From percent to the nearest unit, held at ±100 %.
     #[must_use]
-    pub fn saturating_from_percent(percent: I20F12) -> Self {
-        Self(percent).saturated()
+    pub const fn saturating_from_percent(percent: I20F12) -> Self {
+        const FULL_PCT: u32 = 100 << 12;
+        let magnitude = percent.to_bits().unsigned_abs();
+        let magnitude = if magnitude > FULL_PCT {
+            FULL_PCT
+        } else {
+            magnitude
+        };
+        // 25 units of percent are 64 of these.
+        Self(signed((magnitude as u64 * 64 + 12) / 25, percent.to_bits()))
     }
 
-    /// In percent.
+    /// In percent, to the nearest 2⁻¹² %.
     pub const fn percent(self) -> I20F12 {
+        // At most 2³¹ · 25: far inside 64 bits.
+        let magnitude = (self.0.unsigned_abs() as u64 * 25 + 32) / 64;
+        I20F12::from_bits(signed(magnitude, self.0))
+    }
+
+    /// In units of 2⁻¹² %, to the nearest; 100 % is 409 600.
+    pub const fn to_bits(self) -> i32 {
+        self.percent().to_bits()
+    }
+
+    /// From units of 2⁻²⁰ of 100 %.
+    #[inline(always)]
+    pub(crate) const fn from_units(units: i32) -> Self {
+        Self(units)
+    }
+
+    /// In units of 2⁻²⁰ of 100 %.
+    #[inline(always)]
+    pub(crate) const fn units(self) -> i32 {
         self.0
     }
 
-    /// In units of 2⁻¹² %; 100 % is 409 600.
-    pub const fn to_bits(self) -> i32 {
-        self.0.to_bits()
-    }
-
-    pub(crate) const fn from_bits(bits: i32) -> Self {
-        Self(I20F12::from_bits(bits))
-    }
-
     /// Held at ±100 %.
-    #[must_use]
-    #[inline]
+    #[inline(always)]
     pub(crate) fn saturated(self) -> Self {
         self.max(Self::MIN).min(Self::MAX)
     }
 }
 
+/// A magnitude with the sign of a number.
+const fn signed(magnitude: u64, sign: i32) -> i32 {
+    let magnitude = magnitude as i32;
+    if sign < 0 {
+        magnitude.wrapping_neg()
+    } else {
+        magnitude
+    }
+}
+
 impl fmt::Display for ControlSignal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(&self.0, f)?;
+        fmt::Display::fmt(&self.percent(), f)?;
         f.write_str(" %")
     }
 }

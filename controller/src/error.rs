@@ -188,6 +188,48 @@ impl fmt::Display for Coefficient {
     }
 }
 
+/// Why a [`Config`](crate::Config) is no [`FixedConfig`](crate::FixedConfig) of some mechanisms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[error(
+    "{mechanism} is another one than was compiled in: choose that one, or run this configuration with `step`"
+)]
+pub struct OtherMechanism {
+    /// The first one that differs.
+    pub mechanism: Mechanism,
+}
+
+/// A choice of [`Settings`](crate::Settings), under the name that errors show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[allow(
+    missing_docs,
+    reason = "each variant is the settings field of the same name"
+)]
+pub enum Mechanism {
+    Prediction,
+    PredictionBasis,
+    SwitchOff,
+    IntegralAtReference,
+    AntiWindup,
+    Distributor,
+    LowerLimit,
+}
+
+impl fmt::Display for Mechanism {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Prediction => "prediction",
+            Self::PredictionBasis => "prediction_basis",
+            Self::SwitchOff => "switch_off",
+            Self::IntegralAtReference => "integral_at_reference",
+            Self::AntiWindup => "anti_windup",
+            Self::Distributor => "distributor",
+            Self::LowerLimit => "duty_min",
+        })
+    }
+}
+
 /// Why words are no [`State`](crate::State): no sequence of samples leads there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -206,11 +248,17 @@ pub enum StateError {
         /// What was read.
         bits: i32,
     },
-    /// An integrator is beyond the largest bound that settings can give it.
-    #[error("words {first_word} and {}: integrator of {bits} units of 2^-44 % is outside -1000 ..= 1000 %", first_word + 1)]
-    Integrator {
-        /// The lower of the two words that hold it.
-        first_word: usize,
+    /// The integral part is beyond the largest bound that settings can give it.
+    #[error(
+        "words 2 and 3: integral part of {bits} units of 2^-59 is outside -10 ..= 10, which is 1000 %"
+    )]
+    Integral {
+        /// What was read.
+        bits: i64,
+    },
+    /// The boost is negative, or beyond the largest bound that settings can give it.
+    #[error("words 4 and 5: boost of {bits} units of 2^-52 is outside 0 ..= 10, which is 1000 %")]
+    Boost {
         /// What was read.
         bits: i64,
     },

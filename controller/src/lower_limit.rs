@@ -5,26 +5,64 @@ use fixed::types::I16F16;
 use crate::arithmetic::high_product;
 use crate::error::{ConfigError, Field};
 use crate::range::{Range, propagate, quotient};
-use crate::settings::OpeningDuty;
+use crate::settings::{self, Distributor, OpeningDuty, Settings};
+use crate::state::ERROR_SHIFT;
 
-/// DC_min of one valve.
+const SUPPLY_PRESSURE_BAR: Range = Range::new("1", "15");
+
+/// What the lower limit depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) enum LowerLimit {
-    /// The same at every pressure [%], 2⁻¹⁶.
-    Constant(i32),
+    /// Nothing: the same at every pressure.
+    Constant,
     /// What just opens the valve against this pressure difference.
-    ByPressure(OpeningCurve),
+    ByPressure,
 }
 
 impl LowerLimit {
-    /// The limit [2⁻¹⁶ %] at the pressure difference [2⁻¹⁶ bar] that helps the valve to open.
-    #[inline(always)]
-    pub(crate) fn at(&self, difference: i32) -> i32 {
-        match self {
-            Self::Constant(limit) => *limit,
-            Self::ByPressure(curve) => curve.at(difference),
+    pub(crate) const fn of(settings: &Settings) -> Self {
+        match (settings.distributor, settings.duty_min) {
+            (Distributor::Traditional, _) | (_, settings::LowerLimit::Constant { .. }) => {
+                Self::Constant
+            }
+            (_, settings::LowerLimit::PressureDependent { .. }) => Self::ByPressure,
         }
+    }
+}
+
+/// Supply pressure, where the curves end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Supply {
+    /// p_sup \[bar\], 2⁻²⁵, 1 ..= 15.
+    pub(crate) pressure: i32,
+    /// 2⁴⁶/p_sup with p_sup in 2⁻¹⁶ bar, rounded up so that the supply pressure itself gives exactly y = 1.
+    reciprocal: i32,
+}
+
+impl Supply {
+    pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
+        let supply = propagate!(
+            SUPPLY_PRESSURE_BAR.checked(Field::SupplyPressure, settings.supply_pressure_bar)
+        );
+        // The supply pressure is at least 1 bar, 2¹⁶ units.
+        let divisor = supply as u128;
+        let reciprocal = quotient(
+            (1_u128 << 46).wrapping_add(divisor).wrapping_sub(1),
+            divisor,
+        );
+        Ok(Self {
+            pressure: supply << ERROR_SHIFT,
+            reciprocal: reciprocal as i32,
+        })
+    }
+
+    /// y = Δp/p_sup from 0 to 1, 2⁻²⁴, of a pressure difference \[bar\], 2⁻²⁵.
+    #[inline(always)]
+    fn share(&self, difference: i32) -> i32 {
+        // At most 2²⁹ · 2 times at most 2³⁰.
+        high_product(difference.max(0).min(self.pressure) << 1, self.reciprocal)
     }
 }
 
@@ -41,10 +79,6 @@ pub(crate) struct OpeningFields {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct OpeningCurve {
-    /// p_sup \[bar\], 2⁻¹⁶, 1 ..= 15.
-    supply: i32,
-    /// 2⁴⁶/p_sup, rounded up so that the supply pressure itself gives exactly y = 1.
-    reciprocal: i32,
     /// D₀ [%], 2⁻¹⁶.
     without_pressure: i32,
     /// a [%], 2⁻¹⁶, 0 ..= 200.
@@ -54,10 +88,18 @@ pub(crate) struct OpeningCurve {
 }
 
 impl OpeningCurve {
-    /// The curve through the three points, if it falls all the way. `supply` [2⁻¹⁶ bar] has been checked.
+    /// The same at every pressure [%], 2⁻¹⁶.
+    pub(crate) const fn level(limit: i32) -> Self {
+        Self {
+            without_pressure: limit,
+            slope: 0,
+            curvature: 0,
+        }
+    }
+
+    /// The curve through the three points, if it falls all the way.
     pub(crate) const fn new(
         opening: &OpeningDuty,
-        supply: i32,
         fields: OpeningFields,
     ) -> Result<Self, ConfigError> {
         let OpeningDuty {
@@ -82,12 +124,6 @@ impl OpeningCurve {
         let at_half = propagate!(range.checked(fields.at_half, at_half_pct));
         let drop_at_half = without.wrapping_sub(at_half);
         Ok(Self {
-            supply,
-            // The supply pressure is at least 1 bar, 2¹⁶ units.
-            reciprocal: quotient(
-                (1_u128 << 46).wrapping_add(supply as u128).wrapping_sub(1),
-                supply as u128,
-            ) as i32,
             without_pressure: without,
             slope: drop_at_half.wrapping_mul(4).wrapping_sub(drop),
             curvature: drop
@@ -97,18 +133,20 @@ impl OpeningCurve {
         })
     }
 
-    /// The opening duty cycle [2⁻¹⁶ %], within the two ends.
+    /// D₀ [%], 2⁻¹⁶.
     #[inline(always)]
-    fn at(&self, difference: i32) -> i32 {
-        // y [2⁻²⁴]: at most 2²⁰ · 2¹⁰ times at most 2³⁰.
-        let share = high_product(difference.max(0).min(self.supply) << 10, self.reciprocal);
+    pub(crate) const fn without_pressure(&self) -> i32 {
+        self.without_pressure
+    }
+
+    /// D₀ - D(y) [%], 2⁻¹⁶: by how much this pressure difference lowers the limit, from 0 to D₀ - D(1).
+    #[inline(always)]
+    pub(crate) fn drop(&self, supply: &Supply, difference: i32) -> i32 {
+        let share = supply.share(difference);
         // a + b y is 0 ..= 200 % (to a unit), as the middle point is in the middle half; 7 and 1 bits up give 2⁻¹⁶ % again.
         let gradient = self.slope.wrapping_add(high_product(self.curvature, share));
-        let opening = self
-            .without_pressure
-            .wrapping_sub(high_product(gradient << 7, share << 1));
-        // Both products are rounded down, so no opening is too small; where the curve is level, one could be a unit too large.
-        opening.min(self.without_pressure)
+        // Both products are rounded down, so no limit is too low; where the curve is level, one could be a unit too high.
+        high_product(gradient << 7, share << 1).max(0)
     }
 }
 
@@ -127,7 +165,13 @@ mod tests {
     #[test]
     fn the_flattest_curves_stay_within_their_ends() {
         let with = 1_867_776;
-        for supply in [1 << 16, 550_502, 15 << 16] {
+        for bits in [1 << 16, 550_502, 15 << 16] {
+            let Ok(supply) = Supply::new(&Settings {
+                supply_pressure_bar: I16F16::from_bits(bits),
+                ..Settings::thesis()
+            }) else {
+                panic!("{bits} is allowed");
+            };
             for drop in 0..12 {
                 for drop_at_half in drop / 4..=drop - drop / 4 {
                     let unit = |bits| I16F16::from_bits(bits);
@@ -136,17 +180,20 @@ mod tests {
                         at_half_pct: unit(with + drop - drop_at_half),
                         with_supply_pressure_pct: unit(with),
                     };
-                    let Ok(curve) = OpeningCurve::new(&opening, supply, FIELDS) else {
+                    let Ok(curve) = OpeningCurve::new(&opening, FIELDS) else {
                         panic!("{opening:?} is allowed");
                     };
-                    for difference in (-supply / 8..supply + supply / 8).step_by(997) {
-                        let duty = curve.at(difference);
+                    let at = |difference: i32| {
+                        curve.without_pressure() - curve.drop(&supply, difference << ERROR_SHIFT)
+                    };
+                    for difference in (-bits / 8..bits + bits / 8).step_by(997) {
+                        let duty = at(difference);
                         assert!(
                             (with..=with + drop).contains(&duty),
                             "{duty} at {difference} on {curve:?}"
                         );
                     }
-                    assert_eq!((curve.at(0), curve.at(supply)), (with + drop, with));
+                    assert_eq!((at(0), at(bits)), (with + drop, with));
                 }
             }
         }

@@ -1,25 +1,24 @@
 //! The discrete PID controller, equation 6.2.
 
-use crate::arithmetic::{from_high_word, wide_product};
-use crate::control_signal::ControlSignal;
+use crate::arithmetic::{from_high_word, held, high_word, wide_product};
 use crate::error::{Coefficient, ConfigError, Field};
 use crate::integrator::Integrator;
-use crate::range::{CoefficientRange, Quotient, Range, propagate};
+use crate::range::{CoefficientRange, Quotient, Range, hundredth, propagate};
 use crate::settings::Settings;
 
-/// How far an error (2⁻¹⁶ bar) is shifted up before it meets a gain, so that one word holds gains up to 1000.
-pub(crate) const ERROR_SHIFT: u32 = 7;
-/// Fraction bits of such a gain: with an error of 16 + 7 bits the product has 44, whose upper word is u with 12.
-pub(crate) const GAIN_BITS: u32 = 44 - 16 - ERROR_SHIFT;
-/// Fraction bits of K T_s/T_i, which meets the unshifted error: small, and summed, so it gets all that a word has.
-const INTEGRAL_GAIN_BITS: u32 = 44 - 16;
+/// Fraction bits of a gain [100 %/bar]: with an error of 25 bits the product has 52, whose upper word is u with 20.
+pub(crate) const GAIN_BITS: u32 = 27;
+/// Fraction bits of K T_s/T_i [100 %/bar per sample]: small, and summed, so it gets all that a word has.
+const INTEGRAL_GAIN_BITS: u32 = 34;
+/// By how many bits the upper word of the integral part is finer than u.
+const INTEGRAL_SHIFT: u32 = INTEGRAL_GAIN_BITS - GAIN_BITS;
 
 const SAMPLE_TIME_MS: Range = Range::new("0.1", "1000");
 const GAIN_PCT_PER_BAR: Range = Range::new("0.01", "1000");
 const INTEGRAL_TIME_MS: Range = Range::new("1", "30000");
 const DERIVATIVE_TIME_MS: Range = Range::new("0", "30000");
 const INTEGRAL_MAX_PCT: Range = Range::new("0", "1000");
-/// Below it the rounding of the coefficient would show in u; above 8 the word ends.
+/// Below it the rounding of the coefficient would show in u; above 12.5 the word ends.
 const INTEGRAL_GAIN: CoefficientRange = CoefficientRange::new("0.001", "7.9");
 const DERIVATIVE_GAIN: CoefficientRange = CoefficientRange::new("0", "1000");
 
@@ -27,13 +26,13 @@ const DERIVATIVE_GAIN: CoefficientRange = CoefficientRange::new("0", "1000");
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Pid {
-    /// K [%/bar], 2⁻²¹.
+    /// K [100 %/bar], 2⁻²⁷.
     proportional: i32,
-    /// K T_d/T_s [%/bar], 2⁻²¹.
+    /// K T_d/T_s [100 %/bar], 2⁻²⁷.
     derivative: i32,
-    /// K T_s/T_i [%/bar per sample], 2⁻²⁸.
+    /// K T_s/T_i [100 %/bar per sample], 2⁻³⁴.
     integral: i32,
-    /// Bound of the integral part [%], 2⁻¹².
+    /// Bound of the integral part [100 %], 2⁻²⁷.
     integral_max: i32,
 }
 
@@ -73,49 +72,68 @@ impl Pid {
         let integral_max =
             propagate!(INTEGRAL_MAX_PCT.checked(Field::IntegralMax, settings.integral_max_pct));
         Ok(Self {
-            // K has 16 fraction bits and is at most 1000 < 2¹⁰: exact in 21.
-            proportional: (gain << (GAIN_BITS - 16)) as i32,
+            proportional: hundredth(gain, 1 << 16, GAIN_BITS),
             derivative,
             integral,
-            integral_max: integral_max >> 4,
+            integral_max: per_full_scale(integral_max, GAIN_BITS),
         })
     }
 
-    /// K eₙ [%], 2⁻⁴⁴.
+    /// K eₙ + K T_d (eₙ - eₙ₋₁)/T_s [100 %], 2⁻²⁰.
     #[inline(always)]
-    pub(crate) const fn proportional(&self, error: i32) -> i64 {
-        wide_product(self.proportional, error << ERROR_SHIFT)
+    pub(crate) const fn proportional_and_derivative(&self, error: i32, error_change: i32) -> i32 {
+        high_word(
+            wide_product(self.proportional, error)
+                .wrapping_add(wide_product(self.derivative, error_change)),
+        )
     }
 
-    /// K T_d (eₙ - eₙ₋₁)/T_s [%], 2⁻⁴⁴.
+    /// K eₙ [100 %], 2⁻²⁰.
     #[inline(always)]
-    pub(crate) const fn derivative(&self, change: i32) -> i64 {
-        wide_product(self.derivative, change << ERROR_SHIFT)
+    pub(crate) const fn proportional(&self, error: i32) -> i32 {
+        high_word(wide_product(self.proportional, error))
+    }
+
+    /// K T_d (eₙ - eₙ₋₁)/T_s [100 %], 2⁻²⁰.
+    #[inline(always)]
+    pub(crate) const fn derivative(&self, error_change: i32) -> i32 {
+        high_word(wide_product(self.derivative, error_change))
     }
 
     /// The sum with this sample's error.
     #[inline(always)]
     pub(crate) const fn integrated(&self, integral: Integrator, error: i32) -> Integrator {
-        integral.advanced(self.integral, error, self.integral_max)
+        integral.advanced(wide_product(self.integral, error), self.integral_max)
+    }
+
+    /// Integral part of u [100 %], 2⁻²⁰.
+    #[inline(always)]
+    pub(crate) const fn integral_part(integral: Integrator) -> i32 {
+        integral.part() >> INTEGRAL_SHIFT
     }
 
     /// The integral part before a sample of this error and no change, such that the sample gives `u`; within its bound.
-    pub(crate) const fn integral_that_gives(&self, u: ControlSignal, error: i32) -> Integrator {
+    pub(crate) const fn integral_that_gives(&self, u: i32, error: i32) -> Integrator {
         if self.integral == 0 {
             return Integrator::ZERO;
         }
-        // |u| ≤ 100 %, K e ≤ 32 000 %, one sample's sum ≤ 8 · 32 %, all in 2⁻⁴⁴ %: below 2⁶⁰.
-        let rest = from_high_word(u.to_bits()).wrapping_sub(self.proportional(error));
-        Integrator::ZERO.corrected(
-            rest.wrapping_sub(wide_product(self.integral, error)),
-            self.integral_max,
-        )
+        // |u| ≤ 1 and K e ≤ 320 are held at 13 times 100 %: more than the largest bound and the largest term (0.079 · 32) together, and
+        // with 59 fraction bits still inside 64.
+        let rest = u.wrapping_sub(self.proportional(error)) as i64;
+        let rest = held(rest, 13 << 20) << (59 - 20);
+        let before = rest.wrapping_sub(wide_product(self.integral, error));
+        Integrator::from_bits(held(before, from_high_word(self.integral_max)))
     }
 
-    /// Bound of the integral part [%], 2⁻¹².
+    /// Bound of the integral part [100 %], 2⁻²⁷.
     pub(crate) const fn integral_max(&self) -> i32 {
         self.integral_max
     }
+}
+
+/// A bound in percent (2⁻¹⁶) as a part of 100 % with so many fraction bits, rounded down. At most 1000 % and 27 bits: 10 · 2²⁷.
+pub(crate) const fn per_full_scale(bound: i32, fraction_bits: u32) -> i32 {
+    (((bound as i64) << (fraction_bits - 16)) / 100) as i32
 }
 
 /// The sample time [2⁻¹⁶ ms], checked.

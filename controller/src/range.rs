@@ -124,9 +124,10 @@ impl CoefficientRange {
 }
 
 impl Quotient {
-    /// The quotient with so many fraction bits, rounded to nearest, if it is within its range.
+    /// The hundredth part of the quotient, as percent become a part of 100 %, with so many fraction bits, rounded to nearest, if
+    /// the quotient is within its range.
     ///
-    /// `max` · 2^`fraction_bits` is below 2³¹; the coefficients' own files say why.
+    /// `max`/100 · 2^`fraction_bits` is below 2³¹; the coefficients' own files say why.
     pub(crate) const fn checked(self, fraction_bits: u32) -> Result<i32, ConfigError> {
         let numerator = self.numerator as u128;
         let denominator = self.denominator as u128;
@@ -145,9 +146,17 @@ impl Quotient {
                 max,
             });
         }
-        let rounded = (numerator << fraction_bits).wrapping_add(denominator / 2);
-        Ok(quotient(rounded, denominator) as i32)
+        Ok(hundredth(self.numerator, self.denominator, fraction_bits))
     }
+}
+
+/// The hundredth part of a quotient, as percent become a part of 100 %, with so many fraction bits, rounded to nearest.
+///
+/// The caller knows that it is below 2³¹.
+pub(crate) const fn hundredth(numerator: u64, denominator: u64, fraction_bits: u32) -> i32 {
+    let denominator = (denominator as u128).wrapping_mul(100);
+    let rounded = ((numerator as u128) << fraction_bits).wrapping_add(denominator / 2);
+    quotient(rounded, denominator) as i32
 }
 
 /// The quotient, rounded down. No caller divides by 0; if one did, the quotient would be out of every range, and not a panic.

@@ -2,12 +2,16 @@
 
 use crate::config::Config;
 use crate::control_signal::ControlSignal;
+use crate::direction::Direction;
 use crate::error::StateError;
 use crate::input_output::Input;
 use crate::integrator::Integrator;
+use crate::pid::Pid;
 use crate::pressure::Pressure;
 
 /// What one sample leaves to the next: pressure and error of the sample, integral part, boost.
+///
+/// Both parts are counted in the direction of that error: positive where they work towards the reference.
 ///
 /// Two targets that started alike and saw the same inputs hold equal states, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,25 +22,27 @@ pub struct State {
     pub(crate) boost: Integrator,
 }
 
+/// Bits by which a sample's pressures are finer than [`Pressure`]: so fine that products with gains keep u in their upper word.
+pub(crate) const ERROR_SHIFT: u32 = 9;
+
 /// An input, limited to the control range, as its two differences need it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Sample {
-    /// \[bar\], 2⁻¹⁶, within the control range: 21 bits.
+    /// \[bar\], 2⁻²⁵, within the control range: 30 bits.
     pub(crate) pressure: i32,
-    /// Reference - pressure \[bar\], 2⁻¹⁶: 22 bits.
+    /// Reference - pressure \[bar\], 2⁻²⁵: 31 bits.
     pub(crate) error: i32,
 }
 
 impl Sample {
-    /// Largest magnitude of an error: the width of the control range.
+    /// Largest magnitude of an error [2⁻¹⁶ bar]: the width of the control range.
     const ERROR_MAX: i32 = Pressure::MAX_CONTROL.to_bits() - Pressure::MIN_CONTROL.to_bits();
 
     #[inline(always)]
     pub(crate) fn of(input: Input) -> Self {
-        let pressure = input.pressure.saturated_to_control_range().to_bits();
-        let reference = input.reference.saturated_to_control_range().to_bits();
-        // Two values of 21 bits.
+        let pressure = input.pressure.saturated_to_control_range().to_bits() << ERROR_SHIFT;
+        let reference = input.reference.saturated_to_control_range().to_bits() << ERROR_SHIFT;
         Self {
             pressure,
             error: reference.wrapping_sub(pressure),
@@ -75,30 +81,40 @@ impl State {
     /// The integral part is held within its bound, and is zero for a controller without integral action.
     pub fn taking_over(config: &Config, input: Input, u: ControlSignal) -> Self {
         let previous = Sample::of(input);
+        let towards = Direction::of(previous.error);
+        let integral = config
+            .coefficients
+            .pid
+            .integral_that_gives(towards.along(u.units()), towards.along(previous.error));
         Self {
             previous,
-            integral: config.pid.integral_that_gives(u, previous.error),
+            integral,
             boost: Integrator::ZERO,
         }
     }
 
     /// The integral part of the control signal.
     pub const fn integral(&self) -> ControlSignal {
-        self.integral.part()
+        self.signal(Pid::integral_part(self.integral))
     }
 
     /// The boost's part of the control signal.
     pub const fn boost(&self) -> ControlSignal {
-        self.boost.part()
+        self.signal(self.boost.part())
     }
 
-    /// The state as words: pressure and error of the last sample [2⁻¹⁶ bar], then integral part and boost [2⁻⁴⁴ %], lower
-    /// word first.
+    /// A part that is counted in the direction of the error.
+    const fn signal(&self, part: i32) -> ControlSignal {
+        ControlSignal::from_units(Direction::of(self.previous.error).along(part))
+    }
+
+    /// The state as words: pressure and error of the last sample [2⁻¹⁶ bar], then integral part [2⁻⁵⁹ of 100 %] and boost
+    /// [2⁻⁵² of 100 %] in the direction of that error, lower word first.
     pub const fn to_words(&self) -> [i32; Self::WORDS] {
         let (integral, boost) = (self.integral.bits(), self.boost.bits());
         [
-            self.previous.pressure,
-            self.previous.error,
+            self.previous.pressure >> ERROR_SHIFT,
+            self.previous.error >> ERROR_SHIFT,
             integral as i32,
             (integral >> 32) as i32,
             boost as i32,
@@ -127,26 +143,30 @@ impl State {
             return Err(StateError::Error { bits: error });
         }
         let integral_bits = double_word(integral_low, integral_high);
-        let Some(integral) = Integrator::checked_from_bits(integral_bits) else {
-            return Err(StateError::Integrator {
-                first_word: 2,
+        if integral_bits < -INTEGRAL_MAX || integral_bits > INTEGRAL_MAX {
+            return Err(StateError::Integral {
                 bits: integral_bits,
             });
-        };
+        }
         let boost_bits = double_word(boost_low, boost_high);
-        let Some(boost) = Integrator::checked_from_bits(boost_bits) else {
-            return Err(StateError::Integrator {
-                first_word: 4,
-                bits: boost_bits,
-            });
-        };
+        if boost_bits < 0 || boost_bits > BOOST_MAX {
+            return Err(StateError::Boost { bits: boost_bits });
+        }
         Ok(Self {
-            previous: Sample { pressure, error },
-            integral,
-            boost,
+            previous: Sample {
+                pressure: pressure << ERROR_SHIFT,
+                error: error << ERROR_SHIFT,
+            },
+            integral: Integrator::from_bits(integral_bits),
+            boost: Integrator::from_bits(boost_bits),
         })
     }
 }
+
+/// The largest bound that settings can give the integral part: 1000 %, 2⁻⁵⁹ of 100 %.
+const INTEGRAL_MAX: i64 = 10 << 59;
+/// The largest bound that settings can give the boost: 1000 %, 2⁻⁵² of 100 %.
+const BOOST_MAX: i64 = 10 << 52;
 
 const fn double_word(low: i32, high: i32) -> i64 {
     ((high as i64) << 32) | (low as u32 as i64)

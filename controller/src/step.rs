@@ -1,107 +1,120 @@
 //! One sample: the mechanisms in their order.
 
-use crate::arithmetic::{differ_in_sign, high_word_towards_zero};
-use crate::config::Config;
+use core::mem;
+
+use crate::anti_windup::is_driven;
+use crate::config::{Coefficients, Config};
 use crate::control_signal::ControlSignal;
+use crate::direction::Direction;
 use crate::input_output::{Input, Output};
 use crate::integrator::Integrator;
+use crate::pid::Pid;
+use crate::prediction::{predicted, switches_off};
 use crate::pressure::Pressure;
-use crate::state::{Sample, State};
+use crate::settings::IntegralAtReference;
+use crate::state::{ERROR_SHIFT, Sample, State};
+use crate::structure::Structure;
 use crate::trace::{Activity, Saturation, Trace};
 
 /// One sample of the controller: a pure function of configuration, state and input.
 ///
 /// Call it once per sample time. Any input is allowed; pressures beyond the control range
 /// ([`Pressure::MIN_CONTROL`] ..= [`Pressure::MAX_CONTROL`]) are taken as its ends.
+///
+/// [`FixedConfig::step`](crate::FixedConfig::step) gives the same bits at half the cost.
 #[inline]
 pub fn step(config: &Config, state: &mut State, input: Input) -> Output {
-    sample(config, state, input).0
+    sample(config.structure, &config.coefficients, state, input).0
 }
 
 /// [`step`], and how it came to its output. The same code: state and output are equal bit for bit.
 #[inline]
 pub fn step_traced(config: &Config, state: &mut State, input: Input) -> (Output, Trace) {
-    sample(config, state, input)
+    sample(config.structure, &config.coefficients, state, input)
 }
 
-// Always inlined, so that in `step` the compiler drops what only the trace needs.
+// Always inlined, so that the compiler drops what a constant structure does not have, and what only the trace needs.
 #[inline(always)]
-fn sample(config: &Config, state: &mut State, input: Input) -> (Output, Trace) {
+pub(crate) fn sample(
+    structure: Structure,
+    config: &Coefficients,
+    state: &mut State,
+    input: Input,
+) -> (Output, Trace) {
     let now = Sample::of(input);
-    let before = state.previous;
-    state.previous = now;
-    let Sample { pressure, error } = now;
-    // Differences of values of 21 and 22 bits.
-    let pressure_change = pressure.wrapping_sub(before.pressure);
-    let error_change = error.wrapping_sub(before.error);
+    let before = mem::replace(&mut state.previous, now);
+    // From here on all is counted along the direction of the error: filling and venting are one case.
+    let direction = Direction::of(now.error);
+    let error = direction.along(now.error);
+    let error_change = direction.along(now.error.wrapping_sub(before.error));
+    let pressure_change = direction.along(now.pressure.wrapping_sub(before.pressure));
 
-    let inside = config.tolerance.holds(error);
-    if inside || differ_in_sign(error, before.error) {
+    let inside = config.tolerance.is_reached(error);
+    let turned = direction != Direction::of(before.error);
+    if turned {
+        state.integral = state.integral.turned();
+    }
+    if inside || turned {
         state.boost = Integrator::ZERO;
-        if config.clears_integral {
+        if matches!(structure.integral_at_reference, IntegralAtReference::Clear) {
             state.integral = Integrator::ZERO;
         }
     }
 
-    let predicted = config
-        .prediction
-        .predicted(error, error_change, pressure_change);
-    if inside
-        || config
-            .prediction
-            .switches_off(config.tolerance, error, predicted)
-    {
+    let predicted = predicted(structure, error, error_change, pressure_change);
+    let predicted_error = Pressure::from_bits(direction.along(predicted >> ERROR_SHIFT));
+    if inside || switches_off(structure, config.tolerance, predicted) {
         let activity = if inside {
             Activity::InsideTolerance
         } else {
             Activity::SwitchedOffAhead
         };
-        return (Output::OFF, Trace::off(now, predicted, activity, state));
+        let trace = Trace::off(state, predicted_error, activity);
+        return (Output::OFF, trace);
     }
 
-    let proportional = config.pid.proportional(error);
-    let derivative = config.pid.derivative(error_change);
-    let integral = config.pid.integrated(state.integral, error);
-    let boosting = config.boost.is_needed(error, pressure_change);
+    let boosting = config.boost.is_needed(pressure_change);
     let boost = if boosting {
         config.boost.advanced(state.boost, error)
     } else {
         state.boost
     };
+    let integral = config.pid.integrated(state.integral, error);
+    // At most 960 + 10 + 10 times 100 % in 2⁻²⁰: below 2³⁰.
+    let u = config
+        .pid
+        .proportional_and_derivative(error, error_change)
+        .wrapping_add(Pid::integral_part(integral))
+        .wrapping_add(boost.part());
 
-    // At most 32 000 + 64 000 + 1000 + 1000 % in 2⁻⁴⁴ %: below 2⁶¹.
-    let sum = proportional
-        .wrapping_add(derivative)
-        .wrapping_add(integral.bits())
-        .wrapping_add(boost.bits());
-    let unsaturated = ControlSignal::from_bits(high_word_towards_zero(sum));
-    let u = unsaturated.saturated();
-
-    // Both below 2³⁰.
-    let excess = unsaturated.to_bits().wrapping_sub(u.to_bits());
-    let driven = excess != 0 && !differ_in_sign(excess, error);
-    state.integral =
-        config
-            .anti_windup
-            .settled(&config.pid, state.integral, integral, excess, driven);
-    if !driven {
+    let integrating = structure.anti_windup.settle(
+        config.tracking,
+        &config.pid,
+        &mut state.integral,
+        integral,
+        u,
+    );
+    if !is_driven(u) {
         state.boost = boost;
     }
+    let (duty_fill, duty_vent) = config
+        .distributor
+        .duties(structure, direction, u, now.pressure);
 
-    let (duty_fill, duty_vent) = config.distributor.duties(u, pressure);
+    let signal = |along: i32| ControlSignal::from_units(direction.along(along));
     let trace = Trace {
-        error: Pressure::from_bits(error),
-        predicted_error: Pressure::from_bits(predicted),
-        proportional: ControlSignal::from_bits(high_word_towards_zero(proportional)),
-        derivative: ControlSignal::from_bits(high_word_towards_zero(derivative)),
-        integral: integral.part(),
-        boost: boost.part(),
-        u_unsaturated: unsaturated,
-        u,
+        error: Pressure::from_bits(now.error >> ERROR_SHIFT),
+        predicted_error,
+        proportional: signal(config.pid.proportional(error)),
+        derivative: signal(config.pid.derivative(error_change)),
+        integral: signal(Pid::integral_part(integral)),
+        boost: signal(boost.part()),
+        u_unsaturated: signal(u),
+        u: signal(u).saturated(),
         activity: Activity::Controlling,
-        saturation: Saturation::of(excess),
-        integrating: state.integral == integral,
-        boosting: boosting && !driven,
+        saturation: Saturation::of(signal(u)),
+        integrating,
+        boosting: boosting && !is_driven(u),
     };
     (
         Output {

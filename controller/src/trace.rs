@@ -2,7 +2,7 @@
 
 use crate::control_signal::ControlSignal;
 use crate::pressure::Pressure;
-use crate::state::{Sample, State};
+use crate::state::{ERROR_SHIFT, State};
 
 /// How a sample came to its output, for logs and plots; computed only by [`step_traced`](crate::step_traced).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -10,7 +10,8 @@ use crate::state::{Sample, State};
 pub struct Trace {
     /// Reference - chamber pressure, both within the control range.
     pub error: Pressure,
-    /// The error that the prediction expects (equations 6.8, 6.10); the error itself where prediction is off.
+    /// The error that the prediction expects (equations 6.8, 6.10); the error itself where prediction is off. Beyond ±32 bar
+    /// only its side is right.
     pub predicted_error: Pressure,
     /// K eₙ; 0 while the valves are turned off.
     pub proportional: ControlSignal,
@@ -59,10 +60,10 @@ pub enum Saturation {
 }
 
 impl Saturation {
-    pub(crate) const fn of(excess: i32) -> Self {
-        if excess > 0 {
+    pub(crate) fn of(unsaturated: ControlSignal) -> Self {
+        if unsaturated > ControlSignal::MAX {
             Self::High
-        } else if excess < 0 {
+        } else if unsaturated < ControlSignal::MIN {
             Self::Low
         } else {
             Self::None
@@ -71,15 +72,12 @@ impl Saturation {
 }
 
 impl Trace {
-    pub(crate) const fn off(
-        sample: Sample,
-        predicted: i32,
-        activity: Activity,
-        state: &State,
-    ) -> Self {
+    /// The account of a sample that left this state and turned the valves off.
+    #[inline(always)]
+    pub(crate) const fn off(state: &State, predicted_error: Pressure, activity: Activity) -> Self {
         Self {
-            error: Pressure::from_bits(sample.error),
-            predicted_error: Pressure::from_bits(predicted),
+            error: Pressure::from_bits(state.previous.error >> ERROR_SHIFT),
+            predicted_error,
             proportional: ControlSignal::ZERO,
             derivative: ControlSignal::ZERO,
             integral: state.integral(),

@@ -36,8 +36,8 @@ proptest! {
     #[test]
     fn extreme_states_neither_overflow_nor_panic((_, config) in any_settings(), corner in 0..16_u32, inputs in any_inputs()) {
         let pick = |bit: u32, low: i32, high: i32| if corner >> bit & 1 == 0 { low } else { high };
-        let integral = pick(2, -1000 << 12, 1000 << 12);
-        let boost = pick(3, -1000 << 12, 1000 << 12);
+        let integral = pick(2, -10 << 27, 10 << 27);
+        let boost = pick(3, 0, 10 << 20);
         let words = [pick(0, -(1 << 20), (1 << 20) - 1), pick(1, -((1 << 21) - 1), (1 << 21) - 1), 0, integral, 0, boost];
         let mut state = State::from_words(words).expect("the corners of what a state may be");
         for input in inputs {
@@ -73,38 +73,45 @@ fn words_beyond_each_bound_are_refused_and_the_bound_itself_is_not() {
         [0, -(1 << 21), 0, 0, 0, 0],
         Some(StateError::Error { bits: -(1 << 21) }),
     );
-    check([0, 0, 0, 1000 << 12, 0, -1000 << 12], None);
-    let bits = (4_096_000_i64 << 32) + 1;
+    // 1000 %: 10 in 2⁻⁵⁹ and in 2⁻⁵² of 100 %, lower word first.
+    let (integral, boost) = (10_i64 << 59, 10_i64 << 52);
+    check([0, 0, 0, 10 << 27, 0, 10 << 20], None);
+    check([0, 0, 0, -10 << 27, 0, 0], None);
     check(
-        [0, 0, 1, 1000 << 12, 0, 0],
-        Some(StateError::Integrator {
-            first_word: 2,
-            bits,
+        [0, 0, 1, 10 << 27, 0, 0],
+        Some(StateError::Integral { bits: integral + 1 }),
+    );
+    check(
+        [0, 0, -1, (-10 << 27) - 1, 0, 0],
+        Some(StateError::Integral {
+            bits: -integral - 1,
         }),
     );
     check(
-        [0, 0, 0, 0, 1, 1000 << 12],
-        Some(StateError::Integrator {
-            first_word: 4,
-            bits,
-        }),
+        [0, 0, 0, 0, 1, 10 << 20],
+        Some(StateError::Boost { bits: boost + 1 }),
     );
-    check(
-        [0, 0, 0, 0, -1, (-1000 << 12) - 1],
-        Some(StateError::Integrator {
-            first_word: 4,
-            bits: -bits,
-        }),
-    );
+    check([0, 0, 0, 0, -1, -1], Some(StateError::Boost { bits: -1 }));
 }
 
 #[test]
-fn a_refused_state_says_which_word_and_why() {
-    let error = State::from_words([0, 0, 0, 0, 1, 1000 << 12]).expect_err("beyond 1000 %");
+fn a_refused_state_says_which_words_and_why() {
+    let message = |words| State::from_words(words).expect_err("refused").to_string();
     assert_eq!(
-        error.to_string(),
-        "words 4 and 5: integrator of 17592186044416001 units of 2^-44 % is outside -1000 ..= 1000 %"
-            .replace("17592186044416001", &((4_096_000_i64 << 32) + 1).to_string())
+        message([1 << 20, 0, 0, 0, 0, 0]),
+        "word 0: pressure of 1048576 units of 2^-16 bar is outside the control range of -16 ..< 16 bar"
+    );
+    assert_eq!(
+        message([0, 1 << 21, 0, 0, 0, 0]),
+        "word 1: error of 2097152 units of 2^-16 bar is outside -32 ..= 32 bar"
+    );
+    assert_eq!(
+        message([0, 0, 1, 10 << 27, 0, 0]),
+        "words 2 and 3: integral part of 5764607523034234881 units of 2^-59 is outside -10 ..= 10, which is 1000 %"
+    );
+    assert_eq!(
+        message([0, 0, 0, 0, 1, 10 << 20]),
+        "words 4 and 5: boost of 45035996273704961 units of 2^-52 is outside 0 ..= 10, which is 1000 %"
     );
 }
 

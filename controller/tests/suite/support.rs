@@ -54,6 +54,17 @@ pub(crate) fn duties(output: &Output) -> (I16F16, I16F16) {
     (output.duty_fill.percent(), output.duty_vent.percent())
 }
 
+/// Two duty cycles as expected [%], within what the rounding of u leaves of them.
+#[track_caller]
+pub(crate) fn assert_duties(output: &Output, expected: (&str, &str)) {
+    let (fill, vent) = duties(output);
+    let is = |actual: I16F16, expected| (actual - lit(expected)).abs().to_num::<f64>() < 0.000_3;
+    assert!(
+        is(fill, expected.0) && is(vent, expected.1),
+        "{output:?} is not {expected:?} %"
+    );
+}
+
 /// A P controller with nothing else: K 40 %/bar, Scheme 1. The stories switch on what they are about.
 pub(crate) fn bare() -> Settings {
     Settings {

@@ -1,0 +1,57 @@
+//! Which mechanisms a controller has: all in [`Settings`] that is a choice and not a number.
+
+use crate::anti_windup::AntiWindup;
+use crate::distributor::Scheme;
+use crate::error::Mechanism;
+use crate::lower_limit::LowerLimit;
+use crate::settings::{IntegralAtReference, Prediction, PredictionBasis, Settings, SwitchOff};
+
+/// The choices of a controller. Where they are a constant, the compiler drops what is not chosen. Any structure runs with any
+/// coefficients within the ranges of docs/numerics.md.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Structure {
+    pub(crate) prediction: Prediction,
+    pub(crate) prediction_basis: PredictionBasis,
+    pub(crate) switch_off: SwitchOff,
+    pub(crate) integral_at_reference: IntegralAtReference,
+    pub(crate) anti_windup: AntiWindup,
+    pub(crate) scheme: Scheme,
+    pub(crate) lower_limit: LowerLimit,
+}
+
+impl Structure {
+    pub(crate) const fn of(settings: &Settings) -> Self {
+        Self {
+            prediction: settings.prediction,
+            prediction_basis: settings.prediction_basis,
+            switch_off: settings.switch_off,
+            integral_at_reference: settings.integral_at_reference,
+            anti_windup: AntiWindup::of(settings),
+            scheme: Scheme::of(settings),
+            lower_limit: LowerLimit::of(settings),
+        }
+    }
+
+    /// The first choice in which the two differ.
+    pub(crate) const fn difference(self, other: Self) -> Option<Mechanism> {
+        // Constant functions have no `==` on enums.
+        if self.prediction as u8 != other.prediction as u8 {
+            Some(Mechanism::Prediction)
+        } else if self.prediction_basis as u8 != other.prediction_basis as u8 {
+            Some(Mechanism::PredictionBasis)
+        } else if self.switch_off as u8 != other.switch_off as u8 {
+            Some(Mechanism::SwitchOff)
+        } else if self.integral_at_reference as u8 != other.integral_at_reference as u8 {
+            Some(Mechanism::IntegralAtReference)
+        } else if self.anti_windup as u8 != other.anti_windup as u8 {
+            Some(Mechanism::AntiWindup)
+        } else if self.scheme as u8 != other.scheme as u8 {
+            Some(Mechanism::Distributor)
+        } else if self.lower_limit as u8 != other.lower_limit as u8 {
+            Some(Mechanism::LowerLimit)
+        } else {
+            None
+        }
+    }
+}
