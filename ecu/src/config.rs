@@ -1,16 +1,65 @@
 //! Settings, checked once and multiplied out.
 
-use controller::Config;
+use controller::fixed::types::I16F16;
+use controller::{Config, Distributor};
 
-use crate::error::EcuConfigError;
-use crate::settings::{EcuSettings, VentValve};
+use crate::error::{EcuConfigError, SupervisionField as Field};
+#[cfg(feature = "mutilate")]
+use crate::fault::Fault;
+use crate::history::{History, Window};
+#[cfg(feature = "mutilate")]
+use crate::mechanism::Mechanism;
+use crate::mechanism::Mechanisms;
+use crate::settings::{EcuSettings, Supervision, VentValve};
 
-/// An ECU that can run: the proof that its [`EcuSettings`] are within bounds.
+/// What `?` does, which constant functions do not have.
+macro_rules! propagate {
+    ($result:expr) => {
+        match $result {
+            Ok(value) => value,
+            Err(error) => return Err(error),
+        }
+    };
+}
+
+/// An ECU that can run: the proof that its [`EcuSettings`] are within bounds, and the limits they lead to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EcuConfig {
     pub(crate) controller: Config,
     pub(crate) vent_valve: VentValve,
+    /// Whether the distributor drives both valves at a time.
+    pub(crate) drives_both: bool,
+    pub(crate) limits: Limits,
+    pub(crate) mechanisms: Mechanisms,
+}
+
+/// The supervision's settings in the units of a sample. Pressures \[bar\], 2⁻¹⁶.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Limits {
+    /// No chamber pressure is above the highest supply pressure and a margin for the sensor.
+    pub(crate) pressure_max: i32,
+    pub(crate) reference_max: i32,
+    pub(crate) supply_min: i32,
+    /// Largest change of the pressure in a sample: twice what the faster valve does at the highest supply pressure.
+    pub(crate) jump: i32,
+    /// What the open valve does at least, per sample and pressure difference across it, 2⁻³²: half of what the rig's does.
+    pub(crate) least_rise: i32,
+    pub(crate) least_fall: i32,
+    /// Duty cycles from which on the valves are open for sure [%], 2⁻¹⁶.
+    pub(crate) open_fill: i32,
+    pub(crate) open_vent: i32,
+    /// Samples from a command until the valve does it for sure.
+    pub(crate) settling: Window,
+    /// Change of the reference per sample.
+    pub(crate) ramp: i32,
+    pub(crate) battery_min_mv: u16,
+    pub(crate) battery_max_mv: u16,
+    pub(crate) coil_min_ma: u16,
+    pub(crate) coil_max_ma: u16,
+    pub(crate) elapsed_min_us: u32,
+    pub(crate) elapsed_max_us: u32,
 }
 
 impl EcuConfig {
@@ -26,6 +75,174 @@ impl EcuConfig {
         Ok(Self {
             controller,
             vent_valve: settings.vent_valve,
+            drives_both: matches!(settings.controller.distributor, Distributor::Scheme2 { .. }),
+            limits: propagate!(Limits::new(
+                &settings.supervision,
+                settings.controller.sample_time_ms
+            )),
+            mechanisms: Mechanisms::ALL,
         })
+    }
+
+    /// The same without one safety mechanism, for a test that has to notice.
+    #[cfg(feature = "mutilate")]
+    #[must_use]
+    pub const fn without(self, mechanism: Mechanism) -> Self {
+        Self {
+            mechanisms: self.mechanisms.without(mechanism),
+            ..self
+        }
+    }
+
+    /// The same without the detector of `fault`, for a test that has to notice.
+    #[cfg(feature = "mutilate")]
+    #[must_use]
+    pub const fn without_detector(self, fault: Fault) -> Self {
+        Self {
+            mechanisms: self.mechanisms.without_detector(fault),
+            ..self
+        }
+    }
+}
+
+/// A sensor's error and noise above the highest pressure that can be: 0.2 bar, one per cent of its span.
+const SENSOR_MARGIN: i64 = I16F16::lit("0.2").to_bits() as i64;
+/// Ambient pressure between the supply's gauge and absolute pressure, rounded up \[bar\].
+const AMBIENT: i64 = I16F16::lit("1.02").to_bits() as i64;
+/// Settling is looked up in the history of the commands.
+const SETTLING_SAMPLES_MAX: i64 = History::SAMPLES_MAX as i64;
+
+impl Limits {
+    const fn new(settings: &Supervision, sample_time_ms: I16F16) -> Result<Self, EcuConfigError> {
+        let sample_ms = sample_time_ms.to_bits() as i64;
+        let supply_min = propagate!(
+            Checked::field(Field::SupplyPressureMin).value(settings.supply_pressure_min_bar)
+        );
+        let supply_max = propagate!(
+            Checked::field(Field::SupplyPressureMax)
+                .from(settings.supply_pressure_min_bar)
+                .value(settings.supply_pressure_max_bar)
+        );
+        let fill_rate = propagate!(Checked::field(Field::FillRate).value(settings.fill_rate_per_s));
+        let vent_rate = propagate!(Checked::field(Field::VentRate).value(settings.vent_rate_per_s));
+        let open_fill =
+            propagate!(Checked::field(Field::OpenDutyFill).value(settings.open_duty_fill_pct));
+        let open_vent =
+            propagate!(Checked::field(Field::OpenDutyVent).value(settings.open_duty_vent_pct));
+        let settling = propagate!(
+            Checked::field(Field::ValveSettling)
+                .up_to(sample_ms.wrapping_mul(SETTLING_SAMPLES_MAX))
+                .value(settings.valve_settling_ms)
+        );
+        let ramp = propagate!(Checked::field(Field::Ramp).value(settings.ramp_bar_per_s));
+        let battery_min =
+            propagate!(Checked::field(Field::BatteryMin).value(settings.battery_min_v));
+        let battery_max = propagate!(
+            Checked::field(Field::BatteryMax)
+                .from(settings.battery_min_v)
+                .value(settings.battery_max_v)
+        );
+        let coil_min =
+            propagate!(Checked::field(Field::CoilCurrentMin).value(settings.coil_current_min_ma));
+        let coil_max = propagate!(
+            Checked::field(Field::CoilCurrentMax)
+                .from(settings.coil_current_min_ma)
+                .value(settings.coil_current_max_ma)
+        );
+        let faster = if fill_rate > vent_rate {
+            fill_rate
+        } else {
+            vent_rate
+        };
+        // At most 50/s in 1 s, 2⁻¹⁶, times 17 bar, 2⁻¹⁶: far inside 63 bits.
+        let fastest = (share_per_sample(faster, sample_ms) >> 16)
+            .wrapping_mul(supply_max.wrapping_add(AMBIENT));
+        Ok(Self {
+            pressure_max: supply_max.wrapping_add(SENSOR_MARGIN) as i32,
+            reference_max: supply_max as i32,
+            supply_min: supply_min as i32,
+            jump: saturated(fastest >> 15),
+            least_rise: saturated(share_per_sample(fill_rate, sample_ms) >> 1),
+            least_fall: saturated(share_per_sample(vent_rate, sample_ms) >> 1),
+            open_fill: open_fill as i32,
+            open_vent: open_vent as i32,
+            settling: Window::last(samples(settling, sample_ms)),
+            ramp: saturated(share_per_sample(ramp, sample_ms) >> 16).wrapping_add(1),
+            battery_min_mv: thousandth(battery_min) as u16,
+            battery_max_mv: thousandth(battery_max) as u16,
+            coil_min_ma: (coil_min >> 16) as u16,
+            coil_max_ma: (coil_max >> 16) as u16,
+            elapsed_min_us: (thousandth(sample_ms) >> 1) as u32,
+            elapsed_max_us: (thousandth(sample_ms) << 1) as u32,
+        })
+    }
+}
+
+/// A field, and where it may be.
+struct Checked {
+    field: Field,
+    min: I16F16,
+    max: I16F16,
+}
+
+impl Checked {
+    const fn field(field: Field) -> Self {
+        let [min, max] = field.range();
+        Self { field, min, max }
+    }
+
+    const fn from(self, min: I16F16) -> Self {
+        Self { min, ..self }
+    }
+
+    const fn up_to(self, bits: i64) -> Self {
+        if bits < self.max.to_bits() as i64 {
+            let max = I16F16::from_bits(bits as i32);
+            Self { max, ..self }
+        } else {
+            self
+        }
+    }
+
+    /// The bits of `value`, if it is there.
+    const fn value(self, value: I16F16) -> Result<i64, EcuConfigError> {
+        let Self { field, min, max } = self;
+        if value.to_bits() < min.to_bits() || value.to_bits() > max.to_bits() {
+            Err(EcuConfigError::OutOfRange {
+                field,
+                value,
+                min,
+                max,
+            })
+        } else {
+            Ok(value.to_bits() as i64)
+        }
+    }
+}
+
+/// A rate per second times the sample time, both 2⁻¹⁶: 2⁻³².
+const fn share_per_sample(rate_per_s: i64, sample_ms: i64) -> i64 {
+    rate_per_s.wrapping_mul(sample_ms) / 1000
+}
+
+/// A duration in samples, rounded up.
+const fn samples(duration: i64, sample: i64) -> u8 {
+    let up = duration.wrapping_add(sample).wrapping_sub(1);
+    match up.checked_div(sample) {
+        Some(samples) => samples as u8,
+        None => History::SAMPLES_MAX,
+    }
+}
+
+/// In the thousandth of the unit, from 2⁻¹⁶ of it.
+const fn thousandth(bits: i64) -> i64 {
+    bits.wrapping_mul(1000) >> 16
+}
+
+const fn saturated(value: i64) -> i32 {
+    if value > i32::MAX as i64 {
+        i32::MAX
+    } else {
+        value as i32
     }
 }

@@ -1,25 +1,46 @@
 //! One sample of the ECU.
 
-use controller::{ControlSignal, Duty, Input, Pressure, State, step_traced};
-use hil_protocol::{ResetCause, Telemetry, crc32};
+use controller::{ControlSignal, Duty, Input, Output, Pressure, State, step_traced};
+use hil_protocol::{ResetCause, Telemetry};
 
 use crate::config::EcuConfig;
+use crate::detector::{Detectors, Seen, Told};
+use crate::digest::digest;
 use crate::fault::FaultSet;
-use crate::input_output::{Inputs, Outputs};
+use crate::input_output::{Inputs, Outputs, safe_outputs};
+use crate::mechanism::Mechanism;
 use crate::mode::Mode;
-use crate::sensor::PressureSensor;
 use crate::settings::VentValve;
+use crate::supervisor::{ReleaseRefused, Supervisor};
+use crate::valve::Valves;
 
 /// The logic between what an ECU measures and its two coils.
+///
+/// ```text
+///  inputs ──► detectors ──► supervisor ──► controller ──► mode's valves ──► coils
+///                 ▲         mode, faults   reference led   shut, vent only     │
+///                 └───────────────── what valves and coils were told ◄─────────┘
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ecu {
     config: EcuConfig,
-    controller: State,
+    /// The same, to be compared in every sample: no damaged number reaches a coil.
+    copy: EcuConfig,
     reset_cause: ResetCause,
-    mode: Mode,
-    faults: FaultSet,
-    reference: Pressure,
+    state: EcuState,
+}
+
+/// All that one sample leaves to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct EcuState {
+    controller: State,
+    detectors: Detectors,
+    supervisor: Supervisor,
+    told: Told,
+    /// The last pressure that was believed.
     pressure: Pressure,
+    /// The reference that the controller got last.
+    reference: Pressure,
     u: ControlSignal,
 }
 
@@ -28,47 +49,51 @@ impl Ecu {
     pub const fn new(config: EcuConfig, cause: ResetCause) -> Self {
         Self {
             config,
-            controller: State::at_rest(),
+            copy: config,
             reset_cause: cause,
-            mode: Mode::Running,
-            faults: FaultSet::NONE,
-            reference: Pressure::ZERO,
-            pressure: Pressure::ZERO,
-            u: ControlSignal::ZERO,
+            state: EcuState {
+                controller: State::at_rest(),
+                detectors: Detectors::NEW,
+                supervisor: Supervisor::NEW,
+                told: Told {
+                    valves: Valves::UNKNOWN,
+                    opening: Output::OFF,
+                },
+                pressure: Pressure::ZERO,
+                reference: Pressure::ZERO,
+                u: ControlSignal::ZERO,
+            },
         }
     }
 
     /// One sample: call it once per sample time, and give the coils what it returns until the next call.
     pub fn sample(&mut self, inputs: &Inputs) -> Outputs {
-        if let Some(reference) = inputs.reference {
-            self.reference = reference;
+        let is_damaged = self.config != self.copy;
+        let Self { config, state, .. } = self;
+        let seen = state.detectors.sample(config, &state.told, inputs);
+        if let Some(pressure) = seen.pressure {
+            state.pressure = pressure;
         }
-        if let Some(code) = inputs.pressure {
-            self.pressure = PressureSensor::pressure(code);
-        }
-        let input = Input {
-            reference: self.reference,
-            pressure: self.pressure,
+        let is_new_mode = state
+            .supervisor
+            .sample(config, &seen, state.pressure, is_damaged);
+        let opening = state.opening_for(config, &seen, is_new_mode);
+        let outputs = match state.supervisor.mode() {
+            Mode::Safe | Mode::Locked => safe_outputs(),
+            _ => coils(opening, config.vent_valve),
         };
-        let (output, trace) = step_traced(&self.config.controller, &mut self.controller, input);
-        self.u = trace.u;
-        Outputs {
-            duty_fill: output.duty_fill,
-            duty_vent: match self.config.vent_valve {
-                VentValve::NormallyClosed => output.duty_vent,
-                VentValve::NormallyOpen => complement(output.duty_vent),
-            },
-        }
+        state.remember(config, outputs);
+        outputs
     }
 
     /// What the supervisor is doing.
     pub const fn mode(&self) -> Mode {
-        self.mode
+        self.state.supervisor.mode()
     }
 
-    /// Faults that are present or latched.
+    /// Faults that are confirmed, or were since running last began.
     pub const fn faults(&self) -> FaultSet {
-        self.faults
+        self.state.supervisor.latched()
     }
 
     /// Why it was started.
@@ -79,26 +104,125 @@ impl Ecu {
     /// What the last sample left inside.
     pub fn telemetry(&self) -> Telemetry {
         Telemetry {
-            control_signal: self.u.to_bits(),
-            controller_state: self.controller.to_words(),
-            mode: self.mode as u8,
-            faults: self.faults.bits(),
-            ecu_digest: crc32::values_digest(&[self.reference.to_bits(), self.pressure.to_bits()]),
+            control_signal: self.state.u.to_bits(),
+            controller_state: self.state.controller.to_words(),
+            mode: self.mode() as u8,
+            faults: self.faults().bits(),
+            ecu_digest: digest(&self.state),
         }
+    }
+
+    /// Out of [`Mode::Locked`] into [`Mode::Waiting`], by somebody who knows what was wrong. The faults are forgotten when running
+    /// begins.
+    ///
+    /// # Errors
+    /// What is missing: no fault and the reference at zero, each for ten samples; after damaged memory nothing but a reset helps.
+    pub fn release(&mut self) -> Result<(), ReleaseRefused> {
+        self.state.supervisor.release()
     }
 
     /// Other settings, whole, from the next sample on; the controller continues without a bump.
     pub fn retune(&mut self, config: EcuConfig) {
         let input = Input {
+            reference: self.state.reference,
+            pressure: self.state.pressure,
+        };
+        self.state.controller = State::taking_over(&config.controller, input, self.state.u);
+        self.config = config;
+        self.copy = config;
+    }
+}
+
+impl EcuState {
+    /// How far this sample opens the valves.
+    #[inline(always)]
+    fn opening_for(&mut self, config: &EcuConfig, seen: &Seen, is_new_mode: bool) -> Output {
+        let mode = self.supervisor.mode();
+        let before = self.told.opening;
+        self.u = ControlSignal::ZERO;
+        let is_controlled = matches!(mode, Mode::Waiting | Mode::Running | Mode::Ramping);
+        if mode == Mode::Venting && self.supervisor.vents_now() {
+            return Output {
+                duty_fill: Duty::OFF,
+                duty_vent: Duty::FULL,
+            };
+        }
+        let is_believed = seen.pressure.is_some() || !config.mechanisms.has(Mechanism::ShutOnDoubt);
+        if !is_controlled || !is_believed {
+            return Output::OFF;
+        }
+        let mut opening = self.controlled(config, seen.reference, is_new_mode);
+        if mode != Mode::Running {
+            opening.duty_fill = Duty::OFF;
+        }
+        if !seen.reference_is_new && config.mechanisms.has(Mechanism::NoIncreaseWithoutReference) {
+            opening.duty_fill = opening.duty_fill.min(before.duty_fill);
+        }
+        let drives_both = !opening.duty_fill.is_off() && !opening.duty_vent.is_off();
+        if drives_both
+            && !config.drives_both
+            && config.mechanisms.has(Mechanism::BothValvesInterlock)
+        {
+            self.supervisor.lock();
+        }
+        opening
+    }
+
+    /// What the controller asks for.
+    #[inline(always)]
+    fn controlled(&mut self, config: &EcuConfig, reference: Pressure, is_new_mode: bool) -> Output {
+        self.reference = self.supervisor.reference(reference, self.pressure);
+        let input = Input {
             reference: self.reference,
             pressure: self.pressure,
         };
-        self.controller = State::taking_over(&config.controller, input, self.u);
-        self.config = config;
+        if is_new_mode {
+            self.controller = if config.mechanisms.has(Mechanism::BumplessTakeover) {
+                State::taking_over(&config.controller, input, ControlSignal::ZERO)
+            } else {
+                State::at_rest()
+            };
+        }
+        let (output, trace) = step_traced(&config.controller, &mut self.controller, input);
+        self.u = trace.u;
+        output
+    }
+
+    /// Remembers what the coils got.
+    #[inline(always)]
+    fn remember(&mut self, config: &EcuConfig, outputs: Outputs) {
+        self.detectors.told(outputs);
+        self.told.opening = opening(outputs, config.vent_valve);
+        self.told.valves.told(&config.limits, self.told.opening);
+    }
+}
+
+/// The duty cycles of the coils that open the valves so far.
+#[inline(always)]
+fn coils(opening: Output, vent_valve: VentValve) -> Outputs {
+    Outputs {
+        duty_fill: opening.duty_fill,
+        duty_vent: match vent_valve {
+            VentValve::NormallyClosed => opening.duty_vent,
+            VentValve::NormallyOpen => complement(opening.duty_vent),
+        },
+    }
+}
+
+/// How far coils with these duty cycles open the valves.
+#[inline(always)]
+fn opening(outputs: Outputs, vent_valve: VentValve) -> Output {
+    Output {
+        duty_fill: outputs.duty_fill,
+        duty_vent: match vent_valve {
+            VentValve::NormallyClosed => outputs.duty_vent,
+            VentValve::NormallyOpen => complement(outputs.duty_vent),
+        },
     }
 }
 
 /// The rest of the period.
+#[inline(always)]
 fn complement(duty: Duty) -> Duty {
     Duty::saturating_from_bits(Duty::FULL.to_bits().wrapping_sub(duty.to_bits()))
 }

@@ -75,6 +75,27 @@ impl SupervisionField {
         }
     }
 
+    /// Smallest and largest value that any settings allow; another field may narrow it.
+    pub const fn range(self) -> [I16F16; 2] {
+        // Constants, so that the compiler reads the decimal text and not the target.
+        const PRESSURE: [I16F16; 2] = range("1", "15");
+        const RATE: [I16F16; 2] = range("0.1", "50");
+        const DUTY: [I16F16; 2] = range("1", "100");
+        const SETTLING: [I16F16; 2] = range("1", "1000");
+        const RAMP: [I16F16; 2] = range("0.1", "100");
+        const BATTERY: [I16F16; 2] = range("5", "60");
+        const CURRENT: [I16F16; 2] = range("1", "10000");
+        match self {
+            Self::SupplyPressureMin | Self::SupplyPressureMax => PRESSURE,
+            Self::FillRate | Self::VentRate => RATE,
+            Self::OpenDutyFill | Self::OpenDutyVent => DUTY,
+            Self::ValveSettling => SETTLING,
+            Self::Ramp => RAMP,
+            Self::BatteryMin | Self::BatteryMax => BATTERY,
+            Self::CoilCurrentMin | Self::CoilCurrentMax => CURRENT,
+        }
+    }
+
     /// Its unit.
     pub const fn unit(self) -> &'static str {
         match self {
@@ -87,6 +108,10 @@ impl SupervisionField {
             Self::CoilCurrentMin | Self::CoilCurrentMax => "mA",
         }
     }
+}
+
+const fn range(min: &str, max: &str) -> [I16F16; 2] {
+    [I16F16::lit(min), I16F16::lit(max)]
 }
 
 impl fmt::Display for SupervisionField {

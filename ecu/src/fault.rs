@@ -97,6 +97,22 @@ impl FaultSet {
         Self(1 << fault as u8)
     }
 
+    /// `fault`, if `is_present`.
+    #[inline(always)]
+    pub(crate) const fn when(is_present: bool, fault: Fault) -> Self {
+        Self((is_present as u32) << fault as u8)
+    }
+
+    /// Several faults.
+    pub(crate) const fn from_faults(mut faults: &[Fault]) -> Self {
+        let mut set = Self::NONE;
+        while let [first, rest @ ..] = faults {
+            set = set.union(Self::of(*first));
+            faults = rest;
+        }
+        set
+    }
+
     /// From a word of [`FaultSet::bits`]; bits that mean no fault are dropped.
     pub const fn from_bits(bits: u32) -> Self {
         Self(bits & ((1 << Fault::ALL.len()) - 1))
@@ -114,7 +130,7 @@ impl FaultSet {
 
     /// Whether `fault` is among them.
     pub const fn contains(self, fault: Fault) -> bool {
-        self.0 & Self::of(fault).0 != 0
+        self.has_any_of(Self::of(fault))
     }
 
     /// Those of both.
@@ -123,10 +139,9 @@ impl FaultSet {
         Self(self.0 | other.0)
     }
 
-    /// Those that both have.
-    #[must_use]
-    pub const fn intersection(self, other: Self) -> Self {
-        Self(self.0 & other.0)
+    /// Whether both have a fault in common.
+    pub const fn has_any_of(self, other: Self) -> bool {
+        self.0 & other.0 != 0
     }
 
     /// Those of this set that `other` has not.

@@ -1,19 +1,33 @@
 #![doc = include_str!("../README.md")]
 #![no_std]
 
+#[cfg(all(feature = "mutilate", target_os = "none"))]
+compile_error!(
+    "`mutilate` takes safety mechanisms away, for tests on a host: no image is built with it"
+);
+
 pub mod black_box;
 pub mod calibration;
+mod checked_loop;
 mod config;
+mod counted;
+mod detector;
 pub mod device;
+mod digest;
 mod ecu;
 mod error;
 mod fault;
+mod history;
 mod input_output;
+mod mechanism;
 mod mode;
 mod sensor;
 mod settings;
 pub mod store;
+mod supervisor;
+mod valve;
 
+pub use checked_loop::{CheckedLoop, LoopTelemetry};
 pub use config::EcuConfig;
 pub use controller;
 pub use ecu::Ecu;
@@ -21,6 +35,8 @@ pub use error::{EcuConfigError, SupervisionField};
 pub use fault::{Fault, FaultSet};
 pub use hil_protocol::{ResetCause, Telemetry};
 pub use input_output::{Inputs, Outputs, safe_outputs};
+pub use mechanism::Mechanism;
 pub use mode::Mode;
 pub use sensor::{PressureSensor, SensorCode};
 pub use settings::{EcuSettings, Supervision, VentValve};
+pub use supervisor::ReleaseRefused;

@@ -1,11 +1,38 @@
 //! What the supervisor is doing.
 
 /// Mode of the supervisor; the number is that of the telemetry.
+///
+/// Filling is possible in [`Mode::Running`] alone. A fault leads downwards; among several the strictest way counts. The ways are
+/// those of `docs/safety.md`.
+///
+/// ```text
+///            reset
+///              │
+///              ▼       reference at zero, 10 samples
+///          ┌─Waiting ──────────────────────────────► Running ◄───────────────┐
+///          │   ▲  │                                    │                     │ fault gone, 10 samples;
+///          │   │  └──────────────┬─────────────────────┘                     │ to Waiting, if it came from there
+///          │   │                 │ fault                                     │
+///          │   │     ┌───────────┼──────────┬─────────────────┬──────────┐   │
+///          │   │   hold        ramp    release, vent         off       lock  │
+///          │   │     ▼           ▼          │                 │          │   │
+///          │   │  Holding ──► Ramping ──────┼─────────────────┼──────────┼───┤
+///          │   │     │           │          │                 │          │   │
+///          │   │     ├───────────┼──────────┼─────────────────┼──────────┼───┘
+///          │   │ 50 samples  reference      ▼                 │          │
+///          │   │     │        at zero   ┌─► Venting           │          │
+///          │   │     └───────────┴──────┘   │ emptied         │          │
+///          │   │ fault gone                 ▼                 │          │
+///          │   └─────────────────────────  Safe ◄─────────────┘          │
+///          │ release by hand                │ instead of Safe,           │
+///          │                                │ from the 4th fault on      │
+///          └─────────────────────────────  Locked ◄──────────────────────┘
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Mode {
-    /// After a reset: nothing is filled until the reference was seen at zero.
+    /// Nothing is filled until the reference was seen at zero; the vent valve follows the reference downwards.
     Waiting = 0,
     /// The controller has both valves.
     Running = 1,
@@ -15,7 +42,7 @@ pub enum Mode {
     Ramping = 3,
     /// The chamber is emptied without the sensor, in pulses or at once, for a bounded time.
     Venting = 4,
-    /// Both coils off.
+    /// Both coils off ([`safe_outputs`](crate::safe_outputs)).
     Safe = 5,
     /// Both coils off until somebody releases it, or the power comes back.
     Locked = 6,

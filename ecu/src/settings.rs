@@ -43,7 +43,8 @@ pub struct Supervision {
     pub open_duty_fill_pct: I16F16,
     /// The vent valve is open for sure from this duty cycle on [%], 1 ..= 100.
     pub open_duty_vent_pct: I16F16,
-    /// Time from a command until the valve does it for sure: command delay, PWM period, coil and armature \[ms\], 1 ..= 1000.
+    /// Time from a command until the valve does it for sure: command delay, PWM period, coil and armature \[ms\], 1 ..= 1000,
+    /// and at most 32 samples.
     pub valve_settling_ms: I16F16,
     /// How fast the reference is led down to zero in a fault, and up again after it [bar/s], 0.1 ..= 100.
     pub ramp_bar_per_s: I16F16,
@@ -77,11 +78,11 @@ impl Supervision {
             supply_pressure_max_bar: I16F16::lit("10"),
             fill_rate_per_s: I16F16::lit("7.13"),
             vent_rate_per_s: I16F16::lit("7.28"),
-            open_duty_fill_pct: I16F16::lit("70"),
-            open_duty_vent_pct: I16F16::lit("70"),
+            open_duty_fill_pct: I16F16::lit("75"),
+            open_duty_vent_pct: I16F16::lit("75"),
             valve_settling_ms: I16F16::lit("60"),
             ramp_bar_per_s: I16F16::lit("5"),
-            battery_min_v: I16F16::lit("18"),
+            battery_min_v: I16F16::lit("20"),
             battery_max_v: I16F16::lit("32"),
             coil_current_min_ma: I16F16::lit("15"),
             coil_current_max_ma: I16F16::lit("640"),

@@ -1,0 +1,308 @@
+//! The supervisor: which mode a sample is in, and what that allows.
+
+mod transition;
+mod way;
+
+use controller::Pressure;
+
+use crate::config::EcuConfig;
+use crate::counted::counted;
+use crate::detector::Seen;
+use crate::fault::{Fault, FaultSet};
+use crate::mechanism::Mechanism;
+use crate::mode::Mode;
+use crate::supervisor::transition::Situation;
+use crate::supervisor::way::Way;
+
+/// The reference is at zero up to 0.05 bar gauge, 2⁻¹⁶: less than any tolerance in use.
+pub(crate) const ZERO_MAX: i32 = 3277;
+/// N \[samples\] with the reference at zero before anything is filled.
+pub(crate) const ZERO_N: u8 = 10;
+/// N \[samples\] without a confirmed fault before it counts as gone.
+pub(crate) const RECOVERY_N: u8 = 10;
+/// N \[samples\] in which a fault may pass while both valves are shut.
+pub(crate) const HOLD_N: u16 = 50;
+/// N \[samples\] with the vent valve fully open: 2 s empty the largest chamber through the smallest orifice.
+pub(crate) const VENT_N: u16 = 200;
+/// N \[samples\] of venting in pulses: the same time of an open valve.
+pub(crate) const RELEASE_N: u16 = VENT_N * PULSE_PERIOD / PULSE_N;
+/// Samples with the vent valve open in each [`PULSE_PERIOD`]: it opens and closes within two.
+pub(crate) const PULSE_N: u16 = 4;
+/// A power of two.
+pub(crate) const PULSE_PERIOD: u16 = 16;
+/// A fault may be survived so often ...
+pub(crate) const RETRIES: u8 = 3;
+/// ... unless the loop ran so long without any: 60 s \[samples\].
+pub(crate) const HEALTHY_N: u16 = 6000;
+
+/// What the supervisor knows from sample to sample.
+///
+/// What a flipped bit could turn into a filled chamber or a forgotten fault is kept twice, the second time as its complement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Supervisor {
+    mode: Mode,
+    latched: FaultSet,
+    /// Faults since the start or since the loop was last healthy.
+    occurrences: u8,
+    /// Whether the reference was at zero since the last reset or release of the chamber.
+    is_enabled: bool,
+    /// Whether venting is not in pulses.
+    vents_fully: bool,
+    complement: u32,
+    /// Samples until this mode's time is over, where it has one.
+    remaining: u16,
+    clear_for: u8,
+    zero_for: u8,
+    healthy_for: u16,
+    /// The reference is not followed above this; it leads the ramp down, and up again after a fault.
+    ceiling: Pressure,
+}
+
+impl Supervisor {
+    /// After a reset.
+    pub(crate) const NEW: Self = {
+        let mut new = Self {
+            mode: Mode::Waiting,
+            latched: FaultSet::NONE,
+            occurrences: 0,
+            is_enabled: false,
+            vents_fully: false,
+            complement: 0,
+            remaining: 0,
+            clear_for: 0,
+            zero_for: 0,
+            healthy_for: 0,
+            ceiling: Pressure::MAX_CONTROL,
+        };
+        new.seal();
+        new
+    };
+
+    pub(crate) const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Faults since the last time that running began.
+    pub(crate) const fn latched(&self) -> FaultSet {
+        self.latched
+    }
+
+    /// One sample: from what was seen, and the last pressure that was believed, to the mode. Whether it is a new one.
+    #[inline(always)]
+    pub(crate) fn sample(
+        &mut self,
+        config: &EcuConfig,
+        seen: &Seen,
+        pressure: Pressure,
+        is_damaged: bool,
+    ) -> bool {
+        let mechanisms = config.mechanisms;
+        let damaged = FaultSet::when(is_damaged || !self.is_sound(), Fault::MemoryDamaged);
+        let faults = seen.faults.union(mechanisms.seen(damaged));
+        self.count(seen, faults);
+
+        let before = self.mode;
+        let way = Way::of(faults);
+        if way.is_some() && matches!(before, Mode::Waiting | Mode::Running) {
+            self.occurrences = self.occurrences.saturating_add(1).min(RETRIES + 1);
+        }
+        let retries_left = self.occurrences <= RETRIES || !mechanisms.has(Mechanism::RetryLimit);
+        let situation = Situation {
+            way,
+            recovered: self.clear_for >= RECOVERY_N && retries_left,
+            at_zero: self.zero_for >= ZERO_N || !mechanisms.has(Mechanism::NeutralInterlock),
+            is_over: self.is_over(config),
+            is_enabled: self.is_enabled,
+            retries_left,
+        };
+        self.mode = before.next(situation);
+        self.latched = if mechanisms.has(Mechanism::Latch) {
+            self.latched.union(faults)
+        } else {
+            faults
+        };
+        let is_new = self.mode != before;
+        if is_new {
+            self.enter(config, before, seen.reference, pressure);
+        }
+        self.settle_venting(way, before, situation.is_over);
+        self.lead(config, seen.reference);
+        self.seal();
+        is_new
+    }
+
+    /// The reference that the controller gets.
+    #[inline(always)]
+    pub(crate) fn reference(&self, reference: Pressure, pressure: Pressure) -> Pressure {
+        let led = reference.min(self.ceiling);
+        if self.mode == Mode::Running {
+            led
+        } else {
+            // Never above the pressure: nothing is to be filled, and nothing to be summed up.
+            led.min(pressure)
+        }
+    }
+
+    /// Whether the vent valve is open in this sample of [`Mode::Venting`].
+    #[inline(always)]
+    pub(crate) const fn vents_now(&self) -> bool {
+        let left_in_period = self.remaining.wrapping_sub(1) & (PULSE_PERIOD - 1);
+        self.vents_fully || left_in_period >= PULSE_PERIOD - PULSE_N
+    }
+
+    /// Out of the lock, if the defined procedure was followed.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub(crate) fn release(&mut self) -> Result<(), ReleaseRefused> {
+        if self.mode != Mode::Locked {
+            return Err(ReleaseRefused::NotLocked);
+        }
+        if self.latched.contains(Fault::MemoryDamaged) {
+            return Err(ReleaseRefused::MemoryDamaged);
+        }
+        if self.clear_for < RECOVERY_N {
+            return Err(ReleaseRefused::FaultPresent);
+        }
+        if self.zero_for < ZERO_N {
+            return Err(ReleaseRefused::ReferenceNotAtZero);
+        }
+        *self = Self {
+            latched: self.latched,
+            clear_for: self.clear_for,
+            ..Self::NEW
+        };
+        self.seal();
+        Ok(())
+    }
+
+    /// Into the lock, whatever was decided before.
+    #[inline(always)]
+    pub(crate) fn lock(&mut self) {
+        self.mode = Mode::Locked;
+        self.is_enabled = false;
+        self.latched = self.latched.union(FaultSet::of(Fault::MemoryDamaged));
+        self.seal();
+    }
+
+    #[inline(always)]
+    fn count(&mut self, seen: &Seen, faults: FaultSet) {
+        self.remaining = self.remaining.saturating_sub(1);
+        self.clear_for = counted(self.clear_for, faults.is_empty());
+        if faults.contains(Fault::ReferenceLost) {
+            self.zero_for = 0;
+        } else if seen.reference_is_new {
+            self.zero_for = counted(self.zero_for, seen.reference.to_bits() <= ZERO_MAX);
+        }
+        self.healthy_for = if self.mode == Mode::Running {
+            self.healthy_for.saturating_add(1)
+        } else {
+            0
+        };
+        if self.healthy_for >= HEALTHY_N {
+            self.occurrences = 0;
+        }
+    }
+
+    #[inline(always)]
+    fn is_over(&self, config: &EcuConfig) -> bool {
+        let mechanisms = config.mechanisms;
+        let is_time_over = self.remaining == 0;
+        if self.mode == Mode::Ramping {
+            self.ceiling <= Pressure::ZERO
+        } else if self.mode == Mode::Venting {
+            is_time_over && mechanisms.has(Mechanism::VentLimit)
+                || !mechanisms.has(Mechanism::ActiveVent)
+        } else {
+            self.mode == Mode::Holding && is_time_over && mechanisms.has(Mechanism::HoldLimit)
+        }
+    }
+
+    #[inline(always)]
+    fn enter(&mut self, config: &EcuConfig, before: Mode, reference: Pressure, pressure: Pressure) {
+        let mechanisms = config.mechanisms;
+        self.is_enabled &= matches!(self.mode, Mode::Running | Mode::Holding | Mode::Ramping);
+        self.remaining = if self.mode == Mode::Holding {
+            HOLD_N
+        } else {
+            RELEASE_N
+        };
+        let was_interrupted = before != Mode::Waiting;
+        self.ceiling = Pressure::MAX_CONTROL;
+        if self.mode == Mode::Running {
+            self.is_enabled = true;
+            self.latched = FaultSet::NONE;
+            if was_interrupted && mechanisms.has(Mechanism::RecoveryRamp) {
+                self.ceiling = pressure;
+            }
+        } else if self.mode == Mode::Ramping {
+            self.ceiling = if mechanisms.has(Mechanism::Ramp) {
+                pressure.min(reference)
+            } else {
+                Pressure::ZERO
+            };
+        }
+    }
+
+    /// In pulses or fully: fully once a fault asks for it, and after a ramp, when little is left to lose.
+    #[inline(always)]
+    fn settle_venting(&mut self, way: Option<Way>, before: Mode, is_over: bool) {
+        let is_asked = way == Some(Way::Vent) || before == Mode::Ramping && is_over;
+        let vents_fully = self.mode == Mode::Venting && (self.vents_fully || is_asked);
+        if vents_fully && !self.vents_fully {
+            self.remaining = VENT_N;
+        }
+        self.vents_fully = vents_fully;
+    }
+
+    /// Leads the reference.
+    #[inline(always)]
+    fn lead(&mut self, config: &EcuConfig, reference: Pressure) {
+        let step = Pressure::from_bits(config.limits.ramp);
+        if self.mode == Mode::Ramping {
+            self.ceiling = self.ceiling.saturating_sub(step).max(Pressure::ZERO);
+        } else if self.ceiling < reference {
+            self.ceiling = self.ceiling.saturating_add(step);
+        } else {
+            self.ceiling = Pressure::MAX_CONTROL;
+        }
+    }
+
+    /// What is kept twice, in one word.
+    #[inline(always)]
+    const fn word(&self) -> u32 {
+        self.mode as u32
+            | (self.occurrences as u32) << 3
+            | (self.is_enabled as u32) << 6
+            | (self.vents_fully as u32) << 7
+            | self.latched.bits() << 8
+    }
+
+    #[inline(always)]
+    const fn is_sound(&self) -> bool {
+        self.complement == !self.word()
+    }
+
+    #[inline(always)]
+    const fn seal(&mut self) {
+        self.complement = !self.word();
+    }
+}
+
+/// Why a locked ECU stays locked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ReleaseRefused {
+    /// There is nothing to release.
+    #[error("the ECU is not locked")]
+    NotLocked,
+    /// Only a reset brings a sound configuration back.
+    #[error("configuration or state were damaged: reset the ECU")]
+    MemoryDamaged,
+    /// A fault is still there.
+    #[error("a fault is present, or was within the last {RECOVERY_N} samples: mend it first")]
+    FaultPresent,
+    /// Somebody still asks for pressure.
+    #[error("the reference was not at zero for {ZERO_N} samples: take it back first")]
+    ReferenceNotAtZero,
+}

@@ -1,0 +1,186 @@
+//! From mode to mode: a pure function of what a sample shows.
+
+use crate::mode::Mode;
+use crate::supervisor::way::Way;
+
+/// All that decides about the next mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Situation {
+    /// The way of the confirmed faults; none: no fault.
+    pub(crate) way: Option<Way>,
+    /// No fault was confirmed for the time of recovery, and retries are left.
+    pub(crate) recovered: bool,
+    /// The reference was at zero for long enough.
+    pub(crate) at_zero: bool,
+    /// The mode's time is over: of holding, ramping or venting.
+    pub(crate) is_over: bool,
+    /// The chamber may be filled again without the reference at zero: it was there since the last reset or release of the chamber.
+    pub(crate) is_enabled: bool,
+    /// A fault may come back once more.
+    pub(crate) retries_left: bool,
+}
+
+impl Mode {
+    /// The mode of this sample after `self` in the one before.
+    #[inline(always)]
+    pub(crate) fn next(self, situation: Situation) -> Self {
+        let Situation {
+            way,
+            recovered,
+            at_zero,
+            is_over,
+            is_enabled,
+            retries_left,
+        } = situation;
+        let safe = if retries_left {
+            Self::Safe
+        } else {
+            Self::Locked
+        };
+        let resumed = if is_enabled {
+            Self::Running
+        } else {
+            Self::Waiting
+        };
+        let is_interrupted = matches!(self, Self::Holding | Self::Ramping);
+        if self == Self::Locked || way == Some(Way::Lock) {
+            Self::Locked
+        } else if way == Some(Way::Off) || self == Self::Safe && way.is_some() {
+            safe
+        } else if self == Self::Safe {
+            if recovered { Self::Waiting } else { Self::Safe }
+        } else if self == Self::Venting {
+            if is_over { safe } else { Self::Venting }
+        } else if way >= Some(Way::Release) || is_interrupted && is_over {
+            Self::Venting
+        } else if way == Some(Way::Hold) {
+            // Without the sensor there is no ramp.
+            if self == Self::Ramping {
+                Self::Venting
+            } else {
+                Self::Holding
+            }
+        } else if way == Some(Way::Ramp) {
+            Self::Ramping
+        } else if is_interrupted && recovered {
+            resumed
+        } else if self == Self::Waiting && at_zero {
+            Self::Running
+        } else {
+            self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table of docs/safety.md, row by row: the first row that fits decides. `None` in a column means any.
+    #[rustfmt::skip]
+    fn expected(mode: Mode, s: Situation) -> Mode {
+        use Mode::{Holding, Locked, Ramping, Running, Safe, Venting, Waiting};
+        let locking = if s.retries_left { Safe } else { Locked };
+        match mode {
+            Locked => Locked,
+            _ if s.way == Some(Way::Lock) => Locked,
+            _ if s.way == Some(Way::Off) => locking,
+            Safe => match s.way {
+                Some(_) => locking,
+                None => if s.recovered { Waiting } else { Safe },
+            },
+            Venting => if s.is_over { locking } else { Venting },
+            _ if matches!(s.way, Some(Way::Vent | Way::Release)) => Venting,
+            Holding => match (s.is_over, s.way, s.recovered) {
+                (true, ..) => Venting,
+                (_, Some(Way::Ramp), _) => Ramping,
+                (_, Some(_), _) | (_, _, false) => Holding,
+                (_, None, true) => if s.is_enabled { Running } else { Waiting },
+            },
+            Ramping => match (s.is_over, s.way, s.recovered) {
+                (true, ..) | (_, Some(Way::Hold), _) => Venting,
+                (_, Some(_), _) | (_, _, false) => Ramping,
+                (_, None, true) => if s.is_enabled { Running } else { Waiting },
+            },
+            Waiting | Running => match s.way {
+                Some(Way::Hold) => Holding,
+                Some(_) => Ramping,
+                None => if s.at_zero { Running } else { mode },
+            },
+        }
+    }
+
+    fn every_situation() -> impl Iterator<Item = Situation> {
+        let ways = [
+            None,
+            Some(Way::Hold),
+            Some(Way::Ramp),
+            Some(Way::Release),
+            Some(Way::Vent),
+            Some(Way::Off),
+            Some(Way::Lock),
+        ];
+        ways.into_iter().flat_map(|way| {
+            (0..32).map(move |bits: u32| Situation {
+                way,
+                recovered: bits & 1 != 0,
+                at_zero: bits & 2 != 0,
+                is_over: bits & 4 != 0,
+                is_enabled: bits & 8 != 0,
+                retries_left: bits & 16 != 0,
+            })
+        })
+    }
+
+    #[test]
+    fn every_transition_is_the_one_of_the_table() {
+        let mut seen = 0;
+        for mode in Mode::ALL {
+            for situation in every_situation() {
+                assert_eq!(
+                    mode.next(situation),
+                    expected(mode, situation),
+                    "{mode:?}, {situation:?}"
+                );
+                seen += 1;
+            }
+        }
+        assert_eq!(seen, 7 * 7 * 32);
+    }
+
+    #[test]
+    fn a_confirmed_fault_is_never_answered_by_running() {
+        for mode in Mode::ALL {
+            for situation in every_situation().filter(|situation| situation.way.is_some()) {
+                assert!(!matches!(
+                    mode.next(situation),
+                    Mode::Running | Mode::Waiting
+                ));
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_but_a_release_leads_out_of_the_lock() {
+        for situation in every_situation() {
+            assert_eq!(Mode::Locked.next(situation), Mode::Locked);
+        }
+    }
+
+    #[test]
+    fn running_begins_at_a_reference_of_zero_or_where_it_was_interrupted() {
+        for mode in Mode::ALL.into_iter().filter(|&mode| mode != Mode::Running) {
+            for situation in every_situation() {
+                if mode.next(situation) == Mode::Running {
+                    let interrupted = matches!(mode, Mode::Holding | Mode::Ramping);
+                    let allowed = if interrupted {
+                        situation.is_enabled && situation.recovered
+                    } else {
+                        mode == Mode::Waiting && situation.at_zero
+                    };
+                    assert!(allowed, "{mode:?}, {situation:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! What the valves do, as far as the commands tell.
+
+use controller::{Duty, Output};
+
+use crate::config::Limits;
+use crate::history::{History, Window};
+
+/// What a valve was told.
+///
+/// It is shut for sure when it was given nothing for the settling time, and open for sure when it was given at least its open duty
+/// for as long. Between the two it may be anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Valve {
+    shut: History,
+    open: History,
+}
+
+impl Valve {
+    /// After a reset nobody knows what it was told before.
+    pub(crate) const UNKNOWN: Self = Self {
+        shut: History::UNKNOWN,
+        open: History::UNKNOWN,
+    };
+
+    /// The duty cycle that was just commanded; `open` is its open duty [%], 2⁻¹⁶.
+    #[inline(always)]
+    fn told(&mut self, opening: Duty, open: i32) {
+        self.shut.push(opening.is_off());
+        self.open.push(opening.to_bits() >= open);
+    }
+
+    #[inline(always)]
+    pub(crate) const fn is_shut(self, settling: Window) -> bool {
+        self.shut.held_through(settling)
+    }
+
+    #[inline(always)]
+    pub(crate) const fn is_open(self, settling: Window) -> bool {
+        self.open.held_through(settling)
+    }
+}
+
+/// The fill and the vent valve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Valves {
+    pub(crate) fill: Valve,
+    pub(crate) vent: Valve,
+}
+
+impl Valves {
+    pub(crate) const UNKNOWN: Self = Self {
+        fill: Valve::UNKNOWN,
+        vent: Valve::UNKNOWN,
+    };
+
+    /// What the valves were just told.
+    #[inline(always)]
+    pub(crate) fn told(&mut self, limits: &Limits, opening: Output) {
+        self.fill.told(opening.duty_fill, limits.open_fill);
+        self.vent.told(opening.duty_vent, limits.open_vent);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use controller::fixed::types::I16F16;
+
+    use super::*;
+
+    const OPEN: i32 = I16F16::lit("70").to_bits();
+
+    fn after(commands: &[(&str, usize)]) -> Valve {
+        let mut valve = Valve::UNKNOWN;
+        for &(percent, samples) in commands {
+            let duty = Duty::from_percent(percent.parse().unwrap()).unwrap();
+            for _ in 0..samples {
+                valve.told(duty, OPEN);
+            }
+        }
+        valve
+    }
+
+    #[test]
+    fn a_valve_is_shut_or_open_for_sure_after_the_settling_time_and_not_before() {
+        let settling = Window::last(5);
+        for (samples, expected) in [(4, false), (5, true), (6, true), (1000, true)] {
+            let (shut, open) = (after(&[("0", samples)]), after(&[("70", samples)]));
+            assert_eq!(shut.is_shut(settling), expected, "{samples}");
+            assert_eq!(open.is_open(settling), expected, "{samples}");
+            assert!(!shut.is_open(settling) && !open.is_shut(settling));
+        }
+    }
+
+    #[test]
+    fn below_its_open_duty_a_valve_is_neither_shut_nor_open() {
+        for percent in ["0.00002", "69.9999"] {
+            let valve = after(&[("0", 20), ("100", 20), (percent, 1)]);
+            let last = Window::last(1);
+            assert!(!valve.is_shut(last) && !valve.is_open(last), "{percent}");
+        }
+    }
+}
