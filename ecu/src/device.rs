@@ -106,6 +106,11 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
         })
     }
 
+    /// The settings' memory, as the supply leaves it when it goes.
+    pub fn into_flash(self) -> F {
+        self.store.into_flash()
+    }
+
     /// The ECU.
     pub const fn ecu(&self) -> &Ecu {
         &self.ecu

@@ -126,6 +126,11 @@ impl<F: NorFlash> SettingsStore<F> {
         Ok(stored(copy, sequence, &copies))
     }
 
+    /// The memory, to be used otherwise.
+    pub fn into_flash(self) -> F {
+        self.flash
+    }
+
     fn read(&mut self, copy: u8) -> Found {
         let mut bytes = [0; RECORD_BYTES];
         match self.flash.read(Self::offset(copy), &mut bytes) {
