@@ -8,9 +8,9 @@
 
 use core::fmt::{self, Write};
 
-use budgets::ours::{self, Traced};
-use budgets::trace::{ClosedLoop, RECOMMENDED, SAMPLES, THESIS};
-use controller::{Duty, State};
+use budgets::ours::{self, Recommended, Thesis, Traced};
+use budgets::trace::{ClosedLoop, SAMPLES};
+use controller::{Duty, FixedConfig, State};
 use cortex_m_semihosting::hio::{self, HostStream};
 use idsp::iir::{DirectForm1, DirectForm1Wide};
 
@@ -35,19 +35,16 @@ struct Bench {
 
 impl Bench {
     fn ours(&mut self) -> fmt::Result {
-        self.step("full_step", ours::full_step, &THESIS, State::at_rest())?;
-        self.step(
-            "full_step_constant",
-            ours::full_step_constant,
-            &(),
-            State::at_rest(),
-        )?;
-        self.step(
-            "traced_step",
-            ours::traced_step,
-            &RECOMMENDED,
-            Traced::at_rest(),
-        )
+        let thesis: FixedConfig<Thesis> = ours::fixed();
+        let recommended: FixedConfig<Recommended> = ours::fixed();
+        let rest = State::at_rest();
+        self.step("full_step", ours::full_step, &thesis, rest)?;
+        self.step("full_step_any", ours::full_step_any, thesis.config(), rest)?;
+        let (step, traced) = (ours::traced_step, Traced::at_rest());
+        self.step("traced_step", step, &recommended, traced)?;
+        let (step, traced) = (ours::traced_step_any, Traced::at_rest());
+        self.step("traced_step_any", step, recommended.config(), traced)?;
+        self.step("pid_alone", ours::pid_alone, &ours::fixed(), rest)
     }
 
     #[cfg(feature = "c-baselines")]

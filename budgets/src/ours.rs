@@ -1,11 +1,59 @@
 //! The project's own controller, out of line, as the bench calls every candidate: configuration, state, reference, pressure.
 
-use controller::{Config, Input, Output, Pressure, State, Trace, step, step_traced};
+use controller::{
+    Config, Distributor, FixedConfig, Input, Mechanisms, Output, Prediction, Pressure, Settings,
+    State, Trace, step, step_traced,
+};
 
-use crate::trace::THESIS;
+/// The mechanisms of the thesis.
+pub struct Thesis;
+
+impl Mechanisms for Thesis {
+    const SETTINGS: Settings = Settings::thesis();
+}
+
+/// The mechanisms that go onto a truck: lower limits that follow the pressure.
+pub struct Recommended;
+
+impl Mechanisms for Recommended {
+    const SETTINGS: Settings = Settings::recommended();
+}
+
+/// The PID controller and its anti-windup, and as little else as settings allow: the traditional distributor.
+pub struct PidAlone;
+
+impl Mechanisms for PidAlone {
+    const SETTINGS: Settings = Settings {
+        prediction: Prediction::Off,
+        boost: None,
+        distributor: Distributor::Traditional,
+        ..Settings::thesis()
+    };
+}
+
+/// These mechanisms with the numbers of their own settings, checked by the compiler where it is a constant.
+pub const fn fixed<M: Mechanisms>() -> FixedConfig<M> {
+    let Ok(config) = Config::new(&M::SETTINGS) else {
+        panic!("settings are out of bounds");
+    };
+    let Ok(fixed) = FixedConfig::new(config) else {
+        panic!("settings choose other mechanisms than themselves");
+    };
+    fixed
+}
+
+/// The full step: its mechanisms are fixed, its numbers in RAM.
+pub extern "C" fn full_step(
+    config: &FixedConfig<Thesis>,
+    state: &mut State,
+    reference: i32,
+    pressure: i32,
+) -> u64 {
+    in_registers(config.step(state, input(reference, pressure)))
+}
 
 /// The full step, every setting in RAM.
-pub extern "C" fn full_step(
+pub extern "C" fn full_step_any(
     config: &Config,
     state: &mut State,
     reference: i32,
@@ -14,14 +62,14 @@ pub extern "C" fn full_step(
     in_registers(step(config, state, input(reference, pressure)))
 }
 
-/// The full step with settings that the compiler knows.
-pub extern "C" fn full_step_constant(
-    _: &(),
+/// The PID controller alone: its mechanisms are fixed, its numbers in RAM.
+pub extern "C" fn pid_alone(
+    config: &FixedConfig<PidAlone>,
     state: &mut State,
     reference: i32,
     pressure: i32,
 ) -> u64 {
-    in_registers(step(&THESIS, state, input(reference, pressure)))
+    in_registers(config.step(state, input(reference, pressure)))
 }
 
 /// A controller's state, and the trace that it leaves for the log.
@@ -42,8 +90,20 @@ impl Traced {
     }
 }
 
-/// The full step with its trace, every setting in RAM.
+/// The full step with its trace: its mechanisms are fixed, its numbers in RAM.
 pub extern "C" fn traced_step(
+    config: &FixedConfig<Recommended>,
+    traced: &mut Traced,
+    reference: i32,
+    pressure: i32,
+) -> u64 {
+    let (output, trace) = config.step_traced(&mut traced.state, input(reference, pressure));
+    traced.trace = Some(trace);
+    in_registers(output)
+}
+
+/// The full step with its trace, every setting in RAM.
+pub extern "C" fn traced_step_any(
     config: &Config,
     traced: &mut Traced,
     reference: i32,

@@ -2,7 +2,9 @@
 //!
 //! All candidates see the same pressures, whatever they answer: one that rounds differently does not get an easier way. The plant is of first order in the pressure, so that its numbers can be said in a line; the true one is `plant-sim`.
 
-use controller::{Config, Duty, Input, Output, Pressure, Settings, State, step};
+use controller::{Duty, FixedConfig, Input, Output, Pressure, State};
+
+use crate::ours::{Thesis, fixed};
 
 /// Samples of the trace.
 pub const SAMPLES: usize = 102_400;
@@ -19,17 +21,7 @@ const NOISE: i32 = 328;
 const OPENS: i32 = 1_671_168;
 const OPEN: i32 = 5_242_880;
 
-/// The thesis' controller, checked by the compiler.
-pub const THESIS: Config = match Config::new(&Settings::thesis()) {
-    Ok(config) => config,
-    Err(_) => panic!("the thesis' settings are out of bounds"),
-};
-
-/// The controller that goes onto a truck: lower limits that follow the pressure.
-pub const RECOMMENDED: Config = match Config::new(&Settings::recommended()) {
-    Ok(config) => config,
-    Err(_) => panic!("the recommended settings are out of bounds"),
-};
+const CONTROLLER: FixedConfig<Thesis> = fixed();
 
 /// The loop: an endless sequence of inputs and of what its controller answers, the same on every machine.
 pub struct ClosedLoop {
@@ -80,7 +72,7 @@ impl Iterator for ClosedLoop {
             reference: Pressure::from_bits(self.reference),
             pressure: Pressure::from_bits(self.pressure + noise),
         };
-        let output = step(&THESIS, &mut self.state, input);
+        let output = CONTROLLER.step(&mut self.state, input);
         self.pressure += flow(output.duty_fill, SUPPLY - self.pressure);
         self.pressure -= flow(output.duty_vent, self.pressure);
         Some((input, output))
@@ -97,7 +89,7 @@ fn flow(duty: Duty, difference: i32) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use controller::{Activity, Saturation, step_traced};
+    use controller::{Activity, Saturation};
 
     /// Goal: the mean over the trace is that of a loop at work, not of one at rest, and its largest path can occur.
     /// Method: what a traced controller says of each sample.
@@ -107,7 +99,7 @@ mod tests {
         let mut activities = [0; 3];
         let (mut high, mut low, mut boosting, mut fill, mut vent) = (0, 0, 0, 0, 0);
         for (input, _) in ClosedLoop::new().take(SAMPLES) {
-            let (output, trace) = step_traced(&THESIS, &mut state, input);
+            let (output, trace) = CONTROLLER.step_traced(&mut state, input);
             activities[match trace.activity {
                 Activity::Controlling => 0,
                 Activity::InsideTolerance => 1,

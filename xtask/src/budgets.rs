@@ -9,28 +9,41 @@ mod bench;
 mod candidate;
 mod code;
 mod counted;
+mod elf;
 mod figures;
 mod gates;
+mod image;
 mod instruction;
 mod longest_path;
 mod panic_free;
 mod reach;
+mod sizes;
 mod stack_bound;
 mod table;
 mod unbounded;
 
 use std::path::PathBuf;
+use std::process::Command;
+use std::time::Duration;
 
 use crate::failure::Failure;
-use crate::qemu;
 use crate::report::Report;
-use crate::toolchain::{Choice, Toolchain};
+use crate::toolchain::{Choice, TARGET, Toolchain};
+use crate::workspace::arm_target_dir;
+use crate::{process, qemu};
+use code::Code;
+use elf::Elf;
+
+/// Longest wait for one build.
+const BUILD_DEADLINE: Duration = Duration::from_secs(900);
 
 const TOOLCHAIN: &str = "ARM toolchain";
 const QEMU: &str = "QEMU";
 const DISASSEMBLER: &str = "disassembler for ARM";
 const BENCH: &str = "bench image";
 const FIGURES: &str = "sample counted and proved";
+const IMAGE: &str = "ARM image";
+const STACK: &str = "stack of the image, proved";
 
 /// Why a budget is not proved to be kept.
 #[derive(Debug, thiserror::Error)]
@@ -46,6 +59,14 @@ pub(crate) enum Unproved {
     Candidate { name: String },
     #[error("over budget:{}", listed(.0))]
     Exceeded(Vec<String>),
+    #[error("{} has no `{name}`", .path.display())]
+    NoSymbol { path: PathBuf, name: &'static str },
+    #[error("the stack of the image has no bound: {0}")]
+    Stack(unbounded::Unbounded),
+    #[error("panics are left in the image:{}", listed(.0))]
+    PanicsLeft(Vec<String>),
+    #[error("the self-test did not say how much of its stack it used")]
+    NotPainted,
     #[error(
         "a panic is left in an image that must not have one; the linker says who calls it:\n{said}"
     )]
@@ -63,18 +84,46 @@ pub(crate) fn run(report: &mut Report, choice: Choice) {
     let toolchain = report.step(TOOLCHAIN, || Toolchain::ready(choice));
     let qemu = report.step(QEMU, qemu::ready);
     let disassembler = report.step(DISASSEMBLER, code::ready);
-    let compiler = report.step("C compiler for ARM", bench::compiler_ready);
-    let features: &[&str] = match compiler {
-        Some(()) => &["c-baselines"],
-        None => &[],
+    let tools = Tools {
+        toolchain,
+        qemu,
+        disassembler,
     };
-    let image = report.step(BENCH, || {
-        bench::build(needed(&toolchain, TOOLCHAIN)?, "budgets", features)
+    sample(report, &tools);
+    image(report, &tools);
+}
+
+/// What the steps need, each if it is there.
+struct Tools {
+    toolchain: Option<Toolchain>,
+    qemu: Option<()>,
+    disassembler: Option<()>,
+}
+
+impl Tools {
+    /// A cargo command that builds a package for the ECU.
+    fn build(&self, arguments: &[&str]) -> Result<Command, Failure> {
+        let mut build = needed(&self.toolchain, TOOLCHAIN)?.cargo("build");
+        build.args(arguments);
+        Ok(build)
+    }
+}
+
+/// One sample of the controller, beside its peers.
+fn sample(report: &mut Report, tools: &Tools) {
+    // Without the compiler the table has no rows in C, and the budgets that compare with them fail.
+    let compiler = report.step("C compiler for ARM", bench::compiler_ready);
+    let baselines = compiler.map_or("", |()| "c-baselines");
+    let bench = report.step(BENCH, || {
+        let arguments = ["--package", "budgets", "--bin", "budgets", "--features"];
+        let mut build = tools.build(&[&arguments, [baselines].as_slice()].concat())?;
+        process::run(&mut build, BUILD_DEADLINE)?;
+        Ok(built("budgets"))
     });
     let figures = report.step(FIGURES, || {
-        needed(&qemu, QEMU)?;
-        needed(&disassembler, DISASSEMBLER)?;
-        let figures = bench::measure(needed(&image, BENCH)?)?;
+        needed(&tools.qemu, QEMU)?;
+        needed(&tools.disassembler, DISASSEMBLER)?;
+        let figures = bench::measure(needed(&bench, BENCH)?)?;
         println!(
             "\n{}\n{}\n",
             bench::table(&figures),
@@ -83,28 +132,65 @@ pub(crate) fn run(report: &mut Report, choice: Choice) {
         Ok(figures)
     });
     report.step("budgets of a sample", || {
-        let gates = gates::gates(needed(&figures, FIGURES)?);
-        println!("{}", gates::table(&gates));
-        let exceeded = gates::exceeded(&gates);
-        if exceeded.is_empty() {
-            Ok(())
-        } else {
-            Err(Unproved::Exceeded(exceeded).into())
-        }
+        gates::judge(&gates::gates(needed(&figures, FIGURES)?))
     });
+    let arguments = ["--package", "budgets", "--bin", "panic_free"];
     report.step("controller cannot panic", || {
-        let toolchain = needed(&toolchain, TOOLCHAIN)?;
-        panic_free::links(&mut bench::build_command(toolchain, "panic_free", features))
+        panic_free::links(&mut tools.build(&arguments)?)
     });
     report.step("a panic on purpose is found", || {
-        let toolchain = needed(&toolchain, TOOLCHAIN)?;
-        let features = [features, &["panic-canary"]].concat();
-        panic_free::canary_is_refused(&mut bench::build_command(
-            toolchain,
-            "panic_free",
-            &features,
-        ))
+        let canary = [arguments.as_slice(), &["--features", "panic-canary"]].concat();
+        panic_free::canary_is_refused(&mut tools.build(&canary)?)
     });
+}
+
+/// The image that is flashed.
+fn image(report: &mut Report, tools: &Tools) {
+    let arguments = ["--package", "firmware"];
+    report.step("image cannot panic", || {
+        let proof = [arguments.as_slice(), &["--features", "prove-panic-free"]].concat();
+        panic_free::links(&mut tools.build(&proof)?)
+    });
+    report.step("image with a panic on purpose is refused", || {
+        let canary = [arguments.as_slice(), &["--features", "panic-canary"]].concat();
+        panic_free::canary_is_refused(&mut tools.build(&canary)?)
+    });
+    // Last, so that this one is what lies in the folder afterwards.
+    let image = report.step(IMAGE, || {
+        process::run(&mut tools.build(&arguments)?, BUILD_DEADLINE)?;
+        needed(&tools.disassembler, DISASSEMBLER)?;
+        let elf = Elf::read(&built("firmware"))?;
+        let code = Code::of(&elf)?;
+        Ok((elf, code))
+    });
+    report.step("no panic left in the image", || {
+        let (_, code) = needed(&image, IMAGE)?;
+        Ok(image::has_no_panic(code)?)
+    });
+    let stack = report.step(STACK, || {
+        let (elf, code) = needed(&image, IMAGE)?;
+        let stack = image::Stack::of(elf, code)?;
+        println!("{}", stack.table());
+        gates::judge(&[stack.gate()])?;
+        Ok(stack)
+    });
+    report.step("stack of the image, painted", || {
+        needed(&tools.qemu, QEMU)?;
+        let (elf, _) = needed(&image, IMAGE)?;
+        let used = image::painted(&qemu::run(elf.path())?)?;
+        gates::judge(&[needed(&stack, STACK)?.painted(used)])
+    });
+    report.step("flash and RAM of the image", || {
+        let (elf, _) = needed(&image, IMAGE)?;
+        let sizes = sizes::sizes(elf)?;
+        println!("{}", sizes::table(&sizes));
+        gates::judge(&sizes::gates(&sizes))
+    });
+}
+
+/// Where a program for the ECU lies once it is built.
+fn built(program: &str) -> PathBuf {
+    arm_target_dir().join(TARGET).join("firmware").join(program)
 }
 
 /// The result of an earlier step, or the reason why this one cannot run.

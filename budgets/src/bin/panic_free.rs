@@ -13,27 +13,26 @@ mod image {
     use core::hint::black_box;
     use core::panic::PanicInfo;
 
-    use budgets::ours::{self, Traced};
-    use budgets::trace::{RECOMMENDED, THESIS};
-    use controller::State;
+    use budgets::ours::{self, Recommended, Thesis, Traced};
+    use controller::{FixedConfig, State};
     use cortex_m_rt::entry;
+
+    const THESIS: FixedConfig<Thesis> = ours::fixed();
+    const RECOMMENDED: FixedConfig<Recommended> = ours::fixed();
 
     #[entry]
     fn main() -> ! {
+        let (thesis, recommended) = black_box((&THESIS, &RECOMMENDED));
         let mut state = State::at_rest();
         let mut traced = Traced::at_rest();
         loop {
             let [reference, pressure] = black_box([0, 0]);
-            let config = black_box(&THESIS);
-            black_box(ours::full_step(config, &mut state, reference, pressure));
-            black_box(ours::full_step_constant(
-                &(),
-                &mut state,
-                reference,
-                pressure,
-            ));
-            let config = black_box(&RECOMMENDED);
-            black_box(ours::traced_step(config, &mut traced, reference, pressure));
+            let (fixed, any) = (thesis, thesis.config());
+            black_box(ours::full_step(fixed, &mut state, reference, pressure));
+            black_box(ours::full_step_any(any, &mut state, reference, pressure));
+            let (fixed, any) = (recommended, recommended.config());
+            black_box(ours::traced_step(fixed, &mut traced, reference, pressure));
+            black_box(ours::traced_step_any(any, &mut traced, reference, pressure));
             #[cfg(feature = "panic-canary")]
             black_box(reference + pressure);
         }

@@ -1,22 +1,21 @@
-//! The bench: built, run on the emulated machine, and its code read for what no run can show.
+//! The bench: run on the emulated machine, and its code read for what no run can show.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
 use super::Unproved;
 use super::code::Code;
 use super::counted::Counted;
+use super::elf::Elf;
 use super::figures::Figures;
 use super::table::Table;
 use super::unbounded::Unbounded;
 use crate::failure::Failure;
-use crate::toolchain::{TARGET, Toolchain};
-use crate::workspace::{arm_target_dir, find_program};
+use crate::workspace::find_program;
 use crate::{packages, process};
 
 const COMPILER: &str = "arm-none-eabi-gcc";
-const BUILD_DEADLINE: Duration = Duration::from_secs(600);
 /// Longest life of the bench, which takes some seconds.
 const RUN_DEADLINE: Duration = Duration::from_secs(120);
 
@@ -28,31 +27,10 @@ pub(crate) fn compiler_ready() -> Result<(), Failure> {
     }
 }
 
-/// Builds one image of the bench.
-pub(crate) fn build(
-    toolchain: &Toolchain,
-    image: &str,
-    features: &[&str],
-) -> Result<PathBuf, Failure> {
-    process::run(
-        &mut build_command(toolchain, image, features),
-        BUILD_DEADLINE,
-    )?;
-    Ok(arm_target_dir().join(TARGET).join("firmware").join(image))
-}
-
-/// The command that builds one image of the bench.
-pub(crate) fn build_command(toolchain: &Toolchain, image: &str, features: &[&str]) -> Command {
-    let mut build = toolchain.cargo("build");
-    build.args(["--package", "budgets", "--bin", image]);
-    build.args(["--features", &features.join(",")]);
-    build
-}
-
 /// Runs the bench and proves what its code allows.
 pub(crate) fn measure(image: &Path) -> Result<Vec<Figures>, Failure> {
     let said = process::capture(&mut counting_machine(image), RUN_DEADLINE)?;
-    let code = Code::of(image)?;
+    let code = Code::of(&Elf::read(image)?)?;
     let counted = Counted::read(&said).map_err(Unproved::Bench)?;
     let figures = counted.into_iter().map(|counted| {
         let name = counted.name.clone();

@@ -45,15 +45,15 @@ pub(crate) const TRACED_STEP: &str = "traced_step";
 pub(crate) const SATURATING: [&str; 2] = ["saturating_o2", "saturating_os"];
 
 /// All of them.
-pub(crate) const CANDIDATES: [Candidate; 14] = [
+pub(crate) const CANDIDATES: [Candidate; 16] = [
     candidate(
         "full_step",
-        "controller, every setting in RAM",
+        "controller, mechanisms fixed, numbers in RAM",
         Duty::FullStep,
     ),
     candidate(
-        "full_step_constant",
-        "controller, every setting constant",
+        "full_step_any",
+        "controller, everything in RAM",
         Duty::FullStep,
     ),
     candidate(
@@ -68,8 +68,18 @@ pub(crate) const CANDIDATES: [Candidate; 14] = [
     candidate("float_os", "the same, -Os", Duty::FullStep),
     candidate(
         "traced_step",
-        "controller, limits by pressure, with trace",
+        "controller, mechanisms fixed, numbers in RAM",
         Duty::Traced,
+    ),
+    candidate(
+        "traced_step_any",
+        "controller, everything in RAM",
+        Duty::Traced,
+    ),
+    candidate(
+        "pid_alone",
+        "controller, tolerance and distributor included",
+        Duty::Kernel,
     ),
     candidate("idsp_fixed", "idsp 0.23 BiquadClamp, Q29", Duty::Kernel),
     candidate(

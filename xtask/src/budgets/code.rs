@@ -1,14 +1,10 @@
 //! The linked code of an image: its instructions by address, and the functions they belong to.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 use std::time::Duration;
 
-use object::{Object, ObjectSymbol, SymbolKind};
-
-use super::Unproved;
+use super::elf::{Elf, Memory};
 use super::instruction::{Flow, Instruction};
 use crate::failure::Failure;
 use crate::packages;
@@ -31,16 +27,12 @@ impl Function {
         self.end - self.start
     }
 
-    /// Whether control comes here only to panic: the standard library's ways into the panic handler, and the handler.
+    /// Whether control comes here only to panic: the core library's ways to the panic handler, and the handler.
     pub(crate) fn panics(&self) -> bool {
-        const PANICS: [&str; 5] = [
-            "rust_begin_unwind",
-            "core::panicking::",
-            "unwrap_failed",
-            "expect_failed",
-            "_fail",
-        ];
-        PANICS.iter().any(|part| self.name.contains(part))
+        let name = self.name.as_str();
+        let in_core = name.starts_with("core::")
+            && (name.contains("::panic") || name.ends_with("_fail") || name.ends_with("_failed"));
+        in_core || name.ends_with("rust_begin_unwind")
     }
 }
 
@@ -64,34 +56,22 @@ pub(crate) fn ready() -> Result<(), Failure> {
 
 impl Code {
     /// Disassembles an image.
-    pub(crate) fn of(image: &Path) -> Result<Self, Failure> {
+    pub(crate) fn of(elf: &Elf) -> Result<Self, Failure> {
         let mut disassembler = Command::new(DISASSEMBLER);
         disassembler
             .args(["--disassemble", "--no-show-raw-insn"])
-            .arg(image);
+            .arg(elf.path());
         let text = process::capture(&mut disassembler, DEADLINE)?;
-        let bytes = fs::read(image).map_err(|source| Failure::File {
-            path: image.to_owned(),
-            source,
-        })?;
-        let elf = object::File::parse(&*bytes).map_err(|source| Unproved::Elf {
-            path: image.to_owned(),
-            source,
-        })?;
-        let functions = elf
-            .symbols()
-            .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
-            .map(|symbol| {
-                // Bit 0 of a function's address says Thumb.
-                let start = symbol.address() as u32 & !1;
-                let name = symbol.name().unwrap_or("a function without name");
-                Function {
-                    name: format!("{:#}", rustc_demangle::demangle(name)),
-                    start,
-                    end: start + symbol.size() as u32,
-                }
-            });
-        Ok(Self::read(&text, functions))
+        let symbols = elf.symbols()?.into_iter();
+        let functions = symbols.filter(|symbol| symbol.memory == Memory::Code);
+        Ok(Self::read(
+            &text,
+            functions.map(|symbol| Function {
+                name: symbol.name,
+                start: symbol.address,
+                end: symbol.address + symbol.bytes,
+            }),
+        ))
     }
 
     /// From the disassembler's text.
@@ -106,7 +86,7 @@ impl Code {
         code
     }
 
-    /// `   2e:	bl	5c <name+0x4>	@ comment`, and everything else is a heading.
+    /// Address, mnemonic and operands with tabs between them: `2e: bl 5c <name+0x4> @ comment`; everything else is a heading.
     fn add(&mut self, line: &str) -> Option<()> {
         let (address, rest) = line.split_once(":\t")?;
         let address = u32::from_str_radix(address.trim(), 16).ok()?;
@@ -157,8 +137,20 @@ impl Code {
         (address < function.end).then_some(function)
     }
 
-    pub(crate) fn functions(&self) -> impl Iterator<Item = &Function> {
-        self.functions.values()
+    /// The functions that are there only to panic, each with those that call it.
+    pub(crate) fn panics(&self) -> BTreeMap<String, BTreeSet<String>> {
+        let functions = self.functions.values().filter(|function| function.panics());
+        let mut panics: BTreeMap<String, BTreeSet<String>> = functions
+            .map(|function| (function.name.clone(), BTreeSet::new()))
+            .collect();
+        for &address in self.instructions.keys() {
+            let caller = self.function(address).filter(|caller| !caller.panics());
+            if let (Some(panic), Some(caller)) = (self.panic_from(address), caller) {
+                let callers = panics.entry(panic.name.clone()).or_default();
+                callers.insert(caller.name.clone());
+            }
+        }
+        panics
     }
 
     /// The function through which the instruction at this address panics, if it calls or jumps to one.
@@ -245,4 +237,68 @@ pub(crate) fn fixture(text: &str) -> Code {
         }
     }
     Code::read(&disassembly, functions)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn function(name: &str) -> Function {
+        Function {
+            name: name.to_owned(),
+            start: 0,
+            end: 4,
+        }
+    }
+
+    #[test]
+    fn the_ways_to_the_panic_handler_are_told_from_functions_that_only_sound_so() {
+        for name in [
+            "__rustc::rust_begin_unwind",
+            "rust_begin_unwind",
+            "core::panicking::panic_bounds_check",
+            "core::panicking::panic_const::panic_const_add_overflow",
+            "core::option::unwrap_failed",
+            "core::slice::index::slice_start_index_len_fail",
+            "core::cell::panic_already_borrowed",
+        ] {
+            assert!(function(name).panics(), "{name}");
+        }
+        for name in [
+            "ecu::fault::on_fail",
+            "firmware::panic_count",
+            "core::fmt::write",
+            "Reset",
+        ] {
+            assert!(!function(name).panics(), "{name}");
+        }
+    }
+
+    #[test]
+    fn each_panic_is_told_with_those_who_call_it() {
+        let code = fixture(
+            "0 f:\n 0: bl 20 <x>\n 4: bl 20 <x>\n10 g:\n 10: b.w 20 <x>\n\
+             20 core::panicking::panic:\n 20: b.w 30 <y>\n30 rust_begin_unwind:\n 30: b.n 30 <y>\n",
+        );
+        let panics = code.panics();
+        let callers: Vec<&str> = panics["core::panicking::panic"]
+            .iter()
+            .map(String::as_str)
+            .collect();
+        assert_eq!(callers, ["f", "g"]);
+        assert_eq!(panics.len(), 2);
+    }
+
+    #[test]
+    fn what_the_disassembler_cannot_read_is_no_instruction() {
+        let code = fixture("0 f:\n 0: nop\n 2: <UNDEFINED> instruction: 0xffff\n");
+        assert!(code.at(0).is_some() && code.at(2).is_none());
+    }
+
+    #[test]
+    fn comments_of_either_style_are_no_operands() {
+        let code = Code::read("   0:\tsub\tsp, #8\t@ 0x8\n   2:\tadd\tsp, #8\t; 0x8\n", []);
+        let texts: Vec<&str> = [0, 2].map(|at| code.at(at).unwrap().text.as_str()).into();
+        assert_eq!(texts, ["sub sp, #8", "add sp, #8"]);
+    }
 }

@@ -2,10 +2,12 @@
 
 use std::fmt::Display;
 
+use super::Unproved;
 use super::candidate::{Duty, SATURATING, THESIS_STEP, TRACED_STEP};
 use super::figures::Figures;
 use super::table::Table;
 use super::unbounded::Unbounded;
+use crate::failure::Failure;
 
 /// Instructions of the thesis' full step on average: less than the same in C with the FPU takes on this trace.
 const MEAN_MAX: f64 = 65.0;
@@ -32,7 +34,8 @@ pub(crate) struct Gate {
 }
 
 impl Gate {
-    fn at_most<T: PartialOrd + Display>(what: &str, figure: T, budget: T) -> Self {
+    /// A figure that may reach its budget and not pass it.
+    pub(crate) fn at_most<T: PartialOrd + Display>(what: &str, figure: T, budget: T) -> Self {
         Self {
             what: what.to_owned(),
             holds: figure <= budget,
@@ -178,8 +181,19 @@ fn beyond_bound(seen: u32, proved: &Result<u32, Unbounded>) -> bool {
     proved.as_ref().is_ok_and(|&proved| seen > proved)
 }
 
+/// Prints the gates; a failure if one is not kept.
+pub(crate) fn judge(gates: &[Gate]) -> Result<(), Failure> {
+    println!("{}", table(gates));
+    let exceeded = exceeded(gates);
+    if exceeded.is_empty() {
+        Ok(())
+    } else {
+        Err(Unproved::Exceeded(exceeded).into())
+    }
+}
+
 /// The gates as a table.
-pub(crate) fn table(gates: &[Gate]) -> Table {
+fn table(gates: &[Gate]) -> Table {
     let mut table = Table::new(&["budget", "found", "allowed", ""]);
     for gate in gates {
         let verdict = if gate.holds { "kept" } else { "EXCEEDED" };

@@ -1,0 +1,171 @@
+//! The image that is flashed: no panic left in it, its stack bounded, its parts within their room.
+
+use std::collections::BTreeSet;
+
+use super::Unproved;
+use super::code::Code;
+use super::elf::Elf;
+use super::gates::Gate;
+use super::stack_bound::StackSearch;
+use super::table::Table;
+use super::unbounded::Unbounded;
+use crate::failure::Failure;
+
+/// What the processor pushes when an exception begins, at most: 26 words with those of the floating-point unit, and one to
+/// align the stack (Armv7-M architecture, B1.5.7).
+const EXCEPTION_FRAME_BYTES: u32 = 27 * 4;
+
+/// The names of the first sixteen vectors that are handlers; further ones are the part's interrupts.
+const RESET_VECTOR: usize = 1;
+
+/// What the stack of an image can need.
+#[derive(Debug)]
+pub(crate) struct Stack {
+    /// From reset, and each handler once with its exception frame, as if each interrupted the one before.
+    parts: Vec<(String, u32)>,
+    /// From the end of the variables to the top of RAM.
+    reserved: u32,
+}
+
+impl Stack {
+    /// Reads the vector table and follows each entry.
+    pub(crate) fn of(elf: &Elf, code: &Code) -> Result<Self, Failure> {
+        let reserved = elf.address_of("_stack_start")? - elf.address_of("_stack_end")?;
+        let parts = parts(code, &elf.vectors()?).map_err(Unproved::Stack)?;
+        Ok(Self { parts, reserved })
+    }
+
+    fn bound(&self) -> u32 {
+        self.parts.iter().map(|(_, bytes)| bytes).sum()
+    }
+
+    pub(crate) fn gate(&self) -> Gate {
+        Gate::at_most("image: stack proved [bytes]", self.bound(), self.reserved)
+    }
+
+    /// Painted stack against proved: what a run wrote.
+    pub(crate) fn painted(&self, used: u32) -> Gate {
+        Gate::at_most(
+            "image: stack touched within proved [bytes]",
+            used,
+            self.bound(),
+        )
+    }
+
+    /// Who needs how much, and what is left.
+    pub(crate) fn table(&self) -> Table {
+        let mut table = Table::new(&[
+            "stack of the image, each handler with its exception frame",
+            "bytes",
+        ]);
+        for (name, bytes) in &self.parts {
+            table.row(vec![format!("  {name}"), bytes.to_string()]);
+        }
+        table.row(vec![
+            "  all, each handler once upon the other".to_owned(),
+            self.bound().to_string(),
+        ]);
+        table.row(vec!["  reserved".to_owned(), self.reserved.to_string()]);
+        let margin = i64::from(self.reserved) - i64::from(self.bound());
+        table.row(vec!["  margin".to_owned(), margin.to_string()]);
+        table
+    }
+}
+
+fn parts(code: &Code, vectors: &[u32]) -> Result<Vec<(String, u32)>, Unbounded> {
+    let mut search = StackSearch::new(code);
+    let mut parts = Vec::new();
+    let mut seen = BTreeSet::new();
+    for (number, &entry) in vectors.iter().enumerate().skip(RESET_VECTOR) {
+        let entry = entry & !1;
+        if entry == 0 || !seen.insert(entry) {
+            continue;
+        }
+        let frame = if number == RESET_VECTOR {
+            0
+        } else {
+            EXCEPTION_FRAME_BYTES
+        };
+        let function = code.function(entry);
+        let name = function.map_or_else(|| code.place(entry), |function| function.name.clone());
+        parts.push((name, frame + search.function(entry)?));
+    }
+    Ok(parts)
+}
+
+/// An image that is flashed must not have a way to its panic handler.
+pub(crate) fn has_no_panic(code: &Code) -> Result<(), Unproved> {
+    let panics = code.panics();
+    if panics.is_empty() {
+        return Ok(());
+    }
+    let told = panics.iter().map(|(panic, callers)| {
+        if callers.is_empty() {
+            return panic.clone();
+        }
+        let callers: Vec<&str> = callers.iter().map(String::as_str).collect();
+        format!("{panic}, called by {}", callers.join(", "))
+    });
+    Err(Unproved::PanicsLeft(told.collect()))
+}
+
+/// What the self-test says of its painted stack: `stack used=312 of=65536`, in bytes.
+pub(crate) fn painted(said: &str) -> Result<u32, Unproved> {
+    let line = said
+        .lines()
+        .find_map(|line| line.strip_prefix("stack used="));
+    let used = line.and_then(|rest| rest.split(' ').next()?.parse().ok());
+    used.ok_or(Unproved::NotPainted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budgets::code::fixture;
+
+    const IMAGE: &str = "40 Reset:\n 40: push {r7, lr}\n 42: bl 60 <main>\n60 main:\n 60: sub sp, #32\n 62: b.n 62 <main+0x2>\n\
+                         80 SysTick:\n 80: push {r4, lr}\n 82: pop {r4, pc}\n90 DefaultHandler:\n 90: b.n 90 <x>\n";
+
+    /// Unused vectors share one handler, which counts once; the first word is the stack pointer, and 0 is no handler.
+    #[test]
+    fn each_handler_counts_once_with_its_exception_frame() {
+        let vectors = [0x2002_0000, 0x41, 0x91, 0x91, 0, 0x81, 0x91];
+        let parts = parts(&fixture(IMAGE), &vectors).unwrap();
+        let expected = [("Reset", 40), ("DefaultHandler", 108), ("SysTick", 116)];
+        let expected = expected.map(|(name, bytes)| (name.to_owned(), bytes));
+        assert_eq!(parts, expected);
+    }
+
+    #[test]
+    fn a_stack_one_byte_short_of_its_bound_exceeds_the_budget() {
+        let stack = |reserved| Stack {
+            parts: vec![("Reset".to_owned(), 40), ("SysTick".to_owned(), 116)],
+            reserved,
+        };
+        let exceeded = |gate| crate::budgets::gates::exceeded(&[gate]).len();
+        assert_eq!(exceeded(stack(156).gate()), 0);
+        assert_eq!(exceeded(stack(155).gate()), 1);
+        assert_eq!(exceeded(stack(156).painted(156)), 0);
+        assert_eq!(exceeded(stack(156).painted(157)), 1);
+    }
+
+    #[test]
+    fn the_painted_stack_is_read_from_the_self_test_and_missed_if_it_is_silent() {
+        assert_eq!(painted("config=p\nstack used=312 of=65536\n").unwrap(), 312);
+        for silent in ["", "stack used= of=1", "config=p steps=65536"] {
+            assert!(painted(silent).is_err(), "{silent}");
+        }
+    }
+
+    #[test]
+    fn a_panic_that_is_left_is_told_with_its_caller() {
+        assert!(has_no_panic(&fixture(IMAGE)).is_ok());
+        let panics =
+            format!("{IMAGE}a0 core::panicking::panic:\n a0: b.n a0 <x>\nb0 f:\n b0: bl a0 <x>\n");
+        let told = has_no_panic(&fixture(&panics)).unwrap_err().to_string();
+        assert!(
+            told.contains("core::panicking::panic, called by f"),
+            "{told}"
+        );
+    }
+}
