@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use controller::Input;
+use budgets::trace::Sample;
 
 /// A full step in integers: reference and pressure [2⁻¹⁶ bar] to fill and vent [2⁻¹⁶ %], in the lower and upper word.
 pub(crate) type IntegerStep<C, S> = extern "C" fn(&C, &mut S, i32, i32) -> u64;
@@ -31,16 +31,15 @@ pub(crate) struct Registers {
     pub(crate) s1: f32,
 }
 
-impl From<Input> for Registers {
-    fn from(input: Input) -> Self {
-        let (r2, r3) = (input.reference.to_bits(), input.pressure.to_bits());
+impl From<Sample> for Registers {
+    fn from(sample: Sample) -> Self {
         Self {
             r0: 0,
             r1: 0,
-            r2,
-            r3,
-            s0: r2 as f32 / 65_536.0,
-            s1: r3 as f32 / 65_536.0,
+            r2: sample.reference,
+            r3: sample.pressure,
+            s0: sample.reference as f32 / 65_536.0,
+            s1: sample.pressure as f32 / 65_536.0,
         }
     }
 }

@@ -43,6 +43,7 @@ pub const fn fixed<M: Mechanisms>() -> FixedConfig<M> {
 }
 
 /// The full step: its mechanisms are fixed, its numbers in RAM.
+#[inline(never)]
 pub extern "C" fn full_step(
     config: &FixedConfig<Thesis>,
     state: &mut State,
@@ -125,4 +126,9 @@ fn input(reference: i32, pressure: i32) -> Input {
 fn in_registers(output: Output) -> u64 {
     let word = |bits: i32| u64::from(bits as u32);
     word(output.duty_fill.to_bits()) | word(output.duty_vent.to_bits()) << 32
+}
+
+/// What a step left in the two registers: fill, then vent [2⁻¹⁶ %].
+pub const fn in_words(duties: u64) -> [i32; 2] {
+    [duties as i32, (duties >> 32) as i32]
 }
