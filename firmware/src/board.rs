@@ -14,6 +14,9 @@ pub trait Board {
     /// The board's name, at most 32 bytes.
     const NAME: &'static str;
 
+    /// A number that differs from build to build; 0: not known.
+    fn build(&self) -> u32;
+
     /// The safe state: no current in either coil, whatever ran before.
     ///
     /// Must work at any moment, does not wait and cannot fail. Calling it again changes nothing. It is the state at reset.
@@ -70,6 +73,7 @@ pub trait Board {
 
 /// What sets the pace of the control task, and so how soon the watchdog has to bite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Pace {
     /// The sample timer: the watchdog bites after three samples without one.
     Timer,

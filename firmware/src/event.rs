@@ -3,6 +3,7 @@
 use ecu::{FaultSet, Mode, ResetCause};
 use hil_protocol::SettingsSource;
 
+use crate::board::Pace;
 use crate::retained::Farewell;
 
 /// One line of the log.
@@ -25,8 +26,8 @@ pub enum Event {
     },
     /// A host opened a session.
     Session {
-        /// Whether it sets the pace.
-        lock_step: bool,
+        /// Who sets the pace from now on.
+        pace: Pace,
     },
     /// The supervisor changed its mode, or the faults changed.
     Supervisor {

@@ -1,12 +1,13 @@
-//! From reset on: the control task, and what the link asks for between two samples.
+//! From reset on: the main loop.
 
-use ecu::{Ecu, EcuConfig, EcuSettings, Inputs, Outputs, ResetCause, safe_outputs};
-use hil_protocol::{
-    Answer, Device, DeviceSession, FRAME_MAX, Identity, ImageIdentity, LogBytes, Measured, Name,
-    Refusal, Reply, Request, SettingsSource, VERSION,
-};
+use ecu::calibration::CheckedSettings;
+use ecu::device::EcuDevice;
+use ecu::{EcuSettings, safe_outputs};
+use embedded_storage::nor_flash::NorFlash;
+use hil_protocol::{DeviceSession, FRAME_MAX, ImageIdentity, Name};
 
-use crate::board::{Board, Pace, Received};
+use crate::board::{Board, Received};
+use crate::control_task::ControlTask;
 use crate::event::Event;
 use crate::retained::Farewell;
 
@@ -16,28 +17,32 @@ use crate::retained::Farewell;
 pub enum Life {
     /// It does.
     GoesOn,
-    /// A host asked for a reset, and the answer is out: the coils are off, reset the machine.
+    /// A host asked for a reset, and the answer is on its way: the coils are off, reset the machine.
     Ends,
 }
 
-/// The whole image on its board.
-pub struct Image<B: Board> {
-    session: DeviceSession,
-    control: Control<B>,
-    buffer: [u8; FRAME_MAX],
-}
+/// Records of the black box: the last 5.12 s.
+const BLACK_BOX_RECORDS: usize = 512;
 
-/// Turns of the main loop between two times that the watchdog is fed while a host sets the pace: some milliseconds.
-const TURNS_BETWEEN_FEEDS: u32 = 4096;
+/// Words of RAM that the black box needs; a warm reset must leave them alone.
+pub const BLACK_BOX_WORDS: usize = ecu::black_box::words(BLACK_BOX_RECORDS);
 
-const BENCH: EcuConfig = match EcuConfig::new(&EcuSettings::bench()) {
-    Ok(config) => config,
+/// The settings of an ECU in which none were ever saved.
+const DEFAULTS: CheckedSettings = match CheckedSettings::new(&EcuSettings::bench()) {
+    Ok(settings) => settings,
     Err(_) => panic!("the built-in settings are impossible"),
 };
 
-impl<B: Board> Image<B> {
-    /// The first thing after a reset.
-    pub fn start(mut board: B) -> Self {
+/// The whole image on its board, with the settings' flash memory `F` and the black box's words `M`.
+pub struct Image<B, F, M> {
+    session: DeviceSession,
+    task: ControlTask<B, F, M>,
+    buffer: [u8; FRAME_MAX],
+}
+
+impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
+    /// The first thing after a reset: coils off, reason of the reset, settings, and from then on the sample timer counts.
+    pub fn start(mut board: B, flash: F, memory: M) -> Self {
         board.coils_off();
         let start = board.retained().start();
         let hardware = board.reset_cause();
@@ -47,167 +52,53 @@ impl<B: Board> Image<B> {
             cause,
             farewell: start.farewell,
         });
-        let source = SettingsSource::DefaultsNeverSaved;
-        board.log(Event::Settings { source });
-        let last_us = board.now_us();
-        board.take_ticks();
+        let identity = ImageIdentity {
+            board: Name::try_from(B::NAME).unwrap_or_default(),
+            version: Name::try_from(env!("CARGO_PKG_VERSION")).unwrap_or_default(),
+            build: board.build(),
+            signals: 0,
+            settings: 0,
+        };
+        let ecu = EcuDevice::start(identity, &DEFAULTS, flash, memory, cause);
+        board.log(Event::Settings {
+            source: ecu.settings_source(),
+        });
+        board.drive(safe_outputs());
         Self {
             session: DeviceSession::new(start.boot),
-            control: Control {
-                board,
-                ecu: Ecu::new(BENCH, cause),
-                cause,
-                source,
-                lock_step: false,
-                ends: false,
-                sample: 0,
-                last_us,
-                idle_turns: 0,
-            },
+            task: ControlTask::new(board, ecu),
             buffer: [0; FRAME_MAX],
         }
     }
 
     /// One turn of the main loop: a sample if its time has come, then at most one byte or frame of the link.
     pub fn turn(&mut self) -> Life {
-        self.control.board.background();
-        self.control.timer();
-        let Some(received) = self.control.board.receive(&mut self.buffer) else {
+        self.task.board.background();
+        if let Some(reply) = self.task.turn()
+            && let Some(frame) = self.session.unasked(&reply, &mut self.buffer)
+        {
+            self.task.board.send(frame);
+        }
+        let Some(received) = self.task.board.receive(&mut self.buffer) else {
             return Life::GoesOn;
         };
-        let reply = match received {
-            Received::Byte(byte) => self.session.receive_byte(byte, &mut self.control),
-            Received::Frame(frame) => self.session.receive_frame(frame, &mut self.control),
+        let answer = match received {
+            Received::Byte(byte) => self.session.receive_byte(byte, &mut self.task),
+            Received::Frame(frame) => self.session.receive_frame(frame, &mut self.task),
         };
-        if let Some(frame) = reply {
-            self.control.board.send(frame);
+        if let Some(frame) = answer {
+            self.task.board.send(frame);
         }
-        if self.control.ends {
-            self.control.board.coils_off();
-            return Life::Ends;
-        }
-        Life::GoesOn
-    }
-
-    /// The board, for what only it can do.
-    pub fn board(&mut self) -> &mut B {
-        &mut self.control.board
-    }
-}
-
-/// All that a request can reach.
-struct Control<B: Board> {
-    board: B,
-    ecu: Ecu,
-    cause: ResetCause,
-    source: SettingsSource,
-    lock_step: bool,
-    ends: bool,
-    sample: u32,
-    last_us: u32,
-    idle_turns: u32,
-}
-
-impl<B: Board> Control<B> {
-    /// The control task by the machine's own time.
-    fn timer(&mut self) {
-        if self.lock_step {
-            self.idle_turns = self.idle_turns.wrapping_add(1);
-            if self.idle_turns.is_multiple_of(TURNS_BETWEEN_FEEDS) {
-                self.board.feed_watchdog(Pace::Host);
-            }
-            return;
-        }
-        let ticks = self.board.take_ticks();
-        if ticks == 0 {
-            return;
-        }
-        let now_us = self.board.now_us();
-        let elapsed_us = now_us.wrapping_sub(self.last_us);
-        self.last_us = now_us;
-        let inputs = self.board.measure(elapsed_us);
-        self.sample(&inputs);
-        if ticks > 1 {
-            self.board.log(Event::TicksMissed {
-                sample: self.sample,
-                missed: ticks - 1,
-            });
-        }
-        self.board.feed_watchdog(Pace::Timer);
-    }
-
-    fn sample(&mut self, inputs: &Inputs) -> Outputs {
-        let (mode, faults) = (self.ecu.mode(), self.ecu.faults());
-        let outputs = self.ecu.sample(inputs);
-        self.board.drive(outputs);
-        self.sample = self.sample.wrapping_add(1);
-        if (mode, faults) != (self.ecu.mode(), self.ecu.faults()) {
-            self.board.log(Event::Supervisor {
-                sample: self.sample,
-                mode: self.ecu.mode(),
-                faults: self.ecu.faults(),
-            });
-        }
-        outputs
-    }
-}
-
-impl<B: Board> Device for Control<B> {
-    fn open(&mut self, lock_step: bool) -> Identity {
-        self.lock_step = lock_step && self.board.may_simulate();
-        self.board.feed_watchdog(if self.lock_step {
-            Pace::Host
+        if self.task.ends {
+            self.task.board.coils_off();
+            Life::Ends
         } else {
-            Pace::Timer
-        });
-        self.board.log(Event::Session { lock_step });
-        if !self.lock_step {
-            self.board.end_simulation();
-        }
-        self.board.drive(safe_outputs());
-        Identity {
-            version: VERSION,
-            boot: 0,
-            image: ImageIdentity {
-                board: Name::try_from(B::NAME).unwrap_or_default(),
-                version: Name::try_from(env!("CARGO_PKG_VERSION")).unwrap_or_default(),
-                build: 0,
-                signals: 0,
-                settings: 0,
-            },
-            reset_cause: self.cause,
-            settings_source: self.source,
-            settings_digest: 0,
+            Life::GoesOn
         }
     }
 
-    fn answer(&mut self, request: &Request) -> Reply {
-        match request {
-            Request::Sample(_) if !self.lock_step => Reply::Refused(Refusal::NotInLockStep),
-            Request::Sample(sensors) => {
-                self.board.simulate(sensors);
-                let inputs = self.board.measure(sensors.elapsed_us);
-                let outputs = self.sample(&inputs);
-                Reply::Sample {
-                    answer: Answer {
-                        sample: sensors.sample,
-                        actuators: outputs.into(),
-                        telemetry: self.ecu.telemetry(),
-                    },
-                    measured: Measured::new(),
-                }
-            }
-            Request::Log => {
-                let mut bytes = LogBytes::new();
-                let lost = self.board.take_log(&mut bytes);
-                Reply::Log { bytes, lost }
-            }
-            Request::Reset => {
-                self.board.retained().say(Farewell::Requested);
-                self.ends = true;
-                Reply::Done
-            }
-            _ => Reply::Refused(Refusal::Unsupported),
-        }
+    /// The board.
+    pub fn board(&mut self) -> &mut B {
+        &mut self.task.board
     }
 }

@@ -20,6 +20,7 @@
 
 mod board;
 mod byte_ring;
+mod control_task;
 pub mod drivers;
 mod event;
 mod image;
@@ -30,6 +31,6 @@ pub mod self_test;
 pub use board::{Board, Pace, Received};
 pub use byte_ring::ByteRing;
 pub use event::Event;
-pub use image::{Image, Life};
+pub use image::{BLACK_BOX_WORDS, Image, Life};
 pub use log_ring::LogRing;
 pub use retained::{Farewell, Retained, Start, WORDS as RETAINED_WORDS};

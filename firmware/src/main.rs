@@ -10,6 +10,8 @@
 
 mod boards;
 #[cfg(target_os = "none")]
+mod build_number;
+#[cfg(target_os = "none")]
 mod handlers;
 #[cfg(target_os = "none")]
 mod log;

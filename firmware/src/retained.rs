@@ -62,9 +62,14 @@ impl<'a> Retained<'a> {
         Self { words }
     }
 
+    /// Whether an earlier life left the words: the machine was reset, its supply did not fail.
+    pub fn is_warm(&self) -> bool {
+        self.word(CHECK) == self.check()
+    }
+
     /// A new life begins: takes what the last one said and counts on. Call once per start.
     pub fn start(&self) -> Start {
-        let warm = self.word(CHECK) == self.check();
+        let warm = self.is_warm();
         let boot = if warm {
             self.word(BOOT).wrapping_add(1)
         } else {

@@ -7,6 +7,7 @@
 //! The clock is 25 MHz throughout (application note AN386, "Clocks").
 
 mod converter;
+mod flash;
 mod memory;
 mod pins;
 mod pwm;
@@ -25,10 +26,12 @@ use firmware::{Board, Event, Image, Life, Pace, Received, Retained};
 use hil_protocol::mailbox::{self, Mailbox};
 use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
 
+use crate::build_number::build_number;
 use crate::handlers;
 use crate::log;
 use converter::Converter;
 use firmware::Farewell;
+use flash::Flash;
 use pwm::Pwm;
 
 pub(crate) use memory::retained;
@@ -68,6 +71,10 @@ impl Mps2An386 {
 
 impl Board for Mps2An386 {
     const NAME: &'static str = "mps2-an386";
+
+    fn build(&self) -> u32 {
+        build_number()
+    }
 
     fn coils_off(&mut self) {
         coils_off();
@@ -163,8 +170,11 @@ fn main() -> ! {
     if self_test::is_wanted() {
         self_test::run();
     }
-    let mut image = Image::start(Mps2An386::new());
-    while image.turn() == Life::GoesOn {}
+    if let Some(black_box) = memory::black_box() {
+        let flash = Flash::start(!retained().is_warm());
+        let mut image = Image::start(Mps2An386::new(), flash, black_box);
+        while image.turn() == Life::GoesOn {}
+    }
     handlers::end(Farewell::Requested)
 }
 

@@ -5,18 +5,20 @@
 
 mod analog;
 mod converter;
+mod flash;
 mod memory;
 mod start;
 mod timer;
 mod uart;
 mod watchdog;
 
-use cortex_m_rt::entry;
+use cortex_m_rt::{entry, exception};
 use ecu::{Inputs, Outputs, ResetCause};
 use firmware::drivers::{Mcp3201, Valve};
 use firmware::{Board, Event, Farewell, Image, Life, Pace, Received, Retained};
 use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
 
+use crate::build_number::build_number;
 use crate::handlers;
 use crate::log;
 
@@ -39,6 +41,10 @@ struct NucleoG474Re {
 
 impl Board for NucleoG474Re {
     const NAME: &'static str = "nucleo-g474re";
+
+    fn build(&self) -> u32 {
+        build_number()
+    }
 
     fn coils_off(&mut self) {
         coils_off();
@@ -126,11 +132,27 @@ pub(crate) fn before_reset() {}
 
 #[entry]
 fn main() -> ! {
-    let Some(board) = start::start() else {
-        // Only a second start without a reset could find the peripherals taken.
-        handlers::end(Farewell::Exception { pc: 0 })
-    };
-    let mut image = Image::start(board);
-    while image.turn() == Life::GoesOn {}
+    // None of the two can be taken twice in a life.
+    if let (Some((board, flash)), Some(black_box)) = (start::start(), memory::black_box()) {
+        let mut image = Image::start(board, flash, black_box);
+        while image.turn() == Life::GoesOn {}
+    }
     handlers::end(Farewell::Requested)
+}
+
+/// Nothing else was enabled.
+// SAFETY: cortex-m-rt demands the signature. The handler touches only what `handlers::end` touches.
+#[exception]
+unsafe fn DefaultHandler(_: i16) {
+    handlers::end(Farewell::Exception { pc: 0 })
+}
+
+/// The flash's error correction found two wrong bits in a word (section 3.3.4). In the settings' pages that is a write which
+/// the supply did not outlast: what was read fails its checksum, the other copy is whole. Anywhere else it is the end.
+// SAFETY: cortex-m-rt demands the signature. The handler touches only the error flag, and what `handlers::end` touches.
+#[exception]
+unsafe fn NonMaskableInt() {
+    if !flash::forgive_torn_settings() {
+        handlers::end(Farewell::Exception { pc: 0 })
+    }
 }

@@ -12,6 +12,7 @@ use stm32g4xx_hal::spi::MODE_0;
 use stm32g4xx_hal::stm32::{Interrupt, Peripherals, RCC, TIM1};
 use stm32g4xx_hal::time::RateExtU32;
 
+use super::flash::Flash;
 use super::{NucleoG474Re, analog, converter, timer, uart};
 
 pub(super) type FillPwm = Pwm<TIM1, C1, ComplementaryDisabled, ActiveHigh, ActiveHigh>;
@@ -36,7 +37,7 @@ const PWM_HZ: u32 = 100;
 const SPI_HZ: u32 = 1_400_000;
 
 /// Takes the peripherals and wires them; none if they were taken before. Both coils are off throughout.
-pub(super) fn start() -> Option<NucleoG474Re> {
+pub(super) fn start() -> Option<(NucleoG474Re, Flash)> {
     let core = Core::take()?;
     let device = Peripherals::take()?;
     let reset_cause = reset_cause(&device.RCC);
@@ -111,7 +112,7 @@ pub(super) fn start() -> Option<NucleoG474Re> {
     }
     let Ok(fill) = Valve::new(fill);
     let Ok(vent) = Valve::new(vent);
-    Some(NucleoG474Re {
+    let board = NucleoG474Re {
         fill,
         vent,
         converter,
@@ -119,7 +120,8 @@ pub(super) fn start() -> Option<NucleoG474Re> {
         bench_jumper: port_c.pc8.into_pull_down_input(),
         reset_cause,
         simulated: None,
-    })
+    };
+    Some((board, Flash::new(device.FLASH)))
 }
 
 /// What the reset flags say (section 7.4.30), the most specific first; and clears them.

@@ -41,9 +41,12 @@ pub(super) fn take_ticks() -> u32 {
 
 #[interrupt]
 fn TIM1_UP_TIM16() {
-    // SAFETY: the flag is cleared here only; bits written as one are left alone.
+    // SAFETY: the flag is cleared here only.
     let timer = unsafe { &*TIM1::ptr() };
-    timer.sr().write(|w| unsafe { w.bits(!1) });
+    timer.sr().write(|w| {
+        // SAFETY: flags written as one are left alone, reserved bits have no effect.
+        unsafe { w.bits(!1) }
+    });
     TICKS.store(
         TICKS.load(Ordering::Relaxed).wrapping_add(1),
         Ordering::Relaxed,

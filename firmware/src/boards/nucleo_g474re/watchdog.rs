@@ -1,35 +1,67 @@
-//! The independent watchdog: it has a clock of its own and cannot be stopped.
+//! The independent watchdog: it has a clock of its own, 32 kHz within 8 %, and cannot be stopped.
 
 use firmware::Pace;
-use stm32g4xx_hal::stm32::IWDG;
+use stm32g4xx_hal::stm32::{IWDG, iwdg};
 
 /// The keys of section 44.4.1.
 const FEED: u16 = 0xaaaa;
 const UNLOCK: u16 = 0x5555;
 const START: u16 = 0xcccc;
 
-/// Divides the 32 kHz by 256: 8 ms per count (PR = 6).
-const DIVIDE_BY_256: u8 = 6;
-/// Four counts, 24 to 32 ms: after three samples without one, even with the oscillator 6 % fast.
-const BITES_AT_TIMER: u16 = 4;
-/// Ten seconds.
-const BITES_AT_HOST: u16 = 1250;
+/// How soon it bites.
+struct Patience {
+    /// Code of the clock's divider.
+    divider: u8,
+    /// Counts until it bites, less one.
+    reload: u16,
+}
+
+/// 60 counts of 16 periods, 30 ms: three samples.
+const AT_TIMER: Patience = Patience {
+    divider: 2,
+    reload: 59,
+};
+/// 1250 counts of 256 periods, 10 s.
+const AT_HOST: Patience = Patience {
+    divider: 6,
+    reload: 1249,
+};
 
 /// Starts the watchdog, or tells it that all is well.
 pub(super) fn feed(pace: Pace) {
-    let reload = match pace {
-        Pace::Timer => BITES_AT_TIMER,
-        Pace::Host => BITES_AT_HOST,
+    let patience = match pace {
+        Pace::Timer => AT_TIMER,
+        Pace::Host => AT_HOST,
     };
-    // SAFETY: nobody else uses the watchdog.
-    let watchdog = unsafe { &*IWDG::ptr() };
-    if watchdog.rlr().read().rl().bits() != reload {
-        watchdog.kr().write(|w| unsafe { w.key().bits(START) });
-        watchdog.kr().write(|w| unsafe { w.key().bits(UNLOCK) });
-        watchdog
-            .pr()
-            .write(|w| unsafe { w.pr().bits(DIVIDE_BY_256) });
-        watchdog.rlr().write(|w| unsafe { w.rl().bits(reload) });
+    let watchdog = watchdog();
+    if watchdog.rlr().read().rl().bits() != patience.reload {
+        write_key(START);
+        write_key(UNLOCK);
+        watchdog.pr().write(|w| {
+            // SAFETY: a divider of the table in section 44.4.2.
+            unsafe { w.pr().bits(patience.divider) }
+        });
+        watchdog.rlr().write(|w| {
+            // SAFETY: 12 bits, any of which are allowed.
+            unsafe { w.rl().bits(patience.reload) }
+        });
     }
-    watchdog.kr().write(|w| unsafe { w.key().bits(FEED) });
+    write_key(FEED);
+}
+
+/// The same once more, with the patience it has. A watchdog that was not started stays so.
+pub(super) fn feed_again() {
+    write_key(FEED);
+}
+
+fn write_key(key: u16) {
+    watchdog().kr().write(|w| {
+        // SAFETY: each of the three keys may come at any time.
+        unsafe { w.key().bits(key) }
+    });
+}
+
+fn watchdog() -> &'static iwdg::RegisterBlock {
+    // SAFETY: this file alone uses the watchdog, and the main loop alone this file.
+    unsafe { &*IWDG::ptr() }
 }
