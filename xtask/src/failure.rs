@@ -41,6 +41,10 @@ pub(crate) enum Failure {
     CanaryLived { planted: String, said: String },
     #[error(transparent)]
     Budgets(#[from] Unproved),
+    #[error(
+        "the tests do not reach all of it; add a test that claims what is missed, or delete it\n{missed}"
+    )]
+    NotCovered { missed: String },
     #[error("needs the step `{0}`, which did not pass")]
     Needs(&'static str),
 }

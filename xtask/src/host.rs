@@ -1,7 +1,6 @@
 //! Everything that runs on this machine: formatting, lints, documentation, tests, examples.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
@@ -9,7 +8,7 @@ use std::time::Duration;
 use crate::failure::Failure;
 use crate::process;
 use crate::report::Report;
-use crate::workspace::{cargo, find_program, root, target_dir};
+use crate::workspace::{cargo, entries, find_program, root, target_dir};
 
 /// Longest wait for one cargo command. A cold build of everything takes some minutes on two cores.
 const DEADLINE: Duration = Duration::from_secs(1500);
@@ -97,12 +96,12 @@ fn examples() -> Result<(), Failure> {
 /// What cargo finds by itself: `CRATE/examples/NAME.rs` and `CRATE/examples/NAME/main.rs`.
 fn example_names() -> Result<Vec<PathBuf>, Failure> {
     let mut names = Vec::new();
-    for member in entries(root())? {
+    for member in entries(&root())? {
         let folder = member.join("examples");
         if !member.join("Cargo.toml").is_file() || !folder.is_dir() {
             continue;
         }
-        for entry in entries(folder)? {
+        for entry in entries(&folder)? {
             let is_example =
                 entry.extension() == Some(OsStr::new("rs")) || entry.join("main.rs").is_file();
             if let (true, Some(name)) = (is_example, entry.file_stem()) {
@@ -111,19 +110,6 @@ fn example_names() -> Result<Vec<PathBuf>, Failure> {
         }
     }
     Ok(names)
-}
-
-fn entries(folder: PathBuf) -> Result<Vec<PathBuf>, Failure> {
-    let list = || {
-        let paths = fs::read_dir(&folder)?.map(|entry| entry.map(|entry| entry.path()));
-        let mut paths = paths.collect::<Result<Vec<_>, _>>()?;
-        paths.sort();
-        Ok(paths)
-    };
-    list().map_err(|source| Failure::File {
-        path: folder.clone(),
-        source,
-    })
 }
 
 /// A component of the toolchain in use, fetched by rustup if it is not there.

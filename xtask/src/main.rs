@@ -5,6 +5,7 @@
 
 mod arm;
 mod budgets;
+mod coverage;
 mod digests;
 mod failure;
 mod host;
@@ -55,6 +56,8 @@ enum Verb {
         #[command(flatten)]
         arm: ArmOptions,
     },
+    /// Lines and branches of the controller that its tests never run; fails if there are any.
+    Coverage,
     /// Install what the other verbs need, and run nothing.
     Setup {
         #[command(flatten)]
@@ -99,6 +102,7 @@ fn main() -> ExitCode {
             }
             if wanted(Part::Host) {
                 host::test(&mut report);
+                coverage::check(&mut report);
             }
             if wanted(Part::Arm) {
                 arm::test(&mut report, arm.toolchain);
@@ -106,6 +110,7 @@ fn main() -> ExitCode {
         }
         Verb::Image { board, arm } => arm::image(&mut report, board, arm.toolchain),
         Verb::Budgets { arm } => budgets::run(&mut report, arm.toolchain),
+        Verb::Coverage => coverage::check(&mut report),
         Verb::Setup { arm } => {
             host::setup(&mut report);
             arm::setup(&mut report, arm.toolchain);

@@ -147,7 +147,7 @@ fn rustup_lld() -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-fn sysroot(rustc: &str) -> Result<PathBuf, Failure> {
+pub(crate) fn sysroot(rustc: &str) -> Result<PathBuf, Failure> {
     let mut ask = Command::new(rustc);
     ask.args(["--print", "sysroot"]);
     let said = process::capture(&mut ask, ASK_DEADLINE)?;
