@@ -26,6 +26,7 @@ mod event;
 mod image;
 mod log_ring;
 mod retained;
+mod rzcobs;
 pub mod self_test;
 
 pub use board::{Board, Pace, Received};
@@ -34,3 +35,4 @@ pub use event::Event;
 pub use image::{BLACK_BOX_WORDS, Image, Life};
 pub use log_ring::LogRing;
 pub use retained::{Farewell, Retained, Start, WORDS as RETAINED_WORDS};
+pub use rzcobs::Rzcobs;

@@ -3,15 +3,15 @@
 use core::cell::UnsafeCell;
 
 use critical_section::RestoreState;
-use defmt::{Encoder, Logger, global_logger};
-use firmware::{Event, LogRing};
+use defmt::{Logger, global_logger};
+use firmware::{Event, LogRing, Rzcobs};
 use hil_protocol::LogBytes;
 
 /// Bytes of the ring: about a hundred events.
 const RING: usize = 2048;
 
 struct Log {
-    encoder: Encoder,
+    encoder: Rzcobs,
     ring: LogRing<RING>,
     restore: RestoreState,
 }
@@ -23,7 +23,7 @@ struct Shared(UnsafeCell<Log>);
 unsafe impl Sync for Shared {}
 
 static LOG: Shared = Shared(UnsafeCell::new(Log {
-    encoder: Encoder::new(),
+    encoder: Rzcobs::new(),
     ring: LogRing::new(),
     restore: RestoreState::invalid(),
 }));
@@ -40,13 +40,14 @@ unsafe impl Logger for IntoRing {
         let log = unsafe { &mut *LOG.0.get() };
         log.restore = restore;
         log.ring.start_frame();
-        log.encoder.start_frame(|bytes| log.ring.put(bytes));
     }
 
     unsafe fn write(bytes: &[u8]) {
         // SAFETY: defmt calls this between `acquire` and `release` only.
         let log = unsafe { &mut *LOG.0.get() };
-        log.encoder.write(bytes, |bytes| log.ring.put(bytes));
+        for &byte in bytes {
+            log.encoder.write(byte, |byte| log.ring.put(byte));
+        }
     }
 
     unsafe fn flush() {}
@@ -54,7 +55,7 @@ unsafe impl Logger for IntoRing {
     unsafe fn release() {
         // SAFETY: as in `write`.
         let log = unsafe { &mut *LOG.0.get() };
-        log.encoder.end_frame(|bytes| log.ring.put(bytes));
+        log.encoder.end(|byte| log.ring.put(byte));
         log.ring.end_frame();
         let restore = log.restore;
         // SAFETY: the state is the one that `acquire` got.

@@ -48,21 +48,17 @@ impl<const N: usize> LogRing<N> {
         self.overlong = false;
     }
 
-    /// The next bytes of the frame.
-    pub fn put(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            if self.overlong {
-                self.lost = self.lost.saturating_add(1);
-                continue;
-            }
-            if self.fill() == Self::SIZE && !self.drop_oldest() {
-                self.give_up();
-                self.lost = self.lost.saturating_add(1);
-                continue;
-            }
-            self.bytes[self.put as usize % N] = byte;
-            self.put = self.put.wrapping_add(1);
+    /// The next byte of the frame.
+    pub fn put(&mut self, byte: u8) {
+        if !self.overlong && self.fill() == Self::SIZE && !self.drop_oldest() {
+            self.give_up();
         }
+        if self.overlong {
+            self.lost = self.lost.saturating_add(1);
+            return;
+        }
+        self.bytes[self.put as usize % N] = byte;
+        self.put = self.put.wrapping_add(1);
     }
 
     /// The frame is complete; from now on it may be taken.
@@ -117,7 +113,7 @@ mod tests {
 
     fn log(ring: &mut LogRing<16>, frame: &[u8]) {
         ring.start_frame();
-        ring.put(frame);
+        frame.iter().for_each(|&byte| ring.put(byte));
         ring.end_frame();
     }
 
@@ -139,9 +135,10 @@ mod tests {
         let mut ring = LogRing::new();
         log(&mut ring, &[1, 0]);
         ring.start_frame();
-        ring.put(&[2, 3]);
+        ring.put(2);
+        ring.put(3);
         assert_eq!(taken(&mut ring), [1, 0]);
-        ring.put(&[0]);
+        ring.put(0);
         ring.end_frame();
         assert_eq!(taken(&mut ring), [2, 3, 0]);
     }

@@ -122,7 +122,8 @@ impl<'a> Retained<'a> {
 
     /// CRC-32 over the other words, so that what a cold start finds is taken for a message once in 2³² times.
     fn check(&self) -> u32 {
-        values_digest(&[BOOT, REASON, DETAIL].map(|index| self.word(index) as i32))
+        let words = [self.word(BOOT), self.word(REASON), self.word(DETAIL)];
+        values_digest(&words.map(u32::cast_signed))
     }
 }
 

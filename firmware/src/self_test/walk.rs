@@ -64,7 +64,8 @@ impl Walk {
         self.left -= 1;
         self.pressure = match self.manner {
             Manner::Approach { slowness } => {
-                let way = self.reference.saturating_sub(self.pressure) >> slowness;
+                let distance = self.reference.saturating_sub(self.pressure);
+                let way = distance.wrapping_shr(slowness);
                 self.pressure
                     .saturating_add(way)
                     .saturating_add(self.random.around_zero(NEAR / 64))

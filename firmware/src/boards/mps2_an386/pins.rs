@@ -34,21 +34,19 @@ const SELF_TEST: u32 = 0x7465_7374;
 
 /// Puts a sample's values to the pins.
 pub(super) fn simulate(sensors: &Sensors) {
-    let values = [
-        sensors.reference.map(|bits| bits as u32),
-        sensors.pressure.map(u32::from),
-        sensors.current_fill_ma.map(u32::from),
-        sensors.current_vent_ma.map(u32::from),
-        sensors.battery_mv.map(u32::from),
-    ];
-    let mut present = 0;
-    for (index, value) in values.into_iter().enumerate() {
-        if let Some(value) = value {
-            present |= 1 << index;
-            PIN_WORDS[index].store(value, Ordering::Relaxed);
-        }
-    }
+    let present = put(REFERENCE, sensors.reference.map(i32::cast_unsigned))
+        | put(PRESSURE, sensors.pressure.map(u32::from))
+        | put(CURRENT_FILL, sensors.current_fill_ma.map(u32::from))
+        | put(CURRENT_VENT, sensors.current_vent_ma.map(u32::from))
+        | put(BATTERY, sensors.battery_mv.map(u32::from));
     PIN_WORDS[PRESENT].store(present, Ordering::Relaxed);
+}
+
+/// Puts a value to a pin, if there is one; its bit in the word that says so.
+fn put(pin: usize, value: Option<u32>) -> u32 {
+    let Some(value) = value else { return 0 };
+    PIN_WORDS[pin].store(value, Ordering::Relaxed);
+    1 << pin
 }
 
 /// What is asked for; none: no valid message.
