@@ -42,12 +42,18 @@ impl Tools {
         if let Some(tools) = Self::found()? {
             return Ok(tools);
         }
-        let mut add = Command::new("rustup");
-        process::run(add.args(["component", "add", "llvm-tools"]), TOOL_DEADLINE)?;
-        Self::found()?.ok_or_else(|| Failure::Missing {
+        let skipped = || Failure::Skipped {
             what: "llvm-cov beside the compiler".to_owned(),
             paste: "rustup component add llvm-tools".to_owned(),
-        })
+        };
+        let mut add = Command::new("rustup");
+        if let Err(failure) =
+            process::run(add.args(["component", "add", "llvm-tools"]), TOOL_DEADLINE)
+        {
+            eprintln!("{failure}");
+            return Err(skipped());
+        }
+        Self::found()?.ok_or_else(skipped)
     }
 
     fn found() -> Result<Option<Self>, Failure> {

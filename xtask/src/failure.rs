@@ -12,6 +12,10 @@ use crate::digests::{Difference, Unreadable};
 pub(crate) enum Failure {
     #[error("{what} is missing and could not be installed from here; to install it, run: {paste}")]
     Missing { what: String, paste: String },
+    #[error(
+        "not run: {what} is missing and could not be installed from here; to have it, run: {paste}"
+    )]
+    Skipped { what: String, paste: String },
     #[error("`{line}` could not be started: {source}")]
     NotStarted { line: String, source: io::Error },
     #[error("`{line}` ended with {status}{}", quoted(.said))]
@@ -45,6 +49,18 @@ pub(crate) enum Failure {
         "the tests do not reach all of it; add a test that claims what is missed, or delete it\n{missed}"
     )]
     NotCovered { missed: String },
+    #[error(
+        "these changes of the code are seen by no test; add a test that claims what they break, or list them with a reason\n{mutants}"
+    )]
+    MutantsLived { mutants: String },
+    #[error("these are listed as survivors and are none; take them off the list\n{mutants}")]
+    MutantsGone { mutants: String },
+    #[error("{survived} of {all} mutants survive, more than {percent} %")]
+    TooManyMutants {
+        survived: usize,
+        all: usize,
+        percent: usize,
+    },
     #[error("needs the step `{0}`, which did not pass")]
     Needs(&'static str),
 }

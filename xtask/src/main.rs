@@ -9,6 +9,7 @@ mod coverage;
 mod digests;
 mod failure;
 mod host;
+mod mutants;
 mod packages;
 mod process;
 mod publish;
@@ -58,6 +59,15 @@ enum Verb {
     },
     /// Lines and branches of the controller that its tests never run; fails if there are any.
     Coverage,
+    /// Break controller and supervisor place by place: the tests must see it. Takes an hour or more.
+    Mutants {
+        /// One crate only.
+        #[arg(long)]
+        only: Option<mutants::Subject>,
+        /// One part of the mutants, such as 0/8.
+        #[arg(long)]
+        shard: Option<mutants::Shard>,
+    },
     /// Install what the other verbs need, and run nothing.
     Setup {
         #[command(flatten)]
@@ -86,8 +96,10 @@ struct ArmOptions {
 enum Part {
     /// Format check, clippy, rustdoc.
     Lint,
-    /// Tests and examples on this machine.
+    /// Tests and examples on this machine, and what of the controller they reach.
     Host,
+    /// Some mutants of controller and supervisor, drawn by the commit.
+    Mutants,
     /// The image: built, run in QEMU, its bits compared with the host's.
     Arm,
 }
@@ -104,6 +116,9 @@ fn main() -> ExitCode {
                 host::test(&mut report);
                 coverage::check(&mut report);
             }
+            if wanted(Part::Mutants) {
+                mutants::check_a_part(&mut report);
+            }
             if wanted(Part::Arm) {
                 arm::test(&mut report, arm.toolchain);
             }
@@ -111,6 +126,7 @@ fn main() -> ExitCode {
         Verb::Image { board, arm } => arm::image(&mut report, board, arm.toolchain),
         Verb::Budgets { arm } => budgets::run(&mut report, arm.toolchain),
         Verb::Coverage => coverage::check(&mut report),
+        Verb::Mutants { only, shard } => mutants::check(&mut report, only, shard),
         Verb::Setup { arm } => {
             host::setup(&mut report);
             arm::setup(&mut report, arm.toolchain);

@@ -46,19 +46,30 @@ impl Report {
     }
 
     fn failed(&self) -> usize {
-        self.steps
-            .iter()
-            .filter(|step| step.outcome.is_err())
-            .count()
+        self.steps.iter().filter(|step| step.failed()).count()
+    }
+
+    fn skipped(&self) -> usize {
+        self.steps.iter().filter(|step| step.skipped()).count()
     }
 }
 
 impl Step {
+    fn failed(&self) -> bool {
+        self.outcome.is_err() && !self.skipped()
+    }
+
+    /// Only a step that judges by a tool of its own may be left out on a machine that cannot get it.
+    fn skipped(&self) -> bool {
+        matches!(self.outcome, Err(Failure::Skipped { .. }))
+    }
+
     fn verdict(&self) -> &'static str {
         match &self.outcome {
             Ok(()) => "passed",
             Err(Failure::Missing { .. }) => "missing",
             Err(Failure::Needs(_)) => "not run",
+            Err(Failure::Skipped { .. }) => "skipped",
             Err(_) => "FAILED",
         }
     }
@@ -82,8 +93,13 @@ impl fmt::Display for Report {
                 writeln!(f, "\n{}: {failure}", step.name)?;
             }
         }
-        let failed = self.failed();
-        writeln!(f, "\n{} passed, {failed} failed", self.steps.len() - failed)
+        let (failed, skipped) = (self.failed(), self.skipped());
+        let passed = self.steps.len() - failed - skipped;
+        write!(f, "\n{passed} passed, {failed} failed")?;
+        match skipped {
+            0 => writeln!(f),
+            _ => writeln!(f, ", {skipped} skipped"),
+        }
     }
 }
 
@@ -109,6 +125,24 @@ mod tests {
     #[test]
     fn the_last_line_counts_the_steps_and_stands_alone() {
         assert!(report().to_string().ends_with("\n2 passed, 1 failed\n"));
+    }
+
+    #[test]
+    fn a_step_without_its_tool_fails_nothing_and_is_not_counted_as_passed() {
+        let mut report = Report::default();
+        report.step("view", || {
+            Err::<(), _>(Failure::Skipped {
+                what: "a window".to_owned(),
+                paste: "saw".to_owned(),
+            })
+        });
+        assert!(report.all_passed());
+        let text = report.to_string();
+        assert!(
+            text.ends_with("\n0 passed, 0 failed, 1 skipped\n"),
+            "{text}"
+        );
+        assert!(text.contains("to have it, run: saw"), "{text}");
     }
 
     #[test]

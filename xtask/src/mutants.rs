@@ -1,0 +1,436 @@
+//! The code is broken on purpose, place by place, and the tests must see it. What they cannot see is in a list with a
+//! reason, and that list is held against what was found.
+//!
+//! All of it takes long, so that the CI runs one part, drawn by the commit; `cargo xtask mutants` runs the whole.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+use std::{fmt, fs, io, str};
+
+use clap::ValueEnum;
+use serde::Deserialize;
+
+use crate::failure::Failure;
+use crate::process;
+use crate::report::Report;
+use crate::workspace::{cargo, find_program, root, target_dir};
+
+/// The version whose names of mutants the lists hold.
+const VERSION: &str = "27.1.0";
+const INSTALL_DEADLINE: Duration = Duration::from_secs(900);
+/// The whole of one crate, on one core.
+const DEADLINE: Duration = Duration::from_secs(4 * 3600);
+/// A mutant that makes a loop endless is stopped after this many seconds and counts as caught.
+const TEST_SECONDS: &str = "60";
+/// Of all mutants that compile.
+const MOST_SURVIVORS_PERCENT: usize = 1;
+
+/// A crate whose tests are tested.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Subject {
+    /// The controller.
+    Controller,
+    /// What decides whether the coils may have its output.
+    Ecu,
+}
+
+impl Subject {
+    const ALL: [Self; 2] = [Self::Controller, Self::Ecu];
+
+    fn step(self) -> &'static str {
+        match self {
+            Self::Controller => "mutants of the controller",
+            Self::Ecu => "mutants of the supervisor",
+        }
+    }
+
+    fn package(self) -> &'static str {
+        match self {
+            Self::Controller => "retarder-controller",
+            Self::Ecu => "retarder-ecu",
+        }
+    }
+
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Controller => "controller",
+            Self::Ecu => "ecu",
+        }
+    }
+
+    /// One part in so many takes a minute or two.
+    fn parts_for_ci(self) -> u32 {
+        40
+    }
+}
+
+/// Part `k` of `n`, as the tool counts: `0/n` to `n-1/n`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shard {
+    part: u32,
+    of: u32,
+}
+
+impl str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/');
+        let shard = parts.and_then(|(part, of)| {
+            Some(Self {
+                part: part.parse().ok()?,
+                of: of.parse().ok()?,
+            })
+        });
+        let shard = shard.filter(|shard| shard.part < shard.of);
+        shard.ok_or_else(|| format!("`{text}` is no part such as 0/8 or 7/8"))
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.part, self.of)
+    }
+}
+
+/// Every mutant of these crates, or the part that was asked for.
+pub(crate) fn check(report: &mut Report, subject: Option<Subject>, shard: Option<Shard>) {
+    for one in Subject::ALL {
+        if subject.is_none_or(|wanted| wanted == one) {
+            report.step(one.step(), || judge(one, shard));
+        }
+    }
+}
+
+/// The part that this commit draws: other commits draw others, the same commit the same.
+pub(crate) fn check_a_part(report: &mut Report) {
+    for one in Subject::ALL {
+        report.step(one.step(), || {
+            let of = one.parts_for_ci();
+            let part = commit_number()? % of;
+            judge(one, Some(Shard { part, of }))
+        });
+    }
+}
+
+fn commit_number() -> Result<u32, Failure> {
+    let mut head = Command::new("git");
+    head.args(["rev-parse", "--short=7", "HEAD"])
+        .current_dir(root());
+    let said = process::capture(&mut head, Duration::from_secs(10))?;
+    // Without a commit, as in an unpacked archive, any part is as good as another.
+    Ok(u32::from_str_radix(said.trim(), 16).unwrap_or(0))
+}
+
+fn judge(subject: Subject, shard: Option<Shard>) -> Result<(), Failure> {
+    let listed = Listed::read(&root().join(subject.folder()).join("mutants.toml"))?;
+    let found = Found::read(&run(subject, shard)?)?;
+    eprintln!("{found}");
+    found.agrees(&listed, shard.is_none())
+}
+
+/// Runs the tool on a copy of the tree and returns the file of its outcomes.
+fn run(subject: Subject, shard: Option<Shard>) -> Result<PathBuf, Failure> {
+    let out = target_dir().join("mutants").join(subject.folder());
+    let outcomes = out.join("mutants.out/outcomes.json");
+    // What an earlier run found is no finding of this one.
+    let _ = fs::remove_file(&outcomes);
+    make_folder(&out)?;
+    let mut mutants = Command::new(tool()?);
+    mutants.current_dir(root());
+    mutants.args(["mutants", "--package", subject.package()]);
+    mutants.args(["--timeout", TEST_SECONDS, "--no-shuffle", "--output"]);
+    mutants.arg(&out);
+    if let Some(shard) = shard {
+        mutants.args(["--shard", &shard.to_string()]);
+    }
+    // It ends in failure when one survives, which is judged from the outcomes; without outcomes it has not run.
+    let ended = process::run(&mut mutants, DEADLINE);
+    match (ended, outcomes.is_file()) {
+        (_, true) => Ok(outcomes),
+        (Err(failure), false) => Err(failure),
+        (Ok(()), false) => Err(Failure::File {
+            path: outcomes,
+            source: io::ErrorKind::NotFound.into(),
+        }),
+    }
+}
+
+/// The tool, built once into the target folder where the machine has none.
+fn tool() -> Result<PathBuf, Failure> {
+    if let Some(tool) = find_program("cargo-mutants") {
+        return Ok(tool);
+    }
+    let folder = target_dir().join("tools");
+    let tool = folder.join("bin/cargo-mutants");
+    if !tool.is_file() {
+        let mut install = cargo();
+        install.args(["install", "--locked", "cargo-mutants", "--version", VERSION]);
+        process::run(install.arg("--root").arg(&folder), INSTALL_DEADLINE)?;
+    }
+    Ok(tool)
+}
+
+fn make_folder(path: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(path).map_err(|source| Failure::File {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// A mutant without line and column, which move with every edit.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord)]
+struct Mutant {
+    file: String,
+    mutant: String,
+}
+
+impl fmt::Display for Mutant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.file, self.mutant)
+    }
+}
+
+/// The survivors that are known, with the reason why no test can see them.
+#[derive(Debug, Default)]
+struct Listed(BTreeMap<Mutant, usize>);
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ListFile {
+    #[serde(default)]
+    survivor: Vec<Survivor>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Survivor {
+    file: String,
+    mutant: String,
+    reason: String,
+}
+
+impl Listed {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let refused = |source| Failure::File {
+            path: path.to_owned(),
+            source,
+        };
+        let text = fs::read_to_string(path).map_err(refused)?;
+        Self::parse(&text).map_err(|why| refused(io::Error::other(why)))
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        let list: ListFile = toml::from_str(text).map_err(|error| error.to_string())?;
+        let mut listed = Self::default();
+        for Survivor {
+            file,
+            mutant,
+            reason,
+        } in list.survivor
+        {
+            let mutant = Mutant { file, mutant };
+            if reason.trim().is_empty() {
+                return Err(format!("{mutant}: no reason is given"));
+            }
+            *listed.0.entry(mutant).or_default() += 1;
+        }
+        Ok(listed)
+    }
+}
+
+/// What one run of the tool found.
+#[derive(Debug, Default)]
+struct Found {
+    caught: usize,
+    survivors: BTreeMap<Mutant, usize>,
+}
+
+#[derive(Deserialize)]
+struct Outcomes {
+    outcomes: Vec<Outcome>,
+}
+
+#[derive(Deserialize)]
+struct Outcome {
+    scenario: Scenario,
+    summary: String,
+}
+
+/// The tests of the code as it is, or one mutant.
+#[derive(Deserialize)]
+enum Scenario {
+    Baseline,
+    Mutant { name: String },
+}
+
+impl Found {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let refused = |source| Failure::File {
+            path: path.to_owned(),
+            source,
+        };
+        let text = fs::read_to_string(path).map_err(refused)?;
+        Self::parse(&text).map_err(|why| refused(io::Error::other(why)))
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        let all: Outcomes = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        let mut found = Self::default();
+        for Outcome { scenario, summary } in all.outcomes {
+            match (scenario, summary.as_str()) {
+                (Scenario::Baseline, "Success") | (_, "Unviable") => {}
+                (Scenario::Baseline, _) => return Err("the tests fail without a mutant".to_owned()),
+                (_, "CaughtMutant" | "Timeout") => found.caught += 1,
+                (Scenario::Mutant { name }, _) => {
+                    *found.survivors.entry(without_place(&name)?).or_default() += 1;
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    fn survived(&self) -> usize {
+        self.survivors.values().sum()
+    }
+
+    /// A survivor that nobody listed is a test that is missing; only a whole run can say that a listed one is gone.
+    fn agrees(&self, listed: &Listed, whole: bool) -> Result<(), Failure> {
+        let beyond = |these: &BTreeMap<Mutant, usize>, those: &BTreeMap<Mutant, usize>| {
+            let more =
+                |mutant: &Mutant, count: usize| count > those.get(mutant).copied().unwrap_or(0);
+            let names = these.iter().filter(|(mutant, count)| more(mutant, **count));
+            names
+                .map(|(mutant, _)| mutant.to_string())
+                .collect::<Vec<_>>()
+        };
+        let unlisted = beyond(&self.survivors, &listed.0);
+        if !unlisted.is_empty() {
+            return Err(Failure::MutantsLived {
+                mutants: unlisted.join("\n"),
+            });
+        }
+        let gone = beyond(&listed.0, &self.survivors);
+        if whole && !gone.is_empty() {
+            return Err(Failure::MutantsGone {
+                mutants: gone.join("\n"),
+            });
+        }
+        let (survived, all) = (self.survived(), self.survived() + self.caught);
+        if whole && 100 * survived > MOST_SURVIVORS_PERCENT * all {
+            return Err(Failure::TooManyMutants {
+                survived,
+                all,
+                percent: MOST_SURVIVORS_PERCENT,
+            });
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Found {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (survived, all) = (self.survived(), self.survived() + self.caught);
+        write!(f, "{survived} of {all} mutants survive")
+    }
+}
+
+/// `controller/src/pid.rs:40:9: replace + with - in Pid::step` without the numbers.
+fn without_place(name: &str) -> Result<Mutant, String> {
+    let mut parts = name.splitn(4, ':');
+    match (parts.next(), parts.nth(2)) {
+        (Some(file), Some(mutant)) => Ok(Mutant {
+            file: file.to_owned(),
+            mutant: mutant.trim().to_owned(),
+        }),
+        _ => Err(format!("`{name}` is not FILE:LINE:COLUMN: MUTANT")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OUTCOMES: &str = r#"{"outcomes": [
+        {"scenario": "Baseline", "summary": "Success"},
+        {"scenario": {"Mutant": {"name": "a/src/x.rs:1:2: replace + with -", "genre": "BinaryOperator"}}, "summary": "MissedMutant"},
+        {"scenario": {"Mutant": {"name": "a/src/x.rs:9:2: replace + with -"}}, "summary": "CaughtMutant"},
+        {"scenario": {"Mutant": {"name": "a/src/x.rs:9:3: replace + with *"}}, "summary": "Timeout"},
+        {"scenario": {"Mutant": {"name": "a/src/x.rs:9:4: replace f with g"}}, "summary": "Unviable"}]}"#;
+    const LIST: &str =
+        "[[survivor]]\nfile = \"a/src/x.rs\"\nmutant = \"replace + with -\"\nreason = \"equal\"\n";
+
+    #[test]
+    fn what_does_not_compile_is_no_mutant_and_what_does_not_end_is_caught() {
+        let found = Found::parse(OUTCOMES).unwrap();
+        assert_eq!(found.to_string(), "1 of 3 mutants survive");
+    }
+
+    #[test]
+    fn a_survivor_without_a_reason_in_the_list_is_named_by_part_and_by_whole() {
+        let found = Found::parse(OUTCOMES).unwrap();
+        for whole in [false, true] {
+            let failure = found
+                .agrees(&Listed::default(), whole)
+                .unwrap_err()
+                .to_string();
+            assert!(
+                failure.contains("a/src/x.rs: replace + with -"),
+                "{failure}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_second_survivor_with_the_name_of_a_listed_one_is_found() {
+        let twice = OUTCOMES.replace("CaughtMutant", "MissedMutant");
+        let found = Found::parse(&twice).unwrap();
+        assert!(found.agrees(&Listed::parse(LIST).unwrap(), false).is_err());
+    }
+
+    #[test]
+    fn a_listed_mutant_that_is_caught_now_must_leave_the_list() {
+        let caught = OUTCOMES.replace("MissedMutant", "CaughtMutant");
+        let found = Found::parse(&caught).unwrap();
+        let listed = Listed::parse(LIST).unwrap();
+        assert!(found.agrees(&listed, false).is_ok());
+        assert!(matches!(
+            found.agrees(&listed, true),
+            Err(Failure::MutantsGone { .. })
+        ));
+    }
+
+    #[test]
+    fn more_survivors_than_one_in_a_hundred_are_too_many_even_with_reasons() {
+        let found = Found::parse(OUTCOMES).unwrap();
+        assert!(matches!(
+            found.agrees(&Listed::parse(LIST).unwrap(), true),
+            Err(Failure::TooManyMutants {
+                survived: 1,
+                all: 3,
+                ..
+            })
+        ));
+    }
+
+    #[test]
+    fn a_list_without_a_reason_is_refused() {
+        let refused = Listed::parse(&LIST.replace("equal", " ")).unwrap_err();
+        assert!(refused.contains("no reason"), "{refused}");
+    }
+
+    #[test]
+    fn tests_that_fail_without_a_mutant_prove_nothing() {
+        assert!(Found::parse(&OUTCOMES.replace("Success", "Failure")).is_err());
+    }
+
+    #[test]
+    fn a_part_is_less_than_the_whole() {
+        assert_eq!("3/8".parse(), Ok(Shard { part: 3, of: 8 }));
+        for wrong in ["8/8", "0/0", "3", "a/b", "-1/8"] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
+        }
+    }
+}
