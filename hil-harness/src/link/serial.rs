@@ -1,0 +1,59 @@
+//! A board on a serial port.
+
+use std::io;
+use std::time::Duration;
+
+use super::transport::{Stream, TimedStream};
+
+/// A serial port with its time limit.
+pub struct SerialPort(Box<dyn serialport::SerialPort>);
+
+/// Bits per second where nothing else is said.
+pub const BAUD_RATE: u32 = 115_200;
+
+/// Why a serial port cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("serial port {port}: {reason}; check its name, its rights, and that nobody else uses it")]
+pub struct SerialError {
+    /// Name of the port.
+    port: String,
+    /// What the operating system says.
+    reason: String,
+}
+
+impl SerialPort {
+    /// Opens the port of this name, such as `/dev/ttyACM0` or `COM3`, with eight bits and no parity.
+    ///
+    /// # Errors
+    /// There is none, or it is in use.
+    pub fn open(name: &str, baud_rate: u32) -> Result<Stream<Self>, SerialError> {
+        let opened = serialport::new(name, baud_rate).open();
+        let port = opened.map_err(|error| SerialError {
+            port: name.to_owned(),
+            reason: error.to_string(),
+        })?;
+        Ok(Stream::new(format!("serial port {name}"), Self(port)))
+    }
+}
+
+impl io::Read for SerialPort {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer)
+    }
+}
+
+impl io::Write for SerialPort {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl TimedStream for SerialPort {
+    fn set_time_limit(&mut self, limit: Duration) -> io::Result<()> {
+        Ok(self.0.set_timeout(limit)?)
+    }
+}

@@ -1,0 +1,153 @@
+//! The emulator's process.
+
+use std::collections::VecDeque;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::QemuError;
+use super::memory::SIZE;
+
+/// Name of the emulator.
+const PROGRAM: &str = "qemu-system-arm";
+/// Longest wait for the emulator to say its version.
+const VERSION_DEADLINE: Duration = Duration::from_secs(10);
+/// Between two looks at a process.
+const LOOK_EVERY: Duration = Duration::from_millis(5);
+/// Lines of what the emulator prints that are kept.
+const LINES_KEPT: usize = 12;
+
+/// A running emulator; its process is stopped when this value goes.
+#[derive(Debug)]
+pub struct Emulator {
+    process: Child,
+    version: String,
+    printed: Printed,
+}
+
+impl Emulator {
+    /// Starts `elf` with its memory in the file `memory` and its UART at the socket `uart`.
+    pub(super) fn start(elf: &Path, memory: &Path, uart: &Path) -> Result<Self, QemuError> {
+        let version = version()?;
+        let mut command = Command::new(PROGRAM);
+        command.args(["-machine", "mps2-an386,memory-backend=memory"]);
+        command.args(["-cpu", "cortex-m4", "-nographic", "-monitor", "none"]);
+        command.arg("-object").arg(format!(
+            "memory-backend-file,id=memory,size={SIZE},share=on,mem-path={}",
+            escaped(memory)
+        ));
+        command
+            .arg("-chardev")
+            .arg(format!("socket,id=wire,path={}", escaped(uart)));
+        command
+            .args(["-serial", "chardev:wire", "-kernel"])
+            .arg(elf);
+        command.stdin(Stdio::null());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut process = command.spawn().map_err(not_started)?;
+        let printed = Printed::default();
+        printed.follow(process.stdout.take());
+        printed.follow(process.stderr.take());
+        Ok(Self {
+            process,
+            version,
+            printed,
+        })
+    }
+
+    /// What the emulator says of itself.
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+
+    /// The last lines that it printed.
+    pub fn printed(&self) -> Vec<String> {
+        self.printed.lines().iter().cloned().collect()
+    }
+
+    /// Its exit status, once it has ended.
+    ///
+    /// # Errors
+    /// The process cannot be watched.
+    pub fn ended(&mut self) -> io::Result<Option<ExitStatus>> {
+        self.process.try_wait()
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        // Both fail only if the process has already ended, which is the aim.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// The first line that the emulator prints of its version.
+fn version() -> Result<String, QemuError> {
+    let mut command = Command::new(PROGRAM);
+    command.arg("--version").stdin(Stdio::null());
+    command.stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut process = command.spawn().map_err(not_started)?;
+    let start = Instant::now();
+    let failed = |error| QemuError::Io {
+        what: "the emulator's version",
+        error,
+    };
+    // What it prints fits into a pipe, so it ends without anybody reading.
+    while process.try_wait().map_err(failed)?.is_none() {
+        if start.elapsed() > VERSION_DEADLINE {
+            let _ = process.kill();
+            let _ = process.wait();
+            return Err(failed(io::ErrorKind::TimedOut.into()));
+        }
+        thread::sleep(LOOK_EVERY);
+    }
+    let mut text = String::new();
+    if let Some(mut stdout) = process.stdout.take() {
+        stdout.read_to_string(&mut text).map_err(failed)?;
+    }
+    Ok(text.lines().next().unwrap_or("QEMU").trim().to_owned())
+}
+
+fn not_started(error: io::Error) -> QemuError {
+    match error.kind() {
+        io::ErrorKind::NotFound => QemuError::NotInstalled { program: PROGRAM },
+        _ => QemuError::Io {
+            what: "the emulator cannot be started",
+            error,
+        },
+    }
+}
+
+/// A path as the emulator's options have it: a comma would end the value.
+fn escaped(path: &Path) -> String {
+    path.display().to_string().replace(',', ",,")
+}
+
+/// The last lines of what a process prints, gathered beside it so that it never waits for a reader.
+#[derive(Clone, Debug, Default)]
+struct Printed(Arc<Mutex<VecDeque<String>>>);
+
+impl Printed {
+    fn follow(&self, pipe: Option<impl Read + Send + 'static>) {
+        let Some(pipe) = pipe else { return };
+        let printed = self.clone();
+        // Ends with the process, which closes the pipe.
+        thread::spawn(move || {
+            for line in BufReader::new(pipe).lines().map_while(Result::ok) {
+                let mut lines = printed.lines();
+                if lines.len() == LINES_KEPT {
+                    lines.pop_front();
+                }
+                lines.push_back(line);
+            }
+        });
+    }
+
+    fn lines(&self) -> std::sync::MutexGuard<'_, VecDeque<String>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

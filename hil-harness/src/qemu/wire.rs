@@ -1,0 +1,186 @@
+//! The two wires to an emulated device.
+
+use std::io;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use hil_protocol::{FRAME_MAX, mailbox};
+
+use super::QemuError;
+use super::emulator::Emulator;
+use super::mailbox::MailboxLink;
+use super::memory::{Folder, SharedMemory};
+use crate::image::Image;
+use crate::link::{Patience, Stream, TimedStream, Transport, TransportError};
+
+/// How frames travel to the emulated device and back. The device answers on both; the bits are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wire {
+    /// Through memory that both sides map: fast.
+    Mailbox,
+    /// Byte by byte through the emulated UART: the real wire.
+    Uart,
+}
+
+impl Wire {
+    /// How long is waited for an emulated device. A busy machine may leave an emulator without processor for seconds.
+    pub const fn patience(self) -> Patience {
+        Patience {
+            reply: Duration::from_secs(3),
+            tries: 3,
+            start: Duration::from_secs(30),
+        }
+    }
+}
+
+/// An emulated device at the end of a wire.
+#[derive(Debug)]
+pub struct QemuLink {
+    wire: EitherWire,
+    memory: Arc<SharedMemory>,
+    emulator: Emulator,
+    image: String,
+}
+
+#[derive(Debug)]
+enum EitherWire {
+    Mailbox(MailboxLink),
+    Uart(Stream<UnixStream>),
+}
+
+/// Where the emulated board puts the compare values of its two PWM outputs, of 65 535: what the coils get, whatever the
+/// image says.
+const COMPARE_ADDRESS: usize = mailbox::ADDRESS + 0x1000 + 4 * 32;
+/// Longest wait for the emulator to connect its UART.
+const CONNECT_DEADLINE: Duration = Duration::from_secs(30);
+/// Between two looks at whether the emulator still runs, or has connected.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+impl QemuLink {
+    /// Starts the emulator.
+    pub(super) fn start(image: &Image, wire: Wire) -> Result<Self, QemuError> {
+        let folder = Folder::create()?;
+        let memory = Arc::new(SharedMemory::create(&folder.path("memory"))?);
+        let failed = |error| QemuError::Io {
+            what: "the socket of the emulated UART",
+            error,
+        };
+        let socket = folder.path("uart");
+        let listener = UnixListener::bind(&socket).map_err(failed)?;
+        listener.set_nonblocking(true).map_err(failed)?;
+        let mut emulator = Emulator::start(image.path(), &folder.path("memory"), &socket)?;
+        let uart = accept(&listener, &mut emulator)?;
+        uart.set_nonblocking(false).map_err(failed)?;
+        folder.forget_names();
+        Ok(Self {
+            wire: match wire {
+                Wire::Mailbox => EitherWire::Mailbox(MailboxLink::new(Arc::clone(&memory))),
+                Wire::Uart => EitherWire::Uart(Stream::new("UART", uart)),
+            },
+            memory,
+            emulator,
+            image: image.name(),
+        })
+    }
+
+    /// Compare values of the PWM outputs of fill and vent valve, of 65 535: what the coils get, whatever the image says.
+    pub fn compare_values(&self) -> [u32; 2] {
+        [0, 4].map(|offset| {
+            let word = self.memory.word_at(COMPARE_ADDRESS + offset);
+            word.map_or(0, |word| word.load(Ordering::Acquire))
+        })
+    }
+
+    fn either(&mut self) -> &mut dyn Transport {
+        match &mut self.wire {
+            EitherWire::Mailbox(wire) => wire,
+            EitherWire::Uart(wire) => wire,
+        }
+    }
+
+    fn still_runs(&mut self) -> Result<(), TransportError> {
+        match self.emulator.ended()? {
+            None => Ok(()),
+            Some(status) => Err(TransportError::Ended {
+                status: status.to_string(),
+            }),
+        }
+    }
+}
+
+fn accept(listener: &UnixListener, emulator: &mut Emulator) -> Result<UnixStream, QemuError> {
+    let start = Instant::now();
+    loop {
+        match listener.accept() {
+            Ok((stream, _)) => return Ok(stream),
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+            Err(error) => {
+                return Err(QemuError::Io {
+                    what: "the socket of the emulated UART",
+                    error,
+                });
+            }
+        }
+        let has_ended = !matches!(emulator.ended(), Ok(None));
+        if has_ended || start.elapsed() > CONNECT_DEADLINE {
+            return Err(QemuError::NotConnected {
+                waited_ms: start.elapsed().as_millis(),
+                printed: emulator.printed().join("\n"),
+            });
+        }
+        thread::sleep(LOOK_EVERY);
+    }
+}
+
+impl Transport for QemuLink {
+    fn name(&self) -> String {
+        let wire = match &self.wire {
+            EitherWire::Mailbox(wire) => wire.name(),
+            EitherWire::Uart(wire) => wire.name(),
+        };
+        format!("{} in {}, {wire}", self.image, self.emulator.version())
+    }
+
+    fn send(&mut self, frame: &[u8], deadline: Instant) -> Result<(), TransportError> {
+        let sent = self.either().send(frame, deadline);
+        if sent.is_err() {
+            self.still_runs()?;
+        }
+        sent
+    }
+
+    fn receive(
+        &mut self,
+        buffer: &mut [u8; FRAME_MAX],
+        deadline: Instant,
+    ) -> Result<usize, TransportError> {
+        loop {
+            let look = deadline.min(Instant::now() + LOOK_EVERY);
+            match self.either().receive(buffer, look) {
+                Ok(0) => self.still_runs()?,
+                Ok(count) => return Ok(count),
+                Err(error) => {
+                    self.still_runs()?;
+                    return Err(error);
+                }
+            }
+            if Instant::now() >= deadline {
+                return Ok(0);
+            }
+        }
+    }
+
+    fn last_words(&self) -> Vec<String> {
+        self.emulator.printed()
+    }
+}
+
+impl TimedStream for UnixStream {
+    fn set_time_limit(&mut self, limit: Duration) -> io::Result<()> {
+        self.set_read_timeout(Some(limit))?;
+        self.set_write_timeout(Some(limit))
+    }
+}
