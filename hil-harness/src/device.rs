@@ -1,65 +1,50 @@
-//! Devices under test: whatever answers to sensor codes with duty cycles.
+//! Devices under test: whatever answers to sensors with duty cycles.
 
-use controller::{Config, ConfigError, Input, Pressure, Settings, State, step_traced};
+use ecu::{EcuConfigError, EcuSettings};
 
-use crate::sensor::PressureSensor;
-use crate::wire::{Actuators, DutyCode, Sensors};
+use crate::link::LinkError;
+use crate::wire::{Answer, FULL_DUTY, Sensors};
 
-/// A controller somewhere: in this process, in an emulator, on a board.
+/// An ECU somewhere: in this process, in an emulator, on a board.
 ///
 /// ```text
-/// plant -> sensor code, reference -> exchange -> duty cycles -> plant      once per sample
+/// plant -> sensors, reference -> exchange -> duty cycles of the coils -> plant      once per sample
 /// ```
 pub trait DeviceUnderTest {
     /// What it is: kind, name, version; for the record of a run.
     fn identity(&self) -> String;
 
-    /// Back to the state after power-on.
+    /// With these settings, in the state after power-on.
     ///
     /// # Errors
-    /// The device cannot be reached.
-    fn reset(&mut self) -> Result<(), DutError>;
+    /// The device cannot be reached, or the settings are out of bounds.
+    fn start(&mut self, settings: &EcuSettings) -> Result<(), DutError>;
 
     /// One sample.
     ///
     /// # Errors
     /// The device did not answer, or what it answered is no pair of duty cycles. The run ends then.
-    fn exchange(&mut self, sensors: Sensors) -> Result<Actuators, DutError>;
+    fn exchange(&mut self, sensors: &Sensors) -> Result<Answer, DutError>;
 
-    /// What the last sample left inside; none from a device that does not tell.
-    fn telemetry(&self) -> Option<Telemetry>;
-}
-
-/// What a controller tells about its inside, to be logged and compared bit for bit. The plant never sees it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Telemetry {
-    /// Control signal u \[%\], 2⁻¹² %.
-    pub control_signal_bits: i32,
-    /// The controller's state after the sample ([`State::to_words`]).
-    pub state_words: [i32; State::WORDS],
-}
-
-impl Telemetry {
-    /// Control signal u \[%\], exactly.
-    pub fn control_signal_pct(&self) -> f64 {
-        f64::from(self.control_signal_bits) / 4096.0
+    /// What it logged since the last call, oldest line first; nothing from a device that does not log.
+    ///
+    /// # Errors
+    /// The device cannot be reached.
+    fn take_log(&mut self) -> Result<Vec<String>, DutError> {
+        Ok(Vec::new())
     }
 }
 
 /// Why a device gave no duty cycles.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DutError {
-    /// Silence.
-    #[error(
-        "no answer to sample {sample} within {waited_ms} ms: is the device powered, connected and running?"
-    )]
-    NoAnswer {
-        /// Sample that was sent.
-        sample: u32,
-        /// How long was waited \[ms\].
-        waited_ms: u32,
-    },
+    /// No answer, or none that can be used.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The settings are out of bounds.
+    #[error(transparent)]
+    Settings(#[from] EcuConfigError),
     /// An answer to another sample.
     #[error(
         "the answer to sample {expected} carries number {found}: one was lost or repeated on the way"
@@ -84,64 +69,77 @@ pub enum DutError {
     },
 }
 
-/// The controller crate in this process.
-#[derive(Clone, Debug)]
-pub struct InProcess {
-    config: Config,
-    state: State,
-    telemetry: Option<Telemetry>,
-}
-
-impl InProcess {
-    /// A controller with these settings, as after power-on.
-    ///
-    /// # Errors
-    /// The settings are out of bounds.
-    pub fn new(settings: &Settings) -> Result<Self, ConfigError> {
-        Ok(Self {
-            config: Config::new(settings)?,
-            state: State::at_rest(),
-            telemetry: None,
-        })
-    }
-}
-
-impl DeviceUnderTest for InProcess {
-    fn identity(&self) -> String {
-        concat!("controller ", env!("CARGO_PKG_VERSION"), " in process").to_owned()
-    }
-
-    fn reset(&mut self) -> Result<(), DutError> {
-        self.state = State::at_rest();
-        self.telemetry = None;
-        Ok(())
-    }
-
-    fn exchange(&mut self, sensors: Sensors) -> Result<Actuators, DutError> {
-        let input = Input {
-            reference: Pressure::from_bits(sensors.reference.bits()),
-            pressure: PressureSensor::pressure(sensors.pressure),
-        };
-        let (output, trace) = step_traced(&self.config, &mut self.state, input);
-        self.telemetry = Some(Telemetry {
-            control_signal_bits: trace.u.to_bits(),
-            state_words: self.state.to_words(),
+/// `answer`, if it is one to `sensors` and a PWM can give it.
+///
+/// # Errors
+/// It is not.
+pub fn plausible(sensors: &Sensors, answer: Answer) -> Result<Answer, DutError> {
+    if answer.sample != sensors.sample {
+        return Err(DutError::OtherSample {
+            expected: sensors.sample,
+            found: answer.sample,
         });
-        let duty = |valve, duty: controller::Duty| {
-            let bits = duty.to_bits().unsigned_abs();
-            DutyCode::from_bits(bits).ok_or(DutError::ImpossibleDuty {
-                sample: sensors.sample,
-                valve,
-                bits,
-            })
-        };
-        Ok(Actuators {
-            duty_fill: duty("fill", output.duty_fill)?,
-            duty_vent: duty("vent", output.duty_vent)?,
-        })
+    }
+    let duties = [
+        ("fill", answer.actuators.duty_fill),
+        ("vent", answer.actuators.duty_vent),
+    ];
+    match duties.into_iter().find(|(_, bits)| *bits > FULL_DUTY) {
+        Some((valve, bits)) => Err(DutError::ImpossibleDuty {
+            sample: answer.sample,
+            valve,
+            bits,
+        }),
+        None => Ok(answer),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hil_protocol::{Actuators, STATE_WORDS, Telemetry};
+
+    use super::*;
+
+    fn answer(sample: u32, duty_fill: u32, duty_vent: u32) -> Answer {
+        Answer {
+            sample,
+            actuators: Actuators {
+                duty_fill,
+                duty_vent,
+            },
+            telemetry: Telemetry {
+                control_signal: 0,
+                controller_state: [0; STATE_WORDS],
+                mode: 0,
+                faults: 0,
+                ecu_digest: 0,
+            },
+        }
     }
 
-    fn telemetry(&self) -> Option<Telemetry> {
-        self.telemetry
+    #[test]
+    fn an_answer_ends_exactly_at_100_percent_and_carries_the_number_of_its_question() {
+        let sensors = Sensors {
+            sample: 7,
+            elapsed_us: 10_000,
+            reference: None,
+            pressure: None,
+            current_fill_ma: None,
+            current_vent_ma: None,
+            battery_mv: None,
+        };
+        let full = answer(7, FULL_DUTY, FULL_DUTY);
+        assert_eq!(plausible(&sensors, full).unwrap(), full);
+        for (wrong, said) in [
+            (answer(8, 0, 0), "the answer to sample 7 carries number 8"),
+            (
+                answer(7, FULL_DUTY + 1, 0),
+                "6553601 units of 2^-16 % for the fill valve",
+            ),
+            (answer(7, 0, u32::MAX), "for the vent valve is beyond 100 %"),
+        ] {
+            let error = plausible(&sensors, wrong).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
     }
 }

@@ -2,7 +2,15 @@
 
 pub mod checks;
 pub mod controller_file;
+mod course;
 pub mod device;
+pub mod ecu_under_test;
+pub mod image;
+pub mod image_log;
+pub mod lead_in;
+pub mod link;
+#[cfg(unix)]
+pub mod qemu;
 pub mod random;
 pub mod reference_profile;
 pub mod requirement;
@@ -10,14 +18,16 @@ pub mod rigs;
 pub mod run;
 pub mod scenario;
 pub mod sensor;
+pub mod supervision;
 pub mod wire;
+pub mod world;
 
 pub use checks::{Check, Verdict, judge};
-pub use device::{DeviceUnderTest, DutError, InProcess, Telemetry};
+pub use device::{DeviceUnderTest, DutError};
+pub use ecu_under_test::InProcess;
 pub use reference_profile::ReferenceProfile;
 pub use requirement::Requirement;
 pub use rigs::scattered;
-pub use run::{Run, RunError, run, run_in_process};
+pub use run::{Run, RunError, run, run_in_process, run_watched};
 pub use scenario::Scenario;
-pub use sensor::PressureSensor;
-pub use wire::{Actuators, Sensors};
+pub use wire::{Actuators, Answer, Sensors, Telemetry};

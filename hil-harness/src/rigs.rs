@@ -128,13 +128,14 @@ pub fn verdicts<'a>(
             seed,
             error: Box::new(error),
         })?;
-        let run = run_in_process(&scenario.clone().on(plant).seeded(seed)).map_err(|error| {
-            RigError::Run {
-                rig,
-                seed,
-                error: Box::new(error),
-            }
-        })?;
+        let run =
+            run_in_process(&scenario.clone().on_rig(plant).seeded(seed)).map_err(|error| {
+                RigError::Run {
+                    rig,
+                    seed,
+                    error: Box::new(error),
+                }
+            })?;
         Ok(RigVerdict {
             rig,
             seed,

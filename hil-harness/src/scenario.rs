@@ -3,12 +3,14 @@
 use core::fmt;
 
 use controller::Settings;
+use ecu::{EcuSettings, PressureSensor, Supervision};
 use plant_sim::PlantParameters;
 
 use crate::controller_file;
+use crate::lead_in::LeadIn;
 use crate::reference_profile::ReferenceProfile;
 use crate::requirement::Requirement;
-use crate::sensor::PressureSensor;
+use crate::supervision::{supervision, vent_valve};
 
 /// Everything that decides how a run goes. Two runs of one scenario are equal bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub struct Scenario {
     pub start_pressure_bar: f64,
     /// The controller.
     pub controller: Settings,
+    /// What the ECU knows of the kind of rig that the plant is one of.
+    pub supervision: Supervision,
     /// Noise of the pressure sensor before the ADC [mbar rms].
     pub sensor_noise_mbar_rms: f64,
     /// Source of all chance.
@@ -50,6 +54,7 @@ impl Scenario {
             name: name.into(),
             reference,
             duration_samples: u32::try_from(samples).unwrap_or(u32::MAX).saturating_add(1),
+            supervision: supervision(&plant),
             plant,
             start_pressure_bar: 0.0,
             controller: controller_file::recommended(),
@@ -58,9 +63,19 @@ impl Scenario {
         }
     }
 
-    /// The same on another plant.
+    /// The same on another kind of plant, which the ECU is told.
     #[must_use]
     pub fn on(self, plant: PlantParameters) -> Self {
+        Self {
+            supervision: supervision(&plant),
+            plant,
+            ..self
+        }
+    }
+
+    /// The same on another rig of the same kind: the ECU's settings stay.
+    #[must_use]
+    pub fn on_rig(self, plant: PlantParameters) -> Self {
         Self { plant, ..self }
     }
 
@@ -82,6 +97,25 @@ impl Scenario {
             .iter()
             .find(|built_in| built_in.name == name)
             .map(BuiltIn::scenario)
+    }
+
+    /// What the ECU is set to.
+    pub fn ecu_settings(&self) -> EcuSettings {
+        EcuSettings {
+            controller: self.controller,
+            vent_valve: vent_valve(&self.plant),
+            supervision: self.supervision,
+        }
+    }
+
+    /// What happens before time 0.
+    pub fn lead_in(&self) -> LeadIn {
+        LeadIn::to(self.start_pressure_bar)
+    }
+
+    /// Chamber pressure at time 0 [Pa abs].
+    pub fn start_pressure_pa(&self) -> f64 {
+        self.plant.gas.ambient_pressure_pa + self.start_pressure_bar * 1e5
     }
 
     /// Checks what the types leave open.
@@ -171,8 +205,9 @@ enum Start {
 impl BuiltIn {
     /// The scenario.
     pub fn scenario(&self) -> Scenario {
-        let mut scenario = Scenario::new(self.name, (self.profile)());
-        scenario.plant = with_orifices(scenario.plant, self.orifice_m);
+        let scenario = Scenario::new(self.name, (self.profile)());
+        let plant = with_orifices(scenario.plant.clone(), self.orifice_m);
+        let mut scenario = scenario.on(plant);
         if self.start == Start::AtReference {
             scenario.start_pressure_bar = scenario.reference.at_ns(0);
         }

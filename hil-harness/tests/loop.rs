@@ -1,13 +1,17 @@
 //! The loop as a whole: the same bits twice, alarms that ring, promises kept on many rigs.
 
 use controller::Settings;
+use ecu::EcuSettings;
 use hil_harness::checks::{CheckId, StepResponse};
+use hil_harness::link::{LastWords, LinkError};
 use hil_harness::scenario::{FIGURE_ORIFICE_M, with_orifices};
-use hil_harness::wire::DutyCode;
+use hil_harness::wire::FULL_DUTY;
 use hil_harness::{
-    Actuators, DeviceUnderTest, DutError, InProcess, ReferenceProfile, Requirement, RunError,
-    Scenario, Sensors, Telemetry, controller_file, judge, rigs, run, run_in_process, scattered,
+    Actuators, Answer, DeviceUnderTest, DutError, InProcess, ReferenceProfile, Requirement,
+    RunError, Scenario, Sensors, Telemetry, controller_file, judge, rigs, run, run_in_process,
+    scattered,
 };
+use hil_protocol::STATE_WORDS;
 use proptest::prelude::*;
 use recording::csv;
 
@@ -43,7 +47,7 @@ fn the_same_scenario_gives_the_same_bits_and_another_seed_does_not() {
 #[test]
 fn a_device_that_has_run_before_starts_from_power_on_again() {
     let scenario = Scenario::new("one bar", ReferenceProfile::starting_at(1.0).hold_ms(500));
-    let mut used = InProcess::new(&scenario.controller).unwrap();
+    let mut used = InProcess::new();
     let cut_off = Scenario {
         duration_samples: 4,
         ..scenario.clone()
@@ -58,8 +62,8 @@ fn a_device_that_has_run_before_starts_from_power_on_again() {
 #[test]
 fn currents_and_positions_are_logged_under_their_valve() {
     for (duty_fill, duty_vent, expected) in [
-        (DutyCode::FULL, DutyCode::OFF, [292.0, 0.0, 0.5, 0.0]),
-        (DutyCode::OFF, DutyCode::FULL, [0.0, 292.0, 0.0, 0.5]),
+        (FULL_DUTY, 0, [292.0, 0.0, 0.5, 0.0]),
+        (0, FULL_DUTY, [0.0, 292.0, 0.0, 0.5]),
     ] {
         let mut open = Puppet(|_| Actuators {
             duty_fill,
@@ -161,9 +165,14 @@ fn a_shut_valve_is_not_counted_and_an_opened_one_is() {
             .map(|a| (a.fill, a.vent)),
         Some((0, 0))
     );
-    // A fully energised valve opens once and stays open.
-    let mut open = Puppet(|_| Actuators {
-        duty_fill: DutyCode::FULL,
+    // A fully energised valve opens once and stays open; what it did before time 0 is not counted.
+    let time_0 = short_scenario().lead_in().samples();
+    let mut open = Puppet(|sensors: Sensors| Actuators {
+        duty_fill: match sensors.sample {
+            0..3 => FULL_DUTY,
+            sample if sample >= time_0 => FULL_DUTY,
+            _ => 0,
+        },
         ..Actuators::OFF
     });
     let filled = hil_harness::run(&short_scenario(), &mut open).unwrap();
@@ -216,28 +225,38 @@ impl<F: FnMut(Sensors) -> Actuators> DeviceUnderTest for Puppet<F> {
         "puppet".to_owned()
     }
 
-    fn reset(&mut self) -> Result<(), DutError> {
+    fn start(&mut self, _: &EcuSettings) -> Result<(), DutError> {
         Ok(())
     }
 
-    fn exchange(&mut self, sensors: Sensors) -> Result<Actuators, DutError> {
-        Ok((self.0)(sensors))
-    }
-
-    fn telemetry(&self) -> Option<Telemetry> {
-        None
+    fn exchange(&mut self, sensors: &Sensors) -> Result<Answer, DutError> {
+        Ok(Answer {
+            sample: sensors.sample,
+            actuators: (self.0)(*sensors),
+            telemetry: Telemetry {
+                control_signal: 0,
+                controller_state: [0; STATE_WORDS],
+                mode: 0,
+                faults: 0,
+                ecu_digest: 0,
+            },
+        })
     }
 }
 
 /// The alarm is tested too: each cheat must turn its own check red.
 #[test]
 fn a_controller_that_cheats_is_found_out() {
-    let duty = |percent: u32| DutyCode::from_bits(percent << 16).unwrap();
+    let duty = |percent: u32| percent << 16;
     let scenario = short_scenario();
-    let mut honest = InProcess::new(&scenario.controller).unwrap();
-    let mut with_both = InProcess::new(&scenario.controller).unwrap();
-    let mut weak = InProcess::new(&scenario.controller).unwrap();
-    let answer = |device: &mut InProcess, sensors| device.exchange(sensors).unwrap();
+    let time_0 = scenario.lead_in().samples();
+    let started = || {
+        let mut device = InProcess::new();
+        device.start(&scenario.ecu_settings()).unwrap();
+        device
+    };
+    let (mut honest, mut with_both, mut weak) = (started(), started(), started());
+    let answer = |device: &mut InProcess, sensors| device.exchange(&sensors).unwrap().actuators;
     type Cheat<'a> = Box<dyn FnMut(Sensors) -> Actuators + 'a>;
     let cheats: [(Cheat<'_>, Option<CheckId>); 5] = [
         (Box::new(|sensors| answer(&mut honest, sensors)), None),
@@ -249,23 +268,27 @@ fn a_controller_that_cheats_is_found_out() {
             Some(CheckId::NeverBothValves),
         ),
         (
-            Box::new(|sensors| match sensors.sample {
-                100 => Actuators {
-                    duty_fill: duty(30),
-                    duty_vent: duty(30),
+            Box::new(
+                |sensors| match sensors.sample - time_0.min(sensors.sample) {
+                    100 => Actuators {
+                        duty_fill: duty(30),
+                        duty_vent: duty(30),
+                    },
+                    _ => answer(&mut with_both, sensors),
                 },
-                _ => answer(&mut with_both, sensors),
-            }),
+            ),
             Some(CheckId::NeverBothValves),
         ),
         (
-            Box::new(|sensors| match sensors.sample {
-                150 => Actuators {
-                    duty_vent: duty(5),
-                    ..Actuators::OFF
+            Box::new(
+                |sensors| match sensors.sample - time_0.min(sensors.sample) {
+                    150 => Actuators {
+                        duty_vent: duty(5),
+                        ..Actuators::OFF
+                    },
+                    _ => answer(&mut weak, sensors),
                 },
-                _ => answer(&mut weak, sensors),
-            }),
+            ),
             Some(CheckId::DutyLimits),
         ),
         (Box::new(|_| Actuators::OFF), Some(CheckId::SettlingTime)),
@@ -289,26 +312,28 @@ fn a_device_that_fails_ends_the_run_with_its_name() {
         fn identity(&self) -> String {
             "board on the bench".to_owned()
         }
-        fn reset(&mut self) -> Result<(), DutError> {
+        fn start(&mut self, _: &EcuSettings) -> Result<(), DutError> {
             Ok(())
         }
-        fn exchange(&mut self, sensors: Sensors) -> Result<Actuators, DutError> {
-            Err(DutError::NoAnswer {
-                sample: sensors.sample,
+        fn exchange(&mut self, sensors: &Sensors) -> Result<Answer, DutError> {
+            Err(DutError::Link(LinkError::Silent {
+                request: format!("sample {}", sensors.sample),
                 waited_ms: 100,
-            })
-        }
-        fn telemetry(&self) -> Option<Telemetry> {
-            None
+                tries: 2,
+                said: LastWords(vec!["INFO serving".to_owned()]),
+            }))
         }
     }
     let error = run(&short_scenario(), &mut Silent).unwrap_err();
     assert!(matches!(error, RunError::Device { .. }));
     let text = error.to_string();
     assert!(
-        text.contains("board on the bench: no answer to sample 0 within 100 ms"),
+        text.contains(
+            "board on the bench: no reply to sample 0 within 100 ms, though sent 2 times"
+        ),
         "{text}"
     );
+    assert!(text.ends_with("last words:\n  | INFO serving"), "{text}");
 }
 
 fn late_steps(scenario: &Scenario, rigs_count: u32) -> (usize, usize, u32) {
@@ -399,11 +424,12 @@ fn venting_misses_its_limit_even_with_the_valve_fully_open_as_in_table_4_3() {
             .hold_ms(1500),
     );
     scenario.start_pressure_bar = 0.88 * 8.4;
+    let time_0 = scenario.lead_in().samples();
     let mut open = Puppet(|sensors: Sensors| Actuators {
-        duty_vent: if sensors.sample < 10 {
-            DutyCode::OFF
+        duty_vent: if sensors.sample < time_0 + 10 {
+            0
         } else {
-            DutyCode::FULL
+            FULL_DUTY
         },
         ..Actuators::OFF
     });
@@ -490,10 +516,10 @@ proptest! {
             scenario.controller = controller_file::thesis();
         }
         let plant = scattered(&scenario.plant, seed).unwrap();
-        let run = run_in_process(&scenario.on(plant)).unwrap();
+        let run = run_in_process(&scenario.on_rig(plant)).unwrap();
         for exchange in &run.exchanges {
-            let Actuators { duty_fill, duty_vent } = exchange.actuators;
-            prop_assert!(duty_fill.is_off() || duty_vent.is_off(), "{:?}", exchange);
+            let Actuators { duty_fill, duty_vent } = exchange.answer.actuators;
+            prop_assert!(duty_fill == 0 || duty_vent == 0, "{:?}", exchange);
         }
         let recording = &run.recording;
         let pressures = recording.signal("p_ch").unwrap().values_or_nan();

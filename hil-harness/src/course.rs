@@ -1,0 +1,81 @@
+//! The signals of a run, as a recording.
+
+use recording::{Provenance, Recording, TimeBase, Unit};
+
+use crate::run::{Exchange, RunError};
+use crate::scenario::Scenario;
+use crate::wire;
+use crate::world::World;
+
+/// The signals of a run from time 0 on, by name and unit.
+pub(crate) struct Course {
+    columns: [(&'static str, Unit, Vec<f64>); 12],
+    /// Lifts of the valves before time 0.
+    lifts_before: Option<[u32; 2]>,
+}
+
+impl Course {
+    pub(crate) fn for_samples(samples: u32) -> Self {
+        let columns = [
+            ("p_ref", Unit::BarGauge),
+            ("p_ch", Unit::BarGauge),
+            ("p_ch_measured", Unit::BarGauge),
+            ("duty_fill", Unit::Percent),
+            ("duty_vent", Unit::Percent),
+            ("u", Unit::Percent),
+            ("i_fill", Unit::Milliampere),
+            ("i_vent", Unit::Milliampere),
+            ("x_fill", Unit::Millimetre),
+            ("x_vent", Unit::Millimetre),
+            ("actuations_fill", Unit::Count),
+            ("actuations_vent", Unit::Count),
+        ];
+        Self {
+            columns: columns.map(|(name, unit)| (name, unit, Vec::with_capacity(samples as usize))),
+            lifts_before: None,
+        }
+    }
+
+    pub(crate) fn add(&mut self, world: &World<'_>, exchange: &Exchange) {
+        let Exchange { sensors, answer } = exchange;
+        let shown = world.shown();
+        let lifts = world.lifts();
+        let before = *self.lifts_before.get_or_insert(lifts);
+        let row = [
+            sensors.reference.map_or(f64::NAN, wire::bar),
+            world.pressure_bar(),
+            sensors.pressure.map_or(f64::NAN, wire::measured_bar),
+            wire::duty_pct(answer.actuators.duty_fill),
+            wire::duty_pct(answer.actuators.duty_vent),
+            wire::control_signal_pct(answer.telemetry.control_signal),
+            1e3 * shown.mean_current[0],
+            1e3 * shown.mean_current[1],
+            1e3 * shown.position[0],
+            1e3 * shown.position[1],
+            (lifts[0] - before[0]).into(),
+            (lifts[1] - before[1]).into(),
+        ];
+        for ((_, _, column), value) in self.columns.iter_mut().zip(row) {
+            column.push(value);
+        }
+    }
+
+    pub(crate) fn into_recording(
+        self,
+        scenario: &Scenario,
+        device: &str,
+    ) -> Result<Recording, RunError> {
+        let mut provenance = Provenance::from_source(format!("scenario {}", scenario.name))
+            .with_note("device", device)
+            .with_note("seed", scenario.seed.to_string());
+        provenance.producer = Some(concat!("hil-harness ", env!("CARGO_PKG_VERSION")).to_owned());
+        let mut recording = Recording::new(provenance);
+        let samples = scenario.duration_samples as usize;
+        let time_base = TimeBase::uniform(0.0, scenario.plant.ecu.sample_time_s, samples)?;
+        let time_base = recording.add_time_base(time_base);
+        for (name, unit, column) in self.columns {
+            recording.add_signal(name, unit, time_base, column)?;
+        }
+        Ok(recording)
+    }
+}
