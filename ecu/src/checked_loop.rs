@@ -1,8 +1,10 @@
 //! The controller behind the plausibility of its input, for an ECU with a supervisor of its own.
 
-use controller::{Input, Output, Pressure, State, step_traced};
+use controller::{
+    ControlSignal, FixedConfig, Input, Mechanisms, OtherMechanism, Output, Pressure, State,
+};
 
-use crate::config::EcuConfig;
+use crate::config::{EcuConfig, Limits};
 use crate::detector::PressureInput;
 use crate::fault::FaultSet;
 use crate::sensor::SensorCode;
@@ -17,14 +19,36 @@ pub struct CheckedLoop {
     opening: Output,
 }
 
+/// What the [`CheckedLoop`] needs of an [`EcuConfig`], with the controller's mechanisms fixed at compile time.
+pub struct CheckedLoopConfig<M> {
+    controller: FixedConfig<M>,
+    limits: Limits,
+}
+
+impl<M: Mechanisms> CheckedLoopConfig<M> {
+    /// Of this configuration, if its controller has these mechanisms.
+    ///
+    /// # Errors
+    /// The first mechanism that is another one than was compiled in.
+    pub const fn new(config: &EcuConfig) -> Result<Self, OtherMechanism> {
+        match FixedConfig::new(config.controller) {
+            Ok(controller) => Ok(Self {
+                controller,
+                limits: config.limits,
+            }),
+            Err(error) => Err(error),
+        }
+    }
+}
+
 /// What a sample of the [`CheckedLoop`] left, for a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LoopTelemetry {
-    /// Control signal u [2⁻¹² %]; 0 in a sample whose pressure was not believed.
-    pub control_signal: i32,
+    /// Control signal u; 0 in a sample whose pressure was not believed.
+    pub control_signal: ControlSignal,
     /// The controller's state.
-    pub controller_state: [i32; State::WORDS],
+    pub controller_state: State,
     /// The confirmed faults of the pressure sensor.
     pub faults: FaultSet,
 }
@@ -39,29 +63,49 @@ impl CheckedLoop {
 
     /// One sample; both valves are off if this sample's code cannot be believed.
     #[inline]
-    pub fn sample(
+    pub fn sample<M: Mechanisms>(
         &mut self,
-        config: &EcuConfig,
+        config: &CheckedLoopConfig<M>,
         reference: Pressure,
         code: Option<SensorCode>,
     ) -> (Output, LoopTelemetry) {
-        let (output, control_signal) = match self.input.sample(config, self.opening, code) {
+        let CheckedLoopConfig { controller, limits } = config;
+        let (output, control_signal) = match self.input.sample(limits, self.opening, code) {
             Some(pressure) => {
                 let input = Input {
                     reference,
                     pressure,
                 };
-                let (output, trace) = step_traced(&config.controller, &mut self.controller, input);
-                (output, trace.u.to_bits())
+                let (output, trace) = controller.step_traced(&mut self.controller, input);
+                (output, trace.u)
             }
-            None => (Output::OFF, 0),
+            None => (Output::OFF, ControlSignal::ZERO),
         };
         self.opening = output;
         let telemetry = LoopTelemetry {
             control_signal,
-            controller_state: self.controller.to_words(),
-            faults: self.input.faults(config),
+            controller_state: self.controller,
+            faults: self.input.faults(limits),
         };
         (output, telemetry)
+    }
+}
+
+impl<M> Clone for CheckedLoopConfig<M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+// Derived, these would ask the same of `M`, which is only a name.
+impl<M> Copy for CheckedLoopConfig<M> {}
+
+impl<M> core::fmt::Debug for CheckedLoopConfig<M> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { controller, limits } = self;
+        f.debug_struct("CheckedLoopConfig")
+            .field("controller", controller)
+            .field("limits", limits)
+            .finish()
     }
 }

@@ -7,9 +7,7 @@ use crate::error::{EcuConfigError, SupervisionField as Field};
 #[cfg(feature = "mutilate")]
 use crate::fault::Fault;
 use crate::history::{History, Window};
-#[cfg(feature = "mutilate")]
-use crate::mechanism::Mechanism;
-use crate::mechanism::Mechanisms;
+use crate::mechanism::{Mechanism, Mechanisms};
 use crate::settings::{EcuSettings, Supervision, VentValve};
 
 /// What `?` does, which constant functions do not have.
@@ -31,7 +29,6 @@ pub struct EcuConfig {
     /// Whether the distributor drives both valves at a time.
     pub(crate) drives_both: bool,
     pub(crate) limits: Limits,
-    pub(crate) mechanisms: Mechanisms,
 }
 
 /// The supervision's settings in the units of a sample. Pressures \[bar\], 2⁻¹⁶.
@@ -60,6 +57,7 @@ pub(crate) struct Limits {
     pub(crate) coil_max_ma: u16,
     pub(crate) elapsed_min_us: u32,
     pub(crate) elapsed_max_us: u32,
+    pub(crate) mechanisms: Mechanisms,
 }
 
 impl EcuConfig {
@@ -80,7 +78,6 @@ impl EcuConfig {
                 &settings.supervision,
                 settings.controller.sample_time_ms
             )),
-            mechanisms: Mechanisms::ALL,
         })
     }
 
@@ -88,20 +85,27 @@ impl EcuConfig {
     #[cfg(feature = "mutilate")]
     #[must_use]
     pub const fn without(self, mechanism: Mechanism) -> Self {
-        Self {
-            mechanisms: self.mechanisms.without(mechanism),
-            ..self
-        }
+        let mechanisms = self.limits.mechanisms.without(mechanism);
+        self.with_mechanisms(mechanisms)
     }
 
     /// The same without the detector of `fault`, for a test that has to notice.
     #[cfg(feature = "mutilate")]
     #[must_use]
     pub const fn without_detector(self, fault: Fault) -> Self {
-        Self {
-            mechanisms: self.mechanisms.without_detector(fault),
-            ..self
-        }
+        let mechanisms = self.limits.mechanisms.without_detector(fault);
+        self.with_mechanisms(mechanisms)
+    }
+
+    #[cfg(feature = "mutilate")]
+    const fn with_mechanisms(mut self, mechanisms: Mechanisms) -> Self {
+        self.limits.mechanisms = mechanisms;
+        self
+    }
+
+    #[inline(always)]
+    pub(crate) const fn has(&self, mechanism: Mechanism) -> bool {
+        self.limits.mechanisms.has(mechanism)
     }
 }
 
@@ -174,6 +178,7 @@ impl Limits {
             coil_max_ma: (coil_max >> 16) as u16,
             elapsed_min_us: (thousandth(sample_ms) >> 1) as u32,
             elapsed_max_us: (thousandth(sample_ms) << 1) as u32,
+            mechanisms: Mechanisms::ALL,
         })
     }
 }

@@ -17,16 +17,19 @@ mod stuck;
 
 use controller::{Output, Pressure};
 
-pub(crate) use battery::{BATTERY_N, BatteryDetector};
-pub(crate) use coil::{COIL_N, CoilDetector};
 pub(crate) use debounce::Debounce;
-pub(crate) use offset::{OFFSET_N, OffsetDetector};
 pub(crate) use pressure_input::PressureInput;
-pub(crate) use reference::{REFERENCE_N, ReferenceInput};
-pub(crate) use response::{RESPONSE_N, ResponseDetector};
-pub(crate) use sample_time::{SAMPLE_TIME_N, SampleTimeDetector};
 
-use crate::config::EcuConfig;
+use battery::{BATTERY_N, BatteryDetector};
+use coil::{COIL_N, CoilDetector};
+use offset::{OFFSET_N, OffsetDetector};
+use pressure_input::DOUBT_N;
+use reference::{REFERENCE_N, ReferenceInput};
+use response::{RESPONSE_N, ResponseDetector};
+use sample_time::{SAMPLE_TIME_N, SampleTimeDetector};
+use stuck::STUCK_N;
+
+use crate::config::Limits;
 use crate::fault::{Fault, FaultSet};
 use crate::input_output::{Inputs, Outputs};
 use crate::valve::Valves;
@@ -79,30 +82,21 @@ impl Detectors {
 
     /// One sample; `told` is what the valves were told until now.
     #[inline(always)]
-    pub(crate) fn sample(&mut self, config: &EcuConfig, told: &Told, inputs: &Inputs) -> Seen {
-        let (limits, mechanisms) = (&config.limits, config.mechanisms);
-        let reference_is_new =
-            self.reference
-                .sample(limits, inputs.reference, mechanisms.limit(REFERENCE_N));
-        let pressure = self.pressure.sample(config, told.opening, inputs.pressure);
+    pub(crate) fn sample(&mut self, limits: &Limits, told: &Told, inputs: &Inputs) -> Seen {
+        let reference_is_new = self.reference.sample(limits, inputs.reference);
+        let pressure = self.pressure.sample(limits, told.opening, inputs.pressure);
         let bits = pressure.map(Pressure::to_bits);
-        self.response
-            .sample(limits, &told.valves, bits, mechanisms.limit(RESPONSE_N));
-        self.offset
-            .sample(limits, &told.valves, bits, mechanisms.limit(OFFSET_N));
-        self.fill_coil
-            .sample(limits, inputs.current_fill_ma, mechanisms.limit(COIL_N));
-        self.vent_coil
-            .sample(limits, inputs.current_vent_ma, mechanisms.limit(COIL_N));
-        self.battery
-            .sample(limits, inputs.battery_mv, mechanisms.limit(BATTERY_N));
-        self.sample_time
-            .sample(limits, inputs.elapsed_us, mechanisms.limit(SAMPLE_TIME_N));
+        self.response.sample(limits, &told.valves, bits);
+        self.offset.sample(limits, &told.valves, bits);
+        self.fill_coil.sample(limits, inputs.current_fill_ma);
+        self.vent_coil.sample(limits, inputs.current_vent_ma);
+        self.battery.sample(limits, inputs.battery_mv);
+        self.sample_time.sample(limits, inputs.elapsed_us);
         Seen {
             pressure,
             reference: self.reference.last(),
             reference_is_new,
-            faults: mechanisms.seen(self.faults(config)),
+            faults: limits.mechanisms.seen(self.faults(limits)),
         }
     }
 
@@ -114,23 +108,52 @@ impl Detectors {
     }
 
     #[inline(always)]
-    fn faults(&self, config: &EcuConfig) -> FaultSet {
-        let mechanisms = config.mechanisms;
-        let coil_limit = mechanisms.limit(COIL_N);
-        let fill_coil =
-            self.fill_coil
-                .faults(Fault::FillCoilOpen, Fault::FillCoilShort, coil_limit);
-        let vent_coil =
-            self.vent_coil
-                .faults(Fault::VentCoilOpen, Fault::VentCoilShort, coil_limit);
+    fn faults(&self, limits: &Limits) -> FaultSet {
+        let fill_coil = self
+            .fill_coil
+            .faults(Fault::FillCoilOpen, Fault::FillCoilShort);
+        let vent_coil = self
+            .vent_coil
+            .faults(Fault::VentCoilOpen, Fault::VentCoilShort);
         self.reference
-            .faults(mechanisms.limit(REFERENCE_N))
-            .union(self.pressure.faults(config))
-            .union(self.response.faults(mechanisms.limit(RESPONSE_N)))
+            .faults()
+            .union(self.pressure.faults(limits))
+            .union(self.response.faults())
             .union(self.offset.faults())
             .union(fill_coil)
             .union(vent_coil)
-            .union(self.battery.faults(mechanisms.limit(BATTERY_N)))
-            .union(self.sample_time.faults(mechanisms.limit(SAMPLE_TIME_N)))
+            .union(self.battery.faults())
+            .union(self.sample_time.faults())
+    }
+}
+
+impl Fault {
+    /// N: as many samples that look wrong confirm it; those of a row, or more than look right.
+    ///
+    /// For [`Fault::SensorStuck`] they are samples in which a valve was driven, for [`Fault::SensorOffset`] such with the vent valve
+    /// open, for a coil PWM periods.
+    pub const fn samples(self) -> u8 {
+        match self {
+            Self::SensorOpen
+            | Self::SensorShort
+            | Self::SensorBelowRange
+            | Self::SensorAboveRange
+            | Self::SensorJump
+            | Self::SensorMissing => DOUBT_N,
+            Self::SensorStuck => STUCK_N,
+            Self::SensorOffset => OFFSET_N,
+            Self::NoRise
+            | Self::NoFall
+            | Self::UncommandedRise
+            | Self::UncommandedFall
+            | Self::SupplyLost => RESPONSE_N,
+            Self::FillCoilOpen | Self::FillCoilShort | Self::VentCoilOpen | Self::VentCoilShort => {
+                COIL_N
+            }
+            Self::BatteryLow | Self::BatteryHigh => BATTERY_N,
+            Self::SampleTime => SAMPLE_TIME_N,
+            Self::ReferenceLost => REFERENCE_N,
+            Self::MemoryDamaged => 1,
+        }
     }
 }

@@ -70,7 +70,7 @@ impl Ecu {
     pub fn sample(&mut self, inputs: &Inputs) -> Outputs {
         let is_damaged = self.config != self.copy;
         let Self { config, state, .. } = self;
-        let seen = state.detectors.sample(config, &state.told, inputs);
+        let seen = state.detectors.sample(&config.limits, &state.told, inputs);
         if let Some(pressure) = seen.pressure {
             state.pressure = pressure;
         }
@@ -147,7 +147,7 @@ impl EcuState {
                 duty_vent: Duty::FULL,
             };
         }
-        let is_believed = seen.pressure.is_some() || !config.mechanisms.has(Mechanism::ShutOnDoubt);
+        let is_believed = seen.pressure.is_some() || !config.has(Mechanism::ShutOnDoubt);
         if !is_controlled || !is_believed {
             return Output::OFF;
         }
@@ -155,14 +155,11 @@ impl EcuState {
         if mode != Mode::Running {
             opening.duty_fill = Duty::OFF;
         }
-        if !seen.reference_is_new && config.mechanisms.has(Mechanism::NoIncreaseWithoutReference) {
+        if !seen.reference_is_new && config.has(Mechanism::NoIncreaseWithoutReference) {
             opening.duty_fill = opening.duty_fill.min(before.duty_fill);
         }
         let drives_both = !opening.duty_fill.is_off() && !opening.duty_vent.is_off();
-        if drives_both
-            && !config.drives_both
-            && config.mechanisms.has(Mechanism::BothValvesInterlock)
-        {
+        if drives_both && !config.drives_both && config.has(Mechanism::BothValvesInterlock) {
             self.supervisor.lock();
         }
         opening
@@ -177,7 +174,7 @@ impl EcuState {
             pressure: self.pressure,
         };
         if is_new_mode {
-            self.controller = if config.mechanisms.has(Mechanism::BumplessTakeover) {
+            self.controller = if config.has(Mechanism::BumplessTakeover) {
                 State::taking_over(&config.controller, input, ControlSignal::ZERO)
             } else {
                 State::at_rest()

@@ -27,7 +27,7 @@ pub mod store;
 mod supervisor;
 mod valve;
 
-pub use checked_loop::{CheckedLoop, LoopTelemetry};
+pub use checked_loop::{CheckedLoop, CheckedLoopConfig, LoopTelemetry};
 pub use config::EcuConfig;
 pub use controller;
 pub use ecu::Ecu;

@@ -114,9 +114,9 @@ impl Mechanisms {
 }
 
 impl Mechanisms {
-    /// N of a debounced detector.
+    /// N of a detector, or 1 without debounce.
     #[inline(always)]
-    pub(crate) const fn limit(self, samples: u8) -> u8 {
+    pub(crate) const fn samples(self, samples: u8) -> u8 {
         if self.has(Mechanism::Debounce) {
             samples
         } else {

@@ -63,17 +63,20 @@ impl PressureSensor {
     }
 }
 
-/// 2¹⁶ units per bar over 100 000 Pa per bar, in lowest terms.
+/// All pressures of the curve are multiples of this \[Pa\], which makes the divisor short.
+const UNIT_PA: i64 = 5;
+/// 2¹⁶ per bar over the units in a bar, in lowest terms.
 const NUMERATOR: i64 = 2048;
-const DENOMINATOR: u32 = 3125;
+const DENOMINATOR: u32 = 625;
 
 /// Pressure per code [2⁻¹⁶ bar / `DENOMINATOR`].
-const STEP: u32 = (PressureSensor::STEP_PA * NUMERATOR) as u32;
+const STEP: u32 = (PressureSensor::STEP_PA / UNIT_PA * NUMERATOR) as u32;
 
 /// Pressure at code 0 [2⁻¹⁶ bar gauge / `DENOMINATOR`].
 const AT_ZERO: i64 = (PressureSensor::LOWEST_PA
     - PressureSensor::CODE_AT_LOWEST * PressureSensor::STEP_PA
     - PressureSensor::AMBIENT_PA)
+    / UNIT_PA
     * NUMERATOR;
 
 /// Whole units of the pressure at code 0, rounded down ...

@@ -96,9 +96,8 @@ impl Supervisor {
         pressure: Pressure,
         is_damaged: bool,
     ) -> bool {
-        let mechanisms = config.mechanisms;
         let damaged = FaultSet::when(is_damaged || !self.is_sound(), Fault::MemoryDamaged);
-        let faults = seen.faults.union(mechanisms.seen(damaged));
+        let faults = seen.faults.union(config.limits.mechanisms.seen(damaged));
         self.count(seen, faults);
 
         let before = self.mode;
@@ -106,17 +105,17 @@ impl Supervisor {
         if way.is_some() && matches!(before, Mode::Waiting | Mode::Running) {
             self.occurrences = self.occurrences.saturating_add(1).min(RETRIES + 1);
         }
-        let retries_left = self.occurrences <= RETRIES || !mechanisms.has(Mechanism::RetryLimit);
+        let retries_left = self.occurrences <= RETRIES || !config.has(Mechanism::RetryLimit);
         let situation = Situation {
             way,
             recovered: self.clear_for >= RECOVERY_N && retries_left,
-            at_zero: self.zero_for >= ZERO_N || !mechanisms.has(Mechanism::NeutralInterlock),
+            at_zero: self.zero_for >= ZERO_N || !config.has(Mechanism::NeutralInterlock),
             is_over: self.is_over(config),
             is_enabled: self.is_enabled,
             retries_left,
         };
         self.mode = before.next(situation);
-        self.latched = if mechanisms.has(Mechanism::Latch) {
+        self.latched = if config.has(Mechanism::Latch) {
             self.latched.union(faults)
         } else {
             faults
@@ -206,21 +205,18 @@ impl Supervisor {
 
     #[inline(always)]
     fn is_over(&self, config: &EcuConfig) -> bool {
-        let mechanisms = config.mechanisms;
         let is_time_over = self.remaining == 0;
         if self.mode == Mode::Ramping {
             self.ceiling <= Pressure::ZERO
         } else if self.mode == Mode::Venting {
-            is_time_over && mechanisms.has(Mechanism::VentLimit)
-                || !mechanisms.has(Mechanism::ActiveVent)
+            is_time_over && config.has(Mechanism::VentLimit) || !config.has(Mechanism::ActiveVent)
         } else {
-            self.mode == Mode::Holding && is_time_over && mechanisms.has(Mechanism::HoldLimit)
+            self.mode == Mode::Holding && is_time_over && config.has(Mechanism::HoldLimit)
         }
     }
 
     #[inline(always)]
     fn enter(&mut self, config: &EcuConfig, before: Mode, reference: Pressure, pressure: Pressure) {
-        let mechanisms = config.mechanisms;
         self.is_enabled &= matches!(self.mode, Mode::Running | Mode::Holding | Mode::Ramping);
         self.remaining = if self.mode == Mode::Holding {
             HOLD_N
@@ -232,11 +228,11 @@ impl Supervisor {
         if self.mode == Mode::Running {
             self.is_enabled = true;
             self.latched = FaultSet::NONE;
-            if was_interrupted && mechanisms.has(Mechanism::RecoveryRamp) {
+            if was_interrupted && config.has(Mechanism::RecoveryRamp) {
                 self.ceiling = pressure;
             }
         } else if self.mode == Mode::Ramping {
-            self.ceiling = if mechanisms.has(Mechanism::Ramp) {
+            self.ceiling = if config.has(Mechanism::Ramp) {
                 pressure.min(reference)
             } else {
                 Pressure::ZERO

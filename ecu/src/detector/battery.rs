@@ -21,17 +21,17 @@ impl BatteryDetector {
     };
 
     #[inline(always)]
-    pub(crate) fn sample(&mut self, limits: &Limits, battery_mv: Option<u16>, limit: u8) {
+    pub(crate) fn sample(&mut self, limits: &Limits, battery_mv: Option<u16>) {
         let Some(battery_mv) = battery_mv else { return };
-        self.low.update(battery_mv < limits.battery_min_mv, limit);
-        self.high.update(battery_mv > limits.battery_max_mv, limit);
+        let n = limits.mechanisms.samples(BATTERY_N);
+        self.low.update(battery_mv < limits.battery_min_mv, n);
+        self.high.update(battery_mv > limits.battery_max_mv, n);
     }
 
     #[inline(always)]
-    pub(crate) fn faults(&self, limit: u8) -> FaultSet {
-        FaultSet::when(self.low.is_confirmed(limit), Fault::BatteryLow).union(FaultSet::when(
-            self.high.is_confirmed(limit),
-            Fault::BatteryHigh,
-        ))
+    pub(crate) fn faults(&self) -> FaultSet {
+        let low = FaultSet::when(self.low.is_confirmed(), Fault::BatteryLow);
+        let high = FaultSet::when(self.high.is_confirmed(), Fault::BatteryHigh);
+        low.union(high)
     }
 }

@@ -31,18 +31,15 @@ impl CoilDetector {
 
     /// Mean current over the last PWM period \[mA\].
     #[inline(always)]
-    pub(crate) fn sample(&mut self, limits: &Limits, current_ma: Option<u16>, limit: u8) {
+    pub(crate) fn sample(&mut self, limits: &Limits, current_ma: Option<u16>) {
         let Some(current_ma) = current_ma else { return };
+        let n = limits.mechanisms.samples(COIL_N);
         let takes_some = current_ma >= limits.coil_min_ma;
-        self.open.update(
-            self.energised.held_through(limits.settling) && !takes_some,
-            limit,
-        );
+        let is_energised = self.energised.held_through(limits.settling);
+        self.open.update(is_energised && !takes_some, n);
         let is_off = self.off.held_through(limits.settling);
-        self.short.update(
-            current_ma > limits.coil_max_ma || is_off && takes_some,
-            limit,
-        );
+        let takes_too_much = current_ma > limits.coil_max_ma;
+        self.short.update(takes_too_much || is_off && takes_some, n);
     }
 
     /// The duty cycle that the coil just got.
@@ -53,8 +50,8 @@ impl CoilDetector {
     }
 
     #[inline(always)]
-    pub(crate) fn faults(&self, open: Fault, short: Fault, limit: u8) -> FaultSet {
-        FaultSet::when(self.open.is_confirmed(limit), open)
-            .union(FaultSet::when(self.short.is_confirmed(limit), short))
+    pub(crate) fn faults(&self, open: Fault, short: Fault) -> FaultSet {
+        FaultSet::when(self.open.is_confirmed(), open)
+            .union(FaultSet::when(self.short.is_confirmed(), short))
     }
 }

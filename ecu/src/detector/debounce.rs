@@ -2,15 +2,15 @@
 
 /// Counts samples that look wrong up and the others down.
 ///
-/// A fault is confirmed by N wrong samples in a row, or N more wrong than right ones, and is gone when the count is back at zero:
-/// after N right ones in a row. What is wrong less than half of the time, such as noise, confirms nothing.
+/// A fault is confirmed by N wrong samples in a row, or N more wrong than right ones; what is wrong less than half of the time, such
+/// as noise, confirms nothing. A confirmed fault is gone after N right samples in a row.
 ///
 /// ```text
-///  unconfirmed  0 ─ 1 ─ ... ─ N-1 ──► 2N   one byte: the count, and N more while confirmed
-///    confirmed  0 ◄── N+1 ─ ... ─ 2N-1 ─ 2N
+///  unconfirmed   0 ⇄ 1 ⇄ ... ⇄ N-1 ──► -N    one byte, negative while confirmed
+///    confirmed   0 ◄── -1 ◄─ ... ◄──── -N    any wrong sample: -N again
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub(crate) struct Debounce(u8);
+pub(crate) struct Debounce(i8);
 
 impl Debounce {
     pub(crate) const CLEAR: Self = Self(0);
@@ -18,22 +18,19 @@ impl Debounce {
     /// One sample; `limit` is N, 1 ..= 127 and the same in each sample.
     #[inline(always)]
     pub(crate) fn update(&mut self, looks_wrong: bool, limit: u8) {
-        let limit = u32::from(limit);
-        let end = limit.wrapping_mul(2);
-        let count = u32::from(self.0);
-        let moved = if looks_wrong {
+        let count = self.0;
+        self.0 = if !looks_wrong {
+            count.wrapping_sub(count.signum())
+        } else if count.cast_unsigned() < limit.wrapping_sub(1) {
             count.wrapping_add(1)
         } else {
-            count.saturating_sub(1)
+            limit.cast_signed().wrapping_neg()
         };
-        let jumped = if looks_wrong { end } else { 0 };
-        let settled = if moved == limit { jumped } else { moved };
-        self.0 = settled.min(end) as u8;
     }
 
     #[inline(always)]
-    pub(crate) const fn is_confirmed(self, limit: u8) -> bool {
-        self.0 > limit
+    pub(crate) const fn is_confirmed(self) -> bool {
+        self.0 < 0
     }
 }
 
@@ -48,7 +45,7 @@ mod tests {
         for wrong in samples {
             debounce.update(wrong, limit);
         }
-        debounce.is_confirmed(limit)
+        debounce.is_confirmed()
     }
 
     #[test]
@@ -64,19 +61,23 @@ mod tests {
     }
 
     #[test]
-    fn a_confirmed_fault_is_gone_after_n_right_samples_and_not_before() {
-        for (right, expected) in [(2, true), (3, false), (4, false)] {
-            let samples = repeat_n(true, 9).chain(repeat_n(false, right));
-            assert_eq!(confirmed_after(samples, 3), expected, "{right}");
+    fn a_confirmed_fault_is_gone_after_n_right_samples_in_a_row_and_not_before() {
+        for limit in 1..=127 {
+            let n = usize::from(limit);
+            for (right, expected) in [(n - 1, true), (n, false), (n + 1, false)] {
+                let samples = repeat_n(true, n + 5).chain(repeat_n(false, right));
+                assert_eq!(
+                    confirmed_after(samples, limit),
+                    expected,
+                    "{limit}, {right}"
+                );
+            }
+            let interrupted = repeat_n(true, n)
+                .chain(repeat_n(false, n - 1))
+                .chain([true])
+                .chain(repeat_n(false, n - 1));
+            assert!(confirmed_after(interrupted, limit), "{limit}");
         }
-    }
-
-    #[test]
-    fn a_confirmed_fault_that_wavers_stays() {
-        let wavering = repeat_n(true, 5).chain([
-            false, false, true, false, true, true, true, true, false, false,
-        ]);
-        assert!(confirmed_after(wavering, 3));
     }
 
     #[test]

@@ -26,18 +26,13 @@ impl OffsetDetector {
 
     /// `pressure` \[bar\], 2⁻¹⁶; none is not judged.
     #[inline(always)]
-    pub(crate) fn sample(
-        &mut self,
-        limits: &Limits,
-        valves: &Valves,
-        pressure: Option<i32>,
-        limit: u8,
-    ) {
+    pub(crate) fn sample(&mut self, limits: &Limits, valves: &Valves, pressure: Option<i32>) {
         let Some(pressure) = pressure else { return };
         let settling = limits.settling;
         let is_vented = valves.vent.is_open(settling) && valves.fill.is_shut(settling);
         self.vented_for = counted(self.vented_for, is_vented && pressure > EMPTY_MAX);
-        self.confirmed = pressure > EMPTY_MAX && (self.confirmed || self.vented_for >= limit);
+        let n = limits.mechanisms.samples(OFFSET_N);
+        self.confirmed = pressure > EMPTY_MAX && (self.confirmed || self.vented_for >= n);
     }
 
     #[inline(always)]

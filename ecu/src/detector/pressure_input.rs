@@ -2,11 +2,11 @@
 
 use controller::{Output, Pressure};
 
-use crate::config::EcuConfig;
+use crate::config::Limits;
 use crate::detector::Debounce;
 use crate::detector::jump::jumped;
 use crate::detector::range::out_of_range;
-use crate::detector::stuck::{STUCK_N, StuckDetector};
+use crate::detector::stuck::StuckDetector;
 use crate::fault::{Fault, FaultSet};
 use crate::sensor::{PressureSensor, SensorCode};
 
@@ -36,48 +36,40 @@ impl PressureInput {
     #[inline(always)]
     pub(crate) fn sample(
         &mut self,
-        config: &EcuConfig,
+        limits: &Limits,
         opening: Output,
         code: Option<SensorCode>,
     ) -> Option<Pressure> {
         let Some(code) = code else {
-            self.judge(config, Some(Fault::SensorMissing));
+            self.judge(limits, Some(Fault::SensorMissing));
             return None;
         };
-        let limits = &config.limits;
         let pressure = PressureSensor::pressure(code);
-        let stuck_limit = config.mechanisms.limit(STUCK_N);
-        self.stuck
-            .sample(limits, opening, code, pressure, stuck_limit);
+        self.stuck.sample(limits, opening, code, pressure);
         let outside = out_of_range(limits, code, pressure);
         let wrong = outside.or_else(|| jumped(limits, self.believed, pressure));
-        let is_confirmed = self.judge(config, wrong);
+        self.judge(limits, wrong);
         // A jump that was reported is where the pressure comes back from; a code out of range is no pressure to come from.
-        if wrong.is_none() || is_confirmed && outside.is_none() {
+        if wrong.is_none() || self.doubt.is_confirmed() && outside.is_none() {
             self.believed = Some(pressure);
         }
         wrong.is_none().then_some(pressure)
     }
 
     #[inline(always)]
-    fn judge(&mut self, config: &EcuConfig, wrong: Option<Fault>) -> bool {
-        let limit = config.mechanisms.limit(DOUBT_N);
+    fn judge(&mut self, limits: &Limits, wrong: Option<Fault>) {
         if let Some(reason) = wrong
-            && !self.doubt.is_confirmed(limit)
+            && !self.doubt.is_confirmed()
         {
             self.reason = reason;
         }
-        self.doubt.update(wrong.is_some(), limit);
-        self.doubt.is_confirmed(limit)
+        let n = limits.mechanisms.samples(DOUBT_N);
+        self.doubt.update(wrong.is_some(), n);
     }
 
     #[inline(always)]
-    pub(crate) fn faults(&self, config: &EcuConfig) -> FaultSet {
-        let mechanisms = config.mechanisms;
-        FaultSet::when(
-            self.doubt.is_confirmed(mechanisms.limit(DOUBT_N)),
-            self.reason,
-        )
-        .union(self.stuck.faults(mechanisms.limit(STUCK_N)))
+    pub(crate) fn faults(&self, limits: &Limits) -> FaultSet {
+        let doubt = FaultSet::when(self.doubt.is_confirmed(), self.reason);
+        doubt.union(self.stuck.faults(limits))
     }
 }

@@ -26,16 +26,12 @@ impl ReferenceInput {
 
     /// Whether this sample's reference is valid; one that no supply could give is not.
     #[inline(always)]
-    pub(crate) fn sample(
-        &mut self,
-        limits: &Limits,
-        reference: Option<Pressure>,
-        limit: u8,
-    ) -> bool {
+    pub(crate) fn sample(&mut self, limits: &Limits, reference: Option<Pressure>) -> bool {
         let valid = reference.filter(|reference| {
             reference.to_bits() >= REFERENCE_MIN && reference.to_bits() <= limits.reference_max
         });
-        self.lost.update(valid.is_none(), limit);
+        let n = limits.mechanisms.samples(REFERENCE_N);
+        self.lost.update(valid.is_none(), n);
         if let Some(reference) = valid {
             self.last = reference;
         }
@@ -49,7 +45,7 @@ impl ReferenceInput {
     }
 
     #[inline(always)]
-    pub(crate) fn faults(&self, limit: u8) -> FaultSet {
-        FaultSet::when(self.lost.is_confirmed(limit), Fault::ReferenceLost)
+    pub(crate) fn faults(&self) -> FaultSet {
+        FaultSet::when(self.lost.is_confirmed(), Fault::ReferenceLost)
     }
 }

@@ -54,22 +54,21 @@ impl Excess {
 
     /// Adds what this sample leaves unexplained; none if a command explains anything in this direction.
     #[inline(always)]
-    fn add(&mut self, unexplained: Option<i32>, fault: Fault, limit: u8) {
+    fn add(&mut self, unexplained: Option<i32>, fault: Fault, n: u8) {
         self.sum = match unexplained {
             // The sum and what is added are below 2²³.
             Some(unexplained) => self.sum.wrapping_add(unexplained).clamp(0, EXCESS_END),
             None => 0,
         };
-        let was_confirmed = self.debounce.is_confirmed(limit);
-        self.debounce.update(self.sum > EXCESS_MAX, limit);
-        if !was_confirmed {
+        if !self.debounce.is_confirmed() {
             self.fault = fault;
         }
+        self.debounce.update(self.sum > EXCESS_MAX, n);
     }
 
     #[inline(always)]
-    fn faults(&self, limit: u8) -> FaultSet {
-        FaultSet::when(self.debounce.is_confirmed(limit), self.fault)
+    fn faults(&self) -> FaultSet {
+        FaultSet::when(self.debounce.is_confirmed(), self.fault)
     }
 }
 
@@ -82,18 +81,13 @@ impl ResponseDetector {
 
     /// `pressure` \[bar\], 2⁻¹⁶; none in a sample whose code is not believed: the sums begin again with the next.
     #[inline(always)]
-    pub(crate) fn sample(
-        &mut self,
-        limits: &Limits,
-        valves: &Valves,
-        pressure: Option<i32>,
-        limit: u8,
-    ) {
+    pub(crate) fn sample(&mut self, limits: &Limits, valves: &Valves, pressure: Option<i32>) {
+        let n = limits.mechanisms.samples(RESPONSE_N);
         let before = self.before;
         self.before = pressure;
         let (Some(before), Some(pressure)) = (before, pressure) else {
-            self.too_little.add(None, Fault::NoRise, limit);
-            self.too_much.add(None, Fault::NoFall, limit);
+            self.too_little.add(None, Fault::NoRise, n);
+            self.too_much.add(None, Fault::NoFall, n);
             return;
         };
         let Valves { fill, vent } = *valves;
@@ -114,8 +108,8 @@ impl ResponseDetector {
             Fault::NoRise
         };
         let missing = least.wrapping_sub(CREEP).wrapping_sub(change);
-        self.too_little
-            .add(vent.is_shut(settling).then_some(missing), too_little, limit);
+        let missing = vent.is_shut(settling).then_some(missing);
+        self.too_little.add(missing, too_little, n);
 
         let vent_is_open = vent.is_open(settling);
         let fall = if vent_is_open {
@@ -129,15 +123,13 @@ impl ResponseDetector {
             Fault::UncommandedRise
         };
         let surplus = change.wrapping_add(fall).wrapping_sub(CREEP);
-        self.too_much
-            .add(fill_is_shut.then_some(surplus), too_much, limit);
+        let surplus = fill_is_shut.then_some(surplus);
+        self.too_much.add(surplus, too_much, n);
     }
 
     #[inline(always)]
-    pub(crate) fn faults(&self, limit: u8) -> FaultSet {
-        self.too_little
-            .faults(limit)
-            .union(self.too_much.faults(limit))
+    pub(crate) fn faults(&self) -> FaultSet {
+        self.too_little.faults().union(self.too_much.faults())
     }
 }
 

@@ -15,13 +15,14 @@ impl SampleTimeDetector {
     pub(crate) const NEW: Self = Self(Debounce::CLEAR);
 
     #[inline(always)]
-    pub(crate) fn sample(&mut self, limits: &Limits, elapsed_us: u32, limit: u8) {
+    pub(crate) fn sample(&mut self, limits: &Limits, elapsed_us: u32) {
         let in_time = elapsed_us >= limits.elapsed_min_us && elapsed_us <= limits.elapsed_max_us;
-        self.0.update(!in_time, limit);
+        let n = limits.mechanisms.samples(SAMPLE_TIME_N);
+        self.0.update(!in_time, n);
     }
 
     #[inline(always)]
-    pub(crate) fn faults(&self, limit: u8) -> FaultSet {
-        FaultSet::when(self.0.is_confirmed(limit), Fault::SampleTime)
+    pub(crate) fn faults(&self) -> FaultSet {
+        FaultSet::when(self.0.is_confirmed(), Fault::SampleTime)
     }
 }

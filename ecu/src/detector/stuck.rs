@@ -35,20 +35,21 @@ impl StuckDetector {
         opening: Output,
         code: SensorCode,
         pressure: Pressure,
-        limit: u8,
     ) {
-        let is_filled = !opening.duty_fill.is_off() && pressure.to_bits() < limits.supply_min;
-        let is_vented = !opening.duty_vent.is_off() && pressure.to_bits() > ROOM_TO_FALL;
-        if code != self.code {
-            self.code = code;
-            self.unmoved = 0;
-        } else if (is_filled || is_vented) && self.unmoved < limit {
-            self.unmoved = self.unmoved.wrapping_add(1);
-        }
+        let is_filled = !opening.duty_fill.is_off() & (pressure.to_bits() < limits.supply_min);
+        let is_vented = !opening.duty_vent.is_off() & (pressure.to_bits() > ROOM_TO_FALL);
+        let is_driven = is_filled | is_vented;
+        self.unmoved = if code == self.code {
+            self.unmoved.saturating_add(is_driven.into())
+        } else {
+            0
+        };
+        self.code = code;
     }
 
     #[inline(always)]
-    pub(crate) fn faults(&self, limit: u8) -> FaultSet {
-        FaultSet::when(self.unmoved >= limit, Fault::SensorStuck)
+    pub(crate) fn faults(&self, limits: &Limits) -> FaultSet {
+        let n = limits.mechanisms.samples(STUCK_N);
+        FaultSet::when(self.unmoved >= n, Fault::SensorStuck)
     }
 }
