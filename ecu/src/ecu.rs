@@ -8,6 +8,8 @@ use crate::detector::{Detectors, Seen, Told};
 use crate::digest::digest;
 use crate::fault::FaultSet;
 use crate::input_output::{Inputs, Outputs, safe_outputs};
+#[cfg(feature = "mutilate")]
+use crate::mechanism::Damage;
 use crate::mechanism::Mechanism;
 use crate::mode::Mode;
 use crate::settings::VentValve;
@@ -121,6 +123,25 @@ impl Ecu {
         self.state.supervisor.release()
     }
 
+    /// Damages it, for a test that has to notice.
+    #[cfg(feature = "mutilate")]
+    pub fn damage(&mut self, damage: Damage) {
+        match damage {
+            Damage::Config => {
+                self.config.vent_valve = match self.config.vent_valve {
+                    VentValve::NormallyClosed => VentValve::NormallyOpen,
+                    VentValve::NormallyOpen => VentValve::NormallyClosed,
+                };
+            }
+            Damage::Supervisor => self.state.supervisor.damage(),
+            Damage::Controller => {
+                let mechanisms = &mut self.config.limits.mechanisms;
+                *mechanisms = mechanisms.driving_both();
+                self.copy = self.config;
+            }
+        }
+    }
+
     /// Other settings, whole, from the next sample on; the controller continues without a bump.
     pub fn retune(&mut self, config: EcuConfig) {
         let input = Input {
@@ -182,6 +203,9 @@ impl EcuState {
         }
         let (output, trace) = step_traced(&config.controller, &mut self.controller, input);
         self.u = trace.u;
+        if config.limits.mechanisms.drives_both() {
+            return BOTH;
+        }
         output
     }
 
@@ -193,6 +217,12 @@ impl EcuState {
         self.told.valves.told(&config.limits, self.told.opening);
     }
 }
+
+/// What no sound controller asks for that was not set up to.
+const BOTH: Output = Output {
+    duty_fill: Duty::FULL,
+    duty_vent: Duty::FULL,
+};
 
 /// The duty cycles of the coils that open the valves so far.
 #[inline(always)]

@@ -103,16 +103,6 @@ impl FaultSet {
         Self((is_present as u32) << fault as u8)
     }
 
-    /// Several faults.
-    pub(crate) const fn from_faults(mut faults: &[Fault]) -> Self {
-        let mut set = Self::NONE;
-        while let [first, rest @ ..] = faults {
-            set = set.union(Self::of(*first));
-            faults = rest;
-        }
-        set
-    }
-
     /// From a word of [`FaultSet::bits`]; bits that mean no fault are dropped.
     pub const fn from_bits(bits: u32) -> Self {
         Self(bits & ((1 << Fault::ALL.len()) - 1))

@@ -35,8 +35,10 @@ pub use error::{EcuConfigError, SupervisionField};
 pub use fault::{Fault, FaultSet};
 pub use hil_protocol::{ResetCause, Telemetry};
 pub use input_output::{Inputs, Outputs, safe_outputs};
+#[cfg(feature = "mutilate")]
+pub use mechanism::Damage;
 pub use mechanism::Mechanism;
 pub use mode::Mode;
 pub use sensor::{PressureSensor, SensorCode};
 pub use settings::{EcuSettings, Supervision, VentValve};
-pub use supervisor::ReleaseRefused;
+pub use supervisor::{ReleaseRefused, Way};

@@ -53,6 +53,18 @@ impl Mechanism {
     ];
 }
 
+/// What a test can damage while the ECU runs, to see what stands behind it.
+#[cfg(feature = "mutilate")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Damage {
+    /// A bit of the configuration: the vent valve is taken for the other kind.
+    Config,
+    /// Bits of the supervisor: it is in [`Mode::Running`](crate::Mode::Running), whatever it was in.
+    Supervisor,
+    /// The controller drives both valves from now on.
+    Controller,
+}
+
 /// Which mechanisms and detectors are left.
 #[cfg(feature = "mutilate")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +72,8 @@ impl Mechanism {
 pub(crate) struct Mechanisms {
     removed: u32,
     blind: crate::fault::FaultSet,
+    /// Whether the controller is damaged and drives both valves.
+    drives_both: bool,
 }
 
 /// All of them; takes no room.
@@ -73,6 +87,7 @@ impl Mechanisms {
     pub(crate) const ALL: Self = Self {
         removed: 0,
         blind: crate::fault::FaultSet::NONE,
+        drives_both: false,
     };
 
     pub(crate) const fn without(self, mechanism: Mechanism) -> Self {
@@ -89,6 +104,17 @@ impl Mechanisms {
         }
     }
 
+    pub(crate) const fn driving_both(self) -> Self {
+        Self {
+            drives_both: true,
+            ..self
+        }
+    }
+
+    pub(crate) const fn drives_both(self) -> bool {
+        self.drives_both
+    }
+
     pub(crate) const fn has(self, mechanism: Mechanism) -> bool {
         self.removed & 1 << mechanism as u8 == 0
     }
@@ -101,6 +127,11 @@ impl Mechanisms {
 #[cfg(not(feature = "mutilate"))]
 impl Mechanisms {
     pub(crate) const ALL: Self = Self;
+
+    #[inline(always)]
+    pub(crate) const fn drives_both(self) -> bool {
+        false
+    }
 
     #[inline(always)]
     pub(crate) const fn has(self, _: Mechanism) -> bool {
