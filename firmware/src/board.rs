@@ -35,6 +35,9 @@ pub trait Board {
     /// How often the sample timer, 10 ms, has come since the last call.
     fn take_ticks(&mut self) -> u32;
 
+    /// Time since the sample timer came last \[µs\], by that timer itself.
+    fn since_tick_us(&self) -> u32;
+
     /// Tells the watchdog that all is well; it resets the machine if this is not said again in time.
     fn feed_watchdog(&mut self, pace: Pace);
 
@@ -63,6 +66,9 @@ pub trait Board {
     /// Sends a frame over the link from which the last byte or frame came. Does not wait: a frame for which there is no
     /// room is lost, as on any wire.
     fn send(&mut self, frame: &[u8]);
+
+    /// Whether something of what was sent has not left yet.
+    fn is_sending(&self) -> bool;
 
     /// Writes an event to the log.
     fn log(&mut self, event: Event);

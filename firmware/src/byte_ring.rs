@@ -38,6 +38,11 @@ impl<const N: usize> ByteRing<N> {
         Self::SIZE.saturating_sub(fill) as usize
     }
 
+    /// Whether a reader would find nothing.
+    pub fn is_empty(&self) -> bool {
+        self.room() == N
+    }
+
     /// Puts a byte in, if there is room; says whether there was. The writer's side.
     pub fn push(&self, byte: u8) -> bool {
         if self.room() == 0 {
@@ -87,6 +92,7 @@ mod tests {
                     prop_assert_eq!(ring.pop(), model.pop_front());
                 }
                 prop_assert_eq!(ring.room(), 8 - model.len());
+                prop_assert_eq!(ring.is_empty(), model.is_empty());
             }
         }
     }

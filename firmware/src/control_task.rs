@@ -4,10 +4,15 @@ use controller::Duty;
 use ecu::device::EcuDevice;
 use ecu::{FaultSet, Inputs, Mode, Outputs, safe_outputs};
 use embedded_storage::nor_flash::NorFlash;
-use hil_protocol::{Actuators, Device, Identity, LogBytes, Refusal, Reply, Request, Sensors};
+use hil_protocol::{
+    Actuators, Device, Identity, LogBytes, Measured, Refusal, Reply, Request, Sensors, SignalIds,
+    Values,
+};
 
 use crate::board::{Board, Pace};
 use crate::event::Event;
+use crate::measurement::Measurement;
+use crate::punctuality::{FIRST_SIGNAL, LAST_SIGNAL, Punctuality};
 use crate::retained::Farewell;
 
 /// Turns of the main loop between two looks at the clock while a host sets the pace: a millisecond or some.
@@ -24,6 +29,8 @@ const SILENCE_MAX_US: u32 = 1_000_000;
 ///  timer, 10 ms   ◄────────────────────────────────────────────────  coils off after a second without one
 ///                    Hello without
 /// ```
+/// Between the two lies a start of the ECU's logic: nothing that was measured on one side is believed on the other. A host
+/// that only looks on, without lock step, disturbs nothing.
 pub(crate) struct ControlTask<B, F, M> {
     pub(crate) board: B,
     ecu: EcuDevice<F, M>,
@@ -38,6 +45,8 @@ pub(crate) struct ControlTask<B, F, M> {
     turns: u32,
     /// What was told last of the supervisor.
     told: (Mode, FaultSet),
+    punctuality: Punctuality,
+    measurement: Measurement,
 }
 
 impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M> {
@@ -53,6 +62,8 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
             ends: false,
             sample: 0,
             turns: 0,
+            punctuality: Punctuality::new(),
+            measurement: Measurement::new(),
         }
     }
 
@@ -72,21 +83,39 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         if ticks == 0 {
             return None;
         }
+        let missed = ticks.saturating_sub(1);
         let now_us = self.board.now_us();
+        self.punctuality
+            .begin(now_us, self.board.since_tick_us(), missed);
         let inputs = self.board.measure(now_us.wrapping_sub(self.last_us));
         self.last_us = now_us;
         let sample = self.sample;
         self.sample = sample.wrapping_add(1);
         let actuators = self.ecu.sample(sample, &inputs).actuators;
         self.drive(actuators);
+        self.punctuality.driven(self.board.since_tick_us());
         self.tell(sample);
-        if ticks > 1 {
-            let missed = ticks - 1;
+        if missed > 0 {
             self.board.log(Event::TicksMissed { sample, missed });
         }
         // Only now: a task that hangs anywhere in a sample is reset.
         self.board.feed_watchdog(Pace::Timer);
-        self.ecu.measured()
+        self.measured(sample)
+    }
+
+    /// What a host wants to see of each sample by the timer.
+    fn measured(&self, sample: u32) -> Option<Reply> {
+        if self.measurement.is_empty() {
+            return None;
+        }
+        let of_the_ecu = match self.ecu.measured() {
+            Some(Reply::Measured { values, .. }) => values,
+            _ => Measured::new(),
+        };
+        Some(Reply::Measured {
+            sample,
+            values: self.measurement.merged(&of_the_ecu, &self.punctuality),
+        })
     }
 
     /// Now and then: the loop is alive, and is the host?
@@ -111,10 +140,57 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         self.board.simulate(sensors);
         let inputs = self.board.measure(sensors.elapsed_us);
         let measured = Request::Sample(as_sensors(sensors.sample, &inputs));
-        let reply = self.ecu.answer(&measured);
-        if let Reply::Sample { answer, .. } = &reply {
-            self.drive(answer.actuators);
-            self.tell(sensors.sample);
+        match self.ecu.answer(&measured) {
+            Reply::Sample { answer, measured } => {
+                self.drive(answer.actuators);
+                self.tell(sensors.sample);
+                Reply::Sample {
+                    answer,
+                    measured: self.measurement.merged(&measured, &self.punctuality),
+                }
+            }
+            other => other,
+        }
+    }
+
+    /// Who sets the pace from now on.
+    fn change_pace(&mut self, pace: Pace) {
+        if pace == self.pace {
+            return;
+        }
+        self.pace = pace;
+        self.board.drive(safe_outputs());
+        if pace == Pace::Timer {
+            self.board.end_simulation();
+        }
+        let cause = self.ecu.reset_cause();
+        self.ecu.answer(&Request::Restart { cause });
+        self.board.take_ticks();
+        self.last_us = self.board.now_us();
+        self.board.feed_watchdog(pace);
+    }
+
+    /// A signal of the image.
+    fn signal(&self, id: u16) -> Reply {
+        let Some(value) = self.punctuality.signal(id) else {
+            let last = LAST_SIGNAL;
+            return Reply::Refused(Refusal::UnknownSignal { id, last });
+        };
+        Reply::Values {
+            first: id,
+            values: Values::from_array([value]),
+        }
+    }
+
+    fn measure(&mut self, ids: &SignalIds) -> Reply {
+        let measurement = match Measurement::of(ids, &self.punctuality) {
+            Ok(measurement) => measurement,
+            Err(refusal) => return Reply::Refused(refusal),
+        };
+        let ids = measurement.of_the_ecu();
+        let reply = self.ecu.answer(&Request::Measure { ids });
+        if reply == Reply::Done {
+            self.measurement = measurement;
         }
         reply
     }
@@ -143,16 +219,14 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
 
 impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Device for ControlTask<B, F, M> {
     fn open(&mut self, lock_step: bool) -> Identity {
-        self.pace = if lock_step && self.board.may_simulate() {
+        let pace = if lock_step && self.board.may_simulate() {
             Pace::Host
         } else {
-            self.board.end_simulation();
             Pace::Timer
         };
-        self.board.feed_watchdog(self.pace);
-        self.board.drive(safe_outputs());
-        self.board.take_ticks();
-        self.last_us = self.board.now_us();
+        self.change_pace(pace);
+        self.punctuality = Punctuality::new();
+        self.measurement = Measurement::new();
         self.board.log(Event::Session { pace: self.pace });
         self.ecu.open(lock_step)
     }
@@ -160,6 +234,8 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Device for ControlTa
     fn answer(&mut self, request: &Request) -> Reply {
         match request {
             Request::Sample(sensors) => self.sample_by_request(sensors),
+            Request::Signal { id } if *id >= FIRST_SIGNAL => self.signal(*id),
+            Request::Measure { ids } => self.measure(ids),
             Request::Log => {
                 let mut bytes = LogBytes::new();
                 let lost = self.board.take_log(&mut bytes);

@@ -4,12 +4,11 @@ use ecu::calibration::CheckedSettings;
 use ecu::device::EcuDevice;
 use ecu::{EcuSettings, safe_outputs};
 use embedded_storage::nor_flash::NorFlash;
-use hil_protocol::{DeviceSession, FRAME_MAX, ImageIdentity, Name};
+use hil_protocol::{DeviceSession, FRAME_MAX, ImageIdentity, ResetCause, name};
 
 use crate::board::{Board, Received};
 use crate::control_task::ControlTask;
 use crate::event::Event;
-use crate::retained::Farewell;
 
 /// Whether the image goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +16,7 @@ use crate::retained::Farewell;
 pub enum Life {
     /// It does.
     GoesOn,
-    /// A host asked for a reset, and the answer is on its way: the coils are off, reset the machine.
+    /// A host asked for a reset, and the answer has left: the coils are off, reset the machine.
     Ends,
 }
 
@@ -45,16 +44,20 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
     pub fn start(mut board: B, flash: F, memory: M) -> Self {
         board.coils_off();
         let start = board.retained().start();
-        let hardware = board.reset_cause();
-        let cause = start.farewell.map_or(hardware, Farewell::cause);
+        let cause = match (start.farewell, board.reset_cause()) {
+            (Some(farewell), _) => farewell.cause(),
+            // Only a supply that failed takes the words with it.
+            (None, ResetCause::Unknown) if !start.warm => ResetCause::PowerOn,
+            (None, told) => told,
+        };
         board.log(Event::Started {
             boot: start.boot,
             cause,
             farewell: start.farewell,
         });
         let identity = ImageIdentity {
-            board: Name::try_from(B::NAME).unwrap_or_default(),
-            version: Name::try_from(env!("CARGO_PKG_VERSION")).unwrap_or_default(),
+            board: name(B::NAME),
+            version: name(env!("CARGO_PKG_VERSION")),
             build: board.build(),
             signals: 0,
             settings: 0,
@@ -73,6 +76,9 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
 
     /// One turn of the main loop: a sample if its time has come, then at most one byte or frame of the link.
     pub fn turn(&mut self) -> Life {
+        if self.task.ends {
+            return self.last_turn();
+        }
         self.task.board.background();
         if let Some(reply) = self.task.turn()
             && let Some(frame) = self.session.unasked(&reply, &mut self.buffer)
@@ -89,11 +95,16 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         if let Some(frame) = answer {
             self.task.board.send(frame);
         }
-        if self.task.ends {
-            self.task.board.coils_off();
-            Life::Ends
-        } else {
+        Life::GoesOn
+    }
+
+    /// The answer leaves first. If it cannot, the watchdog ends the wait.
+    fn last_turn(&mut self) -> Life {
+        self.task.board.coils_off();
+        if self.task.board.is_sending() {
             Life::GoesOn
+        } else {
+            Life::Ends
         }
     }
 

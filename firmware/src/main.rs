@@ -15,6 +15,8 @@ mod build_number;
 mod handlers;
 #[cfg(target_os = "none")]
 mod log;
+#[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
+mod stack;
 
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {

@@ -96,6 +96,15 @@ pub fn run(watcher: &mut impl Watcher, flip: impl Fn(&str, u32) -> u32) -> Resul
     Ok(())
 }
 
+/// Shows how deep the stack was used: `stack used=312 of=65536`, in bytes.
+///
+/// # Errors
+/// The line did not get out.
+pub fn show_stack(watcher: &mut impl Watcher, used: u32, reserved: u32) -> Result<(), NotShown> {
+    let line = Line::new().text("stack used=").decimal(used);
+    watcher.show(line.text(" of=").decimal(reserved).as_str())
+}
+
 fn told(name: &str, key: &str, steps: u32, digest: Digest) -> Line {
     Line::new()
         .text("config=")
@@ -173,6 +182,16 @@ mod tests {
                 .iter()
                 .all(|line| line.starts_with("config=scheme_2 "))
         );
+    }
+
+    #[test]
+    fn the_stack_is_shown_in_bytes() {
+        let mut listener = Listener {
+            lines: Vec::new(),
+            room: 1,
+        };
+        assert_eq!(show_stack(&mut listener, 312, 65_536), Ok(()));
+        assert_eq!(listener.lines, ["stack used=312 of=65536"]);
     }
 
     #[test]

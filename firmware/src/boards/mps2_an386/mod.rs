@@ -97,6 +97,10 @@ impl Board for Mps2An386 {
         timer::take_ticks()
     }
 
+    fn since_tick_us(&self) -> u32 {
+        timer::since_tick_us()
+    }
+
     fn feed_watchdog(&mut self, pace: Pace) {
         watchdog::feed(pace);
     }
@@ -147,6 +151,10 @@ impl Board for Mps2An386 {
         }
     }
 
+    fn is_sending(&self) -> bool {
+        uart::is_sending()
+    }
+
     fn log(&mut self, event: Event) {
         log::log(event);
     }
@@ -161,9 +169,6 @@ pub(crate) fn coils_off() {
     Pwm::all_off();
 }
 
-/// Nothing is in the way of a reset here.
-pub(crate) fn before_reset() {}
-
 #[entry]
 fn main() -> ! {
     coils_off();
@@ -175,6 +180,8 @@ fn main() -> ! {
         let mut image = Image::start(Mps2An386::new(), flash, black_box);
         while image.turn() == Life::GoesOn {}
     }
+    #[cfg(feature = "panic-canary")]
+    handlers::sing();
     handlers::end(Farewell::Requested)
 }
 

@@ -4,6 +4,7 @@ use cortex_m_semihosting::{debug, hio};
 use firmware::self_test::{self, NotShown, Watcher};
 
 use super::pins;
+use crate::stack;
 
 /// Whether whoever started the machine wants it.
 pub(super) fn is_wanted() -> bool {
@@ -12,8 +13,7 @@ pub(super) fn is_wanted() -> bool {
 
 /// Runs it, with the coils off, and ends.
 pub(super) fn run() -> ! {
-    let told =
-        hio::hstdout().is_ok_and(|out| self_test::run(&mut Semihosting { out }, |_, _| 0).is_ok());
+    let told = hio::hstdout().is_ok_and(|out| is_told(&mut Semihosting { out }));
     debug::exit(if told {
         debug::EXIT_SUCCESS
     } else {
@@ -23,6 +23,15 @@ pub(super) fn run() -> ! {
     loop {
         core::hint::spin_loop();
     }
+}
+
+/// The digests, and how deep the stack was used for them.
+fn is_told(watcher: &mut Semihosting) -> bool {
+    if self_test::run(watcher, |_, _| 0).is_err() {
+        return false;
+    }
+    let (used, reserved) = stack::used_of_reserved();
+    self_test::show_stack(watcher, used, reserved).is_ok()
 }
 
 struct Semihosting {

@@ -54,6 +54,11 @@ pub(crate) fn now_us() -> u32 {
     COUNTER.read()
 }
 
+/// Time since the timer came last \[µs\]: it counts down from one tick to the next.
+pub(super) fn since_tick_us() -> u32 {
+    (PERIOD - 1).saturating_sub(VALUE.read()) / (CLOCK_HZ / 1_000_000)
+}
+
 pub(super) fn on_tick() {
     INTERRUPT_CLEAR.write(1);
     TICKS.store(

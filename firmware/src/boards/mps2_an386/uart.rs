@@ -71,6 +71,11 @@ pub(super) fn receive() -> Option<u8> {
     IN.pop()
 }
 
+/// Whether a byte is still on its way out.
+pub(super) fn is_sending() -> bool {
+    !OUT.is_empty() || STATE.read() & STATE_SEND_FULL != 0
+}
+
 /// Queues a frame, whole or not at all.
 pub(super) fn send(frame: &[u8]) {
     if OUT.room() < frame.len() {

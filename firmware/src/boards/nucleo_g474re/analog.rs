@@ -81,7 +81,7 @@ impl Analog {
         if let Some(mean) = self.means.get_mut(self.channel) {
             mean.add(code);
         }
-        self.channel = (self.channel + 1) % CHANNELS;
+        self.channel = self.channel.wrapping_add(1) % CHANNELS;
     }
 
     pub(super) fn take(&mut self) -> Means {

@@ -163,12 +163,13 @@ impl NorFlash for Flash {
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         check_write(self, offset, bytes.len())?;
         let (words, _) = bytes.as_chunks::<DOUBLE_WORD>();
-        let places = (offset as usize..).step_by(DOUBLE_WORD);
         self.unlocked(|flash| {
-            words
-                .iter()
-                .zip(places)
-                .try_for_each(|(&word, place)| flash.write_double_word(place, word))
+            let mut place = offset as usize;
+            for &word in words {
+                flash.write_double_word(place, word)?;
+                place = place.wrapping_add(DOUBLE_WORD);
+            }
+            Ok(())
         })
     }
 }

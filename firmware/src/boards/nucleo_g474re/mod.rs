@@ -66,6 +66,10 @@ impl Board for NucleoG474Re {
         timer::take_ticks()
     }
 
+    fn since_tick_us(&self) -> u32 {
+        timer::since_tick_us()
+    }
+
     fn feed_watchdog(&mut self, pace: Pace) {
         watchdog::feed(pace);
     }
@@ -118,6 +122,10 @@ impl Board for NucleoG474Re {
         uart::send(frame);
     }
 
+    fn is_sending(&self) -> bool {
+        uart::is_sending()
+    }
+
     fn log(&mut self, event: Event) {
         log::log(event);
     }
@@ -127,9 +135,6 @@ impl Board for NucleoG474Re {
     }
 }
 
-/// Nothing is in the way of a reset here.
-pub(crate) fn before_reset() {}
-
 #[entry]
 fn main() -> ! {
     // None of the two can be taken twice in a life.
@@ -137,6 +142,8 @@ fn main() -> ! {
         let mut image = Image::start(board, flash, black_box);
         while image.turn() == Life::GoesOn {}
     }
+    #[cfg(feature = "panic-canary")]
+    handlers::sing();
     handlers::end(Farewell::Requested)
 }
 

@@ -6,6 +6,9 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use stm32g4xx_hal::rcc::{Enable, Rcc};
 use stm32g4xx_hal::stm32::{TIM1, TIM2, interrupt};
 
+/// What counts timer 1: the clock of the processor.
+const CLOCK_HZ: u32 = 170_000_000;
+
 static TICKS: AtomicU32 = AtomicU32::new(0);
 
 /// Microseconds, from timer 2: 32 bits.
@@ -32,6 +35,15 @@ pub(super) fn start_ticks() {
 pub(crate) fn now_us() -> u32 {
     // SAFETY: only reads.
     unsafe { &*TIM2::ptr() }.cnt().read().bits()
+}
+
+/// Time since the PWM period began \[µs\]. Its prescaler makes counts of some 0.15 µs.
+pub(super) fn since_tick_us() -> u32 {
+    // SAFETY: only reads.
+    let timer = unsafe { &*TIM1::ptr() };
+    let clocks_per_count = u32::from(timer.psc().read().psc().bits()).wrapping_add(1);
+    let counts = u32::from(timer.cnt().read().cnt().bits());
+    counts.wrapping_mul(clocks_per_count) / (CLOCK_HZ / 1_000_000)
 }
 
 /// Ticks since the last call.

@@ -28,6 +28,11 @@ pub(super) fn receive() -> Option<u8> {
     IN.pop()
 }
 
+/// Whether a byte is still on its way out.
+pub(super) fn is_sending() -> bool {
+    !OUT.is_empty() || registers().isr().read().tc().bit_is_clear()
+}
+
 /// Queues a frame, whole or not at all.
 pub(super) fn send(frame: &[u8]) {
     if OUT.room() < frame.len() {
