@@ -4,10 +4,12 @@
 //! ```
 //! Instructions of the callee with its return; `stack`, `state` and `config` in bytes. `deviation` is the largest difference
 //! of a duty cycle from the project's own controller [2⁻¹⁶ %] while both drive the same valve, `decisions` the number of
-//! samples in which they do not; a PID kernel has neither.
+//! samples in which they do not; only the full steps have both.
 
+use core::cell::Cell;
 use core::fmt::{self, Write};
 
+use budgets::ecu_samples::{self, Checked, Rig};
 use budgets::ours::{self, Recommended, Thesis, Traced};
 use budgets::trace::{ClosedLoop, SAMPLES};
 use controller::{FixedConfig, State};
@@ -26,6 +28,7 @@ pub(crate) fn run() -> fmt::Result {
     bench.ours()?;
     #[cfg(feature = "c-baselines")]
     bench.baselines()?;
+    bench.ecus()?;
     bench.kernels()
 }
 
@@ -42,8 +45,6 @@ impl Bench {
         self.step("full_step_any", ours::full_step_any, thesis.config(), rest)?;
         let (step, traced) = (ours::traced_step, Traced::at_rest());
         self.step("traced_step", step, &recommended, traced)?;
-        let (step, traced) = (ours::traced_step_any, Traced::at_rest());
-        self.step("traced_step_any", step, recommended.config(), traced)?;
         self.step("pid_alone", ours::pid_alone, &ours::fixed(), rest)
     }
 
@@ -63,7 +64,7 @@ impl Bench {
             ("float_os", c::float_step_os),
         ] {
             let mut state = c::State::default();
-            self.measure(name, Callee::float_step(step, &FLOAT, &mut state))?;
+            self.on_trace(name, Callee::float_step(step, &FLOAT, &mut state))?;
         }
         Ok(())
     }
@@ -72,19 +73,44 @@ impl Bench {
         let fixed = peers::fixed_biquad();
         let mut state = DirectForm1::default();
         let callee = Callee::integer_kernel(peers::idsp_fixed, &fixed, &mut state);
-        self.measure("idsp_fixed", callee)?;
+        self.on_trace("idsp_fixed", callee)?;
         let mut state = DirectForm1Wide::default();
         let callee = Callee::integer_kernel(peers::idsp_fixed_wide, &fixed, &mut state);
-        self.measure("idsp_fixed_wide", callee)?;
+        self.on_trace("idsp_fixed_wide", callee)?;
         let float = peers::float_biquad();
         let mut state = DirectForm1::default();
         let callee = Callee::float_kernel(peers::idsp_float, &float, &mut state);
-        self.measure("idsp_float", callee)?;
+        self.on_trace("idsp_float", callee)?;
         let mut pid = peers::pid();
-        self.measure("pid", Callee::float_kernel(peers::pid_step, &(), &mut pid))?;
+        self.on_trace("pid", Callee::float_kernel(peers::pid_step, &(), &mut pid))?;
         let mut pid = peers::advanced_pid();
         let callee = Callee::float_kernel(peers::advanced_pid_step, &0.01, &mut pid);
-        self.measure("advanced_pid", callee)
+        self.on_trace("advanced_pid", callee)
+    }
+
+    /// The loop behind the plausibility of its pressure, and the whole ECU on a plant of its own.
+    fn ecus(&mut self) -> fmt::Result {
+        let (config, mut checked) = (ecu_samples::CHECKED, Checked::NEW);
+        let callee = Callee::integer_step(ecu_samples::checked_loop, &config, &mut checked);
+        let mut course = ClosedLoop::new();
+        self.measure("checked_loop", callee, |_| Fed {
+            registers: Registers::code(course.sample().0),
+            expected: None,
+        })?;
+
+        let (mut rig, mut ecu) = (Rig::new(), ecu_samples::bench_ecu());
+        let inputs = Cell::new(rig.sample());
+        let callee = Callee::ecu(ecu_samples::ecu_sample, &inputs, &mut ecu);
+        self.measure("ecu_sample", callee, |answered| {
+            if let Some(duties) = answered {
+                rig.drive(duties);
+                inputs.set(rig.sample());
+            }
+            Fed {
+                registers: Registers::NONE,
+                expected: None,
+            }
+        })
     }
 
     fn step<C, S>(
@@ -94,18 +120,40 @@ impl Bench {
         config: &C,
         mut state: S,
     ) -> fmt::Result {
-        self.measure(name, Callee::integer_step(step, config, &mut state))
+        self.on_trace(name, Callee::integer_step(step, config, &mut state))
     }
 
-    fn measure(&mut self, name: &str, callee: Callee<'_>) -> fmt::Result {
+    fn on_trace(&mut self, name: &str, callee: Callee<'_>) -> fmt::Result {
+        let mut course = ClosedLoop::new();
+        self.measure(name, callee, |_| {
+            let (sample, duties) = course.sample();
+            Fed {
+                registers: Registers::pressures(sample),
+                expected: Some(duties),
+            }
+        })
+    }
+
+    /// Calls with what `feed` makes of the answer before.
+    fn measure(
+        &mut self,
+        name: &str,
+        callee: Callee<'_>,
+        mut feed: impl FnMut(Option<[i32; 2]>) -> Fed,
+    ) -> fmt::Result {
         let mut counter = Counter::new();
         let mut cost = Cost::NONE;
         let mut difference = Difference::NONE;
-        for sample in ClosedLoop::new().take(SAMPLES) {
-            let mut registers = Registers::from(sample);
+        let mut answered = None;
+        for _ in 0..SAMPLES {
+            let Fed {
+                mut registers,
+                expected,
+            } = feed(answered);
             cost.add(counter.call(&callee, &mut registers));
-            if let Some(duties) = callee.duties(&registers) {
-                difference.add(sample.duties, duties);
+            answered = callee.duties(&registers);
+            if let (Some(expected), Some(answered)) = (expected, answered) {
+                difference.add(expected, answered);
             }
         }
         writeln!(
@@ -117,6 +165,12 @@ impl Bench {
             callee.config_bytes,
         )
     }
+}
+
+/// What goes into a call, and the duty cycles [2⁻¹⁶ %] that the project's own controller answers to it.
+struct Fed {
+    registers: Registers,
+    expected: Option<[i32; 2]>,
 }
 
 /// Instructions over all calls.

@@ -1,8 +1,10 @@
 //! A candidate as it is called: a function, and the configuration and the state that it is given by reference.
 
+use core::cell::Cell;
 use core::marker::PhantomData;
 
-use budgets::trace::Sample;
+use budgets::plant::Sample;
+use ecu::{Ecu, Inputs};
 
 /// A full step in integers: reference and pressure [2⁻¹⁶ bar] to fill and vent [2⁻¹⁶ %], in the lower and upper word.
 pub(crate) type IntegerStep<C, S> = extern "C" fn(&C, &mut S, i32, i32) -> u64;
@@ -31,15 +33,32 @@ pub(crate) struct Registers {
     pub(crate) s1: f32,
 }
 
-impl From<Sample> for Registers {
-    fn from(sample: Sample) -> Self {
+impl Registers {
+    /// Reference and pressure [2⁻¹⁶ bar], for integers and for floats \[bar\].
+    pub(crate) fn pressures(sample: Sample) -> Self {
+        Self {
+            s0: sample.reference as f32 / 65_536.0,
+            s1: sample.pressure as f32 / 65_536.0,
+            ..Self::integers(sample.reference, sample.pressure)
+        }
+    }
+
+    /// Reference [2⁻¹⁶ bar] and the code of the sensor.
+    pub(crate) fn code(sample: Sample) -> Self {
+        Self::integers(sample.reference, i32::from(sample.code.bits()))
+    }
+
+    /// For a candidate that finds its inputs elsewhere.
+    pub(crate) const NONE: Self = Self::integers(0, 0);
+
+    const fn integers(r2: i32, r3: i32) -> Self {
         Self {
             r0: 0,
             r1: 0,
-            r2: sample.reference,
-            r3: sample.pressure,
-            s0: sample.reference as f32 / 65_536.0,
-            s1: sample.pressure as f32 / 65_536.0,
+            r2,
+            r3,
+            s0: 0.0,
+            s1: 0.0,
         }
     }
 }
@@ -92,6 +111,18 @@ impl<'a> Callee<'a> {
         state: &'a mut S,
     ) -> Self {
         Self::new(kernel as usize, config, state, Answer::Kernel)
+    }
+
+    /// The whole ECU, which has its configuration in its state.
+    pub(crate) fn ecu(
+        sample: IntegerStep<Cell<Inputs>, Ecu>,
+        inputs: &'a Cell<Inputs>,
+        ecu: &'a mut Ecu,
+    ) -> Self {
+        Self {
+            config_bytes: 0,
+            ..Self::integer_step(sample, inputs, ecu)
+        }
     }
 
     fn new<C, S>(entry: usize, config: &'a C, state: &'a mut S, answer: Answer) -> Self {

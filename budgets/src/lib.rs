@@ -7,5 +7,7 @@
 
 #![cfg_attr(not(test), no_std)]
 
+pub mod ecu_samples;
 pub mod ours;
+pub mod plant;
 pub mod trace;

@@ -1,8 +1,8 @@
 //! The project's own controller, out of line, as the bench calls every candidate: configuration, state, reference, pressure.
 
 use controller::{
-    Config, Distributor, FixedConfig, Input, Mechanisms, Output, Prediction, Pressure, Settings,
-    State, Trace, step, step_traced,
+    Config, Distributor, Duty, FixedConfig, Input, Mechanisms, Output, Prediction, Pressure,
+    Settings, State, Trace, step,
 };
 
 /// The mechanisms of the thesis.
@@ -50,7 +50,7 @@ pub extern "C" fn full_step(
     reference: i32,
     pressure: i32,
 ) -> u64 {
-    in_registers(config.step(state, input(reference, pressure)))
+    duties(config.step(state, input(reference, pressure)))
 }
 
 /// The full step, every setting in RAM.
@@ -60,7 +60,7 @@ pub extern "C" fn full_step_any(
     reference: i32,
     pressure: i32,
 ) -> u64 {
-    in_registers(step(config, state, input(reference, pressure)))
+    duties(step(config, state, input(reference, pressure)))
 }
 
 /// The PID controller alone: its mechanisms are fixed, its numbers in RAM.
@@ -70,7 +70,7 @@ pub extern "C" fn pid_alone(
     reference: i32,
     pressure: i32,
 ) -> u64 {
-    in_registers(config.step(state, input(reference, pressure)))
+    duties(config.step(state, input(reference, pressure)))
 }
 
 /// A controller's state, and the trace that it leaves for the log.
@@ -100,19 +100,7 @@ pub extern "C" fn traced_step(
 ) -> u64 {
     let (output, trace) = config.step_traced(&mut traced.state, input(reference, pressure));
     traced.trace = Some(trace);
-    in_registers(output)
-}
-
-/// The full step with its trace, every setting in RAM.
-pub extern "C" fn traced_step_any(
-    config: &Config,
-    traced: &mut Traced,
-    reference: i32,
-    pressure: i32,
-) -> u64 {
-    let (output, trace) = step_traced(config, &mut traced.state, input(reference, pressure));
-    traced.trace = Some(trace);
-    in_registers(output)
+    duties(output)
 }
 
 fn input(reference: i32, pressure: i32) -> Input {
@@ -122,10 +110,14 @@ fn input(reference: i32, pressure: i32) -> Input {
     }
 }
 
-/// Both duty cycles [2⁻¹⁶ %] as the calling convention of C returns them in two registers: fill, then vent.
-fn in_registers(output: Output) -> u64 {
-    let word = |bits: i32| u64::from(bits as u32);
-    word(output.duty_fill.to_bits()) | word(output.duty_vent.to_bits()) << 32
+fn duties(output: Output) -> u64 {
+    in_registers(output.duty_fill, output.duty_vent)
+}
+
+/// Fill and vent [2⁻¹⁶ %] as the calling convention of C returns them in two registers.
+pub(crate) fn in_registers(fill: Duty, vent: Duty) -> u64 {
+    let word = |duty: Duty| u64::from(duty.to_bits() as u32);
+    word(fill) | word(vent) << 32
 }
 
 /// What a step left in the two registers: fill, then vent [2⁻¹⁶ %].

@@ -11,6 +11,7 @@ mod code;
 mod counted;
 mod elf;
 mod figures;
+mod findings;
 mod gates;
 mod image;
 mod instruction;
@@ -22,7 +23,7 @@ mod stack_bound;
 mod table;
 mod unbounded;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
@@ -33,6 +34,7 @@ use crate::workspace::arm_target_dir;
 use crate::{process, qemu};
 use code::Code;
 use elf::Elf;
+use findings::Findings;
 
 /// Longest wait for one build.
 const BUILD_DEADLINE: Duration = Duration::from_secs(900);
@@ -79,8 +81,8 @@ fn listed(lines: &[String]) -> String {
     lines.iter().map(|line| format!("\n    {line}")).collect()
 }
 
-/// Counts, proves, prints and judges.
-pub(crate) fn run(report: &mut Report, choice: Choice) {
+/// Counts, proves, prints and judges; `json` is where the findings go besides.
+pub(crate) fn run(report: &mut Report, choice: Choice, json: Option<&Path>) {
     let toolchain = report.step(TOOLCHAIN, || Toolchain::ready(choice));
     let qemu = report.step(QEMU, qemu::ready);
     let disassembler = report.step(DISASSEMBLER, code::ready);
@@ -89,8 +91,12 @@ pub(crate) fn run(report: &mut Report, choice: Choice) {
         qemu,
         disassembler,
     };
-    sample(report, &tools);
-    image(report, &tools);
+    let mut findings = Findings::default();
+    sample(report, &tools, &mut findings);
+    image(report, &tools, &mut findings);
+    if let Some(path) = json {
+        report.step("findings written", || findings.write(path));
+    }
 }
 
 /// What the steps need, each if it is there.
@@ -110,7 +116,7 @@ impl Tools {
 }
 
 /// One sample of the controller, beside its peers.
-fn sample(report: &mut Report, tools: &Tools) {
+fn sample(report: &mut Report, tools: &Tools, findings: &mut Findings) {
     // Without the compiler the table has no rows in C, and the budgets that compare with them fail.
     let compiler = report.step("C compiler for ARM", bench::compiler_ready);
     let baselines = compiler.map_or("", |()| "c-baselines");
@@ -129,10 +135,13 @@ fn sample(report: &mut Report, tools: &Tools) {
             bench::table(&figures),
             bench::legend(&figures)
         );
+        findings.measured(&figures);
         Ok(figures)
     });
     report.step("budgets of a sample", || {
-        gates::judge(&gates::gates(needed(&figures, FIGURES)?))
+        let gates = gates::gates(needed(&figures, FIGURES)?);
+        println!("{}", gates::table(&gates));
+        findings.judge(&gates)
     });
     let arguments = ["--package", "budgets", "--bin", "panic_free"];
     report.step("controller cannot panic", || {
@@ -145,7 +154,7 @@ fn sample(report: &mut Report, tools: &Tools) {
 }
 
 /// The image that is flashed.
-fn image(report: &mut Report, tools: &Tools) {
+fn image(report: &mut Report, tools: &Tools, findings: &mut Findings) {
     let arguments = ["--package", "firmware"];
     report.step("image cannot panic", || {
         let proof = [arguments.as_slice(), &["--features", "prove-panic-free"]].concat();
@@ -171,20 +180,22 @@ fn image(report: &mut Report, tools: &Tools) {
         let (elf, code) = needed(&image, IMAGE)?;
         let stack = image::Stack::of(elf, code)?;
         println!("{}", stack.table());
-        gates::judge(&[stack.gate()])?;
+        findings.judge(&[stack.gate()])?;
         Ok(stack)
     });
     report.step("stack of the image, painted", || {
         needed(&tools.qemu, QEMU)?;
         let (elf, _) = needed(&image, IMAGE)?;
         let used = image::painted(&qemu::run(elf.path())?)?;
-        gates::judge(&[needed(&stack, STACK)?.painted(used)])
+        let gates = [needed(&stack, STACK)?.painted(used)];
+        println!("{}", gates::table(&gates));
+        findings.judge(&gates)
     });
     report.step("flash and RAM of the image", || {
         let (elf, _) = needed(&image, IMAGE)?;
         let sizes = sizes::sizes(elf)?;
         println!("{}", sizes::table(&sizes));
-        gates::judge(&sizes::gates(&sizes))
+        findings.judge(&sizes::gates(&sizes))
     });
 }
 

@@ -18,6 +18,7 @@ mod report;
 mod toolchain;
 mod workspace;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -54,6 +55,9 @@ enum Verb {
     },
     /// What a control sample costs, beside its peers; fails if a budget is exceeded.
     Budgets {
+        /// Where to write the findings as JSON, besides.
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
         #[command(flatten)]
         arm: ArmOptions,
     },
@@ -124,7 +128,9 @@ fn main() -> ExitCode {
             }
         }
         Verb::Image { board, arm } => arm::image(&mut report, board, arm.toolchain),
-        Verb::Budgets { arm } => budgets::run(&mut report, arm.toolchain),
+        Verb::Budgets { json, arm } => {
+            budgets::run(&mut report, arm.toolchain, json.as_deref());
+        }
         Verb::Coverage => coverage::check(&mut report),
         Verb::Mutants { only, shard } => mutants::check(&mut report, only, shard),
         Verb::Setup { arm } => {

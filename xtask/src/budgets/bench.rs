@@ -122,4 +122,4 @@ proved: longest path through the linked code, callees included, for any input
 code: of the function and all it reaches, constants between the code included, the panic handler not
 stack: bound from the linked code; touched: what the run wrote
 panics: whether a path leads to the panic handler; Rust is compiled as the image is, with overflow checks on
-deviation: of a duty cycle from the controller's";
+deviation: of a duty cycle from the controller's; ecu::Ecu keeps two copies of its configuration in its state";

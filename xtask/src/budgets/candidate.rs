@@ -7,8 +7,8 @@ use std::fmt;
 pub(crate) enum Duty {
     /// Prediction, PID, anti-windup, boost, tolerance, Scheme 1 with constant lower limits: all answer the same.
     FullStep,
-    /// The full step with lower limits that follow the pressure, and the trace for the log.
-    Traced,
+    /// The full step with lower limits that follow the pressure, and what an ECU asks for besides.
+    Ecu,
     /// A PID controller and no more.
     Kernel,
 }
@@ -17,7 +17,7 @@ impl fmt::Display for Duty {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::FullStep => "full step of the thesis",
-            Self::Traced => "full step with limits by pressure, and its trace",
+            Self::Ecu => "full step with limits by pressure",
             Self::Kernel => "PID controller alone",
         })
     }
@@ -39,13 +39,15 @@ const fn candidate(name: &'static str, title: &'static str, duty: Duty) -> Candi
 
 /// The step that the budgets are for.
 pub(crate) const THESIS_STEP: &str = "full_step";
-/// The step with everything that an ECU asks for.
-pub(crate) const TRACED_STEP: &str = "traced_step";
+/// The step with limits by pressure, plausibility of the pressure and telemetry.
+pub(crate) const CHECKED_LOOP: &str = "checked_loop";
+/// All that an ECU does in a sample.
+pub(crate) const ECU_SAMPLE: &str = "ecu_sample";
 /// The baselines that saturate each operation, in the order O2, Os.
 pub(crate) const SATURATING: [&str; 2] = ["saturating_o2", "saturating_os"];
 
 /// All of them.
-pub(crate) const CANDIDATES: [Candidate; 16] = [
+pub(crate) const CANDIDATES: [Candidate; 17] = [
     candidate(
         "full_step",
         "controller, mechanisms fixed, numbers in RAM",
@@ -68,13 +70,18 @@ pub(crate) const CANDIDATES: [Candidate; 16] = [
     candidate("float_os", "the same, -Os", Duty::FullStep),
     candidate(
         "traced_step",
-        "controller, mechanisms fixed, numbers in RAM",
-        Duty::Traced,
+        "controller, mechanisms fixed, and its trace",
+        Duty::Ecu,
     ),
     candidate(
-        "traced_step_any",
-        "controller, everything in RAM",
-        Duty::Traced,
+        "checked_loop",
+        "ecu::CheckedLoop: plausibility, telemetry",
+        Duty::Ecu,
+    ),
+    candidate(
+        "ecu_sample",
+        "ecu::Ecu: all detectors, supervisor",
+        Duty::Ecu,
     ),
     candidate(
         "pid_alone",

@@ -1,9 +1,11 @@
 //! The budgets, each with its reason, and whether the figures keep them.
 
-use std::fmt::Display;
+use std::fmt;
+
+use serde::Serialize;
 
 use super::Unproved;
-use super::candidate::{Duty, SATURATING, THESIS_STEP, TRACED_STEP};
+use super::candidate::{CHECKED_LOOP, Duty, ECU_SAMPLE, SATURATING, THESIS_STEP};
 use super::figures::Figures;
 use super::table::Table;
 use super::unbounded::Unbounded;
@@ -19,40 +21,60 @@ const CODE_BYTES_MAX: u32 = 280;
 const STACK_BYTES_MAX: u32 = 24;
 /// Its share of what C needs that saturates each operation.
 const SHARE_OF_SATURATING_MAX: f64 = 0.5;
-/// Instructions of the full step with limits by pressure, and telemetry, at most.
-const TRACED_PROVED_MAX: u32 = 300;
+/// Instructions of the full step with limits by pressure, plausibility and telemetry, at most.
+const CHECKED_PROVED_MAX: u32 = 300;
+/// Instructions of all that an ECU does in a sample, at most: 20 µs at 100 MHz, a fifth of a percent of the period.
+const ECU_PROVED_MAX: u32 = 2000;
 /// How far the baselines' duty cycles may be from ours [%]: they are to do the same, or the comparison is none.
 const DEVIATION_MAX_PCT: f64 = 0.001;
 
 /// One budget and what was found.
-#[derive(Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Gate {
     what: String,
-    figure: String,
-    budget: String,
-    holds: bool,
+    found: Figure,
+    allowed: Figure,
+    kept: bool,
+}
+
+/// A number, or what stands in its place.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+enum Figure {
+    Number(f64),
+    Words(String),
+}
+
+impl fmt::Display for Figure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) if number.fract() == 0.0 => write!(f, "{number}"),
+            Self::Number(number) => write!(f, "{number:.2}"),
+            Self::Words(words) => f.write_str(words),
+        }
+    }
 }
 
 impl Gate {
     /// A figure that may reach its budget and not pass it.
-    pub(crate) fn at_most<T: PartialOrd + Display>(what: &str, figure: T, budget: T) -> Self {
+    pub(crate) fn at_most<T: PartialOrd + Into<f64>>(what: &str, found: T, allowed: T) -> Self {
         Self {
             what: what.to_owned(),
-            holds: figure <= budget,
-            figure: format!("{figure:.2}"),
-            budget: format!("≤ {budget:.2}"),
+            kept: found <= allowed,
+            found: Figure::Number(found.into()),
+            allowed: Figure::Number(allowed.into()),
         }
     }
 
     /// A bound that may not exist.
-    fn bounded(what: &str, figure: &Result<u32, Unbounded>, budget: u32) -> Self {
-        match figure {
-            Ok(figure) => Self::at_most(what, *figure, budget),
+    fn bounded(what: &str, found: &Result<u32, Unbounded>, allowed: u32) -> Self {
+        match found {
+            Ok(found) => Self::at_most(what, *found, allowed),
             Err(reason) => Self {
                 what: what.to_owned(),
-                figure: reason.to_string(),
-                budget: format!("≤ {budget}"),
-                holds: false,
+                found: Figure::Words(reason.to_string()),
+                allowed: Figure::Number(allowed.into()),
+                kept: false,
             },
         }
     }
@@ -62,18 +84,18 @@ impl Gate {
         let first = found.into_iter().next();
         Self {
             what: what.to_owned(),
-            figure: first.map_or("none", String::as_str).to_owned(),
-            budget: "none".to_owned(),
-            holds: first.is_none(),
+            found: Figure::Words(first.map_or("none", String::as_str).to_owned()),
+            allowed: Figure::Words("none".to_owned()),
+            kept: first.is_none(),
         }
     }
 
     fn missing(what: &str) -> Self {
         Self {
             what: what.to_owned(),
-            figure: "not measured".to_owned(),
-            budget: "measured".to_owned(),
-            holds: false,
+            found: Figure::Words("not measured".to_owned()),
+            allowed: Figure::Words("measured".to_owned()),
+            kept: false,
         }
     }
 }
@@ -89,25 +111,29 @@ pub(crate) fn gates(figures: &[Figures]) -> Vec<Gate> {
     match named(THESIS_STEP) {
         Some(step) => {
             gates.extend(of_the_step(step));
+            gates.extend(of_the_code("full step", step));
             gates.extend(beside_c(step, &SATURATING.map(named)));
         }
         None => gates.push(Gate::missing("full step")),
     }
-    match named(TRACED_STEP) {
-        Some(step) => gates.push(Gate::bounded(
-            "full step with limits by pressure and trace: proved",
-            &step.proved,
-            TRACED_PROVED_MAX,
-        )),
-        None => gates.push(Gate::missing("full step with limits by pressure and trace")),
+    for (name, what, proved_max) in [
+        (CHECKED_LOOP, "checked loop", CHECKED_PROVED_MAX),
+        (ECU_SAMPLE, "ECU sample", ECU_PROVED_MAX),
+    ] {
+        match named(name) {
+            Some(sample) => {
+                let proved = format!("{what}: instructions, proved");
+                gates.push(Gate::bounded(&proved, &sample.proved, proved_max));
+                gates.extend(of_the_code(what, sample));
+            }
+            None => gates.push(Gate::missing(what)),
+        }
     }
     gates.extend(of_the_method(figures));
     gates
 }
 
 fn of_the_step(step: &Figures) -> Vec<Gate> {
-    let ours = |name: &&String| name.contains("controller::") || name.contains("budgets::");
-    let foreign = step.reach.others.iter().filter(|name| !ours(name));
     vec![
         Gate::at_most(
             "full step: instructions, mean",
@@ -117,10 +143,24 @@ fn of_the_step(step: &Figures) -> Vec<Gate> {
         Gate::bounded("full step: instructions, proved", &step.proved, PROVED_MAX),
         Gate::at_most("full step: code [bytes]", step.reach.bytes, CODE_BYTES_MAX),
         Gate::bounded("full step: stack [bytes]", &step.stack, STACK_BYTES_MAX),
-        Gate::none("full step: divisions", &step.reach.divisions),
-        Gate::none("full step: float instructions", &step.reach.floats),
-        Gate::none("full step: calls into a runtime library", foreign),
-        Gate::none("full step: panics", &step.reach.panics),
+    ]
+}
+
+/// What code that must end in time may not have; a loop it cannot have, being bounded.
+fn of_the_code(what: &str, sample: &Figures) -> Vec<Gate> {
+    let ours = |name: &&String| {
+        ["controller::", "ecu::", "budgets::"]
+            .iter()
+            .any(|of| name.contains(of))
+    };
+    let reach = &sample.reach;
+    let foreign = reach.others.iter().filter(|name| !ours(name));
+    let none = |of: &str| format!("{what}: {of}");
+    vec![
+        Gate::none(&none("divisions"), &reach.divisions),
+        Gate::none(&none("float instructions"), &reach.floats),
+        Gate::none(&none("calls into a runtime library"), foreign),
+        Gate::none(&none("panics"), &reach.panics),
     ]
 }
 
@@ -132,19 +172,16 @@ fn beside_c(step: &Figures, saturating: &[Option<&Figures>]) -> Vec<Gate> {
     let (Some(mean), Some(&proved), Ok(own)) = (mean, proved, &step.proved) else {
         return vec![Gate::missing("full step: share of the saturating C")];
     };
-    let share = |what, share: f64| Gate {
-        figure: format!("{share:.2}"),
-        budget: format!("≤ {SHARE_OF_SATURATING_MAX:.2}"),
-        ..Gate::at_most(what, share, SHARE_OF_SATURATING_MAX)
-    };
     vec![
-        share(
+        Gate::at_most(
             "full step: share of the saturating C, mean",
             step.counted.mean() / mean,
+            SHARE_OF_SATURATING_MAX,
         ),
-        share(
+        Gate::at_most(
             "full step: share of the saturating C, proved",
             f64::from(*own) / f64::from(proved),
+            SHARE_OF_SATURATING_MAX,
         ),
     ]
 }
@@ -181,9 +218,8 @@ fn beyond_bound(seen: u32, proved: &Result<u32, Unbounded>) -> bool {
     proved.as_ref().is_ok_and(|&proved| seen > proved)
 }
 
-/// Prints the gates; a failure if one is not kept.
+/// A failure if a budget is not kept; it names budget, figure and goal.
 pub(crate) fn judge(gates: &[Gate]) -> Result<(), Failure> {
-    println!("{}", table(gates));
     let exceeded = exceeded(gates);
     if exceeded.is_empty() {
         Ok(())
@@ -193,14 +229,14 @@ pub(crate) fn judge(gates: &[Gate]) -> Result<(), Failure> {
 }
 
 /// The gates as a table.
-fn table(gates: &[Gate]) -> Table {
-    let mut table = Table::new(&["budget", "found", "allowed", ""]);
+pub(crate) fn table(gates: &[Gate]) -> Table {
+    let mut table = Table::new(&["budget", "found", "at most", ""]);
     for gate in gates {
-        let verdict = if gate.holds { "kept" } else { "EXCEEDED" };
+        let verdict = if gate.kept { "kept" } else { "EXCEEDED" };
         table.row(vec![
             gate.what.clone(),
-            gate.figure.clone(),
-            gate.budget.clone(),
+            gate.found.to_string(),
+            gate.allowed.to_string(),
             verdict.to_owned(),
         ]);
     }
@@ -209,8 +245,8 @@ fn table(gates: &[Gate]) -> Table {
 
 /// The budgets that are not kept, as sentences.
 pub(crate) fn exceeded(gates: &[Gate]) -> Vec<String> {
-    let exceeded = gates.iter().filter(|gate| !gate.holds);
-    let sentence = |gate: &Gate| format!("{}: {}, allowed {}", gate.what, gate.figure, gate.budget);
+    let exceeded = gates.iter().filter(|gate| !gate.kept);
+    let sentence = |gate: &Gate| format!("{}: {}, at most {}", gate.what, gate.found, gate.allowed);
     exceeded.map(sentence).collect()
 }
 
@@ -248,13 +284,26 @@ mod tests {
         }
     }
 
+    const FAST_C: usize = 0;
+    const SMALL_C: usize = 1;
+    const STEP: usize = 2;
+    const CHECKED: usize = 3;
+    const ECU: usize = 4;
+
     /// The whole bench on its budgets, but for C, which needs four times as much.
     fn on_the_edge() -> Vec<Figures> {
-        let mut all: Vec<Figures> = [THESIS_STEP, TRACED_STEP, SATURATING[0], SATURATING[1]]
-            .map(figures)
-            .into();
-        all[1].proved = Ok(300);
-        for c in &mut all[2..] {
+        let mut all: Vec<Figures> = [
+            SATURATING[0],
+            SATURATING[1],
+            THESIS_STEP,
+            CHECKED_LOOP,
+            ECU_SAMPLE,
+        ]
+        .map(figures)
+        .into();
+        all[CHECKED].proved = Ok(300);
+        all[ECU].proved = Ok(2000);
+        for c in &mut all[..=SMALL_C] {
             c.counted.sum = 2600;
             c.proved = Ok(320);
         }
@@ -270,62 +319,72 @@ mod tests {
     #[test]
     fn a_figure_one_unit_beyond_its_budget_is_told_and_no_other() {
         type Spoil = fn(&mut [Figures]);
-        let cases: [(Spoil, &str); 16] = [
+        let cases: [(Spoil, &str); 18] = [
             (
-                |all| all[0].counted.sum = 651,
+                |all| all[STEP].counted.sum = 651,
                 "full step: instructions, mean",
             ),
             (
-                |all| all[0].proved = Ok(81),
+                |all| all[STEP].proved = Ok(81),
                 "full step: instructions, proved",
             ),
-            (|all| all[0].reach.bytes = 281, "full step: code"),
-            (|all| all[0].stack = Ok(25), "full step: stack"),
+            (|all| all[STEP].reach.bytes = 281, "full step: code"),
+            (|all| all[STEP].stack = Ok(25), "full step: stack"),
             (
-                |all| all[0].reach.divisions.push("f+0x2".to_owned()),
+                |all| all[STEP].reach.divisions.push("f+0x2".to_owned()),
                 "full step: divisions",
             ),
             (
-                |all| all[0].reach.floats.push("f+0x2".to_owned()),
-                "full step: float",
+                |all| all[CHECKED].reach.floats.push("f+0x2".to_owned()),
+                "checked loop: float",
             ),
             (
-                |all| insert(&mut all[0].reach.others, "__aeabi_ldivmod"),
-                "full step: calls into",
+                |all| insert(&mut all[ECU].reach.others, "__aeabi_ldivmod"),
+                "ECU sample: calls into",
             ),
             (
-                |all| insert(&mut all[0].reach.panics, "core::panicking::panic"),
+                |all| insert(&mut all[STEP].reach.panics, "core::panicking::panic"),
                 "full step: panics",
             ),
             (
-                |all| all[2].counted.sum = 1299,
+                |all| all[FAST_C].counted.sum = 1299,
                 "full step: share of the saturating C, mean",
             ),
             (
-                |all| all[3].proved = Ok(159),
+                |all| all[SMALL_C].proved = Ok(159),
                 "full step: share of the saturating C, proved",
             ),
-            (|all| all[1].proved = Ok(301), "full step with limits"),
             (
-                |all| all[2].counted.max = 321,
+                |all| all[CHECKED].proved = Ok(301),
+                "checked loop: instructions, proved",
+            ),
+            (
+                |all| all[CHECKED].proved = endless(),
+                "checked loop: instructions, proved: loop",
+            ),
+            (
+                |all| all[ECU].proved = Ok(2001),
+                "ECU sample: instructions, proved",
+            ),
+            (
+                |all| all[ECU].proved = endless(),
+                "ECU sample: instructions, proved: loop",
+            ),
+            (
+                |all| all[FAST_C].counted.max = 321,
                 "all: more instructions seen",
             ),
-            (|all| all[2].counted.stack = 25, "all: more stack touched"),
             (
-                |all| all[2].counted.decisions = 1,
+                |all| all[FAST_C].counted.stack = 25,
+                "all: more stack touched",
+            ),
+            (
+                |all| all[FAST_C].counted.decisions = 1,
                 "full steps: another valve",
             ),
             (
-                |all| all[2].counted.deviation = 66,
+                |all| all[FAST_C].counted.deviation = 66,
                 "full steps: duty cycle",
-            ),
-            (
-                |all| {
-                    all[1].proved = Err(Unbounded::Loop {
-                        at: "f+0x2".to_owned(),
-                    })
-                },
-                "full step with limits",
             ),
         ];
         for (spoil, told) in cases {
@@ -340,9 +399,15 @@ mod tests {
     #[test]
     fn exactly_half_of_the_better_c_is_within_budget() {
         let mut all = on_the_edge();
-        all[2].counted.sum = 1300;
-        all[3].proved = Ok(160);
+        all[FAST_C].counted.sum = 1300;
+        all[SMALL_C].proved = Ok(160);
         assert_eq!(exceeded(&gates(&all)), Vec::<String>::new());
+    }
+
+    fn endless() -> Result<u32, Unbounded> {
+        Err(Unbounded::Loop {
+            at: "step+0x2".to_owned(),
+        })
     }
 
     fn insert(names: &mut std::collections::BTreeSet<String>, name: &str) {
@@ -350,24 +415,27 @@ mod tests {
     }
 
     #[test]
-    fn a_step_without_bound_fails_with_the_reason() {
+    fn a_step_without_bound_fails_with_the_reason_and_the_goal() {
         let mut all = on_the_edge();
-        all[0].proved = Err(Unbounded::Loop {
-            at: "step+0x2".to_owned(),
-        });
-        let exceeded = exceeded(&gates(&all));
-        assert!(exceeded[0].contains("loop at step+0x2"), "{exceeded:?}");
+        all[STEP].proved = endless();
+        let told = "full step: instructions, proved: loop at step+0x2, at most 80";
+        assert!(exceeded(&gates(&all)).contains(&told.to_owned()));
     }
 
     #[test]
     fn who_was_not_measured_does_not_pass() {
-        for (missing, told) in [(0, "full step"), (1, "full step with limits")] {
+        for (missing, told) in [
+            (STEP, "full step: not measured"),
+            (CHECKED, "checked loop: not measured"),
+            (ECU, "ECU sample: not measured"),
+        ] {
             let mut all = on_the_edge();
             all.remove(missing);
             let exceeded = exceeded(&gates(&all));
+            assert_eq!(exceeded.len(), 1, "{exceeded:?}");
             assert!(exceeded[0].starts_with(told), "{exceeded:?}");
         }
-        let exceeded = exceeded(&gates(&on_the_edge()[..2]));
+        let exceeded = exceeded(&gates(&on_the_edge()[STEP..]));
         assert_eq!(exceeded.len(), 1, "{exceeded:?}");
         assert!(exceeded[0].starts_with("full step: share of the saturating C"));
     }
