@@ -157,3 +157,10 @@ impl Fault {
         }
     }
 }
+
+/// The limits of the bench, for the tests of each detector.
+#[cfg(test)]
+pub(crate) fn bench_limits() -> Limits {
+    let settings = crate::settings::EcuSettings::bench();
+    crate::config::EcuConfig::new(&settings).unwrap().limits
+}

@@ -35,3 +35,49 @@ impl BatteryDetector {
         low.union(high)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::bench_limits;
+
+    fn faults_after(
+        detector: &mut BatteryDetector,
+        millivolts: Option<u16>,
+        samples: u8,
+    ) -> FaultSet {
+        for _ in 0..samples {
+            detector.sample(&bench_limits(), millivolts);
+        }
+        detector.faults()
+    }
+
+    #[test]
+    fn n_samples_outside_the_window_confirm_and_one_less_does_not() {
+        for (millivolts, fault) in [
+            (0, FaultSet::of(Fault::BatteryLow)),
+            (19_999, FaultSet::of(Fault::BatteryLow)),
+            (20_000, FaultSet::NONE),
+            (24_000, FaultSet::NONE),
+            (32_000, FaultSet::NONE),
+            (32_001, FaultSet::of(Fault::BatteryHigh)),
+            (u16::MAX, FaultSet::of(Fault::BatteryHigh)),
+        ] {
+            for (samples, expected) in [(9, FaultSet::NONE), (10, fault), (11, fault)] {
+                let mut detector = BatteryDetector::NEW;
+                let found = faults_after(&mut detector, Some(millivolts), samples);
+                assert_eq!(found, expected, "{millivolts} mV, {samples}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_voltage_that_is_not_measured_is_not_judged() {
+        let mut detector = BatteryDetector::NEW;
+        assert_eq!(faults_after(&mut detector, Some(0), 9), FaultSet::NONE);
+        assert_eq!(faults_after(&mut detector, None, 100), FaultSet::NONE);
+        let low = FaultSet::of(Fault::BatteryLow);
+        assert_eq!(faults_after(&mut detector, Some(0), 1), low);
+        assert_eq!(faults_after(&mut detector, None, 100), low);
+    }
+}

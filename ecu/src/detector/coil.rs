@@ -55,3 +55,81 @@ impl CoilDetector {
             .union(FaultSet::when(self.short.is_confirmed(), short))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use controller::fixed::types::I16F16;
+
+    use super::*;
+    use crate::detector::bench_limits;
+
+    /// A coil with this duty cycle for `told` samples, then in each of `samples` more with this current, too.
+    fn faults_after(percent: &str, told: usize, current_ma: u16, samples: usize) -> FaultSet {
+        let duty = Duty::from_percent(percent.parse::<I16F16>().unwrap()).unwrap();
+        let mut coil = CoilDetector::NEW;
+        for _ in 0..told {
+            coil.told(duty);
+        }
+        for _ in 0..samples {
+            coil.sample(&bench_limits(), Some(current_ma));
+            coil.told(duty);
+        }
+        coil.faults(Fault::VentCoilOpen, Fault::VentCoilShort)
+    }
+
+    #[test]
+    fn n_periods_without_current_are_an_open_coil_and_one_less_is_none() {
+        let open = FaultSet::of(Fault::VentCoilOpen);
+        for (samples, expected) in [(2, FaultSet::NONE), (3, open), (4, open)] {
+            for (percent, current_ma) in [("20", 0), ("20", 14), ("100", 14)] {
+                assert_eq!(faults_after(percent, 6, current_ma, samples), expected);
+            }
+        }
+        for (percent, current_ma) in [("20", 15), ("19.9999", 0), ("100", 640)] {
+            assert_eq!(faults_after(percent, 6, current_ma, 9), FaultSet::NONE);
+        }
+    }
+
+    #[test]
+    fn n_periods_with_too_much_current_are_a_short_at_any_duty_cycle() {
+        let short = FaultSet::of(Fault::VentCoilShort);
+        for (samples, expected) in [(2, FaultSet::NONE), (3, short), (4, short)] {
+            for percent in ["0", "10", "50", "100"] {
+                let found = faults_after(percent, 0, 641, samples);
+                assert_eq!(found, expected, "{percent} %, {samples}");
+            }
+        }
+    }
+
+    #[test]
+    fn current_without_command_is_a_short_once_it_had_time_to_decay() {
+        let short = FaultSet::of(Fault::VentCoilShort);
+        for (samples, expected) in [(2, FaultSet::NONE), (3, short), (4, short)] {
+            assert_eq!(faults_after("0", 6, 15, samples), expected, "{samples}");
+        }
+        assert_eq!(faults_after("0", 6, 14, 9), FaultSet::NONE);
+        // The first sample that is judged is the one after six without command.
+        for (samples, expected) in [(8, FaultSet::NONE), (9, short)] {
+            assert_eq!(faults_after("0", 0, 15, samples), expected, "{samples}");
+        }
+    }
+
+    #[test]
+    fn an_open_coil_is_judged_only_after_the_settling_time() {
+        let open = FaultSet::of(Fault::VentCoilOpen);
+        for (samples, expected) in [(8, FaultSet::NONE), (9, open)] {
+            assert_eq!(faults_after("80", 0, 0, samples), expected, "{samples}");
+        }
+    }
+
+    #[test]
+    fn a_current_that_is_not_measured_is_not_judged() {
+        let mut coil = CoilDetector::NEW;
+        for _ in 0..100 {
+            coil.sample(&bench_limits(), None);
+            coil.told(Duty::FULL);
+        }
+        let faults = coil.faults(Fault::FillCoilOpen, Fault::FillCoilShort);
+        assert_eq!(faults, FaultSet::NONE);
+    }
+}

@@ -73,3 +73,103 @@ impl PressureInput {
         doubt.union(self.stuck.faults(limits))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::bench_limits;
+
+    fn shown(input: &mut PressureInput, bits: Option<u16>) -> Option<Pressure> {
+        let code = bits.map(|bits| SensorCode::from_bits(bits).unwrap());
+        input.sample(&bench_limits(), Output::OFF, code)
+    }
+
+    fn faults(input: &PressureInput) -> FaultSet {
+        input.faults(&bench_limits())
+    }
+
+    /// An input that believes code 1000.
+    fn sound() -> PressureInput {
+        let mut input = PressureInput::NEW;
+        assert!(shown(&mut input, Some(1000)).is_some());
+        input
+    }
+
+    #[test]
+    fn n_doubtful_samples_confirm_their_reason_and_one_less_does_not() {
+        for (bits, fault) in [
+            (None, Fault::SensorMissing),
+            (Some(0), Fault::SensorOpen),
+            (Some(20), Fault::SensorBelowRange),
+            (Some(3000), Fault::SensorAboveRange),
+            (Some(4095), Fault::SensorShort),
+            (Some(1800), Fault::SensorJump),
+        ] {
+            let mut input = sound();
+            for sample in 1..=5 {
+                assert_eq!(shown(&mut input, bits), None, "{fault:?} is believed");
+                let expected = FaultSet::when(sample >= 5, fault);
+                assert_eq!(faults(&input), expected, "{fault:?}, {sample}");
+            }
+            shown(&mut input, bits);
+            assert_eq!(faults(&input), FaultSet::of(fault), "{fault:?}, 6");
+        }
+    }
+
+    #[test]
+    fn different_doubts_in_a_row_are_one_fault_named_after_the_last() {
+        let mut input = sound();
+        for bits in [None, Some(0), Some(4095), None] {
+            shown(&mut input, bits);
+            assert_eq!(faults(&input), FaultSet::NONE);
+        }
+        shown(&mut input, Some(20));
+        assert_eq!(faults(&input), FaultSet::of(Fault::SensorBelowRange));
+        shown(&mut input, None);
+        assert_eq!(faults(&input), FaultSet::of(Fault::SensorBelowRange));
+    }
+
+    #[test]
+    fn n_sound_samples_and_the_fault_is_gone() {
+        let mut input = sound();
+        for _ in 0..20 {
+            shown(&mut input, None);
+        }
+        for sample in 1..=5 {
+            assert!(shown(&mut input, Some(1000)).is_some());
+            assert_eq!(faults(&input).is_empty(), sample == 5, "{sample}");
+        }
+    }
+
+    #[test]
+    fn after_a_reported_jump_the_new_pressure_is_where_it_goes_on() {
+        let mut input = sound();
+        for _ in 0..5 {
+            assert_eq!(shown(&mut input, Some(1800)), None);
+        }
+        assert!(shown(&mut input, Some(1800)).is_some());
+        assert!(faults(&input).contains(Fault::SensorJump));
+        assert_eq!(shown(&mut input, Some(1000)), None);
+    }
+
+    #[test]
+    fn a_code_out_of_range_is_never_where_it_goes_on() {
+        let mut input = sound();
+        for _ in 0..20 {
+            shown(&mut input, Some(0));
+        }
+        assert!(shown(&mut input, Some(1001)).is_some());
+        for _ in 0..20 {
+            shown(&mut input, Some(4095));
+        }
+        assert!(shown(&mut input, Some(1002)).is_some());
+    }
+
+    #[test]
+    fn a_single_spike_is_not_believed_and_what_follows_is() {
+        let mut input = sound();
+        assert_eq!(shown(&mut input, Some(1800)), None);
+        assert!(shown(&mut input, Some(1003)).is_some());
+        assert_eq!(faults(&input), FaultSet::NONE);
+    }
+}

@@ -33,3 +33,43 @@ pub(crate) fn out_of_range(limits: &Limits, code: SensorCode, pressure: Pressure
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::bench_limits;
+    use crate::sensor::PressureSensor;
+
+    fn fault(bits: u16) -> Option<Fault> {
+        let code = SensorCode::from_bits(bits).unwrap();
+        out_of_range(&bench_limits(), code, PressureSensor::pressure(code))
+    }
+
+    #[test]
+    fn each_code_is_a_rail_out_of_range_or_sound() {
+        for (bits, expected) in [
+            (0, Some(Fault::SensorOpen)),
+            (12, Some(Fault::SensorOpen)),
+            (13, Some(Fault::SensorBelowRange)),
+            (31, Some(Fault::SensorBelowRange)),
+            (32, None),
+            (48, None),
+            (4083, Some(Fault::SensorAboveRange)),
+            (4084, Some(Fault::SensorShort)),
+            (4095, Some(Fault::SensorShort)),
+        ] {
+            assert_eq!(fault(bits), expected, "{bits}");
+        }
+    }
+
+    /// The supply gives 10 bar at most, the sensor is within 0.2 bar.
+    #[test]
+    fn no_pressure_is_above_the_highest_of_the_supply_and_the_sensors_error() {
+        let highest = (32..4096).filter(|&bits| fault(bits).is_none()).max();
+        let code = SensorCode::from_bits(highest.unwrap()).unwrap();
+        let above = SensorCode::from_bits(code.bits() + 1).unwrap();
+        let bar = |code| f64::from(PressureSensor::pressure(code).to_bits()) / 65_536.0;
+        assert!(bar(code) <= 10.2 && bar(above) > 10.2, "{}", bar(code));
+        assert_eq!(fault(above.bits()), Some(Fault::SensorAboveRange));
+    }
+}

@@ -49,3 +49,47 @@ impl ReferenceInput {
         FaultSet::when(self.lost.is_confirmed(), Fault::ReferenceLost)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::bench_limits;
+
+    fn faults_after(reference: Option<i32>, samples: u8) -> FaultSet {
+        let mut input = ReferenceInput::NEW;
+        for _ in 0..samples {
+            input.sample(&bench_limits(), reference.map(Pressure::from_bits));
+        }
+        input.faults()
+    }
+
+    #[test]
+    fn n_samples_without_a_valid_reference_confirm_and_one_less_does_not() {
+        let lost = FaultSet::of(Fault::ReferenceLost);
+        for (samples, expected) in [(4, FaultSet::NONE), (5, lost), (6, lost)] {
+            for reference in [None, Some(i32::MAX), Some((10 << 16) + 1), Some(-65_537)] {
+                let found = faults_after(reference, samples);
+                assert_eq!(found, expected, "{reference:?}, {samples}");
+            }
+            for reference in [10 << 16, 0, -65_536] {
+                assert_eq!(faults_after(Some(reference), samples), FaultSet::NONE);
+            }
+        }
+    }
+
+    #[test]
+    fn the_last_valid_reference_is_kept() {
+        let mut input = ReferenceInput::NEW;
+        assert_eq!(input.last(), Pressure::ZERO);
+        for (reference, is_valid, last) in [
+            (Some(1 << 16), true, 1 << 16),
+            (None, false, 1 << 16),
+            (Some(i32::MIN), false, 1 << 16),
+            (Some(2 << 16), true, 2 << 16),
+        ] {
+            let reference = reference.map(Pressure::from_bits);
+            assert_eq!(input.sample(&bench_limits(), reference), is_valid);
+            assert_eq!(input.last().to_bits(), last);
+        }
+    }
+}

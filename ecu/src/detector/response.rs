@@ -138,3 +138,202 @@ impl ResponseDetector {
 fn moved(share: i32, difference: i32) -> i32 {
     ((i64::from(share).wrapping_mul(i64::from(difference.max(0)))) >> 32) as i32
 }
+
+#[cfg(test)]
+mod tests {
+    use controller::fixed::types::I16F16;
+    use controller::{Duty, Output};
+
+    use super::*;
+    use crate::detector::bench_limits;
+
+    /// A detector beside two valves that were told the same for long, and the pressure [2⁻¹⁶ bar].
+    struct Told {
+        detector: ResponseDetector,
+        valves: Valves,
+        pressure: i32,
+    }
+
+    impl Told {
+        /// Fill and vent duty cycle [%].
+        fn for_long(fill: i32, vent: i32, pressure: i32) -> Self {
+            let duty = |percent| Duty::from_percent(I16F16::from_num(percent)).unwrap();
+            let opening = Output {
+                duty_fill: duty(fill),
+                duty_vent: duty(vent),
+            };
+            let mut valves = Valves::UNKNOWN;
+            for _ in 0..40 {
+                valves.told(&bench_limits(), opening);
+            }
+            let mut told = Self {
+                detector: ResponseDetector::NEW,
+                valves,
+                pressure,
+            };
+            assert_eq!(told.changes(0), FaultSet::NONE);
+            told
+        }
+
+        fn sees(&mut self, pressure: Option<i32>) -> FaultSet {
+            self.detector
+                .sample(&bench_limits(), &self.valves, pressure);
+            self.detector.faults()
+        }
+
+        fn changes(&mut self, change: i32) -> FaultSet {
+            self.pressure += change;
+            self.sees(Some(self.pressure))
+        }
+
+        /// The sample, from 1 on, in which a fault is confirmed at last, with this change in each.
+        fn confirms(&mut self, change: i32, samples: u32) -> Option<(u32, FaultSet)> {
+            (1..=samples).find_map(|sample| {
+                let faults = self.changes(change);
+                (!faults.is_empty()).then_some((sample, faults))
+            })
+        }
+    }
+
+    const BAR: i32 = 1 << 16;
+
+    /// One step, and the sum sinks by the creep in each sample after it.
+    #[test]
+    fn n_samples_beyond_the_excess_confirm_and_one_less_does_not() {
+        for (sign, fault) in [(-1, Fault::UncommandedFall), (1, Fault::UncommandedRise)] {
+            for (beyond, expected) in [(2, None), (3, Some(fault)), (4, Some(fault))] {
+                let mut told = Told::for_long(0, 0, 4 * BAR);
+                let mut found = told.changes(sign * (EXCESS_MAX + 1 + CREEP * beyond));
+                for _ in 0..5 {
+                    found = found.union(told.changes(0));
+                }
+                let expected = expected.map_or(FaultSet::NONE, FaultSet::of);
+                assert_eq!(found, expected, "{fault:?}, {beyond}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_shut_chamber_may_creep_for_ever_and_no_faster() {
+        for sign in [-1, 1] {
+            let mut told = Told::for_long(0, 0, 4 * BAR);
+            assert_eq!(told.confirms(sign * CREEP, 10_000), None);
+            let mut told = Told::for_long(0, 0, 4 * BAR);
+            let (sample, _) = told.confirms(sign * (CREEP + 1), 40_000).unwrap();
+            assert_eq!(sample, EXCESS_MAX.unsigned_abs() + 3);
+        }
+    }
+
+    /// At least half of 7.13/s times 7.5 bar in 10 ms: 0.267 bar.
+    #[test]
+    fn a_filled_chamber_that_does_not_rise_is_found_in_the_fourth_sample() {
+        let mut told = Told::for_long(75, 0, 0);
+        let expected = FaultSet::of(Fault::NoRise);
+        assert_eq!(told.confirms(0, 10), Some((4, expected)));
+        let mut told = Told::for_long(75, 0, 0);
+        assert_eq!(told.confirms(-CREEP, 10), Some((4, expected)));
+    }
+
+    #[test]
+    fn a_pressure_that_falls_while_filled_is_a_lost_supply() {
+        let mut told = Told::for_long(75, 0, 4 * BAR);
+        let (_, faults) = told.confirms(-CREEP - 1, 20).unwrap();
+        assert_eq!(faults, FaultSet::of(Fault::SupplyLost));
+    }
+
+    /// At least half of 7.28/s times 5 bar in 10 ms: 0.182 bar.
+    #[test]
+    fn a_vented_chamber_that_does_not_fall_is_found_in_the_fifth_sample() {
+        let mut told = Told::for_long(0, 75, 5 * BAR);
+        let expected = FaultSet::of(Fault::NoFall);
+        assert_eq!(told.confirms(0, 10), Some((5, expected)));
+    }
+
+    #[test]
+    fn what_the_open_valve_does_at_least_is_enough() {
+        let limits = bench_limits();
+        let mut told = Told::for_long(75, 0, 0);
+        while told.pressure < limits.supply_min {
+            let least = moved(limits.least_rise, limits.supply_min - told.pressure);
+            assert_eq!(told.changes(least + 1), FaultSet::NONE, "{}", told.pressure);
+        }
+        let mut told = Told::for_long(0, 75, 7 * BAR);
+        while told.pressure > BAR / 100 {
+            let least = moved(limits.least_fall, told.pressure);
+            assert_eq!(
+                told.changes(-least - 1),
+                FaultSet::NONE,
+                "{}",
+                told.pressure
+            );
+        }
+    }
+
+    #[test]
+    fn a_full_chamber_need_not_rise_and_an_empty_one_need_not_fall() {
+        let full = bench_limits().supply_min;
+        assert_eq!(Told::for_long(75, 0, full).confirms(0, 1000), None);
+        assert_eq!(Told::for_long(75, 0, full + BAR).confirms(0, 1000), None);
+        assert_eq!(Told::for_long(0, 75, 0).confirms(0, 1000), None);
+        assert_eq!(Told::for_long(0, 75, -BAR / 4).confirms(0, 1000), None);
+    }
+
+    #[test]
+    fn a_valve_that_may_be_open_explains_everything_in_its_direction() {
+        assert_eq!(Told::for_long(50, 0, 0).confirms(BAR / 2, 14), None);
+        assert_eq!(Told::for_long(0, 50, 7 * BAR).confirms(-BAR / 2, 14), None);
+        for change in [-BAR / 2, 0, BAR / 2] {
+            assert_eq!(Told::for_long(75, 75, 7 * BAR).confirms(change, 14), None);
+        }
+    }
+
+    #[test]
+    fn a_valve_that_may_be_open_explains_nothing_in_the_other_direction() {
+        let (_, faults) = Told::for_long(50, 0, 7 * BAR)
+            .confirms(-BAR / 2, 14)
+            .unwrap();
+        assert_eq!(faults, FaultSet::of(Fault::SupplyLost));
+        let (_, faults) = Told::for_long(0, 50, 0).confirms(BAR / 2, 14).unwrap();
+        assert_eq!(faults, FaultSet::of(Fault::UncommandedRise));
+    }
+
+    #[test]
+    fn a_sample_without_pressure_begins_anew() {
+        let mut told = Told::for_long(75, 0, 0);
+        for _ in 0..100 {
+            assert_eq!(told.confirms(0, 3), None);
+            assert_eq!(told.sees(None), FaultSet::NONE);
+            assert_eq!(told.changes(BAR), FaultSet::NONE);
+            told.pressure = 0;
+            assert_eq!(told.sees(None), FaultSet::NONE);
+            assert_eq!(told.changes(0), FaultSet::NONE);
+        }
+    }
+
+    #[test]
+    fn a_fault_keeps_the_name_under_which_it_was_confirmed() {
+        let mut told = Told::for_long(75, 0, 4 * BAR);
+        let (_, first) = told.confirms(0, 20).unwrap();
+        assert_eq!(first, FaultSet::of(Fault::NoRise));
+        assert_eq!(told.changes(-BAR), first);
+    }
+
+    /// The sums end an eighth above the excess: 4096 of them, 328 less in each sample.
+    #[test]
+    fn what_is_over_is_soon_forgotten() {
+        for sign in [-1, 1] {
+            let mut told = Told::for_long(0, 0, 5 * BAR);
+            told.changes(sign * 4 * BAR);
+            let last = (1..100).filter(|_| !told.changes(0).is_empty()).max();
+            assert_eq!(last, Some(12 + 2));
+        }
+    }
+
+    #[test]
+    fn an_open_valve_moves_a_share_of_the_difference_and_never_backwards() {
+        assert_eq!(moved(1 << 30, 4 * BAR), BAR);
+        assert_eq!(moved(i32::MAX, 0), 0);
+        assert_eq!(moved(1 << 30, -1), 0);
+        assert_eq!(moved(1 << 30, i32::MIN), 0);
+    }
+}

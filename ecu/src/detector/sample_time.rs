@@ -26,3 +26,31 @@ impl SampleTimeDetector {
         FaultSet::when(self.0.is_confirmed(), Fault::SampleTime)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::bench_limits;
+
+    #[test]
+    fn n_samples_out_of_time_confirm_and_one_less_does_not() {
+        let out_of_time = FaultSet::of(Fault::SampleTime);
+        for (samples, late) in [(2, FaultSet::NONE), (3, out_of_time), (4, out_of_time)] {
+            for (elapsed_us, expected) in [
+                (0, late),
+                (4_999, late),
+                (5_000, FaultSet::NONE),
+                (10_000, FaultSet::NONE),
+                (20_000, FaultSet::NONE),
+                (20_001, late),
+                (u32::MAX, late),
+            ] {
+                let mut detector = SampleTimeDetector::NEW;
+                for _ in 0..samples {
+                    detector.sample(&bench_limits(), elapsed_us);
+                }
+                assert_eq!(detector.faults(), expected, "{elapsed_us} us, {samples}");
+            }
+        }
+    }
+}

@@ -53,3 +53,93 @@ impl StuckDetector {
         FaultSet::when(self.unmoved >= n, Fault::SensorStuck)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use controller::Duty;
+
+    use super::*;
+    use crate::detector::bench_limits;
+    use crate::sensor::PressureSensor;
+
+    const FILLED: Output = Output {
+        duty_fill: Duty::FULL,
+        duty_vent: Duty::OFF,
+    };
+    const VENTED: Output = Output {
+        duty_fill: Duty::OFF,
+        duty_vent: Duty::FULL,
+    };
+
+    fn code(bits: u16) -> SensorCode {
+        SensorCode::from_bits(bits).unwrap()
+    }
+
+    fn sampled(detector: &mut StuckDetector, opening: Output, code: SensorCode) -> bool {
+        let limits = bench_limits();
+        detector.sample(&limits, opening, code, PressureSensor::pressure(code));
+        detector.faults(&limits).contains(Fault::SensorStuck)
+    }
+
+    /// After one sample that shows the code, `samples` more of it.
+    fn is_stuck_after(opening: Output, bits: u16, samples: usize) -> bool {
+        let mut detector = StuckDetector::NEW;
+        sampled(&mut detector, opening, code(bits));
+        let mut is_stuck = false;
+        for _ in 0..samples {
+            is_stuck = sampled(&mut detector, opening, code(bits));
+        }
+        is_stuck
+    }
+
+    #[test]
+    fn n_driven_samples_without_a_changed_bit_confirm_and_one_less_does_not() {
+        for opening in [FILLED, VENTED] {
+            for (samples, expected) in [(49, false), (50, true), (51, true), (1000, true)] {
+                assert_eq!(
+                    is_stuck_after(opening, 1000, samples),
+                    expected,
+                    "{samples}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn at_rest_nothing_is_counted_and_nothing_forgotten() {
+        let mut detector = StuckDetector::NEW;
+        sampled(&mut detector, FILLED, code(1000));
+        for _ in 0..49 {
+            assert!(!sampled(&mut detector, FILLED, code(1000)));
+        }
+        for _ in 0..1000 {
+            assert!(!sampled(&mut detector, Output::OFF, code(1000)));
+        }
+        assert!(sampled(&mut detector, FILLED, code(1000)));
+    }
+
+    #[test]
+    fn one_changed_bit_and_it_counts_anew() {
+        let mut detector = StuckDetector::NEW;
+        for sample in 0..1000 {
+            let shown = code(1000 + (sample / 49) % 2);
+            assert!(!sampled(&mut detector, FILLED, shown), "{sample}");
+        }
+    }
+
+    /// A full chamber cannot be filled, an empty one cannot be vented.
+    #[test]
+    fn a_valve_counts_only_where_it_has_something_to_move() {
+        let limits = bench_limits();
+        let first = |is_there: &dyn Fn(i32) -> bool| {
+            let shows = |&bits: &u16| is_there(PressureSensor::pressure(code(bits)).to_bits());
+            (0..4096).find(shows).unwrap()
+        };
+        let full = first(&|bits| bits >= limits.supply_min);
+        assert!(is_stuck_after(FILLED, full - 1, 50));
+        assert!(!is_stuck_after(FILLED, full, 200));
+        let not_empty = first(&|bits| bits > ROOM_TO_FALL);
+        assert!(is_stuck_after(VENTED, not_empty, 50));
+        assert!(!is_stuck_after(VENTED, not_empty - 1, 200));
+    }
+}
