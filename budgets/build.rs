@@ -27,7 +27,8 @@ fn compile_baselines() {
             .compiler("arm-none-eabi-gcc")
             .archiver("arm-none-eabi-ar")
             .no_default_flags(true);
-        build.flags(["-std=c11", "-Wall", "-Wextra", "-Werror"]);
+        // Freestanding: no header and no function of a C library, which the compiler's package does not bring.
+        build.flags(["-std=c11", "-ffreestanding", "-Wall", "-Wextra", "-Werror"]);
         build.flags(["-mcpu=cortex-m4", "-mthumb"]);
         build.flags(["-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]);
         build.flags(["-ffunction-sections", "-fdata-sections"]);

@@ -1,6 +1,5 @@
 /* Single precision on the processor's floating-point unit. */
 #include "controller.h"
-#include <math.h>
 
 static inline float limit(float x, float bound)
 {
@@ -13,7 +12,7 @@ float_duties STEP(float_step)(const float_parameters *p, float_state *s, float r
     float error = reference - pressure;
     float error_change = error - s->error;
     float pressure_change = pressure - s->pressure;
-    bool inside = fabsf(error) < p->tolerance;
+    bool inside = __builtin_fabsf(error) < p->tolerance;
     if (inside || (error < 0.0f) != (s->error < 0.0f)) {
         s->boost = 0.0f;
     }
@@ -21,7 +20,7 @@ float_duties STEP(float_step)(const float_parameters *p, float_state *s, float r
     s->pressure = pressure;
 
     float predicted = error + 2.0f * error_change;
-    if (inside || fabsf(predicted) < p->tolerance) {
+    if (inside || __builtin_fabsf(predicted) < p->tolerance) {
         return off;
     }
 
