@@ -157,6 +157,16 @@ impl<T: Transport> Framed<T> {
         &self.device
     }
 
+    /// What carries the frames.
+    pub const fn transport(&self) -> &T {
+        &self.transport
+    }
+
+    /// What carries the frames, to disturb it.
+    pub const fn transport_mut(&mut self) -> &mut T {
+        &mut self.transport
+    }
+
     /// What this side of the link has counted.
     pub fn counters(&self) -> LinkCounters {
         self.session.counters()

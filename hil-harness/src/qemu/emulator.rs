@@ -58,6 +58,11 @@ impl Emulator {
         })
     }
 
+    /// The number of its process.
+    pub fn process_id(&self) -> u32 {
+        self.process.id()
+    }
+
     /// What the emulator says of itself.
     pub fn version(&self) -> &str {
         &self.version

@@ -1,6 +1,6 @@
 //! Memory that this process and the emulated machine share.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU32;
 
@@ -70,11 +70,5 @@ impl Folder {
 
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
-    }
-
-    /// Nobody needs the names once both sides have the files open; a process that is killed leaves nothing behind then.
-    pub(super) fn forget_names(&self) {
-        // What cannot be removed now is removed with the folder.
-        let _ = fs::remove_dir_all(self.0.path());
     }
 }

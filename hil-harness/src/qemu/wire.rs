@@ -43,6 +43,8 @@ pub struct QemuLink {
     memory: Arc<SharedMemory>,
     emulator: Emulator,
     image: String,
+    /// The names of the emulator's files, until the image speaks: then all of them are open.
+    names: Option<Folder>,
 }
 
 #[derive(Debug)]
@@ -74,7 +76,6 @@ impl QemuLink {
         let mut emulator = Emulator::start(image.path(), &folder.path("memory"), &socket)?;
         let uart = accept(&listener, &mut emulator)?;
         uart.set_nonblocking(false).map_err(failed)?;
-        folder.forget_names();
         Ok(Self {
             wire: match wire {
                 Wire::Mailbox => EitherWire::Mailbox(MailboxLink::new(Arc::clone(&memory))),
@@ -83,6 +84,7 @@ impl QemuLink {
             memory,
             emulator,
             image: image.name(),
+            names: Some(folder),
         })
     }
 
@@ -92,6 +94,16 @@ impl QemuLink {
             let word = self.memory.word_at(COMPARE_ADDRESS + offset);
             word.map_or(0, |word| word.load(Ordering::Acquire))
         })
+    }
+
+    /// The machine's memory: the image's variables, its stack, its settings and its black box.
+    pub fn memory(&self) -> &SharedMemory {
+        &self.memory
+    }
+
+    /// The emulator's process.
+    pub const fn emulator(&self) -> &Emulator {
+        &self.emulator
     }
 
     fn either(&mut self) -> &mut dyn Transport {
@@ -161,7 +173,11 @@ impl Transport for QemuLink {
             let look = deadline.min(Instant::now() + LOOK_EVERY);
             match self.either().receive(buffer, look) {
                 Ok(0) => self.still_runs()?,
-                Ok(count) => return Ok(count),
+                Ok(count) => {
+                    // A process that is killed from here on leaves nothing behind.
+                    self.names = None;
+                    return Ok(count);
+                }
                 Err(error) => {
                     self.still_runs()?;
                     return Err(error);
