@@ -14,11 +14,21 @@ pub const LAMINAR_RATIO: f64 = 0.9999;
 /// Intervals in which the subsonic branch is tabulated; the error is below 1e-9 of the choked flow.
 const INTERVALS: usize = 192;
 
+/// The form of the subsonic branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subsonic {
+    /// The ideal nozzle's, stretched over the ratios above the critical one (E10).
+    Isentropic,
+    /// The quarter ellipse of ISO 6358-1 (E57).
+    Ellipse,
+}
+
 /// The gas and the nozzle law, prepared once: everything in equation 3.19 but area and pressures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NozzleLaw {
     /// Ratio below which the flow is choked (-), equation 3.22.
     critical_ratio: f64,
+    branch: Subsonic,
     /// (1 - the isentropic critical ratio) / (1 - the orifice's): 1 for the ideal orifice.
     stretch: f64,
     /// (k-1)/k (-).
@@ -47,6 +57,23 @@ impl NozzleLaw {
         temperature: f64,
         critical_ratio: f64,
     ) -> Self {
+        Self::with_branch(
+            heat_capacity_ratio,
+            gas_constant,
+            temperature,
+            critical_ratio,
+            Subsonic::Isentropic,
+        )
+    }
+
+    /// The law with another form of the subsonic branch.
+    pub fn with_branch(
+        heat_capacity_ratio: f64,
+        gas_constant: f64,
+        temperature: f64,
+        critical_ratio: f64,
+        branch: Subsonic,
+    ) -> Self {
         let k = heat_capacity_ratio;
         let sqrt_rt = (gas_constant * temperature).sqrt();
         let isentropic = (2.0 / (k + 1.0)).powf(k / (k - 1.0));
@@ -54,6 +81,7 @@ impl NozzleLaw {
         let critical_ratio = if rounded { isentropic } else { critical_ratio };
         let mut law = Self {
             critical_ratio,
+            branch,
             stretch: (1.0 - isentropic) / (1.0 - critical_ratio),
             exponent: (k - 1.0) / k,
             subsonic_factor: (2.0 * k / (k - 1.0)).sqrt() / sqrt_rt,
@@ -61,7 +89,7 @@ impl NozzleLaw {
             laminar_slope: 0.0,
             subsonic: Table::new(0.0, 1.0, [[0.0; 2]; 2].into_iter()),
         };
-        law.laminar_slope = law.isentropic(LAMINAR_RATIO) / (1.0 - LAMINAR_RATIO);
+        law.laminar_slope = law.subsonic_branch(LAMINAR_RATIO) / (1.0 - LAMINAR_RATIO);
         let (least, most) = ((1.0 - LAMINAR_RATIO).sqrt(), (1.0 - critical_ratio).sqrt());
         let step = (most - least) / INTERVALS as f64;
         let nodes = (0..=INTERVALS).map(|n| {
@@ -69,8 +97,8 @@ impl NozzleLaw {
             let ratio = 1.0 - s * s;
             // dΨ/ds = dΨ/dr dr/ds.
             [
-                law.isentropic(ratio),
-                -2.0 * s * law.isentropic_slope(ratio),
+                law.subsonic_branch(ratio),
+                -2.0 * s * law.subsonic_slope(ratio),
             ]
         });
         law.subsonic = Table::new(least, step, nodes.collect::<Vec<_>>().into_iter());
@@ -141,7 +169,7 @@ impl NozzleLaw {
         if ratio <= self.critical_ratio {
             0.0
         } else if ratio < LAMINAR_RATIO {
-            self.isentropic_slope(ratio)
+            self.subsonic_slope(ratio)
         } else {
             -self.laminar_slope
         }
@@ -151,6 +179,31 @@ impl NozzleLaw {
     #[inline]
     fn stretched(&self, ratio: f64) -> f64 {
         1.0 - self.stretch * (1.0 - ratio)
+    }
+
+    /// Where `ratio` stands between choked flow, 0, and equal pressures, 1.
+    fn beyond_critical(&self, ratio: f64) -> f64 {
+        (ratio - self.critical_ratio).max(0.0) / (1.0 - self.critical_ratio)
+    }
+
+    fn subsonic_branch(&self, ratio: f64) -> f64 {
+        match self.branch {
+            Subsonic::Isentropic => self.isentropic(ratio),
+            Subsonic::Ellipse => {
+                self.choked_factor * (1.0 - self.beyond_critical(ratio).powi(2)).sqrt()
+            }
+        }
+    }
+
+    /// d(`subsonic_branch`)/d(ratio).
+    fn subsonic_slope(&self, ratio: f64) -> f64 {
+        match self.branch {
+            Subsonic::Isentropic => self.isentropic_slope(ratio),
+            Subsonic::Ellipse => {
+                let q = self.beyond_critical(ratio);
+                -self.choked_factor * q / ((1.0 - self.critical_ratio) * (1.0 - q * q).sqrt())
+            }
+        }
     }
 
     /// The subsonic branch of equation 3.19 as printed, with r^(2/k) - r^((k+1)/k) = (r/w)² (1 - w) and
