@@ -5,6 +5,8 @@
 pub struct Chamber {
     /// R T / V (Pa/kg): pressure per mass (equation 3.17).
     pub pressure_per_mass: f64,
+    /// V (m³).
+    pub volume: f64,
 }
 
 impl Chamber {
@@ -12,6 +14,7 @@ impl Chamber {
     pub fn new(volume: f64, gas_constant: f64, temperature: f64) -> Self {
         Self {
             pressure_per_mass: gas_constant * temperature / volume,
+            volume,
         }
     }
 

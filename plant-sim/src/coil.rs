@@ -76,7 +76,7 @@ pub struct RestingCurrent {
 }
 
 impl RestingCurrent {
-    const EXTINCT: Self = Self {
+    pub(crate) const EXTINCT: Self = Self {
         initial: 0.0,
         steady: 0.0,
         time_constant: 1.0,

@@ -1,10 +1,13 @@
 #![doc = include_str!("../README.md")]
 
+pub mod additions;
 pub mod armature;
 pub mod chamber;
 pub mod coil;
 pub mod ecu_output;
+pub mod effects;
 pub mod experiment;
+pub mod hooks;
 pub mod linearisation;
 pub mod magnet;
 pub mod orifice;
@@ -13,6 +16,7 @@ pub mod plant;
 pub mod regulating_valve;
 pub mod replay;
 pub mod resting_pressure;
+pub mod restriction;
 mod simulator;
 mod solver;
 pub mod subsonic_curves;
@@ -20,4 +24,4 @@ pub mod valve;
 
 pub use ecu_output::Command;
 pub use parameters::{ParameterError, PlantParameters};
-pub use simulator::{Sample, Simulator, Statistics, Tolerance};
+pub use simulator::{EffectState, Sample, Simulator, Statistics, Tolerance};

@@ -89,7 +89,7 @@ fn flow_slope(plant: &Plant, index: usize, pressure: f64) -> f64 {
     if index == FILL {
         nozzle.mass_flow_slopes(plant.supply_pressure, pressure)[1]
     } else {
-        nozzle.mass_flow_slopes(pressure, plant.ambient_pressure)[0]
+        nozzle.mass_flow_slopes(pressure, plant.drain_pressure)[0]
     }
 }
 

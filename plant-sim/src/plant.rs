@@ -1,5 +1,6 @@
-//! Two valves and a chamber: the right-hand side of equations 3.26 to 3.32.
+//! Two valves and a chamber: the right-hand side of equations 3.26 to 3.32, and what effects add to it.
 
+use crate::additions::Additions;
 use crate::chamber::Chamber;
 use crate::coil::Drive;
 use crate::orifice::NozzleLaw;
@@ -24,10 +25,14 @@ pub struct Plant {
     pub chamber: Chamber,
     /// Supply pressure (Pa abs), upside of the fill valve.
     pub supply_pressure: f64,
-    /// Ambient pressure (Pa abs), downside of the vent valve.
+    /// Ambient pressure (Pa abs).
     pub ambient_pressure: f64,
+    /// Pressure of the drain (Pa abs), downside of the vent valve: ambient but for an effect.
+    pub drain_pressure: f64,
     /// Drop of the free-wheel diode (V).
     pub diode_drop: f64,
+    /// What effects add; the methods here do without it, the simulator does not.
+    pub additions: Additions,
 }
 
 /// The state of the plant: x1 to x7 of section 3.5 with the discrete state of each valve.
@@ -54,7 +59,7 @@ impl Plant {
         if valve == FILL {
             self.supply_pressure - pressure
         } else {
-            pressure - self.ambient_pressure
+            pressure - self.drain_pressure
         }
     }
 
@@ -68,7 +73,7 @@ impl Plant {
                 .mass_flow(effective_area, self.supply_pressure, pressure)
         } else {
             self.nozzle
-                .mass_flow(effective_area, pressure, self.ambient_pressure)
+                .mass_flow(effective_area, pressure, self.drain_pressure)
         }
     }
 
@@ -84,7 +89,7 @@ impl Plant {
     /// The whole right-hand side between the end stops, equations 3.26 to 3.32 with the motional term of
     /// equation 3.4, for the states in the order of section 3.5: i, x, v of the fill valve, chamber
     /// pressure, i, x, v of the vent valve (SI units). The simulator integrates the moving part of it; this
-    /// form is for linearisation and for other solvers.
+    /// form is for linearisation and for other solvers, and knows no additions.
     pub fn rates(&self, drives: [Drive; 2], state: &[f64; 7]) -> [f64; 7] {
         let [i_fill, x_fill, v_fill, pressure, i_vent, x_vent, v_vent] = *state;
         let [fill, vent] = &self.valves;

@@ -124,7 +124,7 @@ impl Replay {
         let row = [
             self.command.duty_fill_pct,
             self.command.duty_vent_pct,
-            (sample.pressure - self.ambient_pressure) / crate::parameters::PA_PER_BAR,
+            (sample.measured_pressure - self.ambient_pressure) / crate::parameters::PA_PER_BAR,
             current[FILL] * 1e3,
             current[VENT] * 1e3,
             self.supply_voltage_v,

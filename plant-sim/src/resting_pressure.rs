@@ -5,7 +5,7 @@
 //!
 //! - **closed or choked** through either valve or both: dp/dt = a - b p, a line or an exponential;
 //! - **subsonic** through one valve: with the pressure ratio r over the valve and the effective area A,
-//!   dr/dt = κ A h(r), where h is Ψ for the fill valve (r = p/P_sup) and r Ψ for the vent valve (r = P_atm/p).
+//!   dr/dt = κ A h(r), where h is Ψ for the fill valve (r = p/P_sup) and r Ψ for the vent valve (r = P_drain/p).
 //!   The solution r(κ A t) is one curve for all areas, volumes and pressures: tabulated once;
 //! - **nearly equal** pressures, where the flow is linear in the pressure drop: an exponential in 1 - r (fill)
 //!   or (1 - r)/r (vent).
@@ -49,13 +49,13 @@ impl RestingPressure {
         let nozzle = &plant.nozzle;
         let flows = |valve: usize, choked: bool| effective_areas[valve] == 0.0 || choked;
         let fill_choked = nozzle.is_choked(plant.supply_pressure, pressure);
-        let vent_choked = nozzle.is_choked(pressure, plant.ambient_pressure);
+        let vent_choked = nozzle.is_choked(pressure, plant.drain_pressure);
         if flows(FILL, fill_choked) && flows(VENT, vent_choked) {
             return Some(Self::choked(plant, effective_areas, pressure));
         }
         match effective_areas {
             [area, 0.0] => Self::through_one(plant, FILL, area, pressure / plant.supply_pressure),
-            [0.0, area] => Self::through_one(plant, VENT, area, plant.ambient_pressure / pressure),
+            [0.0, area] => Self::through_one(plant, VENT, area, plant.drain_pressure / pressure),
             _ => None,
         }
     }
@@ -72,7 +72,7 @@ impl RestingPressure {
             valid_for = valid_for.min(time_of(nozzle.critical_ratio() * plant.supply_pressure));
         }
         if vent_area > 0.0 {
-            valid_for = valid_for.min(time_of(plant.ambient_pressure / nozzle.critical_ratio()));
+            valid_for = valid_for.min(time_of(plant.drain_pressure / nozzle.critical_ratio()));
         }
         Self {
             kind: Kind::Choked {
@@ -156,7 +156,7 @@ impl RestingPressure {
         if valve == FILL {
             plant.supply_pressure * ratio
         } else {
-            plant.ambient_pressure / ratio
+            plant.drain_pressure / ratio
         }
     }
 }
@@ -188,7 +188,7 @@ mod tests {
             let mut parameters = PlantParameters::nominal();
             parameters.flow.critical_ratio = critical_ratio;
             let plant = parameters.plant();
-            let (supply, ambient) = (plant.supply_pressure, plant.ambient_pressure);
+            let (supply, ambient) = (plant.supply_pressure, plant.drain_pressure);
             for (areas, start) in [
                 ([2e-6, 0.0], 1.2e5),
                 ([2e-6, 0.0], 0.6 * supply),
@@ -230,7 +230,7 @@ mod tests {
             None
         );
         assert_eq!(
-            RestingPressure::of(&plant, [0.0, 1e-6], 0.9 * plant.ambient_pressure),
+            RestingPressure::of(&plant, [0.0, 1e-6], 0.9 * plant.drain_pressure),
             None
         );
     }

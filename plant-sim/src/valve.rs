@@ -46,6 +46,8 @@ pub enum Motion {
     Moving,
     /// Held against the stop at x = stroke by the magnet.
     AtFullStroke,
+    /// Held between the stops by dry friction, which the plain model has not.
+    Stuck,
 }
 
 /// The state of a valve between two events.
@@ -154,7 +156,7 @@ impl Valve {
         match motion {
             Motion::AtRestStop => net,
             Motion::AtFullStroke => -net,
-            Motion::Moving => f64::NEG_INFINITY,
+            Motion::Moving | Motion::Stuck => f64::NEG_INFINITY,
         }
     }
 }

@@ -1,9 +1,11 @@
 //! From parameters to physics.
 
 use super::values::PlantParameters;
+use crate::additions::Additions;
 use crate::armature::Armature;
 use crate::chamber::Chamber;
 use crate::coil::Coil;
+use crate::effects::{EffectSetting, LIBRARY};
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice};
 use crate::plant::Plant;
@@ -11,8 +13,25 @@ use crate::subsonic_curves::SubsonicCurves;
 use crate::valve::{Valve, ValveFunction};
 
 impl PlantParameters {
-    /// The physics that these parameters describe.
+    /// The physics that these parameters describe, effects included.
     pub fn plant(&self) -> Plant {
+        let mut plant = self.thesis_plant();
+        // In the order of the library, whatever the order in the file; effects of your own come last.
+        let rank = |setting: &&EffectSetting| {
+            let id = setting.id();
+            let place = LIBRARY.iter().position(|effect| effect.about().id == id);
+            place.unwrap_or(LIBRARY.len())
+        };
+        let mut settings: Vec<_> = self.effects.iter().filter(|one| !one.is_off()).collect();
+        settings.sort_by_key(rank);
+        for setting in settings {
+            setting.effect().install(setting, self, &mut plant);
+        }
+        plant
+    }
+
+    /// The physics without effects.
+    fn thesis_plant(&self) -> Plant {
         let gas = &self.gas;
         let nozzle = NozzleLaw::new(
             gas.heat_capacity_ratio,
@@ -44,7 +63,9 @@ impl PlantParameters {
             ),
             supply_pressure: gas.supply_pressure_pa(),
             ambient_pressure: gas.ambient_pressure_pa,
+            drain_pressure: gas.ambient_pressure_pa,
             diode_drop: self.ecu.free_wheel_diode_drop_v,
+            additions: Additions::default(),
         }
     }
 

@@ -2,8 +2,10 @@
 
 use core::fmt;
 
-use super::table::{ParameterSpec, sections};
+use super::spec::ParameterSpec;
+use super::table::sections;
 use super::units::plausible_unit;
+use crate::effects::About;
 
 /// All problems of one plant file.
 #[derive(Debug, Clone)]
@@ -20,6 +22,18 @@ pub enum Problem {
     Syntax { line: usize, message: String },
     /// No such table.
     UnknownSection { line: usize, section: String },
+    /// No such effect; `nearest` is the name that was probably meant.
+    UnknownEffect {
+        line: usize,
+        id: String,
+        nearest: Option<&'static str>,
+    },
+    /// The law of an effect has no such form.
+    UnknownVariant {
+        line: usize,
+        effect: &'static About,
+        found: String,
+    },
     /// No such key; `suggestion` is the line to write instead.
     UnknownKey {
         line: usize,
@@ -75,6 +89,8 @@ impl Problem {
             Self::Syntax { line, .. }
             | Self::UnknownSection { line, .. }
             | Self::UnknownKey { line, .. }
+            | Self::UnknownEffect { line, .. }
+            | Self::UnknownVariant { line, .. }
             | Self::WrongType { line, .. }
             | Self::OutOfRange { line, .. }
             | Self::UnknownChoice { line, .. } => Some(*line).filter(|&line| line > 0),
@@ -111,6 +127,25 @@ impl fmt::Display for Problem {
                 "unknown table [{section}]; a plant file has the tables {}",
                 sections().join(", ")
             ),
+            Self::UnknownEffect { id, nearest, .. } => {
+                write!(f, "unknown effect [effects.{id}]")?;
+                match nearest {
+                    Some(nearest) => write!(f, "; write `[effects.{nearest}]`"),
+                    None => write!(
+                        f,
+                        "; remove it, or list the known ones with `retarder parameters`"
+                    ),
+                }
+            }
+            Self::UnknownVariant { effect, found, .. } => {
+                let names: Vec<_> = effect.variants.iter().map(|one| one.name).collect();
+                write!(
+                    f,
+                    "`effects.{}.variant` = \"{found}\" is not one of {}",
+                    effect.id,
+                    names.join(", ")
+                )
+            }
             Self::UnknownKey {
                 key, suggestion, ..
             } => {
@@ -183,7 +218,10 @@ fn range(spec: &ParameterSpec) -> String {
             format!("{value}")
         }
     };
-    format!("{} to {} {}", number(min), number(max), spec.unit)
-        .trim_end()
-        .to_owned()
+    let range = format!("{} to {} {}", number(min), number(max), spec.unit);
+    let range = range.trim_end();
+    match spec.size.and_then(|size| size.off) {
+        Some(off) if !(min..=max).contains(&off) => format!("{range}, or {off} for none"),
+        _ => range.to_owned(),
+    }
 }

@@ -7,18 +7,22 @@ mod build;
 mod consistency;
 mod error;
 mod read;
+mod spec;
 mod table;
 mod units;
 mod values;
 mod write;
 
 pub use error::{ParameterError, Problem};
-pub use table::{PARAMETERS, ParameterSpec};
+pub(crate) use spec::effect_parameters;
+pub use spec::{ParameterSpec, Scale, Size};
+pub use table::PARAMETERS;
 pub use values::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, MagnetParameters, PA_PER_BAR, PlantParameters, RegulatingValveParameters,
 };
 
+use crate::effects::{Effect, EffectSetting, by_id};
 use consistency::inconsistency;
 use units::in_other_unit;
 
@@ -37,7 +41,19 @@ impl PlantParameters {
     /// # Errors
     /// All problems of the file at once, each with its line, the value, what is allowed and what to write.
     pub fn from_toml(text: &str, name: &str) -> Result<Self, ParameterError> {
-        read::read(text, name)
+        Self::from_toml_with(text, name, &[])
+    }
+
+    /// As [`Self::from_toml`], for a file that may also have effects of your `own`.
+    ///
+    /// # Errors
+    /// As [`Self::from_toml`].
+    pub fn from_toml_with(
+        text: &str,
+        name: &str,
+        own: &[&'static dyn Effect],
+    ) -> Result<Self, ParameterError> {
+        read::read(text, name, own)
     }
 
     /// Checks values that were set field by field, as [`Self::from_toml`] and [`Self::set`] check theirs.
@@ -45,7 +61,7 @@ impl PlantParameters {
     /// # Errors
     /// Every value that is out of range, or the first that contradicts another one.
     pub fn check(&self) -> Result<(), ParameterError> {
-        let out_of_range = PARAMETERS.iter().filter_map(|spec| {
+        let out_of_range = self.specs().filter_map(|spec| {
             let value = spec.value(self)?;
             (!spec.contains(value)).then_some(Problem::OutOfRange {
                 line: 0,
@@ -71,17 +87,48 @@ impl PlantParameters {
 
     /// The value of `section.key`; none where there is no such parameter, or the plant leaves its table out.
     pub fn get(&self, name: &str) -> Option<f64> {
-        ParameterSpec::by_name(name).and_then(|spec| spec.value(self))
+        self.spec(name).and_then(|spec| spec.value(self))
     }
 
-    /// Sets `section.key` after checking its range; says `provenance` from now on.
+    /// Every parameter that this plant has or may have: the list of all, and those of effects of your own.
+    pub fn specs(&self) -> impl Iterator<Item = &'static ParameterSpec> {
+        let own = self
+            .effects
+            .iter()
+            .filter(|setting| by_id(setting.id()).is_none())
+            .flat_map(|setting| setting.parameters().iter().copied());
+        PARAMETERS.iter().copied().chain(own)
+    }
+
+    /// Adds the effect that `spec` belongs to, in the first variant that has it, if it is one of the library.
+    fn add_effect_of(&mut self, spec: &'static ParameterSpec) {
+        let Some(id) = spec.effect_id() else { return };
+        if self.effect(id).is_some() {
+            return;
+        }
+        let Some(effect) = by_id(id) else { return };
+        let mut variants = effect.about().variants.iter();
+        if let Some(variant) =
+            variants.find(|variant| variant.parameters.iter().any(|one| one.key == spec.key))
+        {
+            self.effects
+                .push(EffectSetting::typical_variant(effect, variant));
+        }
+    }
+
+    fn spec(&self, name: &str) -> Option<&'static ParameterSpec> {
+        self.specs().find(|spec| spec.name() == name)
+    }
+
+    /// Sets `section.key` after checking its range; says `provenance` from now on. An effect that the plant does
+    /// not have yet joins it, its other parameters at their typical size.
     ///
     /// # Errors
     /// There is no such parameter, the plant leaves its table out, or the value is out of range or contradicts
     /// another one; nothing is changed then.
     pub fn set(&mut self, name: &str, value: f64, provenance: &str) -> Result<(), ParameterError> {
         let refuse = |problem| ParameterError::new(name, vec![problem]);
-        let spec = ParameterSpec::by_name(name).ok_or_else(|| {
+        let spec = self.spec(name).ok_or_else(|| {
             refuse(Problem::UnknownKey {
                 line: 0,
                 key: name.to_owned(),
@@ -96,7 +143,8 @@ impl PlantParameters {
             }));
         }
         let mut changed = self.clone();
-        let Some(slot) = (spec.slot)(&mut changed) else {
+        changed.add_effect_of(spec);
+        let Some(slot) = spec.slot(&mut changed) else {
             return Err(refuse(Problem::AbsentSection { spec }));
         };
         *slot = value;
@@ -113,7 +161,7 @@ impl PlantParameters {
 
 /// What to write for a `section.key` whose key has another unit.
 fn in_other_unit_of_section(name: &str, value: f64) -> Option<String> {
-    let (section, key) = name.split_once('.')?;
+    let (section, key) = name.rsplit_once('.')?;
     let specs = PARAMETERS.iter().filter(|spec| spec.section == section);
     in_other_unit(key, specs)
         .map(|(spec, factor)| format!("{} = {:e}", spec.name(), value * factor))

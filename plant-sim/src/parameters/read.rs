@@ -6,9 +6,11 @@ use toml_edit::{Document, Item, TableLike, Value};
 
 use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
-use super::table::{FUNCTIONS, PARAMETERS, ParameterSpec, REGULATING_VALVE, VALVE_KEYS, VALVES};
+use super::spec::ParameterSpec;
+use super::table::{EFFECTS, FUNCTIONS, PARAMETERS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT};
 use super::units::in_other_unit;
 use super::values::{PlantParameters, RegulatingValveParameters};
+use crate::effects::{Effect, EffectSetting, LIBRARY, nearest};
 use crate::valve::ValveFunction;
 
 /// Size beyond which a file is certainly not a plant file (bytes).
@@ -16,11 +18,17 @@ const MAX_BYTES: usize = 1 << 20;
 
 struct Reader<'a> {
     text: &'a str,
+    /// Effects that the plant may have: those of the library, and the caller's own.
+    library: Vec<&'static dyn Effect>,
     problems: Vec<Problem>,
     parameters: PlantParameters,
 }
 
-pub(super) fn read(text: &str, name: &str) -> Result<PlantParameters, ParameterError> {
+pub(super) fn read(
+    text: &str,
+    name: &str,
+    own: &[&'static dyn Effect],
+) -> Result<PlantParameters, ParameterError> {
     let fail = |problems| Err(ParameterError::new(name, problems));
     if text.len() > MAX_BYTES {
         let message = format!(
@@ -40,6 +48,7 @@ pub(super) fn read(text: &str, name: &str) -> Result<PlantParameters, ParameterE
     };
     let mut reader = Reader {
         text,
+        library: LIBRARY.iter().chain(own).copied().collect(),
         problems: Vec::new(),
         parameters: PlantParameters::blank(),
     };
@@ -73,10 +82,14 @@ impl Reader<'_> {
                 });
                 continue;
             };
+            let specs = || PARAMETERS.iter().filter(|spec| spec.section == section);
             if section == VALVES {
                 self.valves(table);
-            } else if PARAMETERS.iter().any(|spec| spec.section == section) {
-                self.section(section, table, &mut present);
+            } else if section == EFFECTS {
+                self.effects(table);
+            } else if specs().next().is_some() {
+                let specs: Vec<_> = specs().copied().collect();
+                self.section(section, table, &specs, &mut present);
             } else {
                 self.problems.push(Problem::UnknownSection {
                     line,
@@ -86,7 +99,7 @@ impl Reader<'_> {
         }
         let regulating = self.parameters.regulating_valve.is_some();
         for &spec in PARAMETERS.iter() {
-            let needed = !spec.is_optional() || regulating;
+            let needed = !spec.is_optional() || (regulating && spec.section == REGULATING_VALVE);
             let known = present.iter().any(|&seen| std::ptr::eq(seen, spec));
             if needed && !known {
                 self.problems.push(Problem::MissingKey { spec });
@@ -98,14 +111,17 @@ impl Reader<'_> {
         &mut self,
         section: &str,
         table: &dyn TableLike,
+        specs: &[&'static ParameterSpec],
         present: &mut Vec<&'static ParameterSpec>,
     ) {
-        let specs = || PARAMETERS.iter().filter(|spec| spec.section == section);
         for (key, item) in table.iter() {
+            if key == VARIANT && section.starts_with(EFFECTS) {
+                continue;
+            }
             let line = self.line(table.key(key).and_then(toml_edit::Key::span));
             let name = format!("{section}.{key}");
-            let Some(spec) = specs().find(|spec| spec.key == key) else {
-                let suggestion = in_other_unit(key, specs()).map(|(spec, factor)| {
+            let Some(spec) = specs.iter().copied().find(|spec| spec.key == key) else {
+                let suggestion = in_other_unit(key, specs.iter()).map(|(spec, factor)| {
                     // Named, if in the wrong unit: it is not missing as well.
                     present.push(spec);
                     match number(item) {
@@ -113,6 +129,8 @@ impl Reader<'_> {
                         None => spec.key.to_owned(),
                     }
                 });
+                let suggestion = suggestion
+                    .or_else(|| nearest(key, specs.iter().map(|spec| spec.key)).map(str::to_owned));
                 self.problems.push(Problem::UnknownKey {
                     line,
                     key: name,
@@ -135,11 +153,75 @@ impl Reader<'_> {
                     .push(Problem::OutOfRange { line, spec, value });
                 continue;
             }
-            if let Some(slot) = (spec.slot)(&mut self.parameters) {
+            if let Some(slot) = spec.slot(&mut self.parameters) {
                 *slot = value;
             }
             if let Some(comment) = self.comment_behind(item) {
                 self.parameters.provenance.insert(name, comment);
+            }
+        }
+    }
+
+    /// `[effects]`: one table per effect, `variant` and the variant's parameters in each.
+    fn effects(&mut self, effects: &dyn TableLike) {
+        for (id, item) in effects.iter() {
+            let line = self.line(effects.key(id).and_then(toml_edit::Key::span));
+            let known = |effect: &&&'static dyn Effect| effect.about().id == id;
+            let Some(&effect) = self.library.iter().find(known) else {
+                let ids = self.library.iter().map(|effect| effect.about().id);
+                self.problems.push(Problem::UnknownEffect {
+                    line,
+                    id: id.to_owned(),
+                    nearest: nearest(id, ids),
+                });
+                continue;
+            };
+            let Some(table) = item.as_table_like() else {
+                self.problems.push(Problem::WrongType {
+                    line,
+                    key: format!("{EFFECTS}.{id}"),
+                    found: item.type_name(),
+                    expected: "a table of parameters",
+                });
+                continue;
+            };
+            self.effect(effect, table);
+        }
+    }
+
+    fn effect(&mut self, effect: &'static dyn Effect, table: &dyn TableLike) {
+        let about = effect.about();
+        let name = format!("{EFFECTS}.{}", about.id);
+        let line = self.line(table.key(VARIANT).and_then(toml_edit::Key::span));
+        let variant = match table.get(VARIANT).map(|item| (item, item.as_str())) {
+            None => Some(&about.variants[0]),
+            Some((_, Some(word))) => about.variant(word).or_else(|| {
+                self.problems.push(Problem::UnknownVariant {
+                    line,
+                    effect: about,
+                    found: quotable(word),
+                });
+                None
+            }),
+            Some((item, None)) => {
+                self.problems.push(Problem::WrongType {
+                    line,
+                    key: format!("{name}.{VARIANT}"),
+                    found: item.type_name(),
+                    expected: "the name of a variant",
+                });
+                None
+            }
+        };
+        let Some(variant) = variant else { return };
+        self.parameters
+            .effects
+            .push(EffectSetting::typical_variant(effect, variant));
+        let mut present = Vec::new();
+        self.section(&name, table, variant.parameters, &mut present);
+        for &spec in variant.parameters {
+            if !present.iter().any(|&seen| std::ptr::eq(seen, spec)) {
+                self.problems.push(Problem::MissingKey { spec });
             }
         }
     }
@@ -166,11 +248,7 @@ impl Reader<'_> {
                 Some(found) => self.problems.push(Problem::UnknownChoice {
                     line,
                     key: name,
-                    found: found
-                        .chars()
-                        .take(80)
-                        .flat_map(char::escape_default)
-                        .collect(),
+                    found: quotable(found),
                     choices: FUNCTIONS,
                 }),
                 None => self.problems.push(Problem::WrongType {
@@ -193,6 +271,14 @@ impl Reader<'_> {
         let comment = rest.trim_start().strip_prefix('#')?.trim();
         (!comment.is_empty()).then(|| comment.to_owned())
     }
+}
+
+/// A text of the file as a message may show it.
+fn quotable(text: &str) -> String {
+    text.chars()
+        .take(80)
+        .flat_map(char::escape_default)
+        .collect()
 }
 
 fn number(item: &Item) -> Option<f64> {

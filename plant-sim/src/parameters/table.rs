@@ -1,6 +1,7 @@
 //! The one list of all parameters.
 
-use super::values::PlantParameters;
+use super::spec::{ParameterSpec, Place};
+use crate::effects::LIBRARY;
 
 /// `[valves]`: which function the valves have.
 pub(super) const VALVES: &str = "valves";
@@ -10,54 +11,10 @@ pub(super) const FUNCTIONS: &[&str] = &["normally_closed", "normally_open"];
 /// The table of a plant file that may be absent.
 pub(super) const REGULATING_VALVE: &str = "regulating_valve";
 
-/// One parameter: where it stands, its unit, its range and what it means.
-#[derive(Debug)]
-pub struct ParameterSpec {
-    /// TOML table.
-    pub section: &'static str,
-    /// TOML key; its end is the unit.
-    pub key: &'static str,
-    /// Unit for people; empty for a pure number.
-    pub unit: &'static str,
-    /// Smallest and largest allowed value, both included.
-    pub range: (f64, f64),
-    /// Meaning, with the equation of the thesis where there is one.
-    pub about: &'static str,
-    /// Where the value sits; none where the section is optional and absent.
-    pub(crate) slot: fn(&mut PlantParameters) -> Option<&mut f64>,
-    read: fn(&PlantParameters) -> Option<f64>,
-}
-
-impl ParameterSpec {
-    /// The spec of `section.key`.
-    pub fn by_name(name: &str) -> Option<&'static Self> {
-        let (section, key) = name.split_once('.')?;
-        PARAMETERS
-            .iter()
-            .copied()
-            .find(|spec| spec.section == section && spec.key == key)
-    }
-
-    /// `section.key`.
-    pub fn name(&self) -> String {
-        format!("{}.{}", self.section, self.key)
-    }
-
-    /// The value in `parameters`; none where its section is absent.
-    pub fn value(&self, parameters: &PlantParameters) -> Option<f64> {
-        (self.read)(parameters)
-    }
-
-    /// Whether `value` is allowed; NaN is not.
-    pub fn contains(&self, value: f64) -> bool {
-        value >= self.range.0 && value <= self.range.1
-    }
-
-    /// Whether a plant file may leave the section out.
-    pub fn is_optional(&self) -> bool {
-        self.section == REGULATING_VALVE
-    }
-}
+/// The table of a plant file that holds one table per effect.
+pub(super) const EFFECTS: &str = "effects";
+/// The key that names the form of an effect's law.
+pub(super) const VARIANT: &str = "variant";
 
 /// Rows of the list: `required` tables are always there, an `optional` one is an `Option`.
 macro_rules! parameters {
@@ -68,8 +25,11 @@ macro_rules! parameters {
             unit: $unit,
             range: ($min, $max),
             about: $about,
-            slot: |plant| parameters!(@slot $kind plant $section $key),
-            read: |plant| parameters!(@read $kind plant $section $key),
+            size: None,
+            place: Place::Field {
+                slot: |plant| parameters!(@slot $kind plant $section $key),
+                read: |plant| parameters!(@read $kind plant $section $key),
+            },
         }),*]
     };
     (@slot required $plant:ident $section:ident $key:ident) => { Some(&mut $plant.$section.$key) };
@@ -128,13 +88,25 @@ const REGULATING_VALVE_MODEL: &[ParameterSpec] = parameters! { optional:
 
 /// All parameters of a plant file, in its order.
 pub static PARAMETERS: std::sync::LazyLock<Vec<&'static ParameterSpec>> =
-    std::sync::LazyLock::new(|| THESIS_MODEL.iter().chain(REGULATING_VALVE_MODEL).collect());
+    std::sync::LazyLock::new(|| {
+        let effects = LIBRARY
+            .iter()
+            .flat_map(|effect| effect.about().parameters());
+        THESIS_MODEL
+            .iter()
+            .chain(REGULATING_VALVE_MODEL)
+            .chain(effects)
+            .collect()
+    });
 
 /// The tables that a plant file may have, as they are written.
 pub(super) fn sections() -> Vec<String> {
     let mut sections: Vec<String> = Vec::new();
     for spec in PARAMETERS.iter() {
-        let section = format!("[{}]", spec.section);
+        let section = match spec.effect_id() {
+            Some(_) => format!("[{EFFECTS}.*]"),
+            None => format!("[{}]", spec.section),
+        };
         if !sections.contains(&section) {
             sections.push(section);
         }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::effects::EffectSetting;
 use crate::valve::ValveFunction;
 
 /// Everything a plant file says.
@@ -25,6 +26,8 @@ pub struct PlantParameters {
     pub functions: [ValveFunction; 2],
     /// `[regulating_valve]`: an output stage, where the file has one.
     pub regulating_valve: Option<RegulatingValveParameters>,
+    /// `[effects.*]`: what this plant has beyond the thesis' model, each effect at most once.
+    pub effects: Vec<EffectSetting>,
     /// Where each value comes from, by `section.key`; the comment behind the value in the file.
     pub provenance: BTreeMap<String, String>,
 }
@@ -147,6 +150,31 @@ impl GasParameters {
 }
 
 impl PlantParameters {
+    /// The effect `id` as this plant has it; none where it has not.
+    pub fn effect(&self, id: &str) -> Option<&EffectSetting> {
+        self.effects.iter().find(|setting| setting.id() == id)
+    }
+
+    /// The same plant with an effect, which replaces the one of the same id.
+    #[must_use]
+    pub fn with_effect(&self, setting: EffectSetting) -> Self {
+        let mut plant = self.without_effect(setting.id());
+        plant.effects.push(setting);
+        plant
+    }
+
+    /// The same plant without the effect `id`.
+    #[must_use]
+    pub fn without_effect(&self, id: &str) -> Self {
+        let mut plant = self.clone();
+        plant.effects.retain(|setting| setting.id() != id);
+        let prefix = format!("effects.{id}.");
+        plant
+            .provenance
+            .retain(|name, _| !name.starts_with(&prefix));
+        plant
+    }
+
     /// All zeros, to be filled from a file.
     pub(super) fn blank() -> Self {
         Self {
@@ -159,6 +187,7 @@ impl PlantParameters {
             chamber: ChamberParameters::default(),
             functions: [ValveFunction::NormallyClosed; 2],
             regulating_valve: None,
+            effects: Vec::new(),
             provenance: BTreeMap::new(),
         }
     }

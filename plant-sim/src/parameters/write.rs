@@ -2,8 +2,10 @@
 
 use core::fmt::Write as _;
 
-use super::table::{PARAMETERS, VALVE_KEYS, VALVES};
+use super::spec::ParameterSpec;
+use super::table::{PARAMETERS, VALVE_KEYS, VALVES, VARIANT};
 use super::values::PlantParameters;
+use crate::effects::EffectSetting;
 use crate::valve::ValveFunction;
 
 pub(super) fn write(parameters: &PlantParameters) -> String {
@@ -11,7 +13,7 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         "# Plant model. The unit is the end of each key; the comment says where the value comes from.\n",
     );
     let mut section = "";
-    for spec in PARAMETERS.iter() {
+    for spec in PARAMETERS.iter().filter(|spec| spec.effect_id().is_none()) {
         let Some(value) = spec.value(parameters) else {
             continue;
         };
@@ -19,11 +21,7 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
             section = spec.section;
             let _ = write!(text, "\n[{section}]\n");
         }
-        let _ = write!(text, "{} = {value:?}", spec.key);
-        if let Some(provenance) = parameters.provenance.get(&spec.name()) {
-            let _ = write!(text, "   # {}", provenance.replace(char::is_control, " "));
-        }
-        text.push('\n');
+        text += &assignment(parameters, spec, value);
     }
     let _ = write!(text, "\n[{VALVES}]\n");
     for (key, function) in VALVE_KEYS.iter().zip(parameters.functions) {
@@ -33,5 +31,29 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         };
         let _ = writeln!(text, "{key} = \"{word}\"");
     }
+    for setting in &parameters.effects {
+        text += &effect(parameters, setting);
+    }
     text
+}
+
+fn effect(parameters: &PlantParameters, setting: &EffectSetting) -> String {
+    let mut text = format!(
+        "\n[effects.{}]\n{VARIANT} = \"{}\"\n",
+        setting.id(),
+        setting.variant().name
+    );
+    for (spec, value) in setting.parameters().iter().zip(setting.values()) {
+        text += &assignment(parameters, spec, *value);
+    }
+    text
+}
+
+/// `key = value   # provenance`
+fn assignment(parameters: &PlantParameters, spec: &ParameterSpec, value: f64) -> String {
+    let comment = match parameters.provenance.get(&spec.name()) {
+        Some(provenance) => format!("   # {}", provenance.replace(char::is_control, " ")),
+        None => String::new(),
+    };
+    format!("{} = {value:?}{comment}\n", spec.key)
 }

@@ -1,6 +1,8 @@
 //! What ends a step before its time, and what follows from it.
 
-use super::solver::{SHORTEST_EVENT, Smooth, Solver};
+use super::physics::Physics;
+use super::smooth::Smooth;
+use super::solver::{SHORTEST_EVENT, Solver};
 use super::span::{Span, first_of};
 use crate::coil::{Drive, RestingCurrent};
 use crate::plant::{FILL, VENT};
@@ -15,28 +17,24 @@ pub(super) enum Event {
     /// A moving armature reaches a stop, or the position at which its orifice changes from curtain to bore or
     /// back (m).
     Reaches(usize, f64),
-    /// The current of a moving valve ends.
+    /// A moving armature comes to a halt between the stops, where friction may hold it.
+    Halts(usize),
+    /// The current of a live valve ends.
     CurrentExtinct(usize),
 }
 
-impl Solver {
-    /// The first resting armature that departs in (0, h], under a pressure that is known over time.
+impl<P: Physics> Solver<P> {
+    /// The first resting armature that departs in (0, h], under a force that is known over time.
     pub(super) fn first_departure(
         &self,
         h: f64,
-        currents: &[RestingCurrent; 2],
-        pressure: impl Fn(f64) -> f64,
+        force: impl Fn(usize, f64) -> f64,
     ) -> Option<(f64, usize)> {
         let departure = |index: usize| {
-            let valve = &self.plant.valves[index];
-            let ValveState { motion, x, .. } = self.state.valves[index];
-            if motion == Motion::Moving {
+            if self.state.valves[index].motion == Motion::Moving {
                 return None;
             }
-            let force = |t: f64| {
-                let drop = self.plant.pressure_drop(index, pressure(t));
-                valve.departing_force(motion, x, currents[index].at(t), drop)
-            };
+            let force = |t: f64| force(index, t);
             let departs = force(h) > 0.0;
             departs.then(|| {
                 (
@@ -55,7 +53,7 @@ impl Solver {
     pub(super) fn first_event<const N: usize, const M: usize>(
         &self,
         smooth: &Smooth<M>,
-        span: &Span<N>,
+        span: &Span<N, M>,
         currents: &[RestingCurrent; 2],
     ) -> Option<(f64, Event)> {
         let h = span.h;
@@ -68,34 +66,51 @@ impl Solver {
         };
 
         let pressure = span.pressure();
-        if let Some((time, index)) = self.first_departure(h, currents, |t| pressure.at(t)) {
+        let force = |index: usize, t: f64| {
+            self.physics.departing_force_within(
+                index,
+                &self.state.valves[index],
+                (smooth, span),
+                (&pressure, &currents[index]),
+                t,
+            )
+        };
+        if let Some((time, index)) = self.first_departure(h, force) {
             offer(time, Event::Departs(index));
         }
         for slot in 0..M {
-            let index = smooth.moving[slot];
-            let [current, position, velocity] = [0, 1, 2].map(|offset| first_of(slot) + offset);
-            let [lowest, highest] = self.plant.valves[index].interval(smooth.limits[slot]);
-            let (v0, v1) = (span.start[velocity], span.end[velocity]);
-            // An armature that turns within the step may have been beyond a bound on the way.
-            let turns_up = v0 < 0.0 && v1 > 0.0;
-            let turns_down = v0 > 0.0 && v1 < 0.0;
-            if span.end[position] < lowest || turns_up {
-                let x = span.position(slot);
-                if let Some(time) = passage(|t| lowest - x.at(t), |t| x.rate_at(t), turns_up, h) {
-                    offer(time, Event::Reaches(index, lowest));
+            let index = smooth.live[slot];
+            let direction = smooth.directions[slot];
+            if direction != 0.0 {
+                let [position, velocity] = [1, 2].map(|offset| first_of(slot) + offset);
+                let plant = self.physics.plant();
+                let [lowest, highest] = plant.valves[index].interval(smooth.limits[slot]);
+                let (v0, v1) = (span.start[velocity], span.end[velocity]);
+                // An armature that turns within the step may have been beyond a bound on the way.
+                let turns_up = v0 < 0.0 && v1 > 0.0;
+                let turns_down = v0 > 0.0 && v1 < 0.0;
+                if span.end[position] < lowest || turns_up {
+                    let x = span.position(slot);
+                    if let Some(time) = passage(|t| lowest - x.at(t), |t| x.rate_at(t), turns_up, h)
+                    {
+                        offer(time, Event::Reaches(index, lowest));
+                    }
+                }
+                if span.end[position] > highest || turns_down {
+                    let x = span.position(slot);
+                    if let Some(time) =
+                        passage(|t| x.at(t) - highest, |t| -x.rate_at(t), turns_down, h)
+                    {
+                        offer(time, Event::Reaches(index, highest));
+                    }
+                }
+                if self.physics.has_friction() && direction * v1 < 0.0 {
+                    let x = span.position(slot);
+                    let time = first_positive(|t| -direction * x.rate_at(t), 0.0, h);
+                    offer(time, Event::Halts(index));
                 }
             }
-            if span.end[position] > highest || turns_down {
-                let x = span.position(slot);
-                if let Some(time) = passage(|t| x.at(t) - highest, |t| -x.rate_at(t), turns_down, h)
-                {
-                    offer(time, Event::Reaches(index, highest));
-                }
-            }
-            let freewheeling = matches!(smooth.drives[slot], Drive::FreeWheeling(_));
-            if freewheeling && span.end[current] < 0.0 {
-                let current = span.current(slot);
-                let time = first_positive(|t| -current.at(t), 0.0, h);
+            if let Some(time) = self.physics.extinction(smooth, span, slot) {
                 offer(time, Event::CurrentExtinct(index));
             }
         }
@@ -107,20 +122,34 @@ impl Solver {
             Event::Departs(index) => self.state.valves[index].motion = Motion::Moving,
             Event::CurrentExtinct(index) => {
                 let valve = &mut self.state.valves[index];
+                self.physics.current_ended(index, valve.drive);
                 valve.current = 0.0;
                 valve.drive = Drive::Blocked;
             }
+            Event::Halts(index) => {
+                let valve = &mut self.state.valves[index];
+                valve.v = 0.0;
+                // Set free at once where friction does not hold it.
+                valve.motion = Motion::Stuck;
+            }
             Event::Reaches(index, position) => {
-                let stroke = self.plant.valves[index].armature.stroke;
+                let stroke = self.physics.plant().valves[index].armature.stroke;
                 let valve = &mut self.state.valves[index];
                 valve.x = position;
-                if position == 0.0 || position == stroke {
-                    valve.v = 0.0;
-                    valve.motion = if position == 0.0 {
-                        Motion::AtRestStop
-                    } else {
-                        Motion::AtFullStroke
-                    };
+                let stop = if position == 0.0 {
+                    Motion::AtRestStop
+                } else if position == stroke {
+                    Motion::AtFullStroke
+                } else {
+                    return;
+                };
+                let arrived = ValveState {
+                    motion: stop,
+                    ..*valve
+                };
+                valve.v = self.physics.rebound(index, &arrived, self.state.pressure);
+                if valve.v == 0.0 {
+                    valve.motion = stop;
                 }
             }
         }

@@ -11,8 +11,18 @@
 //! What has a closed form is not integrated: the current of a resting coil is an exponential, and so is the
 //! pressure of a chamber that is closed or whose flows are choked. What is left is smooth and not stiff, so an explicit pair of order
 //! 5(4) solves it, with dimension 1 (flow only), 4 (one armature moves) or 7.
+//!
+//! Effects answer what the solver asks of the physics in their own way, integrate what has lost its closed form,
+//! and add states. The plain plant is compiled by itself, without a trace of them.
 
 mod event;
+mod extended;
+mod flux;
+mod gas;
+mod layout;
+mod physics;
+mod sensor;
+mod smooth;
 mod solver;
 mod span;
 mod tolerance;
@@ -20,10 +30,14 @@ mod tolerance;
 pub use solver::Statistics;
 pub use tolerance::Tolerance;
 
+use crate::additions::Additions;
 use crate::coil::Drive;
 use crate::ecu_output::{Command, EcuOutput};
 use crate::parameters::PlantParameters;
 use crate::plant::{Plant, PlantState};
+pub use extended::EffectState;
+use extended::Extended;
+use physics::Physics;
 use solver::Solver;
 
 /// What a sample of the plant shows.
@@ -33,6 +47,8 @@ pub struct Sample {
     pub time_ns: u64,
     /// Chamber pressure (Pa abs).
     pub pressure: f64,
+    /// Pressure that the sensor shows (Pa abs): the chamber's but for an effect.
+    pub measured_pressure: f64,
     /// Coil currents of fill and vent valve (A).
     pub current: [f64; 2],
     /// Mean coil currents since the last sample (A).
@@ -54,11 +70,28 @@ pub struct Sample {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Simulator {
-    solver: Solver,
+    engine: Engine,
     ecu_output: EcuOutput,
     supply_voltage: f64,
     time_ns: u64,
     last_sample_ns: u64,
+}
+
+/// The solver of the plain plant, or of one with effects.
+#[derive(Debug, Clone)]
+enum Engine {
+    Plain(Box<Solver<Plant>>),
+    Extended(Box<Solver<Extended>>),
+}
+
+/// The same expression for either engine.
+macro_rules! either {
+    ($engine:expr, $solver:ident => $answer:expr) => {
+        match $engine {
+            Engine::Plain($solver) => $answer,
+            Engine::Extended($solver) => $answer,
+        }
+    };
 }
 
 impl Simulator {
@@ -70,8 +103,15 @@ impl Simulator {
 
     /// A simulator with another accuracy.
     pub fn with_tolerance(parameters: &PlantParameters, tolerance: Tolerance) -> Self {
+        let plant = parameters.plant();
+        let engine = if plant.additions == Additions::default() {
+            Engine::Plain(Box::new(Solver::new(plant, tolerance)))
+        } else {
+            let extended = Extended::new(plant, tolerance);
+            Engine::Extended(Box::new(Solver::new(extended, tolerance)))
+        };
         Self {
-            solver: Solver::new(parameters.plant(), tolerance),
+            engine,
             ecu_output: EcuOutput::new(
                 parameters.ecu.pwm_period_ns(),
                 parameters.ecu.command_delay_ns(),
@@ -84,12 +124,25 @@ impl Simulator {
 
     /// The physics that is simulated.
     pub fn plant(&self) -> &Plant {
-        &self.solver.plant
+        either!(&self.engine, solver => solver.physics.plant())
     }
 
     /// The present state.
     pub fn state(&self) -> &PlantState {
-        &self.solver.state
+        either!(&self.engine, solver => &solver.state)
+    }
+
+    fn state_mut(&mut self) -> &mut PlantState {
+        either!(&mut self.engine, solver => &mut solver.state)
+    }
+
+    /// What effects add to the state, by name: gas and coil temperatures, pressures beside the chamber's.
+    pub fn effect_states(&self) -> impl Iterator<Item = EffectState> {
+        let states = match &self.engine {
+            Engine::Plain(_) => Vec::new(),
+            Engine::Extended(solver) => solver.physics.states(),
+        };
+        states.into_iter()
     }
 
     /// The present time (ns).
@@ -99,7 +152,7 @@ impl Simulator {
 
     /// Work done since the start.
     pub fn statistics(&self) -> Statistics {
-        self.solver.statistics
+        either!(&self.engine, solver => solver.statistics)
     }
 
     /// Commands duty cycles now; they take effect after the command delay.
@@ -110,7 +163,7 @@ impl Simulator {
     /// Sets the supply voltage at the ECU (V) from now on.
     pub fn set_supply_voltage(&mut self, volt: f64) {
         self.supply_voltage = volt;
-        for valve in &mut self.solver.state.valves {
+        for valve in &mut self.state_mut().valves {
             if let Drive::Energised(_) = valve.drive {
                 valve.drive = Drive::Energised(volt);
             }
@@ -118,7 +171,8 @@ impl Simulator {
     }
 
     /// Moves the chamber pressure to `pressure` (Pa abs): a correction by a measurement, or a start
-    /// from another pressure than ambient.
+    /// from another pressure than ambient. What an effect adds to the pressure's dynamics, such as a slow sensor,
+    /// moves along.
     ///
     /// # Panics
     /// If `pressure` is not positive and finite.
@@ -127,25 +181,38 @@ impl Simulator {
             pressure > 0.0 && pressure.is_finite(),
             "an absolute pressure is positive, not {pressure}"
         );
-        self.solver.state.pressure = pressure;
+        match &mut self.engine {
+            Engine::Plain(solver) => solver.state.pressure = pressure,
+            Engine::Extended(solver) => {
+                let shift = pressure - solver.state.pressure;
+                solver.state.pressure = pressure;
+                solver.physics.shift_pressure(shift, pressure);
+            }
+        }
     }
 
     /// Takes a sample; the mean currents refer to the time since the last one.
     pub fn sample(&mut self) -> Sample {
         let span = (self.time_ns - self.last_sample_ns) as f64 * 1e-9;
-        let current = self.solver.state.valves.map(|valve| valve.current);
+        let measured_pressure = match &self.engine {
+            Engine::Plain(solver) => solver.state.pressure,
+            Engine::Extended(solver) => solver.physics.measured_pressure(&solver.state),
+        };
+        let charge = either!(&mut self.engine, solver => core::mem::take(&mut solver.charge));
+        let state = self.state();
+        let current = state.valves.map(|valve| valve.current);
         let sample = Sample {
             time_ns: self.time_ns,
-            pressure: self.solver.state.pressure,
+            pressure: state.pressure,
+            measured_pressure,
             current,
             mean_current: if span > 0.0 {
-                self.solver.charge.map(|charge| charge / span)
+                charge.map(|charge| charge / span)
             } else {
                 current
             },
-            position: self.solver.state.valves.map(|valve| valve.x),
+            position: state.valves.map(|valve| valve.x),
         };
-        self.solver.charge = [0.0; 2];
         self.last_sample_ns = self.time_ns;
         sample
     }
@@ -156,20 +223,31 @@ impl Simulator {
             let high = self.ecu_output.update(self.time_ns);
             self.apply_outputs(high);
             let next_ns = self.ecu_output.next_edge_ns(self.time_ns).min(end_ns);
-            self.solver.advance((next_ns - self.time_ns) as f64 * 1e-9);
+            let duration = (next_ns - self.time_ns) as f64 * 1e-9;
+            either!(&mut self.engine, solver => solver.advance(duration));
             self.time_ns = next_ns;
         }
     }
 
     fn apply_outputs(&mut self, high: [bool; 2]) {
-        for (valve, high) in self.solver.state.valves.iter_mut().zip(high) {
-            valve.drive = if high {
-                Drive::Energised(self.supply_voltage)
-            } else if valve.current > 0.0 {
-                Drive::FreeWheeling(self.solver.plant.diode_drop)
-            } else {
-                Drive::Blocked
-            };
+        either!(&mut self.engine, solver => drive(solver, high, self.supply_voltage));
+        if let Engine::Extended(solver) = &mut self.engine {
+            solver.physics.switched(&mut solver.state);
         }
+    }
+}
+
+/// Puts the outputs onto the coils.
+#[inline]
+fn drive<P: Physics>(solver: &mut Solver<P>, high: [bool; 2], supply_voltage: f64) {
+    for (index, high) in high.into_iter().enumerate() {
+        let valve = &mut solver.state.valves[index];
+        valve.drive = if high {
+            Drive::Energised(supply_voltage)
+        } else if solver.physics.free_wheels(index, valve) {
+            Drive::FreeWheeling(solver.physics.plant().diode_drop)
+        } else {
+            Drive::Blocked
+        };
     }
 }

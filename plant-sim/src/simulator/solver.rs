@@ -1,19 +1,17 @@
 //! Solves the plant through a stretch in which no output changes.
 
+use super::physics::{FEW, MANY, Physics, Width};
+use super::smooth::Smooth;
 use super::span::{Span, first_of};
 use super::tolerance::{Tolerance, Weights};
 use crate::coil::{Drive, RestingCurrent};
-use crate::orifice::Limit;
-use crate::plant::{FILL, Plant, PlantState, VENT};
-use crate::resting_pressure::RestingPressure;
+use crate::plant::{FILL, PlantState, VENT};
 use crate::solver::dormand_prince;
 use crate::valve::{Motion, ValveState};
 
-/// Longest step while an armature moves (s): a third of the nominal travel time, so that it turns at most
-/// once in a step.
+/// Longest step while a valve is live (s): a third of the nominal travel time, so that an armature turns at most
+/// once in a step, and the current is known as sharply as its effects are felt.
 const LONGEST_MOTION_STEP: f64 = 0.8e-3;
-/// Longest step of the pressure alone (s).
-const LONGEST_FLOW_STEP: f64 = 5e-3;
 /// The first step after an event is at most this many times as long as the last one was until the event.
 const EVENTS_AHEAD: f64 = 10.0;
 /// And never shortened below this (s).
@@ -34,10 +32,10 @@ pub struct Statistics {
     pub events: u64,
 }
 
-/// The plant, its state and what the solution needs to know of its past.
+/// The physics, its state and what the solution needs to know of its past.
 #[derive(Debug, Clone)]
-pub(super) struct Solver {
-    pub(super) plant: Plant,
+pub(super) struct Solver<P> {
+    pub(super) physics: P,
     pub(super) state: PlantState,
     /// ∫ i dt since the last sample (A s).
     pub(super) charge: [f64; 2],
@@ -47,11 +45,11 @@ pub(super) struct Solver {
     proposal: [f64; 2],
 }
 
-impl Solver {
-    pub(super) fn new(plant: Plant, tolerance: Tolerance) -> Self {
+impl<P: Physics> Solver<P> {
+    pub(super) fn new(physics: P, tolerance: Tolerance) -> Self {
         Self {
-            state: plant.rest_state(),
-            plant,
+            state: physics.plant().rest_state(),
+            physics,
             charge: [0.0; 2],
             statistics: Statistics::default(),
             weights: tolerance.weights(),
@@ -64,30 +62,51 @@ impl Solver {
         let mut remaining = duration;
         while remaining > 0.0 {
             self.release_departing();
-            let moving = self
-                .state
-                .valves
-                .map(|valve| valve.motion == Motion::Moving);
-            remaining = match moving {
-                [false, false] => self.advance_resting(remaining),
-                [true, false] => self.integrate::<4, 1>([FILL], remaining),
-                [false, true] => self.integrate::<4, 1>([VENT], remaining),
-                [true, true] => self.integrate::<7, 2>([FILL, VENT], remaining),
+            let live =
+                [FILL, VENT].map(|index| self.physics.is_live(index, &self.state.valves[index]));
+            remaining = match (live, self.physics.width()) {
+                ([false, false], _) => self.advance_resting(remaining),
+                ([true, false], width) => self.advance_one(FILL, width, remaining),
+                ([false, true], width) => self.advance_one(VENT, width, remaining),
+                ([true, true], Width::None) => self.integrate::<7, 2>([FILL, VENT], remaining),
+                ([true, true], Width::Few) => {
+                    self.integrate::<{ 7 + FEW }, 2>([FILL, VENT], remaining)
+                }
+                ([true, true], Width::Many) => {
+                    self.integrate::<{ 7 + MANY }, 2>([FILL, VENT], remaining)
+                }
             };
+        }
+        self.physics.end_segment(duration);
+    }
+
+    fn advance_one(&mut self, index: usize, width: Width, remaining: f64) -> f64 {
+        match width {
+            Width::None => self.integrate::<4, 1>([index], remaining),
+            Width::Few => self.integrate::<{ 4 + FEW }, 1>([index], remaining),
+            Width::Many => self.integrate::<{ 4 + MANY }, 1>([index], remaining),
+        }
+    }
+
+    /// No valve is live, and the pressure has no formula.
+    fn advance_pressure(&mut self, remaining: f64) -> f64 {
+        match self.physics.width() {
+            Width::None => self.integrate::<1, 0>([], remaining),
+            Width::Few => self.integrate::<{ 1 + FEW }, 0>([], remaining),
+            Width::Many => self.integrate::<{ 1 + MANY }, 0>([], remaining),
         }
     }
 
     /// Sets free every armature that a force already pulls off its stop.
     fn release_departing(&mut self) {
         for index in [FILL, VENT] {
-            let drop = self.plant.pressure_drop(index, self.state.pressure);
             let valve = &mut self.state.valves[index];
-            let force = self.plant.valves[index].departing_force(
-                valve.motion,
-                valve.x,
-                valve.current,
-                drop,
-            );
+            if valve.motion == Motion::Moving {
+                continue;
+            }
+            let force = self
+                .physics
+                .departing_force_now(index, valve, self.state.pressure);
             if force > 0.0 {
                 valve.motion = Motion::Moving;
             }
@@ -98,19 +117,28 @@ impl Solver {
     /// alone is integrated.
     fn advance_resting(&mut self, remaining: f64) -> f64 {
         let areas = self.effective_areas();
-        let course = RestingPressure::of(&self.plant, areas, self.state.pressure);
+        let course = self.physics.resting_pressure(areas, self.state.pressure);
         let Some(pressure) = course.filter(|course| course.valid_for() > SHORTEST_EVENT) else {
-            return self.integrate::<1, 0>([], remaining);
+            return self.advance_pressure(remaining);
         };
         let currents = self.resting_currents();
         let limit = remaining.min(pressure.valid_for());
-        let (taken, departing) =
-            match self.first_departure(limit, &currents, |t| pressure.at(&self.plant, t)) {
-                Some((time, index)) => (time, Some(index)),
-                None => (limit, None),
-            };
+        let force = |index: usize, t: f64| {
+            let valve = &self.state.valves[index];
+            let pressure = pressure.at(self.physics.plant(), t);
+            let extra = self.physics.extra();
+            self.physics
+                .departing_force(index, valve, currents[index].at(t), pressure, extra)
+        };
+        let (taken, departing) = match self.first_departure(limit, force) {
+            Some((time, index)) => (time, Some(index)),
+            None => (limit, None),
+        };
         self.statistics.exact_intervals += 1;
-        self.state.pressure = pressure.at(&self.plant, taken);
+        let start = self.state.pressure;
+        self.state.pressure = pressure.at(self.physics.plant(), taken);
+        self.physics
+            .commit_formula(areas, taken, [start, self.state.pressure]);
         for index in [FILL, VENT] {
             self.settle_current(index, &currents[index], taken);
         }
@@ -122,49 +150,48 @@ impl Solver {
     }
 
     fn resting_currents(&self) -> [RestingCurrent; 2] {
-        [FILL, VENT]
-            .map(|index| self.plant.valves[index].resting_current(&self.state.valves[index]))
+        [FILL, VENT].map(|index| {
+            self.physics
+                .resting_current(index, &self.state.valves[index])
+        })
     }
 
     fn effective_areas(&self) -> [f64; 2] {
-        [FILL, VENT]
-            .map(|index| self.plant.valves[index].effective_area(self.state.valves[index].x))
+        [FILL, VENT].map(|index| {
+            self.physics.plant().valves[index].effective_area(self.state.valves[index].x)
+        })
     }
 
     /// Moves the current of a resting coil on by `time` and accounts for its charge.
     fn settle_current(&mut self, index: usize, course: &RestingCurrent, time: f64) {
         let valve = &mut self.state.valves[index];
         let current = course.at(time);
-        self.charge[index] += course.charge(time, current);
+        let charge = course.charge(time, current);
+        self.charge[index] += charge;
+        let currents = [valve.current, current];
+        self.physics
+            .commit_resting_coil(index, valve.drive, charge, currents, valve.x);
         valve.current = current;
         if current == 0.0 && matches!(valve.drive, Drive::FreeWheeling(_)) {
             valve.drive = Drive::Blocked;
         }
     }
 
-    /// Integrates pressure and the `moving` valves up to the next event, at most over `remaining` (s); what is
+    /// Integrates pressure and the `live` valves up to the next event, at most over `remaining` (s); what is
     /// left.
     fn integrate<const N: usize, const M: usize>(
         &mut self,
-        moving: [usize; M],
+        live: [usize; M],
         mut remaining: f64,
     ) -> f64 {
-        let smooth = Smooth {
-            moving,
-            drives: moving.map(|index| self.state.valves[index].drive),
-            limits: moving.map(|index| {
-                let ValveState { x, v, .. } = self.state.valves[index];
-                self.plant.valves[index].limit(x, v)
-            }),
-            resting_areas: self.effective_areas(),
-        };
-        let mut start = self.pack::<N, M>(moving);
-        let mut start_rate = smooth.rates(&self.plant, &start);
+        let smooth = self.smooth(live);
+        let mut start = self.pack::<N, M>(live);
+        let mut start_rate = self.physics.rates(&smooth, &start);
         while remaining > 0.0 {
             let span = self.step(&smooth, start, start_rate, remaining);
             let currents = self.resting_currents();
             if let Some((time, event)) = self.first_event(&smooth, &span, &currents) {
-                self.commit(moving, &start, &span.at(time), time, &currents);
+                self.commit(&smooth, &span, &span.at(time), time, &currents);
                 self.statistics.events += 1;
                 self.apply(event);
                 // An event early in a step says that the step was too long to see what happens around it: an
@@ -174,11 +201,30 @@ impl Solver {
                 self.proposal[kind] = self.proposal[kind].min(around);
                 return remaining - time;
             }
-            self.commit(moving, &start, &span.end, span.h, &currents);
+            self.commit(&smooth, &span, &span.end, span.h, &currents);
             (start, start_rate) = (span.end, span.end_rate);
             remaining -= span.h;
         }
         remaining
+    }
+
+    /// What stays as it is until the next event.
+    fn smooth<const M: usize>(&self, live: [usize; M]) -> Smooth<M> {
+        let valves = &self.state.valves;
+        Smooth {
+            live,
+            drives: live.map(|index| valves[index].drive),
+            limits: live.map(|index| {
+                let ValveState { x, v, .. } = valves[index];
+                self.physics.plant().valves[index].limit(x, v)
+            }),
+            directions: live.map(|index| {
+                self.physics
+                    .direction(index, &valves[index], self.state.pressure)
+            }),
+            resting_areas: self.effective_areas(),
+            resting_positions: [valves[FILL].x, valves[VENT].x],
+        }
     }
 
     /// One step that keeps the tolerance, at most `remaining` (s) long.
@@ -188,14 +234,14 @@ impl Solver {
         start: [f64; N],
         start_rate: [f64; N],
         remaining: f64,
-    ) -> Span<N> {
+    ) -> Span<N, M> {
         let kind = usize::from(M > 0);
-        let longest = [LONGEST_FLOW_STEP, LONGEST_MOTION_STEP][kind];
+        let longest = [self.physics.longest_flow_step(), LONGEST_MOTION_STEP][kind];
         loop {
             let h = self.proposal[kind].min(longest).min(remaining);
-            let rates = |y: &[f64; N]| smooth.rates(&self.plant, y);
+            let rates = |y: &[f64; N]| self.physics.rates(smooth, y);
             let step = dormand_prince::step(rates, &start, &start_rate, h);
-            let error = self.weights.measure(&step.error);
+            let error = self.physics.measure::<N, M>(&self.weights, &step.error);
             // The fourth root for the fifth: cheaper, and more careful after a large error.
             let factor = (0.9 / error.sqrt().sqrt()).clamp(0.2, 4.0);
             if error <= 1.0 {
@@ -217,71 +263,39 @@ impl Solver {
         }
     }
 
-    fn pack<const N: usize, const M: usize>(&self, moving: [usize; M]) -> [f64; N] {
+    fn pack<const N: usize, const M: usize>(&self, live: [usize; M]) -> [f64; N] {
         let mut y = [0.0; N];
         y[0] = self.state.pressure;
-        for (slot, &index) in moving.iter().enumerate() {
-            let ValveState { current, x, v, .. } = self.state.valves[index];
-            y[first_of(slot)..first_of(slot + 1)].copy_from_slice(&[current, x, v]);
+        for (slot, &index) in live.iter().enumerate() {
+            let states = self.physics.pack(index, &self.state.valves[index]);
+            y[first_of(slot)..first_of(slot + 1)].copy_from_slice(&states);
         }
+        let extra = self.physics.extra();
+        y[first_of(M)..].copy_from_slice(&extra[..N - first_of(M)]);
         y
     }
 
     fn commit<const N: usize, const M: usize>(
         &mut self,
-        moving: [usize; M],
-        start: &[f64; N],
+        smooth: &Smooth<M>,
+        span: &Span<N, M>,
         end: &[f64; N],
         taken: f64,
         currents: &[RestingCurrent; 2],
     ) {
         self.state.pressure = end[0];
         for index in [FILL, VENT] {
-            if self.state.valves[index].motion != Motion::Moving {
+            if !smooth.live.contains(&index) {
                 self.settle_current(index, &currents[index], taken);
             }
         }
-        for (slot, index) in moving.into_iter().enumerate() {
-            let coil = &self.plant.valves[index].coil;
-            let valve = &mut self.state.valves[index];
-            let first = first_of(slot);
-            [valve.current, valve.x, valve.v] = [end[first], end[first + 1], end[first + 2]];
-            if let Some(voltage) = valve.drive.voltage() {
-                // Flux balance: R ∫i dt = ∫u dt - Δ(L i), exact whatever the armature did.
-                let flux = |y: &[f64; N]| coil.inductance(y[first + 1]) * y[first];
-                self.charge[index] +=
-                    (voltage * taken - (flux(end) - flux(start))) / coil.resistance;
-            }
-        }
-    }
-}
-
-/// The right-hand side between two events, where it is smooth: `M` valves move, the others stay.
-pub(super) struct Smooth<const M: usize> {
-    pub(super) moving: [usize; M],
-    pub(super) drives: [Drive; M],
-    /// Which part of the area law the step stays on.
-    pub(super) limits: [Limit; M],
-    resting_areas: [f64; 2],
-}
-
-impl<const M: usize> Smooth<M> {
-    #[inline(always)]
-    fn rates<const N: usize>(&self, plant: &Plant, y: &[f64; N]) -> [f64; N] {
-        let pressure = y[0];
-        let mut areas = self.resting_areas;
-        let mut rates = [0.0; N];
-        for slot in 0..M {
-            let index = self.moving[slot];
-            let valve = &plant.valves[index];
-            let first = first_of(slot);
-            let [current, x, v] = [y[first], y[first + 1], y[first + 2]];
-            areas[index] = valve.effective_area_by(self.limits[slot], x);
-            let drop = plant.pressure_drop(index, pressure);
-            let valve_rates = valve.rates(self.drives[slot], current, x, v, drop);
-            rates[first..first + 3].copy_from_slice(&valve_rates);
-        }
-        rates[0] = plant.pressure_rate(areas, pressure);
-        rates
+        self.physics.commit_valves(
+            smooth,
+            span,
+            (taken, end),
+            &mut self.state,
+            &mut self.charge,
+        );
+        self.physics.commit_step(span, taken, end);
     }
 }

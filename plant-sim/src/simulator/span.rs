@@ -1,14 +1,15 @@
 //! A step of the solver as a course over time.
 //!
-//! The state holds the pressure, then current, position and velocity of each moving valve. Within a step,
-//! position has both derivatives at both ends and is a quintic; the others are cubics. Both are more accurate
+//! The state holds the pressure, then current, position and velocity of each of the `M` live valves, then what
+//! effects add. With effects the flux linkage stands in the place of the current. Within a step, position has both
+//! derivatives at both ends and is a quintic; the others are cubics. Both are more accurate
 //! than the step itself, so an event needs no second step up to it.
 
 use crate::solver::hermite::{Cubic, Quintic};
 
 /// A step from `start` to `end` over `h` (s), with the rates at both ends.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Span<const N: usize> {
+pub(super) struct Span<const N: usize, const M: usize> {
     pub(super) h: f64,
     pub(super) start: [f64; N],
     pub(super) start_rate: [f64; N],
@@ -16,14 +17,14 @@ pub(super) struct Span<const N: usize> {
     pub(super) end_rate: [f64; N],
 }
 
-/// Index of the current of the moving valve in `slot`; position and velocity follow.
+/// Index of the current of the live valve in `slot`; position and velocity follow.
 #[inline]
 pub(super) fn first_of(slot: usize) -> usize {
     1 + 3 * slot
 }
 
-impl<const N: usize> Span<N> {
-    fn cubic(&self, n: usize) -> Cubic {
+impl<const N: usize, const M: usize> Span<N, M> {
+    pub(super) fn cubic(&self, n: usize) -> Cubic {
         Cubic::new(
             self.h,
             self.start[n],
@@ -60,7 +61,7 @@ impl<const N: usize> Span<N> {
         }
         let mut state = [0.0; N];
         state[0] = self.pressure().at(time);
-        for slot in 0..N / 3 {
+        for slot in 0..M {
             let position = self.position(slot);
             let values = [
                 self.current(slot).at(time),
@@ -68,6 +69,9 @@ impl<const N: usize> Span<N> {
                 position.rate_at(time),
             ];
             state[first_of(slot)..first_of(slot + 1)].copy_from_slice(&values);
+        }
+        for (n, value) in state.iter_mut().enumerate().skip(first_of(M)) {
+            *value = self.cubic(n).at(time);
         }
         state
     }

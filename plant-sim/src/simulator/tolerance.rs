@@ -61,10 +61,10 @@ impl Tolerance {
 }
 
 impl Weights {
-    /// Largest local error in units of the tolerance; 1 is just allowed.
+    /// Largest local error of pressure and `M` valves in units of the tolerance; 1 is just allowed.
     #[inline]
-    pub(super) fn measure<const N: usize>(&self, error: &[f64; N]) -> f64 {
-        let valves = error[1..]
+    pub(super) fn measure<const N: usize, const M: usize>(&self, error: &[f64; N]) -> f64 {
+        let valves = error[1..1 + 3 * M]
             .iter()
             .enumerate()
             .map(|(n, error)| error.abs() * self.valve[n % 3]);

@@ -24,6 +24,13 @@ impl Cubic {
         let [a, b, c, d] = self.coefficients;
         a + t * (b + t * (c + t * d))
     }
+
+    /// First derivative.
+    #[inline]
+    pub(crate) fn rate_at(&self, t: f64) -> f64 {
+        let [_, b, c, d] = self.coefficients;
+        b + t * (2.0 * c + t * 3.0 * d)
+    }
 }
 
 /// Quintic through two positions with their velocities and accelerations, over `h`.
@@ -81,6 +88,7 @@ mod tests {
         let cubic = Cubic::new(0.7, f(0.0), df(0.0), f(0.7), df(0.7));
         for t in [0.0, 0.2, 0.5, 0.7] {
             assert!((cubic.at(t) - f(t)).abs() < 1e-14);
+            assert!((cubic.rate_at(t) - df(t)).abs() < 1e-13);
         }
     }
 

@@ -1,0 +1,75 @@
+//! What is said of an effect.
+
+use crate::parameters::ParameterSpec;
+
+/// An effect, described.
+#[derive(Debug)]
+pub struct About {
+    /// Stable name in files, commands and JSON.
+    pub id: &'static str,
+    /// One sentence for the workshop.
+    pub sentence: &'static str,
+    /// Number in `docs/equations.md`, and the source.
+    pub source: &'static str,
+    /// Where it acts on the plant.
+    pub acts_on: EntryPoint,
+    /// The forms that its law may have; the first is meant where a file names none.
+    pub variants: &'static [Variant],
+    /// The manoeuvre that shows it.
+    pub excited_by: &'static str,
+    /// Effects of the library that look alike in a log.
+    pub confused_with: &'static [&'static str],
+}
+
+/// One form of an effect's law.
+#[derive(Debug)]
+pub struct Variant {
+    /// Name in a plant file, `variant = "orifice"`.
+    pub name: &'static str,
+    /// What is special about it.
+    pub about: &'static str,
+    /// Its parameters, in the order of [`EffectSetting::values`](super::EffectSetting::values).
+    pub parameters: &'static [&'static ParameterSpec],
+}
+
+/// Where an effect acts on the plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the names are the field's")]
+pub enum EntryPoint {
+    Leak,
+    Coil,
+    Armature,
+    ElectricSupply,
+    AirSupply,
+    Flow,
+    GasEnergy,
+    Volume,
+    Drain,
+    Sensor,
+}
+
+impl About {
+    /// The variant with this name.
+    pub fn variant(&self, name: &str) -> Option<&'static Variant> {
+        self.variants.iter().find(|variant| variant.name == name)
+    }
+
+    /// Every parameter of any variant, each once.
+    pub fn parameters(&self) -> impl Iterator<Item = &'static ParameterSpec> {
+        let before = |index: usize, spec: &'static ParameterSpec| {
+            self.variants[..index]
+                .iter()
+                .any(|variant| variant.parameters.iter().any(|seen| seen.key == spec.key))
+        };
+        self.variants
+            .iter()
+            .enumerate()
+            .flat_map(move |(index, variant)| {
+                variant
+                    .parameters
+                    .iter()
+                    .copied()
+                    .filter(move |spec| !before(index, spec))
+            })
+    }
+}

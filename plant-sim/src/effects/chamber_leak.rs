@@ -1,0 +1,176 @@
+//! The chamber loses air to the surroundings.
+
+use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::orifice::NozzleLaw;
+use crate::parameters::{PlantParameters, effect_parameters};
+use crate::plant::Plant;
+
+effect_parameters! { "effects.chamber_leak":
+    AREA = area_m2 ["m2"] 1e-11 ..= 1e-5, Log 2e-8, off 0.0,
+        "effective area of the orifice that leaks as much at full supply pressure (E41)";
+    SHARE = laminar_share [""] 0.0 ..= 1.0, Linear 0.5,
+        "share of the laminar part in the pressure loss of the leak at full supply pressure (E41)";
+    EXPONENT = exponent [""] 0.3 ..= 3.0, Linear 1.5,
+        "exponent of the leak's flow over the gauge pressure (E41)";
+}
+
+static ABOUT: About = About {
+    id: "chamber_leak",
+    sentence: "The chamber or its fittings lose air to the surroundings, so the pressure sinks while both valves are shut.",
+    source: "E41: ISO 6358-1 for the orifice, Hagen and Poiseuille for a narrow gap, Forchheimer in between",
+    acts_on: EntryPoint::Leak,
+    variants: &[
+        Variant {
+            name: "orifice",
+            about: "a hole: choked flow in proportion to the absolute pressure",
+            parameters: &[&AREA],
+        },
+        Variant {
+            name: "laminar",
+            about: "a long narrow gap: flow as the difference of the squared pressures",
+            parameters: &[&AREA],
+        },
+        Variant {
+            name: "mixed",
+            about: "a gap with turbulent ends: laminar and quadratic pressure loss in series",
+            parameters: &[&AREA, &SHARE],
+        },
+        Variant {
+            name: "power",
+            about: "porous walls: a power of the gauge pressure",
+            parameters: &[&AREA, &EXPONENT],
+        },
+    ],
+    excited_by: "both valves shut for 5 s at two pressures",
+    confused_with: &[
+        "supply_seat_leak",
+        "gas_temperature",
+        "regulating_valve_volume",
+        "sensor_offset",
+    ],
+};
+
+/// The effect.
+#[derive(Debug)]
+pub struct ChamberLeak;
+
+/// A leak from one pressure to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leak {
+    law: LeakLaw,
+    /// Effective area of the orifice that leaks as much at the reference pressures (m²).
+    area: f64,
+    /// Mass flow per area at the reference pressures (kg/(s m²)).
+    reference_flow: f64,
+    /// Difference of the reference pressures (Pa), and of their squares (Pa²).
+    reference: [f64; 2],
+}
+
+/// How a leak's flow depends on the pressures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum LeakLaw {
+    Orifice,
+    /// ΔP² = a ṁ + b ṁ², with this share of the linear part at the reference.
+    Mixed(f64),
+    Power(f64),
+}
+
+impl Leak {
+    pub(super) fn of(setting: &EffectSetting, plant: &Plant) -> Self {
+        let (high, low) = (plant.supply_pressure, plant.ambient_pressure);
+        Self {
+            law: match setting.variant().name {
+                "laminar" => LeakLaw::Mixed(1.0),
+                "mixed" => LeakLaw::Mixed(setting.value("laminar_share")),
+                "power" => LeakLaw::Power(setting.value("exponent")),
+                _ => LeakLaw::Orifice,
+            },
+            area: setting.value("area_m2"),
+            reference_flow: plant.nozzle.mass_flow(1.0, high, low),
+            reference: [high - low, high * high - low * low],
+        }
+    }
+
+    /// The area by which it widens a valve beside it; none where it follows another law than an orifice.
+    pub(crate) fn orifice_area(&self) -> Option<f64> {
+        (self.law == LeakLaw::Orifice).then_some(self.area)
+    }
+
+    /// Mass flow (kg/s) from `upside` to `downside` (Pa abs); negative where they are reversed.
+    pub(crate) fn mass_flow(&self, nozzle: &NozzleLaw, upside: f64, downside: f64) -> f64 {
+        if upside < downside {
+            return -self.mass_flow(nozzle, downside, upside);
+        }
+        let reference = self.area * self.reference_flow;
+        match self.law {
+            LeakLaw::Orifice => nozzle.mass_flow(self.area, upside, downside),
+            LeakLaw::Power(exponent) => {
+                reference * ((upside - downside) / self.reference[0]).powf(exponent)
+            }
+            LeakLaw::Mixed(share) => {
+                // share m + (1 - share) m² = s for the flow m relative to the reference.
+                let s = (upside * upside - downside * downside) / self.reference[1];
+                let root = (share * share + 4.0 * (1.0 - share) * s).sqrt();
+                if s == 0.0 {
+                    0.0
+                } else {
+                    reference * 2.0 * s / (share + root)
+                }
+            }
+        }
+    }
+}
+
+impl Effect for ChamberLeak {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
+        plant.additions.leaks[0] = Some(Leak::of(setting, plant));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn leak(variant: &str, key: Option<(&str, f64)>) -> (Leak, Plant) {
+        let plant = PlantParameters::nominal().plant();
+        let variant = ABOUT.variant(variant).unwrap();
+        let mut setting = EffectSetting::typical_variant(&ChamberLeak, variant);
+        if let Some((key, value)) = key {
+            setting = setting.with(key, value);
+        }
+        (Leak::of(&setting, &plant), plant)
+    }
+
+    #[test]
+    fn every_law_leaks_as_much_as_the_orifice_at_the_supply_pressure() {
+        for variant in ABOUT.variants {
+            let (leak, plant) = leak(variant.name, None);
+            let (high, low) = (plant.supply_pressure, plant.ambient_pressure);
+            let expected = plant.nozzle.mass_flow(2e-8, high, low);
+            let flow = leak.mass_flow(&plant.nozzle, high, low);
+            assert!((flow / expected - 1.0).abs() < 1e-12, "{}", variant.name);
+            assert_eq!(leak.mass_flow(&plant.nozzle, low, high), -flow);
+            assert_eq!(leak.mass_flow(&plant.nozzle, low, low), 0.0);
+        }
+    }
+
+    /// A long narrow gap: half the difference of squares, half the flow. A short one: its square root.
+    #[test]
+    fn the_mixed_law_goes_from_poiseuille_to_the_square_root() {
+        let low = 101_325.0_f64;
+        for (share, exponent) in [(1.0, 1.0), (0.0, 0.5)] {
+            let (leak, plant) = leak("mixed", Some(("laminar_share", share)));
+            let flow =
+                |square: f64| leak.mass_flow(&plant.nozzle, (low * low + square).sqrt(), low);
+            let ratio = flow(4e11) / flow(2e11);
+            assert!(
+                (ratio - 2.0_f64.powf(exponent)).abs() < 1e-9,
+                "{share}: {ratio}"
+            );
+        }
+    }
+}

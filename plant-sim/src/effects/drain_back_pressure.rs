@@ -1,0 +1,90 @@
+//! The drain is not at ambient pressure.
+
+use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::parameters::{PA_PER_BAR, PlantParameters, effect_parameters};
+use crate::plant::Plant;
+use crate::restriction::Restriction;
+
+effect_parameters! { "effects.drain_back_pressure":
+    PRESSURE = pressure_bar ["bar gauge"] 0.001 ..= 5.0, Log 0.2, off 0.0,
+        "pressure in the drain line (E56)";
+    AREA = silencer_area_m2 ["m2"] 1e-8 ..= 1e-3, Log 4e-6, off f64::INFINITY,
+        "effective area of the silencer or the outlet (E56)";
+}
+
+static ABOUT: About = About {
+    id: "drain_back_pressure",
+    sentence: "A silencer, a long hose or oil in the outlet holds the air back, so venting slows down before the chamber is empty.",
+    source: "E56: ISO 6358-1 with another downside pressure",
+    acts_on: EntryPoint::Drain,
+    variants: &[
+        Variant {
+            name: "constant",
+            about: "a collecting line under pressure",
+            parameters: &[&PRESSURE],
+        },
+        Variant {
+            name: "silencer",
+            about: "an orifice behind the vent valve: back pressure that grows with the flow",
+            parameters: &[&AREA],
+        },
+    ],
+    excited_by: "venting to below 1 bar gauge and on to the end",
+    confused_with: &["critical_ratio", "series_restriction", "sensor_offset"],
+};
+
+/// The effect.
+#[derive(Debug)]
+pub struct DrainBackPressure;
+
+impl Effect for DrainBackPressure {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
+        plant.drain_pressure += setting.get("pressure_bar").unwrap_or(0.0) * PA_PER_BAR;
+        if let Some(effective_area) = setting.get("silencer_area_m2") {
+            let slot = &mut plant.additions.restrictions[1];
+            *slot = Some(Restriction { effective_area }.in_series_with(*slot));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Command, Simulator};
+
+    fn venting(setting: EffectSetting, milliseconds: u64) -> f64 {
+        let mut simulator = Simulator::new(&PlantParameters::nominal().with_effect(setting));
+        simulator.set_chamber_pressure(6e5);
+        simulator.command(Command {
+            duty_fill_pct: 0.0,
+            duty_vent_pct: 100.0,
+        });
+        simulator.advance_to_ns(milliseconds * 1_000_000);
+        simulator.state().pressure
+    }
+
+    #[test]
+    fn venting_ends_at_the_pressure_of_the_drain() {
+        let setting = EffectSetting::typical(&DrainBackPressure).with("pressure_bar", 0.5);
+        let end = venting(setting, 5000);
+        assert!((end - 151_325.0).abs() < 1.0, "{end}");
+    }
+
+    /// While both orifices are choked, the narrower one decides: p falls exponentially with its area.
+    #[test]
+    fn a_narrow_silencer_decides_the_venting() {
+        let variant = &ABOUT.variants[1];
+        let setting = EffectSetting::typical_variant(&DrainBackPressure, variant)
+            .with("silencer_area_m2", 0.2e-6);
+        let (early, late) = (venting(setting.clone(), 200), venting(setting, 300));
+        let plant = PlantParameters::nominal().plant();
+        // The silencer's upside is close to the chamber's pressure: the valve is fourteen times as wide.
+        let rate = plant.chamber.pressure_per_mass * plant.nozzle.choked_factor() * 0.2e-6;
+        let measured = (early / late).ln() / 0.1;
+        assert!((measured / rate - 1.0).abs() < 0.01, "{measured} {rate}");
+    }
+}

@@ -1,0 +1,206 @@
+//! The gas warms on filling and cools on venting.
+
+use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::parameters::{PlantParameters, effect_parameters};
+use crate::plant::Plant;
+
+effect_parameters! { "effects.gas_temperature":
+    CONDUCTANCE = wall_heat_transfer_w_per_k ["W/K"] 1e-4 ..= 50.0, Log 0.1, off f64::INFINITY,
+        "heat between gas and wall per kelvin (E52); infinite keeps the gas at its temperature, as the plain model does";
+    CAPACITY = wall_heat_capacity_j_per_k ["J/K"] 1e-3 ..= 1e4, Log 5.0,
+        "heat capacity of the layer of the wall that follows the gas (E52)";
+    LOSS = wall_loss_w_per_k ["W/K"] 1e-4 ..= 100.0, Log 0.5,
+        "heat between that layer and the surroundings per kelvin (E52)";
+}
+
+static ABOUT: About = About {
+    id: "gas_temperature",
+    sentence: "Air gets warm when the chamber is filled and cold when it is vented; afterwards the pressure creeps back as the wall takes the temperature out.",
+    source: "E52: energy balance of an ideal gas with heat transfer to the wall; Carneiro and Almeida, Proc. IMechE I 221 (2007), for its use in pneumatics",
+    acts_on: EntryPoint::GasEnergy,
+    variants: &[
+        Variant {
+            name: "constant_wall",
+            about: "the wall stays at the temperature of the plant file: one time constant",
+            parameters: &[&CONDUCTANCE],
+        },
+        Variant {
+            name: "warming_wall",
+            about: "the inner wall follows the gas and gives its heat on: two time constants",
+            parameters: &[&CONDUCTANCE, &CAPACITY, &LOSS],
+        },
+    ],
+    excited_by: "fast filling to high pressure, then both valves shut for 3 s; the same slowly",
+    confused_with: &[
+        "dead_volume",
+        "chamber_leak",
+        "sensor_lag",
+        "regulating_valve_volume",
+    ],
+};
+
+/// The effect.
+#[derive(Debug)]
+pub struct GasTemperature;
+
+/// Heat from the wall to the gas.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WallHeat {
+    /// Between gas and wall (W/K).
+    pub conductance: f64,
+    /// The wall's own heat capacity (J/K) and its loss to the surroundings (W/K); none where its temperature stays.
+    pub wall: Option<(f64, f64)>,
+    /// Temperature of the surroundings and of the supply air (K).
+    pub surroundings: f64,
+    /// Ratio of heat capacities (-).
+    pub heat_capacity_ratio: f64,
+    /// Gas constant (J/(kg K)).
+    pub gas_constant: f64,
+}
+
+/// Flows of the energy balance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Balance {
+    /// Mass flow in, at the temperature of the supply (kg/s).
+    pub(crate) inflow: f64,
+    /// Mass flow out, at the temperature of the chamber (kg/s).
+    pub(crate) outflow: f64,
+    /// Volume (m³), and its change with the pressure (m³/Pa).
+    pub(crate) volume: f64,
+    pub(crate) compliance: f64,
+}
+
+impl WallHeat {
+    /// What drives the pressure (W): the enthalpy of mass flows in and out (kg/s), and the wall's heat, times k - 1.
+    pub(crate) fn pressure_power(
+        &self,
+        [inflow, outflow]: [f64; 2],
+        temperature: f64,
+        wall: f64,
+    ) -> f64 {
+        let (k, r) = (self.heat_capacity_ratio, self.gas_constant);
+        let heat = self.conductance * (wall - temperature);
+        k * r * (inflow * self.surroundings - outflow * temperature) + (k - 1.0) * heat
+    }
+
+    /// d(pressure)/dt (Pa/s), d(gas temperature)/dt and d(wall temperature)/dt (K/s) at a
+    /// [pressure power](Self::pressure_power).
+    pub(crate) fn rates(
+        &self,
+        balance: &Balance,
+        pressure_power: f64,
+        pressure: f64,
+        temperature: f64,
+        wall: f64,
+    ) -> [f64; 3] {
+        let Balance {
+            inflow,
+            outflow,
+            volume,
+            compliance,
+        } = *balance;
+        let (k, r) = (self.heat_capacity_ratio, self.gas_constant);
+        let pressure_rate = pressure_power / (volume + k * pressure * compliance);
+        let mass = pressure * volume / (r * temperature);
+        let temperature_rate = temperature
+            * (pressure_rate / pressure + compliance * pressure_rate / volume
+                - (inflow - outflow) / mass);
+        let wall_rate = self.wall.map_or(0.0, |(capacity, loss)| {
+            let heat = self.conductance * (wall - temperature);
+            (-heat - loss * (wall - self.surroundings)) / capacity
+        });
+        [pressure_rate, temperature_rate, wall_rate]
+    }
+}
+
+impl Effect for GasTemperature {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
+        let capacity = setting.get("wall_heat_capacity_j_per_k");
+        plant.additions.wall_heat = Some(WallHeat {
+            conductance: setting.value("wall_heat_transfer_w_per_k"),
+            wall: capacity.zip(setting.get("wall_loss_w_per_k")),
+            surroundings: parameters.gas.temperature_k,
+            heat_capacity_ratio: parameters.gas.heat_capacity_ratio,
+            gas_constant: parameters.gas.gas_constant_j_per_kg_k,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Command, Simulator, Tolerance};
+
+    fn simulator(conductance: f64, variant: usize) -> Simulator {
+        let setting = EffectSetting::typical_variant(&GasTemperature, &ABOUT.variants[variant])
+            .with("wall_heat_transfer_w_per_k", conductance);
+        let plant = PlantParameters::nominal().with_effect(setting);
+        Simulator::with_tolerance(&plant, Tolerance::scaled(0.01))
+    }
+
+    fn state(simulator: &Simulator, name: &str) -> f64 {
+        let mut states = simulator.effect_states();
+        states.find(|state| state.name == name).unwrap().value
+    }
+
+    /// Hardly any heat transfer: venting follows T ∝ p^((k-1)/k).
+    #[test]
+    fn fast_venting_is_isentropic() {
+        let mut simulator = simulator(1e-4, 0);
+        simulator.set_chamber_pressure(9e5);
+        simulator.command(Command {
+            duty_fill_pct: 0.0,
+            duty_vent_pct: 100.0,
+        });
+        simulator.advance_to_ns(120_000_000);
+        let pressure = simulator.state().pressure;
+        assert!(pressure < 5e5, "{pressure}");
+        let expected = 293.15 * (pressure / 9e5).powf(0.4 / 1.4);
+        let temperature = state(&simulator, "t_gas");
+        assert!(
+            (temperature - expected).abs() < 0.05,
+            "{temperature} {expected}"
+        );
+    }
+
+    /// A shut chamber: the wall takes the temperature out with m c_v / conductance, at constant volume p ∝ T.
+    #[test]
+    fn a_shut_chamber_cools_with_one_time_constant() {
+        let mut simulator = simulator(0.1, 0);
+        simulator.command(Command {
+            duty_fill_pct: 100.0,
+            duty_vent_pct: 0.0,
+        });
+        simulator.advance_to_ns(100_000_000);
+        simulator.command(Command::default());
+        simulator.advance_to_ns(200_000_000);
+        let (p0, t0) = (simulator.state().pressure, state(&simulator, "t_gas"));
+        assert!(t0 > 330.0, "{t0}");
+        simulator.advance_to_ns(1_200_000_000);
+        let (p1, t1) = (simulator.state().pressure, state(&simulator, "t_gas"));
+        let mass = p0 * 75e-6 / (287.05 * t0);
+        let rate = 0.1 / (mass * 287.05 / 0.4);
+        let expected = 293.15 + (t0 - 293.15) * (-rate).exp();
+        assert!((t1 - expected).abs() < 0.01, "{t1} {expected}");
+        assert!((p1 / p0 * t0 / t1 - 1.0).abs() < 1e-6);
+    }
+
+    /// What the gas gives is what wall and surroundings got: with a wall of little capacity the gas cannot leave it.
+    #[test]
+    fn a_wall_that_warms_up_holds_the_gas_warm_for_longer() {
+        let temperature = |variant| {
+            let mut simulator = simulator(1.0, variant);
+            simulator.command(Command {
+                duty_fill_pct: 100.0,
+                duty_vent_pct: 0.0,
+            });
+            simulator.advance_to_ns(2_000_000_000);
+            state(&simulator, "t_gas")
+        };
+        assert!(temperature(1) > temperature(0) + 0.5);
+    }
+}

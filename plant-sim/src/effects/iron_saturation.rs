@@ -1,0 +1,137 @@
+//! The iron saturates.
+
+use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::parameters::{PlantParameters, effect_parameters};
+use crate::plant::Plant;
+
+effect_parameters! { "effects.iron_saturation":
+    FLUX = saturation_flux_wb ["Wb"] 0.001 ..= 10.0, Log 0.14, off f64::INFINITY,
+        "flux linkage at which the iron takes as much current as the gap (E44)";
+    SHARPNESS = exponent [""] 1.0 ..= 20.0, Log 8.0,
+        "how sudden the saturation is (E44): 2 is soft, 10 a knee";
+}
+
+static ABOUT: About = About {
+    id: "iron_saturation",
+    sentence: "Near full current the iron of the magnet is full of flux: the coil has less inductance there and more at low current, so the current ripples differently.",
+    source: "E44: power law of the magnetisation curve, after Fitzgerald, Electric Machinery, section 1.3",
+    acts_on: EntryPoint::Coil,
+    variants: &[
+        Variant {
+            name: "rated",
+            about: "the inductances of the plant file were measured near rated current; at low current they are larger",
+            parameters: &[&FLUX, &SHARPNESS],
+        },
+        Variant {
+            name: "small_signal",
+            about: "the inductances of the plant file were measured at low current; near rated current they are smaller",
+            parameters: &[&FLUX, &SHARPNESS],
+        },
+    ],
+    excited_by: "scope log of the coil current at 40 and 75 % duty from rest, supply pressure off",
+    confused_with: &["eddy_currents", "flyback_clamp"],
+};
+
+/// The effect.
+#[derive(Debug)]
+pub struct IronSaturation;
+
+/// i = λ / (ratio L) (1 + (λ/λ_s)^n).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Saturation {
+    /// Unsaturated inductance over that of the plant file (-).
+    ratio: f64,
+    /// λ_s (Wb).
+    flux: f64,
+    /// n (-).
+    exponent: f64,
+}
+
+impl Saturation {
+    /// The current (A) that a flux linkage (Wb) takes where the plain coil has `inductance` (H).
+    #[inline]
+    pub(crate) fn current(&self, flux: f64, inductance: f64) -> f64 {
+        let knee = (flux.abs() / self.flux).powf(self.exponent);
+        flux / (self.ratio * inductance) * (1.0 + knee)
+    }
+
+    /// Unsaturated inductance over that of the plant file (-).
+    pub fn unsaturated_inductance_ratio(&self) -> f64 {
+        self.ratio
+    }
+}
+
+impl Effect for IronSaturation {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
+        let (flux, exponent) = (
+            setting.value("saturation_flux_wb"),
+            setting.value("exponent"),
+        );
+        // At rated current the chord of the curve is the inductance of the plant file: ratio = 1 + (λ_r/λ_s)^n.
+        let coil = &parameters.coil;
+        let rated =
+            coil.inductance_closed_h * parameters.ecu.supply_voltage_v / coil.resistance_20c_ohm;
+        let ratio = match setting.variant().name {
+            "small_signal" => 1.0,
+            _ => 1.0 + (rated / flux).powf(exponent),
+        };
+        plant.additions.saturation = Some(Saturation {
+            ratio,
+            flux,
+            exponent,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::steady_current;
+
+    fn saturated(variant: &str) -> PlantParameters {
+        let variant = ABOUT.variant(variant).unwrap();
+        PlantParameters::nominal()
+            .with_effect(EffectSetting::typical_variant(&IronSaturation, variant))
+    }
+
+    /// The datasheet's inductance holds at rated current, and by the same law it is larger below.
+    #[test]
+    fn the_rated_variant_keeps_the_inductance_at_rated_current() {
+        let saturation = saturated("rated").plant().additions.saturation.unwrap();
+        let rated = 24.0 / 82.2;
+        assert!((saturation.current(0.44 * rated, 0.44) - rated).abs() < 1e-12);
+        let small = 1e-4 / saturation.current(1e-4, 0.44);
+        assert!((small - 0.44 * saturation.unsaturated_inductance_ratio()).abs() < 1e-9);
+        assert!(small > 0.6, "{small}");
+    }
+
+    /// Figures 4.3 and 4.4: at 40 % duty a coil that is larger at low current ripples less; at rest the mean
+    /// current is that of Ohm's law, whatever the iron does.
+    #[test]
+    fn the_current_ripples_less_at_low_duty() {
+        let [plain, saturated] = [PlantParameters::nominal(), saturated("rated")]
+            .map(|plant| steady_current(&plant, 40.0));
+        let ripple = |[_, least, largest]: [f64; 3]| largest - least;
+        assert!(
+            ripple(saturated) < 0.8 * ripple(plain),
+            "{saturated:?} {plain:?}"
+        );
+    }
+
+    /// Flux balance at rest: e/R in the end.
+    #[test]
+    fn the_steady_current_is_that_of_ohm() {
+        for variant in ABOUT.variants {
+            let [mean, ..] = steady_current(&saturated(variant.name), 100.0);
+            assert!(
+                (mean - 24.0 / 82.2).abs() < 1e-4,
+                "{}: {mean}",
+                variant.name
+            );
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! The library of physical effects that the thesis' model lacks.
+//!
+//! One effect is one file: what it is, its law with source, its parameters, what excites it and what it is
+//! confused with. A plant file names the ones that a rig has, `[effects.chamber_leak]`; they combine. Where all
+//! strengths of an effect are at their *off* value, the plain model answers bit for bit.
+//!
+//! An effect is resolved once: [`Effect::install`] changes a prepared [`Plant`]. Effects that are parameters in
+//! disguise change what is there; the others fill [`Additions`](crate::additions::Additions). An effect of your
+//! own does the same, or hangs closures into [`Hooks`](crate::hooks::Hooks); `examples/own_effect.rs` is one.
+
+mod about;
+mod nearest;
+mod setting;
+
+pub mod chamber_leak;
+pub mod coil_ambient_temperature;
+pub mod coil_heating;
+pub mod critical_ratio;
+pub mod dead_volume;
+pub mod drain_back_pressure;
+pub mod eddy_currents;
+pub mod end_stop_bounce;
+pub mod flow_force;
+pub mod flyback_clamp;
+pub mod gas_temperature;
+pub mod iron_saturation;
+pub mod regulating_valve_volume;
+pub mod sensor_lag;
+pub mod sensor_offset;
+pub mod series_restriction;
+pub mod static_friction;
+pub mod supply_line_droop;
+pub mod supply_resistance;
+pub mod supply_seat_leak;
+
+pub use about::{About, EntryPoint, Variant};
+pub(crate) use nearest::nearest;
+pub use setting::EffectSetting;
+
+use core::fmt::Debug;
+
+use crate::parameters::PlantParameters;
+use crate::plant::Plant;
+
+/// A physical effect.
+pub trait Effect: Debug + Sync {
+    /// What it is, for people and for a diagnosis.
+    fn about(&self) -> &'static About;
+
+    /// Puts the effect into a plant that was prepared from `parameters`. Called once per simulation, and not at all
+    /// where `setting` is off.
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant);
+}
+
+/// Every effect of the library. They are installed in this order, whatever the order in the plant file.
+pub static LIBRARY: [&dyn Effect; 20] = [
+    &chamber_leak::ChamberLeak,
+    &supply_seat_leak::SupplySeatLeak,
+    &coil_ambient_temperature::CoilAmbientTemperature,
+    &coil_heating::CoilHeating,
+    &iron_saturation::IronSaturation,
+    &eddy_currents::EddyCurrents,
+    &static_friction::StaticFriction,
+    &end_stop_bounce::EndStopBounce,
+    &flyback_clamp::FlybackClamp,
+    &supply_resistance::SupplyResistance,
+    &supply_line_droop::SupplyLineDroop,
+    &gas_temperature::GasTemperature,
+    &regulating_valve_volume::RegulatingValveVolume,
+    &sensor_lag::SensorLag,
+    &sensor_offset::SensorOffset,
+    &drain_back_pressure::DrainBackPressure,
+    &critical_ratio::CriticalRatio,
+    &flow_force::FlowForce,
+    &series_restriction::SeriesRestriction,
+    &dead_volume::DeadVolume,
+];
+
+/// The effect of the library with this id.
+pub fn by_id(id: &str) -> Option<&'static dyn Effect> {
+    LIBRARY
+        .iter()
+        .copied()
+        .find(|effect| effect.about().id == id)
+}

@@ -1,0 +1,147 @@
+//! The plunger of the regulating valve enlarges the chamber.
+
+use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::parameters::{PA_PER_BAR, PlantParameters, effect_parameters};
+use crate::plant::Plant;
+
+effect_parameters! { "effects.regulating_valve_volume":
+    SWEPT = swept_volume_m3 ["m3"] 1e-8 ..= 1e-2, Log 1e-5, off 0.0,
+        "volume that the plunger sweeps over its whole travel (E53)";
+    BEGIN = begin_bar ["bar gauge"] 0.0 ..= 20.0, Linear 1.4,
+        "chamber pressure at which the plunger leaves its stop (E53)";
+    TRAVEL = travel_bar ["bar"] 0.1 ..= 40.0, Log 4.5,
+        "rise of the chamber pressure over the plunger's whole travel (E53)";
+    FRICTION = friction_bar ["bar"] 0.001 ..= 5.0, Log 0.1,
+        "pressure that the plunger's friction holds (E53)";
+}
+
+static ABOUT: About = About {
+    id: "regulating_valve_volume",
+    sentence: "The plunger of the regulating valve gives way to the pressure, so the chamber is larger at high pressure and takes more air for the last bar.",
+    source: "E53: thesis, section 3.4 and equation 3.25 without the plunger's mass",
+    acts_on: EntryPoint::Volume,
+    variants: &[
+        Variant {
+            name: "frictionless",
+            about: "the plunger follows the pressure",
+            parameters: &[&SWEPT, &BEGIN, &TRAVEL],
+        },
+        Variant {
+            name: "friction",
+            about: "the plunger sticks while the pressure reverses",
+            parameters: &[&SWEPT, &BEGIN, &TRAVEL, &FRICTION],
+        },
+    ],
+    excited_by: "the same pulses at 1 bar and at 5 bar, up and down",
+    confused_with: &["gas_temperature", "sensor_offset", "critical_ratio"],
+};
+
+/// The effect.
+#[derive(Debug)]
+pub struct RegulatingValveVolume;
+
+/// A plunger without mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plunger {
+    /// Whole swept volume (m³).
+    swept: f64,
+    /// Pressure at which it leaves its stop (Pa abs).
+    begin: f64,
+    /// Pressure over the travel (Pa).
+    travel: f64,
+    /// Pressure that friction holds (Pa).
+    friction: f64,
+}
+
+impl Plunger {
+    /// Share of the travel (-) that a plunger without friction has at `pressure` (Pa abs).
+    fn free(&self, pressure: f64) -> f64 {
+        ((pressure - self.begin) / self.travel).clamp(0.0, 1.0)
+    }
+
+    /// Share of the travel (-) at `pressure` (Pa abs) after it was `last`: moved only by what exceeds the friction.
+    pub(crate) fn share(&self, last: f64, pressure: f64) -> f64 {
+        last.clamp(
+            self.free(pressure - self.friction),
+            self.free(pressure + self.friction),
+        )
+    }
+
+    /// Swept volume (m³) and its change with the pressure (m³/Pa), while the pressure rises or falls.
+    pub(crate) fn volume(&self, last: f64, pressure: f64, rises: bool) -> (f64, f64) {
+        let share = self.share(last, pressure);
+        let pushed = if rises {
+            self.free(pressure - self.friction) >= share
+        } else {
+            self.free(pressure + self.friction) <= share
+        };
+        let moves = pushed && share > 0.0 && share < 1.0;
+        let slope = if moves { self.swept / self.travel } else { 0.0 };
+        (self.swept * share, slope)
+    }
+}
+
+impl Effect for RegulatingValveVolume {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
+        let pascal = |key: &str| setting.get(key).unwrap_or(0.0) * PA_PER_BAR;
+        plant.additions.plunger = Some(Plunger {
+            swept: setting.value("swept_volume_m3"),
+            begin: pascal("begin_bar") + parameters.gas.ambient_pressure_pa,
+            travel: pascal("travel_bar"),
+            friction: pascal("friction_bar"),
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Command, Simulator, Tolerance};
+
+    fn plunger(friction: f64) -> Plunger {
+        Plunger {
+            swept: 1e-5,
+            begin: 2e5,
+            travel: 4e5,
+            friction,
+        }
+    }
+
+    #[test]
+    fn friction_is_the_width_of_the_loop() {
+        let plunger = plunger(0.1e5);
+        let up = plunger.share(0.0, 4e5);
+        assert!((up - 0.475).abs() < 1e-12);
+        assert_eq!(plunger.share(up, 3.81e5), up, "still held");
+        assert!((plunger.share(up, 3e5) - 0.275).abs() < 1e-12);
+        assert_eq!(plunger.share(up, 9e5), 1.0);
+    }
+
+    /// Isothermal: p V is R T times the mass, whatever the plunger did on the way.
+    #[test]
+    fn the_mass_that_fills_the_chamber_is_that_of_pressure_and_volume() {
+        let setting = EffectSetting::typical(&RegulatingValveVolume);
+        let fill = |plant: &PlantParameters| {
+            let mut simulator = Simulator::with_tolerance(plant, Tolerance::scaled(0.01));
+            simulator.command(Command {
+                duty_fill_pct: 100.0,
+                duty_vent_pct: 0.0,
+            });
+            simulator.advance_to_ns(60_000_000);
+            simulator.state().pressure
+        };
+        // Choked filling: the same mass enters both chambers in the same time.
+        let plain = PlantParameters::nominal();
+        let (stiff, soft) = (fill(&plain), fill(&plain.with_effect(setting)));
+        let volume = 75e-6 + 1e-5 * (soft - 101_325.0 - 1.4e5) / 4.5e5;
+        assert!(soft < stiff - 1e3, "{soft} {stiff}");
+        assert!(
+            (soft * volume / (stiff * 75e-6) - 1.0).abs() < 1e-4,
+            "{soft} {stiff}"
+        );
+    }
+}

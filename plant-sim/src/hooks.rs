@@ -1,0 +1,158 @@
+//! Laws of your own: closures that a plant calls while it is simulated.
+//!
+//! Each answers one question about the plant as it is [`Now`]; answers of several add up.
+
+use core::fmt;
+use std::sync::Arc;
+
+/// The plant at an instant, as a law sees it. SI units, absolute pressures; fill valve first.
+#[derive(Debug, Clone, Copy)]
+pub struct Now<'a> {
+    /// Time since the start (s).
+    pub time: f64,
+    /// Chamber pressure (Pa abs).
+    pub pressure: f64,
+    /// Supply pressure as the plant file has it (Pa abs).
+    pub supply_pressure: f64,
+    /// Ambient pressure (Pa abs).
+    pub ambient_pressure: f64,
+    /// Gas temperature in the chamber (K).
+    pub temperature: f64,
+    /// Coil currents (A).
+    pub current: [f64; 2],
+    /// Armature positions (m).
+    pub position: [f64; 2],
+    /// Armature velocities (m/s).
+    pub velocity: [f64; 2],
+    /// The states that your effects added, in the order of adding.
+    pub own: &'a [f64],
+}
+
+/// A law: a number for every instant.
+#[derive(Clone)]
+pub struct Law(Arc<dyn Fn(&Now) -> f64 + Send + Sync>);
+
+impl Law {
+    fn new(law: impl Fn(&Now) -> f64 + Send + Sync + 'static) -> Self {
+        Self(Arc::new(law))
+    }
+
+    pub(crate) fn at(&self, now: &Now) -> f64 {
+        (self.0)(now)
+    }
+}
+
+impl fmt::Debug for Law {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Law")
+    }
+}
+
+impl PartialEq for Law {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// A state of your own, integrated with the plant.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct OwnState {
+    pub(crate) initial: f64,
+    pub(crate) tolerance: f64,
+    pub(crate) rate: Law,
+}
+
+/// All laws of a plant's own effects.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Hooks {
+    pub(crate) inflow: Vec<Law>,
+    pub(crate) supply_pressure: Vec<Law>,
+    pub(crate) force: [Vec<Law>; 2],
+    pub(crate) voltage: [Vec<Law>; 2],
+    pub(crate) measured: Vec<Law>,
+    pub(crate) states: Vec<OwnState>,
+}
+
+impl Hooks {
+    /// Most states that effects of your own may add.
+    pub const MAX_STATES: usize = 4;
+
+    /// A mass flow into the chamber (kg/s), at the chamber's temperature.
+    pub fn add_inflow(&mut self, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
+        self.inflow.push(Law::new(law));
+    }
+
+    /// What the supply pressure is more than the plant file says (Pa).
+    pub fn add_supply_pressure(&mut self, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
+        self.supply_pressure.push(Law::new(law));
+    }
+
+    /// A force on the armature of a valve, fill 0, vent 1 (N), positive towards full stroke.
+    ///
+    /// # Panics
+    /// If there is no such valve.
+    pub fn add_force(&mut self, valve: usize, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
+        self.force[valve].push(Law::new(law));
+    }
+
+    /// A voltage in the loop of a coil, fill 0, vent 1 (V), positive drives the current.
+    ///
+    /// # Panics
+    /// If there is no such valve.
+    pub fn add_voltage(&mut self, valve: usize, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
+        self.voltage[valve].push(Law::new(law));
+    }
+
+    /// What the sensor shows more than it senses (Pa).
+    pub fn add_measured(&mut self, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
+        self.measured.push(Law::new(law));
+    }
+
+    /// A state that begins at `initial` and changes by `rate` (per second), solved to `tolerance` per step; its
+    /// index in [`Now::own`].
+    ///
+    /// # Panics
+    /// If there are [`Self::MAX_STATES`] already, or the tolerance is not positive.
+    pub fn add_state(
+        &mut self,
+        initial: f64,
+        tolerance: f64,
+        rate: impl Fn(&Now) -> f64 + Send + Sync + 'static,
+    ) -> usize {
+        assert!(
+            self.states.len() < Self::MAX_STATES,
+            "at most {} states of your own",
+            Self::MAX_STATES
+        );
+        assert!(tolerance > 0.0, "a tolerance is positive, not {tolerance}");
+        self.states.push(OwnState {
+            initial,
+            tolerance,
+            rate: Law::new(rate),
+        });
+        self.states.len() - 1
+    }
+
+    /// Whether there is no law that acts on the plant while it moves.
+    pub(crate) fn is_empty(&self) -> bool {
+        let Self {
+            inflow,
+            supply_pressure,
+            force,
+            voltage,
+            measured,
+            states,
+        } = self;
+        [inflow, supply_pressure, &force[0], &force[1]]
+            .into_iter()
+            .chain([&voltage[0], &voltage[1], measured])
+            .all(Vec::is_empty)
+            && states.is_empty()
+    }
+}
+
+/// The sum of what the laws say.
+#[inline]
+pub(crate) fn sum(laws: &[Law], now: &Now) -> f64 {
+    laws.iter().map(|law| law.at(now)).sum()
+}

@@ -1,0 +1,233 @@
+//! Flows and pressures with effects.
+
+use super::layout::Layout;
+use crate::effects::gas_temperature::Balance;
+use crate::hooks::{self, Now};
+use crate::plant::{FILL, Plant, VENT};
+use crate::resting_pressure::RestingPressure;
+use crate::restriction::in_series;
+
+/// The gas at an instant.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GasNow {
+    /// d(chamber pressure)/dt (Pa/s).
+    pub(super) pressure_rate: f64,
+    /// Upside minus downside pressure of each armature (Pa).
+    pub(super) drops: [f64; 2],
+}
+
+/// Pressure before the fill valve (Pa abs), or before the line's restriction where the line has no volume.
+fn source(plant: &Plant, layout: &Layout, extra: &[f64], now: Option<&Now>) -> f64 {
+    match layout.line {
+        Some(line) => extra[line],
+        None => reservoir(plant, now),
+    }
+}
+
+fn reservoir(plant: &Plant, now: Option<&Now>) -> f64 {
+    let more = now.map_or(0.0, |now| {
+        hooks::sum(&plant.additions.hooks.supply_pressure, now)
+    });
+    plant.supply_pressure + more
+}
+
+/// Mass flow through a valve of `area` (m²), with what is in series, and the pressure drop over it.
+#[inline]
+fn through_valve(plant: &Plant, index: usize, area: f64, upside: f64, downside: f64) -> (f64, f64) {
+    let additions = &plant.additions;
+    let behind = additions.restrictions[index];
+    // A line without volume is an orifice before the fill valve.
+    let before = additions
+        .supply_line
+        .filter(|line| index == FILL && line.volume.is_none())
+        .map(|line| line.restriction);
+    if area == 0.0 {
+        (0.0, upside - downside)
+    } else if area < 0.0 {
+        // Beyond the seat within a step: the law goes on smoothly, as the area does.
+        let (flow, drop) = through_valve(plant, index, -area, upside, downside);
+        (-flow, drop)
+    } else if let Some(before) = before {
+        let areas = [before.in_series_with(behind).effective_area, area];
+        let (flow, between) = in_series(&plant.nozzle, areas, upside, downside);
+        (flow, between - downside)
+    } else if let Some(behind) = behind {
+        let (flow, between) = in_series(
+            &plant.nozzle,
+            [area, behind.effective_area],
+            upside,
+            downside,
+        );
+        (flow, upside - between)
+    } else {
+        let flow = plant.nozzle.mass_flow(area, upside, downside);
+        (flow, upside - downside)
+    }
+}
+
+/// The area of the leak beside a valve, where it is an orifice (m²).
+fn leak_area(plant: &Plant, leak: usize) -> f64 {
+    let leak = plant.additions.leaks[leak];
+    leak.and_then(|leak| leak.orifice_area()).unwrap_or(0.0)
+}
+
+/// The valves' areas with those of leaks that are orifices beside them.
+pub(super) fn widened(plant: &Plant, areas: [f64; 2]) -> [f64; 2] {
+    [
+        areas[FILL] + leak_area(plant, 1),
+        areas[VENT] + leak_area(plant, 0),
+    ]
+}
+
+/// The pressure by formula, where no effect changes its law.
+pub(super) fn resting_pressure(
+    plant: &Plant,
+    areas: [f64; 2],
+    pressure: f64,
+) -> Option<RestingPressure> {
+    let additions = &plant.additions;
+    let hooks = &additions.hooks;
+    let follows_areas =
+        |leak: usize| additions.leaks[leak].is_none_or(|leak| leak.orifice_area().is_some());
+    let touched = additions.supply_line.is_some_and(|line| line.volume.is_some() || areas[FILL] > 0.0)
+        || additions.wall_heat.is_some()
+        || additions.cavity.is_some()
+        || additions.plunger.is_some()
+        || !(follows_areas(0) && follows_areas(1))
+        // The leak goes to ambient, whatever the drain.
+        || (additions.leaks[0].is_some() && plant.drain_pressure != plant.ambient_pressure)
+        || (additions.restrictions[FILL].is_some() && areas[FILL] > 0.0)
+        || (additions.restrictions[VENT].is_some() && areas[VENT] > 0.0)
+        || !hooks.is_empty();
+    if touched {
+        None
+    } else {
+        RestingPressure::of(plant, widened(plant, areas), pressure)
+    }
+}
+
+/// The pressure drop over an armature (Pa) while its valve shows `area` (m²).
+pub(super) fn pressure_drop(
+    plant: &Plant,
+    layout: &Layout,
+    (index, area): (usize, f64),
+    pressure: f64,
+    extra: &[f64],
+    now: Option<&Now>,
+) -> f64 {
+    let (upside, downside) = if index == FILL {
+        (source(plant, layout, extra, now), pressure)
+    } else {
+        (pressure, plant.drain_pressure)
+    };
+    through_valve(plant, index, area, upside, downside).1
+}
+
+/// Volume of the gas (m³) and its change with the pressure (m³/Pa), while the pressure rises or falls.
+fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> (f64, f64) {
+    let (more, compliance) = match &plant.additions.plunger {
+        Some(plunger) => plunger.volume(swept, pressure, rises),
+        None => (0.0, 0.0),
+    };
+    (plant.chamber.volume + more, compliance)
+}
+
+/// Flows, and the rates of the pressure and of what effects add; `swept` is the plunger's last share of its travel.
+#[inline]
+pub(super) fn rates(
+    plant: &Plant,
+    layout: &Layout,
+    areas: [f64; 2],
+    (pressure, swept): (f64, f64),
+    now: Option<&Now>,
+    extra: &[f64],
+    extra_rates: &mut [f64],
+) -> GasNow {
+    let additions = &plant.additions;
+    let nozzle = &plant.nozzle;
+    let plain = plant.chamber.pressure_per_mass;
+    let source = source(plant, layout, extra, now);
+
+    let (fill, fill_drop) = through_valve(plant, FILL, areas[FILL], source, pressure);
+    let (vent, vent_drop) = through_valve(plant, VENT, areas[VENT], pressure, plant.drain_pressure);
+    let seat = additions.leaks[1].map_or(0.0, |leak| leak.mass_flow(nozzle, source, pressure));
+    let leak = additions.leaks[0].map_or(0.0, |leak| {
+        leak.mass_flow(nozzle, pressure, plant.ambient_pressure)
+    });
+    let own = now.map_or(0.0, |now| hooks::sum(&additions.hooks.inflow, now));
+    let cavity = match (&additions.cavity, layout.cavity) {
+        (Some(cavity), Some(index)) => {
+            let flow = cavity.inflow(nozzle, pressure, extra[index]);
+            extra_rates[index] = plain * plant.chamber.volume / cavity.volume * flow;
+            flow
+        }
+        _ => 0.0,
+    };
+
+    // Flow into the chamber, and whether it comes from outside: by the pressures, since a flow changes its sign
+    // beyond the seat as well.
+    let mut streams = [
+        (fill, source >= pressure),
+        (-vent, plant.drain_pressure > pressure),
+        (seat, source >= pressure),
+        (-leak, plant.ambient_pressure > pressure),
+        (own, own >= 0.0),
+    ];
+    if let (Some(heat), Some(temperature)) = (&additions.wall_heat, layout.temperature) {
+        // Warm gas is thin: what leaves the chamber is less by the root of its temperature.
+        let thin = (heat.surroundings / extra[temperature]).sqrt();
+        for (flow, from_outside) in &mut streams {
+            if !*from_outside {
+                *flow *= thin;
+            }
+        }
+    }
+    let (mut inflow, mut outflow) = ((-cavity).max(0.0), cavity.max(0.0));
+    for (flow, from_outside) in streams {
+        if from_outside {
+            inflow += flow;
+        } else {
+            outflow -= flow;
+        }
+    }
+
+    let pressure_rate = match (&additions.wall_heat, layout.temperature) {
+        (Some(heat), Some(index)) => {
+            let wall = layout.wall.map_or(heat.surroundings, |wall| extra[wall]);
+            let temperature = extra[index];
+            let power = heat.pressure_power([inflow, outflow], temperature, wall);
+            let (volume, compliance) = volume(plant, swept, pressure, power > 0.0);
+            let balance = Balance {
+                inflow,
+                outflow,
+                volume,
+                compliance,
+            };
+            let [rate, temperature_rate, wall_rate] =
+                heat.rates(&balance, power, pressure, temperature, wall);
+            extra_rates[index] = temperature_rate;
+            if let Some(wall) = layout.wall {
+                extra_rates[wall] = wall_rate;
+            }
+            rate
+        }
+        _ => {
+            let (volume, compliance) = volume(plant, swept, pressure, inflow > outflow);
+            let stretched = (volume + pressure * compliance) / plant.chamber.volume;
+            plain * (inflow - outflow) / stretched
+        }
+    };
+    if let (Some(index), Some(line)) = (layout.line, additions.supply_line)
+        && let Some(line_volume) = line.volume
+    {
+        let supplied = line
+            .restriction
+            .mass_flow(nozzle, reservoir(plant, now), source);
+        extra_rates[index] =
+            plain * plant.chamber.volume / line_volume * (supplied - streams[0].0 - streams[2].0);
+    }
+    GasNow {
+        pressure_rate,
+        drops: [fill_drop, vent_drop],
+    }
+}

@@ -1,0 +1,87 @@
+//! Which states effects add, and where they stand behind those of the valves.
+
+use super::physics::{FEW, MANY, Width};
+use crate::plant::Plant;
+
+/// Indices into the added states.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Layout {
+    /// Time (s), for laws of your own.
+    pub(super) time: Option<usize>,
+    /// Pressure in the supply line (Pa abs).
+    pub(super) line: Option<usize>,
+    /// Gas temperature (K).
+    pub(super) temperature: Option<usize>,
+    /// Wall temperature (K).
+    pub(super) wall: Option<usize>,
+    /// Pressure in the cavity (Pa abs).
+    pub(super) cavity: Option<usize>,
+    /// First and number of your own states.
+    pub(super) own: (usize, usize),
+    len: usize,
+}
+
+impl Layout {
+    pub(super) fn new(plant: &Plant) -> Self {
+        let additions = &plant.additions;
+        let mut layout = Self::default();
+        let mut place = |present: bool| {
+            let index = layout.len;
+            layout.len += usize::from(present);
+            present.then_some(index)
+        };
+        let time = place(!additions.hooks.is_empty());
+        let line = place(
+            additions
+                .supply_line
+                .is_some_and(|line| line.volume.is_some()),
+        );
+        let temperature = place(additions.wall_heat.is_some());
+        let wall = place(additions.wall_heat.is_some_and(|heat| heat.wall.is_some()));
+        let cavity = place(additions.cavity.is_some());
+        let own = additions.hooks.states.len();
+        Self {
+            time,
+            line,
+            temperature,
+            wall,
+            cavity,
+            own: (layout.len, own),
+            len: layout.len + own,
+        }
+    }
+
+    pub(super) fn width(&self) -> Width {
+        match self.len {
+            0 => Width::None,
+            1..=FEW => Width::Few,
+            _ => Width::Many,
+        }
+    }
+
+    /// The states at the start, and the inverse of their tolerances for a pressure tolerance (Pa).
+    pub(super) fn start(&self, plant: &Plant, pressure_tolerance: f64) -> [[f64; MANY]; 2] {
+        let (mut states, mut weights) = ([0.0; MANY], [0.0; MANY]);
+        let mut set = |index: Option<usize>, start: f64, tolerance: f64| {
+            if let Some(index) = index {
+                (states[index], weights[index]) = (start, tolerance.recip());
+            }
+        };
+        let surroundings = plant
+            .additions
+            .wall_heat
+            .map_or(0.0, |heat| heat.surroundings);
+        // Ten pascal and ten millikelvin go together.
+        let kelvin = pressure_tolerance * 1e-3;
+        set(self.time, 0.0, f64::INFINITY);
+        set(self.line, plant.supply_pressure, pressure_tolerance);
+        set(self.temperature, surroundings, kelvin);
+        set(self.wall, surroundings, kelvin);
+        set(self.cavity, plant.ambient_pressure, pressure_tolerance);
+        let relative = pressure_tolerance / super::Tolerance::default().pressure;
+        for (n, own) in plant.additions.hooks.states.iter().enumerate() {
+            set(Some(self.own.0 + n), own.initial, own.tolerance * relative);
+        }
+        [states, weights]
+    }
+}
