@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 use hil_protocol::{
     Answer, BlackBoxRecord, Device, Identity, ImageIdentity, Measured, Refusal, Reply, Request,
-    ResetCause, SettingsSource, SignalIds, VERSION, Values,
+    ResetCause, SettingsSource, SignalIds, VALUES_MAX, VERSION, Values,
 };
 
 use crate::black_box::BlackBox;
@@ -127,11 +127,12 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
     }
 
     fn values(&self, snapshot: &Snapshot) -> Measured {
-        self.measured
-            .iter()
-            .filter_map(|&id| SignalId::numbered(id))
-            .map(|id| snapshot.signal(id))
-            .collect()
+        let mut values = Measured::new();
+        for id in self.measured.iter().copied().filter_map(SignalId::numbered) {
+            // As many as there are numbers, which have the same room.
+            let _ = values.push(snapshot.signal(id));
+        }
+        values
     }
 
     fn signal(&self, id: u16) -> Result<Reply, Refusal> {
@@ -160,11 +161,8 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
         match values.as_array().get(usize::from(first)..) {
             Some(rest) if !rest.is_empty() => Ok(Reply::Values {
                 first,
-                values: rest
-                    .iter()
-                    .copied()
-                    .take(Values::new().capacity())
-                    .collect(),
+                values: Values::from_slice(rest.get(..VALUES_MAX).unwrap_or(rest))
+                    .unwrap_or_default(),
             }),
             _ => Err(Refusal::UnknownSetting {
                 id: first,

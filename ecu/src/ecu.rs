@@ -1,6 +1,6 @@
 //! One sample of the ECU.
 
-use controller::{ControlSignal, Duty, Input, Output, Pressure, State, step_traced};
+use controller::{Activity, ControlSignal, Duty, Input, Output, Pressure, State, step_traced};
 use hil_protocol::{ResetCause, Telemetry};
 
 use crate::config::EcuConfig;
@@ -148,7 +148,18 @@ impl Ecu {
             reference: self.state.reference,
             pressure: self.state.pressure,
         };
-        self.state.controller = State::taking_over(&config.controller, input, self.state.u);
+        // What the old settings give while the pressure stays: the part of its change comes anew with the next sample.
+        let state = self.state.controller;
+        let (_, trace) = step_traced(&self.config.controller, &mut state.clone(), input);
+        if trace.activity == Activity::Controlling {
+            let summed = state
+                .integral()
+                .percent()
+                .wrapping_add(state.boost().percent());
+            let percent = trace.proportional.percent().wrapping_add(summed);
+            let u = ControlSignal::saturating_from_percent(percent);
+            self.state.controller = State::taking_over(&config.controller, input, u);
+        }
         self.config = config;
         self.copy = config;
     }

@@ -16,6 +16,10 @@ const EXCESS_END: i32 = EXCESS_MAX + (EXCESS_MAX >> 3);
 /// compressed: at most 15 % of a step within about two seconds.
 pub(crate) const CREEP: i32 = 328;
 
+/// A fall in a sample beyond this is one of the pressure, not of the sensor's noise: 31 mbar, 2⁻¹⁶, five times what two samples of
+/// the bench's noise differ by.
+pub(crate) const FALLING: i32 = 1 << 11;
+
 /// Two cumulative sums of what no command explains (Page, Biometrika 41, 1954).
 ///
 /// The model gives bounds, not a pressure: a valve that is open for sure moves the pressure by at least half of its rate times the
@@ -102,7 +106,7 @@ impl ResponseDetector {
         };
         let too_little = if fill_is_shut {
             Fault::UncommandedFall
-        } else if change < -CREEP {
+        } else if change < -FALLING {
             Fault::SupplyLost
         } else {
             Fault::NoRise
@@ -231,13 +235,13 @@ mod tests {
         let expected = FaultSet::of(Fault::NoRise);
         assert_eq!(told.confirms(0, 10), Some((4, expected)));
         let mut told = Told::for_long(75, 0, 0);
-        assert_eq!(told.confirms(-CREEP, 10), Some((4, expected)));
+        assert_eq!(told.confirms(-FALLING, 10), Some((4, expected)));
     }
 
     #[test]
     fn a_pressure_that_falls_while_filled_is_a_lost_supply() {
         let mut told = Told::for_long(75, 0, 4 * BAR);
-        let (_, faults) = told.confirms(-CREEP - 1, 20).unwrap();
+        let (_, faults) = told.confirms(-FALLING - 1, 20).unwrap();
         assert_eq!(faults, FaultSet::of(Fault::SupplyLost));
     }
 

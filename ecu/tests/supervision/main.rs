@@ -1,0 +1,10 @@
+//! The whole ECU on a simple rig: faults, ways into the safe state, recovery, resets.
+
+mod bench;
+mod detection;
+mod document;
+mod invariants;
+mod recovery;
+mod reset;
+mod valves;
+mod ways;
