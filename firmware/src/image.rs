@@ -100,6 +100,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
 
     /// The answer leaves first. If it cannot, the watchdog ends the wait.
     fn last_turn(&mut self) -> Life {
+        self.task.board.background();
         self.task.board.coils_off();
         if self.task.board.is_sending() {
             Life::GoesOn

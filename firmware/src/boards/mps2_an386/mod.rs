@@ -105,6 +105,10 @@ impl Board for Mps2An386 {
         watchdog::feed(pace);
     }
 
+    fn background(&mut self) {
+        uart::poll();
+    }
+
     fn may_simulate(&mut self) -> bool {
         true
     }
@@ -191,7 +195,6 @@ fn main() -> ! {
 unsafe fn DefaultHandler(interrupt: i16) {
     match interrupt {
         uart::RECEIVED => uart::on_received(),
-        uart::SENT => uart::on_sent(),
         timer::TICK => timer::on_tick(),
         // Nothing else was enabled.
         _ => handlers::end(Farewell::Exception { pc: 0 }),

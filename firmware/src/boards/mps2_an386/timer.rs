@@ -54,9 +54,10 @@ pub(crate) fn now_us() -> u32 {
     COUNTER.read()
 }
 
-/// Time since the timer came last \[µs\]: it counts down from one tick to the next.
+/// Time since the timer came last \[µs\]: it counts down, ticks at 0, and goes on
+/// from above.
 pub(super) fn since_tick_us() -> u32 {
-    (PERIOD - 1).saturating_sub(VALUE.read()) / (CLOCK_HZ / 1_000_000)
+    PERIOD.wrapping_sub(VALUE.read()) % PERIOD / (CLOCK_HZ / 1_000_000)
 }
 
 pub(super) fn on_tick() {

@@ -1,4 +1,6 @@
-//! UART 0 as a link: bytes in and out by interrupt, through two queues.
+//! UART 0 as a link: bytes in by interrupt, out one at a time by the main loop, through two queues.
+//!
+//! The emulated UART sends a byte in no time. By interrupt a whole frame would leave at once, and a sample would wait for it.
 
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
@@ -6,9 +8,8 @@ use firmware::ByteRing;
 
 use super::register::Register;
 
-/// Numbers of the interrupts of UART 0 (AN386, "Interrupts").
+/// Number of the interrupt of UART 0 for a byte that came (AN386, "Interrupts").
 pub(super) const RECEIVED: i16 = 0;
-pub(super) const SENT: i16 = 1;
 
 /// CMSDK UART 0 (Cortex-M System Design Kit TRM DDI 0479, section 4.3).
 const DATA: Register = Register::at(0x4000_4000);
@@ -18,9 +19,8 @@ const INTERRUPT: Register = Register::at(0x4000_400c);
 const BAUD_DIVISOR: Register = Register::at(0x4000_4010);
 const STATE_SEND_FULL: u32 = 1 << 0;
 const STATE_RECEIVE_FULL: u32 = 1 << 1;
-/// Send, receive, and an interrupt for either.
-const CONTROL_ALL: u32 = 0b1111;
-const INTERRUPT_SENT: u32 = 1 << 0;
+/// Send, receive, and an interrupt for what was received.
+const CONTROL_SEND_RECEIVE: u32 = 0b1011;
 const INTERRUPT_RECEIVED: u32 = 1 << 1;
 
 /// 921 600 baud of 25 MHz, as near as a whole divisor gets: 0.5 % off. An emulator takes no notice.
@@ -33,22 +33,20 @@ static IN: ByteRing<QUEUE> = ByteRing::new();
 static OUT: ByteRing<QUEUE> = ByteRing::new();
 
 #[derive(Clone, Copy)]
-struct Interrupt(i16);
+struct Received;
 
-// SAFETY: made in this file only, with the numbers of the UART's interrupts on this machine.
-unsafe impl InterruptNumber for Interrupt {
+// SAFETY: the number is that of the UART's interrupt on this machine.
+unsafe impl InterruptNumber for Received {
     fn number(self) -> u16 {
-        self.0 as u16
+        RECEIVED as u16
     }
 }
 
 pub(super) fn start() {
     BAUD_DIVISOR.write(DIVISOR);
-    CONTROL.write(CONTROL_ALL);
-    for number in [RECEIVED, SENT] {
-        // SAFETY: no critical section relies on these interrupts being masked.
-        unsafe { NVIC::unmask(Interrupt(number)) }
-    }
+    CONTROL.write(CONTROL_SEND_RECEIVE);
+    // SAFETY: no critical section relies on this interrupt being masked.
+    unsafe { NVIC::unmask(Received) }
 }
 
 pub(super) fn on_received() {
@@ -59,10 +57,12 @@ pub(super) fn on_received() {
     }
 }
 
-pub(super) fn on_sent() {
-    INTERRUPT.write(INTERRUPT_SENT);
-    while STATE.read() & STATE_SEND_FULL == 0 {
-        let Some(byte) = OUT.pop() else { break };
+/// Sends the next byte, if there is one and the last one has left.
+pub(super) fn poll() {
+    if !OUT.is_empty()
+        && STATE.read() & STATE_SEND_FULL == 0
+        && let Some(byte) = OUT.pop()
+    {
         DATA.write(byte.into());
     }
 }
@@ -84,6 +84,4 @@ pub(super) fn send(frame: &[u8]) {
     for &byte in frame {
         OUT.push(byte);
     }
-    // The first byte is sent by the same code as all others; each byte sent then raises the interrupt for the next.
-    NVIC::pend(Interrupt(SENT));
 }
