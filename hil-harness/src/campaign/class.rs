@@ -1,0 +1,134 @@
+//! The vocabulary: what can be broken.
+
+use core::fmt;
+use core::str::FromStr;
+
+use super::ecu::EcuFault;
+use super::image::ImageFault;
+use super::link::LinkFault;
+use super::plant::PlantFault;
+use super::sensor::SensorFault;
+
+/// An enumeration whose members have a name for people, all of them known.
+macro_rules! named {
+    ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $member:ident = $text:literal,)+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum $name {
+            $($(#[$doc])* $member,)+
+        }
+
+        impl $name {
+            /// Every member, in the order of the declaration.
+            pub const ALL: &[Self] = &[$(Self::$member),+];
+
+            /// Its name on a line.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$member => $text,)+
+                }
+            }
+        }
+    };
+}
+pub(super) use named;
+
+/// What is broken, as family and member: `sensor/stuck`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum FaultClass {
+    /// Valves, coils, chamber, supply.
+    Plant(PlantFault),
+    /// The pressure sensor.
+    Sensor(SensorFault),
+    /// The messages that carry the reference.
+    Link(LinkFault),
+    /// Battery, task, reset, memory.
+    Ecu(EcuFault),
+    /// The running image's memory; only an emulated target has one.
+    Image(ImageFault),
+}
+
+/// How a fault that is short enough ends, by the table of faults and ways in `docs/safety.md`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Survival {
+    /// Shorter than any N: the loop goes on.
+    Unnoticed,
+    /// Confirmed, and gone before the way has emptied the chamber: the loop comes back by itself.
+    Held,
+    /// Nothing is claimed: the reference may have to be taken back first.
+    NotClaimed,
+}
+
+impl FaultClass {
+    /// Every class, family by family.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let plant = PlantFault::ALL.iter().copied().map(Self::Plant);
+        let sensor = SensorFault::ALL.iter().copied().map(Self::Sensor);
+        let link = LinkFault::ALL.iter().copied().map(Self::Link);
+        let ecu = EcuFault::ALL.iter().copied().map(Self::Ecu);
+        let image = ImageFault::ALL.iter().copied().map(Self::Image);
+        plant.chain(sensor).chain(link).chain(ecu).chain(image)
+    }
+
+    fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Plant(fault) => ("plant", fault.name()),
+            Self::Sensor(fault) => ("sensor", fault.name()),
+            Self::Link(fault) => ("link", fault.name()),
+            Self::Ecu(fault) => ("ecu", fault.name()),
+            Self::Image(fault) => ("image", fault.name()),
+        }
+    }
+
+    /// What becomes of a loop that this breaks for `duration` samples with `severity`.
+    pub(super) fn survival(self, duration: u32, severity: f64) -> Survival {
+        match self {
+            Self::Sensor(fault) => fault.survival(duration, severity),
+            Self::Link(fault) => fault.survival(duration),
+            Self::Ecu(fault) => fault.survival(duration),
+            Self::Plant(_) | Self::Image(_) => Survival::NotClaimed,
+        }
+    }
+
+    /// Whether the chamber can be emptied by the vent valve while this lasts.
+    pub(super) fn leaves_venting(self) -> bool {
+        !matches!(self, Self::Plant(fault) if fault.hinders_venting())
+    }
+
+    /// Whether the fault moves the chamber's pressure by itself, past both valves' commands.
+    pub(super) fn moves_pressure(self) -> bool {
+        matches!(self, Self::Plant(fault) if fault.moves_pressure())
+    }
+}
+
+impl fmt::Display for FaultClass {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (family, member) = self.names();
+        f.pad(&format!("{family}/{member}"))
+    }
+}
+
+/// There is no such class.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no fault class {found:?}; a class is one of {}", known())]
+pub struct ClassError {
+    /// What was read.
+    pub found: String,
+}
+
+fn known() -> String {
+    let names: Vec<String> = FaultClass::all().map(|class| class.to_string()).collect();
+    names.join(", ")
+}
+
+impl FromStr for FaultClass {
+    type Err = ClassError;
+
+    fn from_str(text: &str) -> Result<Self, ClassError> {
+        Self::all()
+            .find(|class| class.to_string() == text)
+            .ok_or_else(|| ClassError {
+                found: text.to_owned(),
+            })
+    }
+}

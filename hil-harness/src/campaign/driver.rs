@@ -1,0 +1,137 @@
+//! What is asked of the loop in a run: a drive, the fault in its midst, and then the way back.
+//!
+//! ```text
+//!  bar │      ┌─┐ ┌──── random steps and ramps ──┐                                      ┌──── level
+//!      │   ┌──┘ └─┘          fault               └─┐ level, held                         │
+//!    0 └───┘                                                └──── reference taken back ───┘
+//!      power-on   onset                    end  +20    +320            +380 or +1300       +160
+//! ```
+
+use super::chance::{Chance, chance, uniform};
+use super::class::Survival;
+use super::injection::Injection;
+use super::injection::survival;
+use crate::lead_in::LeadIn;
+use crate::reference_profile::ReferenceProfile;
+use crate::requirement::Requirement;
+
+/// From power-on to the first reference above zero \[samples\].
+pub(super) fn lead_in_samples() -> u32 {
+    LeadIn::to(0.0).samples()
+}
+
+/// From the end of the fault until the level is asked for that the loop has to reach by itself \[samples\].
+const BACK_AFTER: u32 = 20;
+/// How long that is held \[samples\]: up the ramp from zero to the highest level, and T_req twice.
+const HELD: u32 = 300;
+/// How long the reference is then zero \[samples\]: every way ends in that time ...
+const ZERO: u32 = 1000;
+/// ... unless none was gone.
+const ZERO_SHORT: u32 = 60;
+/// The mechanic looks after a locked ECU so long before the end of that time \[samples\].
+const RELEASE_BEFORE: u32 = 20;
+/// How long the last level is held \[samples\].
+const LAST: u32 = 160;
+/// The end of a level, in which the loop has to be there \[samples\].
+const JUDGED: u32 = 50;
+const SAMPLE_MS: u32 = 10;
+
+/// The instants of a run \[samples\].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drive {
+    /// Whether the loop has to come back by itself.
+    pub(super) resumes: bool,
+    level_until: u32,
+    zero_until: u32,
+}
+
+impl Drive {
+    pub(super) fn of(injection: &Injection) -> Self {
+        let resumes = survival(injection) != Survival::NotClaimed;
+        let level_until = injection.end() + BACK_AFTER + HELD;
+        let zero = if resumes { ZERO_SHORT } else { ZERO };
+        Self {
+            resumes,
+            level_until,
+            zero_until: level_until + zero,
+        }
+    }
+
+    /// How long the run is.
+    pub(super) fn samples(&self) -> u32 {
+        self.zero_until + LAST
+    }
+
+    /// When the mechanic tries to release the ECU.
+    pub(super) fn release_at(&self) -> u32 {
+        self.zero_until - RELEASE_BEFORE
+    }
+
+    /// Whether the loop has to have come back by itself in this sample.
+    pub(super) fn has_to_have_resumed(&self, sample: u32) -> bool {
+        self.resumes && (self.level_until - JUDGED..self.level_until).contains(&sample)
+    }
+
+    /// Whether the loop has to be live again in this sample.
+    pub(super) fn has_to_be_live(&self, sample: u32) -> bool {
+        sample >= self.samples() - JUDGED
+    }
+
+    /// What the driver asks for, from the end of the lead-in on.
+    pub(super) fn reference(&self, injection: &Injection) -> ReferenceProfile {
+        let chance = chance(injection.seed, Chance::Driver);
+        let mut draw = 0;
+        let mut next = || {
+            draw += 1;
+            uniform(&chance, draw)
+        };
+        let lead_in_ms = SAMPLE_MS * lead_in_samples();
+        let until_ms = |sample: u32| (SAMPLE_MS * sample).saturating_sub(lead_in_ms);
+        let back_ms = until_ms(injection.end() + BACK_AFTER);
+        let mut profile = ReferenceProfile::starting_at(0.0).step_to(level(next()));
+        while let Some(left_ms) = back_ms
+            .checked_sub(ms(&profile))
+            .filter(|&left_ms| left_ms > 0)
+        {
+            let rest_ms = 50 + (2500.0 * next() * next()) as u32;
+            let target_bar = match (8.0 * next()) as u32 {
+                0 => 0.0,
+                1 => HIGHEST_BAR * next(),
+                _ => level(next()),
+            };
+            let ramp_ms = if next() < 0.3 {
+                (1500.0 * next()) as u32
+            } else {
+                0
+            };
+            profile = profile.hold_ms(rest_ms.min(left_ms));
+            let left_ms = back_ms - ms(&profile);
+            profile = profile.ramp_to(target_bar, ramp_ms.min(left_ms));
+        }
+        let samples_ms = |samples: u32| SAMPLE_MS * samples;
+        profile
+            .step_to(level(next()))
+            .hold_ms(samples_ms(HELD))
+            .step_to(0.0)
+            .hold_ms(samples_ms(self.zero_until - self.level_until))
+            .step_to(level(next()))
+            .hold_ms(samples_ms(LAST))
+    }
+}
+
+/// Highest reference of the drive [bar gauge]; a scattered supply is above.
+const HIGHEST_BAR: f64 = 8.0;
+
+/// A reference within the range in which the loop keeps its requirement [bar gauge].
+fn level(chance: f64) -> f64 {
+    let requirement = Requirement::THESIS;
+    let [low, high] = requirement
+        .operating_range_psup
+        .map(|share| requirement.psup(share));
+    low + (high - low) * chance
+}
+
+fn ms(profile: &ReferenceProfile) -> u32 {
+    // A run is shorter than a day.
+    (profile.end_ns() / 1_000_000) as u32
+}

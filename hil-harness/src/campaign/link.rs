@@ -1,0 +1,95 @@
+//! Faults of the messages that bring the reference, as the ECU's receiver hands them on.
+//!
+//! A message that fails its checksum is one that did not come. What the frames between harness and target survive is proved
+//! where they are made, in `hil-protocol`.
+
+use super::bounds;
+use super::chance::{Chance, chance, uniform};
+use super::class::{Survival, named};
+use super::injection::Injection;
+use super::injector::{Injector, Now};
+use crate::random::Random;
+use crate::wire::{Sensors, reference_bits};
+
+named! {
+    /// A fault of the reference's messages.
+    LinkFault {
+        /// Messages are lost; severity: how many.
+        Lost = "lost",
+        /// The host sends nothing.
+        Silent = "silent",
+        /// References that nobody can mean: far below vacuum, far above any supply.
+        Corrupt = "corrupt",
+        /// Every other message repeats the one before.
+        Duplicate = "duplicate",
+        /// Every two messages come in the wrong order.
+        Reordered = "reordered",
+        /// Messages come 1 to 20 samples late.
+        Late = "late",
+    }
+}
+
+/// The longest delay of a message \[samples\].
+const LATE_MAX: f64 = 20.0;
+
+impl LinkFault {
+    pub(super) fn survival(self, duration: u32) -> Survival {
+        match self {
+            Self::Duplicate | Self::Reordered | Self::Late => Survival::Unnoticed,
+            Self::Lost | Self::Silent | Self::Corrupt if duration < bounds::REFERENCE_N => {
+                Survival::Unnoticed
+            }
+            Self::Lost | Self::Silent | Self::Corrupt => Survival::NotClaimed,
+        }
+    }
+}
+
+/// A link with one thing broken.
+pub(super) struct Broken {
+    fault: LinkFault,
+    severity: f64,
+    random: Random,
+    /// Every message sent so far.
+    sent: Vec<Option<i32>>,
+}
+
+impl Broken {
+    pub(super) fn new(fault: LinkFault, injection: &Injection) -> Self {
+        Self {
+            fault,
+            severity: injection.severity(),
+            random: chance(injection.seed, Chance::Fault),
+            sent: Vec::new(),
+        }
+    }
+
+    /// The message of some samples ago.
+    fn earlier(&self, samples: usize) -> Option<i32> {
+        let last = self.sent.len().checked_sub(1 + samples)?;
+        *self.sent.get(last)?
+    }
+}
+
+impl Injector for Broken {
+    fn sense(&mut self, now: Now, sensors: &mut Sensors) {
+        self.sent.push(sensors.reference);
+        let Some(age) = now.age else { return };
+        let draw = uniform(&self.random, u64::from(now.sample));
+        sensors.reference = match self.fault {
+            LinkFault::Lost if draw > self.severity => sensors.reference,
+            LinkFault::Lost | LinkFault::Silent => None,
+            LinkFault::Corrupt => {
+                let far = if draw < 0.5 {
+                    -2.0 - 20.0 * draw
+                } else {
+                    20.0 * (1.0 + draw)
+                };
+                Some(reference_bits(far))
+            }
+            LinkFault::Duplicate => self.earlier((age % 2) as usize),
+            // The second of each pair in its own period, the first in the one after.
+            LinkFault::Reordered => self.earlier(if age % 2 == 1 { 0 } else { 2 }),
+            LinkFault::Late => self.earlier(1 + (LATE_MAX * self.severity) as usize),
+        };
+    }
+}

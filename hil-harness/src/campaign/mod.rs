@@ -1,0 +1,44 @@
+//! A fault-injection campaign: something breaks, and the loop has to stay safe and come back.
+//!
+//! ```text
+//!               Injection: class, onset, duration, times, severity, rig, seed      one line, and the run again
+//!                   │
+//!   World ── sense ─┴─► Sensors ──► Target ──► duties at the coils ─┬─ actuate ──► World
+//!     │                   │         in process, QEMU     │          broken valves
+//!     │ true pressure     │                              │
+//!     └───────────────────┴────────► Oracle ◄────────────┘          safety first, then liveness
+//! ```
+//!
+//! The verdict is formed outside the target: the [oracle](Oracle) sees what went over the wire, what the coils got and what the
+//! pressure really was. It has its own statement of the rules ([`bounds`]) and asks the target nothing.
+//!
+//! A class is one way to break something; the files of this folder have one family each. A run is decided by its [`Injection`]
+//! alone, whose line repeats it: `cargo run --release -p hil-harness --example campaign -- --reproduce '<line>'`.
+
+pub mod bounds;
+mod chance;
+mod class;
+mod driver;
+mod ecu;
+mod image;
+mod injection;
+mod injector;
+mod link;
+mod oracle;
+mod plant;
+mod run;
+mod sensor;
+mod summary;
+mod target;
+
+pub use class::{ClassError, FaultClass};
+pub use ecu::EcuFault;
+pub use image::ImageFault;
+pub use injection::{Injection, InjectionError};
+pub use link::LinkFault;
+pub use oracle::{Oracle, Promise, Seen, Violation};
+pub use plant::PlantFault;
+pub use run::{CampaignError, Outcome, run, run_watched};
+pub use sensor::SensorFault;
+pub use summary::Summary;
+pub use target::{Damage, InProcessTarget, Region, Target};

@@ -1,0 +1,67 @@
+//! What no fault excuses.
+
+use super::{Finding, Oracle, Promise, Seen, unless};
+use crate::campaign::bounds;
+use crate::requirement::Requirement;
+
+/// The promises of this sample alone.
+pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 6] {
+    let [fill, vent] = seen.coils;
+    let coils = || format!("fill {fill:.2} %, vent {vent:.2} %");
+    let requirement = Requirement::THESIS;
+    let is_allowed = |duty: f64, [min, max]: [f64; 2]| {
+        let step = bounds::DUTY_STEP_PCT;
+        duty == 0.0 || (min - step..=max + step).contains(&duty)
+    };
+    let empties = vent >= 100.0 - bounds::DUTY_STEP_PCT;
+    let is_vent_allowed = empties || is_allowed(vent, requirement.duty_vent_pct);
+    let is_fill_allowed = is_allowed(fill, requirement.duty_fill_pct);
+    let highest_bar = oracle.supply_bar + bounds::SUPPLY_MARGIN_BAR;
+    let before = oracle.memory.coils();
+    let is_increased =
+        before.is_some_and(|[fill_before, _]| fill > fill_before + bounds::DUTY_STEP_PCT);
+    let is_shut = fill == 0.0 && (vent == 0.0 || empties);
+    let above_bar = seen
+        .shown_bar()
+        .zip(oracle.conditions.reference_bar(seen))
+        .map(|(shown, reference)| shown - reference);
+    [
+        unless(fill == 0.0 || vent == 0.0, Promise::OneCoil, coils),
+        unless(
+            is_fill_allowed && is_vent_allowed,
+            Promise::DutyLimits,
+            coils,
+        ),
+        unless(
+            seen.pressure_bar <= highest_bar,
+            Promise::BelowSupply,
+            || {
+                format!(
+                    "{:.3} bar of a supply of {:.3} bar",
+                    seen.pressure_bar, oracle.supply_bar
+                )
+            },
+        ),
+        unless(
+            !oracle.conditions.is_in_doubt() || is_shut,
+            Promise::ShutInDoubt,
+            || format!("code {:?} and {}", seen.sensors.pressure, coils()),
+        ),
+        unless(
+            oracle.conditions.reference_bar(seen).is_some() || !is_increased,
+            Promise::NoIncreaseWithoutReference,
+            || {
+                format!(
+                    "reference {:?} and {}, before {before:?}",
+                    seen.sensors.reference,
+                    coils()
+                )
+            },
+        ),
+        unless(
+            fill == 0.0 || above_bar.is_none_or(|above| above <= bounds::ABOVE_REFERENCE_BAR),
+            Promise::TowardsTheReference,
+            || format!("{above_bar:?} bar above the reference and {}", coils()),
+        ),
+    ]
+}

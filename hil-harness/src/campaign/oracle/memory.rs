@@ -1,0 +1,57 @@
+//! What the oracle remembers of the samples before.
+
+use std::collections::VecDeque;
+
+use super::Seen;
+use crate::campaign::bounds;
+
+/// What the coils got and the chamber did, newest first.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    coils: VecDeque<[f64; 2]>,
+    pressures_bar: VecDeque<f64>,
+}
+
+/// As long as any rule looks back.
+const SAMPLES: usize = bounds::RAMP_WINDOW as usize;
+
+impl Memory {
+    pub(super) fn new() -> Self {
+        Self::default()
+    }
+
+    /// The target has started again.
+    pub(super) fn forget(&mut self) {
+        self.coils.clear();
+        self.pressures_bar.clear();
+    }
+
+    pub(super) fn remember(&mut self, seen: &Seen) {
+        self.coils.truncate(SAMPLES - 1);
+        self.coils.push_front(seen.coils);
+        self.pressures_bar.truncate(SAMPLES - 1);
+        self.pressures_bar.push_front(seen.pressure_bar);
+    }
+
+    /// What the coils got in the sample before; none before the first.
+    pub(super) fn coils(&self) -> Option<[f64; 2]> {
+        self.coils.front().copied()
+    }
+
+    /// True pressure so many samples ago [bar gauge].
+    pub(super) fn pressure_bar(&self, samples: u32) -> Option<f64> {
+        let index = (samples as usize).checked_sub(1)?;
+        self.pressures_bar.get(index).copied()
+    }
+
+    /// Whether coil `valve` got a duty cycle like this for the settling time.
+    pub(super) fn coil_settled(&self, valve: usize, is_so: impl Fn(f64) -> bool) -> bool {
+        let settling = bounds::SETTLING as usize;
+        self.coils.len() >= settling
+            && self
+                .coils
+                .iter()
+                .take(settling)
+                .all(|coils| is_so(coils[valve]))
+    }
+}

@@ -1,0 +1,153 @@
+//! Whether anything may be filled at all.
+
+use super::condition::{Condition, Conditions};
+use super::way::Way;
+use super::{Finding, Oracle, Promise, Seen, unless};
+use crate::campaign::bounds;
+
+/// From one fault to another one that counts by itself \[samples\]: N of the slowest doubt, the recovery, twice.
+const IDLE_MIN: u32 = 2 * (bounds::DOUBT_N + bounds::RECOVERY_N);
+/// A fault that was held for less is certainly forgiven before the hold ends \[samples\].
+const BRIDGED: u32 = bounds::HOLD_SAMPLES - 2 * bounds::RECOVERY_N;
+
+/// What the past of a run allows.
+#[derive(Debug)]
+pub(super) struct Permission {
+    /// The reference has to be seen at zero first: after a reset, and after the chamber was given up.
+    needs_zero: bool,
+    /// Samples in a row with the reference at zero.
+    zero_for: u32,
+    /// Faults that were forgiven.
+    answered: u32,
+    /// The target may still be on a way for so long \[samples\].
+    away_for: u32,
+    /// Samples since a fault was being answered.
+    idle_for: u32,
+    is_locked: bool,
+    is_damaged: bool,
+    comeback: Option<Comeback>,
+}
+
+/// The way back after a fault that has passed: the pressure rises no faster than this line.
+#[derive(Clone, Copy, Debug)]
+struct Comeback {
+    line_bar: f64,
+}
+
+impl Permission {
+    pub(super) fn new() -> Self {
+        Self {
+            needs_zero: true,
+            zero_for: 0,
+            answered: 0,
+            away_for: 0,
+            idle_for: IDLE_MIN,
+            is_locked: false,
+            is_damaged: false,
+            comeback: None,
+        }
+    }
+
+    /// Memory was damaged, and no reset has mended it.
+    pub(super) fn is_damaged(&self) -> bool {
+        self.is_damaged
+    }
+
+    pub(super) fn look(&mut self, seen: &Seen, conditions: &Conditions) {
+        if seen.is_first {
+            *self = Self::new();
+        }
+        if seen.is_released {
+            self.is_locked = self.is_damaged;
+            self.answered = 0;
+            self.needs_zero = true;
+        }
+        let is_zero = seen
+            .sensors
+            .reference
+            .is_some_and(|bits| (-65536..=bounds::ZERO_MAX).contains(&bits));
+        self.zero_for = if is_zero { self.zero_for + 1 } else { 0 };
+        self.answer(seen, conditions);
+        // Whoever has given up the chamber in this very sample still counts the zeros before it.
+        if self.zero_for >= bounds::ZERO_N {
+            self.needs_zero = false;
+        }
+        self.come_back(seen);
+    }
+
+    fn answer(&mut self, seen: &Seen, conditions: &Conditions) {
+        let idle_for = self.idle_for;
+        let is_answering = conditions.answered().next().is_some();
+        self.idle_for = if is_answering {
+            0
+        } else {
+            idle_for.saturating_add(1)
+        };
+        if is_answering && idle_for > 0 {
+            // Only where the target has certainly been running again.
+            self.answered +=
+                u32::from(!self.needs_zero && idle_for >= IDLE_MIN && self.away_for == 0);
+            self.comeback = None;
+        }
+        self.away_for = self.away_for.saturating_sub(1);
+        for watch in conditions.answered() {
+            let given_up_after = match watch.way() {
+                Way::Hold => bounds::HOLD_SAMPLES + bounds::CHANGES,
+                Way::Ramp => bounds::RAMP_SAMPLES - bounds::VENT_SAMPLES + bounds::CHANGES,
+                Way::Release | Way::Vent | Way::Off | Way::Lock => 0,
+            };
+            let is_bridged = watch.way() == Way::Hold
+                && watch.answered_for().is_none_or(|samples| samples < BRIDGED);
+            if !is_bridged {
+                self.away_for = bounds::AWAY_SAMPLES;
+            }
+            self.needs_zero |= watch
+                .answered_for()
+                .is_some_and(|samples| samples >= given_up_after);
+            self.is_damaged |= watch.condition == Condition::Memory;
+        }
+        self.is_locked |= self.is_damaged || self.answered > bounds::RETRIES;
+        if !is_answering && idle_for == 0 && !self.needs_zero && !self.is_locked {
+            self.comeback = Some(Comeback {
+                line_bar: seen.pressure_bar,
+            });
+        }
+    }
+
+    fn come_back(&mut self, seen: &Seen) {
+        if let Some(comeback) = &mut self.comeback {
+            comeback.line_bar += bounds::RAMP_BAR_PER_SAMPLE;
+            if comeback.line_bar >= seen.reference_bar || self.needs_zero {
+                self.comeback = None;
+            }
+        }
+    }
+}
+
+/// The promises about filling.
+pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 3] {
+    let permission = &oracle.permission;
+    let [fill, _] = seen.coils;
+    let filled = || format!("fill {fill:.2} %");
+    let is_below_line = permission.comeback.is_none_or(|comeback| {
+        oracle.moves_pressure || seen.pressure_bar <= comeback.line_bar + bounds::BUMP_BAR
+    });
+    [
+        unless(
+            fill == 0.0 || !permission.needs_zero,
+            Promise::NeutralFirst,
+            filled,
+        ),
+        unless(
+            fill == 0.0 || !permission.is_locked,
+            Promise::StaysLocked,
+            filled,
+        ),
+        unless(is_below_line, Promise::NoBump, || {
+            format!(
+                "{:.3} bar, and the ramp {:?}",
+                seen.pressure_bar, permission.comeback
+            )
+        }),
+    ]
+}

@@ -1,0 +1,177 @@
+//! One run: an injection, a rig, a target, an oracle.
+
+use std::sync::OnceLock;
+
+use plant_sim::ParameterError;
+
+use super::driver::{Drive, lead_in_samples};
+use super::injection::Injection;
+use super::injector::{Now, injector};
+use super::oracle::{Oracle, Seen, Violation};
+use super::target::Target;
+use crate::device::DutError;
+use crate::reference_profile::ReferenceProfile;
+use crate::rigs::scattered;
+use crate::scenario::{FIGURE_ORIFICE_M, Scenario, with_orifices};
+use crate::wire;
+use crate::world::World;
+
+/// What came of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// What was run.
+    pub injection: Injection,
+    /// Samples from the onset until the target told of a fault; none if it never did.
+    pub latency: Option<u32>,
+    /// How long the run was \[samples\].
+    pub samples: u32,
+    /// The promises that were broken, each where it was broken first.
+    pub violations: Vec<Violation>,
+}
+
+impl Outcome {
+    /// Whether a promise of safety was broken.
+    pub fn is_unsafe(&self) -> bool {
+        self.violations
+            .iter()
+            .any(|violation| violation.promise.is_safety())
+    }
+
+    /// Whether safety was kept and the loop did not come back.
+    pub fn is_not_live(&self) -> bool {
+        !self.violations.is_empty() && !self.is_unsafe()
+    }
+}
+
+/// Why a run has no outcome.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CampaignError {
+    /// The target failed.
+    #[error("{injection}: {error}")]
+    Target {
+        /// In which run.
+        injection: Injection,
+        /// What happened.
+        error: Box<DutError>,
+    },
+    /// The rig is none.
+    #[error("{injection}: {error}")]
+    Rig {
+        /// In which run.
+        injection: Injection,
+        /// Which parameter.
+        error: Box<ParameterError>,
+    },
+}
+
+/// Runs one injection on `target` from power-on.
+///
+/// # Errors
+/// The target failed, or there is no such rig.
+pub fn run(injection: &Injection, target: &mut dyn Target) -> Result<Outcome, CampaignError> {
+    run_watched(injection, target, &mut |_, _| {})
+}
+
+/// The same, with each sample and the target's mode shown to `watch`.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_watched(
+    injection: &Injection,
+    target: &mut dyn Target,
+    watch: &mut dyn FnMut(&Seen, &wire::Telemetry),
+) -> Result<Outcome, CampaignError> {
+    let drive = Drive::of(injection);
+    let scenario = scenario(injection, &drive).map_err(|error| CampaignError::Rig {
+        injection: *injection,
+        error: Box::new(error),
+    })?;
+    judged(injection, &drive, &scenario, target, watch).map_err(|error| CampaignError::Target {
+        injection: *injection,
+        error: Box::new(error),
+    })
+}
+
+fn judged(
+    injection: &Injection,
+    drive: &Drive,
+    scenario: &Scenario,
+    target: &mut dyn Target,
+    watch: &mut dyn FnMut(&Seen, &wire::Telemetry),
+) -> Result<Outcome, DutError> {
+    let mut world = World::new(scenario);
+    let mut injector = injector(injection, &scenario.plant);
+    let mut oracle = Oracle::new(injection, scenario, *drive);
+    let mut latency = None;
+    let mut starts = true;
+    target.start(&scenario.ecu_settings())?;
+    for sample in 0..drive.samples() {
+        let now = Now {
+            sample,
+            age: injection.age(sample),
+        };
+        let mut sensors = world.sense();
+        let reference_bar = wire::bar(sensors.reference.unwrap_or_default());
+        injector.sense(now, &mut sensors);
+        let is_damaged = injector.disturb(now, target)?;
+        if !injector.is_powered(now) {
+            starts = true;
+            injector.actuate(now, &mut world, wire::Actuators::OFF);
+            continue;
+        }
+        if starts && sample > 0 {
+            target.restart()?;
+        }
+        let is_released = sample == drive.release_at() && target.release()?;
+        let answer = target.exchange(&sensors)?;
+        let wire::Actuators {
+            duty_fill,
+            duty_vent,
+        } = answer.actuators;
+        let seen = Seen {
+            sensors,
+            coils: [duty_fill, duty_vent].map(wire::duty_pct),
+            pressure_bar: world.pressure_bar(),
+            reference_bar,
+            is_first: starts,
+            is_damaged,
+            is_released,
+        };
+        starts = false;
+        oracle.see(&seen);
+        watch(&seen, &answer.telemetry);
+        if sample >= injection.onset && answer.telemetry.faults != 0 {
+            latency = latency.or(Some(sample - injection.onset));
+        }
+        injector.actuate(now, &mut world, answer.actuators);
+    }
+    Ok(Outcome {
+        injection: *injection,
+        latency,
+        samples: drive.samples(),
+        violations: oracle.violations(),
+    })
+}
+
+/// The rig of an injection, and what is asked of it.
+fn scenario(injection: &Injection, drive: &Drive) -> Result<Scenario, ParameterError> {
+    static KINDS: OnceLock<[Scenario; 2]> = OnceLock::new();
+    let kinds = KINDS.get_or_init(|| {
+        let nominal = Scenario::new("campaign", ReferenceProfile::starting_at(0.0));
+        let small = with_orifices(nominal.plant.clone(), FIGURE_ORIFICE_M);
+        [nominal.clone(), nominal.on(small)]
+    });
+    let [nominal, small] = kinds;
+    let kind = if injection.rig.is_multiple_of(2) {
+        nominal
+    } else {
+        small
+    };
+    let plant = scattered(&kind.plant, injection.rig.into())?;
+    Ok(Scenario {
+        reference: drive.reference(injection),
+        duration_samples: drive.samples() - lead_in_samples(),
+        ..kind.clone().on_rig(plant).seeded(injection.seed)
+    })
+}

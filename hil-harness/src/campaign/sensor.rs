@@ -1,0 +1,144 @@
+//! Faults of the pressure sensor and its converter.
+
+use ecu::SensorCode;
+
+use super::bounds;
+use super::chance::{Chance, chance, uniform};
+use super::class::{Survival, named};
+use super::injection::Injection;
+use super::injector::{Injector, Now};
+use crate::random::Random;
+use crate::sensor::code;
+use crate::wire::{Sensors, measured_bar};
+
+named! {
+    /// A fault of the pressure sensor.
+    SensorFault {
+        /// It shows what it showed when the fault began.
+        Stuck = "stuck",
+        /// Wire open, or short to ground: codes at the lower rail.
+        Open = "open",
+        /// Short to the supply: codes at the upper rail.
+        Short = "short",
+        /// Codes below the span and above the lower rail.
+        BelowRange = "below-range",
+        /// A pressure that no supply gives; severity: how high.
+        AboveRange = "above-range",
+        /// Noise; severity 1 is ten times the bench's.
+        Noise = "noise",
+        /// It shows 1.7 to 4 bar too much or too little: farther than a valve moves the pressure in a sample.
+        Jump = "jump",
+        /// It shows anything within the supply, another value in each sample.
+        Erratic = "erratic",
+        /// The converter does not answer.
+        Missing = "missing",
+        /// The converter does not answer now and then; severity: how often.
+        Intermittent = "intermittent",
+        /// It drifts away; severity 1: 1.5 bar/s, up to 3 bar.
+        Drift = "drift",
+        /// It shows up to 1.5 bar too much or too little.
+        Offset = "offset",
+    }
+}
+
+/// Duration that both valves shut bridge \[samples\]: HOLD_N less the recovery and the jump to where the pressure has moved.
+const BRIDGED: u32 = 30;
+/// The largest noise [bar rms]: ten times the bench's (data/README.md).
+const NOISE_MAX_BAR: f64 = 0.04;
+const DRIFT_MAX_BAR_PER_SAMPLE: f64 = 0.015;
+const DRIFT_END_BAR: f64 = 3.0;
+
+impl SensorFault {
+    pub(super) fn survival(self, duration: u32, _: f64) -> Survival {
+        match self {
+            Self::Noise => Survival::Unnoticed,
+            Self::Open | Self::Short | Self::BelowRange | Self::AboveRange | Self::Missing => {
+                if duration < bounds::DOUBT_N {
+                    Survival::Unnoticed
+                } else if duration <= BRIDGED {
+                    Survival::Held
+                } else {
+                    Survival::NotClaimed
+                }
+            }
+            Self::Stuck
+            | Self::Jump
+            | Self::Erratic
+            | Self::Intermittent
+            | Self::Drift
+            | Self::Offset => Survival::NotClaimed,
+        }
+    }
+}
+
+/// A sensor with one thing broken.
+pub(super) struct Broken {
+    fault: SensorFault,
+    severity: f64,
+    random: Random,
+    stuck_at: Option<u16>,
+}
+
+impl Broken {
+    pub(super) fn new(fault: SensorFault, injection: &Injection) -> Self {
+        Self {
+            fault,
+            severity: injection.severity(),
+            random: chance(injection.seed, Chance::Fault),
+            stuck_at: None,
+        }
+    }
+
+    /// Up or down, the same for the whole run.
+    fn sign(&self) -> f64 {
+        if self.random.bits(0) & 1 == 0 {
+            1.0
+        } else {
+            -1.0
+        }
+    }
+
+    /// Uniform over the codes `from ..= to`, another one in each sample.
+    fn code_within(&self, now: Now, from: u16, to: u16) -> u16 {
+        let codes = u64::from(to - from) + 1;
+        from + (self.random.bits(1 + u64::from(now.sample)) % codes) as u16
+    }
+
+    fn shown(&mut self, now: Now, age: u32, sound: u16) -> Option<u16> {
+        let sound_bar = measured_bar(sound);
+        let chance = uniform(&self.random, 1 + u64::from(now.sample));
+        let severity = self.severity;
+        let at = |bar: f64| code(AMBIENT_PA + 1e5 * bar).bits();
+        Some(match self.fault {
+            SensorFault::Stuck => *self.stuck_at.get_or_insert(sound),
+            SensorFault::Open => self.code_within(now, 0, 12),
+            SensorFault::Short => self.code_within(now, 4084, SensorCode::MAX.bits()),
+            SensorFault::BelowRange => self.code_within(now, 13, 31),
+            SensorFault::AboveRange => at(10.5 + 8.0 * severity),
+            SensorFault::Noise => {
+                let noise = self.random.normal(1 + u64::from(now.sample));
+                at(sound_bar + NOISE_MAX_BAR * severity * noise)
+            }
+            SensorFault::Jump => at(sound_bar + self.sign() * (1.7 + 2.3 * severity)),
+            SensorFault::Erratic => at(8.0 * chance),
+            SensorFault::Missing => return None,
+            SensorFault::Intermittent => return (chance > severity).then_some(sound),
+            SensorFault::Drift => {
+                let drifted = DRIFT_MAX_BAR_PER_SAMPLE * severity * f64::from(age);
+                at(sound_bar + self.sign() * drifted.min(DRIFT_END_BAR))
+            }
+            SensorFault::Offset => at(sound_bar + self.sign() * 1.5 * severity),
+        })
+    }
+}
+
+const AMBIENT_PA: f64 = 101_325.0;
+
+impl Injector for Broken {
+    fn sense(&mut self, now: Now, sensors: &mut Sensors) {
+        match (now.age, sensors.pressure) {
+            (Some(age), Some(sound)) => sensors.pressure = self.shown(now, age, sound),
+            _ => self.stuck_at = None,
+        }
+    }
+}
