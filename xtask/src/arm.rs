@@ -19,6 +19,7 @@ const HOST_DEADLINE: Duration = Duration::from_secs(120);
 const TOOLCHAIN: &str = "ARM toolchain";
 const QEMU: &str = "QEMU";
 const IMAGE: &str = "ARM image";
+const IMAGE_OF_NUCLEO: &str = "ARM image, NUCLEO-G474RE";
 const ON_HOST: &str = "self-test on the host";
 const IN_QEMU: &str = "self-test in QEMU";
 
@@ -42,9 +43,15 @@ pub(crate) fn test(report: &mut Report, choice: Choice) {
     let qemu = report.step(QEMU, qemu::ready);
     if toolchain.as_ref().is_some_and(Toolchain::has_clippy) {
         report.step("clippy on the ARM image", || {
-            lint(needed(&toolchain, TOOLCHAIN)?)
+            lint(needed(&toolchain, TOOLCHAIN)?, Board::Mps2An386)
+        });
+        report.step("clippy on the ARM image, NUCLEO-G474RE", || {
+            lint(needed(&toolchain, TOOLCHAIN)?, Board::NucleoG474Re)
         });
     }
+    report.step(IMAGE_OF_NUCLEO, || {
+        build(needed(&toolchain, TOOLCHAIN)?, Board::NucleoG474Re)
+    });
     let image = report.step(IMAGE, || {
         build(needed(&toolchain, TOOLCHAIN)?, Board::Mps2An386)
     });
@@ -74,18 +81,15 @@ fn needed<'a, T>(result: &'a Option<T>, step: &'static str) -> Result<&'a T, Fai
 }
 
 /// The code that only the image has is not seen by the host's clippy.
-fn lint(toolchain: &Toolchain) -> Result<(), Failure> {
-    let mut clippy = toolchain.cargo("clippy");
-    clippy.args(["--package", "firmware", "--", "-D", "warnings"]);
+fn lint(toolchain: &Toolchain, board: Board) -> Result<(), Failure> {
+    let mut clippy = for_board(toolchain, "clippy", board);
+    clippy.args(["--", "-D", "warnings"]);
     process::run(&mut clippy, BUILD_DEADLINE)
 }
 
 fn build(toolchain: &Toolchain, board: Board) -> Result<PathBuf, Failure> {
-    let Board::Mps2An386 = board;
-    let mut build = toolchain.cargo("build");
-    build.args(["--package", "firmware"]);
-    process::run(&mut build, BUILD_DEADLINE)?;
-    let image = arm_target_dir().join(TARGET).join("firmware/firmware");
+    process::run(&mut for_board(toolchain, "build", board), BUILD_DEADLINE)?;
+    let image = image_dir(board).join(TARGET).join("firmware/firmware");
     let size = image.metadata().map_err(|source| Failure::File {
         path: image.clone(),
         source,
@@ -96,6 +100,22 @@ fn build(toolchain: &Toolchain, board: Board) -> Result<PathBuf, Failure> {
         size.len()
     );
     Ok(image)
+}
+
+/// A cargo command on the image of a board.
+fn for_board(toolchain: &Toolchain, verb: &str, board: Board) -> Command {
+    let mut cargo = toolchain.cargo_into(verb, &image_dir(board));
+    cargo.args(["--package", "firmware", "--no-default-features"]);
+    cargo.args(["--features", board.feature()]);
+    cargo
+}
+
+/// Apart for each board: the images have the same name.
+fn image_dir(board: Board) -> PathBuf {
+    match board {
+        Board::Mps2An386 => arm_target_dir(),
+        Board::NucleoG474Re => arm_target_dir().join("nucleo-g474re"),
+    }
 }
 
 fn build_for_host() -> Result<(), Failure> {

@@ -21,6 +21,19 @@ pub(crate) enum Board {
     /// Arm MPS2 with the AN386 image, emulated by QEMU.
     #[value(name = "mps2-an386")]
     Mps2An386,
+    /// ST NUCLEO-G474RE, a real one.
+    #[value(name = "nucleo-g474re")]
+    NucleoG474Re,
+}
+
+impl Board {
+    /// The feature of the package `firmware` that chooses it.
+    pub(crate) const fn feature(self) -> &'static str {
+        match self {
+            Self::Mps2An386 => "board-mps2-an386",
+            Self::NucleoG474Re => "board-nucleo-g474re",
+        }
+    }
 }
 
 /// Installs QEMU if it is not there.

@@ -57,6 +57,11 @@ impl Toolchain {
 
     /// A cargo command for the ECU, such as `build`, with everything that the toolchain needs said.
     pub(crate) fn cargo(&self, verb: &str) -> Command {
+        self.cargo_into(verb, &arm_target_dir())
+    }
+
+    /// The same with another target folder.
+    pub(crate) fn cargo_into(&self, verb: &str, target_dir: &Path) -> Command {
         let mut cargo = cargo();
         if let Self::Debian { linker } = self {
             let folder = cargo.get_current_dir().map(Path::to_owned);
@@ -76,7 +81,7 @@ impl Toolchain {
             cargo.args(["-Z", "build-std=core"]);
         }
         cargo.args(["--target", TARGET, "--profile", "firmware"]);
-        cargo.arg("--target-dir").arg(arm_target_dir());
+        cargo.arg("--target-dir").arg(target_dir);
         cargo
     }
 
