@@ -3,6 +3,7 @@
 use hil_protocol::{DeviceSession, HostSession, Request};
 use proptest::prelude::*;
 
+use crate::promise;
 use crate::stepper::Stepper;
 
 proptest! {
@@ -26,5 +27,10 @@ proptest! {
         host_session.receive_byte(0).unwrap();
         prop_assert!(host_session.receive_frame(&identity).unwrap().is_some());
         prop_assert!(host_session.request(&Request::Discard).is_ok());
+    }
+
+    #[test]
+    fn any_mix_of_sound_damaged_and_forged_frames_is_survived(script in prop::collection::vec(any::<u8>(), 0..400)) {
+        promise::sessions(&script);
     }
 }

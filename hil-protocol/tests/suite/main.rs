@@ -6,6 +6,8 @@ mod garbage;
 mod link;
 mod mailbox;
 mod messages;
+#[path = "../promise/mod.rs"]
+mod promise;
 mod sessions;
 mod stepper;
 mod worked_example;
