@@ -134,6 +134,7 @@ impl Effect for ChamberLeak {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Simulator, Tolerance};
 
     fn leak(variant: &str, key: Option<(&str, f64)>) -> (Leak, Plant) {
         let plant = PlantParameters::nominal().plant();
@@ -172,5 +173,34 @@ mod tests {
                 "{share}: {ratio}"
             );
         }
+    }
+
+    /// Both valves shut. Choked orifice: p = p_0 exp(-λ t). Gap: dp/dt = -κ (p² - a²), so p = a coth(κ a t + c).
+    #[test]
+    fn a_shut_chamber_leaks_down_in_closed_form() {
+        let (start, low) = (8e5, 101_325.0_f64);
+        let after_two_seconds = |variant: &str| {
+            let setting =
+                EffectSetting::typical_variant(&ChamberLeak, ABOUT.variant(variant).unwrap());
+            let plant = PlantParameters::nominal().with_effect(setting);
+            let mut simulator = Simulator::with_tolerance(&plant, Tolerance::scaled(0.01));
+            simulator.set_chamber_pressure(start);
+            simulator.advance_to_ns(2_000_000_000);
+            simulator.state().pressure
+        };
+        let (leak, plant) = leak("laminar", None);
+        let per_mass = plant.chamber.pressure_per_mass;
+
+        let rate = per_mass * plant.nozzle.choked_factor() * 2e-8;
+        let expected = start * (-2.0 * rate).exp();
+        let found = after_two_seconds("orifice");
+        assert!((found - expected).abs() < 1.0, "{found} {expected}");
+
+        let kappa =
+            per_mass * leak.mass_flow(&plant.nozzle, start, low) / (start * start - low * low);
+        let c = 0.5 * ((start + low) / (start - low)).ln();
+        let expected = low / (kappa * low * 2.0 + c).tanh();
+        let found = after_two_seconds("laminar");
+        assert!((found - expected).abs() < 1.0, "{found} {expected}");
     }
 }

@@ -71,4 +71,30 @@ mod tests {
             lift(&plain)
         );
     }
+
+    /// A valve that hovers between its stops under a steady current, the chamber too large to fill: the forces of E7,
+    /// E8 and E58, written out, balance where it stays.
+    #[test]
+    fn the_opening_pressure_force_is_lost_in_proportion_to_the_lift() {
+        let mut plant = PlantParameters::nominal()
+            .with_effect(EffectSetting::typical(&FlowForce).with("lost_share", 0.5));
+        plant.ecu.supply_voltage_v = 12.0;
+        plant.chamber.volume_m3 = 1.0;
+        let mut simulator = Simulator::new(&plant);
+        simulator.command(Command {
+            duty_fill_pct: 100.0,
+            duty_vent_pct: 0.0,
+        });
+        simulator.advance_to_ns(1_000_000_000);
+        let x = simulator.state().valves[0].x;
+        assert!(x > 0.02e-3 && x < 0.48e-3, "{x}");
+        let drop = plant.gas.supply_pressure_pa() - simulator.state().pressure;
+        let ratio = 12.0 / plant.coil.resistance_20c_ohm / (plant.magnet.gap_closed_m - x);
+        let magnet = plant.magnet.force_constant_n_m2_per_a2 * ratio * ratio;
+        let area = core::f64::consts::PI / 4.0 * plant.armature.pressure_force_diameter_m.powi(2);
+        let pressure = area * drop * (1.0 - 0.5 * x / plant.armature.stroke_m);
+        let spring = plant.armature.preload_fill_n + plant.armature.spring_n_per_m * x;
+        let net = magnet + pressure - spring;
+        assert!(net.abs() < 1e-3, "{net} N at {x}");
+    }
 }

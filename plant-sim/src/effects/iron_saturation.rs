@@ -14,7 +14,7 @@ effect_parameters! { "effects.iron_saturation":
 static ABOUT: About = About {
     id: "iron_saturation",
     sentence: "Near full current the iron of the magnet is full of flux: the coil has less inductance there and more at low current, so the current ripples differently.",
-    source: "E44: power law of the magnetisation curve, after Fitzgerald, Electric Machinery, section 1.3",
+    source: "E44: two-term magnetisation curve of ferroresonance studies, IEEE Trans. Power Delivery 15 (2000) 255-265",
     acts_on: EntryPoint::Coil,
     variants: &[
         Variant {

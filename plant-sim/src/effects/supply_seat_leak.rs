@@ -44,3 +44,23 @@ impl Effect for SupplySeatLeak {
         plant.additions.leaks[1] = Some(Leak::of(setting, plant));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Simulator;
+
+    /// Choked: mass flow Ψ A p_sup, whatever the chamber's pressure.
+    #[test]
+    fn a_leaking_seat_fills_the_chamber_at_a_constant_rate() {
+        let parameters =
+            PlantParameters::nominal().with_effect(EffectSetting::typical(&SupplySeatLeak));
+        let mut simulator = Simulator::new(&parameters);
+        simulator.advance_to_ns(2_000_000_000);
+        let plant = parameters.plant();
+        let flow = plant.nozzle.choked_factor() * 2e-8 * plant.supply_pressure;
+        let expected = plant.ambient_pressure + 2.0 * plant.chamber.pressure_per_mass * flow;
+        let found = simulator.state().pressure;
+        assert!((found - expected).abs() < 1.0, "{found} {expected}");
+    }
+}
