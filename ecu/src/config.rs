@@ -4,7 +4,7 @@ use controller::fixed::types::I16F16;
 use controller::{Config, Distributor};
 
 use crate::error::{EcuConfigError, SupervisionField as Field};
-#[cfg(feature = "mutilate")]
+#[cfg(any(test, feature = "mutilate"))]
 use crate::fault::Fault;
 use crate::history::{History, Window};
 use crate::mechanism::{Mechanism, Mechanisms};
@@ -82,7 +82,7 @@ impl EcuConfig {
     }
 
     /// The same without one safety mechanism, for a test that has to notice.
-    #[cfg(feature = "mutilate")]
+    #[cfg(any(test, feature = "mutilate"))]
     #[must_use]
     pub const fn without(self, mechanism: Mechanism) -> Self {
         let mechanisms = self.limits.mechanisms.without(mechanism);
@@ -90,14 +90,14 @@ impl EcuConfig {
     }
 
     /// The same without the detector of `fault`, for a test that has to notice.
-    #[cfg(feature = "mutilate")]
+    #[cfg(any(test, feature = "mutilate"))]
     #[must_use]
     pub const fn without_detector(self, fault: Fault) -> Self {
         let mechanisms = self.limits.mechanisms.without_detector(fault);
         self.with_mechanisms(mechanisms)
     }
 
-    #[cfg(feature = "mutilate")]
+    #[cfg(any(test, feature = "mutilate"))]
     const fn with_mechanisms(mut self, mechanisms: Mechanisms) -> Self {
         self.limits.mechanisms = mechanisms;
         self

@@ -8,7 +8,7 @@ use crate::detector::{Detectors, Seen, Told};
 use crate::digest::digest;
 use crate::fault::FaultSet;
 use crate::input_output::{Inputs, Outputs, safe_outputs};
-#[cfg(feature = "mutilate")]
+#[cfg(any(test, feature = "mutilate"))]
 use crate::mechanism::Damage;
 use crate::mechanism::Mechanism;
 use crate::mode::Mode;
@@ -124,7 +124,7 @@ impl Ecu {
     }
 
     /// Damages it, for a test that has to notice.
-    #[cfg(feature = "mutilate")]
+    #[cfg(any(test, feature = "mutilate"))]
     pub fn damage(&mut self, damage: Damage) {
         match damage {
             Damage::Config => {

@@ -6,6 +6,16 @@ compile_error!(
     "`mutilate` takes safety mechanisms away, for tests on a host: no image is built with it"
 );
 
+// The tests of the supervisor run on the same bench inside, where mechanisms can be removed, and outside, where they cannot.
+#[cfg(test)]
+use crate as api;
+#[cfg(test)]
+extern crate std;
+
+#[cfg(test)]
+#[path = "../tests/supervision/bench.rs"]
+#[allow(dead_code, reason = "the tests outside use more of it")]
+mod bench;
 pub mod black_box;
 pub mod calibration;
 mod checked_loop;
@@ -35,7 +45,7 @@ pub use error::{EcuConfigError, SupervisionField};
 pub use fault::{Fault, FaultSet};
 pub use hil_protocol::{ResetCause, Telemetry};
 pub use input_output::{Inputs, Outputs, safe_outputs};
-#[cfg(feature = "mutilate")]
+#[cfg(any(test, feature = "mutilate"))]
 pub use mechanism::Damage;
 pub use mechanism::Mechanism;
 pub use mode::Mode;

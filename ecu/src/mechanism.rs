@@ -1,5 +1,8 @@
 //! The safety mechanisms that a test can take away, one at a time, to see that something notices.
 
+#[cfg(test)]
+mod tests;
+
 /// A safety mechanism beside the detectors, each of which is one too.
 ///
 /// Removing one exists only with the feature `mutilate`, which no image can be built with.
@@ -54,7 +57,7 @@ impl Mechanism {
 }
 
 /// What a test can damage while the ECU runs, to see what stands behind it.
-#[cfg(feature = "mutilate")]
+#[cfg(any(test, feature = "mutilate"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Damage {
     /// A bit of the configuration: the vent valve is taken for the other kind.
@@ -66,7 +69,7 @@ pub enum Damage {
 }
 
 /// Which mechanisms and detectors are left.
-#[cfg(feature = "mutilate")]
+#[cfg(any(test, feature = "mutilate"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Mechanisms {
@@ -77,12 +80,12 @@ pub(crate) struct Mechanisms {
 }
 
 /// All of them; takes no room.
-#[cfg(not(feature = "mutilate"))]
+#[cfg(not(any(test, feature = "mutilate")))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Mechanisms;
 
-#[cfg(feature = "mutilate")]
+#[cfg(any(test, feature = "mutilate"))]
 impl Mechanisms {
     pub(crate) const ALL: Self = Self {
         removed: 0,
@@ -124,7 +127,7 @@ impl Mechanisms {
     }
 }
 
-#[cfg(not(feature = "mutilate"))]
+#[cfg(not(any(test, feature = "mutilate")))]
 impl Mechanisms {
     pub(crate) const ALL: Self = Self;
 

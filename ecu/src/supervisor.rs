@@ -185,7 +185,7 @@ impl Supervisor {
         self.seal();
     }
 
-    #[cfg(feature = "mutilate")]
+    #[cfg(any(test, feature = "mutilate"))]
     pub(crate) fn damage(&mut self) {
         self.mode = Mode::Running;
     }

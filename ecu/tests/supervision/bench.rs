@@ -1,9 +1,9 @@
 //! An ECU on a rig that is simple enough to be right without a simulator: a chamber of first order, valves with a dead time.
 
-use ecu::controller::Pressure;
-use ecu::{
+use crate::api::controller::Pressure;
+use crate::api::{
     Ecu, EcuConfig, EcuSettings, Fault, Inputs, Mode, Outputs, PressureSensor, ResetCause,
-    SensorCode, VentValve,
+    SensorCode, VentValve, safe_outputs,
 };
 
 /// A chamber between two valves, and what is broken about it.
@@ -68,7 +68,7 @@ impl Bench {
             },
             reference_bar: 0.0,
             vent_valve,
-            outputs: ecu::safe_outputs(),
+            outputs: safe_outputs(),
             sample: 0,
         }
     }

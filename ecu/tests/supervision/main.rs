@@ -1,5 +1,8 @@
 //! The whole ECU on a simple rig: faults, ways into the safe state, recovery, resets.
 
+// As the bench is shared with the tests inside.
+use ecu as api;
+
 mod bench;
 mod detection;
 mod document;
