@@ -18,13 +18,25 @@ const EXCEPTION_FRAME_BYTES: u32 = 27 * 4;
 /// The names of the first sixteen vectors that are handlers; further ones are the part's interrupts.
 const RESET_VECTOR: usize = 1;
 
+/// A call on the way to the deepest point is told from this size on.
+const TOLD_BYTES: u32 = 256;
+
 /// What the stack of an image can need.
 #[derive(Debug)]
 pub(crate) struct Stack {
     /// From reset, and each handler once with its exception frame, as if each interrupted the one before.
-    parts: Vec<(String, u32)>,
+    parts: Vec<Part>,
     /// From the end of the variables to the top of RAM.
     reserved: u32,
+}
+
+/// What one entry of the vector table can need.
+#[derive(Debug, PartialEq, Eq)]
+struct Part {
+    name: String,
+    bytes: u32,
+    /// The calls to its deepest point, each with what it adds.
+    calls: Vec<(String, u32)>,
 }
 
 impl Stack {
@@ -36,7 +48,7 @@ impl Stack {
     }
 
     fn bound(&self) -> u32 {
-        self.parts.iter().map(|(_, bytes)| bytes).sum()
+        self.parts.iter().map(|part| part.bytes).sum()
     }
 
     pub(crate) fn gate(&self) -> Gate {
@@ -58,8 +70,12 @@ impl Stack {
             "stack of the image, each handler with its exception frame",
             "bytes",
         ]);
-        for (name, bytes) in &self.parts {
-            table.row(vec![format!("  {name}"), bytes.to_string()]);
+        for part in &self.parts {
+            table.row(vec![format!("  {}", part.name), part.bytes.to_string()]);
+            let large = part.calls.iter().filter(|(_, own)| *own >= TOLD_BYTES);
+            for (name, own) in large {
+                table.row(vec![format!("    of which {name}"), own.to_string()]);
+            }
         }
         table.row(vec![
             "  all, each handler once upon the other".to_owned(),
@@ -72,7 +88,7 @@ impl Stack {
     }
 }
 
-fn parts(code: &Code, vectors: &[u32]) -> Result<Vec<(String, u32)>, Unbounded> {
+fn parts(code: &Code, vectors: &[u32]) -> Result<Vec<Part>, Unbounded> {
     let mut search = StackSearch::new(code);
     let mut parts = Vec::new();
     let mut seen = BTreeSet::new();
@@ -88,7 +104,9 @@ fn parts(code: &Code, vectors: &[u32]) -> Result<Vec<(String, u32)>, Unbounded> 
         };
         let function = code.function(entry);
         let name = function.map_or_else(|| code.place(entry), |function| function.name.clone());
-        parts.push((name, frame + search.function(entry)?));
+        let bytes = frame + search.function(entry)?;
+        let calls = search.deepest_calls(entry);
+        parts.push(Part { name, bytes, calls });
     }
     Ok(parts)
 }
@@ -131,15 +149,28 @@ mod tests {
     fn each_handler_counts_once_with_its_exception_frame() {
         let vectors = [0x2002_0000, 0x41, 0x91, 0x91, 0, 0x81, 0x91];
         let parts = parts(&fixture(IMAGE), &vectors).unwrap();
-        let expected = [("Reset", 40), ("DefaultHandler", 108), ("SysTick", 116)];
-        let expected = expected.map(|(name, bytes)| (name.to_owned(), bytes));
-        assert_eq!(parts, expected);
+        let parts: Vec<(&str, u32)> = parts
+            .iter()
+            .map(|part| (part.name.as_str(), part.bytes))
+            .collect();
+        assert_eq!(
+            parts,
+            [("Reset", 40), ("DefaultHandler", 108), ("SysTick", 116)]
+        );
+    }
+
+    fn part(bytes: u32) -> Part {
+        Part {
+            name: "Handler".to_owned(),
+            bytes,
+            calls: Vec::new(),
+        }
     }
 
     #[test]
     fn a_stack_one_byte_short_of_its_bound_exceeds_the_budget() {
         let stack = |reserved| Stack {
-            parts: vec![("Reset".to_owned(), 40), ("SysTick".to_owned(), 116)],
+            parts: [40, 116].map(part).into(),
             reserved,
         };
         let exceeded = |gate| crate::budgets::gates::exceeded(&[gate]).len();

@@ -23,9 +23,10 @@ pub(crate) fn canary_is_refused(build: &mut Command) -> Result<(), Failure> {
 
 fn linked(built: Result<String, Failure>) -> Result<(), Failure> {
     match built {
-        Err(Failure::Ended { said, .. }) if names_it(&said) => {
-            Err(Unproved::CanPanic { said }.into())
+        Err(Failure::Ended { said, .. }) if names_it(&said) => Err(Unproved::CanPanic {
+            said: about_it(&said),
         }
+        .into()),
         other => other.map(drop),
     }
 }
@@ -42,6 +43,13 @@ fn refused(built: Result<String, Failure>) -> Result<(), Failure> {
 fn names_it(said: &str) -> bool {
     said.lines()
         .any(|line| line.contains("undefined") && line.contains(UNDEFINED))
+}
+
+/// What the linker says of the missing function, without the compiler's words around it.
+fn about_it(said: &str) -> String {
+    let lines = said.lines().map(str::trim);
+    let lines = lines.filter(|line| names_it(line) || line.starts_with(">>>"));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]
@@ -74,6 +82,19 @@ mod tests {
             linked(ended("error[E0425]")),
             Err(Failure::Ended { .. })
         ));
+    }
+
+    #[test]
+    fn of_all_that_cargo_says_the_linkers_complaint_is_told() {
+        let said = format!(
+            "   Compiling firmware\n  = note: {LLD}\n          >>> referenced by f.rs:3\nerror"
+        );
+        let told = linked(ended(&said)).unwrap_err().to_string();
+        assert!(
+            told.ends_with(&format!("{LLD}\n>>> referenced by f.rs:3")),
+            "{told}"
+        );
+        assert!(!told.contains("Compiling"), "{told}");
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub(crate) struct StackSearch<'a> {
 struct Need {
     bytes: u32,
     returns: bool,
+    /// The callee that goes deepest, if one does.
+    deepest: Option<u32>,
 }
 
 impl<'a> StackSearch<'a> {
@@ -44,6 +46,21 @@ impl<'a> StackSearch<'a> {
     /// The most bytes that a call of this function needs.
     pub(crate) fn function(&mut self, entry: u32) -> Result<u32, Unbounded> {
         self.need(entry).map(|need| need.bytes)
+    }
+
+    /// The calls by which a function that has a bound reaches its deepest point, each with its own part of it.
+    pub(crate) fn deepest_calls(&self, entry: u32) -> Vec<(String, u32)> {
+        let mut calls = Vec::new();
+        let mut next = Some(entry);
+        while let Some((at, need)) = next.and_then(|at| Some((at, self.functions.get(&at)?))) {
+            next = need.deepest;
+            let below = next.and_then(|callee| self.functions.get(&callee));
+            let own = need.bytes - below.map_or(0, |callee| callee.bytes);
+            let function = self.code.function(at);
+            let name = function.map_or_else(|| self.code.place(at), |found| found.name.clone());
+            calls.push((name, own));
+        }
+        calls
     }
 
     fn need(&mut self, entry: u32) -> Result<Need, Unbounded> {
@@ -66,25 +83,31 @@ impl<'a> StackSearch<'a> {
         let mut need = Need {
             bytes: 0,
             returns: false,
+            deepest: None,
         };
         let mut depths = HashMap::from([(entry, 0)]);
         let mut open = vec![entry];
         while let Some(address) = open.pop() {
             let before = depths[&address];
             let after = self.depth_after(address, before)?;
-            let mut deepest = after;
+            let mut depth = after;
+            let mut callee = None;
             let mut goes_on = true;
             let flow = self.code.at(address).map(|here| &here.flow);
             match flow {
                 Some(&Flow::Call(target)) => {
-                    let callee = self.need(target)?;
-                    deepest += callee.bytes;
-                    goes_on = callee.returns;
+                    let called = self.need(target)?;
+                    depth += called.bytes;
+                    callee = Some(target);
+                    goes_on = called.returns;
                 }
                 Some(Flow::Return | Flow::ReturnOrNext) => need.returns = true,
                 _ => {}
             }
-            need.bytes = need.bytes.max(deepest);
+            if depth > need.bytes {
+                need.bytes = depth;
+                need.deepest = callee;
+            }
             if !goes_on {
                 continue;
             }
@@ -147,6 +170,19 @@ mod tests {
                     20 g:\n 20: push {r7, lr}\n 22: pop {r7, pc}\n\
                     30 h:\n 30: push {r4, r5, r7, lr}\n 32: pop {r4, r5, r7, pc}\n";
         assert_eq!(bound(code), Ok(8 + 16 + 16));
+    }
+
+    #[test]
+    fn the_calls_to_the_deepest_point_are_told_with_what_each_adds() {
+        let code = fixture(
+            "0 f:\n 0: push {r4, lr}\n 2: bl 20 <g>\n 6: bl 30 <h>\n a: pop {r4, pc}\n\
+             20 g:\n 20: sub sp, #16\n 22: add sp, #16\n 24: bx lr\n\
+             30 h:\n 30: push {r7, lr}\n 32: bl 20 <g>\n 36: pop {r7, pc}\n",
+        );
+        let mut search = StackSearch::new(&code);
+        assert_eq!(search.function(0), Ok(8 + 8 + 16));
+        let expected = [("f", 8), ("h", 8), ("g", 16)].map(|(name, own)| (name.to_owned(), own));
+        assert_eq!(search.deepest_calls(0), expected);
     }
 
     #[test]
