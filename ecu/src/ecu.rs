@@ -44,6 +44,8 @@ struct EcuState {
     /// The reference that the controller got last.
     reference: Pressure,
     u: ControlSignal,
+    /// Whether the controller was in charge in the last sample.
+    is_controlled: bool,
 }
 
 impl Ecu {
@@ -64,6 +66,7 @@ impl Ecu {
                 pressure: Pressure::ZERO,
                 reference: Pressure::ZERO,
                 u: ControlSignal::ZERO,
+                is_controlled: false,
             },
         }
     }
@@ -76,10 +79,10 @@ impl Ecu {
         if let Some(pressure) = seen.pressure {
             state.pressure = pressure;
         }
-        let is_new_mode = state
+        state
             .supervisor
             .sample(config, &seen, state.pressure, is_damaged);
-        let opening = state.opening_for(config, &seen, is_new_mode);
+        let opening = state.opening_for(config, &seen);
         let outputs = match state.supervisor.mode() {
             Mode::Safe | Mode::Locked => safe_outputs(),
             _ => coils(opening, config.vent_valve),
@@ -168,11 +171,12 @@ impl Ecu {
 impl EcuState {
     /// How far this sample opens the valves.
     #[inline(always)]
-    fn opening_for(&mut self, config: &EcuConfig, seen: &Seen, is_new_mode: bool) -> Output {
+    fn opening_for(&mut self, config: &EcuConfig, seen: &Seen) -> Output {
         let mode = self.supervisor.mode();
         let before = self.told.opening;
         self.u = ControlSignal::ZERO;
-        let is_controlled = matches!(mode, Mode::Waiting | Mode::Running | Mode::Ramping);
+        let was_controlled = self.is_controlled;
+        self.is_controlled = matches!(mode, Mode::Waiting | Mode::Running | Mode::Ramping);
         if mode == Mode::Venting && self.supervisor.vents_now() {
             return Output {
                 duty_fill: Duty::OFF,
@@ -180,10 +184,11 @@ impl EcuState {
             };
         }
         let is_believed = seen.pressure.is_some() || !config.has(Mechanism::ShutOnDoubt);
-        if !is_controlled || !is_believed {
+        if !self.is_controlled || !is_believed {
+            self.is_controlled &= was_controlled;
             return Output::OFF;
         }
-        let mut opening = self.controlled(config, seen.reference, is_new_mode);
+        let mut opening = self.controlled(config, seen.reference, !was_controlled);
         if mode != Mode::Running {
             opening.duty_fill = Duty::OFF;
         }
@@ -199,13 +204,13 @@ impl EcuState {
 
     /// What the controller asks for.
     #[inline(always)]
-    fn controlled(&mut self, config: &EcuConfig, reference: Pressure, is_new_mode: bool) -> Output {
+    fn controlled(&mut self, config: &EcuConfig, reference: Pressure, takes_over: bool) -> Output {
         self.reference = self.supervisor.reference(reference, self.pressure);
         let input = Input {
             reference: self.reference,
             pressure: self.pressure,
         };
-        if is_new_mode {
+        if takes_over {
             self.controller = if config.has(Mechanism::BumplessTakeover) {
                 State::taking_over(&config.controller, input, ControlSignal::ZERO)
             } else {

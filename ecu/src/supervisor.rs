@@ -88,7 +88,7 @@ impl Supervisor {
         self.latched
     }
 
-    /// One sample: from what was seen, and the last pressure that was believed, to the mode. Whether it is a new one.
+    /// One sample: from what was seen, and the last pressure that was believed, to the mode.
     #[inline(always)]
     pub(crate) fn sample(
         &mut self,
@@ -96,7 +96,7 @@ impl Supervisor {
         seen: &Seen,
         pressure: Pressure,
         is_damaged: bool,
-    ) -> bool {
+    ) {
         let damaged = FaultSet::when(is_damaged || !self.is_sound(), Fault::MemoryDamaged);
         let faults = seen.faults.union(config.limits.mechanisms.seen(damaged));
         self.count(seen, faults);
@@ -121,14 +121,12 @@ impl Supervisor {
         } else {
             faults
         };
-        let is_new = self.mode != before;
-        if is_new {
+        if self.mode != before {
             self.enter(config, before, seen.reference, pressure);
         }
         self.settle_venting(way, before, situation.is_over);
         self.lead(config, seen.reference);
         self.seal();
-        is_new
     }
 
     /// The reference that the controller gets.

@@ -1,7 +1,6 @@
 //! A sensor that shows a pressure in an empty chamber.
 
 use crate::config::Limits;
-use crate::counted::counted;
 use crate::fault::{Fault, FaultSet};
 use crate::valve::Valves;
 
@@ -12,15 +11,18 @@ pub(crate) const OFFSET_N: u8 = 200;
 pub(crate) const EMPTY_MAX: i32 = 13_107;
 
 /// Drift that only a vented chamber shows.
+///
+/// While the vent valve is not open there is no evidence: N samples later the fault is over, so that the loop may try again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct OffsetDetector {
-    vented_for: u8,
+    /// Samples until it is confirmed, or until it is over: 0 to N.
+    evidence: u8,
     confirmed: bool,
 }
 
 impl OffsetDetector {
     pub(crate) const NEW: Self = Self {
-        vented_for: 0,
+        evidence: 0,
         confirmed: false,
     };
 
@@ -30,9 +32,17 @@ impl OffsetDetector {
         let Some(pressure) = pressure else { return };
         let settling = limits.settling;
         let is_vented = valves.vent.is_open(settling) && valves.fill.is_shut(settling);
-        self.vented_for = counted(self.vented_for, is_vented && pressure > EMPTY_MAX);
         let n = limits.mechanisms.samples(OFFSET_N);
-        self.confirmed = pressure > EMPTY_MAX && (self.confirmed || self.vented_for >= n);
+        self.evidence = if pressure <= EMPTY_MAX {
+            0
+        } else if is_vented {
+            self.evidence.saturating_add(1).min(n)
+        } else if self.confirmed {
+            self.evidence.saturating_sub(1)
+        } else {
+            0
+        };
+        self.confirmed = self.evidence >= n || self.confirmed && self.evidence > 0;
     }
 
     #[inline(always)]
@@ -93,6 +103,37 @@ mod tests {
         };
         for opening in [Output::OFF, both] {
             assert_eq!(faults_after(opening, Some(1 << 18), 255), FaultSet::NONE);
+        }
+    }
+
+    #[test]
+    fn without_evidence_it_is_over_after_n_samples_and_not_before() {
+        let (mut detector, valves) = settled(VENTED);
+        let (_, shut) = settled(Output::OFF);
+        for _ in 0..210 {
+            detector.sample(&bench_limits(), &valves, Some(1 << 16));
+        }
+        for sample in 1..=400 {
+            detector.sample(&bench_limits(), &shut, Some(1 << 16));
+            let expected = sample < 200;
+            assert_eq!(
+                detector.faults().contains(Fault::SensorOffset),
+                expected,
+                "{sample}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_samples_of_evidence_are_in_a_row_before_it_is_confirmed() {
+        let (mut detector, valves) = settled(VENTED);
+        let (_, shut) = settled(Output::OFF);
+        for _ in 0..10 {
+            for _ in 0..199 {
+                detector.sample(&bench_limits(), &valves, Some(1 << 16));
+            }
+            detector.sample(&bench_limits(), &shut, Some(1 << 16));
+            assert!(detector.faults().is_empty());
         }
     }
 

@@ -1,1 +1,133 @@
-//! placeholder
+//! `docs/safety.md` says what the code does.
+
+use std::collections::BTreeMap;
+
+use ecu::calibration::{SettingId, SettingValues};
+use ecu::{EcuSettings, Fault, Mechanism, Way};
+
+const PAGE: &str = include_str!("../../../docs/safety.md");
+
+/// The rows of the table with these columns: its first cell without quotes, and the others.
+fn rows(columns: &str) -> BTreeMap<&'static str, Vec<&'static str>> {
+    let (_, table) = PAGE
+        .split_once(columns)
+        .unwrap_or_else(|| panic!("no table {columns}"));
+    let mut rows = BTreeMap::new();
+    for line in table
+        .lines()
+        .skip(2)
+        .take_while(|line| line.starts_with('|'))
+    {
+        let cells: Vec<&str> = line
+            .trim_matches('|')
+            .split('|')
+            .map(|cell| cell.trim().trim_matches('`'))
+            .collect();
+        let (name, others) = cells.split_first().unwrap();
+        assert!(
+            rows.insert(*name, others.to_vec()).is_none(),
+            "{name} twice"
+        );
+    }
+    rows
+}
+
+#[test]
+fn each_fault_has_the_n_and_the_way_of_the_page() {
+    let rows = rows("| fault | rule | N | way | why this way |");
+    for fault in Fault::ALL {
+        let row = rows
+            .get(format!("{fault:?}").as_str())
+            .unwrap_or_else(|| panic!("{fault:?} is not on the page"));
+        assert_eq!(row[1], fault.samples().to_string(), "N of {fault:?}");
+        assert_eq!(row[2], format!("{:?}", fault.way()), "way of {fault:?}");
+    }
+    assert_eq!(rows.len(), Fault::ALL.len());
+}
+
+#[test]
+fn each_way_is_on_the_page_the_stricter_the_later() {
+    let (_, table) = PAGE.split_once("| way | what happens |").unwrap();
+    let places = [
+        Way::Hold,
+        Way::Ramp,
+        Way::Release,
+        Way::Vent,
+        Way::Off,
+        Way::Lock,
+    ]
+    .map(|way| {
+        table
+            .find(&format!("\n| `{way:?}` |"))
+            .unwrap_or_else(|| panic!("no {way:?}"))
+    });
+    assert!(places.is_sorted(), "{places:?}");
+    assert_eq!(
+        rows("| way | what happens | how long | when |").len(),
+        places.len()
+    );
+}
+
+#[test]
+fn each_nominal_setting_is_the_one_of_the_page() {
+    let nominal = SettingValues::of(&EcuSettings::bench());
+    let rows = rows("| setting | nominal | what it is |");
+    for (name, row) in &rows {
+        let id = SettingId::named(name).unwrap_or_else(|| panic!("no setting {name}"));
+        let found = f64::from(nominal.get(id)) / 65_536.0;
+        let told: f64 = row[0].parse().unwrap();
+        assert!((found - told).abs() < 1e-4, "{name}: {found}, told {told}");
+    }
+    assert_eq!(rows.len(), 12);
+}
+
+#[test]
+fn each_mechanism_is_on_the_page() {
+    let rows = rows("| mechanism | without it |");
+    for mechanism in Mechanism::ALL {
+        assert!(
+            rows.contains_key(format!("{mechanism:?}").as_str()),
+            "{mechanism:?}"
+        );
+    }
+    assert_eq!(rows.len(), Mechanism::ALL.len());
+}
+
+/// Flow through equal orifices with the discharge of the nominal plant: choked into the open, subsonic from the supply.
+#[test]
+fn a_fill_valve_stuck_open_leaves_the_pressure_that_the_page_says() {
+    let (supply_abs, ambient) = (8.4 + 1.013, 1.013);
+    let critical: f64 = 0.528;
+    let surplus = |chamber_abs: f64| {
+        let over = ((chamber_abs / supply_abs - critical) / (1.0 - critical)).max(0.0);
+        0.95 * supply_abs * (1.0 - over * over).sqrt() - 0.97 * chamber_abs
+    };
+    let (mut low, mut high) = (ambient, supply_abs);
+    while high - low > 1e-6 {
+        let middle = 0.5 * (low + high);
+        if surplus(middle) > 0.0 {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    let told = format!("stays at {:.1} bar of a supply of 8.4 bar", low - ambient);
+    assert!(PAGE.contains(&told), "{told}");
+}
+
+/// Tests and files that the page names are there.
+#[test]
+fn what_the_page_points_at_exists() {
+    let tests = concat!(include_str!("detection.rs"), include_str!("document.rs"));
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let mut files = 0;
+    for quoted in PAGE.split('`').skip(1).step_by(2) {
+        if quoted.ends_with(".rs") || quoted.ends_with('/') {
+            assert!(std::path::Path::new(root).join(quoted).exists(), "{quoted}");
+            files += 1;
+        } else if quoted.matches('_').count() > 4 {
+            assert!(tests.contains(&format!("fn {quoted}()")), "{quoted}");
+        }
+    }
+    assert!(files > 6);
+}

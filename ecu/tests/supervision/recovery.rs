@@ -101,6 +101,23 @@ fn after_the_safe_state_the_reference_has_to_be_at_zero_first() {
     assert!(bench.ecu.faults().is_empty());
 }
 
+/// A chamber that was still full when the time for emptying it was over: the next attempt begins by itself.
+#[test]
+fn a_vent_valve_that_comes_free_again_empties_the_chamber_after_all() {
+    let mut bench = Bench::at(5.0);
+    bench.reference_bar = 0.0;
+    bench.rig.vent_stuck_at = Some(0.0);
+    bench.steps(20);
+    assert!(bench.has(Fault::NoFall));
+    bench.steps(250);
+    assert_eq!(bench.ecu.mode(), Mode::Safe);
+    assert!(bench.has(Fault::SensorOffset), "as far as anybody can tell");
+    bench.rig.vent_stuck_at = None;
+    bench.steps(300);
+    assert_eq!(bench.ecu.mode(), Mode::Running);
+    assert!(bench.rig.pressure_bar < 0.1, "{}", bench.rig.pressure_bar);
+}
+
 /// A ramp to the end, or a hold that took too long, ends in the safe state too; it does not come back by itself.
 #[test]
 fn a_fault_that_comes_while_the_chamber_is_emptied_does_not_stop_that() {

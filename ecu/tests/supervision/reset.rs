@@ -51,6 +51,24 @@ fn while_it_waits_the_vent_valve_follows_the_reference_down() {
     assert_eq!(bench.ecu.mode(), Mode::Waiting);
 }
 
+/// The controller that vents while it waits goes on when running begins.
+#[test]
+fn a_chamber_that_is_emptied_while_it_waits_is_not_filled_when_running_begins() {
+    let mut bench = reset_while_braking(ResetCause::Watchdog);
+    bench.steps(20);
+    bench.reference_bar = 0.0;
+    let mut began_at_bar = None;
+    for _ in 0..200 {
+        bench.step();
+        assert_eq!(bench.duties()[0], 0.0, "{} bar", bench.rig.pressure_bar);
+        if bench.ecu.mode() == Mode::Running {
+            began_at_bar.get_or_insert(bench.rig.pressure_bar);
+        }
+    }
+    assert!(began_at_bar.unwrap() > 1.0, "{began_at_bar:?}");
+    assert!(bench.rig.pressure_bar < 0.1);
+}
+
 #[test]
 fn ten_samples_of_zero_begin_running_and_nine_do_not() {
     for (samples, expected) in [(9, Mode::Waiting), (10, Mode::Running), (11, Mode::Running)] {

@@ -1,5 +1,6 @@
 //! Settings, telemetry and what surrounds a sample.
 
+use ecu::controller::Distributor;
 use ecu::controller::fixed::types::I16F16;
 use ecu::{Ecu, EcuConfig, EcuSettings, Mode, ResetCause};
 
@@ -34,6 +35,41 @@ fn other_settings_take_effect_with_the_next_sample_and_the_old_ones_again_leave_
         "{the_same} instead of {as_before}"
     );
     assert_ne!(others, as_before);
+}
+
+/// The pressure stands still, so that nothing but the settings could move the control signal.
+#[test]
+fn another_gain_does_not_move_the_control_signal() {
+    let mut bench = Bench::at(3.0);
+    bench.reference_bar = 3.3;
+    bench.rig.fill_stuck_at = Some(0.0);
+    bench.steps(6);
+    let before = bench.ecu.telemetry().control_signal;
+    assert!(before > 20_480, "{before}");
+    bench.ecu.retune(with_gain(60));
+    bench.step();
+    let after = bench.ecu.telemetry().control_signal;
+    // Within 2 % of 409 600; 25 %/bar more of 0.3 bar would be 7.5 %.
+    assert!((after - before).abs() < 8192, "{before} to {after}");
+}
+
+#[test]
+fn a_controller_that_was_set_up_to_may_drive_both_valves() {
+    let mut settings = EcuSettings::bench();
+    settings.controller.distributor = Distributor::Scheme2 {
+        middle_fill_pct: I16F16::from_num(60),
+        middle_vent_pct: I16F16::from_num(60),
+    };
+    let mut bench = Bench::with(&settings);
+    bench.steps(20);
+    bench.reference_bar = 5.0;
+    let mut both = 0;
+    for _ in 0..100 {
+        bench.step();
+        both += u32::from(bench.duties().iter().all(|&duty| duty > 0.0));
+    }
+    assert!(both > 0);
+    assert_ne!(bench.ecu.mode(), Mode::Locked);
 }
 
 #[test]
