@@ -75,6 +75,8 @@ pub const SETTLING: u32 = 7;
 pub const BUMP_BAR: f64 = 0.9;
 /// No filling so far above the reference \[bar\]: a derivative time of 16 ms at 75 bar/s looks ahead 1.2 bar, the prediction 0.7.
 pub const ABOVE_REFERENCE_BAR: f64 = 2.0;
+/// A step of the reference is more than this in a sample \[bar\]; a ramp of the fastest drive is less.
+pub const STEP_BAR: f64 = 0.3;
 /// Within this of the reference the loop is live \[bar\]: P_tol.
 pub const LIVE_BAR: f64 = 0.1;
 

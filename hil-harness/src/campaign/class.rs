@@ -80,19 +80,34 @@ impl FaultClass {
         }
     }
 
-    /// What becomes of a loop that this breaks for `duration` samples with `severity`.
-    pub(super) fn survival(self, duration: u32, severity: f64) -> Survival {
+    /// What becomes of a loop that this breaks for `duration` samples.
+    pub(super) fn survival(self, duration: u32) -> Survival {
         match self {
-            Self::Sensor(fault) => fault.survival(duration, severity),
+            Self::Sensor(fault) => fault.survival(duration),
             Self::Link(fault) => fault.survival(duration),
             Self::Ecu(fault) => fault.survival(duration),
             Self::Plant(_) | Self::Image(_) => Survival::NotClaimed,
         }
     }
 
+    /// Whether it shows as one row of the table and nothing else, so that the way can be followed sample by sample.
+    pub(super) fn is_plain(self) -> bool {
+        match self {
+            Self::Sensor(fault) => fault.is_plain(),
+            Self::Link(_) => true,
+            Self::Ecu(fault) => fault.is_plain(),
+            Self::Plant(_) | Self::Image(_) => false,
+        }
+    }
+
     /// Whether the chamber can be emptied by the vent valve while this lasts.
     pub(super) fn leaves_venting(self) -> bool {
-        !matches!(self, Self::Plant(fault) if fault.hinders_venting())
+        match self {
+            Self::Plant(fault) => !fault.hinders_venting(),
+            // Below its window a battery cannot open a valve for sure.
+            Self::Ecu(fault) => fault != EcuFault::BatteryLow,
+            Self::Sensor(_) | Self::Link(_) | Self::Image(_) => true,
+        }
     }
 
     /// Whether the fault moves the chamber's pressure by itself, past both valves' commands.

@@ -93,7 +93,7 @@ impl Drive {
             .checked_sub(ms(&profile))
             .filter(|&left_ms| left_ms > 0)
         {
-            let rest_ms = 50 + (2500.0 * next() * next()) as u32;
+            let rest_ms = 50 + (4000.0 * next() * next()) as u32;
             let target_bar = match (8.0 * next()) as u32 {
                 0 => 0.0,
                 1 => HIGHEST_BAR * next(),

@@ -48,6 +48,18 @@ impl EcuFault {
         Self::ControllerDamaged,
     ];
 
+    /// Whether it shows as one row of the table.
+    pub(super) fn is_plain(self) -> bool {
+        matches!(
+            self,
+            Self::BatteryLow
+                | Self::BatteryHigh
+                | Self::TaskLate
+                | Self::TaskEarly
+                | Self::TaskJitter
+        )
+    }
+
     pub(super) fn survival(self, duration: u32) -> Survival {
         match self {
             Self::TaskJitter => Survival::Unnoticed,

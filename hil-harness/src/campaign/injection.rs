@@ -102,10 +102,7 @@ impl Injection {
 
 /// Whether the loop comes back from it by itself: a fault that is confirmed too often locks.
 pub(super) fn survival(injection: &Injection) -> Survival {
-    match injection
-        .class
-        .survival(injection.duration, injection.severity())
-    {
+    match injection.class.survival(injection.duration) {
         Survival::Held if injection.times > RETRIES => Survival::NotClaimed,
         survival => survival,
     }

@@ -49,24 +49,21 @@ const DRIFT_MAX_BAR_PER_SAMPLE: f64 = 0.015;
 const DRIFT_END_BAR: f64 = 3.0;
 
 impl SensorFault {
-    pub(super) fn survival(self, duration: u32, _: f64) -> Survival {
-        match self {
-            Self::Noise => Survival::Unnoticed,
-            Self::Open | Self::Short | Self::BelowRange | Self::AboveRange | Self::Missing => {
-                if duration < bounds::DOUBT_N {
-                    Survival::Unnoticed
-                } else if duration <= BRIDGED {
-                    Survival::Held
-                } else {
-                    Survival::NotClaimed
-                }
-            }
-            Self::Stuck
-            | Self::Jump
-            | Self::Erratic
-            | Self::Intermittent
-            | Self::Drift
-            | Self::Offset => Survival::NotClaimed,
+    /// Whether it shows as a pressure that cannot be believed, from the first to the last sample.
+    pub(super) fn is_plain(self) -> bool {
+        matches!(
+            self,
+            Self::Open | Self::Short | Self::BelowRange | Self::AboveRange | Self::Missing
+        )
+    }
+
+    pub(super) fn survival(self, duration: u32) -> Survival {
+        if self == Self::Noise || self.is_plain() && duration < bounds::DOUBT_N {
+            Survival::Unnoticed
+        } else if self.is_plain() && duration <= BRIDGED {
+            Survival::Held
+        } else {
+            Survival::NotClaimed
         }
     }
 }

@@ -73,6 +73,8 @@ pub(super) struct Watch {
     /// Samples since it was present last.
     quiet_for: u32,
     is_answered: bool,
+    /// Samples since it was gone: absent N times in a row.
+    gone_for: u32,
     /// Nothing at all was present for so long before it was \[samples\].
     calm_before: u32,
 }
@@ -84,6 +86,7 @@ impl Watch {
             present_for: 0,
             quiet_for: u32::MAX,
             is_answered: false,
+            gone_for: 0,
             calm_before: 0,
         }
     }
@@ -96,11 +99,16 @@ impl Watch {
             }
             self.present_for += 1;
             self.quiet_for = 0;
-            self.is_answered |= self.present_for >= n;
         } else {
             self.present_for = 0;
             self.quiet_for = self.quiet_for.saturating_add(1);
-            self.is_answered &= self.quiet_for < bounds::RECOVERY_N;
+        }
+        if self.present_for >= n {
+            self.is_answered = true;
+            self.gone_for = 0;
+        } else if self.gone_for > 0 || self.quiet_for >= n {
+            self.gone_for = self.gone_for.saturating_add(1);
+            self.is_answered &= self.gone_for < bounds::RECOVERY_N;
         }
     }
 
@@ -138,8 +146,13 @@ pub(super) struct Conditions {
     /// The pressure of the sample before, unless it was in doubt [bar gauge].
     before_bar: Option<f64>,
     last_reference_bar: f64,
+    /// Samples since the reference stepped.
+    rested_for: u32,
     is_in_doubt: bool,
+    /// Samples in a row with a jump against the pressure that is believed.
     doubts: u32,
+    /// Samples in a row in which nothing spoke against the pressure, jumps from it aside.
+    sound_for: u32,
     code: Option<u16>,
     unmoved: u32,
     vented_for: u32,
@@ -196,8 +209,10 @@ impl Conditions {
             believed_bar: None,
             before_bar: None,
             last_reference_bar: 0.0,
+            rested_for: 0,
             is_in_doubt: false,
             doubts: 0,
+            sound_for: 0,
             code: None,
             unmoved: 0,
             vented_for: 0,
@@ -216,7 +231,14 @@ impl Conditions {
     }
 
     pub(super) fn look(&mut self, seen: &Seen, memory: &Memory) {
-        self.last_reference_bar = self.reference_bar(seen).unwrap_or(self.last_reference_bar);
+        let reference_bar = self.reference_bar(seen).unwrap_or(self.last_reference_bar);
+        let has_stepped = (reference_bar - self.last_reference_bar).abs() > bounds::STEP_BAR;
+        self.rested_for = if has_stepped {
+            0
+        } else {
+            self.rested_for.saturating_add(1)
+        };
+        self.last_reference_bar = reference_bar;
         self.is_in_doubt = self.doubt(seen);
         let is_stuck = self.stuck(seen, memory);
         let is_offset = self.offset(seen, memory);
@@ -282,6 +304,11 @@ impl Conditions {
         self.last_reference_bar
     }
 
+    /// Whether the reference has not stepped lately: a derivative part answers to its step, and not to the pressure.
+    pub(super) fn reference_rests(&self) -> bool {
+        self.rested_for >= bounds::SETTLING
+    }
+
     fn doubt(&mut self, seen: &Seen) -> bool {
         let highest_bar = self.rig.supply_max_bar + bounds::ABOVE_SUPPLY_BAR + 0.01;
         let is_code = |bar: f64| {
@@ -291,16 +318,24 @@ impl Conditions {
                 && bar <= highest_bar
         };
         let Some(shown_bar) = seen.shown_bar().filter(|&bar| is_code(bar)) else {
-            self.doubts += 1;
+            self.sound_for = 0;
             return true;
         };
         let moved_bar = self
             .believed_bar
             .map_or(0.0, |believed| (shown_bar - believed).abs());
-        let has_jumped = moved_bar > self.rig.jump_bar + 0.02;
-        self.doubts = if has_jumped { self.doubts + 1 } else { 0 };
-        // From here on the pressure is believed again, where it has jumped to.
-        if !has_jumped || self.doubts >= bounds::DOUBT_N {
+        // Against which pressure a target judges that was in doubt a moment ago is its own affair.
+        let is_sure = self.sound_for >= bounds::HOLD_SAMPLES && self.doubts < bounds::DOUBT_N;
+        let has_jumped = is_sure && moved_bar > self.rig.jump_bar + 0.02;
+        if has_jumped {
+            self.doubts += 1;
+        } else {
+            self.doubts = 0;
+            self.sound_for = if moved_bar > self.rig.jump_bar - 0.02 {
+                0
+            } else {
+                self.sound_for.saturating_add(1)
+            };
             self.believed_bar = Some(shown_bar);
         }
         has_jumped
@@ -337,7 +372,8 @@ impl Conditions {
 
     /// Too little and too much pressure for what the coils got: two cumulative sums, on what the sensor shows.
     fn response(&mut self, seen: &Seen, memory: &Memory) -> [bool; 2] {
-        let shown_bar = seen.shown_bar().filter(|_| !self.is_in_doubt);
+        let is_believed = !self.is_in_doubt && self.sound_for >= bounds::RECOVERY_N;
+        let shown_bar = seen.shown_bar().filter(|_| is_believed);
         let before_bar = core::mem::replace(&mut self.before_bar, shown_bar);
         let (Some(shown_bar), Some(before_bar)) = (shown_bar, before_bar) else {
             (self.too_little_bar, self.too_much_bar) = (0.0, 0.0);

@@ -105,12 +105,13 @@ fn of_one(seen: &Seen, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
             said(None),
         ));
     }
-    if way == Way::Hold && watch.is_first() && samples + 1 < bounds::HOLD_SAMPLES {
+    let is_followed = oracle.is_plain && watch.is_first();
+    if way == Way::Hold && is_followed && samples + 1 < bounds::HOLD_SAMPLES {
         findings.push(unless(is_off, Promise::Held, said(None)));
     }
     // A task that comes too seldom vents for longer than it means to; with no sample in between nobody can do better.
     let is_in_time = seen.sensors.elapsed_us <= bounds::ELAPSED_MAX_US;
-    if watch.is_first() && is_in_time && !oracle.moves_pressure {
+    if is_followed && is_in_time {
         findings.extend(of_the_pressure(seen, oracle, way, samples, &said));
     }
     findings
