@@ -2,6 +2,7 @@
 
 use ecu::{EcuConfigError, EcuSettings};
 
+use crate::compared::Difference;
 use crate::link::LinkError;
 use crate::wire::{Answer, FULL_DUTY, Sensors};
 
@@ -45,6 +46,9 @@ pub enum DutError {
     /// The settings are out of bounds.
     #[error(transparent)]
     Settings(#[from] EcuConfigError),
+    /// Two devices that must be one are not.
+    #[error("{0}")]
+    Different(Box<Difference>),
     /// An answer to another sample.
     #[error(
         "the answer to sample {expected} carries number {found}: one was lost or repeated on the way"

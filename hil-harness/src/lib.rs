@@ -2,6 +2,7 @@
 
 pub mod campaign;
 pub mod checks;
+pub mod compared;
 pub mod controller_file;
 mod course;
 pub mod device;
@@ -19,11 +20,13 @@ pub mod rigs;
 pub mod run;
 pub mod scenario;
 pub mod sensor;
+pub mod sensor_walk;
 pub mod supervision;
 pub mod wire;
 pub mod world;
 
 pub use checks::{Check, Verdict, judge};
+pub use compared::{Compared, Difference};
 pub use device::{DeviceUnderTest, DutError};
 pub use ecu_under_test::InProcess;
 pub use reference_profile::ReferenceProfile;

@@ -8,6 +8,7 @@
 //! The wall clock appears here and nowhere else in this crate, and only to bound waiting: no result depends on it.
 
 mod direct;
+mod disturbed;
 mod error;
 mod framed;
 mod loopback;
@@ -17,8 +18,9 @@ mod transport;
 use hil_protocol::{Reply, Request};
 
 pub use direct::Direct;
+pub use disturbed::{Disturbances, Disturbed};
 pub use error::{LastWords, LinkError};
-pub use framed::{Framed, Patience};
+pub use framed::{Framed, Pace, Patience};
 pub use loopback::Loopback;
 pub use serial::{BAUD_RATE, SerialError, SerialPort};
 pub use transport::{Stream, TimedStream, Transport, TransportError};

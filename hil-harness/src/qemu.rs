@@ -12,11 +12,12 @@ mod memory;
 mod wire;
 
 use std::io;
+use std::time::Duration;
 
 use crate::image::Image;
-use crate::link::{Framed, LinkError};
+use crate::link::{Framed, LinkError, Pace, Patience};
 
-pub use emulator::Emulator;
+pub use emulator::{Clock, Emulator};
 pub use memory::SharedMemory;
 pub use wire::{QemuLink, Wire};
 
@@ -64,13 +65,33 @@ pub enum QemuError {
     },
 }
 
-/// Starts the image and opens a session with it over `wire`.
+/// Starts the image and opens a session in lock step with it over `wire`.
 ///
 /// # Errors
 /// QEMU is missing or fails, or the image does not answer.
 pub fn start(image: Image, wire: Wire) -> Result<Framed<QemuLink>, QemuError> {
-    let link = QemuLink::start(&image, wire)?;
+    open(image, wire, Clock::Host, Pace::LockStep)
+}
+
+/// Starts the image on a machine with this clock, and opens a session with it over `wire`.
+///
+/// # Errors
+/// As [`start`].
+pub fn open(
+    image: Image,
+    wire: Wire,
+    clock: Clock,
+    pace: Pace,
+) -> Result<Framed<QemuLink>, QemuError> {
+    let link = QemuLink::start(&image, wire, clock)?;
     let name = image.path().display().to_string();
-    Framed::open(link, wire.patience(), image.into_log())
+    Framed::open(link, pace, PATIENCE, image.into_log())
         .map_err(|error| QemuError::Link { image: name, error })
 }
+
+/// How long is waited for an emulated device. A busy machine may leave an emulator without processor for seconds.
+pub const PATIENCE: Patience = Patience {
+    reply: Duration::from_secs(3),
+    tries: 3,
+    start: Duration::from_secs(30),
+};

@@ -16,6 +16,10 @@ pub enum Stream {
     RigScatter,
     /// Seeds of the rigs of a batch, one draw per rig.
     RigSeed,
+    /// What an ECU is fed to compare it with another one.
+    Walk,
+    /// What happens to frames on a bad wire.
+    Wire,
 }
 
 impl Random {
@@ -45,6 +49,39 @@ impl Random {
             .map(|part| self.symmetric(counter.wrapping_mul(12).wrapping_add(part)))
             .sum::<f64>()
             / 2.0
+    }
+}
+
+/// The numbers of a stream one after the other, for what is drawn as it comes.
+#[derive(Clone, Debug)]
+pub struct Draws {
+    random: Random,
+    next: u64,
+}
+
+impl Draws {
+    /// From number 0 on.
+    pub const fn new(random: Random) -> Self {
+        Self { random, next: 0 }
+    }
+
+    /// The next number, all 64 bits uniform.
+    pub fn bits(&mut self) -> u64 {
+        let bits = self.random.bits(self.next);
+        self.next += 1;
+        bits
+    }
+
+    /// Uniform over 0 .. `bound`; 0 if there is nothing below it.
+    pub fn below(&mut self, bound: u32) -> u32 {
+        // The high half of a product with 32 random bits.
+        (((self.bits() >> 32) * u64::from(bound)) >> 32) as u32
+    }
+
+    /// Uniform over `from` ..= `to`.
+    pub fn between(&mut self, from: f64, to: f64) -> f64 {
+        let share = (self.bits() >> 11) as f64 / ((1_u64 << 53) - 1) as f64;
+        from + (to - from) * share
     }
 }
 
@@ -82,6 +119,21 @@ mod tests {
             mean.abs() < 0.01 && (variance - 1.0 / 3.0).abs() < 0.01 && largest <= 1.0,
             "{mean} {variance}"
         );
+    }
+
+    #[test]
+    fn draws_one_after_the_other_fill_their_range_evenly() {
+        let mut draws = Draws::new(Random::new(1, Stream::Walk));
+        let mut counts = [0_u32; 5];
+        for _ in 0..50_000 {
+            counts[draws.below(5) as usize] += 1;
+        }
+        assert!(
+            counts.iter().all(|count| (9_500..10_500).contains(count)),
+            "{counts:?}"
+        );
+        assert!((0..1000).all(|_| (2.0..=3.0).contains(&draws.between(2.0, 3.0))));
+        assert_eq!(draws.below(0), 0);
     }
 
     #[test]

@@ -5,7 +5,8 @@ use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 use std::time::{Duration, Instant};
 
 use hil_protocol::{
-    Event, FRAME_MAX, HostError, HostSession, Identity, LinkCounters, Reply, Request,
+    Event, FRAME_MAX, HostError, HostSession, Identity, LinkCounters, Measured, Refusal, Reply,
+    Request,
 };
 
 use super::Link;
@@ -24,12 +25,21 @@ pub struct Patience {
     pub start: Duration,
 }
 
+/// Who sets the pace of the device's samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// This side: one sample for each request.
+    LockStep,
+    /// The device's own timer; the session looks on.
+    Timer,
+}
+
 /// Between two attempts to open a session with a device that still starts.
 const OPEN_EVERY: Duration = Duration::from_millis(100);
 /// Lines of the log that an error shows.
 const LAST_LINES: usize = 12;
 
-/// A device at the other end of a wire, in lock step.
+/// A device at the other end of a wire.
 #[derive(Debug)]
 pub struct Framed<T> {
     transport: T,
@@ -40,6 +50,8 @@ pub struct Framed<T> {
     /// The last lines of the log, for an error.
     last_lines: VecDeque<String>,
     inbox: Inbox,
+    /// Measured without request and not taken yet: number of the sample and its signals.
+    measured: VecDeque<(u32, Measured)>,
 }
 
 /// Bytes that have come and are not looked at yet.
@@ -102,18 +114,24 @@ impl From<HostError> for Broken {
 }
 
 impl<T: Transport> Framed<T> {
-    /// Opens a session in lock step. `log` decodes what the device's image logs.
+    /// Opens a session. `log` decodes what the device's image logs.
     ///
     /// # Errors
     /// The device does not answer, or speaks another version.
-    pub fn open(mut transport: T, patience: Patience, log: ImageLog) -> Result<Self, LinkError> {
+    pub fn open(
+        mut transport: T,
+        pace: Pace,
+        patience: Patience,
+        log: ImageLog,
+    ) -> Result<Self, LinkError> {
         let mut session = HostSession::new(patience.tries);
         let mut inbox = Inbox::empty();
         let start = Instant::now();
         let mut tries = 0;
         let mut attempt = || -> Result<Option<Identity>, Broken> {
             let deadline = Instant::now() + OPEN_EVERY;
-            transport.send(session.open(nonce(), true)?, deadline)?;
+            let frame = session.open(nonce(), pace == Pace::LockStep)?;
+            send(&mut transport, frame, deadline)?;
             Ok(match inbox.event(&mut session, &mut transport, deadline)? {
                 Some(Event::Opened(device)) => Some(device),
                 _ => None,
@@ -123,10 +141,8 @@ impl<T: Transport> Framed<T> {
             tries += 1;
             match attempt() {
                 Ok(Some(device)) => break device,
-                // A device that still starts takes nothing yet.
-                Ok(None) | Err(Broken::Transport(TransportError::NotTaken))
-                    if start.elapsed() < patience.start => {}
-                Ok(None) | Err(Broken::Transport(TransportError::NotTaken)) => {
+                Ok(None) if start.elapsed() < patience.start => {}
+                Ok(None) => {
                     return Err(LinkError::Silent {
                         request: OPENING.to_owned(),
                         waited_ms: start.elapsed().as_millis(),
@@ -149,7 +165,45 @@ impl<T: Transport> Framed<T> {
             log,
             last_lines: VecDeque::new(),
             inbox,
+            measured: VecDeque::new(),
         })
+    }
+
+    /// The signals of the next sample by the device's timer, as [`Request::Measure`] chose them, with its number.
+    ///
+    /// # Errors
+    /// None came in time.
+    pub fn measured(&mut self) -> Result<(u32, Measured), LinkError> {
+        let start = Instant::now();
+        while self.measured.is_empty() {
+            let deadline = start + self.patience.reply;
+            match self
+                .inbox
+                .event(&mut self.session, &mut self.transport, deadline)
+            {
+                Ok(Some(event)) => self.keep(event),
+                Ok(None) => break,
+                Err(broken) => return Err(broken.into_error(MEASURING.to_owned(), self.said())),
+            }
+        }
+        self.measured.pop_front().ok_or_else(|| LinkError::Silent {
+            request: MEASURING.to_owned(),
+            waited_ms: start.elapsed().as_millis(),
+            tries: 1,
+            said: self.said(),
+        })
+    }
+
+    /// As [`Framed::measured`], of what came while a reply was waited for; none if nothing did.
+    pub fn take_measured(&mut self) -> Option<(u32, Measured)> {
+        self.measured.pop_front()
+    }
+
+    /// What came unasked; what is left of an earlier session is dropped.
+    fn keep(&mut self, event: Event) {
+        if let Event::Unasked(Reply::Measured { sample, values }) = event {
+            self.measured.push_back((sample, values));
+        }
     }
 
     /// What the device said of itself when the session was opened.
@@ -174,8 +228,11 @@ impl<T: Transport> Framed<T> {
 
     fn carry(&mut self, request: &Request) -> Result<Reply, Broken> {
         let deadline = Instant::now() + self.patience.reply;
-        self.transport
-            .send(self.session.request(request)?, deadline)?;
+        send(
+            &mut self.transport,
+            self.session.request(request)?,
+            deadline,
+        )?;
         let mut deadline = deadline;
         loop {
             match self
@@ -183,11 +240,10 @@ impl<T: Transport> Framed<T> {
                 .event(&mut self.session, &mut self.transport, deadline)?
             {
                 Some(Event::Reply(reply)) => return Ok(reply),
-                // In lock step nothing comes unasked; what is left of an earlier life is dropped.
-                Some(Event::Opened(_) | Event::Unasked(_)) => {}
+                Some(other) => self.keep(other),
                 None => {
                     deadline = Instant::now() + self.patience.reply;
-                    self.transport.send(self.session.again()?, deadline)?;
+                    send(&mut self.transport, self.session.again()?, deadline)?;
                 }
             }
         }
@@ -200,7 +256,20 @@ impl<T: Transport> Framed<T> {
     }
 }
 
+/// Sends a frame. A device that takes none is as silent as one that takes it and does not answer: it starts, or it hangs.
+fn send(
+    transport: &mut impl Transport,
+    frame: &[u8],
+    deadline: Instant,
+) -> Result<(), TransportError> {
+    match transport.send(frame, deadline) {
+        Err(TransportError::NotTaken) => Ok(()),
+        other => other,
+    }
+}
+
 const OPENING: &str = "the opening of a session";
+const MEASURING: &str = "the measurement of a sample";
 
 impl Broken {
     fn into_error(self, request: String, said: LastWords) -> LinkError {
@@ -249,15 +318,21 @@ impl<T: Transport> Link for Framed<T> {
     fn take_log(&mut self) -> Result<Vec<String>, LinkError> {
         let mut lines = Vec::new();
         loop {
-            match self.ask(&Request::Log)? {
-                Reply::Log { bytes, lost } => {
+            match self.ask(&Request::Log) {
+                // Not every device logs.
+                Err(LinkError::Refused {
+                    refusal: Refusal::Unsupported,
+                    ..
+                }) => break,
+                Err(error) => return Err(error),
+                Ok(Reply::Log { bytes, lost }) => {
                     let is_empty = bytes.is_empty();
                     lines.extend(self.log.decode(&bytes, lost));
                     if is_empty {
                         break;
                     }
                 }
-                other => return Err(LinkError::unexpected(&Request::Log, &other)),
+                Ok(other) => return Err(LinkError::unexpected(&Request::Log, &other)),
             }
         }
         self.last_lines.extend(lines.iter().cloned());

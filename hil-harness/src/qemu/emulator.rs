@@ -20,6 +20,16 @@ const LOOK_EVERY: Duration = Duration::from_millis(5);
 /// Lines of what the emulator prints that are kept.
 const LINES_KEPT: usize = 12;
 
+/// What the emulated machine's time is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// The host's: the image runs as fast as it can, its timers as the host's clock goes.
+    Host,
+    /// Counted: each instruction takes 32 ns, a little less than a cycle of the machine's 25 MHz. The load of the host has no
+    /// say then.
+    Instructions,
+}
+
 /// A running emulator; its process is stopped when this value goes.
 #[derive(Debug)]
 pub struct Emulator {
@@ -30,7 +40,12 @@ pub struct Emulator {
 
 impl Emulator {
     /// Starts `elf` with its memory in the file `memory` and its UART at the socket `uart`.
-    pub(super) fn start(elf: &Path, memory: &Path, uart: &Path) -> Result<Self, QemuError> {
+    pub(super) fn start(
+        elf: &Path,
+        memory: &Path,
+        uart: &Path,
+        clock: Clock,
+    ) -> Result<Self, QemuError> {
         let version = version()?;
         let mut command = Command::new(PROGRAM);
         command.args(["-machine", "mps2-an386,memory-backend=memory"]);
@@ -45,6 +60,9 @@ impl Emulator {
         command
             .args(["-serial", "chardev:wire", "-kernel"])
             .arg(elf);
+        if clock == Clock::Instructions {
+            command.args(["-icount", "shift=5,align=off,sleep=off"]);
+        }
         command.stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut process = command.spawn().map_err(not_started)?;

@@ -10,11 +10,11 @@ use std::time::{Duration, Instant};
 use hil_protocol::{FRAME_MAX, mailbox};
 
 use super::QemuError;
-use super::emulator::Emulator;
+use super::emulator::{Clock, Emulator};
 use super::mailbox::MailboxLink;
 use super::memory::{Folder, SharedMemory};
 use crate::image::Image;
-use crate::link::{Patience, Stream, TimedStream, Transport, TransportError};
+use crate::link::{Stream, TimedStream, Transport, TransportError};
 
 /// How frames travel to the emulated device and back. The device answers on both; the bits are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,17 +23,6 @@ pub enum Wire {
     Mailbox,
     /// Byte by byte through the emulated UART: the real wire.
     Uart,
-}
-
-impl Wire {
-    /// How long is waited for an emulated device. A busy machine may leave an emulator without processor for seconds.
-    pub const fn patience(self) -> Patience {
-        Patience {
-            reply: Duration::from_secs(3),
-            tries: 3,
-            start: Duration::from_secs(30),
-        }
-    }
 }
 
 /// An emulated device at the end of a wire.
@@ -62,8 +51,11 @@ const CONNECT_DEADLINE: Duration = Duration::from_secs(30);
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 impl QemuLink {
-    /// Starts the emulator.
-    pub(super) fn start(image: &Image, wire: Wire) -> Result<Self, QemuError> {
+    /// Starts the emulator with this image. [`Framed::open`](crate::link::Framed::open) opens a session over it.
+    ///
+    /// # Errors
+    /// QEMU is missing or fails.
+    pub fn start(image: &Image, wire: Wire, clock: Clock) -> Result<Self, QemuError> {
         let folder = Folder::create()?;
         let memory = Arc::new(SharedMemory::create(&folder.path("memory"))?);
         let failed = |error| QemuError::Io {
@@ -73,7 +65,7 @@ impl QemuLink {
         let socket = folder.path("uart");
         let listener = UnixListener::bind(&socket).map_err(failed)?;
         listener.set_nonblocking(true).map_err(failed)?;
-        let mut emulator = Emulator::start(image.path(), &folder.path("memory"), &socket)?;
+        let mut emulator = Emulator::start(image.path(), &folder.path("memory"), &socket, clock)?;
         let uart = accept(&listener, &mut emulator)?;
         uart.set_nonblocking(false).map_err(failed)?;
         Ok(Self {

@@ -1,0 +1,86 @@
+//! The emulator and its image as a process: they end, hang and are killed.
+
+use std::process::Command;
+use std::time::Duration;
+
+use hil_harness::link::{Framed, Link as _, LinkError, Pace, Patience, TransportError};
+use hil_harness::qemu::{Clock, QemuLink, Wire};
+use hil_harness::{DeviceUnderTest as _, Scenario, run};
+use hil_protocol::Request;
+
+use super::{image, short_scenario, started};
+
+fn signal(signal: &str, process: u32) -> bool {
+    let command = format!("kill -{signal} {process} 2>/dev/null");
+    let status = Command::new("sh").args(["-c", &command]).status();
+    status.is_ok_and(|status| status.success())
+}
+
+#[test]
+fn the_emulator_ends_with_the_value_that_started_it() {
+    let device = started(Wire::Mailbox);
+    let process = device.link().transport().emulator().process_id();
+    assert!(signal("0", process), "it runs");
+    drop(device);
+    assert!(!signal("0", process), "it still runs");
+}
+
+#[test]
+fn an_emulator_that_was_killed_is_an_error_that_says_so() {
+    let mut device = started(Wire::Mailbox);
+    assert!(signal(
+        "KILL",
+        device.link().transport().emulator().process_id()
+    ));
+    let error = device.link_mut().ask(&Request::Counters).unwrap_err();
+    let LinkError::Transport { error: ended, .. } = &error else {
+        panic!("{error}");
+    };
+    assert!(matches!(ended, TransportError::Ended { .. }), "{error}");
+}
+
+#[test]
+fn a_hang_is_an_error_with_the_last_lines_of_the_log() {
+    for wire in [Wire::Mailbox, Wire::Uart] {
+        let image = image();
+        let link = QemuLink::start(&image, wire, Clock::Host).unwrap();
+        let patience = Patience {
+            reply: Duration::from_millis(300),
+            tries: 10,
+            start: Duration::from_secs(30),
+        };
+        let mut framed = Framed::open(link, Pace::LockStep, patience, image.into_log()).unwrap();
+        let lines = framed.take_log().unwrap();
+        let last = lines.last().expect("an image says that it started");
+        // The machine stands still, as one whose clock has failed.
+        assert!(signal("STOP", framed.transport().emulator().process_id()));
+        let error = framed.ask(&Request::Counters).unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains("no reply to request Counters"), "{text}");
+        assert!(text.contains(last.as_str()), "{text}");
+    }
+}
+
+#[test]
+fn the_log_is_decoded_and_tells_of_the_start_and_of_each_mode() {
+    let mut device = started(Wire::Mailbox);
+    let log = run(&short_scenario(), &mut device).unwrap().log;
+    let text = log.join("\n");
+    for expected in ["Started", "Settings", "Session", "Waiting", "Running"] {
+        assert!(text.contains(expected), "{expected}:\n{text}");
+    }
+}
+
+#[test]
+fn an_image_that_was_used_starts_from_power_on_again() {
+    let mut used = started(Wire::Mailbox);
+    let cut_off = Scenario {
+        duration_samples: 37,
+        ..Scenario::built_in("hold").unwrap()
+    };
+    run(&cut_off, &mut used).unwrap();
+    let again = run(&short_scenario(), &mut used).unwrap();
+    let fresh = run(&short_scenario(), &mut started(Wire::Mailbox)).unwrap();
+    assert_eq!(again.exchanges, fresh.exchanges);
+    assert!(used.take_log().unwrap().is_empty());
+}
