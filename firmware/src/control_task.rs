@@ -50,9 +50,10 @@ pub(crate) struct ControlTask<B, F, M> {
 }
 
 impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M> {
-    /// From now on the sample timer counts.
+    /// From now on the sample timer counts, and the watchdog.
     pub(crate) fn new(mut board: B, ecu: EcuDevice<F, M>) -> Self {
         board.take_ticks();
+        board.feed_watchdog(Pace::Timer);
         Self {
             last_us: board.now_us(),
             told: (ecu.ecu().mode(), ecu.ecu().faults()),

@@ -2,7 +2,7 @@
 
 use ecu::EcuSettings;
 use ecu::calibration::SettingValues;
-use firmware::{Event, Farewell, Life, Retained};
+use firmware::{Event, Farewell, Life, Pace, Retained};
 use hil_protocol::{BlackBoxStatus, Reply, Request, ResetCause, SettingsSource};
 
 use crate::bench::{Deed, Memory};
@@ -11,6 +11,15 @@ use crate::bench::{Deed, Memory};
 fn the_first_thing_after_a_reset_is_to_switch_the_coils_off() {
     let mut memory = Memory::cold();
     assert_eq!(memory.start().board().deeds.first(), Some(&Deed::CoilsOff));
+}
+
+/// A loop that hangs before its first sample is seen as well.
+#[test]
+fn the_watchdog_is_started_before_the_first_sample() {
+    let mut memory = Memory::cold();
+    let mut machine = memory.start();
+    assert_eq!(machine.board().count(Deed::Feed(Pace::Timer)), 1);
+    assert_eq!(machine.board().count(Deed::Measure), 0);
 }
 
 #[test]

@@ -32,6 +32,7 @@ use crate::log;
 use converter::Converter;
 use firmware::Farewell;
 use flash::Flash;
+use pins::Accident;
 use pwm::Pwm;
 
 pub(crate) use memory::retained;
@@ -107,6 +108,13 @@ impl Board for Mps2An386 {
 
     fn background(&mut self) {
         uart::poll();
+        match pins::take_accident() {
+            Some(Accident::Hang) => loop {
+                core::hint::spin_loop();
+            },
+            Some(Accident::Trap) => cortex_m::asm::udf(),
+            None => {}
+        }
     }
 
     fn may_simulate(&mut self) -> bool {

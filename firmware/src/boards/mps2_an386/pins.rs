@@ -7,7 +7,8 @@
 //!       3  current of the vent valve's coil [mA]
 //!       4  supply voltage [mV]
 //!       5  which of these are there, a bit each
-//!      16  what to do after a reset: SELF_TEST, else serve
+//!      16  what to do after a reset: "test", else serve
+//!      17  an accident to happen now, once: "hang" or "trap"; the handlers of watchdog and faults must do the rest
 //! ```
 //! In lock step the link's samples are put here; when the timer sets the pace, whoever maps the memory may do it.
 
@@ -31,6 +32,19 @@ pub(super) const COMPARE: usize = 32;
 
 /// The wish for a self-test, "test" in ASCII.
 const SELF_TEST: u32 = 0x7465_7374;
+
+const ACCIDENT: usize = 17;
+/// In ASCII, as all of these.
+const HANG: u32 = 0x6861_6e67;
+const TRAP: u32 = 0x7472_6170;
+
+/// What a sound image never does.
+pub(super) enum Accident {
+    /// The main loop stands still.
+    Hang,
+    /// An instruction that there is not.
+    Trap,
+}
 
 /// Puts a sample's values to the pins.
 pub(super) fn simulate(sensors: &Sensors) {
@@ -74,6 +88,17 @@ pub(super) fn battery_mv() -> Option<u16> {
 /// Whether whoever started the machine wants the self-test and nothing else.
 pub(super) fn self_test_is_wanted() -> bool {
     PIN_WORDS[WISH].load(Ordering::Relaxed) == SELF_TEST
+}
+
+/// The accident that whoever maps the memory wants to see, once.
+pub(super) fn take_accident() -> Option<Accident> {
+    let accident = match PIN_WORDS[ACCIDENT].load(Ordering::Relaxed) {
+        HANG => Accident::Hang,
+        TRAP => Accident::Trap,
+        _ => return None,
+    };
+    PIN_WORDS[ACCIDENT].store(0, Ordering::Relaxed);
+    Some(accident)
 }
 
 fn word(index: usize) -> Option<u32> {
