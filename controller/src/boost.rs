@@ -2,7 +2,7 @@
 
 use crate::arithmetic::wide_product_unsigned;
 use crate::error::{Coefficient, ConfigError, Field};
-use crate::integrator::Integrator;
+use crate::integrator::{Bound, Integrator};
 use crate::pid::{GAIN_BITS, per_full_scale, sample_time};
 use crate::range::{CoefficientRange, Quotient, Range, propagate};
 use crate::settings::Settings;
@@ -22,8 +22,8 @@ pub(crate) struct Boost {
     response: i32,
     /// Rate times T_s [100 %/bar per sample], 2⁻²⁷.
     rate: i32,
-    /// Bound [100 %], 2⁻²⁰.
-    max: i32,
+    /// Of the boost [100 %], 2⁻²⁰.
+    max: Bound,
 }
 
 impl Boost {
@@ -33,7 +33,7 @@ impl Boost {
             return Ok(Self {
                 response: i32::MIN,
                 rate: 0,
-                max: 0,
+                max: Bound::new(0),
             });
         };
         let rate =
@@ -51,7 +51,7 @@ impl Boost {
         Ok(Self {
             response: response << ERROR_SHIFT,
             rate: propagate!(quotient.checked(GAIN_BITS)),
-            max: per_full_scale(max, 20),
+            max: Bound::new(per_full_scale(max, 20)),
         })
     }
 
@@ -61,11 +61,16 @@ impl Boost {
         pressure_change < self.response
     }
 
-    /// One sample of boost more, for an error along its direction.
+    /// The boost of this sample: one step more while it is needed, for an error along its direction; held at its bound.
     #[inline(always)]
-    pub(crate) const fn advanced(&self, boost: Integrator, error: i32) -> Integrator {
+    pub(crate) const fn advanced(&self, boost: Integrator, needed: bool, error: i32) -> Integrator {
         // Unsigned, so that the compiler widens the error here alone; a widening that is shared with the PID's branch hides from it
         // that each product is one instruction.
-        boost.advanced(wide_product_unsigned(self.rate, error), self.max)
+        let summed = if needed {
+            boost.advanced(wide_product_unsigned(self.rate, error))
+        } else {
+            boost
+        };
+        summed.held(self.max)
     }
 }

@@ -80,3 +80,28 @@ impl fmt::Display for Duty {
         f.write_str(" %")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distributor_may_go_to_both_ends() {
+        assert_eq!(Duty::from_proved_bits(0), Duty::OFF);
+        assert_eq!(Duty::from_proved_bits(Duty::FULL.to_bits()), Duty::FULL);
+    }
+
+    #[test]
+    #[cfg(debug_assertions)]
+    #[should_panic(expected = "the distributor left")]
+    fn less_than_nothing_is_caught() {
+        Duty::from_proved_bits(-1);
+    }
+
+    #[test]
+    #[cfg(debug_assertions)]
+    #[should_panic(expected = "the distributor left")]
+    fn more_than_all_is_caught() {
+        Duty::from_proved_bits(Duty::FULL.to_bits() + 1);
+    }
+}

@@ -32,14 +32,45 @@ impl Integrator {
         Self(self.0.wrapping_neg())
     }
 
-    /// `term` more, which is not negative, while the upper word is held at `bound`.
+    /// `term` more. The owner holds the sum at its bound, and so keeps it from leaving its words.
+    #[inline(always)]
+    pub(crate) const fn advanced(self, term: i64) -> Self {
+        Self(self.0.wrapping_add(term))
+    }
+
+    /// The sum with its upper word held at the bound.
     ///
     /// The lower word goes on: it is less than one unit of the upper word, which is all that u sees.
     #[inline(always)]
-    pub(crate) const fn advanced(self, term: i64, bound: i32) -> Self {
-        let sum = self.0.wrapping_add(term);
-        let high = high_word(sum);
-        let held = if high < bound { high } else { bound };
-        Self(from_high_word(held) | (sum & 0xFFFF_FFFF))
+    pub(crate) const fn held(self, bound: Bound) -> Self {
+        Self(from_high_word(bound.hold(high_word(self.0))) | (self.0 & 0xFFFF_FFFF))
+    }
+}
+
+/// The largest upper word that an [`Integrator`] may have; kept as its distance from the largest number, where a sum saturates by
+/// itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Bound {
+    headroom: i32,
+}
+
+impl Bound {
+    /// A bound that is not negative, in units of the upper word.
+    pub(crate) const fn new(bound: i32) -> Self {
+        Self {
+            headroom: i32::MAX.wrapping_sub(bound),
+        }
+    }
+
+    pub(crate) const fn get(self) -> i32 {
+        i32::MAX.wrapping_sub(self.headroom)
+    }
+
+    /// The smaller one of `high` and the bound: up to where it saturates, and back; one QADD and one SUB.
+    #[inline(always)]
+    const fn hold(self, high: i32) -> i32 {
+        high.saturating_add(self.headroom)
+            .wrapping_sub(self.headroom)
     }
 }

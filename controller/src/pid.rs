@@ -2,7 +2,7 @@
 
 use crate::arithmetic::{from_high_word, held, high_word, wide_product};
 use crate::error::{Coefficient, ConfigError, Field};
-use crate::integrator::Integrator;
+use crate::integrator::{Bound, Integrator};
 use crate::range::{CoefficientRange, Quotient, Range, hundredth, propagate};
 use crate::settings::Settings;
 
@@ -32,8 +32,8 @@ pub(crate) struct Pid {
     derivative: i32,
     /// K T_s/T_i [100 %/bar per sample], 2⁻³⁴.
     integral: i32,
-    /// Bound of the integral part [100 %], 2⁻²⁷.
-    integral_max: i32,
+    /// Of the integral part [100 %], 2⁻²⁷.
+    integral_max: Bound,
 }
 
 impl Pid {
@@ -75,7 +75,7 @@ impl Pid {
             proportional: hundredth(gain, 1 << 16, GAIN_BITS),
             derivative,
             integral,
-            integral_max: per_full_scale(integral_max, GAIN_BITS),
+            integral_max: Bound::new(per_full_scale(integral_max, GAIN_BITS)),
         })
     }
 
@@ -103,7 +103,9 @@ impl Pid {
     /// The sum with this sample's error.
     #[inline(always)]
     pub(crate) const fn integrated(&self, integral: Integrator, error: i32) -> Integrator {
-        integral.advanced(wide_product(self.integral, error), self.integral_max)
+        integral
+            .advanced(wide_product(self.integral, error))
+            .held(self.integral_max)
     }
 
     /// Integral part of u [100 %], 2⁻²⁰.
@@ -122,12 +124,12 @@ impl Pid {
         let rest = u.wrapping_sub(self.proportional(error)) as i64;
         let rest = held(rest, 13 << 20) << (59 - 20);
         let before = rest.wrapping_sub(wide_product(self.integral, error));
-        Integrator::from_bits(held(before, from_high_word(self.integral_max)))
+        Integrator::from_bits(held(before, from_high_word(self.integral_max.get())))
     }
 
     /// Bound of the integral part [100 %], 2⁻²⁷.
     pub(crate) const fn integral_max(&self) -> i32 {
-        self.integral_max
+        self.integral_max.get()
     }
 }
 

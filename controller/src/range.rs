@@ -131,12 +131,8 @@ impl Quotient {
     pub(crate) const fn checked(self, fraction_bits: u32) -> Result<i32, ConfigError> {
         let numerator = self.numerator as u128;
         let denominator = self.denominator as u128;
-        let shown = quotient((numerator << 32).wrapping_add(denominator / 2), denominator);
-        let bits = if shown > i64::MAX as u128 {
-            i64::MAX
-        } else {
-            shown as i64
-        };
+        // Below 2⁶¹: at most a gain of 2²⁶ by a time of 2³¹, through a time of at least 2¹² · 2¹⁶.
+        let bits = quotient((numerator << 32).wrapping_add(denominator / 2), denominator) as i64;
         let CoefficientRange { min, max } = self.range;
         if bits < min.to_bits() || bits > max.to_bits() {
             return Err(ConfigError::CoefficientOutOfRange {
@@ -164,5 +160,49 @@ pub(crate) const fn quotient(numerator: u128, denominator: u128) -> u128 {
     match numerator.checked_div(denominator) {
         Some(quotient) => quotient,
         None => u128::MAX,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_holds_its_ends_and_nothing_beyond() {
+        let range = Range::new("-0.5", "2.25");
+        let checked = |bits| range.checked(Field::Gain, I16F16::from_bits(bits));
+        for end in [-(1 << 15), 9 << 14] {
+            assert_eq!(checked(end), Ok(end));
+        }
+        assert!(checked(-(1 << 15) - 1).is_err());
+        assert!(checked((9 << 14) + 1).is_err());
+    }
+
+    #[test]
+    fn a_coefficient_is_rounded_to_nearest_and_held_to_its_range() {
+        let checked = |numerator, denominator| {
+            let quotient = Quotient {
+                coefficient: Coefficient::Integral,
+                numerator,
+                denominator,
+                range: CoefficientRange::new("0.5", "200"),
+            };
+            quotient.checked(4)
+        };
+        // A hundredth of the quotient, in sixteenths.
+        assert_eq!(checked(200, 1), Ok(32));
+        assert_eq!(checked(2497, 20), Ok(20));
+        assert_eq!(checked(2503, 20), Ok(20));
+        assert_eq!(checked(1, 2), Ok(0));
+        assert_eq!(checked(25, 8), Ok(1));
+        assert_eq!(checked(24, 8), Ok(0));
+        assert!(checked(49, 100).is_err());
+        assert!(checked(201, 1).is_err());
+    }
+
+    #[test]
+    fn a_quotient_by_zero_is_out_of_every_range_and_no_panic() {
+        assert_eq!(quotient(7, 2), 3);
+        assert_eq!(quotient(7, 0), u128::MAX);
     }
 }

@@ -8,6 +8,7 @@ use crate::input_output::Input;
 use crate::integrator::Integrator;
 use crate::pid::Pid;
 use crate::pressure::Pressure;
+use crate::settings::IntegralAtReference;
 
 /// What one sample leaves to the next: pressure and error of the sample, integral part, boost.
 ///
@@ -90,6 +91,15 @@ impl State {
             previous,
             integral,
             boost: Integrator::ZERO,
+        }
+    }
+
+    /// Forgets what only counts until the reference is reached.
+    #[inline(always)]
+    pub(crate) const fn clear_at_reference(&mut self, integral: IntegralAtReference) {
+        self.boost = Integrator::ZERO;
+        if matches!(integral, IntegralAtReference::Clear) {
+            self.integral = Integrator::ZERO;
         }
     }
 

@@ -7,11 +7,9 @@ use crate::config::{Coefficients, Config};
 use crate::control_signal::ControlSignal;
 use crate::direction::Direction;
 use crate::input_output::{Input, Output};
-use crate::integrator::Integrator;
 use crate::pid::Pid;
 use crate::prediction::{predicted, switches_off};
 use crate::pressure::Pressure;
-use crate::settings::IntegralAtReference;
 use crate::state::{ERROR_SHIFT, Sample, State};
 use crate::structure::Structure;
 use crate::trace::{Activity, Saturation, Trace};
@@ -49,43 +47,30 @@ pub(crate) fn sample(
     let error_change = direction.along(now.error.wrapping_sub(before.error));
     let pressure_change = direction.along(now.pressure.wrapping_sub(before.pressure));
 
-    let inside = config.tolerance.is_reached(error);
-    let turned = direction != Direction::of(before.error);
-    if turned {
+    if direction != Direction::of(before.error) {
         state.integral = state.integral.turned();
+        state.clear_at_reference(structure.integral_at_reference);
     }
-    if inside || turned {
-        state.boost = Integrator::ZERO;
-        if matches!(structure.integral_at_reference, IntegralAtReference::Clear) {
-            state.integral = Integrator::ZERO;
-        }
-    }
-
     let predicted = predicted(structure, error, error_change, pressure_change);
     let predicted_error = Pressure::from_bits(direction.along(predicted >> ERROR_SHIFT));
-    if inside || switches_off(structure, config.tolerance, predicted) {
-        let activity = if inside {
-            Activity::InsideTolerance
-        } else {
-            Activity::SwitchedOffAhead
-        };
-        let trace = Trace::off(state, predicted_error, activity);
+    if config.tolerance.is_reached(error) {
+        state.clear_at_reference(structure.integral_at_reference);
+        let trace = Trace::off(state, predicted_error, Activity::InsideTolerance);
+        return (Output::OFF, trace);
+    }
+    if switches_off(structure, config.tolerance, predicted) {
+        let trace = Trace::off(state, predicted_error, Activity::SwitchedOffAhead);
         return (Output::OFF, trace);
     }
 
-    let boosting = config.boost.is_needed(pressure_change);
-    let boost = if boosting {
-        config.boost.advanced(state.boost, error)
-    } else {
-        state.boost
-    };
-    let integral = config.pid.integrated(state.integral, error);
+    // The two parts without memory first, each sum next to its use: few numbers at a time are few registers to save.
     // At most 960 + 10 + 10 times 100 % in 2⁻²⁰: below 2³⁰.
-    let u = config
-        .pid
-        .proportional_and_derivative(error, error_change)
-        .wrapping_add(Pid::integral_part(integral))
-        .wrapping_add(boost.part());
+    let u = config.pid.proportional_and_derivative(error, error_change);
+    let boosting = config.boost.is_needed(pressure_change);
+    let boost = config.boost.advanced(state.boost, boosting, error);
+    let u = u.wrapping_add(boost.part());
+    let integral = config.pid.integrated(state.integral, error);
+    let u = u.wrapping_add(Pid::integral_part(integral));
 
     let integrating = structure.anti_windup.settle(
         config.tracking,

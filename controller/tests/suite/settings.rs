@@ -440,3 +440,12 @@ fn the_force_balance_lies_above_the_straight_line_and_meets_it_at_the_ends() {
         (without, with)
     );
 }
+
+/// Settings may hold anything until they are checked.
+#[test]
+fn the_force_balance_of_what_no_valve_has_stays_in_its_type() {
+    let balance = OpeningDuty::force_balance(I16F16::MIN, I16F16::MIN);
+    assert_eq!(balance.at_half_pct, I16F16::MAX);
+    let balance = OpeningDuty::force_balance(I16F16::MAX, I16F16::MAX);
+    assert_eq!(balance.at_half_pct, I16F16::MAX);
+}
