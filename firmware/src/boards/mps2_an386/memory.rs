@@ -29,6 +29,9 @@ unsafe extern "C" {
     static mut BLACK_BOX: [u32; BLACK_BOX_WORDS];
 }
 
+// The room that `board.x` gives it.
+const _: () = assert!(BLACK_BOX_WORDS * 4 <= 28 * 1024);
+
 /// The black box's words, for the first who asks.
 pub(super) fn black_box() -> Option<&'static mut [u32; BLACK_BOX_WORDS]> {
     static TAKEN: AtomicBool = AtomicBool::new(false);
