@@ -42,12 +42,13 @@ named! {
 }
 
 impl PlantFault {
-    /// Whether the chamber cannot be emptied by the vent valve.
+    /// Whether the chamber cannot be emptied by the vent valve: one that is stuck hardly open opens no further.
     pub(super) fn hinders_venting(self) -> bool {
         matches!(
             self,
             Self::FillStuckOpen
                 | Self::FillDriverShort
+                | Self::VentStuckOpen
                 | Self::VentStuckClosed
                 | Self::VentCoilOpen
                 | Self::VentCoilShort

@@ -71,9 +71,8 @@ pub enum Region {
 pub type Damage = fn(&mut Ecu, EcuFault) -> bool;
 
 /// The ECU in this process, whole or with something taken away.
-#[derive(Clone, Debug)]
 pub struct InProcessTarget {
-    alter: fn(EcuConfig) -> EcuConfig,
+    alter: Box<dyn Fn(EcuConfig) -> EcuConfig>,
     damage: Option<Damage>,
     config: EcuConfig,
     ecu: Ecu,
@@ -86,11 +85,11 @@ impl InProcessTarget {
     }
 
     /// The ECU with `alter`ed configurations: one that has lost a mechanism.
-    pub fn altered(alter: fn(EcuConfig) -> EcuConfig) -> Self {
+    pub fn altered(alter: impl Fn(EcuConfig) -> EcuConfig + 'static) -> Self {
         let config = alter(BENCH);
         let ecu = Ecu::new(config, ResetCause::PowerOn);
         Self {
-            alter,
+            alter: Box::new(alter),
             damage: None,
             config,
             ecu,

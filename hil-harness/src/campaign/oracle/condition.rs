@@ -155,7 +155,9 @@ pub(super) struct Conditions {
     sound_for: u32,
     code: Option<u16>,
     unmoved: u32,
-    vented_for: u32,
+    /// Samples for which the vented chamber has shown a pressure; it is forgotten as slowly.
+    offset_evidence: u32,
+    is_offset: bool,
     too_little_bar: f64,
     too_much_bar: f64,
 }
@@ -215,7 +217,8 @@ impl Conditions {
             sound_for: 0,
             code: None,
             unmoved: 0,
-            vented_for: 0,
+            offset_evidence: 0,
+            is_offset: false,
             too_little_bar: 0.0,
             too_much_bar: 0.0,
         }
@@ -362,12 +365,16 @@ impl Conditions {
         let is_shown = seen
             .shown_bar()
             .is_some_and(|shown| shown > bounds::EMPTY_BAR + 0.01);
-        self.vented_for = if is_shown && (is_vented || self.vented_for >= bounds::OFFSET_N) {
-            self.vented_for + 1
-        } else {
-            0
+        self.offset_evidence = match (is_shown, is_vented) {
+            (false, _) => 0,
+            (true, true) => (self.offset_evidence + 1).min(bounds::OFFSET_N),
+            (true, false) if self.is_offset => self.offset_evidence.saturating_sub(1),
+            (true, false) => 0,
         };
-        self.vented_for >= bounds::OFFSET_N
+        // A few samples less than until nobody remembers.
+        let is_remembered = self.is_offset && self.offset_evidence > bounds::SETTLING;
+        self.is_offset = self.offset_evidence >= bounds::OFFSET_N || is_remembered;
+        self.is_offset
     }
 
     /// Too little and too much pressure for what the coils got: two cumulative sums, on what the sensor shows.

@@ -28,10 +28,45 @@ pub(super) struct Permission {
     comeback: Option<Comeback>,
 }
 
-/// The way back after a fault that has passed: the pressure rises no faster than this line.
+/// The way back after a fault that has passed: from the pressure that is there, up a ramp, to what is asked for.
 #[derive(Clone, Copy, Debug)]
 struct Comeback {
+    /// The ramp, until it has met the reference.
     line_bar: f64,
+    /// The lowest and the highest pressure that anybody had a reason for.
+    reasonable_bar: [f64; 2],
+    /// Samples for which this is watched.
+    left: u32,
+}
+
+impl Comeback {
+    fn from(pressure_bar: f64) -> Self {
+        Self {
+            line_bar: pressure_bar,
+            reasonable_bar: [pressure_bar; 2],
+            left: bounds::COMEBACK_SAMPLES,
+        }
+    }
+
+    /// One sample; none once it is over.
+    fn go_on(mut self, reference_bar: f64) -> Option<Self> {
+        self.line_bar += bounds::RAMP_BAR_PER_SAMPLE;
+        if self.line_bar >= reference_bar {
+            self.line_bar = f64::INFINITY;
+        }
+        let asked_bar = reference_bar.min(self.line_bar);
+        let [low, high] = self.reasonable_bar;
+        self.reasonable_bar = [low.min(asked_bar), high.max(asked_bar)];
+        if self.line_bar.is_infinite() {
+            self.left -= 1;
+        }
+        (self.left > 0).then_some(self)
+    }
+
+    fn keeps(&self, pressure_bar: f64) -> bool {
+        let [low, high] = self.reasonable_bar;
+        (low - bounds::BUMP_DOWN_BAR..=high + bounds::BUMP_BAR).contains(&pressure_bar)
+    }
 }
 
 impl Permission {
@@ -108,19 +143,13 @@ impl Permission {
         }
         self.is_locked |= self.is_damaged || self.answered > bounds::RETRIES;
         if !is_answering && idle_for == 0 && !self.needs_zero && !self.is_locked {
-            self.comeback = Some(Comeback {
-                line_bar: seen.pressure_bar,
-            });
+            self.comeback = Some(Comeback::from(seen.pressure_bar));
         }
     }
 
     fn come_back(&mut self, seen: &Seen) {
-        if let Some(comeback) = &mut self.comeback {
-            comeback.line_bar += bounds::RAMP_BAR_PER_SAMPLE;
-            if comeback.line_bar >= seen.reference_bar || self.needs_zero {
-                self.comeback = None;
-            }
-        }
+        let comeback = self.comeback.filter(|_| !self.needs_zero);
+        self.comeback = comeback.and_then(|comeback| comeback.go_on(seen.reference_bar));
     }
 }
 
@@ -129,9 +158,8 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 3] {
     let permission = &oracle.permission;
     let [fill, _] = seen.coils;
     let filled = || format!("fill {fill:.2} %");
-    let is_below_line = permission.comeback.is_none_or(|comeback| {
-        oracle.moves_pressure || seen.pressure_bar <= comeback.line_bar + bounds::BUMP_BAR
-    });
+    let comeback = permission.comeback.filter(|_| !oracle.moves_pressure);
+    let is_smooth = comeback.is_none_or(|comeback| comeback.keeps(seen.pressure_bar));
     [
         unless(
             fill == 0.0 || !permission.needs_zero,
@@ -143,9 +171,9 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 3] {
             Promise::StaysLocked,
             filled,
         ),
-        unless(is_below_line, Promise::NoBump, || {
+        unless(is_smooth, Promise::NoBump, || {
             format!(
-                "{:.3} bar, and the ramp {:?}",
+                "{:.3} bar after {:?}",
                 seen.pressure_bar, permission.comeback
             )
         }),
