@@ -104,8 +104,10 @@ enum Part {
     Host,
     /// Some mutants of controller and supervisor, drawn by the commit.
     Mutants,
-    /// The image: built, run in QEMU, its bits compared with the host's.
+    /// The image: built, run in QEMU, its bits compared with the host's, in the loop with the plant.
     Arm,
+    /// What a sample and the image cost, counted and proved.
+    Budgets,
 }
 
 fn main() -> ExitCode {
@@ -125,6 +127,9 @@ fn main() -> ExitCode {
             }
             if wanted(Part::Arm) {
                 arm::test(&mut report, arm.toolchain);
+            }
+            if wanted(Part::Budgets) {
+                budgets::run(&mut report, arm.toolchain, None);
             }
         }
         Verb::Image { board, arm } => arm::image(&mut report, board, arm.toolchain),
