@@ -8,8 +8,6 @@ use crate::pid::{Pid, sample_time};
 use crate::range::{Range, propagate, quotient};
 use crate::settings::{self, Settings};
 
-/// 100 % of u.
-const FULL: i32 = ControlSignal::MAX.units();
 /// By how many bits the integral part (2⁻⁵⁹) is finer than the product of u (2⁻²⁰) and T_s/T_t (2⁻³⁰).
 const FINER: u32 = 59 - 20 - 30;
 const TRACKING_TIME_MS: Range = Range::new("0.1", "30000");
@@ -35,7 +33,7 @@ impl AntiWindup {
     /// Leaves an integral part to the next sample: `summed`, the one in `kept` before this sample's error, or something between.
     /// Says whether the error was summed.
     #[inline(always)]
-    pub(crate) const fn settle(
+    pub(crate) fn settle(
         self,
         tracking: Tracking,
         pid: &Pid,
@@ -61,19 +59,13 @@ impl AntiWindup {
 /// Whether u [100 %, 2⁻²⁰] is saturated and the error, along whose direction it is counted, drives it further.
 #[inline(always)]
 pub(crate) const fn is_driven(u: i32) -> bool {
-    u > FULL
+    u > ControlSignal::MAX.units()
 }
 
 /// What saturation cuts off u [100 %, 2⁻²⁰].
 #[inline(always)]
-const fn cut_off(u: i32) -> i32 {
-    if u > FULL {
-        u.wrapping_sub(FULL)
-    } else if u < -FULL {
-        u.wrapping_add(FULL)
-    } else {
-        0
-    }
+fn cut_off(u: i32) -> i32 {
+    u.wrapping_sub(ControlSignal::from_units(u).saturated().units())
 }
 
 /// T_s/T_t, 2⁻³⁰, at most 1; 0 where nothing is drawn back.

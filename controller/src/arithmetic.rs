@@ -6,12 +6,6 @@ pub(crate) const fn wide_product(a: i32, b: i32) -> i64 {
     (a as i64).wrapping_mul(b as i64)
 }
 
-/// The exact product of two words that are not negative.
-#[inline(always)]
-pub(crate) const fn wide_product_unsigned(a: i32, b: i32) -> i64 {
-    (a as u32 as u64).wrapping_mul(b as u32 as u64) as i64
-}
-
 /// The upper word, rounded towards -∞.
 #[inline(always)]
 pub(crate) const fn high_word(x: i64) -> i32 {

@@ -1,6 +1,6 @@
 //! The boost, section 6.5.3: an extra integrator that runs only while the pressure does not respond.
 
-use crate::arithmetic::wide_product_unsigned;
+use crate::arithmetic::wide_product;
 use crate::error::{Coefficient, ConfigError, Field};
 use crate::integrator::{Bound, Integrator};
 use crate::pid::{GAIN_BITS, per_full_scale, sample_time};
@@ -64,10 +64,8 @@ impl Boost {
     /// The boost of this sample: one step more while it is needed, for an error along its direction; held at its bound.
     #[inline(always)]
     pub(crate) const fn advanced(&self, boost: Integrator, needed: bool, error: i32) -> Integrator {
-        // Unsigned, so that the compiler widens the error here alone; a widening that is shared with the PID's branch hides from it
-        // that each product is one instruction.
         let summed = if needed {
-            boost.advanced(wide_product_unsigned(self.rate, error))
+            boost.advanced(wide_product(self.rate, error))
         } else {
             boost
         };

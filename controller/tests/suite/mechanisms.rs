@@ -341,6 +341,34 @@ fn back_calculation_draws_the_integral_part_by_the_share_of_what_was_cut_off() {
     assert_close(samples[1].2.integral(), -24.5 - 115.5 / 4.0);
 }
 
+/// A derivative can drive u to the end that the error does not ask for.
+#[test]
+fn back_calculation_draws_at_both_ends_and_says_that_the_error_was_not_summed() {
+    let settings = Settings {
+        anti_windup: AntiWindup::BackCalculation {
+            tracking_time_ms: lit("40"),
+        },
+        derivative_time_ms: Some(lit("10")),
+        ..WINDING
+    };
+    let samples = run(&settings, &[("8", "2"), ("3", "2"), ("3", "2")]);
+    // u₀ = 40 - 200 - 30.5 + 1, and a quarter of the -89.5 % cut off; then u₀ = 40 - 7.125 + 1.
+    assert_close(samples[1].1.u_unsaturated, -189.5);
+    assert_close(samples[1].2.integral(), -29.5 + 89.5 / 4.0);
+    assert_close(samples[2].1.u_unsaturated, 33.875);
+    let account = samples
+        .iter()
+        .map(|sample| (sample.1.saturation, sample.1.integrating));
+    assert_eq!(
+        account.collect::<Vec<_>>(),
+        [
+            (Saturation::High, false),
+            (Saturation::Low, false),
+            (Saturation::None, true)
+        ]
+    );
+}
+
 // ---- boost, 6.5.3 ----
 
 const BOOSTING: Settings = Settings {
@@ -432,4 +460,23 @@ fn without_boost_a_pressure_that_does_not_respond_changes_nothing() {
             (ControlSignal::ZERO, false)
         );
     }
+}
+
+/// 50 % of P and 50 % of boost are 100 %, which a valve can still do.
+#[test]
+fn exactly_100_percent_is_not_saturated() {
+    let settings = Settings {
+        gain_pct_per_bar: lit("50"),
+        boost: Some(Boost {
+            rate_pct_per_bar_s: lit("5000"),
+            max_pct: lit("60"),
+            response_bar: lit("0.0625"),
+        }),
+        ..BOOSTING
+    };
+    let (_, trace, state) = run(&settings, &[("3", "2")])[0];
+    assert_eq!(trace.u_unsaturated, ControlSignal::MAX);
+    assert_eq!(trace.saturation, Saturation::None);
+    assert!(trace.boosting);
+    assert_close(state.boost(), 50.0);
 }
