@@ -134,7 +134,13 @@ fn damage(ecu: &mut Ecu, fault: EcuFault) -> bool {
     true
 }
 
+#[cfg(unix)]
 fn qemu(options: &Options) -> Result<Box<dyn Target>, String> {
-    let _ = &options.image;
-    Err("later".to_owned())
+    let target = hil_harness::campaign::EmulatedTarget::start(options.image.as_deref());
+    Ok(Box::new(target.map_err(|error| error.to_string())?))
+}
+
+#[cfg(not(unix))]
+fn qemu(_: &Options) -> Result<Box<dyn Target>, String> {
+    Err("the emulated machine's memory can be shared on Unix only".to_owned())
 }

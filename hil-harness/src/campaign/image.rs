@@ -1,23 +1,25 @@
-//! Faults of the running image: its memory, and resets of the machine.
+//! Faults of the running image: its memory, its program, resets of the machine.
 
 use super::chance::{Chance, chance};
 use super::class::named;
 use super::injection::Injection;
 use super::injector::{Injector, Now};
-use super::target::{Region, Target};
+use super::target::{Accident, Target};
 use crate::device::DutError;
 use crate::random::Random;
 
 named! {
     /// A fault of the image on its machine.
     ImageFault {
-        /// A bit of the variables flips.
+        /// A bit of the static variables flips.
         FlipVariables = "flip-variables",
-        /// A bit of the stack flips.
+        /// A bit of the stack flips, where the ECU's state is as well.
         FlipStack = "flip-stack",
-        /// A bit of the stored settings flips, and the machine starts again.
-        FlipSettings = "flip-settings",
-        /// The machine is reset while its memory stays.
+        /// The main loop stands still, until the watchdog bites.
+        Hang = "hang",
+        /// An instruction that there is not.
+        Trap = "trap",
+        /// The machine is reset while its memory stays, and is without current for the time of the fault.
         WarmReset = "warm-reset",
     }
 }
@@ -35,26 +37,24 @@ impl Broken {
             random: chance(injection.seed, Chance::Fault),
         }
     }
-
-    fn restarts(&self) -> bool {
-        matches!(self.fault, ImageFault::FlipSettings | ImageFault::WarmReset)
-    }
 }
 
 impl Injector for Broken {
     fn is_powered(&self, now: Now) -> bool {
-        !(self.restarts() && now.age.is_some())
+        self.fault != ImageFault::WarmReset || now.age.is_none()
     }
 
     fn disturb(&mut self, now: Now, target: &mut dyn Target) -> Result<bool, DutError> {
-        let region = match self.fault {
-            ImageFault::FlipVariables => Region::Variables,
-            ImageFault::FlipStack => Region::Stack,
-            ImageFault::FlipSettings => Region::Settings,
+        let draw = self.random.bits(now.sample.into());
+        let accident = match self.fault {
+            ImageFault::FlipVariables => Accident::FlippedVariable(draw),
+            ImageFault::FlipStack => Accident::FlippedStack(draw),
+            ImageFault::Hang => Accident::Hang,
+            ImageFault::Trap => Accident::Trap,
             ImageFault::WarmReset => return Ok(false),
         };
         if now.age == Some(0) {
-            target.flip(region, &|counter| self.random.bits(counter))?;
+            target.suffer(accident)?;
         }
         Ok(false)
     }

@@ -20,6 +20,8 @@ mod chance;
 mod class;
 mod driver;
 mod ecu;
+#[cfg(unix)]
+mod emulated;
 mod image;
 mod injection;
 mod injector;
@@ -33,6 +35,8 @@ mod target;
 
 pub use class::{ClassError, FaultClass};
 pub use ecu::EcuFault;
+#[cfg(unix)]
+pub use emulated::{EmulatedError, EmulatedTarget};
 pub use image::ImageFault;
 pub use injection::{Injection, InjectionError};
 pub use link::LinkFault;
@@ -41,4 +45,4 @@ pub use plant::PlantFault;
 pub use run::{CampaignError, Outcome, run, run_watched};
 pub use sensor::SensorFault;
 pub use summary::Summary;
-pub use target::{Damage, InProcessTarget, Region, Target};
+pub use target::{Accident, Damage, InProcessTarget, Reaction, Target};

@@ -8,7 +8,7 @@ use super::driver::{Drive, lead_in_samples};
 use super::injection::Injection;
 use super::injector::{Now, injector};
 use super::oracle::{Oracle, Seen, Violation};
-use super::target::Target;
+use super::target::{Reaction, Target};
 use crate::device::DutError;
 use crate::reference_profile::ReferenceProfile;
 use crate::rigs::scattered;
@@ -25,6 +25,8 @@ pub struct Outcome {
     pub latency: Option<u32>,
     /// How long the run was \[samples\].
     pub samples: u32,
+    /// How often the target started again by itself.
+    pub resets: u32,
     /// The promises that were broken, each where it was broken first.
     pub violations: Vec<Violation>,
 }
@@ -104,7 +106,8 @@ fn judged(
     let mut injector = injector(injection, &scenario.plant);
     let mut oracle = Oracle::new(injection, scenario, *drive);
     let mut latency = None;
-    let mut starts = true;
+    let mut resets = 0;
+    let (mut starts, mut was_off) = (true, false);
     target.start(&scenario.ecu_settings())?;
     for sample in 0..drive.samples() {
         let now = Now {
@@ -116,15 +119,25 @@ fn judged(
         injector.sense(now, &mut sensors);
         let is_damaged = injector.disturb(now, target)?;
         if !injector.is_powered(now) {
-            starts = true;
+            (starts, was_off) = (true, true);
             injector.actuate(now, &mut world, wire::Actuators::OFF);
             continue;
         }
-        if starts && sample > 0 {
+        if was_off {
             target.restart()?;
+            was_off = false;
         }
         let is_released = sample == drive.release_at() && target.release()?;
-        let answer = target.exchange(&sensors)?;
+        let answer = match target.exchange(&sensors)? {
+            Reaction::Answer(answer) => answer,
+            Reaction::Reset(actuators) => {
+                oracle.see_reset(sample, actuators);
+                resets += 1;
+                starts = true;
+                injector.actuate(now, &mut world, actuators);
+                continue;
+            }
+        };
         let wire::Actuators {
             duty_fill,
             duty_vent,
@@ -150,6 +163,7 @@ fn judged(
         injection: *injection,
         latency,
         samples: drive.samples(),
+        resets,
         violations: oracle.violations(),
     })
 }

@@ -22,6 +22,7 @@ struct Row {
     latency_worst: Option<u32>,
     breaking_safety: u32,
     not_live: u32,
+    resets: u32,
 }
 
 /// So many failures are kept.
@@ -37,6 +38,7 @@ impl Summary {
         row.latency_worst = row.latency_worst.max(outcome.latency);
         row.breaking_safety += u32::from(outcome.is_unsafe());
         row.not_live += u32::from(outcome.is_not_live());
+        row.resets += outcome.resets;
         if !outcome.violations.is_empty() && self.failures.len() < FAILURES_MAX {
             self.failures.push(outcome);
         }
@@ -53,6 +55,7 @@ impl Summary {
             row.latency_worst = row.latency_worst.max(more.latency_worst);
             row.breaking_safety += more.breaking_safety;
             row.not_live += more.not_live;
+            row.resets += more.resets;
         }
         self.failures.extend(other.failures);
         self.failures.truncate(FAILURES_MAX);
@@ -87,8 +90,8 @@ impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{:24} {:>8} {:>9} {:>16} {:>7} {:>9}",
-            "fault", "runs", "detected", "latency, worst", "unsafe", "not live"
+            "{:24} {:>8} {:>9} {:>16} {:>7} {:>9} {:>7}",
+            "fault", "runs", "detected", "latency, worst", "unsafe", "not live", "resets"
         )?;
         for (class, row) in &self.rows {
             let latency = row
@@ -99,11 +102,12 @@ impl fmt::Display for Summary {
                 detected,
                 breaking_safety,
                 not_live,
+                resets,
                 ..
             } = row;
             writeln!(
                 f,
-                "{class:24} {runs:8} {detected:9} {latency:>16} {breaking_safety:7} {not_live:9}"
+                "{class:24} {runs:8} {detected:9} {latency:>16} {breaking_safety:7} {not_live:9} {resets:7}"
             )?;
         }
         write!(

@@ -5,7 +5,7 @@ use ecu::{Ecu, EcuConfig, EcuSettings, Inputs, ResetCause};
 use super::class::FaultClass;
 use super::ecu::EcuFault;
 use crate::device::{DutError, plausible};
-use crate::wire::{Answer, Sensors};
+use crate::wire::{Actuators, Answer, Sensors};
 
 /// A device under test of a campaign.
 pub trait Target {
@@ -18,11 +18,11 @@ pub trait Target {
     /// The device cannot be reached, or the settings are out of bounds.
     fn start(&mut self, settings: &EcuSettings) -> Result<(), DutError>;
 
-    /// One sample; the actuators are what the coils get, whatever the device says of them.
+    /// One sample.
     ///
     /// # Errors
     /// The device did not answer.
-    fn exchange(&mut self, sensors: &Sensors) -> Result<Answer, DutError>;
+    fn exchange(&mut self, sensors: &Sensors) -> Result<Reaction, DutError>;
 
     /// After a reset, with the settings that it had.
     ///
@@ -47,24 +47,35 @@ pub trait Target {
         Ok(false)
     }
 
-    /// Flips one bit of its memory, which `draw` chooses.
+    /// Something happens to the image on its machine.
     ///
     /// # Errors
     /// The device cannot be reached.
-    fn flip(&mut self, _: Region, _draw: &dyn Fn(u64) -> u64) -> Result<(), DutError> {
+    fn suffer(&mut self, _: Accident) -> Result<(), DutError> {
         Ok(())
     }
 }
 
-/// A part of an image's memory.
+/// What a target does in a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Region {
-    /// Static variables.
-    Variables,
-    /// The stack.
-    Stack,
-    /// The stored settings.
-    Settings,
+pub enum Reaction {
+    /// It answers; the actuators are what the coils get, whatever the device says of them.
+    Answer(Answer),
+    /// It has started again instead; this is what its coils got since.
+    Reset(Actuators),
+}
+
+/// What can happen to an image. The number chooses the bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accident {
+    /// A bit of a static variable flips.
+    FlippedVariable(u64),
+    /// A bit of the stack flips.
+    FlippedStack(u64),
+    /// The program stands still.
+    Hang,
+    /// The processor finds no instruction.
+    Trap,
 }
 
 /// Damages an ECU in this process; whether it could.
@@ -122,17 +133,16 @@ impl Target for InProcessTarget {
         Ok(())
     }
 
-    fn exchange(&mut self, sensors: &Sensors) -> Result<Answer, DutError> {
+    fn exchange(&mut self, sensors: &Sensors) -> Result<Reaction, DutError> {
         let actuators = self.ecu.sample(&Inputs::from(*sensors)).into();
         let telemetry = self.ecu.telemetry();
-        plausible(
-            sensors,
-            Answer {
-                sample: sensors.sample,
-                actuators,
-                telemetry,
-            },
-        )
+        let sample = sensors.sample;
+        let answer = Answer {
+            sample,
+            actuators,
+            telemetry,
+        };
+        plausible(sensors, answer).map(Reaction::Answer)
     }
 
     fn restart(&mut self) -> Result<(), DutError> {

@@ -20,7 +20,7 @@ use super::bounds;
 use super::driver::Drive;
 use super::injection::Injection;
 use crate::scenario::Scenario;
-use crate::wire::{Sensors, measured_bar};
+use crate::wire::{Actuators, Sensors, measured_bar};
 use condition::Conditions;
 use memory::Memory;
 use permission::Permission;
@@ -166,6 +166,14 @@ impl Oracle {
             self.add(promise, seen.sensors.sample, evidence);
         }
         self.memory.remember(seen);
+    }
+
+    /// One sample in which the target started again instead of answering: nobody has a reason to drive a coil.
+    pub(super) fn see_reset(&mut self, sample: u32, actuators: Actuators) {
+        if actuators != Actuators::OFF {
+            let evidence = format!("after a reset the coils get {actuators:?}");
+            self.add(Promise::SafeInTime, sample, evidence);
+        }
     }
 
     /// What was not kept, the first of each promise, in the order of time.
