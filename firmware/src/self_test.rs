@@ -1,7 +1,7 @@
 //! The controller against itself on another machine: a long deterministic run, told as digests.
 //!
-//! Every configuration of [`CONFIGURATIONS`] is stepped [`STEPS`] times through the same random walk. Every word of every
-//! output and of every state goes into one digest, which is shown each [`BLOCK`] steps and at the end:
+//! Every configuration of `CONFIGURATIONS` is stepped `STEPS` times through the same random walk. Every word of every
+//! output and of every state goes into one digest, which is shown each `BLOCK` steps and at the end:
 //! ```text
 //! config=thesis step=1024 digest=00c0ffee00c0ffee
 //! config=thesis steps=65536 digest=0123456789abcdef
