@@ -212,7 +212,7 @@ impl EcuState {
         };
         if takes_over {
             self.controller = if config.has(Mechanism::BumplessTakeover) {
-                State::taking_over(&config.controller, input, ControlSignal::ZERO)
+                State::new(input)
             } else {
                 State::at_rest()
             };

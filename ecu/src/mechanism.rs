@@ -27,7 +27,7 @@ pub enum Mechanism {
     Ramp = 7,
     /// After a fault the reference rises no faster than the ramp.
     RecoveryRamp = 8,
-    /// The controller takes over from what the valves got.
+    /// The controller takes over as if the pressure had been there before.
     BumplessTakeover = 9,
     /// A fault that comes back too often locks.
     RetryLimit = 10,

@@ -62,6 +62,22 @@ fn the_loop_comes_back_without_a_bump() {
     assert!(bench.rig.pressure_bar > 6.0, "{}", bench.rig.pressure_bar);
 }
 
+/// The reference went below the pressure while both valves were shut: the loop lets go, and fills nothing.
+#[test]
+fn the_loop_comes_back_below_the_pressure_without_a_sample_of_filling() {
+    for reference_bar in [4.5, 3.0, 1.0] {
+        let mut bench = Bench::at(5.0);
+        bench.steps_with(6, NO_PRESSURE);
+        bench.reference_bar = reference_bar;
+        bench.steps(14);
+        assert_eq!(bench.ecu.mode(), Mode::Running);
+        while bench.rig.pressure_bar > reference_bar + 0.2 {
+            assert_eq!(bench.duties()[0], 0.0, "{reference_bar} bar");
+            bench.step();
+        }
+    }
+}
+
 #[test]
 fn a_ramp_that_is_interrupted_goes_back_up() {
     let mut bench = Bench::at(5.0);
