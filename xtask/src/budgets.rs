@@ -24,14 +24,14 @@ mod table;
 mod unbounded;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Duration;
 
 use crate::failure::Failure;
+use crate::process;
+use crate::qemu::{self, Board};
 use crate::report::Report;
 use crate::toolchain::{Choice, TARGET, Toolchain};
 use crate::workspace::arm_target_dir;
-use crate::{process, qemu};
 use code::Code;
 use elf::Elf;
 use findings::Findings;
@@ -39,8 +39,8 @@ use findings::Findings;
 /// Longest wait for one build.
 const BUILD_DEADLINE: Duration = Duration::from_secs(900);
 
-const TOOLCHAIN: &str = "ARM toolchain";
-const QEMU: &str = "QEMU";
+const TOOLS: &str = "toolchain, emulator and disassembler for ARM";
+const COMPILER: &str = "C compiler for ARM";
 const DISASSEMBLER: &str = "disassembler for ARM";
 const BENCH: &str = "bench image";
 const FIGURES: &str = "sample counted and proved";
@@ -81,54 +81,43 @@ fn listed(lines: &[String]) -> String {
     lines.iter().map(|line| format!("\n    {line}")).collect()
 }
 
+/// Installs what this verb needs beyond the image's toolchain and the emulator.
+pub(crate) fn setup(report: &mut Report) {
+    report.step(DISASSEMBLER, code::ready);
+    report.step(COMPILER, bench::compiler_ready);
+}
+
 /// Counts, proves, prints and judges; `json` is where the findings go besides.
 pub(crate) fn run(report: &mut Report, choice: Choice, json: Option<&Path>) {
-    let toolchain = report.step(TOOLCHAIN, || Toolchain::ready(choice));
-    let qemu = report.step(QEMU, qemu::ready);
-    let disassembler = report.step(DISASSEMBLER, code::ready);
-    let tools = Tools {
-        toolchain,
-        qemu,
-        disassembler,
-    };
+    let toolchain = report.step(TOOLS, || {
+        qemu::ready()?;
+        code::ready()?;
+        Toolchain::ready(choice)
+    });
     let mut findings = Findings::default();
-    sample(report, &tools, &mut findings);
-    image(report, &tools, &mut findings);
+    sample(report, toolchain.as_ref(), &mut findings);
+    image(report, toolchain.as_ref(), &mut findings);
     if let Some(path) = json {
         report.step("findings written", || findings.write(path));
     }
 }
 
-/// What the steps need, each if it is there.
-struct Tools {
-    toolchain: Option<Toolchain>,
-    qemu: Option<()>,
-    disassembler: Option<()>,
-}
-
-impl Tools {
-    /// A cargo command that builds a package for the ECU.
-    fn build(&self, arguments: &[&str]) -> Result<Command, Failure> {
-        let mut build = needed(&self.toolchain, TOOLCHAIN)?.cargo("build");
-        build.args(arguments);
-        Ok(build)
-    }
-}
-
 /// One sample of the controller, beside its peers.
-fn sample(report: &mut Report, tools: &Tools, findings: &mut Findings) {
+fn sample(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Findings) {
     // Without the compiler the table has no rows in C, and the budgets that compare with them fail.
-    let compiler = report.step("C compiler for ARM", bench::compiler_ready);
+    let compiler = report.step(COMPILER, bench::compiler_ready);
     let baselines = compiler.map_or("", |()| "c-baselines");
+    let build = |program: &str, features: &str| {
+        let mut build = needed(&toolchain, TOOLS)?.cargo("build");
+        build.args(["--package", "budgets", "--bin", program]);
+        build.args(["--features", features]);
+        Ok::<_, Failure>(build)
+    };
     let bench = report.step(BENCH, || {
-        let arguments = ["--package", "budgets", "--bin", "budgets", "--features"];
-        let mut build = tools.build(&[&arguments, [baselines].as_slice()].concat())?;
-        process::run(&mut build, BUILD_DEADLINE)?;
+        process::run(&mut build("budgets", baselines)?, BUILD_DEADLINE)?;
         Ok(built("budgets"))
     });
     let figures = report.step(FIGURES, || {
-        needed(&tools.qemu, QEMU)?;
-        needed(&tools.disassembler, DISASSEMBLER)?;
         let figures = bench::measure(needed(&bench, BENCH)?)?;
         println!(
             "\n{}\n{}\n",
@@ -143,31 +132,32 @@ fn sample(report: &mut Report, tools: &Tools, findings: &mut Findings) {
         println!("{}", gates::table(&gates));
         findings.judge(&gates)
     });
-    let arguments = ["--package", "budgets", "--bin", "panic_free"];
     report.step("controller cannot panic", || {
-        panic_free::links(&mut tools.build(&arguments)?)
+        panic_free::links(&mut build("panic_free", "")?)
     });
     report.step("a panic on purpose is found", || {
-        let canary = [arguments.as_slice(), &["--features", "panic-canary"]].concat();
-        panic_free::canary_is_refused(&mut tools.build(&canary)?)
+        panic_free::canary_is_refused(&mut build("panic_free", "panic-canary")?)
     });
 }
 
-/// The image that is flashed.
-fn image(report: &mut Report, tools: &Tools, findings: &mut Findings) {
-    let arguments = ["--package", "firmware"];
+/// The image that is flashed, as it is built for the emulated board.
+fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Findings) {
+    let build = |feature: &str| {
+        let mut build = needed(&toolchain, TOOLS)?.cargo("build");
+        build.args(["--package", "firmware", "--no-default-features"]);
+        build.args(["--features", Board::Mps2An386.feature()]);
+        build.args(["--features", feature]);
+        Ok::<_, Failure>(build)
+    };
     report.step("image cannot panic", || {
-        let proof = [arguments.as_slice(), &["--features", "prove-panic-free"]].concat();
-        panic_free::links(&mut tools.build(&proof)?)
+        panic_free::links(&mut build("prove-panic-free")?)
     });
     report.step("image with a panic on purpose is refused", || {
-        let canary = [arguments.as_slice(), &["--features", "panic-canary"]].concat();
-        panic_free::canary_is_refused(&mut tools.build(&canary)?)
+        panic_free::canary_is_refused(&mut build("panic-canary")?)
     });
     // Last, so that this one is what lies in the folder afterwards.
     let image = report.step(IMAGE, || {
-        process::run(&mut tools.build(&arguments)?, BUILD_DEADLINE)?;
-        needed(&tools.disassembler, DISASSEMBLER)?;
+        process::run(&mut build("")?, BUILD_DEADLINE)?;
         let elf = Elf::read(&built("firmware"))?;
         let code = Code::of(&elf)?;
         Ok((elf, code))
@@ -184,7 +174,6 @@ fn image(report: &mut Report, tools: &Tools, findings: &mut Findings) {
         Ok(stack)
     });
     report.step("stack of the image, painted", || {
-        needed(&tools.qemu, QEMU)?;
         let (elf, _) = needed(&image, IMAGE)?;
         let used = image::painted(&qemu::run(elf.path())?)?;
         let gates = [needed(&stack, STACK)?.painted(used)];

@@ -141,6 +141,7 @@ fn main() -> ExitCode {
         Verb::Setup { arm } => {
             host::setup(&mut report);
             arm::setup(&mut report, arm.toolchain);
+            budgets::setup(&mut report);
         }
         Verb::Fmt => host::format(&mut report),
         Verb::Lint => host::lint(&mut report),

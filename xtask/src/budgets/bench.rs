@@ -66,7 +66,7 @@ pub(crate) fn table(figures: &[Figures]) -> Table {
         "stack",
         "touched",
         "panics",
-        "deviation %",
+        "differs %",
     ]);
     let mut duty = None;
     for figures in figures {
@@ -110,16 +110,18 @@ pub(crate) fn legend(figures: &[Figures]) -> String {
     let mut legend = LEGEND.to_owned();
     for figures in figures {
         if let Err(reason) = &figures.proved {
-            legend += &format!("\nno bound: {}: {reason}", figures.candidate.title);
+            legend += &format!("\nno bound: {}\n    {reason}", figures.candidate.title);
         }
     }
     legend
 }
 
 const LEGEND: &str = "\
-mean, seen: over 102 400 samples of one closed loop, the same for all (budgets/src/trace.rs); the return counts, the call does not
-proved: longest path through the linked code, callees included, for any input
+mean, seen: over 102 400 samples of one closed loop, the same for all (budgets/src/trace.rs); the return counts,
+    the call does not
+proved: longest path through the linked code, callees included, for any input; code with a loop has none
 code: of the function and all it reaches, constants between the code included, the panic handler not
 stack: bound from the linked code; touched: what the run wrote
+state: ecu::Ecu keeps two copies of its configuration in it
 panics: whether a path leads to the panic handler; Rust is compiled as the image is, with overflow checks on
-deviation: of a duty cycle from the controller's; ecu::Ecu keeps two copies of its configuration in its state";
+differs: a duty cycle from the controller's, at most";
