@@ -117,8 +117,8 @@ pub(crate) fn legend(figures: &[Figures]) -> String {
 }
 
 const LEGEND: &str = "\
-mean, seen: over 102 400 samples of one closed loop, the same for all (budgets/src/trace.rs); the return counts,
-    the call does not
+mean, seen: over 102 400 samples of one closed loop, the same for all but ecu::Ecu, which drives its own plant
+    (budgets/src/trace.rs); the return counts, the call does not
 proved: longest path through the linked code, callees included, for any input; code with a loop has none
 code: of the function and all it reaches, constants between the code included, the panic handler not
 stack: bound from the linked code; touched: what the run wrote
