@@ -4,6 +4,7 @@ use ecu::{Inputs, Outputs};
 use hil_protocol::{FRAME_MAX, LogBytes, ResetCause, Sensors};
 
 use crate::event::Event;
+use crate::pace::Pace;
 use crate::retained::Retained;
 
 /// What the image asks of a machine.
@@ -75,16 +76,6 @@ pub trait Board {
 
     /// Takes the oldest bytes of the log; says how many were lost since the start.
     fn take_log(&mut self, bytes: &mut LogBytes) -> u32;
-}
-
-/// What sets the pace of the control task, and so how soon the watchdog has to bite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum Pace {
-    /// The sample timer: the watchdog bites after three samples without one.
-    Timer,
-    /// The host, which may stop to think: the watchdog only sees that the image is alive.
-    Host,
 }
 
 /// What came over a link.

@@ -9,9 +9,10 @@ use hil_protocol::{
     Values,
 };
 
-use crate::board::{Board, Pace};
+use crate::board::Board;
 use crate::event::Event;
 use crate::measurement::Measurement;
+use crate::pace::Pace;
 use crate::punctuality::{FIRST_SIGNAL, LAST_SIGNAL, Punctuality};
 use crate::retained::Farewell;
 

@@ -3,7 +3,7 @@
 use ecu::{FaultSet, Mode, ResetCause};
 use hil_protocol::SettingsSource;
 
-use crate::board::Pace;
+use crate::pace::Pace;
 use crate::retained::Farewell;
 
 /// One line of the log.
