@@ -1,4 +1,4 @@
-//! The image for the ECU: built, run on the emulated machine, its bits compared with the host's.
+//! The image for the ECU: built for each board, run on the emulated machine, its bits compared with the host's.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,11 +10,14 @@ use crate::process;
 use crate::qemu::{self, Board};
 use crate::report::Report;
 use crate::toolchain::{Choice, TARGET, Toolchain};
-use crate::workspace::{arm_target_dir, cargo, target_dir};
+use crate::workspace::{arm_target_dir, cargo, find_program, target_dir};
 
 const BUILD_DEADLINE: Duration = Duration::from_secs(900);
 /// Longest life of the self-test on the host.
 const HOST_DEADLINE: Duration = Duration::from_secs(120);
+
+/// Longest build and run of the tests of the image in the loop.
+const IN_THE_LOOP_DEADLINE: Duration = Duration::from_secs(2400);
 
 const TOOLCHAIN: &str = "ARM toolchain";
 const QEMU: &str = "QEMU";
@@ -72,6 +75,10 @@ pub(crate) fn test(report: &mut Report, choice: Choice) {
     });
     report.step("one flipped bit is found", || {
         canary(needed(&host, ON_HOST)?)
+    });
+    report.step("image in the loop", || {
+        needed(&qemu, QEMU)?;
+        in_the_loop(needed(&image, IMAGE)?)
     });
 }
 
@@ -139,6 +146,22 @@ fn run_on_host(canary: Option<&str>) -> Result<Run, Failure> {
 fn run_in_qemu(image: &Path) -> Result<Run, Failure> {
     let said = qemu::run(image)?;
     read("the ARM image", &said)
+}
+
+/// The harness' tests of the image in QEMU. One at a time: each of them keeps two processors busy.
+fn in_the_loop(image: &Path) -> Result<(), Failure> {
+    let mut tests = cargo();
+    tests.env("RETARDER_IMAGE", image);
+    let (runner, one_at_a_time): (&[&str], &[&str]) = if find_program("cargo-nextest").is_some() {
+        (&["nextest", "run"], &["-j", "1"])
+    } else {
+        (&["test"], &["--", "--test-threads", "1"])
+    };
+    tests.args(runner);
+    tests.args(["--package", "hil-harness", "--test", "image_in_the_loop"]);
+    tests.args(["--features", "image-in-the-loop"]);
+    tests.args(one_at_a_time);
+    process::run(&mut tests, IN_THE_LOOP_DEADLINE)
 }
 
 fn read(machine: &'static str, text: &str) -> Result<Run, Failure> {
