@@ -251,3 +251,83 @@ const fn saturated(value: i64) -> i32 {
         value as i32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limits(change: impl FnOnce(&mut Supervision)) -> Limits {
+        let mut settings = EcuSettings::bench();
+        change(&mut settings.supervision);
+        EcuConfig::new(&settings).unwrap().limits
+    }
+
+    #[test]
+    fn each_limit_is_its_setting_in_the_units_of_a_sample() {
+        let limits = limits(|_| {});
+        let bar = |bits: i32| f64::from(bits) / 65_536.0;
+        for (found, expected) in [
+            (bar(limits.pressure_max), 10.2),
+            (bar(limits.reference_max), 10.0),
+            (bar(limits.supply_min), 7.5),
+            (bar(limits.ramp), 0.05),
+            (bar(limits.open_fill), 75.0),
+            (bar(limits.open_vent), 75.0),
+        ] {
+            assert!((found - expected).abs() < 3e-5, "{found}, {expected}");
+        }
+        // Half of what the valve does in 10 ms.
+        for (found, rate_per_s) in [(limits.least_rise, 7.13), (limits.least_fall, 7.28)] {
+            let share = f64::from(found) / 2.0_f64.powi(32);
+            assert!((share - 0.5 * 0.01 * rate_per_s).abs() < 1e-6, "{share}");
+        }
+        assert_eq!(
+            (limits.battery_min_mv, limits.battery_max_mv),
+            (20_000, 32_000)
+        );
+        assert_eq!((limits.coil_min_ma, limits.coil_max_ma), (15, 640));
+        assert_eq!(
+            (limits.elapsed_min_us, limits.elapsed_max_us),
+            (5_000, 20_000)
+        );
+        assert_eq!(limits.settling, Window::last(6));
+    }
+
+    #[test]
+    fn the_faster_valve_decides_about_a_jump() {
+        let nominal = limits(|_| {}).jump;
+        let faster = I16F16::from_num(14.56);
+        let fill = limits(|supervision| supervision.fill_rate_per_s = faster).jump;
+        let vent = limits(|supervision| supervision.vent_rate_per_s = faster).jump;
+        assert_eq!(fill, vent);
+        assert!((f64::from(vent) / f64::from(nominal) - 2.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_settling_time_is_rounded_up_to_samples() {
+        for (milliseconds, samples) in [(1, 1), (10, 1), (11, 2), (320, 32)] {
+            let limits = limits(|supervision| {
+                supervision.valve_settling_ms = I16F16::from_num(milliseconds);
+            });
+            assert_eq!(limits.settling, Window::last(samples), "{milliseconds} ms");
+        }
+        let mut settings = EcuSettings::bench();
+        settings.supervision.valve_settling_ms = I16F16::from_num(321);
+        let refused = EcuConfig::new(&settings);
+        assert!(matches!(
+            refused,
+            Err(EcuConfigError::OutOfRange {
+                field: Field::ValveSettling,
+                max,
+                ..
+            }) if max == 320
+        ));
+    }
+
+    #[test]
+    fn shares_beyond_a_word_are_held_at_its_end() {
+        assert_eq!(saturated(i64::from(i32::MAX)), i32::MAX);
+        assert_eq!(saturated(i64::from(i32::MAX) + 1), i32::MAX);
+        assert_eq!(saturated(-5), -5);
+    }
+}

@@ -15,7 +15,7 @@ pub(crate) fn digest(state: &impl Hash) -> u32 {
 }
 
 /// More than all fields together; a test says so.
-const BYTES_MAX: usize = 256;
+pub(crate) const BYTES_MAX: usize = 256;
 
 /// Gathers what a derived `Hash` writes.
 struct Bytes {

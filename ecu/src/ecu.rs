@@ -44,7 +44,7 @@ struct EcuState {
     /// The reference that the controller got last.
     reference: Pressure,
     u: ControlSignal,
-    /// Whether the controller was in charge in the last sample.
+    /// Whether the controller was in charge in the last sample; it takes over where it was not.
     is_controlled: bool,
 }
 
@@ -154,15 +154,17 @@ impl Ecu {
         // What the old settings give while the pressure stays: the part of its change comes anew with the next sample.
         let state = self.state.controller;
         let (_, trace) = step_traced(&self.config.controller, &mut state.clone(), input);
-        if trace.activity == Activity::Controlling {
+        self.state.controller = if trace.activity == Activity::Controlling {
             let summed = state
                 .integral()
                 .percent()
                 .wrapping_add(state.boost().percent());
             let percent = trace.proportional.percent().wrapping_add(summed);
             let u = ControlSignal::saturating_from_percent(percent);
-            self.state.controller = State::taking_over(&config.controller, input, u);
-        }
+            State::taking_over(&config.controller, input, u)
+        } else {
+            State::new(input)
+        };
         self.config = config;
         self.copy = config;
     }
@@ -185,6 +187,7 @@ impl EcuState {
         }
         let is_believed = seen.pressure.is_some() || !config.has(Mechanism::ShutOnDoubt);
         if !self.is_controlled || !is_believed {
+            // Without a pressure it cannot take over; one that was in charge stays so.
             self.is_controlled &= was_controlled;
             return Output::OFF;
         }
@@ -268,4 +271,39 @@ fn opening(outputs: Outputs, vent_valve: VentValve) -> Output {
 #[inline(always)]
 fn complement(duty: Duty) -> Duty {
     Duty::saturating_from_bits(Duty::FULL.to_bits().wrapping_sub(duty.to_bits()))
+}
+
+#[cfg(test)]
+mod tests {
+    use core::hash::{Hash, Hasher};
+
+    use super::*;
+    use crate::digest::BYTES_MAX;
+    use crate::settings::EcuSettings;
+
+    struct Counted(usize);
+
+    impl Hasher for Counted {
+        fn write(&mut self, bytes: &[u8]) {
+            self.0 += bytes.len();
+        }
+
+        fn finish(&self) -> u64 {
+            self.0 as u64
+        }
+    }
+
+    #[test]
+    fn the_whole_state_has_room_in_the_digest() {
+        let config = EcuConfig::new(&EcuSettings::bench()).unwrap();
+        let mut counted = Counted(0);
+        Ecu::new(config, ResetCause::PowerOn)
+            .state
+            .hash(&mut counted);
+        assert!(
+            counted.0 > 100 && counted.0 <= BYTES_MAX,
+            "{} bytes",
+            counted.0
+        );
+    }
 }

@@ -4,6 +4,7 @@
 use ecu as api;
 
 mod bench;
+mod checked_loop;
 mod detection;
 mod document;
 mod invariants;
@@ -11,3 +12,4 @@ mod recovery;
 mod reset;
 mod valves;
 mod ways;
+mod words;
