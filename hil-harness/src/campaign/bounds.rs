@@ -73,8 +73,6 @@ pub const SETTLING: u32 = 7;
 /// After a fault the pressure may be above the line of the ramp by the tolerance (0.1 bar) and by what flows in while the valve
 /// closes after it was reached (command delay and one period: 2.5 samples of 0.7 bar at most, half of it at a ramp's error).
 pub const BUMP_BAR: f64 = 0.9;
-/// And no further below what is asked for \[bar\]: the tolerance, and what flows out while the valve closes at a small error.
-pub const BUMP_DOWN_BAR: f64 = 0.25;
 /// The comeback is watched for so long after the ramp is over \[samples\]: T_req.
 pub const COMEBACK_SAMPLES: u32 = 50;
 /// No filling so far above the reference \[bar\]: a derivative time of 16 ms at 75 bar/s looks ahead 1.2 bar, the prediction 0.7.

@@ -109,11 +109,6 @@ impl FaultClass {
             Self::Sensor(_) | Self::Link(_) | Self::Image(_) => true,
         }
     }
-
-    /// Whether the fault moves the chamber's pressure by itself, past both valves' commands.
-    pub(super) fn moves_pressure(self) -> bool {
-        matches!(self, Self::Plant(fault) if fault.moves_pressure())
-    }
 }
 
 impl fmt::Display for FaultClass {

@@ -55,19 +55,6 @@ impl PlantFault {
         )
     }
 
-    /// Whether gas flows past the commands.
-    pub(super) fn moves_pressure(self) -> bool {
-        !matches!(
-            self,
-            Self::FillStuckClosed
-                | Self::VentStuckClosed
-                | Self::FillCoilOpen
-                | Self::VentCoilOpen
-                | Self::FillCoilShort
-                | Self::VentCoilShort
-        )
-    }
-
     /// Whether the coils behave as commanded, though a valve does not.
     fn leaves_coils_alone(self) -> bool {
         matches!(

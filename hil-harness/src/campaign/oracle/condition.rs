@@ -333,8 +333,9 @@ impl Conditions {
         if has_jumped {
             self.doubts += 1;
         } else {
+            let was_doubted = self.doubts > 0 || moved_bar > self.rig.jump_bar - 0.02;
             self.doubts = 0;
-            self.sound_for = if moved_bar > self.rig.jump_bar - 0.02 {
+            self.sound_for = if was_doubted {
                 0
             } else {
                 self.sound_for.saturating_add(1)

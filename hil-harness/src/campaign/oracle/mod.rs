@@ -125,7 +125,6 @@ pub struct Oracle {
     drive: Drive,
     supply_bar: f64,
     leaves_venting: bool,
-    moves_pressure: bool,
     is_plain: bool,
     memory: Memory,
     conditions: Conditions,
@@ -139,11 +138,10 @@ impl Oracle {
             drive,
             supply_bar: scenario.plant.gas.supply_pressure_bar_gauge,
             leaves_venting: injection.class.leaves_venting(),
-            moves_pressure: injection.class.moves_pressure(),
             is_plain: injection.class.is_plain(),
             memory: Memory::new(),
             conditions: Conditions::new(&scenario.supervision),
-            permission: Permission::new(),
+            permission: Permission::new(injection.class.is_plain()),
             violations: Vec::new(),
         }
     }

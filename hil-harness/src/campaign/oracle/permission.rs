@@ -13,6 +13,8 @@ const BRIDGED: u32 = bounds::HOLD_SAMPLES - 2 * bounds::RECOVERY_N;
 /// What the past of a run allows.
 #[derive(Debug)]
 pub(super) struct Permission {
+    /// Only of a fault that shows as one row can be told how often it was confirmed.
+    is_plain: bool,
     /// The reference has to be seen at zero first: after a reset, and after the chamber was given up.
     needs_zero: bool,
     /// Samples in a row with the reference at zero.
@@ -33,8 +35,8 @@ pub(super) struct Permission {
 struct Comeback {
     /// The ramp, until it has met the reference.
     line_bar: f64,
-    /// The lowest and the highest pressure that anybody had a reason for.
-    reasonable_bar: [f64; 2],
+    /// The highest pressure that anybody has had a reason for.
+    reasonable_bar: f64,
     /// Samples for which this is watched.
     left: u32,
 }
@@ -43,7 +45,7 @@ impl Comeback {
     fn from(pressure_bar: f64) -> Self {
         Self {
             line_bar: pressure_bar,
-            reasonable_bar: [pressure_bar; 2],
+            reasonable_bar: pressure_bar,
             left: bounds::COMEBACK_SAMPLES,
         }
     }
@@ -54,9 +56,7 @@ impl Comeback {
         if self.line_bar >= reference_bar {
             self.line_bar = f64::INFINITY;
         }
-        let asked_bar = reference_bar.min(self.line_bar);
-        let [low, high] = self.reasonable_bar;
-        self.reasonable_bar = [low.min(asked_bar), high.max(asked_bar)];
+        self.reasonable_bar = self.reasonable_bar.max(reference_bar.min(self.line_bar));
         if self.line_bar.is_infinite() {
             self.left -= 1;
         }
@@ -64,14 +64,14 @@ impl Comeback {
     }
 
     fn keeps(&self, pressure_bar: f64) -> bool {
-        let [low, high] = self.reasonable_bar;
-        (low - bounds::BUMP_DOWN_BAR..=high + bounds::BUMP_BAR).contains(&pressure_bar)
+        pressure_bar <= self.reasonable_bar + bounds::BUMP_BAR
     }
 }
 
 impl Permission {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(is_plain: bool) -> Self {
         Self {
+            is_plain,
             needs_zero: true,
             zero_for: 0,
             answered: 0,
@@ -90,7 +90,7 @@ impl Permission {
 
     pub(super) fn look(&mut self, seen: &Seen, conditions: &Conditions) {
         if seen.is_first {
-            *self = Self::new();
+            *self = Self::new(self.is_plain);
         }
         if seen.is_released {
             self.is_locked = self.is_damaged;
@@ -120,8 +120,8 @@ impl Permission {
         };
         if is_answering && idle_for > 0 {
             // Only where the target has certainly been running again.
-            self.answered +=
-                u32::from(!self.needs_zero && idle_for >= IDLE_MIN && self.away_for == 0);
+            let is_running = !self.needs_zero && idle_for >= IDLE_MIN && self.away_for == 0;
+            self.answered += u32::from(is_running && self.is_plain);
             self.comeback = None;
         }
         self.away_for = self.away_for.saturating_sub(1);
@@ -158,7 +158,7 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 3] {
     let permission = &oracle.permission;
     let [fill, _] = seen.coils;
     let filled = || format!("fill {fill:.2} %");
-    let comeback = permission.comeback.filter(|_| !oracle.moves_pressure);
+    let comeback = permission.comeback.filter(|_| oracle.is_plain);
     let is_smooth = comeback.is_none_or(|comeback| comeback.keeps(seen.pressure_bar));
     [
         unless(
