@@ -79,11 +79,16 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         if self.task.ends {
             return self.last_turn();
         }
+        // Asked before the tick is looked for: a tick after that is a whole quiet time away.
+        let is_quiet_time = self.task.is_quiet_time();
         self.task.board.background();
         if let Some(reply) = self.task.turn()
             && let Some(frame) = self.session.unasked(&reply, &mut self.buffer)
         {
             self.task.board.send(frame);
+        }
+        if is_quiet_time {
+            return Life::GoesOn;
         }
         let Some(received) = self.task.board.receive(&mut self.buffer) else {
             return Life::GoesOn;

@@ -33,7 +33,7 @@ const INTERVAL: usize = 4;
 const MISSED: usize = 6;
 
 /// T_ECU \[µs\].
-const PERIOD_US: u32 = 10_000;
+pub(crate) const PERIOD_US: u32 = 10_000;
 
 const fn us(name: &'static str) -> Signal {
     Signal {

@@ -260,6 +260,12 @@ impl<'a> Machine<'a> {
         }
     }
 
+    /// A request is on its way; nobody waits for its answer.
+    pub(crate) fn say(&mut self, request: &Request) {
+        let frame = self.host.request(request).unwrap().to_vec();
+        self.board().incoming.push_back(frame);
+    }
+
     pub(crate) fn done(&mut self, request: &Request) {
         assert_eq!(self.ask(request), Reply::Done, "{request:?}");
     }

@@ -48,6 +48,27 @@ fn a_missed_tick_is_logged_with_its_sample() {
     assert_eq!(machine.board().count(Deed::Measure), 6);
 }
 
+/// The longest request takes less than a millisecond: none is in work when the next tick comes.
+#[test]
+fn a_request_in_the_last_millisecond_before_a_tick_is_answered_after_its_sample() {
+    let mut memory = Memory::cold();
+    let mut machine = memory.start();
+    machine.hello(false);
+    machine.ticks(1);
+    for (since_tick_us, answered) in [(8_999, true), (9_000, false), (9_999, false)] {
+        machine.board().wait_us(since_tick_us);
+        machine.board().deeds.clear();
+        machine.say(&Request::Counters);
+        let _ = machine.image.turn();
+        assert_eq!(machine.board().count(Deed::Send) == 1, answered);
+        machine.board().deeds.clear();
+        machine.tick();
+        let sample = [Deed::Measure, Deed::Drive(safe_outputs()), FED];
+        assert_eq!(machine.board().deeds[..3], sample);
+        assert_eq!(machine.board().count(Deed::Send) == 1, !answered);
+    }
+}
+
 #[test]
 fn samples_come_by_request_only_where_the_host_sets_the_pace() {
     let mut memory = Memory::cold();
