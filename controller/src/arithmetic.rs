@@ -1,5 +1,7 @@
 //! The few operations that a sample is made of, each with the reason why it cannot overflow (docs/numerics.md).
 
+use core::sync::atomic::{Ordering, compiler_fence};
+
 /// The exact product of two words: |a·b| ≤ 2⁶² whatever they are.
 #[inline(always)]
 pub(crate) const fn wide_product(a: i32, b: i32) -> i64 {
@@ -35,4 +37,11 @@ pub(crate) const fn held(x: i64, bound: i64) -> i64 {
     } else {
         x
     }
+}
+
+/// From here on the compiler reads memory again, and not ahead of it. No instruction: but what is read early waits in a register,
+/// and a sample has to save each one that it uses beyond the first few.
+#[inline(always)]
+pub(crate) fn no_reading_ahead() {
+    compiler_fence(Ordering::SeqCst);
 }

@@ -29,9 +29,9 @@ pub(crate) struct Boost {
 impl Boost {
     pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
         let Some(boost) = settings.boost else {
-            // No change is that negative: never needed.
+            // No change of pressure within the control range falls short of that: never needed.
             return Ok(Self {
-                response: i32::MIN,
+                response: -(1 << 30),
                 rate: 0,
                 max: Bound::new(0),
             });
@@ -55,13 +55,15 @@ impl Boost {
         })
     }
 
-    /// Whether the pressure fails to respond, that is to move towards the reference.
+    /// By how much a pressure that changes like this towards the reference falls short of a response \[bar\], 2⁻²⁵; above 0 the boost
+    /// is needed.
     #[inline(always)]
-    pub(crate) const fn is_needed(&self, pressure_change: i32) -> bool {
-        pressure_change < self.response
+    pub(crate) const fn shortfall(&self, pressure_change: i32) -> i32 {
+        // The response is from -2³⁰ to 2²⁹ and the change within ±2³⁰: a word holds the difference.
+        self.response.wrapping_sub(pressure_change)
     }
 
-    /// The boost of this sample: one step more while it is needed, for an error along its direction; held at its bound.
+    /// The boost of this sample: one step more, if it is needed, for an error along its direction; held at its bound.
     #[inline(always)]
     pub(crate) const fn advanced(&self, boost: Integrator, needed: bool, error: i32) -> Integrator {
         let summed = if needed {

@@ -1,6 +1,6 @@
 //! The discrete PID controller, equation 6.2.
 
-use crate::arithmetic::{from_high_word, held, high_word, wide_product};
+use crate::arithmetic::{from_high_word, held, high_word, no_reading_ahead, wide_product};
 use crate::error::{Coefficient, ConfigError, Field};
 use crate::integrator::{Bound, Integrator};
 use crate::range::{CoefficientRange, Quotient, Range, hundredth, propagate};
@@ -102,10 +102,10 @@ impl Pid {
 
     /// The sum with this sample's error.
     #[inline(always)]
-    pub(crate) const fn integrated(&self, integral: Integrator, error: i32) -> Integrator {
-        integral
-            .advanced(wide_product(self.integral, error))
-            .held(self.integral_max)
+    pub(crate) fn integrated(&self, integral: Integrator, error: i32) -> Integrator {
+        let summed = integral.advanced(wide_product(self.integral, error));
+        no_reading_ahead();
+        summed.held(self.integral_max)
     }
 
     /// Integral part of u [100 %], 2⁻²⁰.

@@ -103,6 +103,12 @@ impl State {
         }
     }
 
+    /// The direction of the last error, along which the two sums are counted.
+    #[inline(always)]
+    pub(crate) const fn direction(&self) -> Direction {
+        Direction::of(self.previous.error)
+    }
+
     /// The integral part of the control signal.
     pub const fn integral(&self) -> ControlSignal {
         self.signal(Pid::integral_part(self.integral))
@@ -115,7 +121,7 @@ impl State {
 
     /// A part that is counted in the direction of the error.
     const fn signal(&self, part: i32) -> ControlSignal {
-        ControlSignal::from_units(Direction::of(self.previous.error).along(part))
+        ControlSignal::from_units(self.direction().along(part))
     }
 
     /// The state as words: pressure and error of the last sample [2⁻¹⁶ bar], then integral part [2⁻⁵⁹ of 100 %] and boost

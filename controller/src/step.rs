@@ -3,6 +3,7 @@
 use core::mem;
 
 use crate::anti_windup::is_driven;
+use crate::arithmetic::no_reading_ahead;
 use crate::config::{Coefficients, Config};
 use crate::control_signal::ControlSignal;
 use crate::direction::Direction;
@@ -51,6 +52,7 @@ pub(crate) fn sample(
         state.integral = state.integral.turned();
         state.clear_at_reference(structure.integral_at_reference);
     }
+    let shortfall = config.boost.shortfall(pressure_change);
     let predicted = predicted(structure, error, error_change, pressure_change);
     let predicted_error = Pressure::from_bits(direction.along(predicted >> ERROR_SHIFT));
     if config.tolerance.is_reached(error) {
@@ -66,7 +68,7 @@ pub(crate) fn sample(
     // The two parts without memory first, each sum next to its use: few numbers at a time are few registers to save.
     // At most 960 + 10 + 10 times 100 % in 2⁻²⁰: below 2³⁰.
     let u = config.pid.proportional_and_derivative(error, error_change);
-    let boosting = config.boost.is_needed(pressure_change);
+    let boosting = shortfall > 0;
     let boost = config.boost.advanced(state.boost, boosting, error);
     let u = u.wrapping_add(boost.part());
     let integral = config.pid.integrated(state.integral, error);
@@ -82,6 +84,9 @@ pub(crate) fn sample(
     if !is_driven(u) {
         state.boost = boost;
     }
+    // The state knows the direction, too: no register has to, all this way.
+    no_reading_ahead();
+    let direction = state.direction();
     let (duty_fill, duty_vent) = config
         .distributor
         .duties(structure, direction, u, now.pressure);
