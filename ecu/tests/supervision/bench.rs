@@ -22,6 +22,9 @@ pub(crate) struct Rig {
 const FILL_RATE: f64 = 0.0713;
 const VENT_RATE: f64 = 0.0728;
 
+/// More than any story takes.
+const SAMPLES_MAX: u32 = 30_000;
+
 impl Rig {
     fn advance(&mut self, opening_pct: [f64; 2]) {
         let [fill_pct, vent_pct] = core::mem::replace(&mut self.told, opening_pct);
@@ -111,6 +114,8 @@ impl Bench {
 
     /// A sample in which the ECU sees something else.
     pub(crate) fn step_with(&mut self, change: impl FnOnce(&mut Inputs)) -> Outputs {
+        // A test that waits for what never comes ends here.
+        assert!(self.sample < SAMPLES_MAX, "{:?} for ever", self.ecu.mode());
         let mut inputs = self.inputs();
         change(&mut inputs);
         self.outputs = self.ecu.sample(&inputs);
