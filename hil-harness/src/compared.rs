@@ -5,6 +5,7 @@ use core::fmt;
 use ecu::EcuSettings;
 
 use crate::device::{DeviceUnderTest, DutError};
+use crate::run::Run;
 use crate::wire::{Answer, Sensors};
 
 /// Two devices that get the same samples. The first answer in which they differ ends the run.
@@ -80,6 +81,19 @@ pub struct Difference {
     pub answers: [Answer; 2],
 }
 
+impl Difference {
+    /// The first sample in which `device` gave another answer than `reference` in the same run.
+    pub fn first(reference: &Run, device: &Run) -> Option<Self> {
+        let mut pairs = reference.exchanges.iter().zip(&device.exchanges);
+        let (expected, found) = pairs.find(|(expected, found)| expected != found)?;
+        Some(Self {
+            sensors: expected.sensors,
+            devices: [reference.device.clone(), device.device.clone()],
+            answers: [expected.answer, found.answer],
+        })
+    }
+}
+
 /// Every number of an answer, by name.
 fn rows(answer: &Answer) -> Vec<(String, i64)> {
     let Answer {
@@ -153,6 +167,12 @@ mod tests {
         assert_eq!(marked.len(), 1, "{text}");
         assert!(marked[0].contains("ecu_digest"), "{text}");
         assert_eq!(pair.samples(), 321);
+
+        let expected = run(&scenario, &mut InProcess::new()).unwrap();
+        let found = run(&scenario, &mut Flipped(InProcess::new(), 321)).unwrap();
+        let difference = Difference::first(&expected, &found).unwrap();
+        assert_eq!(difference.sensors.sample, 321);
+        assert_eq!(Difference::first(&expected, &expected), None);
     }
 
     #[test]

@@ -38,7 +38,7 @@ impl<L: Link> EcuUnderTest<L> {
 ///
 /// # Errors
 /// The device cannot be reached, or refuses: then nothing has changed.
-pub fn set(link: &mut impl Link, settings: &SettingValues) -> Result<(), LinkError> {
+pub fn set(link: &mut (impl Link + ?Sized), settings: &SettingValues) -> Result<(), LinkError> {
     let mut first = 0;
     for chunk in settings.as_array().chunks(VALUES_MAX) {
         let values = Values::from_iter(chunk.iter().copied());
@@ -53,7 +53,7 @@ pub fn set(link: &mut impl Link, settings: &SettingValues) -> Result<(), LinkErr
 ///
 /// # Errors
 /// The device cannot be reached, or refuses.
-pub fn carry_out(link: &mut impl Link, request: &Request) -> Result<(), LinkError> {
+pub fn carry_out(link: &mut (impl Link + ?Sized), request: &Request) -> Result<(), LinkError> {
     match link.ask(request)? {
         Reply::Done => Ok(()),
         other => Err(LinkError::unexpected(request, &other)),

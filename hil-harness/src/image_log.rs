@@ -3,6 +3,7 @@
 //! The image sends numbers only (defmt); the texts stand in its ELF file.
 
 use defmt_decoder::{Encoding, Table};
+use ecu::FaultSet;
 
 /// Decodes the log of one device.
 #[derive(Debug, Default)]
@@ -109,8 +110,73 @@ fn line(table: &Table, frame: &[u8]) -> String {
                 "{}{}{}",
                 time.unwrap_or_default(),
                 level.unwrap_or_default(),
-                frame.display_message()
+                with_fault_names(&frame.display_message().to_string())
             )
         },
     )
+}
+
+/// A line in which sets of faults are named, where the image sent their bits.
+fn with_fault_names(line: &str) -> String {
+    const SET: &str = "FaultSet(";
+    let mut named = String::new();
+    let mut rest = line;
+    while let Some(start) = rest.find(SET) {
+        let (before, set) = rest.split_at(start);
+        let bits = &set[SET.len()..];
+        let Some((Ok(number), after)) = bits
+            .split_once(')')
+            .map(|(bits, after)| (bits.parse(), after))
+        else {
+            break;
+        };
+        let faults = FaultSet::from_bits(number);
+        let names: Vec<String> = faults.iter().map(|fault| format!("{fault:?}")).collect();
+        named += &format!(
+            "{before}{}",
+            if names.is_empty() {
+                "none".to_owned()
+            } else {
+                names.join(" + ")
+            }
+        );
+        rest = after;
+    }
+    named + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_are_named_and_what_is_no_set_of_them_stays() {
+        for (line, expected) in [
+            (
+                "mode: Safe, faults: FaultSet(0) }",
+                "mode: Safe, faults: none }",
+            ),
+            (
+                "a FaultSet(3) b FaultSet(4)",
+                "a SensorOpen + SensorShort b SensorBelowRange",
+            ),
+            ("FaultSet(x) FaultSet(", "FaultSet(x) FaultSet("),
+            ("nothing", "nothing"),
+        ] {
+            assert_eq!(with_fault_names(line), expected);
+        }
+    }
+
+    #[test]
+    fn what_is_no_elf_file_is_refused_and_bytes_without_texts_are_counted() {
+        let error = ImageLog::of_elf(b"no image").unwrap_err().to_string();
+        assert!(error.starts_with("its log cannot be read"), "{error}");
+        let mut log = ImageLog::without_texts();
+        let lines = log.decode(&[1, 2, 0], 5);
+        assert_eq!(lines[0], "... 5 bytes of the log are lost ...");
+        assert!(
+            lines[1..].iter().all(|line| line.contains("bytes of log")),
+            "{lines:?}"
+        );
+    }
 }

@@ -21,6 +21,7 @@ pub mod run;
 pub mod scenario;
 pub mod sensor;
 pub mod sensor_walk;
+pub mod signals;
 pub mod supervision;
 pub mod wire;
 pub mod world;

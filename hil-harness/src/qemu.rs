@@ -61,7 +61,7 @@ pub enum QemuError {
         /// The image's file.
         image: String,
         /// Why.
-        error: LinkError,
+        error: Box<LinkError>,
     },
 }
 
@@ -85,8 +85,10 @@ pub fn open(
 ) -> Result<Framed<QemuLink>, QemuError> {
     let link = QemuLink::start(&image, wire, clock)?;
     let name = image.path().display().to_string();
-    Framed::open(link, pace, PATIENCE, image.into_log())
-        .map_err(|error| QemuError::Link { image: name, error })
+    Framed::open(link, pace, PATIENCE, image.into_log()).map_err(|error| QemuError::Link {
+        image: name,
+        error: Box::new(error),
+    })
 }
 
 /// How long is waited for an emulated device. A busy machine may leave an emulator without processor for seconds.

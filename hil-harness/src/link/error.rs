@@ -64,14 +64,16 @@ pub enum LinkError {
 }
 
 impl LinkError {
-    pub(crate) fn refused(request: &Request, refusal: Refusal) -> Self {
+    /// `request` was refused.
+    pub fn refused(request: &Request, refusal: Refusal) -> Self {
         Self::Refused {
             request: name(request),
             refusal,
         }
     }
 
-    pub(crate) fn unexpected(request: &Request, reply: &Reply) -> Self {
+    /// `request` was answered by something else.
+    pub fn unexpected(request: &Request, reply: &Reply) -> Self {
         Self::Unexpected {
             request: name(request),
             reply: first_word(&format!("{reply:?}")),

@@ -8,8 +8,8 @@ use super::transport::{Stream, TimedStream};
 /// A serial port with its time limit.
 pub struct SerialPort(Box<dyn serialport::SerialPort>);
 
-/// Bits per second where nothing else is said.
-pub const BAUD_RATE: u32 = 115_200;
+/// Bits per second of the boards (`firmware/src/boards`).
+pub const BAUD_RATE: u32 = 921_600;
 
 /// Why a serial port cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -8,16 +8,11 @@ use hil_harness::ecu_under_test;
 use hil_harness::link::{Framed, Link as _, Pace};
 use hil_harness::qemu::{self, Clock, QemuLink, Wire};
 use hil_harness::sensor_walk::SensorWalk;
+use hil_harness::signals;
 use hil_harness::wire::FULL_DUTY;
 use hil_protocol::{Reply, Request, SignalIds};
 
 use super::{image, started};
-
-/// Numbers of the image's own signals, beside those of the ECU.
-const START_LATENCY_MAX: u16 = 0x101;
-const DRIVE_LATENCY_MAX: u16 = 0x103;
-const INTERVAL_ERROR_MAX: u16 = 0x105;
-const TICKS_MISSED: u16 = 0x106;
 
 #[test]
 fn the_duty_cycles_of_a_sample_are_at_the_outputs_when_its_answer_comes() {
@@ -45,7 +40,8 @@ fn the_duty_cycles_of_a_sample_are_at_the_outputs_when_its_answer_comes() {
     assert!(energised > 200, "{energised}");
 }
 
-fn signal(link: &mut Framed<QemuLink>, id: u16) -> i32 {
+fn signal(link: &mut Framed<QemuLink>, name: &str) -> i32 {
+    let (id, _) = signals::named(name).expect("a signal of the image");
     match link.ask(&Request::Signal { id }).unwrap() {
         Reply::Values { values, .. } => values[0],
         other => panic!("{other:?}"),
@@ -80,12 +76,12 @@ fn by_the_timer_no_sample_is_missed_or_late_under_full_calibration_traffic() {
         }
     }
     let [start_us, drive_us, interval_us, missed] = [
-        START_LATENCY_MAX,
-        DRIVE_LATENCY_MAX,
-        INTERVAL_ERROR_MAX,
-        TICKS_MISSED,
+        "start_latency_max",
+        "drive_latency_max",
+        "interval_error_max",
+        "ticks_missed",
     ]
-    .map(|id| signal(&mut link, id));
+    .map(|name| signal(&mut link, name));
     println!(
         "{SAMPLES} samples, {requests} requests of up to {SETTING_COUNT} settings: tick to \
              sample at most {start_us} us, to duty cycles {drive_us} us, jitter {interval_us} us, {missed} missed"
@@ -95,4 +91,21 @@ fn by_the_timer_no_sample_is_missed_or_late_under_full_calibration_traffic() {
     // Duty cycles of a sample are out long before the next one, and jitter is a small part of the period.
     assert!(drive_us < 2_000, "{drive_us} us");
     assert!(interval_us < 1_000, "{interval_us} us");
+}
+
+/// The host's table of the image's signals is the image's.
+#[test]
+fn every_signal_that_the_host_knows_is_one_of_the_image_and_there_are_no_more() {
+    let mut device = started(Wire::Mailbox);
+    let mut last = 0;
+    for (id, signal) in signals::all() {
+        let reply = device.link_mut().ask(&Request::Signal { id });
+        assert!(
+            matches!(reply, Ok(Reply::Values { .. })),
+            "{signal:?}: {reply:?}"
+        );
+        last = id;
+    }
+    let beyond = Request::Signal { id: last + 1 };
+    assert!(device.link_mut().ask(&beyond).is_err());
 }
