@@ -1,9 +1,9 @@
 //! An effect of your own: the compressor makes the supply pressure swing.
 //!
-//! Describe it, install it, name it in a plant file. Everything between the two rulers is the effect.
+//! Describe it, install it, name it in a plant file. Everything between the two rulers is the effect, less than thirty lines.
 
 use plant_sim::effects::{About, Effect, EffectSetting, EntryPoint, Variant};
-use plant_sim::parameters::{NOMINAL_PLANT_TOML, ParameterSpec, Scale, Size};
+use plant_sim::parameters::{NOMINAL_PLANT_TOML, ParameterSpec, Size};
 use plant_sim::plant::Plant;
 use plant_sim::{Command, PlantParameters, Simulator};
 
@@ -13,23 +13,15 @@ static SWING: ParameterSpec = ParameterSpec::of_effect(
     "swing_bar",
     "bar",
     (1e-3, 3.0),
-    Size {
-        typical: 0.3,
-        scale: Scale::Log,
-        off: Some(0.0),
-    },
+    Size::strength(0.3),
     "half of the swing of the supply pressure",
 );
 static ABOUT: About = About {
     id: "supply_pulsation",
     sentence: "The compressor switches on and off, and the supply pressure swings with it.",
-    source: "ours: a sine of 0.45 Hz",
+    source: "ours: a sine of 2.83 rad/s",
     acts_on: EntryPoint::AirSupply,
-    variants: &[Variant {
-        name: "sine",
-        about: "one frequency",
-        parameters: &[&SWING],
-    }],
+    variants: &[Variant::only(&[&SWING])],
     excited_by: "the fill valve open at high pressure for several seconds",
     confused_with: &["supply_line_droop"],
 };
@@ -40,10 +32,9 @@ impl Effect for SupplyPulsation {
         &ABOUT
     }
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
-        let swing_pa = setting.value("swing_bar") * 1e5;
-        plant.additions.hooks.add_supply_pressure(move |now| {
-            swing_pa * (core::f64::consts::TAU * 0.45 * now.time).sin()
-        });
+        let swing = setting.value("swing_bar") * 1e5;
+        let hooks = &mut plant.additions.hooks;
+        hooks.add_supply_pressure(move |now| swing * (2.83 * now.time).sin());
     }
 }
 // ---------------------------------------------------------------------------------------------------------------

@@ -210,7 +210,9 @@ mod tests {
                 let mut pressure = [start];
                 for _ in 0..2000 {
                     let slope = rate(&pressure);
-                    pressure = dormand_prince::step(rate, &pressure, &slope, span / 2000.0).end;
+                    pressure = dormand_prince::step(rate, &pressure, &slope, span / 2000.0)
+                        .step
+                        .end;
                 }
                 let error = course.at(&plant, span) / pressure[0] - 1.0;
                 assert!(

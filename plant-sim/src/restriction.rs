@@ -56,10 +56,12 @@ pub fn in_series(nozzle: &NozzleLaw, areas: [f64; 2], upside: f64, downside: f64
     if areas[1] <= 0.0 || upside == downside {
         return (0.0, upside);
     }
-    // More leaves than enters: grows with the pressure between.
+    // More leaves than enters: grows with the pressure between. The squares of flows are nearly linear in it, so the
+    // root is found in a few evaluations; the flows themselves have an infinite slope at either end.
     let surplus = |above: f64| {
         let between = downside + above;
-        nozzle.mass_flow(areas[1], between, downside) - nozzle.mass_flow(areas[0], upside, between)
+        let out = nozzle.mass_flow(areas[1], between, downside);
+        out * out - nozzle.mass_flow(areas[0], upside, between).powi(2)
     };
     let between = downside + first_positive(surplus, 0.0, upside - downside);
     (nozzle.mass_flow(areas[1], between, downside), between)

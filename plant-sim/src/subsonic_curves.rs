@@ -65,7 +65,9 @@ impl Curve {
         let s_nodes = (0..=INTERVALS).map(|_| {
             let here = [s, -rate(s)];
             let slope = |s: &[f64; 1]| [-rate(s[0].max(least))];
-            s = dormand_prince::step(slope, &[s], &slope(&[s]), theta_step).end[0];
+            s = dormand_prince::step(slope, &[s], &slope(&[s]), theta_step)
+                .step
+                .end[0];
             here
         });
         Self {

@@ -1,6 +1,6 @@
 //! The library of effects: what holds for every one of them, whatever it is.
 
-use plant_sim::effects::{EffectSetting, LIBRARY, Variant};
+use plant_sim::effects::{EffectSetting, LIBRARY, Variant, by_id};
 use plant_sim::parameters::{NOMINAL_PLANT_TOML, PARAMETERS};
 use plant_sim::{Command, PlantParameters, Sample, Simulator, Statistics, Tolerance};
 use proptest::prelude::*;
@@ -202,6 +202,29 @@ fn every_effect_converges_with_the_tolerance() {
         }
     }
     assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// A line so short and wide, a cavity so small that their pressures follow in microseconds: the plant is the plain one
+/// but for the cavity's half percent of air, and costs no millions of steps.
+#[test]
+fn what_is_much_faster_than_the_plant_costs_few_steps_and_changes_nothing() {
+    let duties = manoeuvre();
+    let nominal = PlantParameters::nominal();
+    let (plain, _) = run(&nominal, &duties, Tolerance::default());
+    for (id, values) in [
+        ("supply_line_droop", [1e-3, 1e-7]),
+        ("dead_volume", [1e-8, 1e-4]),
+    ] {
+        let mut setting = EffectSetting::typical(by_id(id).unwrap());
+        setting.values_mut().copy_from_slice(&values);
+        let (fast, statistics) = run(&nominal.with_effect(setting), &duties, Tolerance::default());
+        for (fast, plain) in fast.iter().zip(&plain) {
+            let off = (fast.measured_pressure - plain.pressure).abs();
+            assert!(off < 300.0, "{id}: {fast:?} {plain:?}");
+        }
+        let steps = (statistics.steps + statistics.rejected_steps) / duties.len() as u64;
+        assert!(steps < 300, "{id}: {steps} steps in a period");
+    }
 }
 
 #[test]

@@ -48,7 +48,25 @@ pub enum EntryPoint {
     Sensor,
 }
 
+impl Variant {
+    /// The one form of a law that has no other.
+    pub const fn only(parameters: &'static [&'static ParameterSpec]) -> Self {
+        Self {
+            name: "only",
+            about: "the one form of the law",
+            parameters,
+        }
+    }
+}
+
 impl About {
+    /// The id as a headline: `Chamber leak`.
+    pub fn title(&self) -> String {
+        let mut words = self.id.replace('_', " ");
+        words[..1].make_ascii_uppercase();
+        words
+    }
+
     /// The variant with this name.
     pub fn variant(&self, name: &str) -> Option<&'static Variant> {
         self.variants.iter().find(|variant| variant.name == name)
@@ -71,5 +89,16 @@ impl About {
                     .copied()
                     .filter(move |spec| !before(index, spec))
             })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::effects::by_id;
+
+    #[test]
+    fn a_title_is_the_id_in_words() {
+        let about = by_id("supply_line_droop").unwrap().about();
+        assert_eq!(about.title(), "Supply line droop");
     }
 }

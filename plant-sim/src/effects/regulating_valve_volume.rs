@@ -61,10 +61,9 @@ impl Plunger {
 
     /// Share of the travel (-) at `pressure` (Pa abs) after it was `last`: moved only by what exceeds the friction.
     pub(crate) fn share(&self, last: f64, pressure: f64) -> f64 {
-        last.clamp(
-            self.free(pressure - self.friction),
-            self.free(pressure + self.friction),
-        )
+        // No clamp: a stage of a step that is too long may have no pressure at all.
+        last.max(self.free(pressure - self.friction))
+            .min(self.free(pressure + self.friction))
     }
 
     /// Swept volume (m³) and its change with the pressure (m³/Pa), while the pressure rises or falls.

@@ -32,6 +32,17 @@ pub struct Size {
     pub off: Option<f64>,
 }
 
+impl Size {
+    /// A strength that is spread over decades, and none at 0.
+    pub const fn strength(typical: f64) -> Self {
+        Self {
+            typical,
+            scale: Scale::Log,
+            off: Some(0.0),
+        }
+    }
+}
+
 /// The measure in which a parameter is varied and fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {

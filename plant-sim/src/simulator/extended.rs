@@ -20,6 +20,10 @@ use crate::valve::{Motion, ValveState};
 /// Magnetising current (A) below which a dead coil has no flux left.
 const NO_CURRENT: f64 = 1e-6;
 
+/// What friction at rest is at least more than in motion (-): an armature that has just departed would halt at once, and
+/// depart again.
+const LEAST_BREAKAWAY: f64 = 1e-3;
+
 /// A state that an effect adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectState {
@@ -309,6 +313,8 @@ impl Extended {
 }
 
 impl Physics for Extended {
+    const MAY_BE_STIFF: bool = true;
+
     fn plant(&self) -> &Plant {
         &self.plant
     }
@@ -369,7 +375,7 @@ impl Physics for Extended {
             .plant
             .additions
             .friction
-            .map_or(0.0, |friction| friction.at_rest);
+            .map_or(0.0, |friction| (1.0 + LEAST_BREAKAWAY) * friction.at_rest);
         match valve.motion {
             Motion::AtRestStop => net - held,
             Motion::AtFullStroke => -net - held,
@@ -500,6 +506,9 @@ impl Physics for Extended {
     }
 
     fn measure<const N: usize, const M: usize>(&self, weights: &Weights, error: &[f64; N]) -> f64 {
+        if error.iter().any(|error| !error.is_finite()) {
+            return f64::INFINITY;
+        }
         // In the slots of the currents stands flux: as large an error of the current, and both coils are alike.
         let mut valves = *error;
         for slot in 0..M {

@@ -25,6 +25,9 @@ pub(super) const MANY: usize = 9;
 
 /// Physics between two events.
 pub(super) trait Physics: Sized {
+    /// Whether some parameters make it stiff: the explicit method is watched then.
+    const MAY_BE_STIFF: bool = false;
+
     fn plant(&self) -> &Plant;
 
     /// Longest step of the pressure alone (s).

@@ -6,7 +6,8 @@ use super::span::{Span, first_of};
 use super::tolerance::{Tolerance, Weights};
 use crate::coil::{Drive, RestingCurrent};
 use crate::plant::{FILL, PlantState, VENT};
-use crate::solver::dormand_prince;
+use crate::solver::dormand_prince::{self, Staged};
+use crate::solver::rosenbrock;
 use crate::valve::{Motion, ValveState};
 
 /// Longest step while a valve is live (s): a third of the nominal travel time, so that an armature turns at most
@@ -16,6 +17,14 @@ const LONGEST_MOTION_STEP: f64 = 0.8e-3;
 const EVENTS_AHEAD: f64 = 10.0;
 /// And never shortened below this (s).
 const SHORTEST_STEP_AFTER_EVENT: f64 = 1e-6;
+/// Longest step of the method for stiff plants (s), whose course within a step is a straight line.
+const LONGEST_STIFF_STEP: f64 = 0.2e-3;
+/// The explicit method is at its limit of stability, 3.3, when a step is longer than this over the fastest rate.
+const NEAR_INSTABILITY: f64 = 2.5;
+/// So many more steps at the limit than below it, and the plant is called stiff.
+const STIFF: u32 = 15;
+/// After an event, so many steps decide anew.
+const RECONSIDERED: u32 = 3;
 /// Time that passes at least with every located event (s); keeps a chattering armature going forward.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
 
@@ -43,6 +52,8 @@ pub(super) struct Solver<P> {
     weights: Weights,
     /// Step size to try next (s): flow only, and with motion.
     proposal: [f64; 2],
+    /// Steps at the limit of stability, less those below it.
+    stiffness: u32,
 }
 
 impl<P: Physics> Solver<P> {
@@ -54,6 +65,7 @@ impl<P: Physics> Solver<P> {
             statistics: Statistics::default(),
             weights: tolerance.weights(),
             proposal: [1e-3, 0.25e-3],
+            stiffness: 0,
         }
     }
 
@@ -187,8 +199,9 @@ impl<P: Physics> Solver<P> {
         let smooth = self.smooth(live);
         let mut start = self.pack::<N, M>(live);
         let mut start_rate = self.physics.rates(&smooth, &start);
+        self.stiffness = self.stiffness.min(STIFF - RECONSIDERED);
         while remaining > 0.0 {
-            let span = self.step(&smooth, start, start_rate, remaining);
+            let (span, end_rate) = self.step(&smooth, start, start_rate, remaining);
             let currents = self.resting_currents();
             if let Some((time, event)) = self.first_event(&smooth, &span, &currents) {
                 self.commit(&smooth, &span, &span.at(time), time, &currents);
@@ -202,7 +215,7 @@ impl<P: Physics> Solver<P> {
                 return remaining - time;
             }
             self.commit(&smooth, &span, &span.end, span.h, &currents);
-            (start, start_rate) = (span.end, span.end_rate);
+            (start, start_rate) = (span.end, end_rate);
             remaining -= span.h;
         }
         remaining
@@ -227,20 +240,34 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// One step that keeps the tolerance, at most `remaining` (s) long.
+    /// One step that keeps the tolerance, at most `remaining` (s) long, and the rates at its end.
     fn step<const N: usize, const M: usize>(
         &mut self,
         smooth: &Smooth<M>,
         start: [f64; N],
         start_rate: [f64; N],
         remaining: f64,
-    ) -> Span<N, M> {
+    ) -> (Span<N, M>, [f64; N]) {
         let kind = usize::from(M > 0);
-        let longest = [self.physics.longest_flow_step(), LONGEST_MOTION_STEP][kind];
+        let stiff = P::MAY_BE_STIFF && self.stiffness >= STIFF;
+        let longest = if stiff {
+            LONGEST_STIFF_STEP
+        } else {
+            [self.physics.longest_flow_step(), LONGEST_MOTION_STEP][kind]
+        };
         loop {
             let h = self.proposal[kind].min(longest).min(remaining);
             let rates = |y: &[f64; N]| self.physics.rates(smooth, y);
-            let step = dormand_prince::step(rates, &start, &start_rate, h);
+            let step = if stiff {
+                let increments = self.increments::<N, M>(&start);
+                rosenbrock::step(rates, &start, &start_rate, h, &increments)
+            } else {
+                let staged = dormand_prince::step(rates, &start, &start_rate, h);
+                if P::MAY_BE_STIFF {
+                    self.watch::<N, M>(&staged, h);
+                }
+                staged.step
+            };
             let error = self.physics.measure::<N, M>(&self.weights, &step.error);
             // The fourth root for the fifth: cheaper, and more careful after a large error.
             let factor = (0.9 / error.sqrt().sqrt()).clamp(0.2, 4.0);
@@ -250,17 +277,49 @@ impl<P: Physics> Solver<P> {
                 let floor = if cut_short { self.proposal[kind] } else { 0.0 };
                 self.proposal[kind] = (h * factor).max(floor).min(longest);
                 self.statistics.steps += 1;
-                return Span {
+                let mut span = Span {
                     h,
                     start,
                     start_rate,
                     end: step.end,
                     end_rate: step.end_rate,
                 };
+                if stiff {
+                    // The rates of what is stiff say nothing of its course.
+                    span.start_rate = core::array::from_fn(|n| (step.end[n] - start[n]) / h);
+                    span.end_rate = span.start_rate;
+                }
+                return (span, step.end_rate);
             }
             self.proposal[kind] = h * factor.min(0.9);
             self.statistics.rejected_steps += 1;
         }
+    }
+
+    /// Counts the steps at the limit of stability.
+    fn watch<const N: usize, const M: usize>(&mut self, staged: &Staged<N>, h: f64) {
+        let [state, rate] = &staged.last_stage;
+        let apart = |a: &[f64; N], b: &[f64; N]| {
+            let difference = core::array::from_fn(|n| a[n] - b[n]);
+            self.physics.measure::<N, M>(&self.weights, &difference)
+        };
+        let fastest = apart(&staged.step.end_rate, rate) / apart(&staged.step.end, state);
+        self.stiffness = if h * fastest > NEAR_INSTABILITY {
+            self.stiffness + 1
+        } else {
+            self.stiffness.saturating_sub(1)
+        };
+    }
+
+    /// Increments of the states whose differences make a Jacobian: a thousandth of what a step may err, and what
+    /// rounding asks for.
+    fn increments<const N: usize, const M: usize>(&self, y: &[f64; N]) -> [f64; N] {
+        core::array::from_fn(|n| {
+            let mut unit = [0.0; N];
+            unit[n] = 1.0;
+            let weight = self.physics.measure::<N, M>(&self.weights, &unit);
+            1e-7 * y[n].abs() + 1e-3 / weight.max(1e-3)
+        })
     }
 
     fn pack<const N: usize, const M: usize>(&self, live: [usize; M]) -> [f64; N] {

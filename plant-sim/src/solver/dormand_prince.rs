@@ -8,8 +8,16 @@ pub(crate) struct Step<const N: usize> {
     pub(crate) end: [f64; N],
     /// Derivative at the end; the first stage of the next step.
     pub(crate) end_rate: [f64; N],
-    /// Difference of the orders five and four.
+    /// Difference of two orders.
     pub(crate) error: [f64; N],
+}
+
+/// A step, and its last stage before the end: state and derivative. The two states are of the same time, so the
+/// difference of their derivatives shows how stiff the problem is (Hairer and Wanner II, section IV.2).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Staged<const N: usize> {
+    pub(crate) step: Step<N>,
+    pub(crate) last_stage: [[f64; N]; 2],
 }
 
 /// y + h Σ a_j k_j.
@@ -38,7 +46,7 @@ pub(crate) fn step<const N: usize>(
     y: &[f64; N],
     k1: &[f64; N],
     h: f64,
-) -> Step<N> {
+) -> Staged<N> {
     let k2 = f(&stage(y, h, [1.0 / 5.0], [k1]));
     let k3 = f(&stage(y, h, [3.0 / 40.0, 9.0 / 40.0], [k1, &k2]));
     let k4 = f(&stage(
@@ -58,7 +66,7 @@ pub(crate) fn step<const N: usize>(
         ],
         [k1, &k2, &k3, &k4],
     ));
-    let k6 = f(&stage(
+    let sixth = stage(
         y,
         h,
         [
@@ -69,7 +77,8 @@ pub(crate) fn step<const N: usize>(
             -5103.0 / 18656.0,
         ],
         [k1, &k2, &k3, &k4, &k5],
-    ));
+    );
+    let k6 = f(&sixth);
     let end = stage(
         y,
         h,
@@ -96,10 +105,13 @@ pub(crate) fn step<const N: usize>(
         ],
         [k1, &k3, &k4, &k5, &k6, &end_rate],
     );
-    Step {
-        end,
-        end_rate,
-        error,
+    Staged {
+        step: Step {
+            end,
+            end_rate,
+            error,
+        },
+        last_stage: [sixth, k6],
     }
 }
 
@@ -115,7 +127,7 @@ mod tests {
             let h = 4.0 / f64::from(n);
             let mut y = [1.0, 0.0];
             for _ in 0..n {
-                y = step(pendulum, &y, &pendulum(&y), h).end;
+                y = step(pendulum, &y, &pendulum(&y), h).step.end;
             }
             y[0]
         };
@@ -125,10 +137,20 @@ mod tests {
         assert!((4.8..5.6).contains(&order), "{order}");
     }
 
+    /// Of a linear decay, the difference of the last two derivatives over that of the states is its rate.
+    #[test]
+    fn the_last_stage_shows_the_stiffness() {
+        let decay = |y: &[f64; 1]| [-40.0 * y[0]];
+        let Staged { step, last_stage } = step(decay, &[1.0], &[-40.0], 0.05);
+        let [y, rate] = last_stage.map(|stage| stage[0]);
+        let found = (step.end_rate[0] - rate) / (step.end[0] - y);
+        assert!((found + 40.0).abs() < 1e-9, "{found}");
+    }
+
     #[test]
     fn error_estimate_bounds_the_true_error_of_a_small_step() {
         let decay = |y: &[f64; 1]| [-y[0]];
-        let step = step(decay, &[1.0], &[-1.0], 0.3);
+        let step = step(decay, &[1.0], &[-1.0], 0.3).step;
         let truth = (step.end[0] - f64::exp(-0.3)).abs();
         assert!(truth < step.error[0].abs(), "{truth} {:?}", step.error);
     }
