@@ -94,7 +94,7 @@ impl Tracking {
 
     /// The integral part, drawn back by its share of what saturation cut off, within its bound.
     #[inline(always)]
-    const fn drawn(self, pid: &Pid, integral: Integrator, excess: i32) -> Integrator {
+    fn drawn(self, pid: &Pid, integral: Integrator, excess: i32) -> Integrator {
         // |excess| < 2³⁰ and the share at most 1: below 2⁶⁰, and the integral part at most 10 · 2⁵⁰.
         let sum = (integral.bits() >> FINER).wrapping_sub(wide_product(self.0, excess));
         let bound = (pid.integral_max() as i64) << (32 - FINER);

@@ -28,15 +28,8 @@ pub(crate) const fn from_high_word(high: i32) -> i64 {
 
 /// Held within ±`bound`, which is not negative.
 #[inline(always)]
-pub(crate) const fn held(x: i64, bound: i64) -> i64 {
-    let low_bound = bound.wrapping_neg();
-    if x > bound {
-        bound
-    } else if x < low_bound {
-        low_bound
-    } else {
-        x
-    }
+pub(crate) fn held(x: i64, bound: i64) -> i64 {
+    x.min(bound).max(bound.wrapping_neg())
 }
 
 /// From here on the compiler reads memory again, and not ahead of it. No instruction: but what is read early waits in a register,

@@ -21,16 +21,11 @@ impl ControlSignal {
 
     /// From percent to the nearest unit, held at ±100 %.
     #[must_use]
-    pub const fn saturating_from_percent(percent: I20F12) -> Self {
+    pub fn saturating_from_percent(percent: I20F12) -> Self {
         const FULL_PCT: u32 = 100 << 12;
-        let magnitude = percent.to_bits().unsigned_abs();
-        let magnitude = if magnitude > FULL_PCT {
-            FULL_PCT
-        } else {
-            magnitude
-        };
+        let magnitude = u64::from(percent.to_bits().unsigned_abs().min(FULL_PCT));
         // 25 units of percent are 64 of these.
-        Self(signed((magnitude as u64 * 64 + 12) / 25, percent.to_bits()))
+        Self(signed((magnitude * 64 + 12) / 25, percent.to_bits()))
     }
 
     /// In percent, to the nearest 2⁻¹² %.
@@ -66,12 +61,7 @@ impl ControlSignal {
 
 /// A magnitude with the sign of a number.
 const fn signed(magnitude: u64, sign: i32) -> i32 {
-    let magnitude = magnitude as i32;
-    if sign < 0 {
-        magnitude.wrapping_neg()
-    } else {
-        magnitude
-    }
+    (magnitude as i32).wrapping_mul(sign.signum())
 }
 
 impl fmt::Display for ControlSignal {

@@ -115,7 +115,7 @@ impl Pid {
     }
 
     /// The integral part before a sample of this error and no change, such that the sample gives `u`; within its bound.
-    pub(crate) const fn integral_that_gives(&self, u: i32, error: i32) -> Integrator {
+    pub(crate) fn integral_that_gives(&self, u: i32, error: i32) -> Integrator {
         if self.integral == 0 {
             return Integrator::ZERO;
         }

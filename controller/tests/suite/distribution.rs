@@ -125,3 +125,62 @@ fn a_constant_limit_is_the_same_at_every_pressure() {
     let fill = |reference, pressure| duties(&run(&settings, &[(reference, pressure)])[0].0).0;
     assert_eq!(fill("1.25", "0"), fill("8.25", "7"));
 }
+
+#[test]
+fn scheme_1_turns_both_valves_off_where_the_control_signal_is_zero() {
+    let settings = Settings {
+        gain_pct_per_bar: lit("10"),
+        // K e + K T_d/T_s Δe = 10 (0.5 - 0.5): u is exactly 0, the error is not.
+        derivative_time_ms: Some(lit("10")),
+        tolerance_bar: lit("0.125"),
+        ..bare()
+    };
+    let samples = run(&settings, &[("3", "2"), ("3", "2.5")]);
+    assert_eq!(samples[1].1.u, ControlSignal::ZERO);
+    assert_eq!(samples[1].0, Output::OFF);
+}
+
+#[test]
+fn full_control_signal_gives_the_upper_limit_at_any_pressure() {
+    let duty_min = Settings::recommended().duty_min;
+    let at = |distributor, reference, pressure| {
+        let settings = Settings {
+            distributor,
+            duty_min,
+            ..bare()
+        };
+        duties(&run(&settings, &[(reference, pressure)])[0].0)
+    };
+    let zero = lit("0");
+    for (pressure, higher, lower) in [("0", "8", "-8"), ("4.2", "12", "0"), ("8.4", "14", "2")] {
+        assert_eq!(
+            at(Distributor::Scheme1, higher, pressure),
+            (lit("82"), zero)
+        );
+        assert_eq!(at(Distributor::Scheme1, lower, pressure), (zero, lit("80")));
+        let scheme_2 = Distributor::Scheme2 {
+            middle_fill_pct: lit("60"),
+            middle_vent_pct: lit("58"),
+        };
+        assert_eq!(at(scheme_2, higher, pressure).0, lit("82"));
+        assert_eq!(at(scheme_2, lower, pressure).1, lit("80"));
+    }
+}
+
+/// What works against the error is the other valve's: there the lower limit of that one counts.
+#[test]
+fn scheme_2_lowers_the_other_valve_to_what_just_opens_it_at_this_pressure() {
+    let settings = Settings {
+        distributor: Distributor::Scheme2 {
+            middle_fill_pct: lit("60"),
+            middle_vent_pct: lit("58"),
+        },
+        duty_min: Settings::recommended().duty_min,
+        ..bare()
+    };
+    let at = |reference, pressure| duties(&run(&settings, &[(reference, pressure)])[0].0);
+    assert_eq!(at("12", "0").1, lit("51.5"));
+    assert_eq!(at("14", "8.4").1, lit("25.5"));
+    assert_eq!(at("-8", "0").0, lit("28.5"));
+    assert_eq!(at("2", "8.4").0, lit("54.5"));
+}

@@ -196,3 +196,15 @@ fn pressures_beyond_the_control_range_are_taken_as_its_ends() {
         run(Pressure::MIN_CONTROL, Pressure::MAX_CONTROL)
     );
 }
+
+/// Words 2 to 5 are counted along the error of word 1.
+#[test]
+fn the_sums_of_a_saved_state_are_along_its_error_and_an_error_of_0_counts_as_up() {
+    let parts = |error| {
+        let state = State::from_words([0, error, 0, 1 << 27, 0, 1 << 20]).expect("a state");
+        (state.integral(), state.boost())
+    };
+    assert_eq!(parts(1), (ControlSignal::MAX, ControlSignal::MAX));
+    assert_eq!(parts(0), (ControlSignal::MAX, ControlSignal::MAX));
+    assert_eq!(parts(-1), (ControlSignal::MIN, ControlSignal::MIN));
+}
