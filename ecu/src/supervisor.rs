@@ -271,11 +271,12 @@ impl Supervisor {
     /// What is kept twice, in one word.
     #[inline(always)]
     const fn word(&self) -> u32 {
-        self.mode as u32
-            | (self.occurrences as u32) << 3
-            | (self.is_enabled as u32) << 6
-            | (self.vents_fully as u32) << 7
-            | self.latched.bits() << 8
+        let [mode, occurrences] = [self.mode as u32, self.occurrences as u32];
+        let [is_enabled, vents_fully] = [self.is_enabled as u32, self.vents_fully as u32];
+        mode.wrapping_add(occurrences << 3)
+            .wrapping_add(is_enabled << 6)
+            .wrapping_add(vents_fully << 7)
+            .wrapping_add(self.latched.bits() << 8)
     }
 
     #[inline(always)]
@@ -305,4 +306,48 @@ pub enum ReleaseRefused {
     /// Somebody still asks for pressure.
     #[error("the reference was not at zero for {ZERO_N} samples: take it back first")]
     ReferenceNotAtZero,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_decision_is_kept_twice() {
+        let changes: [fn(&mut Supervisor); 7] = [
+            |changed| changed.mode = Mode::Running,
+            |changed| changed.mode = Mode::Ramping,
+            |changed| changed.occurrences = 1,
+            |changed| changed.occurrences = RETRIES + 1,
+            |changed| changed.is_enabled = true,
+            |changed| changed.vents_fully = true,
+            |changed| changed.latched = FaultSet::of(Fault::SensorOpen),
+        ];
+        let sound = Supervisor::NEW;
+        assert!(sound.is_sound());
+        for (number, change) in changes.iter().enumerate() {
+            let mut changed = sound;
+            change(&mut changed);
+            assert!(!changed.is_sound(), "{number}");
+            changed.seal();
+            assert!(changed.is_sound());
+            for other in &changes[number + 1..] {
+                let mut both = changed;
+                other(&mut both);
+                assert!(!both.is_sound(), "{number}");
+            }
+        }
+    }
+
+    /// Each has bits of its own.
+    #[test]
+    fn no_two_decisions_share_a_bit_of_the_word() {
+        let mut all = Supervisor::NEW;
+        all.mode = Mode::Locked;
+        all.occurrences = RETRIES + 1;
+        all.is_enabled = true;
+        all.vents_fully = true;
+        all.latched = FaultSet::from_bits(u32::MAX);
+        assert_eq!(all.word(), 0x3FFF_FFE6);
+    }
 }

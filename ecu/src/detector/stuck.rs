@@ -94,7 +94,11 @@ mod tests {
 
     #[test]
     fn n_driven_samples_without_a_changed_bit_confirm_and_one_less_does_not() {
-        for opening in [FILLED, VENTED] {
+        let both = Output {
+            duty_vent: Duty::FULL,
+            ..FILLED
+        };
+        for opening in [FILLED, VENTED, both] {
             for (samples, expected) in [(49, false), (50, true), (51, true), (1000, true)] {
                 assert_eq!(
                     is_stuck_after(opening, 1000, samples),

@@ -18,6 +18,7 @@ fn a_set_of_faults_says_which() {
         two.difference(FaultSet::of(Fault::SensorOpen)),
         FaultSet::of(Fault::MemoryDamaged)
     );
+    assert_eq!(two.union(FaultSet::of(Fault::SensorOpen)), two);
     assert!(two.iter().eq([Fault::SensorOpen, Fault::MemoryDamaged]));
 }
 
