@@ -1,0 +1,209 @@
+//! The fault-injection campaign: what the ECU promises, and that the oracle would notice if it did not keep it.
+
+use ecu::{Damage, Ecu, EcuConfig, Fault, Mechanism, Mode};
+use hil_harness::campaign::Promise::{
+    self, EmptyInTime, NeutralFirst, NoBump, NoFillAfterN, NoIncreaseWithoutReference,
+    NoSuddenLoss, OneCoil, ResumesByItself, SafeInTime, ShutInDoubt, StaysLocked,
+};
+use hil_harness::campaign::{
+    EcuFault, FaultClass, InProcessTarget, Injection, Outcome, Summary, Target, run,
+};
+
+/// Damages an ECU's memory; whether it is another one then.
+fn damage(ecu: &mut Ecu, fault: EcuFault) -> bool {
+    match fault {
+        EcuFault::ConfigDamaged => ecu.damage(Damage::Config),
+        // Into running, where it may be already.
+        EcuFault::SupervisorDamaged if ecu.mode() == Mode::Running => return false,
+        EcuFault::SupervisorDamaged => ecu.damage(Damage::Supervisor),
+        EcuFault::ControllerDamaged => ecu.damage(Damage::Controller),
+        _ => return false,
+    }
+    true
+}
+
+fn whole() -> InProcessTarget {
+    InProcessTarget::whole().damaged_by(damage)
+}
+
+fn outcome(injection: &Injection, target: &mut InProcessTarget) -> Outcome {
+    run(injection, target).expect("an ECU in this process always answers")
+}
+
+/// Every class of fault at random instants, on scattered rigs: first safe, then live. The example runs as many as one likes.
+#[test]
+fn no_promise_is_broken_in_three_thousand_runs_with_a_fault() {
+    let mut target = whole();
+    let classes: Vec<FaultClass> = FaultClass::all()
+        .filter(|class| target.breaks(*class))
+        .collect();
+    let mut summary = Summary::default();
+    for index in 0..3000 {
+        let injection = Injection::drawn(&classes, 2026, index);
+        summary.add(outcome(&injection, &mut target));
+    }
+    println!("{summary}");
+    assert_eq!(summary.failed(), 0, "\n{summary}");
+    assert_eq!(summary.classes().count(), classes.len());
+}
+
+#[test]
+fn a_line_repeats_its_run_bit_for_bit() {
+    let line = "sensor/stuck onset=312 duration=80 times=1 severity=0.40 rig=17 seed=0x1234";
+    let injection: Injection = line.parse().expect("a line");
+    let first = outcome(&injection, &mut whole());
+    assert_eq!(outcome(&injection, &mut whole()), first);
+    assert_eq!(first.injection.to_string(), line);
+}
+
+/// A part of the campaign that needs one mechanism: a fault on several rigs with several drives.
+struct Slice<T> {
+    /// What it needs.
+    needs: T,
+    /// What is broken in one of its runs at least when that is gone.
+    promise: Promise,
+    /// The fault, as its line has it; what is not told is chosen run by run.
+    fault: &'static str,
+}
+
+const fn slice<T>(needs: T, promise: Promise, fault: &'static str) -> Slice<T> {
+    Slice {
+        needs,
+        promise,
+        fault,
+    }
+}
+
+/// Runs of a slice.
+const RUNS: u32 = 20;
+
+impl<T: core::fmt::Debug> Slice<T> {
+    /// The runs in which a promise was broken.
+    fn failures(&self, target: &mut InProcessTarget) -> Vec<Outcome> {
+        (0..RUNS)
+            .map(|number| {
+                // The first part with a key counts.
+                let onset = 150 + 7 * number;
+                let rest = format!("onset={onset} times=1 severity=0.5 rig={number} seed={number}");
+                let line = format!("{} {rest}", self.fault);
+                outcome(&line.parse().expect("a line"), target)
+            })
+            .filter(|outcome| !outcome.violations.is_empty())
+            .collect()
+    }
+
+    /// In this slice the ECU keeps every promise, and without the mechanism breaks the one that needs it.
+    fn check(&self, without: impl Fn(EcuConfig) -> EcuConfig + 'static) -> Result<(), String> {
+        let needs = &self.needs;
+        if let [failure, ..] = self.failures(&mut whole()).as_slice() {
+            let (line, violation) = (failure.injection, &failure.violations[0]);
+            return Err(format!(
+                "{needs:?}: the whole ECU fails: {line}: {violation}"
+            ));
+        }
+        let failures = self.failures(&mut InProcessTarget::altered(without).damaged_by(damage));
+        let broken: Vec<Promise> = failures
+            .iter()
+            .flat_map(|outcome| &outcome.violations)
+            .map(|violation| violation.promise)
+            .collect();
+        let noticed = broken.iter().filter(|promise| **promise == self.promise);
+        println!(
+            "without {:28} {:2} of {RUNS} runs red, {:?} in {}",
+            format!("{needs:?}"),
+            failures.len(),
+            self.promise,
+            noticed.clone().count(),
+        );
+        if noticed.count() == 0 {
+            return Err(format!("{needs:?} is gone and not missed: {broken:?}"));
+        }
+        Ok(())
+    }
+}
+
+fn all_or_said(checked: impl Iterator<Item = Result<(), String>>) {
+    let failed: Vec<String> = checked.filter_map(Result::err).collect();
+    assert!(failed.is_empty(), "\n{}", failed.join("\n"));
+}
+
+#[rustfmt::skip]
+const MECHANISMS: [Slice<Mechanism>; 12] = [
+    slice(Mechanism::Debounce, ResumesByItself, "ecu/task-late duration=2"),
+    slice(Mechanism::ShutOnDoubt, ShutInDoubt, "sensor/missing duration=4 times=5"),
+    slice(Mechanism::NoIncreaseWithoutReference, NoIncreaseWithoutReference, "link/lost duration=80 times=5"),
+    slice(Mechanism::NeutralInterlock, NeutralFirst, "ecu/reset duration=5"),
+    slice(Mechanism::HoldLimit, EmptyInTime, "sensor/open duration=1000"),
+    slice(Mechanism::ActiveVent, EmptyInTime, "sensor/open duration=1000"),
+    slice(Mechanism::VentLimit, SafeInTime, "sensor/missing duration=1000"),
+    slice(Mechanism::Ramp, NoSuddenLoss, "link/silent duration=100"),
+    slice(Mechanism::RecoveryRamp, NoBump, "link/silent duration=45"),
+    slice(Mechanism::RetryLimit, StaysLocked, "sensor/missing duration=8 times=5"),
+    slice(Mechanism::Latch, StaysLocked, "ecu/supervisor-damaged onset=5 duration=1"),
+    slice(Mechanism::BothValvesInterlock, OneCoil, "ecu/controller-damaged duration=1"),
+];
+
+/// What the campaign cannot notice: without it the first sample after a way may have another duty cycle, for 10 ms, and then the
+/// loop is the same. `ecu/src/mechanism/tests.rs` notices.
+const UNNOTICED: Slice<Mechanism> = slice(
+    Mechanism::BumplessTakeover,
+    NoBump,
+    "sensor/missing duration=8 times=3",
+);
+
+#[test]
+fn what_is_said_to_be_unnoticed_is() {
+    let mechanism = UNNOTICED.needs;
+    let mut target = InProcessTarget::altered(move |config| config.without(mechanism));
+    assert_eq!(UNNOTICED.failures(&mut target), []);
+}
+
+#[test]
+fn the_campaign_notices_that_any_one_mechanism_is_gone() {
+    let is_listed =
+        |mechanism: &Mechanism| MECHANISMS.iter().any(|slice| slice.needs == *mechanism);
+    let missing: Vec<Mechanism> = Mechanism::ALL
+        .into_iter()
+        .filter(|mechanism| !is_listed(mechanism))
+        .collect();
+    assert_eq!(missing, [UNNOTICED.needs]);
+    all_or_said(MECHANISMS.iter().map(|slice| {
+        let mechanism = slice.needs;
+        slice.check(move |config| config.without(mechanism))
+    }));
+}
+
+#[rustfmt::skip]
+const DETECTORS: [Slice<Fault>; 22] = [
+    slice(Fault::SensorOpen, EmptyInTime, "sensor/open duration=1000"),
+    slice(Fault::SensorShort, EmptyInTime, "sensor/short duration=1000"),
+    slice(Fault::SensorBelowRange, EmptyInTime, "sensor/below-range duration=1000"),
+    slice(Fault::SensorAboveRange, EmptyInTime, "sensor/above-range duration=1000"),
+    slice(Fault::SensorJump, NoFillAfterN, "sensor/jump duration=100"),
+    slice(Fault::SensorMissing, EmptyInTime, "sensor/missing duration=1000"),
+    slice(Fault::SensorStuck, NoFillAfterN, "sensor/stuck duration=500"),
+    slice(Fault::SensorOffset, NeutralFirst, "sensor/offset onset=150 duration=2000 severity=0.17 rig=27"),
+    slice(Fault::NoRise, NoFillAfterN, "plant/fill-stuck-closed duration=400"),
+    slice(Fault::NoFall, NeutralFirst, "plant/vent-stuck-closed duration=1000"),
+    slice(Fault::UncommandedRise, NeutralFirst, "plant/fill-stuck-open duration=400 severity=0.10"),
+    slice(Fault::UncommandedFall, NoFillAfterN, "plant/vent-stuck-open duration=400 severity=0.36"),
+    slice(Fault::SupplyLost, NoFillAfterN, "plant/supply-lost duration=500 severity=1"),
+    slice(Fault::FillCoilOpen, NoFillAfterN, "plant/fill-coil-open duration=500"),
+    slice(Fault::FillCoilShort, NoFillAfterN, "plant/fill-coil-short duration=500"),
+    slice(Fault::VentCoilOpen, SafeInTime, "plant/vent-coil-open duration=1000"),
+    slice(Fault::VentCoilShort, SafeInTime, "plant/vent-coil-short duration=1000"),
+    slice(Fault::BatteryLow, NoFillAfterN, "ecu/battery-low duration=300"),
+    slice(Fault::BatteryHigh, NoFillAfterN, "ecu/battery-high duration=300"),
+    slice(Fault::SampleTime, NoFillAfterN, "ecu/task-early duration=300"),
+    slice(Fault::ReferenceLost, NoFillAfterN, "link/silent duration=300"),
+    slice(Fault::MemoryDamaged, StaysLocked, "ecu/supervisor-damaged onset=5 duration=1"),
+];
+
+#[test]
+fn the_campaign_notices_that_any_one_detector_is_gone() {
+    assert_eq!(DETECTORS.each_ref().map(|slice| slice.needs), Fault::ALL);
+    all_or_said(DETECTORS.iter().map(|slice| {
+        let fault = slice.needs;
+        slice.check(move |config| config.without_detector(fault))
+    }));
+}
