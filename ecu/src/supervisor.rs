@@ -167,7 +167,6 @@ impl Supervisor {
         }
         *self = Self {
             latched: self.latched,
-            clear_for: self.clear_for,
             ..Self::NEW
         };
         self.seal();
