@@ -246,7 +246,18 @@ pub(crate) fn table(gates: &[Gate]) -> Table {
 /// The budgets that are not kept, as sentences.
 pub(crate) fn exceeded(gates: &[Gate]) -> Vec<String> {
     let exceeded = gates.iter().filter(|gate| !gate.kept);
-    let sentence = |gate: &Gate| format!("{}: {}, at most {}", gate.what, gate.found, gate.allowed);
+    let sentence = |gate: &Gate| {
+        let Gate {
+            what,
+            found,
+            allowed,
+            ..
+        } = gate;
+        match allowed {
+            Figure::Number(_) => format!("{what}: {found}, at most {allowed}"),
+            Figure::Words(_) => format!("{what}: {found}, has to be: {allowed}"),
+        }
+    };
     exceeded.map(sentence).collect()
 }
 
@@ -425,7 +436,7 @@ mod tests {
     #[test]
     fn who_was_not_measured_does_not_pass() {
         for (missing, told) in [
-            (STEP, "full step: not measured"),
+            (STEP, "full step: not measured, has to be: measured"),
             (CHECKED, "checked loop: not measured"),
             (ECU, "ECU sample: not measured"),
         ] {
