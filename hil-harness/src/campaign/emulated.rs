@@ -29,10 +29,16 @@ pub enum EmulatedError {
     Image(#[from] ImageError),
     /// The emulator does not start.
     #[error(transparent)]
-    Qemu(#[from] QemuError),
+    Qemu(Box<QemuError>),
     /// The image does not answer.
     #[error(transparent)]
     Link(#[from] LinkError),
+}
+
+impl From<QemuError> for EmulatedError {
+    fn from(error: QemuError) -> Self {
+        Self::Qemu(Box::new(error))
+    }
 }
 
 /// The image in the emulator.
