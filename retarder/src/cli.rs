@@ -1,11 +1,19 @@
 //! Commands and options: what a person can type. Each option is defined once.
 
+mod device;
+
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use clap_complete::Shell;
 use hil_harness::scenario::BUILT_IN;
+
+use crate::dut::Dut;
+
+pub(crate) use device::{
+    BlackBoxArgs, CalibrateArgs, CalibrateCommand, MeasureArgs, ReadArgs, WriteArgs,
+};
 
 /// Model-based control of two on/off solenoid valves: simulate the plant, hold the model against a bench log, close
 /// the loop.
@@ -37,6 +45,11 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Run the closed loop on the model and judge it by the thesis' requirements
     Control(ControlArgs),
+    /// Read the black box of a device: its last seconds before the first fault
+    #[command(name = "blackbox")]
+    BlackBox(BlackBoxArgs),
+    /// Read, change and keep the settings of a device, and measure its signals, while it runs
+    Calibrate(CalibrateArgs),
     /// The measured figures of the thesis beside the simulated ones
     Thesis(ThesisArgs),
     /// The parameters of a plant file: value, unit, range, meaning, where the value comes from
@@ -117,6 +130,8 @@ Examples:
   retarder control --plant my-plant.toml --controller my-controller.toml --reference profile.csv
   retarder control --rigs 200                 on 200 rigs that differ as valves do
   retarder control --out run.csv --json       the course as CSV, the verdict as JSON
+  retarder control --dut qemu                 the firmware image, emulated, in place of the controller in process
+  retarder control --dut serial:/dev/ttyACM0  a board in lock step; its coils and its sensor stay unplugged
 
 A reference profile is a CSV file with the columns time_s and p_ref_bar_gauge; each value holds until the next.
 Exit status: 0 every binding requirement holds, 1 one does not, 2 could not run.")]
@@ -131,6 +146,16 @@ pub(crate) struct ControlArgs {
     /// Built-in scenario: reference profile, start, and plant if none is given
     #[arg(long, value_name = "NAME", default_value = DEFAULT_SCENARIO, value_parser = scenario_names())]
     pub(crate) scenario: String,
+    /// Device under test; the image's log is shown, and its bits are compared with those of the ECU in process:
+    /// in-process, qemu, qemu:uart, qemu:mailbox or serial:PORT
+    #[arg(long, value_name = "DEVICE", conflicts_with = "rigs")]
+    pub(crate) dut: Option<Dut>,
+    /// ELF file of the image; without it the one that `cargo xtask image` has built
+    #[arg(long, value_name = "ELF", value_hint = ValueHint::FilePath, requires = "dut")]
+    pub(crate) image: Option<PathBuf>,
+    /// How many times faster than real time the live plot goes, where there is a terminal; 0: as fast as it can
+    #[arg(long, value_name = "TIMES", default_value_t = 4, requires = "dut", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    pub(crate) pace: u32,
     /// Run on this many more rigs, scattered about the plant as valves are
     #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     pub(crate) rigs: u32,
@@ -255,10 +280,14 @@ pub(crate) struct TomlArg {
 /// A result with a JSON form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SchemaName {
+    /// retarder.black-box/1, of `blackbox`
+    BlackBox,
     /// retarder.comparison/1, of `compare`
     Comparison,
     /// retarder.control/1, of `control`
     Control,
+    /// retarder.device/1, of `control --dut`
+    Device,
     /// retarder.rigs/1, of `control --rigs`
     Rigs,
     /// retarder.simulation/1, of `simulate`

@@ -4,11 +4,18 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use ecu::calibration::SETTINGS;
 use hil_harness::RunError;
 use hil_harness::checks::JudgeError;
 use hil_harness::controller_file::ControllerFileError;
+use hil_harness::image::ImageError;
+use hil_harness::link::{LinkError, SerialError};
+#[cfg(unix)]
+use hil_harness::qemu::QemuError;
 use hil_harness::reference_profile::ProfileError;
 use hil_harness::rigs::RigError;
+use hil_harness::signals;
+use hil_protocol::MEASURED_MAX;
 use model_lab::CompareError;
 use plant_sim::ParameterError;
 use plant_sim::replay::ReplayError;
@@ -52,6 +59,43 @@ pub(crate) enum Failure {
     #[error("there is no compared signal `{name}`; compared are {compared}")]
     NoSuchSignal { name: String, compared: String },
     #[error(transparent)]
+    Image(#[from] ImageError),
+    #[cfg(unix)]
+    #[error(transparent)]
+    Qemu(#[from] QemuError),
+    #[cfg(not(unix))]
+    #[error(
+        "the emulated device needs a Unix; use --dut in-process, or a board with --dut serial:PORT"
+    )]
+    NoEmulator,
+    #[error(transparent)]
+    Serial(#[from] SerialError),
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    #[error(
+        "the device's image {version} has other tables of signals and settings than this program; use the program that came with it"
+    )]
+    OtherTables { version: String },
+    #[error("there is no setting `{name}`{}", alike(name, SETTINGS.iter().map(|setting| setting.name), "retarder calibrate read --dut in-process"))]
+    NoSuchSetting { name: String },
+    #[error("there is no signal `{name}`{}", alike(name, signals::all().map(|(_, signal)| signal.name), "retarder calibrate signals"))]
+    NoSuchDeviceSignal { name: String },
+    #[error("`{assignment}`: expected {expected}")]
+    SettingValue {
+        assignment: String,
+        expected: String,
+    },
+    #[error("the device refuses the settings, and nothing has changed: {said}")]
+    SettingsRefused { said: String },
+    #[error(
+        "{count} signals at once are too many: {MEASURED_MAX} at most; measure the others in another run"
+    )]
+    TooManySignals { count: usize },
+    #[error(
+        "the ECU in process has no sample timer: measure on a board (--dut serial:PORT) or on the emulated image (--dut qemu)"
+    )]
+    NoTimer,
+    #[error(transparent)]
     Run(#[from] RunError),
     #[error(transparent)]
     Judge(#[from] JudgeError),
@@ -90,6 +134,23 @@ fn target(path: &Option<PathBuf>) -> String {
         || "standard output".to_owned(),
         |path| path.display().to_string(),
     )
+}
+
+/// The names that look like `name`, or where all of them stand.
+fn alike<'a>(name: &str, names: impl Iterator<Item = &'a str>, list: &str) -> String {
+    let name = name.to_lowercase();
+    let mut letters: Vec<char> = name.chars().collect();
+    letters.sort_unstable();
+    let is_alike = |other: &str| {
+        let mut others: Vec<char> = other.chars().take(letters.len()).collect();
+        others.sort_unstable();
+        other.contains(&name) || name.contains(other) || others == letters
+    };
+    let found: Vec<&str> = names.filter(|other| is_alike(other)).take(4).collect();
+    match found.as_slice() {
+        [] => format!("; `{list}` lists all"),
+        found => format!("; did you mean {}?", found.join(", ")),
+    }
 }
 
 /// The lines of a file that its problems point at, with a mark below.

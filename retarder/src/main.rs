@@ -4,6 +4,7 @@
 //! outcome ([`run`]), and the outcome is written and printed ([`output`], [`print`](mod@print), [`page`] with [`report`]). `retarder --help` says the rest.
 
 mod cli;
+mod dut;
 mod failure;
 mod input;
 mod interrupt;

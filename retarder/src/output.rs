@@ -21,6 +21,14 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
         is_taken = is_standard_output(path);
         write_recording(path, &controlled.run.recording)?;
     }
+    if let (Some(path), Some(csv)) = (&targets.recording, csv(&outcome)) {
+        if is_standard_output(path) {
+            is_taken = true;
+            write_standard_output(&csv)?;
+        } else {
+            write_text(path, &csv)?;
+        }
+    }
     if let Some(path) = &targets.html
         && let Some(html) = page::html(&outcome)
     {
@@ -68,18 +76,33 @@ pub(crate) fn exit_code(ended: Result<Answer, Failure>) -> ExitCode {
     }
 }
 
+/// What a device recorded or measured.
+fn csv(outcome: &Outcome) -> Option<String> {
+    match outcome {
+        Outcome::BlackBox(black_box) => Some(black_box.csv()),
+        Outcome::Measurement(csv) => Some(csv.clone()),
+        _ => None,
+    }
+}
+
 fn json(outcome: &Outcome) -> Option<String> {
     let json = match outcome {
         Outcome::Simulation(simulation) => serde_json::to_string_pretty(simulation),
         Outcome::Comparison(compared) => serde_json::to_string_pretty(&compared.comparison),
-        Outcome::Control(controlled) if controlled.rigs.is_empty() => {
-            serde_json::to_string_pretty(&controlled.verdict)
-        }
-        Outcome::Control(controlled) => serde_json::to_string_pretty(&controlled.rigs()),
+        Outcome::Control(controlled) => match &controlled.device {
+            Some(report) => serde_json::to_string_pretty(&controlled.on_device(report)),
+            None if controlled.rigs.is_empty() => serde_json::to_string_pretty(&controlled.verdict),
+            None => serde_json::to_string_pretty(&controlled.rigs()),
+        },
+        Outcome::BlackBox(black_box) => serde_json::to_string_pretty(black_box),
         Outcome::Thesis(figures) => serde_json::to_string_pretty(&figures.table),
-        Outcome::Tour(_) | Outcome::Parameters(_) | Outcome::Settings(_) | Outcome::Text(_) => {
-            return None;
-        }
+        Outcome::Tour(_)
+        | Outcome::Parameters(_)
+        | Outcome::Settings(_)
+        | Outcome::DeviceSettings(_)
+        | Outcome::DeviceSignals
+        | Outcome::Measurement(_)
+        | Outcome::Text(_) => return None,
     };
     // Structs of numbers and texts under named keys; maps with other keys do not occur.
     let mut json = json.expect("results have a JSON form");

@@ -92,6 +92,10 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
         Outcome::Simulation(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
+        | Outcome::BlackBox(_)
+        | Outcome::DeviceSettings(_)
+        | Outcome::DeviceSignals
+        | Outcome::Measurement(_)
         | Outcome::Text(_) => return None,
     })
 }

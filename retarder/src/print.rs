@@ -3,6 +3,8 @@
 mod chart;
 mod comparison;
 mod control;
+mod device;
+mod live;
 mod number;
 mod parameters;
 mod simulation;
@@ -18,6 +20,7 @@ use crate::failure::Failure;
 use crate::run::Outcome;
 use crate::task::Targets;
 
+pub(crate) use live::Live;
 pub(crate) use simulation::simulation;
 
 /// What text is laid out for.
@@ -113,6 +116,11 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::Simulation(result) => simulation(result, terminal),
         Outcome::Comparison(compared) => comparison::comparison(compared, terminal),
         Outcome::Control(controlled) => control::control(controlled, terminal),
+        Outcome::BlackBox(black_box) => device::black_box(black_box, terminal),
+        Outcome::DeviceSettings(settings) => device::settings(settings, terminal),
+        Outcome::DeviceSignals => device::signals(terminal),
+        Outcome::Measurement(csv) if targets.recording.is_none() => csv.clone(),
+        Outcome::Measurement(csv) => format!("{} samples.\n", csv.lines().count() - 1),
         Outcome::Thesis(figures) => thesis::thesis(figures, terminal),
         Outcome::Parameters(plant) => parameters::parameters(plant, terminal),
         Outcome::Settings(controller) => parameters::settings(controller, terminal),

@@ -1,7 +1,10 @@
 //! Tasks become outcomes: values that know nothing of how they are shown.
 
+pub(crate) mod black_box;
+pub(crate) mod calibrate;
 pub(crate) mod compare;
 pub(crate) mod control;
+pub(crate) mod device;
 pub(crate) mod schema;
 pub(crate) mod simulate;
 pub(crate) mod thesis;
@@ -15,6 +18,12 @@ pub(crate) enum Outcome {
     Simulation(simulate::Simulation),
     Comparison(Box<compare::Compared>),
     Control(Box<control::Controlled>),
+    BlackBox(black_box::BlackBox),
+    DeviceSettings(calibrate::Settings),
+    /// All signals that a device has.
+    DeviceSignals,
+    /// Signals of a device, as CSV.
+    Measurement(String),
     Thesis(thesis::Figures),
     Parameters(NamedPlant),
     Settings(NamedController),
@@ -50,6 +59,10 @@ impl Outcome {
             Self::Thesis(figures) => Answer::of(figures.table.holds),
             Self::Tour(_)
             | Self::Simulation(_)
+            | Self::BlackBox(_)
+            | Self::DeviceSettings(_)
+            | Self::DeviceSignals
+            | Self::Measurement(_)
             | Self::Parameters(_)
             | Self::Settings(_)
             | Self::Text(_) => Answer::Holds,

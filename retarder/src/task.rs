@@ -6,7 +6,10 @@ use clap::CommandFactory as _;
 use model_lab::CompareOptions;
 use recording::Recording;
 
-use crate::cli::{Cli, Command, CompareArgs, ControlArgs, SchemaName, SimulateArgs};
+use crate::cli::{
+    BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs, SchemaName,
+    SimulateArgs,
+};
 use crate::failure::Failure;
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
 use crate::run::{self, Outcome, schema};
@@ -38,6 +41,9 @@ enum Work {
         scenario: Box<NamedScenario>,
         rigs: u32,
     },
+    OnDevice(Box<run::device::Task>),
+    BlackBox(BlackBoxArgs),
+    Calibrate(CalibrateCommand),
     Thesis(NamedPlant),
     Parameters(NamedPlant),
     Settings(NamedController),
@@ -59,6 +65,23 @@ impl Task {
             Some(Command::Simulate(args)) => simulate(args, &mut targets)?,
             Some(Command::Compare(args)) => compare(args, &mut targets)?,
             Some(Command::Control(args)) => control(args, &mut targets)?,
+            Some(Command::BlackBox(mut args)) => {
+                if goes_to_standard_output(&args.out.out)
+                    && goes_to_standard_output(&args.json.json)
+                {
+                    return Err(Failure::TwoOnStandardOutput { option: "--out" });
+                }
+                targets.recording = args.out.out.take();
+                targets.json = args.json.json.take();
+                Work::BlackBox(args)
+            }
+            Some(Command::Calibrate(args)) => {
+                let mut command = args.command;
+                if let CalibrateCommand::Measure(args) = &mut command {
+                    targets.recording = args.out.out.take();
+                }
+                Work::Calibrate(command)
+            }
             Some(Command::Thesis(args)) => {
                 (targets.json, targets.html) = (args.json.json, args.html.html);
                 Work::Thesis(NamedPlant::from_args(&args.plant, NamedPlant::nominal())?)
@@ -105,6 +128,20 @@ impl Task {
             Work::Control { scenario, rigs } => {
                 Outcome::Control(Box::new(run::control::run(*scenario, rigs)?))
             }
+            Work::OnDevice(task) => Outcome::Control(Box::new(run::device::run(*task)?)),
+            Work::BlackBox(args) => Outcome::BlackBox(run::black_box::run(&args)?),
+            Work::Calibrate(command) => match command {
+                CalibrateCommand::Signals => Outcome::DeviceSignals,
+                CalibrateCommand::Read(args) => {
+                    Outcome::DeviceSettings(run::calibrate::read(&args)?)
+                }
+                CalibrateCommand::Write(args) => {
+                    Outcome::DeviceSettings(run::calibrate::write(&args)?)
+                }
+                CalibrateCommand::Measure(args) => {
+                    Outcome::Measurement(run::calibrate::measure(&args)?)
+                }
+            },
             Work::Thesis(plant) => Outcome::Thesis(run::thesis::run(plant)),
             Work::Parameters(plant) => Outcome::Parameters(plant),
             Work::Settings(controller) => Outcome::Settings(controller),
@@ -159,9 +196,17 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
         html: args.html.html,
         recording: args.out.out,
     };
-    Ok(Work::Control {
-        scenario,
-        rigs: args.rigs,
+    Ok(match args.dut {
+        None => Work::Control {
+            scenario,
+            rigs: args.rigs,
+        },
+        Some(dut) => Work::OnDevice(Box::new(run::device::Task {
+            scenario: *scenario,
+            dut,
+            image: args.image,
+            pace: args.pace,
+        })),
     })
 }
 

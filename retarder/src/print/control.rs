@@ -5,6 +5,7 @@ use hil_harness::{Requirement, Verdict};
 use recording::Recording;
 
 use super::chart::{Chart, Course};
+use super::device;
 use super::number::{significant, value};
 use super::table::{Align, Entry, Table, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
@@ -16,6 +17,10 @@ pub(super) fn control(controlled: &Controlled, terminal: &Terminal) -> String {
     text += "\n";
     text += &plots(&controlled.run.recording, terminal);
     text += "\n";
+    if let Some(report) = &controlled.device {
+        text += &device::report(report, terminal);
+        text += "\n";
+    }
     text += &requirements(&[controlled], terminal);
     if !controlled.rigs.is_empty() {
         text += "\n";

@@ -5,6 +5,7 @@ use hil_harness::{Requirement, Run, Verdict, run_in_process};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::device::DeviceReport;
 use crate::failure::Failure;
 use crate::input::NamedScenario;
 use crate::progress::Progress;
@@ -14,6 +15,8 @@ pub(crate) struct Controlled {
     pub(crate) scenario: NamedScenario,
     pub(crate) run: Run,
     pub(crate) verdict: Verdict,
+    /// The device; none where the ECU in process is the one that was asked for.
+    pub(crate) device: Option<DeviceReport>,
     /// The same on other rigs; empty where none was asked for.
     pub(crate) rigs: Vec<RigVerdict>,
 }
@@ -31,14 +34,20 @@ pub(crate) fn run(scenario: NamedScenario, rigs: u32) -> Result<Controlled, Fail
         scenario,
         run,
         verdict,
+        device: None,
         rigs,
     })
 }
 
 impl Controlled {
-    /// Whether every binding check holds, on every rig.
+    /// Whether every binding check holds, on every rig, and a device does what the ECU in process does.
     pub(crate) fn holds(&self) -> bool {
-        self.verdict.holds && self.rigs.iter().all(|rig| rig.verdict.holds)
+        self.verdict.holds
+            && self.rigs.iter().all(|rig| rig.verdict.holds)
+            && self
+                .device
+                .as_ref()
+                .is_none_or(|device| device.difference.is_none())
     }
 }
 

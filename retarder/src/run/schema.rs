@@ -5,15 +5,19 @@ use model_lab::Comparison;
 use model_lab::thesis::ThesisTable;
 use schemars::{Schema, schema_for};
 
+use super::black_box::BlackBox;
 use super::control::Rigs;
+use super::device::Device;
 use super::simulate::Simulation;
 use crate::cli::SchemaName;
 
 /// The schema of a result.
 pub(crate) fn of(result: SchemaName) -> Schema {
     match result {
+        SchemaName::BlackBox => schema_for!(BlackBox),
         SchemaName::Comparison => Comparison::json_schema(),
         SchemaName::Control => schema_for!(Verdict),
+        SchemaName::Device => schema_for!(Device),
         SchemaName::Rigs => schema_for!(Rigs),
         SchemaName::Simulation => schema_for!(Simulation),
         SchemaName::Thesis => schema_for!(ThesisTable),

@@ -2,6 +2,7 @@
 
 mod compare;
 mod control;
+mod device;
 mod listings;
 mod mistakes;
 mod runner;

@@ -7,7 +7,15 @@ use serde_json::Value;
 
 use crate::runner::{Bench, data};
 
-const RESULTS: [&str; 5] = ["comparison", "control", "rigs", "simulation", "thesis"];
+const RESULTS: [&str; 7] = [
+    "black-box",
+    "comparison",
+    "control",
+    "device",
+    "rigs",
+    "simulation",
+    "thesis",
+];
 
 fn published(result: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/schema/{result}.json"))
@@ -36,9 +44,11 @@ fn the_published_schemas_are_those_of_the_types() {
 fn results_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
     let log = data("synthetic/practice-01-check.csv");
-    let runs: [&[&str]; 5] = [
+    let runs: [&[&str]; 7] = [
+        &["blackbox", "--dut", "in-process", "--json"],
         &["compare", "--log", &log, "--json"],
         &["control", "--json"],
+        &["control", "--dut", "in-process", "--json"],
         &["control", "--rigs", "1", "--json"],
         &["simulate", "--log", &log, "--out", "model.csv", "--json"],
         &["thesis", "--json"],

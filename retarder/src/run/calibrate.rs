@@ -1,0 +1,262 @@
+//! Settings and signals of a device while it runs.
+
+mod refusal;
+
+use std::sync::atomic::Ordering;
+
+use ecu::calibration::{SETTING_COUNT, Setting, SettingId, SettingValues, Signal};
+use hil_harness::ecu_under_test::{carry_out, set};
+use hil_harness::link::{Link, LinkError};
+use hil_harness::signals;
+use hil_protocol::{MEASURED_MAX, Reply, Request, SettingsSource, SignalIds};
+
+use crate::cli::{MeasureArgs, ReadArgs, WriteArgs};
+use crate::dut::Dut;
+use crate::failure::Failure;
+use crate::interrupt;
+
+/// Settings as they are in effect, those that a person wants to see.
+pub(crate) struct Settings {
+    /// What the device is.
+    pub(crate) device: String,
+    /// Where its settings come from, or what was done with them.
+    pub(crate) note: String,
+    /// Name, value and unit.
+    pub(crate) rows: Vec<(SettingId, String)>,
+}
+
+/// Reads settings.
+pub(crate) fn read(args: &ReadArgs) -> Result<Settings, Failure> {
+    let wanted: Vec<SettingId> = match args.settings.as_slice() {
+        [] => SettingId::ALL.to_vec(),
+        names => names
+            .iter()
+            .map(|name| setting(name))
+            .collect::<Result<_, _>>()?,
+    };
+    let mut session = args.device.dut.session(args.device.image.as_deref())?;
+    let values = in_effect(session.as_mut())?;
+    Ok(Settings {
+        device: session.identity(),
+        note: origin(session.device().settings_source),
+        rows: rows(&wanted, &values),
+    })
+}
+
+fn origin(source: SettingsSource) -> String {
+    match source {
+        SettingsSource::Stored {
+            copy,
+            sequence,
+            other_damaged,
+        } => {
+            let damage = match other_damaged {
+                true => "; the other copy is damaged, the next save mends it",
+                false => "",
+            };
+            format!("Stored in copy {copy} by save {sequence}{damage}.")
+        }
+        SettingsSource::DefaultsNeverSaved => "Built in: none were ever saved.".to_owned(),
+        SettingsSource::DefaultsDamaged => {
+            "Built in: what was saved is damaged, or not of this image. Check and save them."
+                .to_owned()
+        }
+        SettingsSource::Link => "Set over the link since the start.".to_owned(),
+    }
+}
+
+/// Changes settings, all with the same sample, and keeps them if that is wanted.
+pub(crate) fn write(args: &WriteArgs) -> Result<Settings, Failure> {
+    let changes: Vec<(SettingId, i32)> = args
+        .assignments
+        .iter()
+        .map(|text| assignment(text))
+        .collect::<Result<_, _>>()?;
+    let mut session = args.device.dut.session(args.device.image.as_deref())?;
+    let link = session.as_mut();
+    if args.defaults {
+        carry_out(link, &Request::Defaults)?;
+        let defaults = SettingValues::of(&ecu::EcuSettings::bench());
+        set(link, &defaults).map_err(refusal::named)?;
+    }
+    let mut values = in_effect(link)?;
+    for &(id, value) in &changes {
+        values.set(id, value);
+    }
+    set(link, &values).map_err(refusal::named)?;
+    if args.save {
+        carry_out(link, &Request::Save)?;
+    }
+    let changed: Vec<SettingId> = changes.iter().map(|(id, _)| *id).collect();
+    Ok(Settings {
+        device: session.identity(),
+        note: match args.save {
+            true => "In effect, and kept for the next start.".to_owned(),
+            false => "In effect until the device starts again; --save keeps them.".to_owned(),
+        },
+        rows: rows(&changed, &in_effect(session.as_mut())?),
+    })
+}
+
+fn in_effect(link: &mut (impl Link + ?Sized)) -> Result<SettingValues, LinkError> {
+    let mut values = SettingValues::from_array([0; SETTING_COUNT]);
+    let mut first = 0;
+    while usize::from(first) < SETTING_COUNT {
+        let request = Request::Settings { first };
+        match link.ask(&request)? {
+            Reply::Values { values: part, .. } if !part.is_empty() => {
+                values
+                    .set_from(first, &part)
+                    .map_err(|refusal| LinkError::refused(&request, refusal))?;
+                first += part.len() as u16;
+            }
+            other => return Err(LinkError::unexpected(&request, &other)),
+        }
+    }
+    Ok(values)
+}
+
+fn rows(wanted: &[SettingId], values: &SettingValues) -> Vec<(SettingId, String)> {
+    wanted
+        .iter()
+        .map(|&id| (id, text(id.setting(), values.get(id))))
+        .collect()
+}
+
+/// A number of the table as a person reads it.
+fn text(setting: &Setting, value: i32) -> String {
+    if setting.choices.is_empty() {
+        return (f64::from(value) / 65536.0).to_string();
+    }
+    let choice = usize::try_from(value)
+        .ok()
+        .and_then(|at| setting.choices.get(at));
+    choice.map_or_else(|| value.to_string(), |choice| (*choice).to_owned())
+}
+
+fn setting(name: &str) -> Result<SettingId, Failure> {
+    SettingId::named(name).ok_or_else(|| Failure::NoSuchSetting {
+        name: name.to_owned(),
+    })
+}
+
+fn assignment(assignment: &str) -> Result<(SettingId, i32), Failure> {
+    let wrong = |expected: String| Failure::SettingValue {
+        assignment: assignment.to_owned(),
+        expected,
+    };
+    let (name, value) = assignment
+        .split_once('=')
+        .ok_or_else(|| wrong("SETTING=VALUE, such as gain_pct_per_bar=30".to_owned()))?;
+    let id = setting(name.trim())?;
+    let Setting { unit, choices, .. } = *id.setting();
+    let value = value.trim();
+    if let Some(choice) = choices.iter().position(|choice| *choice == value) {
+        return Ok((id, choice as i32));
+    }
+    if !choices.is_empty() {
+        return Err(wrong(format!("one of {}", choices.join(", "))));
+    }
+    let number: f64 = value
+        .parse()
+        .map_err(|_| wrong(format!("a number in {unit}, with a decimal point")))?;
+    let bits = (number * 65536.0).round();
+    if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&bits) {
+        return Err(wrong(format!("a number in {unit} within -32768 and 32767")));
+    }
+    Ok((id, bits as i32))
+}
+
+/// Measures signals in every sample, as CSV.
+pub(crate) fn measure(args: &MeasureArgs) -> Result<String, Failure> {
+    let signals: Vec<(u16, &Signal)> = args
+        .signals
+        .iter()
+        .map(|name| {
+            signals::named(name).ok_or_else(|| Failure::NoSuchDeviceSignal { name: name.clone() })
+        })
+        .collect::<Result<_, _>>()?;
+    let ids = SignalIds::from_iter(signals.iter().take(MEASURED_MAX).map(|(id, _)| *id));
+    if ids.len() < signals.len() {
+        return Err(Failure::TooManySignals {
+            count: signals.len(),
+        });
+    }
+    if args.device.dut == Dut::InProcess {
+        return Err(Failure::NoTimer);
+    }
+    let is_interrupted = interrupt::flag()?;
+    let mut session = args.device.dut.session(args.device.image.as_deref())?;
+    carry_out(session.as_mut(), &Request::Measure { ids })?;
+    let mut csv = header(&signals);
+    let mut first = None;
+    for _ in 0..args.samples {
+        if is_interrupted.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted);
+        }
+        let (sample, values) = session.measured()?;
+        let since = sample.wrapping_sub(*first.get_or_insert(sample));
+        csv += &format!("{}", f64::from(since) / 100.0);
+        for ((_, signal), value) in signals.iter().zip(&values) {
+            csv.push(',');
+            csv +=
+                &signals::value(signal, *value).map_or_else(String::new, |value| value.to_string());
+        }
+        csv.push('\n');
+    }
+    carry_out(
+        session.as_mut(),
+        &Request::Measure {
+            ids: SignalIds::new(),
+        },
+    )?;
+    Ok(csv)
+}
+
+/// Column names with units, as a bench log has them.
+fn header(signals: &[(u16, &Signal)]) -> String {
+    let mut header = "time_s".to_owned();
+    for (_, Signal { name, unit, .. }) in signals {
+        let unit = match *unit {
+            "" => String::new(),
+            "%" => "_pct".to_owned(),
+            unit => format!("_{}", unit.replace(' ', "_")),
+        };
+        header += &format!(",{name}{unit}");
+    }
+    header.push('\n');
+    header
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_assignment_is_a_number_in_the_tables_unit_or_the_name_of_a_choice() {
+        assert_eq!(
+            assignment("gain_pct_per_bar = 30.5").unwrap(),
+            (SettingId::Gain, (30 << 16) + (1 << 15))
+        );
+        assert_eq!(assignment("boost=on").unwrap(), (SettingId::Boost, 1));
+        for (text, said) in [
+            ("gain_pct_per_bar", "SETTING=VALUE"),
+            ("gain_pct_per_bar=3,5", "a number in %/bar"),
+            ("gain_pct_per_bar=1e9", "within -32768"),
+            ("boost=maybe", "one of off, on"),
+            ("gian=3", "gain_pct_per_bar"),
+        ] {
+            let error = assignment(text).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+    }
+
+    #[test]
+    fn columns_are_named_as_in_a_bench_log() {
+        let signals = ["p_ref", "u", "i_fill", "mode"].map(|name| signals::named(name).unwrap());
+        assert_eq!(
+            header(&signals),
+            "time_s,p_ref_bar_gauge,u_pct,i_fill_mA,mode\n"
+        );
+    }
+}

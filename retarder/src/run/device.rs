@@ -1,0 +1,130 @@
+//! The loop on a device: watched, then held against the ECU in process.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use hil_harness::{Difference, Requirement, Verdict, run_in_process, run_watched};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::control::Controlled;
+use crate::dut::Dut;
+use crate::failure::Failure;
+use crate::input::NamedScenario;
+use crate::interrupt;
+use crate::print::Live;
+
+/// What is run on which device.
+pub(crate) struct Task {
+    pub(crate) scenario: NamedScenario,
+    pub(crate) dut: Dut,
+    pub(crate) image: Option<PathBuf>,
+    /// How many times faster than real time a person watches; 0: no limit.
+    pub(crate) pace: u32,
+}
+
+/// What a device is, beside how its loop stands.
+pub(crate) struct DeviceReport {
+    /// Kind, version, and over what it was reached.
+    pub(crate) identity: String,
+    /// Decoded, oldest line first.
+    pub(crate) log: Vec<String>,
+    /// Samples that crossed the wire, with the lead-in.
+    pub(crate) samples: usize,
+    /// The first sample in which the ECU in process answers otherwise.
+    pub(crate) difference: Option<Difference>,
+}
+
+/// Runs the loop on the device and, for comparison, in process.
+pub(crate) fn run(task: Task) -> Result<Controlled, Failure> {
+    let is_interrupted = interrupt::flag()?;
+    let scenario = &task.scenario.scenario;
+    let mut live = Live::new(scenario, task.pace);
+    let watched = task
+        .dut
+        .under_test(task.image.as_deref())
+        .and_then(|mut device| {
+            Ok(run_watched(scenario, device.as_mut(), &mut |moment| {
+                live.see(&moment);
+                if is_interrupted.load(Ordering::Relaxed) {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            })?)
+        });
+    drop(live);
+    // Ctrl-C reaches the emulator too: whatever error comes of that, it was the person's wish.
+    if is_interrupted.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted);
+    }
+    let run = watched?;
+    let verdict = run.verdict(&Requirement::THESIS)?;
+    let difference = Difference::first(&run_in_process(scenario)?, &run);
+    Ok(Controlled {
+        device: Some(DeviceReport {
+            identity: run.device.clone(),
+            log: run.log.clone(),
+            samples: run.exchanges.len(),
+            difference,
+        }),
+        scenario: task.scenario,
+        run,
+        verdict,
+        rigs: Vec::new(),
+    })
+}
+
+/// Name and version of the JSON form of [`Device`].
+pub(crate) const DEVICE_SCHEMA: &str = "retarder.device/1";
+
+/// The loop on a device.
+#[derive(Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Device<'a> {
+    /// Name and version of this format.
+    pub(crate) schema: &'static str,
+    /// What the device is: kind, version, and over what it was reached.
+    pub(crate) device: &'a str,
+    /// Name of the scenario.
+    pub(crate) scenario: &'a str,
+    /// The plant.
+    pub(crate) plant: &'a str,
+    /// The controller.
+    pub(crate) controller: &'a str,
+    /// Seed of the sensor noise.
+    pub(crate) seed: u64,
+    /// Whether every binding check holds and the device answered as the ECU in process does.
+    pub(crate) holds: bool,
+    /// Samples that crossed the wire, with those before time 0.
+    pub(crate) samples: usize,
+    /// The first sample in which the ECU in process answers otherwise; null if all bits are equal.
+    pub(crate) first_different_sample: Option<u32>,
+    /// What the device logged, oldest line first.
+    pub(crate) log: &'a [String],
+    /// How the loop stands.
+    pub(crate) verdict: &'a Verdict,
+}
+
+impl Controlled {
+    /// The run on a device as it stands in JSON.
+    pub(crate) fn on_device<'a>(&'a self, report: &'a DeviceReport) -> Device<'a> {
+        Device {
+            schema: DEVICE_SCHEMA,
+            device: &report.identity,
+            scenario: &self.scenario.scenario.name,
+            plant: &self.scenario.plant,
+            controller: &self.scenario.controller,
+            seed: self.scenario.scenario.seed,
+            holds: self.holds(),
+            samples: report.samples,
+            first_different_sample: report
+                .difference
+                .as_ref()
+                .map(|difference| difference.sensors.sample),
+            log: &report.log,
+            verdict: &self.verdict,
+        }
+    }
+}
