@@ -1,7 +1,7 @@
 //! What a control sample costs on a Cortex-M4F, and that it costs no more than its budget.
 //!
 //! Two ways meet. The bench (`budgets/`) counts the instructions of every call over a long trace, exactly and beside its
-//! peers ([`bench`], [`counted`]). The linked code itself is read for what holds for any input: the longest path
+//! peers ([`mod@bench`], [`counted`]). The linked code itself is read for what holds for any input: the longest path
 //! ([`longest_path`]), the deepest stack ([`stack_bound`]), and all that a call can reach ([`reach`]). [`gates`] holds both
 //! against the budgets.
 

@@ -14,7 +14,7 @@ pub(crate) struct Counted {
     pub(crate) sum: u32,
     pub(crate) min: u32,
     pub(crate) max: u32,
-    /// How deep the painted stack was written [bytes].
+    /// How deep the painted stack was written (bytes).
     pub(crate) stack: u32,
     pub(crate) state_bytes: u32,
     pub(crate) config_bytes: u32,

@@ -15,7 +15,7 @@ pub(crate) struct Figures {
     pub(crate) counted: Counted,
     /// The most instructions of a call.
     pub(crate) proved: Result<u32, Unbounded>,
-    /// The most stack of a call [bytes].
+    /// The most stack of a call (bytes).
     pub(crate) stack: Result<u32, Unbounded>,
     pub(crate) reach: Reach,
 }

@@ -33,7 +33,7 @@ const OTHERS: &str = "others";
 /// Constants that the linker keeps without a symbol, and the gaps between sections.
 const UNNAMED: &str = "without symbol";
 
-/// What each crate may take [bytes]: what it took when the budget was set, and about a third more.
+/// What each crate may take (bytes): what it took when the budget was set, and about a third more.
 const ROOMS: [Room; 10] = [
     room("firmware", 18_432, 8_192),
     room("ecu", 18_432, 0),
