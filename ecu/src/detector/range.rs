@@ -72,4 +72,15 @@ mod tests {
         assert!(bar(code) <= 10.2 && bar(above) > 10.2, "{}", bar(code));
         assert_eq!(fault(above.bits()), Some(Fault::SensorAboveRange));
     }
+
+    #[test]
+    fn the_highest_pressure_itself_is_one_that_can_be() {
+        let code = SensorCode::from_bits(1000).unwrap();
+        let pressure = PressureSensor::pressure(code);
+        let limits = Limits {
+            pressure_max: pressure.to_bits(),
+            ..bench_limits()
+        };
+        assert_eq!(out_of_range(&limits, code, pressure), None);
+    }
 }
