@@ -12,6 +12,7 @@ mod counted;
 mod elf;
 mod figures;
 mod findings;
+mod gate;
 mod gates;
 mod image;
 mod instruction;
@@ -22,6 +23,7 @@ mod sizes;
 mod stack_bound;
 mod table;
 mod unbounded;
+pub(crate) mod unproved;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -46,40 +48,6 @@ const BENCH: &str = "bench image";
 const FIGURES: &str = "sample counted and proved";
 const IMAGE: &str = "ARM image";
 const STACK: &str = "stack of the image, proved";
-
-/// Why a budget is not proved to be kept.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum Unproved {
-    #[error("{} is no ELF that can be read: {source}", .path.display())]
-    Elf {
-        path: PathBuf,
-        source: object::Error,
-    },
-    #[error("the bench's output: {0}")]
-    Bench(counted::Unreadable),
-    #[error("the bench measured `{name}`, which xtask/src/budgets/candidate.rs does not list")]
-    Candidate { name: String },
-    #[error("over budget:{}", listed(.0))]
-    Exceeded(Vec<String>),
-    #[error("{} has no `{name}`", .path.display())]
-    NoSymbol { path: PathBuf, name: &'static str },
-    #[error("the stack of the image has no bound: {0}")]
-    Stack(unbounded::Unbounded),
-    #[error("panics are left in the image:{}", listed(.0))]
-    PanicsLeft(Vec<String>),
-    #[error("the self-test did not say how much of its stack it used")]
-    NotPainted,
-    #[error(
-        "a panic is left in an image that must not have one; the linker says who calls it:\n{said}"
-    )]
-    CanPanic { said: String },
-    #[error("an image with a panic on purpose linked: the proof by the linker proves nothing")]
-    CanaryLinked,
-}
-
-fn listed(lines: &[String]) -> String {
-    lines.iter().map(|line| format!("\n    {line}")).collect()
-}
 
 /// Installs what this verb needs beyond the image's toolchain and the emulator.
 pub(crate) fn setup(report: &mut Report) {
@@ -129,7 +97,7 @@ fn sample(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Fin
     });
     report.step("budgets of a sample", || {
         let gates = gates::gates(needed(&figures, FIGURES)?);
-        println!("{}", gates::table(&gates));
+        println!("{}", gate::table(&gates));
         findings.judge(&gates)
     });
     report.step("controller cannot panic", || {
@@ -177,7 +145,7 @@ fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Find
         let (elf, _) = needed(&image, IMAGE)?;
         let used = image::painted(&qemu::run(elf.path())?)?;
         let gates = [needed(&stack, STACK)?.painted(used)];
-        println!("{}", gates::table(&gates));
+        println!("{}", gate::table(&gates));
         findings.judge(&gates)
     });
     report.step("flash and RAM of the image", || {

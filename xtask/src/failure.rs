@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitStatus;
 use std::{io, time::Duration};
 
-use crate::budgets::Unproved;
+use crate::budgets::unproved::Unproved;
 use crate::digests::{Difference, Unreadable};
 
 /// Why a step did not pass.

@@ -4,13 +4,13 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use super::Unproved;
 use super::code::Code;
 use super::counted::Counted;
 use super::elf::Elf;
 use super::figures::Figures;
 use super::table::Table;
 use super::unbounded::Unbounded;
+use super::unproved::Unproved;
 use crate::failure::Failure;
 use crate::workspace::find_program;
 use crate::{packages, process};

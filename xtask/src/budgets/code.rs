@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::elf::{Elf, Memory};
 use super::instruction::{Flow, Instruction};
+use super::unbounded::Unbounded;
 use crate::failure::Failure;
 use crate::packages;
 use crate::process;
@@ -161,6 +162,35 @@ impl Code {
             }
             _ => None,
         }
+    }
+
+    /// No bound: the instruction at this address panics through `function`.
+    pub(crate) fn panics_at(&self, address: u32, function: &Function) -> Unbounded {
+        Unbounded::Panic {
+            at: self.place(address),
+            function: function.name.clone(),
+        }
+    }
+
+    /// No bound: where the instruction at this address goes is in a register.
+    pub(crate) fn indirect_at(&self, address: u32) -> Unbounded {
+        Unbounded::Indirect {
+            at: self.place(address),
+            text: self.text(address),
+        }
+    }
+
+    /// No bound: the instruction at this address moves the stack pointer by an amount that it does not tell.
+    pub(crate) fn stack_pointer_at(&self, address: u32) -> Unbounded {
+        Unbounded::StackPointer {
+            at: self.place(address),
+            text: self.text(address),
+        }
+    }
+
+    fn text(&self, address: u32) -> String {
+        let instruction = self.at(address);
+        instruction.map_or_else(String::new, |instruction| instruction.text.clone())
     }
 
     /// Where an address lies, for a person: `name+0x12`.

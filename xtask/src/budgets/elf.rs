@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
-use super::Unproved;
+use super::unproved::Unproved;
 use crate::failure::Failure;
 
 /// The bytes of an ELF file.

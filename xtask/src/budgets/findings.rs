@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::figures::Figures;
-use super::gates::{Gate, judge};
+use super::gate::{Gate, judge};
 use super::unbounded::Unbounded;
 use crate::failure::Failure;
 

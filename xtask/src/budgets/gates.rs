@@ -1,15 +1,9 @@
 //! The budgets, each with its reason, and whether the figures keep them.
 
-use std::fmt;
-
-use serde::Serialize;
-
-use super::Unproved;
 use super::candidate::{CHECKED_LOOP, Duty, ECU_SAMPLE, SATURATING, THESIS_STEP};
 use super::figures::Figures;
-use super::table::Table;
+use super::gate::Gate;
 use super::unbounded::Unbounded;
-use crate::failure::Failure;
 
 /// Instructions of the thesis' full step on average: less than the same in C with the FPU takes on this trace.
 const MEAN_MAX: f64 = 65.0;
@@ -27,78 +21,6 @@ const CHECKED_PROVED_MAX: u32 = 300;
 const ECU_PROVED_MAX: u32 = 2000;
 /// How far the baselines' duty cycles may be from ours [%]: they are to do the same, or the comparison is none.
 const DEVIATION_MAX_PCT: f64 = 0.001;
-
-/// One budget and what was found.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Gate {
-    what: String,
-    found: Figure,
-    allowed: Figure,
-    kept: bool,
-}
-
-/// A number, or what stands in its place.
-#[derive(Clone, Debug, Serialize)]
-#[serde(untagged)]
-enum Figure {
-    Number(f64),
-    Words(String),
-}
-
-impl fmt::Display for Figure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(number) if number.fract() == 0.0 => write!(f, "{number}"),
-            Self::Number(number) => write!(f, "{number:.2}"),
-            Self::Words(words) => f.write_str(words),
-        }
-    }
-}
-
-impl Gate {
-    /// A figure that may reach its budget and not pass it.
-    pub(crate) fn at_most<T: PartialOrd + Into<f64>>(what: &str, found: T, allowed: T) -> Self {
-        Self {
-            what: what.to_owned(),
-            kept: found <= allowed,
-            found: Figure::Number(found.into()),
-            allowed: Figure::Number(allowed.into()),
-        }
-    }
-
-    /// A bound that may not exist.
-    fn bounded(what: &str, found: &Result<u32, Unbounded>, allowed: u32) -> Self {
-        match found {
-            Ok(found) => Self::at_most(what, *found, allowed),
-            Err(reason) => Self {
-                what: what.to_owned(),
-                found: Figure::Words(reason.to_string()),
-                allowed: Figure::Number(allowed.into()),
-                kept: false,
-            },
-        }
-    }
-
-    /// Nothing of a kind, else the first of them.
-    fn none<'a>(what: &str, found: impl IntoIterator<Item = &'a String>) -> Self {
-        let first = found.into_iter().next();
-        Self {
-            what: what.to_owned(),
-            found: Figure::Words(first.map_or("none", String::as_str).to_owned()),
-            allowed: Figure::Words("none".to_owned()),
-            kept: first.is_none(),
-        }
-    }
-
-    fn missing(what: &str) -> Self {
-        Self {
-            what: what.to_owned(),
-            found: Figure::Words("not measured".to_owned()),
-            allowed: Figure::Words("measured".to_owned()),
-            kept: false,
-        }
-    }
-}
 
 /// All budgets of a sample.
 pub(crate) fn gates(figures: &[Figures]) -> Vec<Gate> {
@@ -218,54 +140,12 @@ fn beyond_bound(seen: u32, proved: &Result<u32, Unbounded>) -> bool {
     proved.as_ref().is_ok_and(|&proved| seen > proved)
 }
 
-/// A failure if a budget is not kept; it names budget, figure and goal.
-pub(crate) fn judge(gates: &[Gate]) -> Result<(), Failure> {
-    let exceeded = exceeded(gates);
-    if exceeded.is_empty() {
-        Ok(())
-    } else {
-        Err(Unproved::Exceeded(exceeded).into())
-    }
-}
-
-/// The gates as a table.
-pub(crate) fn table(gates: &[Gate]) -> Table {
-    let mut table = Table::new(&["budget", "found", "at most", ""]);
-    for gate in gates {
-        let verdict = if gate.kept { "kept" } else { "EXCEEDED" };
-        table.row(vec![
-            gate.what.clone(),
-            gate.found.to_string(),
-            gate.allowed.to_string(),
-            verdict.to_owned(),
-        ]);
-    }
-    table
-}
-
-/// The budgets that are not kept, as sentences.
-pub(crate) fn exceeded(gates: &[Gate]) -> Vec<String> {
-    let exceeded = gates.iter().filter(|gate| !gate.kept);
-    let sentence = |gate: &Gate| {
-        let Gate {
-            what,
-            found,
-            allowed,
-            ..
-        } = gate;
-        match allowed {
-            Figure::Number(_) => format!("{what}: {found}, at most {allowed}"),
-            Figure::Words(_) => format!("{what}: {found}, has to be: {allowed}"),
-        }
-    };
-    exceeded.map(sentence).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::budgets::candidate::Candidate;
     use crate::budgets::counted::Counted;
+    use crate::budgets::gate::exceeded;
     use crate::budgets::reach::Reach;
 
     /// A candidate that keeps all budgets with nothing to spare.

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use super::Unproved;
 use super::code::Code;
 use super::elf::Elf;
-use super::gates::Gate;
+use super::gate::Gate;
 use super::stack_bound::StackSearch;
 use super::table::Table;
 use super::unbounded::Unbounded;
+use super::unproved::Unproved;
 use crate::failure::Failure;
 
 /// What the processor pushes when an exception begins, at most: 26 words with those of the floating-point unit, and one to
@@ -173,7 +173,7 @@ mod tests {
             parts: [40, 116].map(part).into(),
             reserved,
         };
-        let exceeded = |gate| crate::budgets::gates::exceeded(&[gate]).len();
+        let exceeded = |gate| crate::budgets::gate::exceeded(&[gate]).len();
         assert_eq!(exceeded(stack(156).gate()), 0);
         assert_eq!(exceeded(stack(155).gate()), 1);
         assert_eq!(exceeded(stack(156).painted(156)), 0);

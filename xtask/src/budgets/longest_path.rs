@@ -81,13 +81,13 @@ impl Search<'_> {
             return Err(Unbounded::NoCode { at: at() });
         };
         if let Some(function) = self.code.panic_from(address) {
-            return Err(Unbounded::panic(self.code, address, function));
+            return Err(self.code.panics_at(address, function));
         }
         match instruction.flow {
             Flow::Trap => Err(Unbounded::Trap { at: at() }),
-            Flow::IndirectCall | Flow::IndirectJump => Err(Unbounded::indirect(self.code, address)),
+            Flow::IndirectCall | Flow::IndirectJump => Err(self.code.indirect_at(address)),
             Flow::Table(_) if self.code.successors(address).is_empty() => {
-                Err(Unbounded::indirect(self.code, address))
+                Err(self.code.indirect_at(address))
             }
             _ => Ok(()),
         }

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::Duration;
 
-use super::Unproved;
+use super::unproved::Unproved;
 use crate::failure::Failure;
 use crate::process;
 

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use super::elf::{Elf, Symbol};
-use super::gates::Gate;
+use super::gate::Gate;
 use super::table::Table;
 use crate::failure::Failure;
 
@@ -173,7 +173,7 @@ pub(crate) fn gates(sizes: &BTreeMap<&'static str, Size>) -> Vec<Gate> {
 mod tests {
     use super::*;
     use crate::budgets::elf::Memory;
-    use crate::budgets::gates::exceeded;
+    use crate::budgets::gate::exceeded;
 
     #[test]
     fn a_symbol_belongs_to_the_crate_of_its_type_or_else_of_its_trait() {

@@ -127,14 +127,14 @@ impl<'a> StackSearch<'a> {
             return Err(Unbounded::NoCode { at: at() });
         };
         if let Some(function) = self.code.panic_from(address) {
-            return Err(Unbounded::panic(self.code, address, function));
+            return Err(self.code.panics_at(address, function));
         }
         match instruction.flow {
             Flow::IndirectCall | Flow::IndirectJump => {
-                return Err(Unbounded::indirect(self.code, address));
+                return Err(self.code.indirect_at(address));
             }
             Flow::Table(_) if self.code.successors(address).is_empty() => {
-                return Err(Unbounded::indirect(self.code, address));
+                return Err(self.code.indirect_at(address));
             }
             _ => {}
         }
@@ -145,7 +145,7 @@ impl<'a> StackSearch<'a> {
             }
             StackChange::Down(bytes) => Ok(before + bytes),
             StackChange::Up(bytes) => Ok(before.saturating_sub(bytes)),
-            StackChange::Unknown => Err(Unbounded::stack_pointer(self.code, address)),
+            StackChange::Unknown => Err(self.code.stack_pointer_at(address)),
         }
     }
 }

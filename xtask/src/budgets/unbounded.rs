@@ -1,7 +1,5 @@
 //! Why no bound can be proved, and where.
 
-use super::code::{Code, Function};
-
 /// Why a function has no bound that holds for every input.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Unbounded {
@@ -37,30 +35,4 @@ impl Unbounded {
             Self::StackGrows { .. } => "stack grows",
         }
     }
-
-    pub(crate) fn panic(code: &Code, address: u32, function: &Function) -> Self {
-        Self::Panic {
-            at: code.place(address),
-            function: function.name.clone(),
-        }
-    }
-
-    pub(crate) fn indirect(code: &Code, address: u32) -> Self {
-        Self::Indirect {
-            at: code.place(address),
-            text: text(code, address),
-        }
-    }
-
-    pub(crate) fn stack_pointer(code: &Code, address: u32) -> Self {
-        Self::StackPointer {
-            at: code.place(address),
-            text: text(code, address),
-        }
-    }
-}
-
-fn text(code: &Code, address: u32) -> String {
-    let instruction = code.at(address);
-    instruction.map_or_else(String::new, |instruction| instruction.text.clone())
 }
