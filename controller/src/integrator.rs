@@ -43,7 +43,8 @@ impl Integrator {
     /// The lower word goes on: it is less than one unit of the upper word, which is all that u sees.
     #[inline(always)]
     pub(crate) const fn held(self, bound: Bound) -> Self {
-        Self(from_high_word(bound.hold(high_word(self.0))) | (self.0 & 0xFFFF_FFFF))
+        let low = self.0 & 0xFFFF_FFFF;
+        Self(from_high_word(bound.hold(high_word(self.0))).wrapping_add(low))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Everything that one sample leaves to the next.
 
+use crate::arithmetic::from_high_word;
 use crate::config::Config;
 use crate::control_signal::ControlSignal;
 use crate::direction::Direction;
@@ -185,5 +186,5 @@ const INTEGRAL_MAX: i64 = 10 << 59;
 const BOOST_MAX: i64 = 10 << 52;
 
 const fn double_word(low: i32, high: i32) -> i64 {
-    ((high as i64) << 32) | (low as u32 as i64)
+    from_high_word(high).wrapping_add(low as u32 as i64)
 }
