@@ -338,6 +338,23 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_led_reference_is_followed_again_once_it_is_reached() {
+        let settings = crate::settings::EcuSettings::bench();
+        let config = EcuConfig::new(&settings).unwrap();
+        let reference = Pressure::from_bits(5 << 16);
+        for (below, expected) in [
+            (0, Pressure::MAX_CONTROL.to_bits()),
+            (1, (5 << 16) - 1 + config.limits.ramp),
+        ] {
+            let mut leading = Supervisor::NEW;
+            leading.mode = Mode::Running;
+            leading.ceiling = Pressure::from_bits((5 << 16) - below);
+            leading.lead(&config, reference);
+            assert_eq!(leading.ceiling.to_bits(), expected, "{below}");
+        }
+    }
+
     /// Each has bits of its own.
     #[test]
     fn no_two_decisions_share_a_bit_of_the_word() {
