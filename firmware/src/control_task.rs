@@ -48,8 +48,8 @@ pub(crate) struct ControlTask<B, F, M> {
     last_us: u32,
     /// Turns of the loop, while a host sets the pace.
     turns: u32,
-    /// What was told last of the supervisor.
-    told: (Mode, FaultSet),
+    /// What was told last of the supervisor; none since its logic started: the first sample tells.
+    told: Option<(Mode, FaultSet)>,
     punctuality: Punctuality,
     measurement: Measurement,
 }
@@ -61,7 +61,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         board.feed_watchdog(Pace::Timer);
         Self {
             last_us: board.now_us(),
-            told: (ecu.ecu().mode(), ecu.ecu().faults()),
+            told: None,
             board,
             ecu,
             pace: Pace::Timer,
@@ -176,6 +176,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         }
         let cause = self.ecu.reset_cause();
         self.ecu.answer(&Request::Restart { cause });
+        self.told = None;
         self.board.take_ticks();
         self.last_us = self.board.now_us();
         self.board.feed_watchdog(pace);
@@ -217,8 +218,8 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
     /// Tells of the supervisor, if there is something to tell.
     fn tell(&mut self, sample: u32) {
         let (mode, faults) = (self.ecu.ecu().mode(), self.ecu.ecu().faults());
-        if (mode, faults) != self.told {
-            self.told = (mode, faults);
+        if self.told != Some((mode, faults)) {
+            self.told = Some((mode, faults));
             self.board.log(Event::Supervisor {
                 sample,
                 mode,
@@ -259,6 +260,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Device for ControlTa
             }
             Request::Restart { .. } => {
                 self.board.drive(safe_outputs());
+                self.told = None;
                 self.ecu.answer(request)
             }
             _ => self.ecu.answer(request),

@@ -1,8 +1,8 @@
 //! What a calibration tool sees and changes while the image runs.
 
 use ecu::calibration::{MISSING, SignalId};
-use firmware::{FIRST_SIGNAL, SIGNALS};
-use hil_protocol::{Refusal, Reply, Request};
+use firmware::{Event, FIRST_SIGNAL, SIGNALS};
+use hil_protocol::{Refusal, Reply, Request, ResetCause};
 
 use crate::bench::Memory;
 
@@ -97,6 +97,25 @@ fn where_a_host_sets_the_pace_no_sample_is_late() {
             other => panic!("{other:?}"),
         }
     }
+}
+
+#[test]
+fn each_start_of_the_logic_is_told_with_its_first_mode() {
+    let mut memory = Memory::cold();
+    let mut machine = memory.start();
+    machine.hello(true);
+    machine.samples(0, 3);
+    let cause = ResetCause::PowerOn;
+    machine.done(&Request::Restart { cause });
+    machine.samples(3, 3);
+    let events = machine.board().events.iter();
+    let told: Vec<u32> = events
+        .filter_map(|event| match event {
+            Event::Supervisor { sample, .. } => Some(*sample),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(told, [0, 3]);
 }
 
 #[test]
