@@ -221,6 +221,13 @@ fn a_reference_jump_can_switch_off_wrongly_for_one_sample_where_the_error_is_pre
 }
 
 #[test]
+fn the_account_shows_the_error_and_where_it_is_predicted() {
+    let samples = run(&PREDICTING, &[("3", "5"), ("3", "4.75")]);
+    assert_eq!(samples[1].1.error, bar("-1.75"));
+    assert_eq!(samples[1].1.predicted_error, bar("-1.25"));
+}
+
+#[test]
 fn a_reference_jump_from_rest_switches_nothing_off() {
     for jump in ["3.2", "2.8", "8", "0"] {
         let samples = run(&PREDICTING, &[("3", "3"), (jump, "3")]);

@@ -379,6 +379,14 @@ fn an_error_names_the_field_its_value_and_the_bound() {
         },
         "gain * sample_time / integral_time = 10000 %/bar per sample is out of range: must be 0.001 ..= 7.9 %/bar per sample",
     );
+    check(
+        Settings {
+            gain_pct_per_bar: lit("1000"),
+            derivative_time_ms: Some(lit("20")),
+            ..bare()
+        },
+        "gain * derivative_time / sample_time = 2000 % per bar of change in a sample is out of range: must be 0 ..= 1000 % per bar of change in a sample",
+    );
 }
 
 #[test]

@@ -208,3 +208,15 @@ fn the_sums_of_a_saved_state_are_along_its_error_and_an_error_of_0_counts_as_up(
     assert_eq!(parts(0), (ControlSignal::MAX, ControlSignal::MAX));
     assert_eq!(parts(-1), (ControlSignal::MIN, ControlSignal::MIN));
 }
+
+#[test]
+fn the_words_of_a_state_are_those_it_was_restored_from() {
+    for words in [
+        [0; 6],
+        [1, -2, 3, 4, 5, 6],
+        [-(3 << 16), 5 << 16, -1, -7, -9, 11],
+    ] {
+        let state = State::from_words(words).expect("a state");
+        assert_eq!(state.to_words(), words);
+    }
+}
