@@ -87,7 +87,7 @@ pub(crate) struct WriteArgs {
     /// Setting and its new value: a number, or the name of a choice
     #[arg(value_name = "SETTING=VALUE", required_unless_present_any = ["defaults", "save"])]
     pub(crate) assignments: Vec<String>,
-    /// Begin with the image's built-in settings, not with those in effect
+    /// Begin with the settings that come with this version, not with those in effect
     #[arg(long)]
     pub(crate) defaults: bool,
     /// Keep the settings for the next start; the coils must be off

@@ -74,12 +74,10 @@ pub(crate) fn write(args: &WriteArgs) -> Result<Settings, Failure> {
         .collect::<Result<_, _>>()?;
     let mut session = args.device.dut.session(args.device.image.as_deref())?;
     let link = session.as_mut();
-    if args.defaults {
-        carry_out(link, &Request::Defaults)?;
-        let defaults = SettingValues::of(&ecu::EcuSettings::bench());
-        set(link, &defaults).map_err(refusal::named)?;
-    }
-    let mut values = in_effect(link)?;
+    let mut values = match args.defaults {
+        true => SettingValues::of(&ecu::EcuSettings::bench()),
+        false => in_effect(link)?,
+    };
     for &(id, value) in &changes {
         values.set(id, value);
     }
