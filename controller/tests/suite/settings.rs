@@ -457,3 +457,22 @@ fn the_force_balance_of_what_no_valve_has_stays_in_its_type() {
     let balance = OpeningDuty::force_balance(I16F16::MAX, I16F16::MAX);
     assert_eq!(balance.at_half_pct, I16F16::MAX);
 }
+
+/// The README's table: in what the recommended controller differs from the thesis'.
+#[test]
+fn the_recommended_controller_differs_from_the_thesis_in_what_its_table_says() {
+    let (thesis, recommended) = (Settings::thesis(), Settings::recommended());
+    assert_eq!(recommended.gain_pct_per_bar, lit("35"));
+    assert_eq!(recommended.integral_time_ms, Some(lit("700")));
+    assert_eq!(recommended.derivative_time_ms, Some(lit("16")));
+    assert_eq!(recommended.tolerance_bar, lit("0.085"));
+    assert_ne!(
+        recommended.integral_at_reference,
+        thesis.integral_at_reference
+    );
+    assert_ne!(recommended.prediction, thesis.prediction);
+    assert_ne!(recommended.prediction_basis, thesis.prediction_basis);
+    assert_ne!(recommended.switch_off, thesis.switch_off);
+    assert_ne!(recommended.boost, thesis.boost);
+    assert_ne!(recommended.duty_min, thesis.duty_min);
+}
