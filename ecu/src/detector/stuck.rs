@@ -143,6 +143,8 @@ mod tests {
         assert!(is_stuck_after(FILLED, full - 1, 50));
         assert!(!is_stuck_after(FILLED, full, 200));
         let not_empty = first(&|bits| bits > ROOM_TO_FALL);
+        let not_empty_bits = PressureSensor::pressure(code(not_empty)).to_bits();
+        assert!((not_empty_bits - (1 << 15)).abs() < 350, "half a bar");
         assert!(is_stuck_after(VENTED, not_empty, 50));
         assert!(!is_stuck_after(VENTED, not_empty - 1, 200));
     }
