@@ -79,6 +79,8 @@ pub const COMEBACK_SAMPLES: u32 = 50;
 pub const ABOVE_REFERENCE_BAR: f64 = 2.0;
 /// A step of the reference is more than this in a sample \[bar\]; a ramp of the fastest drive is less.
 pub const STEP_BAR: f64 = 0.3;
+/// No valve moves the pressure by more in a sample \[bar\]: 7.3 1/s of 11 bar abs.
+pub const FASTEST_BAR: f64 = 0.8;
 /// Within this of the reference the loop is live \[bar\]: P_tol.
 pub const LIVE_BAR: f64 = 0.1;
 

@@ -3,35 +3,12 @@
 use core::fmt;
 use core::str::FromStr;
 
-use super::ecu::EcuFault;
-use super::image::ImageFault;
-use super::link::LinkFault;
-use super::plant::PlantFault;
-use super::sensor::SensorFault;
-
-/// An enumeration whose members have a name for people, all of them known.
-macro_rules! named {
-    ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $member:ident = $text:literal,)+ }) => {
-        $(#[$meta])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        pub enum $name {
-            $($(#[$doc])* $member,)+
-        }
-
-        impl $name {
-            /// Every member, in the order of the declaration.
-            pub const ALL: &[Self] = &[$(Self::$member),+];
-
-            /// Its name on a line.
-            pub const fn name(self) -> &'static str {
-                match self {
-                    $(Self::$member => $text,)+
-                }
-            }
-        }
-    };
-}
-pub(super) use named;
+use super::fault::Survival;
+use super::fault::ecu::EcuFault;
+use super::fault::image::ImageFault;
+use super::fault::link::LinkFault;
+use super::fault::plant::PlantFault;
+use super::fault::sensor::SensorFault;
 
 /// What is broken, as family and member: `sensor/stuck`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -46,17 +23,6 @@ pub enum FaultClass {
     Ecu(EcuFault),
     /// The running image's memory; only an emulated target has one.
     Image(ImageFault),
-}
-
-/// How a fault that is short enough ends, by the table of faults and ways in `docs/safety.md`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Survival {
-    /// Shorter than any N: the loop goes on.
-    Unnoticed,
-    /// Confirmed, and gone before the way has emptied the chamber: the loop comes back by itself.
-    Held,
-    /// Nothing is claimed: the reference may have to be taken back first.
-    NotClaimed,
 }
 
 impl FaultClass {

@@ -8,7 +8,7 @@
 //! ```
 
 use super::chance::{Chance, chance, uniform};
-use super::class::Survival;
+use super::fault::Survival;
 use super::injection::Injection;
 use super::injection::survival;
 use crate::lead_in::LeadIn;

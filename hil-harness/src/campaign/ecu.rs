@@ -2,9 +2,8 @@
 
 use plant_sim::PlantParameters;
 
-use super::bounds;
 use super::chance::{Chance, chance};
-use super::class::{Survival, named};
+use super::fault::ecu::EcuFault;
 use super::injection::Injection;
 use super::injector::{Injector, Now};
 use super::target::Target;
@@ -12,68 +11,6 @@ use crate::device::DutError;
 use crate::random::Random;
 use crate::wire::{self, Actuators, Sensors};
 use crate::world::World;
-
-named! {
-    /// A fault of the ECU.
-    EcuFault {
-        /// The battery gives (1 - severity / 2) of its voltage.
-        BatteryLow = "battery-low",
-        /// The battery gives 34 to 48 V.
-        BatteryHigh = "battery-high",
-        /// Samples are 3 to 6 periods apart.
-        TaskLate = "task-late",
-        /// The task runs again 0 to 4 ms after it ran, by its clock.
-        TaskEarly = "task-early",
-        /// The time between samples wavers by up to a fifth, by the task's clock.
-        TaskJitter = "task-jitter",
-        /// A reset: no current for the time of the fault, then a start without memory.
-        Reset = "reset",
-        /// A setting of the controller flips in the target's memory; only where the target can be damaged.
-        ConfigDamaged = "config-damaged",
-        /// The supervisor's state flips; only where the target can be damaged.
-        SupervisorDamaged = "supervisor-damaged",
-        /// The controller asks for both valves at once; only where the target can be damaged.
-        ControllerDamaged = "controller-damaged",
-    }
-}
-
-/// Duration that both valves shut bridge \[samples\]: HOLD_N less the recovery.
-const BRIDGED: u32 = 30;
-
-impl EcuFault {
-    /// What can be damaged in the target's memory.
-    pub const DAMAGES: [Self; 3] = [
-        Self::ConfigDamaged,
-        Self::SupervisorDamaged,
-        Self::ControllerDamaged,
-    ];
-
-    /// Whether it shows as one row of the table.
-    pub(super) fn is_plain(self) -> bool {
-        matches!(
-            self,
-            Self::BatteryLow
-                | Self::BatteryHigh
-                | Self::TaskLate
-                | Self::TaskEarly
-                | Self::TaskJitter
-        )
-    }
-
-    pub(super) fn survival(self, duration: u32) -> Survival {
-        match self {
-            Self::TaskJitter => Survival::Unnoticed,
-            Self::BatteryLow | Self::BatteryHigh if duration < bounds::BATTERY_N => {
-                Survival::Unnoticed
-            }
-            Self::BatteryLow | Self::BatteryHigh if duration <= BRIDGED => Survival::Held,
-            Self::TaskLate | Self::TaskEarly if duration < bounds::SAMPLE_TIME_N => {
-                Survival::Unnoticed
-            }
-            _ => Survival::NotClaimed,
-        }
-    }
-}
 
 /// An ECU with one thing broken.
 pub(super) struct Broken {

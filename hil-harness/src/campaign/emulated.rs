@@ -11,7 +11,7 @@ use ecu::{EcuSettings, Mode};
 use hil_protocol::{FRAME_MAX, Request, ResetCause, mailbox};
 
 use super::class::FaultClass;
-use super::ecu::EcuFault;
+use super::fault::ecu::EcuFault;
 use super::target::{Accident, Reaction, Target};
 use crate::device::{DeviceUnderTest as _, DutError};
 use crate::ecu_under_test::{EcuUnderTest, carry_out, set};

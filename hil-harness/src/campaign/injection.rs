@@ -5,8 +5,9 @@ use core::str::FromStr;
 
 use super::bounds::RETRIES;
 use super::chance::{Chance, chance};
-use super::class::{ClassError, FaultClass, Survival};
-use super::ecu::EcuFault;
+use super::class::{ClassError, FaultClass};
+use super::fault::Survival;
+use super::fault::ecu::EcuFault;
 
 /// One fault in one run. Its text is a line that reads back as the same value:
 ///

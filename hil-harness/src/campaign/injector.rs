@@ -1,11 +1,6 @@
 //! What a fault does to the signals around the target.
 
-use plant_sim::PlantParameters;
-
-use super::class::FaultClass;
-use super::injection::Injection;
 use super::target::Target;
-use super::{ecu, image, link, plant, sensor};
 use crate::device::DutError;
 use crate::wire::{Actuators, Sensors};
 use crate::world::World;
@@ -40,19 +35,5 @@ pub(super) trait Injector {
     /// Until the next sample the plant gets what the coils get, unless something is broken.
     fn actuate(&mut self, _: Now, world: &mut World<'_>, actuators: Actuators) {
         world.actuate(actuators);
-    }
-}
-
-/// The injector of `injection` on the rig `plant`.
-pub(super) fn injector<'a>(
-    injection: &Injection,
-    plant: &'a PlantParameters,
-) -> Box<dyn Injector + 'a> {
-    match injection.class {
-        FaultClass::Plant(fault) => Box::new(plant::Broken::new(fault, injection, plant)),
-        FaultClass::Sensor(fault) => Box::new(sensor::Broken::new(fault, injection)),
-        FaultClass::Link(fault) => Box::new(link::Broken::new(fault, injection)),
-        FaultClass::Ecu(fault) => Box::new(ecu::Broken::new(fault, injection, plant)),
-        FaultClass::Image(fault) => Box::new(image::Broken::new(fault, injection)),
     }
 }

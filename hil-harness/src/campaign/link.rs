@@ -3,46 +3,15 @@
 //! A message that fails its checksum is one that did not come. What the frames between harness and target survive is proved
 //! where they are made, in `hil-protocol`.
 
-use super::bounds;
 use super::chance::{Chance, chance, uniform};
-use super::class::{Survival, named};
+use super::fault::link::LinkFault;
 use super::injection::Injection;
 use super::injector::{Injector, Now};
 use crate::random::Random;
 use crate::wire::{Sensors, reference_bits};
 
-named! {
-    /// A fault of the reference's messages.
-    LinkFault {
-        /// Messages are lost; severity: how many.
-        Lost = "lost",
-        /// The host sends nothing.
-        Silent = "silent",
-        /// References that nobody can mean: far below vacuum, far above any supply.
-        Corrupt = "corrupt",
-        /// Every other message repeats the one before.
-        Duplicate = "duplicate",
-        /// Every two messages come in the wrong order.
-        Reordered = "reordered",
-        /// Messages come 1 to 20 samples late.
-        Late = "late",
-    }
-}
-
 /// The longest delay of a message \[samples\].
 const LATE_MAX: f64 = 20.0;
-
-impl LinkFault {
-    pub(super) fn survival(self, duration: u32) -> Survival {
-        match self {
-            Self::Duplicate | Self::Reordered | Self::Late => Survival::Unnoticed,
-            Self::Lost | Self::Silent | Self::Corrupt if duration < bounds::REFERENCE_N => {
-                Survival::Unnoticed
-            }
-            Self::Lost | Self::Silent | Self::Corrupt => Survival::NotClaimed,
-        }
-    }
-}
 
 /// A link with one thing broken.
 pub(super) struct Broken {

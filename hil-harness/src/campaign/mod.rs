@@ -22,6 +22,7 @@ mod driver;
 mod ecu;
 #[cfg(unix)]
 mod emulated;
+mod fault;
 mod image;
 mod injection;
 mod injector;
@@ -34,15 +35,15 @@ mod summary;
 mod target;
 
 pub use class::{ClassError, FaultClass};
-pub use ecu::EcuFault;
 #[cfg(unix)]
 pub use emulated::{EmulatedError, EmulatedTarget};
-pub use image::ImageFault;
+pub use fault::ecu::EcuFault;
+pub use fault::image::ImageFault;
+pub use fault::link::LinkFault;
+pub use fault::plant::PlantFault;
+pub use fault::sensor::SensorFault;
 pub use injection::{Injection, InjectionError};
-pub use link::LinkFault;
 pub use oracle::{Oracle, Promise, Seen, Violation};
-pub use plant::PlantFault;
 pub use run::{CampaignError, Outcome, run, run_watched};
-pub use sensor::SensorFault;
 pub use summary::Summary;
 pub use target::{Accident, Damage, InProcessTarget, Reaction, Target};

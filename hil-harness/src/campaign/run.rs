@@ -2,13 +2,15 @@
 
 use std::sync::OnceLock;
 
-use plant_sim::ParameterError;
+use plant_sim::{ParameterError, PlantParameters};
 
+use super::class::FaultClass;
 use super::driver::{Drive, lead_in_samples};
 use super::injection::Injection;
-use super::injector::{Now, injector};
+use super::injector::{Injector, Now};
 use super::oracle::{Oracle, Seen, Violation};
 use super::target::{Reaction, Target};
+use super::{ecu, image, link, plant, sensor};
 use crate::device::DutError;
 use crate::reference_profile::ReferenceProfile;
 use crate::rigs::scattered;
@@ -188,4 +190,15 @@ fn scenario(injection: &Injection, drive: &Drive) -> Result<Scenario, ParameterE
         duration_samples: drive.samples() - lead_in_samples(),
         ..kind.clone().on_rig(plant).seeded(injection.seed)
     })
+}
+
+/// The injector of `injection` on the rig `plant`.
+fn injector<'a>(injection: &Injection, plant: &'a PlantParameters) -> Box<dyn Injector + 'a> {
+    match injection.class {
+        FaultClass::Plant(fault) => Box::new(plant::Broken::new(fault, injection, plant)),
+        FaultClass::Sensor(fault) => Box::new(sensor::Broken::new(fault, injection)),
+        FaultClass::Link(fault) => Box::new(link::Broken::new(fault, injection)),
+        FaultClass::Ecu(fault) => Box::new(ecu::Broken::new(fault, injection, plant)),
+        FaultClass::Image(fault) => Box::new(image::Broken::new(fault, injection)),
+    }
 }

@@ -3,7 +3,7 @@
 use ecu::{Ecu, EcuConfig, EcuSettings, Inputs, ResetCause};
 
 use super::class::FaultClass;
-use super::ecu::EcuFault;
+use super::fault::ecu::EcuFault;
 use crate::device::{DutError, plausible};
 use crate::wire::{Actuators, Answer, Sensors};
 

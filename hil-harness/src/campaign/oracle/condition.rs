@@ -236,6 +236,12 @@ impl Conditions {
     pub(super) fn look(&mut self, seen: &Seen, memory: &Memory) {
         let reference_bar = self.reference_bar(seen).unwrap_or(self.last_reference_bar);
         let has_stepped = (reference_bar - self.last_reference_bar).abs() > bounds::STEP_BAR;
+        let moved_bar = seen
+            .shown_bar()
+            .zip(self.believed_bar)
+            .map_or(0.0, |(shown, before)| (shown - before).abs());
+        // Faster than a valve can.
+        let has_stepped = has_stepped || moved_bar > bounds::FASTEST_BAR;
         self.rested_for = if has_stepped {
             0
         } else {

@@ -9,6 +9,7 @@
 mod always;
 mod condition;
 mod memory;
+mod on_the_way;
 mod permission;
 mod way;
 
@@ -157,7 +158,7 @@ impl Oracle {
         let broken = always::broken(seen, self)
             .into_iter()
             .chain(permission::broken(seen, self))
-            .chain(way::broken(seen, self))
+            .chain(on_the_way::broken(seen, self))
             .chain(self.liveness(seen));
         let broken: Vec<(Promise, String)> = broken.flatten().collect();
         for (promise, evidence) in broken {

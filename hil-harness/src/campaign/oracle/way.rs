@@ -1,7 +1,5 @@
-//! Whether the way into the safe state is kept.
+//! The ways into the safe state.
 
-use super::condition::Watch;
-use super::{Finding, Oracle, Promise, Seen, unless};
 use crate::campaign::bounds;
 
 /// A way into the safe state (`docs/safety.md`).
@@ -23,7 +21,7 @@ pub(super) enum Way {
 
 impl Way {
     /// From the answer to both coils off, at most \[samples\].
-    const fn samples(self) -> u32 {
+    pub(super) const fn samples(self) -> u32 {
         let changes = bounds::CHANGES;
         match self {
             Self::Hold => bounds::HOLD_SAMPLES + bounds::RELEASE_SAMPLES + changes,
@@ -34,131 +32,7 @@ impl Way {
         }
     }
 
-    const fn empties(self) -> bool {
+    pub(super) const fn empties(self) -> bool {
         !matches!(self, Self::Off | Self::Lock)
     }
-}
-
-/// The promises of the ways.
-pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> Vec<Finding> {
-    let [fill, vent] = seen.coils;
-    let answered: Vec<&Watch> = oracle.conditions.answered().collect();
-    let said = |watches: &[&Watch]| {
-        let names: Vec<String> = watches
-            .iter()
-            .map(|watch| format!("{:?}", watch.condition))
-            .collect();
-        format!(
-            "{} at {:.3} bar: fill {fill:.2} %, vent {vent:.2} %",
-            names.join(", "),
-            seen.pressure_bar
-        )
-    };
-    let mut findings = vec![unless(
-        fill == 0.0 || answered.is_empty(),
-        Promise::NoFillAfterN,
-        || said(&answered),
-    )];
-    // Off at once is off at once, whatever else is wrong.
-    let is_off = fill == 0.0 && vent == 0.0;
-    let at_once: Vec<&Watch> = answered
-        .iter()
-        .copied()
-        .filter(|watch| {
-            matches!(watch.way(), Way::Off | Way::Lock) && watch.answered_for().is_some()
-        })
-        .collect();
-    findings.push(unless(
-        is_off || at_once.is_empty(),
-        Promise::SafeInTime,
-        || said(&at_once),
-    ));
-    if let Some(only) = oracle.conditions.only() {
-        findings.extend(of_one(seen, oracle, only));
-    }
-    findings
-}
-
-/// Of the only fault that there is.
-fn of_one(seen: &Seen, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
-    let [fill, vent] = seen.coils;
-    let way = watch.way();
-    let said = |then_bar: Option<f64>| {
-        move || {
-            let then = then_bar.map_or(String::new(), |bar| format!(" from {bar:.3} bar"));
-            format!(
-                "{:?}: {:.3} bar{then}, fill {fill:.2} %, vent {vent:.2} %",
-                watch.condition, seen.pressure_bar
-            )
-        }
-    };
-    let Some(samples) = watch.answered_for() else {
-        return Vec::new();
-    };
-    let is_off = fill == 0.0 && vent == 0.0;
-    let is_over = samples >= way.samples();
-    let mut findings = vec![unless(is_off || !is_over, Promise::SafeInTime, said(None))];
-    if is_over && way.empties() && oracle.leaves_venting {
-        findings.push(unless(
-            seen.pressure_bar <= bounds::EMPTY_BAR,
-            Promise::EmptyInTime,
-            said(None),
-        ));
-    }
-    let is_followed = oracle.is_plain && watch.is_first();
-    if way == Way::Hold && is_followed && samples + 1 < bounds::HOLD_SAMPLES {
-        findings.push(unless(is_off, Promise::Held, said(None)));
-    }
-    // A task that comes too seldom vents for longer than it means to; with no sample in between nobody can do better.
-    let is_in_time = seen.sensors.elapsed_us <= bounds::ELAPSED_MAX_US;
-    if is_followed && is_in_time {
-        findings.extend(of_the_pressure(seen, oracle, way, samples, &said));
-    }
-    findings
-}
-
-/// How the pressure goes on a way, where only the valves move it.
-fn of_the_pressure<E: FnOnce() -> String>(
-    seen: &Seen,
-    oracle: &Oracle,
-    way: Way,
-    samples: u32,
-    said: &dyn Fn(Option<f64>) -> E,
-) -> Vec<Finding> {
-    let then_bar = |window: u32| {
-        // What the valves did before the answer is not the way's.
-        let is_within = samples >= window + bounds::SETTLING;
-        oracle.memory.pressure_bar(window).filter(|_| is_within)
-    };
-    let mut findings = Vec::new();
-    if let Some(then_bar) = then_bar(bounds::PULSE_PERIOD) {
-        let is_risen = seen.pressure_bar > then_bar + bounds::RISE_BAR;
-        findings.push(unless(
-            !is_risen,
-            Promise::NoRiseAfterN,
-            said(Some(then_bar)),
-        ));
-        let ambient_bar = 1.01325;
-        let is_kept = seen.pressure_bar + ambient_bar
-            >= (1.0 - bounds::PULSE_SHARE) * (then_bar + ambient_bar);
-        let is_pulsed = matches!(way, Way::Release | Way::Hold);
-        findings.push(unless(
-            is_kept || !is_pulsed,
-            Promise::NoSuddenLoss,
-            said(Some(then_bar)),
-        ));
-    }
-    if let Some(then_bar) = then_bar(bounds::RAMP_WINDOW).filter(|_| way == Way::Ramp) {
-        let most_bar =
-            f64::from(bounds::RAMP_WINDOW) * bounds::RAMP_BAR_PER_SAMPLE + bounds::RAMP_MARGIN_BAR;
-        // A driver who takes the reference back may have it at once.
-        let is_asked = oracle.conditions.last_reference_bar() < then_bar - bounds::LIVE_BAR;
-        let is_led = seen.pressure_bar >= then_bar - most_bar;
-        findings.push(unless(
-            is_led || is_asked,
-            Promise::NoSuddenLoss,
-            said(Some(then_bar)),
-        ));
-    }
-    findings
 }
