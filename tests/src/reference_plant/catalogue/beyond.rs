@@ -1,0 +1,68 @@
+//! Effects that the library does not have.
+
+use super::Kinship::Beyond;
+use super::{Form, Parameters};
+use crate::reference_plant::departures::Departures;
+
+const fn beyond(
+    effect: &'static str,
+    law: &'static str,
+    (typical, unit): (f64, &'static str),
+    tolerated: &'static [&'static str],
+    apply: fn(&Parameters<'_>, &mut Departures),
+) -> Form {
+    Form {
+        effect,
+        law,
+        kinship: Beyond,
+        unit,
+        typical,
+        tolerated,
+        apply,
+    }
+}
+
+pub(super) const FORMS: &[Form] = &[
+    beyond("supply_pulsation", "sine", (20.0, "mbar"), &[], |p, d| {
+        d.supply.pulsation_pa = 100.0 * p.size;
+        d.supply.pulsation_hz = p.between(0.2, 3.0);
+    }),
+    beyond("missed_pulses", "by chance", (0.2, "%"), &[], |p, d| {
+        d.pulses.missed_share = (1e-2 * p.size).min(0.2);
+        d.pulses.missed_seed = (p.shape * (1_u64 << 53) as f64) as u64;
+    }),
+    beyond("sensor_play", "hysteresis", (10.0, "mbar"), &[], |p, d| {
+        d.sensor.play_pa = 100.0 * p.size;
+    }),
+    beyond(
+        "sensor_bow",
+        "parabola between 0 and 8 bar",
+        (10.0, "mbar"),
+        &[],
+        |p, d| d.sensor.bow_pa = 100.0 * p.size,
+    ),
+    // A volume that grows with the pressure is what the library calls by the plunger's name.
+    beyond(
+        "creeping_hose",
+        "volume follows the pressure slowly",
+        (0.1, "% per bar"),
+        &["regulating_valve_volume"],
+        |p, d| {
+            d.chamber.hose_per_pa = 1e-2 * p.size / 1e5;
+            d.chamber.hose_s = p.between(0.2, 2.0);
+        },
+    ),
+    beyond(
+        "current_interference",
+        "hum, aliased",
+        (1.0, "mA"),
+        &[],
+        |p, d| {
+            d.sensor.interference_a = 1e-3 * p.size;
+            d.sensor.interference_hz = p.between(0.1, 5.0);
+        },
+    ),
+    beyond("clock_drift", "ECU slower than log", (20.0, "ppm"), &[], |p, d| {
+        d.pulses.clock_drift = 1e-6 * p.size;
+    }),
+];

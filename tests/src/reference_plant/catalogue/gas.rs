@@ -1,0 +1,111 @@
+//! The chamber: leaks, law of the flow, heat and volumes.
+
+use super::Form;
+use super::Kinship::{Matched, Variant};
+
+pub(super) const FORMS: &[Form] = &[
+    Form::library("chamber_leak", Matched, "hole", (2e-4, "mm²"), |p, d| {
+        d.flow.chamber_leak.hole_m2 = 1e-6 * p.size;
+    }),
+    Form::library(
+        "chamber_leak",
+        Variant,
+        "laminar gap",
+        (0.3, "mg/s at 5 bar"),
+        |p, d| {
+            d.flow.chamber_leak.gap_kg_per_s_pa2 =
+                1e-6 * p.size / (6.01e5_f64.powi(2) - 1.01e5_f64.powi(2));
+        },
+    ),
+    Form::library(
+        "chamber_leak",
+        Variant,
+        "rough gap",
+        (0.3, "mg/s at 5 bar"),
+        |p, d| {
+            let power = p.between(0.55, 0.9);
+            d.flow.chamber_leak.rough_kg_per_s = 1e-6 * p.size / 5_f64.powf(power);
+            d.flow.chamber_leak.rough_power = power;
+        },
+    ),
+    Form::library(
+        "critical_ratio",
+        Matched,
+        "ISO 6358",
+        (0.05, "below that of the nozzle"),
+        |p, d| d.flow.critical_ratio_drop = p.size.min(0.5),
+    ),
+    Form::library(
+        "critical_ratio",
+        Variant,
+        "ISO 6358 with subsonic index",
+        (0.05, "below that of the nozzle"),
+        |p, d| {
+            d.flow.critical_ratio_drop = p.size.min(0.5);
+            d.flow.subsonic_index_rise = p.size.min(0.5) * p.between(0.2, 0.6);
+        },
+    ),
+    Form::library(
+        "gas_temperature",
+        Matched,
+        "constant heat transfer to a cold wall",
+        (3.0, "ms"),
+        |p, d| d.chamber.thermal_s = 1e-3 * p.size,
+    ),
+    Form::library(
+        "gas_temperature",
+        Variant,
+        "heat transfer grows with the density, wall warms",
+        (5.0, "ms"),
+        |p, d| {
+            d.chamber.thermal_s = 1e-3 * p.size;
+            d.chamber.thermal_density_power = 0.5;
+            d.chamber.wall_j_per_k = p.between(1.0, 5.0);
+            d.chamber.wall_s = 3.0;
+        },
+    ),
+    Form::library(
+        "regulating_valve_volume",
+        Matched,
+        "plunger on its spring",
+        (0.2, "cm³"),
+        |p, d| {
+            d.chamber.plunger_m3 = 1e-6 * p.size;
+            d.chamber.plunger_pa = [1e5, p.between(3e5, 6.5e5)];
+            d.chamber.plunger_s = 5e-3;
+        },
+    ),
+    Form::library(
+        "regulating_valve_volume",
+        Variant,
+        "plunger with friction",
+        (0.2, "cm³"),
+        |p, d| {
+            d.chamber.plunger_m3 = 1e-6 * p.size;
+            d.chamber.plunger_pa = [1e5, p.between(3e5, 6.5e5)];
+            d.chamber.plunger_s = 2e-2;
+            d.chamber.plunger_hysteresis = 0.05;
+        },
+    ),
+    Form::library(
+        "dead_volume",
+        Matched,
+        "laminar tube, sensor in the cavity",
+        (0.5, "cm³"),
+        |p, d| {
+            d.chamber.cavity_m3 = 1e-6 * p.size;
+            d.chamber.cavity_kg_per_s_pa = p.between(1e-9, 8e-9);
+            d.chamber.sensor_in_cavity = true;
+        },
+    ),
+    Form::library(
+        "dead_volume",
+        Variant,
+        "throttled side chamber, sensor in the chamber",
+        (0.5, "cm³"),
+        |p, d| {
+            d.chamber.cavity_m3 = 1e-6 * p.size;
+            d.chamber.cavity_m2 = p.between(3e-8, 2e-7);
+        },
+    ),
+];

@@ -1,0 +1,117 @@
+//! What a rig may hide: the library's effects in laws of this plant's own, variants of them, and effects that no
+//! library has. A form is a law with a size; size zero is the plain plant.
+
+mod armature;
+mod beyond;
+mod electric;
+mod gas;
+mod sensor;
+mod supply;
+
+use serde::{Deserialize, Serialize};
+
+use super::datasheet::Datasheet;
+use super::departures::Departures;
+
+/// How a form relates to the library of effects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kinship {
+    /// The textbook's law of an effect of the library.
+    Matched,
+    /// Another law of an effect of the library.
+    Variant,
+    /// Not in the library.
+    Beyond,
+}
+
+/// One law.
+#[derive(Debug, Clone, Copy)]
+pub struct Form {
+    /// Id of the effect: the library's, or one of its own.
+    pub effect: &'static str,
+    /// What tells this law from the effect's others.
+    pub law: &'static str,
+    /// Its relation to the library.
+    pub kinship: Kinship,
+    /// Unit of the size.
+    pub unit: &'static str,
+    /// A size that changes the readings by about the noise, after all nuisance parameters were refitted.
+    pub typical: f64,
+    /// Effects of the library that say the same in other words; naming one of them is no error.
+    pub tolerated: &'static [&'static str],
+    apply: fn(&Parameters<'_>, &mut Departures),
+}
+
+/// What a law is made from.
+struct Parameters<'a> {
+    size: f64,
+    /// Where the law's other parameters lie in their ranges, 0 to 1.
+    shape: f64,
+    datasheet: &'a Datasheet,
+}
+
+impl Parameters<'_> {
+    /// A second parameter between two positive bounds, even on a logarithmic scale.
+    fn between(&self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.shape)
+    }
+
+    /// Effective area of the fully open fill valve (m²).
+    fn fill_bore(&self) -> f64 {
+        let flow = &self.datasheet.flow;
+        flow.discharge_fill * std::f64::consts::FRAC_PI_4 * flow.orifice_fill_m.powi(2)
+    }
+}
+
+impl Form {
+    /// A law of an effect of the library.
+    const fn library(
+        effect: &'static str,
+        kinship: Kinship,
+        law: &'static str,
+        (typical, unit): (f64, &'static str),
+        apply: fn(&Parameters<'_>, &mut Departures),
+    ) -> Self {
+        Self {
+            effect,
+            law,
+            kinship,
+            unit,
+            typical,
+            tolerated: &[],
+            apply,
+        }
+    }
+
+    /// Puts this law into `departures`. `shape`, 0 to 1, sets its other parameters.
+    pub fn apply(&self, size: f64, shape: f64, datasheet: &Datasheet, departures: &mut Departures) {
+        if size > 0.0 {
+            let parameters = Parameters {
+                size,
+                shape,
+                datasheet,
+            };
+            (self.apply)(&parameters, departures);
+        }
+    }
+}
+
+/// Every form.
+pub fn forms() -> impl Iterator<Item = &'static Form> {
+    [
+        electric::FORMS,
+        armature::FORMS,
+        supply::FORMS,
+        gas::FORMS,
+        sensor::FORMS,
+        beyond::FORMS,
+    ]
+    .into_iter()
+    .flatten()
+}
+
+/// Every form of one kinship.
+pub fn forms_of(kinship: Kinship) -> impl Iterator<Item = &'static Form> {
+    forms().filter(move |form| form.kinship == kinship)
+}

@@ -1,0 +1,28 @@
+//! The pressure sensor.
+
+use super::Form;
+use super::Kinship::{Matched, Variant};
+
+pub(super) const FORMS: &[Form] = &[
+    Form::library("sensor_lag", Matched, "one lag", (1.0, "ms"), |p, d| {
+        d.sensor.lag_s = 1e-3 * p.size;
+    }),
+    Form::library("sensor_lag", Variant, "two lags", (1.0, "ms"), |p, d| {
+        d.sensor.lag_s = 0.5e-3 * p.size;
+        d.sensor.second_lag_s = 0.5e-3 * p.size;
+    }),
+    Form::library("sensor_offset", Matched, "constant", (4.0, "mbar"), |p, d| {
+        d.sensor.offset_pa = 100.0 * p.size;
+    }),
+    Form::library(
+        "sensor_offset",
+        Variant,
+        "comes while the sensor warms up",
+        (4.0, "mbar"),
+        |p, d| {
+            d.sensor.offset_pa = 60.0 * p.size;
+            d.sensor.warm_offset_pa = 100.0 * p.size;
+            d.sensor.warm_s = p.between(2.0, 15.0);
+        },
+    ),
+];

@@ -1,0 +1,80 @@
+//! What lies before the fill valve and behind the vent valve.
+
+use super::Form;
+use super::Kinship::{Matched, Variant};
+
+/// bar at 1 g/s, as Pa s/kg.
+const PA_S_PER_KG: f64 = 1e5 / 1e-3;
+
+pub(super) const FORMS: &[Form] = &[
+    Form::library(
+        "supply_line_droop",
+        Matched,
+        "restriction, then the volume of the line",
+        (0.2, "fill bore over restriction"),
+        |p, d| {
+            d.supply.line_m2 = p.fill_bore() / p.size;
+            d.supply.line_m3 = p.between(2e-5, 2e-4);
+        },
+    ),
+    Form::library(
+        "supply_line_droop",
+        Variant,
+        "regulator that gives way to the flow",
+        (0.05, "bar at 1 g/s"),
+        |p, d| {
+            d.supply.regulator_pa_s_per_kg = p.size * PA_S_PER_KG;
+            d.supply.regulator_s = p.between(5e-3, 0.1);
+        },
+    ),
+    Form::library(
+        "series_restriction",
+        Matched,
+        "orifice in the inlet, areas in a row",
+        (0.3, "fill bore over orifice"),
+        |p, d| d.supply.inlet_m2 = p.fill_bore() / p.size,
+    ),
+    Form::library(
+        "series_restriction",
+        Variant,
+        "orifice in the inlet and the port behind it",
+        (0.3, "fill bore over orifice"),
+        |p, d| {
+            d.supply.inlet_m2 = p.fill_bore() / p.size;
+            d.supply.inlet_m3 = p.between(3e-7, 1.5e-6);
+        },
+    ),
+    Form::library(
+        "drain_back_pressure",
+        Matched,
+        "constant",
+        (20.0, "mbar"),
+        |p, d| d.supply.drain_pa = 100.0 * p.size,
+    ),
+    Form::library(
+        "drain_back_pressure",
+        Variant,
+        "silencer",
+        (0.05, "bar at 1 g/s"),
+        |p, d| {
+            d.supply.drain_pa_s_per_kg = p.size * PA_S_PER_KG;
+            d.supply.drain_s = p.between(2e-3, 2e-2);
+        },
+    ),
+    Form::library(
+        "supply_seat_leak",
+        Matched,
+        "hole",
+        (2e-4, "mm²"),
+        |p, d| d.flow.seat_leak.hole_m2 = 1e-6 * p.size,
+    ),
+    Form::library(
+        "supply_seat_leak",
+        Variant,
+        "laminar gap",
+        (0.3, "mg/s at 8.4 bar"),
+        |p, d| {
+            d.flow.seat_leak.gap_kg_per_s_pa2 = 1e-6 * p.size / (9.41e5_f64.powi(2) - 1.01e5_f64.powi(2));
+        },
+    ),
+];

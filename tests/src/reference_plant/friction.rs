@@ -1,0 +1,28 @@
+//! Friction of the armature in its tube, in two forms that both stay smooth where the velocity changes its sign.
+
+use super::departures::ArmatureDepartures;
+
+/// Velocity at which friction has its full size (m/s).
+const SMOOTHING: f64 = 2e-3;
+/// Velocity at which the surplus of the static friction is gone (m/s): Stribeck (1902).
+const STRIBECK: f64 = 1e-2;
+/// Stiffness of the bristles (N/m): P. R. Dahl, *A solid friction model*, 1968.
+const BRISTLES: f64 = 1e5;
+
+/// Friction that follows the velocity (N), against the motion.
+pub(super) fn of_velocity(armature: &ArmatureDepartures, velocity: f64) -> f64 {
+    if armature.coulomb_n == 0.0 {
+        return 0.0;
+    }
+    let slow = velocity / STRIBECK;
+    (armature.coulomb_n + armature.breakaway_n * (-slow * slow).exp())
+        * (velocity / SMOOTHING).tanh()
+}
+
+/// Rate of the bristles' force (N/s).
+pub(super) fn bristle_rate(armature: &ArmatureDepartures, force: f64, velocity: f64) -> f64 {
+    if armature.bristle_n == 0.0 {
+        return 0.0;
+    }
+    BRISTLES * velocity * (1.0 - force / armature.bristle_n * velocity.signum())
+}

@@ -1,0 +1,301 @@
+//! The whole plant and its solution: Runge-Kutta of order 4 with fixed steps, restarted at every PWM edge.
+
+use super::coil::{Coil, Source};
+use super::contact::Stops;
+use super::friction;
+use super::gas::{GasPath, Pressures};
+use super::pulses::Pulses;
+use super::rig::Rig;
+use super::sensor::{self, Reading};
+use super::state::*;
+
+/// Step while anything electrical or mechanical moves (s).
+const FINE_STEP: f64 = 1e-5;
+/// Step while coils are dead and armatures seated (s): only gas flows, and stops are stiff.
+const COARSE_STEP: f64 = 4e-5;
+/// An armature slower than this rests (m/s).
+const RESTING: f64 = 1e-6;
+
+/// A rig that runs.
+#[derive(Debug, Clone)]
+pub struct ReferencePlant {
+    rig: Rig,
+    coil: Coil,
+    stops: Stops,
+    gas: GasPath,
+    pulses: Pulses,
+    /// Area on which the pressure difference acts (m²).
+    pressure_area: f64,
+    preloads: [f64; 2],
+    coarse_step: f64,
+    sample_ns: u64,
+    now_ns: u64,
+    state: State,
+    /// Where the sensor's reading stands within its play (Pa gauge).
+    play: f64,
+}
+
+impl ReferencePlant {
+    /// A rig at rest: coils dead, armatures seated, chamber vented, everything at 20 °C.
+    pub fn new(rig: &Rig) -> Self {
+        let sheet = &rig.datasheet;
+        let armature = &sheet.armature;
+        let gas = GasPath::new(rig);
+        let mut state = [0.0; COUNT];
+        gas.rest(&mut state);
+        let rubs = rig.departures.armature.coulomb_n > 0.0;
+        let mut plant = Self {
+            coil: Coil::new(rig),
+            stops: Stops::new(
+                armature.stroke_m,
+                armature.mass_kg,
+                rig.departures.armature.restitution,
+            ),
+            gas,
+            pulses: Pulses::new(rig),
+            pressure_area: std::f64::consts::FRAC_PI_4 * armature.pressure_force_diameter_m.powi(2),
+            preloads: [armature.preload_fill_n, armature.preload_vent_n],
+            // Friction is the stiffest force at low velocities.
+            coarse_step: if rubs { FINE_STEP } else { COARSE_STEP },
+            sample_ns: (sheet.ecu.sample_time_s * 1e9).round() as u64,
+            now_ns: 0,
+            state,
+            play: 0.0,
+            rig: rig.clone(),
+        };
+        plant.seat();
+        plant
+    }
+
+    /// Puts the armatures where the springs hold them, a few micrometres deep in their seats.
+    fn seat(&mut self) {
+        let at = self.gas.pressures(0.0, &self.state);
+        for valve in 0..2 {
+            let load = self.preloads[valve] - self.pressure_area * pressure_drop(&at, valve);
+            let spring = self.rig.datasheet.armature.spring_n_per_m;
+            self.state[POSITION + valve] = -Stops::depth(load, spring);
+        }
+    }
+
+    /// What the rig shows now.
+    pub fn reading(&mut self) -> Reading {
+        let (sensor, time) = (self.rig.departures.sensor, self.time());
+        let shown = sensor::shown(&sensor);
+        let gauge = self.state[shown] - self.gas.ambient();
+        let rate = self.rates(&self.state, time, [false; 2])[shown];
+        let span = self.sample_ns as f64 * 1e-9;
+        Reading {
+            pressure: sensor::distorted(&sensor, gauge, time, &mut self.play),
+            pressure_rate: rate,
+            currents: [0, 1].map(|valve| {
+                self.state[CHARGE + valve] / span + sensor::interference(&sensor, time)
+            }),
+        }
+    }
+
+    /// Hands over the duty cycles (%) of this sample, fill and vent, and runs to the next one.
+    pub fn run(&mut self, duty_pct: [f64; 2]) {
+        self.pulses.command(duty_pct);
+        self.state[CHARGE..CHARGE + 2].fill(0.0);
+        let end_ns = self.now_ns + self.sample_ns;
+        while self.now_ns < end_ns {
+            let (high, known_until_ns) = self.pulses.at(self.now_ns);
+            let next_ns = known_until_ns.min(end_ns);
+            self.integrate(high, (next_ns - self.now_ns) as f64 * 1e-9);
+            self.now_ns = next_ns;
+        }
+    }
+
+    /// Mass (kg) and internal energy (J) of the gas in the chamber.
+    pub fn gas_content(&self) -> (f64, f64) {
+        (self.state[MASS], self.state[ENERGY])
+    }
+
+    /// Chamber pressure itself (Pa abs).
+    pub fn chamber_pressure(&self) -> f64 {
+        self.gas.pressures(self.time(), &self.state).chamber
+    }
+
+    /// Armature positions (m), fill and vent.
+    pub fn positions(&self) -> [f64; 2] {
+        [self.state[POSITION], self.state[POSITION + 1]]
+    }
+
+    fn time(&self) -> f64 {
+        self.now_ns as f64 * 1e-9
+    }
+
+    fn integrate(&mut self, high: [bool; 2], span: f64) {
+        let begin = self.time();
+        let mut done = 0.0;
+        while span - done > 1e-12 {
+            let step = if high == [false; 2] && self.rests() {
+                self.coarse_step
+            } else {
+                FINE_STEP
+            };
+            let step = step.min(span - done);
+            self.step(begin + done, step, high);
+            done += step;
+        }
+    }
+
+    /// Coils dead, armatures seated.
+    fn rests(&self) -> bool {
+        (0..2).all(|valve| {
+            self.state[FLUX + valve] == 0.0
+                && self.state[POSITION + valve] <= 0.0
+                && self.state[VELOCITY + valve].abs() < RESTING
+        })
+    }
+
+    fn step(&mut self, time: f64, h: f64, high: [bool; 2]) {
+        let half = 0.5 * h;
+        let a = self.rates(&self.state, time, high);
+        let b = self.rates(&along(&self.state, half, &a), time + half, high);
+        let c = self.rates(&along(&self.state, half, &b), time + half, high);
+        let d = self.rates(&along(&self.state, h, &c), time + h, high);
+        let mean: State =
+            std::array::from_fn(|n| (a[n] + 2.0 * (b[n] + c[n]) + d[n]) / 6.0);
+        self.state = along(&self.state, h, &mean);
+        for valve in 0..2 {
+            // The diode blocked within the step.
+            let flux = &mut self.state[FLUX + valve];
+            *flux = flux.max(0.0);
+        }
+    }
+
+    fn rates(&self, state: &State, time: f64, high: [bool; 2]) -> State {
+        let mut rate = [0.0; COUNT];
+        let at = self.gas.pressures(time, state);
+        self.electric_rates(state, time, high, &mut rate);
+        for valve in 0..2 {
+            self.armature_rates(valve, state, &at, &mut rate);
+        }
+        let lifts = [state[POSITION], state[POSITION + 1]];
+        self.gas.rates(&at, lifts, state, &mut rate);
+        let sensor = &self.rig.departures.sensor;
+        let in_cavity = self.rig.departures.chamber.sensor_in_cavity;
+        let seen = if in_cavity { at.cavity } else { at.chamber };
+        sensor::rates(sensor, seen, state, &mut rate);
+        rate
+    }
+
+    fn electric_rates(&self, state: &State, time: f64, high: [bool; 2], rate: &mut State) {
+        let (ecu, driver) = (&self.rig.datasheet.ecu, &self.rig.departures.driver);
+        let iron = &self.rig.departures.coil;
+        let magnetising = [0, 1].map(|valve| {
+            self.coil
+                .magnetising(iron, state[FLUX + valve], state[POSITION + valve])
+        });
+        let drawn: f64 = (0..2)
+            .filter(|&valve| high[valve])
+            .map(|valve| magnetising[valve])
+            .sum();
+        let supplied = ecu.supply_voltage_v - driver.harness_ohm * drawn - state[POLARISATION];
+        if driver.polarisation_ohm > 0.0 {
+            rate[POLARISATION] =
+                (driver.polarisation_ohm * drawn - state[POLARISATION]) / driver.polarisation_s;
+        }
+        for valve in 0..2 {
+            let source = if high[valve] {
+                Source::On(supplied)
+            } else {
+                Source::Off(
+                    ecu.free_wheel_diode_drop_v + driver.clamp_v,
+                    driver.snubber_ohm,
+                )
+            };
+            let resistance = self.coil.resistance(self.over_20c(valve, time, state));
+            let rates = self.coil.rates(
+                iron,
+                [state[FLUX + valve], state[EDDY + valve]],
+                magnetising[valve],
+                resistance,
+                source,
+            );
+            rate[FLUX + valve] = rates.flux;
+            rate[EDDY + valve] = rates.eddy;
+            rate[CHARGE + valve] = rates.current;
+            self.heat_rates(valve, rates.current.powi(2) * resistance, state, rate);
+        }
+    }
+
+    /// Temperature of a winding over 20 °C (K).
+    fn over_20c(&self, valve: usize, time: f64, state: &State) -> f64 {
+        let coil = &self.rig.departures.coil;
+        let mut surroundings = coil.surroundings_k[valve];
+        if coil.surroundings_in_the_end_k != 0.0 {
+            surroundings +=
+                coil.surroundings_in_the_end_k * (1.0 - (-time / coil.surroundings_s).exp());
+        }
+        surroundings + state[WINDING + valve] + state[BODY + valve]
+    }
+
+    /// The winding heats the body, the body the surroundings; `heat` in W.
+    fn heat_rates(&self, valve: usize, heat: f64, state: &State, rate: &mut State) {
+        let coil = &self.rig.departures.coil;
+        if coil.winding_k_per_w > 0.0 {
+            rate[WINDING + valve] =
+                (coil.winding_k_per_w * heat - state[WINDING + valve]) / coil.winding_s;
+        }
+        if coil.body_k_per_w > 0.0 {
+            rate[BODY + valve] = (coil.body_k_per_w * heat - state[BODY + valve]) / coil.body_s;
+        }
+    }
+
+    fn armature_rates(&self, valve: usize, state: &State, at: &Pressures, rate: &mut State) {
+        let sheet = &self.rig.datasheet.armature;
+        let departures = &self.rig.departures.armature;
+        let (position, velocity) = (state[POSITION + valve], state[VELOCITY + valve]);
+        let pressure = self.pressure_area * pressure_drop(at, valve);
+        let force = self.coil.force(state[FLUX + valve], position)
+            + pressure * (1.0 - pressure_force_loss(departures, position))
+            - self.preloads[valve]
+            - sheet.spring_n_per_m * position
+            - sheet.viscous_friction_ns_per_m * velocity
+            - friction::of_velocity(departures, velocity)
+            - state[BRISTLE + valve]
+            + self.stops.force(position, velocity);
+        rate[POSITION + valve] = velocity;
+        rate[VELOCITY + valve] = force / sheet.mass_kg;
+        rate[BRISTLE + valve] =
+            friction::bristle_rate(departures, state[BRISTLE + valve], velocity);
+    }
+}
+
+/// Pressure that pushes an armature open (Pa).
+fn pressure_drop(at: &Pressures, valve: usize) -> f64 {
+    if valve == 0 {
+        at.inlet - at.chamber
+    } else {
+        at.chamber - at.drain
+    }
+}
+
+/// Share of the pressure force that is gone at a lift (m).
+fn pressure_force_loss(armature: &super::departures::ArmatureDepartures, lift: f64) -> f64 {
+    if armature.pressure_force_loss == 0.0 || lift <= 0.0 {
+        return 0.0;
+    }
+    let scale = armature.pressure_force_lift_m;
+    armature.pressure_force_loss
+        * if scale > 0.0 {
+            lift / (lift + scale)
+        } else {
+            1.0 - (lift / scale).exp()
+        }
+}
+
+/// Runs `rig` through `commands` (%), fill and vent, one pair per sample: the reading at each sample's instant.
+pub fn replay(rig: &Rig, commands: &[[f64; 2]]) -> Vec<Reading> {
+    let mut plant = ReferencePlant::new(rig);
+    commands
+        .iter()
+        .map(|&duty_pct| {
+            let reading = plant.reading();
+            plant.run(duty_pct);
+            reading
+        })
+        .collect()
+}

@@ -1,0 +1,68 @@
+//! What the rig shows of itself, before noise: the anti-aliased pressure at the sample, and the mean currents.
+
+use super::departures::SensorDepartures;
+use super::state::*;
+
+/// Time constant of the anti-alias filter (s).
+const ANTI_ALIAS: f64 = 2e-4;
+/// Gauge pressure at which a bow deviates most (Pa).
+const BOW_PRESSURE: f64 = 4e5;
+
+/// One sample without noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Chamber pressure as the sensor shows it (Pa gauge).
+    pub pressure: f64,
+    /// Its rate (Pa/s).
+    pub pressure_rate: f64,
+    /// Mean currents since the sample before (A), fill and vent.
+    pub currents: [f64; 2],
+}
+
+/// Rates of the sensor's own states, `seen` being the pressure at its port (Pa abs).
+pub(super) fn rates(sensor: &SensorDepartures, seen: f64, state: &State, rate: &mut State) {
+    rate[FILTERED] = (seen - state[FILTERED]) / ANTI_ALIAS;
+    if sensor.lag_s > 0.0 {
+        rate[LAGGED] = (state[FILTERED] - state[LAGGED]) / sensor.lag_s;
+    }
+    if sensor.second_lag_s > 0.0 {
+        rate[LAGGED_AGAIN] = (state[LAGGED] - state[LAGGED_AGAIN]) / sensor.second_lag_s;
+    }
+}
+
+/// Which state the sensor shows.
+pub(super) fn shown(sensor: &SensorDepartures) -> usize {
+    if sensor.second_lag_s > 0.0 {
+        LAGGED_AGAIN
+    } else if sensor.lag_s > 0.0 {
+        LAGGED
+    } else {
+        FILTERED
+    }
+}
+
+/// The static faults of the sensor: gauge pressure in, gauge pressure out (Pa). `play` is where the reading stood.
+pub(super) fn distorted(sensor: &SensorDepartures, gauge: f64, time: f64, play: &mut f64) -> f64 {
+    let mut reading = gauge + sensor.offset_pa;
+    if sensor.warm_offset_pa != 0.0 {
+        reading += sensor.warm_offset_pa * (1.0 - (-time / sensor.warm_s).exp());
+    }
+    if sensor.bow_pa != 0.0 {
+        let share = gauge / BOW_PRESSURE;
+        reading += sensor.bow_pa * share * (2.0 - share);
+    }
+    if sensor.play_pa > 0.0 {
+        let half = 0.5 * sensor.play_pa;
+        *play = play.clamp(reading - half, reading + half);
+        reading = *play;
+    }
+    reading
+}
+
+/// Disturbance of the current measurements (A).
+pub(super) fn interference(sensor: &SensorDepartures, time: f64) -> f64 {
+    if sensor.interference_a == 0.0 {
+        return 0.0;
+    }
+    sensor.interference_a * (std::f64::consts::TAU * sensor.interference_hz * time).sin()
+}
