@@ -45,10 +45,7 @@ pub(super) struct CoilRates {
 impl Coil {
     pub(super) fn new(rig: &Rig) -> Self {
         let sheet = &rig.datasheet;
-        let (closed, open) = (
-            sheet.coil.inductance_closed_h,
-            sheet.coil.inductance_open_h,
-        );
+        let (closed, open) = (sheet.coil.inductance_closed_h, sheet.coil.inductance_open_h);
         let stroke = sheet.armature.stroke_m;
         // The law of the datasheet, c i²/(g - x)², holds at both stops; between them it is linear here.
         let force = |inductance: f64, gap: f64| {
@@ -105,7 +102,11 @@ impl Coil {
             Source::Off(voltage, series) => (-voltage, series),
         };
         let total = resistance + series;
-        let at_once = if iron.eddy_lag_s == 0.0 { iron.eddy_s } else { 0.0 };
+        let at_once = if iron.eddy_lag_s == 0.0 {
+            iron.eddy_s
+        } else {
+            0.0
+        };
         let current = (magnetising + eddy + at_once * voltage) / (1.0 + at_once * total);
         if current <= 0.0 && matches!(source, Source::Off(..)) {
             return Self::blocked(iron, flux, magnetising);

@@ -34,8 +34,7 @@ impl Opening {
         if lift <= 0.0 {
             return 0.0;
         }
-        let lesser =
-            |y: f64| 0.5 * (y + self.bore_lift - (y - self.bore_lift).hypot(PASSAGE));
+        let lesser = |y: f64| 0.5 * (y + self.bore_lift - (y - self.bore_lift).hypot(PASSAGE));
         self.width * (lesser(lift) - lesser(0.0))
     }
 }
@@ -107,9 +106,8 @@ impl GasPath {
 
     /// Chamber vented, lines charged.
     pub(super) fn rest(&self, state: &mut State) {
-        let mass = |pressure: f64, volume: f64| {
-            pressure * volume / (self.gas_constant * self.temperature)
-        };
+        let mass =
+            |pressure: f64, volume: f64| pressure * volume / (self.gas_constant * self.temperature);
         let Departures {
             supply, chamber, ..
         } = &self.departures;
@@ -125,9 +123,8 @@ impl GasPath {
         let Departures {
             supply, chamber, ..
         } = &self.departures;
-        let isothermal = |mass: f64, volume: f64| {
-            mass * self.gas_constant * self.temperature / volume
-        };
+        let isothermal =
+            |mass: f64, volume: f64| mass * self.gas_constant * self.temperature / volume;
         let mut volume = self.volume;
         if chamber.plunger_m3 > 0.0 {
             volume += chamber.plunger_m3 * state[PLUNGER];
@@ -137,8 +134,8 @@ impl GasPath {
         }
         let mut source = self.supply - state[REGULATOR];
         if supply.pulsation_pa != 0.0 {
-            source += supply.pulsation_pa
-                * (std::f64::consts::TAU * supply.pulsation_hz * time).sin();
+            source +=
+                supply.pulsation_pa * (std::f64::consts::TAU * supply.pulsation_hz * time).sin();
         }
         let line = if supply.line_m3 > 0.0 {
             isothermal(state[LINE], supply.line_m3)
@@ -166,13 +163,7 @@ impl GasPath {
     }
 
     /// Mass flows (kg/s) at these lifts, and with them the rates of everything that holds gas.
-    pub(super) fn rates(
-        &self,
-        at: &Pressures,
-        lifts: [f64; 2],
-        state: &State,
-        rate: &mut State,
-    ) {
+    pub(super) fn rates(&self, at: &Pressures, lifts: [f64; 2], state: &State, rate: &mut State) {
         let flow = &self.departures.flow;
         let chamber = (at.chamber, at.temperature);
         let inflow = self.nozzle.flow(
@@ -219,9 +210,8 @@ impl GasPath {
         }
         if leak.rough_kg_per_s > 0.0 {
             let difference = (from - to) / PA_PER_BAR;
-            flow += leak.rough_kg_per_s
-                * difference.signum()
-                * difference.abs().powf(leak.rough_power);
+            flow +=
+                leak.rough_kg_per_s * difference.signum() * difference.abs().powf(leak.rough_power);
         }
         flow
     }
@@ -285,13 +275,7 @@ impl GasPath {
     }
 
     /// Enthalpy of the flows into the chamber (kg/s), heat to the wall, work on plunger and hose.
-    fn energy_rate(
-        &self,
-        at: &Pressures,
-        flows: [f64; 4],
-        state: &State,
-        rate: &mut State,
-    ) -> f64 {
+    fn energy_rate(&self, at: &Pressures, flows: [f64; 4], state: &State, rate: &mut State) -> f64 {
         let chamber = &self.departures.chamber;
         let enthalpy: f64 = flows
             .into_iter()
@@ -313,8 +297,8 @@ impl GasPath {
         if chamber.wall_j_per_k > 0.0 {
             rate[WALL] = heat / chamber.wall_j_per_k - state[WALL] / chamber.wall_s;
         }
-        let growth = chamber.plunger_m3 * rate[PLUNGER]
-            + self.volume * chamber.hose_per_pa * rate[HOSE];
+        let growth =
+            chamber.plunger_m3 * rate[PLUNGER] + self.volume * chamber.hose_per_pa * rate[HOSE];
         enthalpy - heat - at.chamber * growth
     }
 }

@@ -155,8 +155,7 @@ impl ReferencePlant {
         let b = self.rates(&along(&self.state, half, &a), time + half, high);
         let c = self.rates(&along(&self.state, half, &b), time + half, high);
         let d = self.rates(&along(&self.state, h, &c), time + h, high);
-        let mean: State =
-            std::array::from_fn(|n| (a[n] + 2.0 * (b[n] + c[n]) + d[n]) / 6.0);
+        let mean: State = std::array::from_fn(|n| (a[n] + 2.0 * (b[n] + c[n]) + d[n]) / 6.0);
         self.state = along(&self.state, h, &mean);
         for valve in 0..2 {
             // The diode blocked within the step.

@@ -62,7 +62,13 @@ pub(super) const FORMS: &[Form] = &[
             d.sensor.interference_hz = p.between(0.1, 5.0);
         },
     ),
-    beyond("clock_drift", "ECU slower than log", (20.0, "ppm"), &[], |p, d| {
-        d.pulses.clock_drift = 1e-6 * p.size;
-    }),
+    beyond(
+        "clock_drift",
+        "ECU slower than log",
+        (20.0, "ppm"),
+        &[],
+        |p, d| {
+            d.pulses.clock_drift = 1e-6 * p.size;
+        },
+    ),
 ];

@@ -11,9 +11,15 @@ pub(super) const FORMS: &[Form] = &[
         d.sensor.lag_s = 0.5e-3 * p.size;
         d.sensor.second_lag_s = 0.5e-3 * p.size;
     }),
-    Form::library("sensor_offset", Matched, "constant", (4.0, "mbar"), |p, d| {
-        d.sensor.offset_pa = 100.0 * p.size;
-    }),
+    Form::library(
+        "sensor_offset",
+        Matched,
+        "constant",
+        (4.0, "mbar"),
+        |p, d| {
+            d.sensor.offset_pa = 100.0 * p.size;
+        },
+    ),
     Form::library(
         "sensor_offset",
         Variant,

@@ -74,7 +74,8 @@ pub(super) const FORMS: &[Form] = &[
         "laminar gap",
         (0.3, "mg/s at 8.4 bar"),
         |p, d| {
-            d.flow.seat_leak.gap_kg_per_s_pa2 = 1e-6 * p.size / (9.41e5_f64.powi(2) - 1.01e5_f64.powi(2));
+            d.flow.seat_leak.gap_kg_per_s_pa2 =
+                1e-6 * p.size / (9.41e5_f64.powi(2) - 1.01e5_f64.powi(2));
         },
     ),
 ];
