@@ -1,6 +1,6 @@
 //! The pressure sensor from the plant's side: from a pressure to the code that the ECU reads.
 //!
-//! The curve is the ECU's ([`PressureSensor`](ecu::PressureSensor)), in floats and the other way round.
+//! The curve is the ECU's ([`PressureSensor`]), in floats and the other way round.
 
 use ecu::{PressureSensor, SensorCode};
 
