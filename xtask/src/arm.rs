@@ -158,8 +158,14 @@ fn in_the_loop(image: &Path) -> Result<(), Failure> {
         (&["test"], &["--", "--test-threads", "1"])
     };
     tests.args(runner);
-    tests.args(["--package", "hil-harness", "--test", "image_in_the_loop"]);
-    tests.args(["--features", "image-in-the-loop"]);
+    tests.args([
+        "--package",
+        "hil-harness",
+        "--features",
+        "image-in-the-loop",
+    ]);
+    tests.args(["--test", "image_in_the_loop"]);
+    tests.args(["--test", "campaign_on_the_image"]);
     tests.args(one_at_a_time);
     process::run(&mut tests, IN_THE_LOOP_DEADLINE)
 }
