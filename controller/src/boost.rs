@@ -4,9 +4,9 @@ use crate::arithmetic::wide_product;
 use crate::error::{Coefficient, ConfigError, Field};
 use crate::integrator::{Bound, Integrator};
 use crate::pid::{GAIN_BITS, per_full_scale, sample_time};
+use crate::pressure::ERROR_SHIFT;
 use crate::range::{CoefficientRange, Quotient, Range, propagate};
 use crate::settings::Settings;
-use crate::state::ERROR_SHIFT;
 
 const RATE_PCT_PER_BAR_S: Range = Range::new("0.1", "30000");
 const MAX_PCT: Range = Range::new("0", "1000");

@@ -10,26 +10,7 @@ use crate::error::{ConfigError, Field};
 use crate::lower_limit::{LowerLimit, OpeningCurve, OpeningFields, Supply};
 use crate::range::{Range, propagate};
 use crate::settings::{self, Settings};
-use crate::structure::Structure;
-
-/// Which valves are driven at a time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) enum Scheme {
-    /// The valve that u asks for; the other is off (6.3.1).
-    Separate,
-    /// The valve that u asks for above its middle, the other below its own (6.3.2).
-    Together,
-}
-
-impl Scheme {
-    pub(crate) const fn of(settings: &Settings) -> Self {
-        match settings.distributor {
-            settings::Distributor::Traditional | settings::Distributor::Scheme1 => Self::Separate,
-            settings::Distributor::Scheme2 { .. } => Self::Together,
-        }
-    }
-}
+use crate::structure::{Scheme, Structure};
 
 /// How u becomes two duty cycles. The traditional scheme is Scheme 1 from 0 to 100 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,9 +4,9 @@ use fixed::types::I16F16;
 
 use crate::arithmetic::high_product;
 use crate::error::{ConfigError, Field};
+use crate::pressure::ERROR_SHIFT;
 use crate::range::{Range, propagate, quotient};
 use crate::settings::{self, Distributor, OpeningDuty, Settings};
-use crate::state::ERROR_SHIFT;
 
 const SUPPLY_PRESSURE_BAR: Range = Range::new("1", "15");
 

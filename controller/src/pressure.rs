@@ -25,6 +25,9 @@ pub struct Pressure(I16F16);
 /// log₂ of the control range in units of 2⁻¹⁶ bar. A power of two, so that a Cortex-M4 limits with one SSAT.
 const CONTROL_RANGE_BITS: u32 = 20;
 
+/// Bits by which a sample's pressures are finer than [`Pressure`]: so fine that products with gains keep u in their upper word.
+pub(crate) const ERROR_SHIFT: u32 = 9;
+
 impl Pressure {
     /// Ambient pressure, 0 bar gauge.
     pub const ZERO: Self = Self(I16F16::ZERO);

@@ -8,7 +8,7 @@ use crate::error::StateError;
 use crate::input_output::Input;
 use crate::integrator::Integrator;
 use crate::pid::Pid;
-use crate::pressure::Pressure;
+use crate::pressure::{ERROR_SHIFT, Pressure};
 use crate::settings::IntegralAtReference;
 
 /// What one sample leaves to the next: pressure and error of the sample, integral part, boost.
@@ -23,9 +23,6 @@ pub struct State {
     pub(crate) integral: Integrator,
     pub(crate) boost: Integrator,
 }
-
-/// Bits by which a sample's pressures are finer than [`Pressure`]: so fine that products with gains keep u in their upper word.
-pub(crate) const ERROR_SHIFT: u32 = 9;
 
 /// An input, limited to the control range, as its two differences need it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

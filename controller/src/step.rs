@@ -10,8 +10,8 @@ use crate::direction::Direction;
 use crate::input_output::{Input, Output};
 use crate::pid::Pid;
 use crate::prediction::{predicted, switches_off};
-use crate::pressure::Pressure;
-use crate::state::{ERROR_SHIFT, Sample, State};
+use crate::pressure::{ERROR_SHIFT, Pressure};
+use crate::state::{Sample, State};
 use crate::structure::Structure;
 use crate::trace::{Activity, Saturation, Trace};
 

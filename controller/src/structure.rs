@@ -1,10 +1,11 @@
 //! Which mechanisms a controller has: all in [`Settings`] that is a choice and not a number.
 
 use crate::anti_windup::AntiWindup;
-use crate::distributor::Scheme;
 use crate::error::Mechanism;
 use crate::lower_limit::LowerLimit;
-use crate::settings::{IntegralAtReference, Prediction, PredictionBasis, Settings, SwitchOff};
+use crate::settings::{
+    Distributor, IntegralAtReference, Prediction, PredictionBasis, Settings, SwitchOff,
+};
 
 /// The choices of a controller. Where they are a constant, the compiler drops what is not chosen. Any structure runs with any
 /// coefficients within the ranges of docs/numerics.md.
@@ -52,6 +53,25 @@ impl Structure {
             Some(Mechanism::LowerLimit)
         } else {
             None
+        }
+    }
+}
+
+/// Which valves are driven at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) enum Scheme {
+    /// The valve that u asks for; the other is off (6.3.1).
+    Separate,
+    /// The valve that u asks for above its middle, the other below its own (6.3.2).
+    Together,
+}
+
+impl Scheme {
+    pub(crate) const fn of(settings: &Settings) -> Self {
+        match settings.distributor {
+            Distributor::Traditional | Distributor::Scheme1 => Self::Separate,
+            Distributor::Scheme2 { .. } => Self::Together,
         }
     }
 }

@@ -1,9 +1,9 @@
 //! The tolerance that turns both valves off, section 6.3.1.
 
 use crate::error::{ConfigError, Field};
+use crate::pressure::ERROR_SHIFT;
 use crate::range::{Range, propagate};
 use crate::settings::Settings;
-use crate::state::ERROR_SHIFT;
 
 /// Half a unit of an input's error.
 const HALF_UNIT: i32 = 1 << (ERROR_SHIFT - 1);

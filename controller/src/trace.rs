@@ -1,8 +1,8 @@
 //! How a sample came to its output.
 
 use crate::control_signal::ControlSignal;
-use crate::pressure::Pressure;
-use crate::state::{ERROR_SHIFT, State};
+use crate::pressure::{ERROR_SHIFT, Pressure};
+use crate::state::State;
 
 /// How a sample came to its output, for logs and plots; computed only by [`step_traced`](crate::step_traced).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

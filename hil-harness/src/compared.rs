@@ -1,11 +1,9 @@
 //! Two devices that must be one: the same bits at every sample.
 
-use core::fmt;
-
 use ecu::EcuSettings;
 
 use crate::device::{DeviceUnderTest, DutError};
-use crate::run::Run;
+use crate::difference::Difference;
 use crate::wire::{Answer, Sensors};
 
 /// Two devices that get the same samples. The first answer in which they differ ends the run.
@@ -70,65 +68,6 @@ impl<A: DeviceUnderTest, B: DeviceUnderTest> DeviceUnderTest for Compared<A, B> 
     }
 }
 
-/// The first sample in which two devices differ.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
-    /// What both were told.
-    pub sensors: Sensors,
-    /// Who they are.
-    pub devices: [String; 2],
-    /// What each answered, with its state after the sample.
-    pub answers: [Answer; 2],
-}
-
-impl Difference {
-    /// The first sample in which `device` gave another answer than `reference` in the same run.
-    pub fn first(reference: &Run, device: &Run) -> Option<Self> {
-        let mut pairs = reference.exchanges.iter().zip(&device.exchanges);
-        let (expected, found) = pairs.find(|(expected, found)| expected != found)?;
-        Some(Self {
-            sensors: expected.sensors,
-            devices: [reference.device.clone(), device.device.clone()],
-            answers: [expected.answer, found.answer],
-        })
-    }
-}
-
-/// Every number of an answer, by name.
-fn rows(answer: &Answer) -> Vec<(String, i64)> {
-    let Answer {
-        sample,
-        actuators,
-        telemetry,
-    } = answer;
-    let mut rows = vec![
-        ("sample".to_owned(), i64::from(*sample)),
-        ("duty_fill [2^-16 %]".to_owned(), actuators.duty_fill.into()),
-        ("duty_vent [2^-16 %]".to_owned(), actuators.duty_vent.into()),
-        ("u [2^-12 %]".to_owned(), telemetry.control_signal.into()),
-    ];
-    let state = telemetry.controller_state.iter().enumerate();
-    rows.extend(state.map(|(word, value)| (format!("controller state {word}"), i64::from(*value))));
-    rows.push(("mode".to_owned(), telemetry.mode.into()));
-    rows.push(("faults".to_owned(), telemetry.faults.into()));
-    rows.push(("ecu_digest".to_owned(), telemetry.ecu_digest.into()));
-    rows
-}
-
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [expected, found] = &self.answers;
-        writeln!(f, "sample {} differs:", self.sensors.sample)?;
-        writeln!(f, "  A: {}\n  B: {}", self.devices[0], self.devices[1])?;
-        writeln!(f, "  {:22}{:>14}{:>14}", "", "A", "B")?;
-        for ((name, a), (_, b)) in rows(expected).iter().zip(rows(found)) {
-            let mark = if *a == b { ' ' } else { '*' };
-            writeln!(f, "{mark} {name:22}{a:>14}{b:>14}")?;
-        }
-        write!(f, "  both were told: {:?}", self.sensors)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,9 +109,9 @@ mod tests {
 
         let expected = run(&scenario, &mut InProcess::new()).unwrap();
         let found = run(&scenario, &mut Flipped(InProcess::new(), 321)).unwrap();
-        let difference = Difference::first(&expected, &found).unwrap();
+        let difference = expected.first_difference(&found).unwrap();
         assert_eq!(difference.sensors.sample, 321);
-        assert_eq!(Difference::first(&expected, &expected), None);
+        assert_eq!(expected.first_difference(&expected), None);
     }
 
     #[test]

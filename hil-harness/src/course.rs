@@ -1,11 +1,22 @@
 //! The signals of a run, as a recording.
 
-use recording::{Provenance, Recording, TimeBase, Unit};
+use recording::{AddSignalError, Provenance, Recording, TimeBase, TimeBaseError, Unit};
 
-use crate::run::{Exchange, RunError};
 use crate::scenario::Scenario;
-use crate::wire;
+use crate::wire::{self, Exchange};
 use crate::world::World;
+
+/// Why what was simulated makes no recording.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum NotRecorded {
+    /// The instants make no time base.
+    #[error(transparent)]
+    TimeBase(#[from] TimeBaseError),
+    /// The simulated values make no signal.
+    #[error(transparent)]
+    Signal(#[from] AddSignalError),
+}
 
 /// The signals of a run from time 0 on, by name and unit.
 pub(crate) struct Course {
@@ -64,7 +75,7 @@ impl Course {
         self,
         scenario: &Scenario,
         device: &str,
-    ) -> Result<Recording, RunError> {
+    ) -> Result<Recording, NotRecorded> {
         let mut provenance = Provenance::from_source(format!("scenario {}", scenario.name))
             .with_note("device", device)
             .with_note("seed", scenario.seed.to_string());

@@ -2,7 +2,7 @@
 
 use ecu::{EcuConfigError, EcuSettings};
 
-use crate::compared::Difference;
+use crate::difference::Difference;
 use crate::link::LinkError;
 use crate::wire::{Answer, FULL_DUTY, Sensors};
 

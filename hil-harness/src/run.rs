@@ -2,15 +2,16 @@
 
 use core::ops::ControlFlow;
 
-use recording::{AddSignalError, Recording, TimeBaseError};
+use recording::Recording;
 
 use crate::checks::{JudgeError, Verdict, judge};
-use crate::course::Course;
+use crate::course::{Course, NotRecorded};
 use crate::device::{DeviceUnderTest, DutError};
+use crate::difference::Difference;
 use crate::ecu_under_test::InProcess;
 use crate::requirement::Requirement;
 use crate::scenario::{Scenario, ScenarioError};
-use crate::wire::{Answer, Sensors};
+use crate::wire::Exchange;
 use crate::world::World;
 
 /// What came of a scenario.
@@ -28,16 +29,18 @@ pub struct Run {
     pub log: Vec<String>,
 }
 
-/// One sample on the wire.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Exchange {
-    /// To the device.
-    pub sensors: Sensors,
-    /// From the device.
-    pub answer: Answer,
-}
-
 impl Run {
+    /// The first sample in which `device` gave another answer than this one in the same run.
+    pub fn first_difference(&self, device: &Self) -> Option<Difference> {
+        let mut pairs = self.exchanges.iter().zip(&device.exchanges);
+        let (expected, found) = pairs.find(|(expected, found)| expected != found)?;
+        Some(Difference {
+            sensors: expected.sensors,
+            devices: [self.device.clone(), device.device.clone()],
+            answers: [expected.answer, found.answer],
+        })
+    }
+
     /// How the run stands against `requirement`.
     ///
     /// # Errors
@@ -68,12 +71,9 @@ pub enum RunError {
         /// The last sample that was run.
         sample: u32,
     },
-    /// The instants make no time base.
+    /// What was simulated makes no recording.
     #[error(transparent)]
-    TimeBase(#[from] TimeBaseError),
-    /// The simulated values make no signal.
-    #[error(transparent)]
-    Signal(#[from] AddSignalError),
+    NotRecorded(#[from] NotRecorded),
 }
 
 /// What is seen of a run as it goes.

@@ -1,8 +1,17 @@
-//! What the wire's numbers mean in the units of the plant.
+//! What crosses the wire, and what its numbers mean in the units of the plant.
 
 use ecu::{PressureSensor, SensorCode};
 
 pub use hil_protocol::{Actuators, Answer, Sensors, Telemetry};
+
+/// One sample on the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Exchange {
+    /// To the device.
+    pub sensors: Sensors,
+    /// From the device.
+    pub answer: Answer,
+}
 
 /// A duty cycle of 100 %, in units of the wire (2⁻¹⁶ %).
 pub const FULL_DUTY: u32 = 100 << 16;

@@ -61,7 +61,7 @@ pub(crate) fn run(task: Task) -> Result<Controlled, Failure> {
     }
     let run = watched?;
     let verdict = run.verdict(&Requirement::THESIS)?;
-    let difference = Difference::first(&run_in_process(scenario)?, &run);
+    let difference = run_in_process(scenario)?.first_difference(&run);
     Ok(Controlled {
         device: Some(DeviceReport {
             identity: run.device.clone(),
