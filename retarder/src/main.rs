@@ -15,6 +15,7 @@ mod print;
 mod progress;
 mod report;
 mod run;
+mod targets;
 mod task;
 
 use std::process::ExitCode;

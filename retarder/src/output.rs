@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::page;
 use crate::print::{self, Terminal};
 use crate::run::{Answer, Outcome};
-use crate::task::{Targets, is_standard_output};
+use crate::targets::{Targets, is_standard_output};
 
 /// Writes the files that were asked for and prints the rest. The answer decides the exit status.
 pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, Failure> {

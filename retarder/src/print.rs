@@ -18,7 +18,7 @@ use anstream::{AutoStream, ColorChoice};
 
 use crate::failure::Failure;
 use crate::run::Outcome;
-use crate::task::Targets;
+use crate::targets::Targets;
 
 pub(crate) use live::Live;
 pub(crate) use simulation::simulation;

@@ -5,6 +5,7 @@ pub(crate) mod calibrate;
 pub(crate) mod compare;
 pub(crate) mod control;
 pub(crate) mod device;
+pub(crate) mod device_report;
 pub(crate) mod schema;
 pub(crate) mod simulate;
 pub(crate) mod thesis;

@@ -12,20 +12,14 @@ use crate::cli::{
 };
 use crate::failure::Failure;
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
+use crate::print::Live;
 use crate::run::{self, Outcome, schema};
+use crate::targets::{Targets, is_standard_output};
 
 /// A task and where its results go.
 pub(crate) struct Task {
     work: Work,
     targets: Targets,
-}
-
-/// Where results go besides the text; `-` is the standard output.
-#[derive(Debug, Default)]
-pub(crate) struct Targets {
-    pub(crate) json: Option<PathBuf>,
-    pub(crate) html: Option<PathBuf>,
-    pub(crate) recording: Option<PathBuf>,
 }
 
 enum Work {
@@ -128,7 +122,11 @@ impl Task {
             Work::Control { scenario, rigs } => {
                 Outcome::Control(Box::new(run::control::run(*scenario, rigs)?))
             }
-            Work::OnDevice(task) => Outcome::Control(Box::new(run::device::run(*task)?)),
+            Work::OnDevice(task) => {
+                let mut live = Live::new(&task.scenario.scenario, task.pace);
+                let controlled = run::device::run(*task, &mut |moment| live.see(moment))?;
+                Outcome::Control(Box::new(controlled))
+            }
             Work::BlackBox(args) => Outcome::BlackBox(run::black_box::run(&args)?),
             Work::Calibrate(command) => match command {
                 CalibrateCommand::Signals => Outcome::DeviceSignals,
@@ -208,10 +206,6 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
             pace: args.pace,
         })),
     })
-}
-
-pub(crate) fn is_standard_output(path: &std::path::Path) -> bool {
-    path.as_os_str() == "-"
 }
 
 fn goes_to_standard_output(path: &Option<PathBuf>) -> bool {

@@ -8,7 +8,7 @@ use super::table::{Align, Entry, Table, painted};
 use super::{Colour, Terminal, paragraph, title};
 use crate::run::black_box::{BlackBox, Record, Status};
 use crate::run::calibrate::Settings;
-use crate::run::device::DeviceReport;
+use crate::run::device_report::DeviceReport;
 
 /// Lines of a device's log that are shown; the JSON form has all.
 const LOG_LINES: usize = 20;

@@ -9,7 +9,7 @@ use super::{
 use crate::page::NEXT_STEPS;
 use crate::run::control::Controlled;
 use crate::run::tour::Tour;
-use crate::task::Targets;
+use crate::targets::Targets;
 
 /// Dimensions of the regimes that the tour shows; `retarder compare` shows all.
 const DIMENSIONS: usize = 3;

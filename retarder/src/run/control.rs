@@ -5,7 +5,7 @@ use hil_harness::{Requirement, Run, Verdict, run_in_process};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::device::DeviceReport;
+use super::device_report::DeviceReport;
 use crate::failure::Failure;
 use crate::input::NamedScenario;
 use crate::progress::Progress;

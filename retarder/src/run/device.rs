@@ -4,16 +4,17 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use hil_harness::{Difference, Requirement, Verdict, run_in_process, run_watched};
+use hil_harness::run::Moment;
+use hil_harness::{Requirement, Verdict, run_in_process, run_watched};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::control::Controlled;
+use super::device_report::DeviceReport;
 use crate::dut::Dut;
 use crate::failure::Failure;
 use crate::input::NamedScenario;
 use crate::interrupt;
-use crate::print::Live;
 
 /// What is run on which device.
 pub(crate) struct Task {
@@ -24,29 +25,16 @@ pub(crate) struct Task {
     pub(crate) pace: u32,
 }
 
-/// What a device is, beside how its loop stands.
-pub(crate) struct DeviceReport {
-    /// Kind, version, and over what it was reached.
-    pub(crate) identity: String,
-    /// Decoded, oldest line first.
-    pub(crate) log: Vec<String>,
-    /// Samples that crossed the wire, with the lead-in.
-    pub(crate) samples: usize,
-    /// The first sample in which the ECU in process answers otherwise.
-    pub(crate) difference: Option<Difference>,
-}
-
-/// Runs the loop on the device and, for comparison, in process.
-pub(crate) fn run(task: Task) -> Result<Controlled, Failure> {
+/// Runs the loop on the device, with each sample shown to `watch`, and, for comparison, in process.
+pub(crate) fn run(task: Task, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Controlled, Failure> {
     let is_interrupted = interrupt::flag()?;
     let scenario = &task.scenario.scenario;
-    let mut live = Live::new(scenario, task.pace);
     let watched = task
         .dut
         .under_test(task.image.as_deref())
         .and_then(|mut device| {
             Ok(run_watched(scenario, device.as_mut(), &mut |moment| {
-                live.see(&moment);
+                watch(&moment);
                 if is_interrupted.load(Ordering::Relaxed) {
                     ControlFlow::Break(())
                 } else {
@@ -54,7 +42,6 @@ pub(crate) fn run(task: Task) -> Result<Controlled, Failure> {
                 }
             })?)
         });
-    drop(live);
     // Ctrl-C reaches the emulator too: whatever error comes of that, it was the person's wish.
     if is_interrupted.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted);
