@@ -192,13 +192,9 @@ impl OpeningDuty {
     ) -> Self {
         let a = without_pressure_pct.to_bits().unsigned_abs() as u64;
         let b = with_supply_pressure_pct.to_bits().unsigned_abs() as u64;
-        // Each square is at most 2⁶²; the root of their mean is at most 2³¹ and held at the end of the type.
+        // Each square is at most 2⁶²; the root of their mean is at most 2³¹, which alone is one too many for the type.
         let root = (a.wrapping_mul(a).wrapping_add(b.wrapping_mul(b)) / 2).isqrt();
-        let bits = if root > i32::MAX as u64 {
-            i32::MAX
-        } else {
-            root as i32
-        };
+        let bits = root.saturating_sub(root >> 31) as i32;
         Self {
             without_pressure_pct,
             at_half_pct: I16F16::from_bits(bits),

@@ -225,6 +225,54 @@ fn the_account_shows_the_error_and_where_it_is_predicted() {
     let samples = run(&PREDICTING, &[("3", "5"), ("3", "4.75")]);
     assert_eq!(samples[1].1.error, bar("-1.75"));
     assert_eq!(samples[1].1.predicted_error, bar("-1.25"));
+    let off = run(&PREDICTING, &[("3", "2.9375")]);
+    assert_eq!(off[0].1.activity, Activity::InsideTolerance);
+    assert_eq!(off[0].1.error, bar("0.0625"));
+}
+
+/// An error that is predicted to pass the reference and to stop at the tolerance's far edge is not inside.
+#[test]
+fn the_tolerance_is_strict_on_the_far_side_of_the_prediction_too() {
+    let settings = Settings {
+        tolerance_bar: lit("0.125"),
+        prediction: Prediction::OneStep,
+        switch_off: SwitchOff::InsideTolerance,
+        ..PREDICTING
+    };
+    let activity = |to: &str| run(&settings, &[("3", "2.375"), ("3", to)])[1].1.activity;
+    // 0.25 bar, after a change by 0.375 bar: -0.125 bar.
+    assert_eq!(activity("2.75"), Activity::Controlling);
+    assert_eq!(activity("2.749"), Activity::SwitchedOffAhead);
+}
+
+#[test]
+fn a_control_signal_of_exactly_100_percent_is_not_cut() {
+    let settings = Settings {
+        gain_pct_per_bar: lit("6.5"),
+        ..bare()
+    };
+    let config = config(&settings);
+    let trace = |reference: Pressure, pressure: Pressure| {
+        let sample = Input {
+            reference,
+            pressure,
+        };
+        step_traced(&config, &mut State::new(sample), sample).1
+    };
+    let far = |units| bar("15.3845").saturating_add(Pressure::from_bits(units));
+    for (end, beyond) in [
+        (ControlSignal::MAX, Saturation::High),
+        (ControlSignal::MIN, Saturation::Low),
+    ] {
+        let at = |units| match beyond {
+            Saturation::High => trace(far(units), Pressure::ZERO),
+            _ => trace(Pressure::ZERO, far(units)),
+        };
+        // 100 % lies within these errors, in which u goes on by hardly more than its last bit.
+        let exact = (0..64).map(at).find(|trace| trace.u_unsaturated == end);
+        assert_eq!(exact.map(|trace| trace.saturation), Some(Saturation::None));
+        assert_eq!(at(64).saturation, beyond);
+    }
 }
 
 #[test]
