@@ -1,0 +1,205 @@
+//! Which faults of the table are present, by what is on the wire and at the coils.
+
+mod asked;
+mod doubt;
+mod electrical;
+mod offset;
+mod response;
+mod rig;
+mod stuck;
+mod watch;
+
+use ecu::Supervision;
+
+use super::Seen;
+use super::memory::Memory;
+use super::way::Way;
+use crate::campaign::bounds;
+use asked::Asked;
+use doubt::Doubt;
+use electrical::{battery, coil};
+use offset::Offset;
+use response::Response;
+use rig::Rig;
+use stuck::Stuck;
+
+pub(super) use watch::Watch;
+
+/// A row of the table, or several that are seen and answered alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Condition {
+    Doubt,
+    Stuck,
+    Offset,
+    /// No rise, uncommanded fall, supply lost.
+    TooLittle,
+    /// No fall, uncommanded rise.
+    TooMuch,
+    FillCoilOpen,
+    FillCoilShort,
+    VentCoilOpen,
+    VentCoilShort,
+    Battery,
+    SampleTime,
+    Reference,
+    Memory,
+}
+
+impl Condition {
+    const ALL: [Self; 13] = [
+        Self::Doubt,
+        Self::Stuck,
+        Self::Offset,
+        Self::TooLittle,
+        Self::TooMuch,
+        Self::FillCoilOpen,
+        Self::FillCoilShort,
+        Self::VentCoilOpen,
+        Self::VentCoilShort,
+        Self::Battery,
+        Self::SampleTime,
+        Self::Reference,
+        Self::Memory,
+    ];
+
+    /// N \[samples\] and the way.
+    const fn rule(self) -> (u32, Way) {
+        match self {
+            Self::Doubt => (bounds::DOUBT_N, Way::Hold),
+            // Counted by the condition itself.
+            Self::Stuck => (1, Way::Release),
+            Self::Offset => (1, Way::Vent),
+            Self::TooLittle => (bounds::RESPONSE_N, Way::Ramp),
+            Self::TooMuch => (bounds::RESPONSE_N, Way::Vent),
+            Self::FillCoilOpen => (bounds::COIL_N, Way::Ramp),
+            Self::FillCoilShort => (bounds::COIL_N, Way::Vent),
+            Self::VentCoilOpen | Self::VentCoilShort => (bounds::COIL_N, Way::Off),
+            Self::Battery => (bounds::BATTERY_N, Way::Hold),
+            Self::SampleTime => (bounds::SAMPLE_TIME_N, Way::Release),
+            Self::Reference => (bounds::REFERENCE_N, Way::Ramp),
+            Self::Memory => (bounds::MEMORY_N, Way::Lock),
+        }
+    }
+}
+
+/// All of them.
+#[derive(Debug)]
+pub(super) struct Conditions {
+    rig: Rig,
+    past: Past,
+}
+
+/// What a start of the target makes meaningless.
+#[derive(Debug)]
+struct Past {
+    watches: [Watch; 13],
+    /// Samples without any.
+    calm_for: u32,
+    asked: Asked,
+    doubt: Doubt,
+    stuck: Stuck,
+    offset: Offset,
+    response: Response,
+}
+
+impl Past {
+    fn none() -> Self {
+        Self {
+            watches: Condition::ALL.map(Watch::new),
+            calm_for: u32::MAX,
+            asked: Asked::default(),
+            doubt: Doubt::default(),
+            stuck: Stuck::default(),
+            offset: Offset::default(),
+            response: Response::default(),
+        }
+    }
+}
+
+impl Conditions {
+    pub(super) fn new(supervision: &Supervision) -> Self {
+        Self {
+            rig: Rig::new(supervision),
+            past: Past::none(),
+        }
+    }
+
+    /// The target has started: it knows nothing of what was before.
+    pub(super) fn forget(&mut self) {
+        self.past = Past::none();
+    }
+
+    pub(super) fn look(&mut self, seen: &Seen, memory: &Memory) {
+        let reference_bar = self.reference_bar(seen);
+        let Self { rig, past } = self;
+        let shown_bar = seen.shown_bar();
+        let moved_bar = shown_bar.map_or(0.0, |shown| past.doubt.moved_bar(shown));
+        past.asked
+            .look(reference_bar, moved_bar > bounds::FASTEST_BAR);
+        let is_in_doubt = past.doubt.look(rig, seen);
+        let believed_bar = shown_bar.filter(|_| past.doubt.is_long_over());
+        let [too_little, too_much] = past.response.look(rig, believed_bar, memory);
+        let [fill_open, fill_short] = coil(rig, 0, seen.sensors.current_fill_ma, memory);
+        let [vent_open, vent_short] = coil(rig, 1, seen.sensors.current_vent_ma, memory);
+        let in_time = bounds::ELAPSED_MIN_US..=bounds::ELAPSED_MAX_US;
+        let present = [
+            is_in_doubt,
+            past.stuck.look(rig, seen, memory),
+            past.offset.look(rig, seen, memory),
+            too_little,
+            too_much,
+            fill_open,
+            fill_short,
+            vent_open,
+            vent_short,
+            battery(rig, seen),
+            !in_time.contains(&seen.sensors.elapsed_us),
+            reference_bar.is_none(),
+            seen.is_damaged,
+        ];
+        for (watch, is_present) in past.watches.iter_mut().zip(present) {
+            watch.look(is_present, past.calm_for);
+        }
+        past.calm_for = if present.contains(&true) {
+            0
+        } else {
+            past.calm_for.saturating_add(1)
+        };
+    }
+
+    /// Whether this sample's pressure cannot be believed.
+    pub(super) fn is_in_doubt(&self) -> bool {
+        self.past.doubt.is_present()
+    }
+
+    /// Those that had to be answered and are not gone.
+    pub(super) fn answered(&self) -> impl Iterator<Item = &Watch> {
+        self.past.watches.iter().filter(|watch| watch.is_answered())
+    }
+
+    /// The one that had to be answered, if no other one was present lately.
+    pub(super) fn only(&self) -> Option<&Watch> {
+        let mut lately = self.past.watches.iter().filter(|watch| watch.is_recent());
+        lately
+            .next()
+            .filter(|watch| watch.is_answered() && lately.next().is_none())
+    }
+
+    /// The reference on the wire, if somebody can mean it [bar gauge].
+    pub(super) fn reference_bar(&self, seen: &Seen) -> Option<f64> {
+        let bar = f64::from(seen.sensors.reference?) / 65536.0;
+        (-1.0..=self.rig.supply_max_bar)
+            .contains(&bar)
+            .then_some(bar)
+    }
+
+    /// The last of those [bar gauge]; zero before the first.
+    pub(super) fn last_reference_bar(&self) -> f64 {
+        self.past.asked.last_bar()
+    }
+
+    /// Whether neither the reference nor the shown pressure has stepped lately.
+    pub(super) fn reference_rests(&self) -> bool {
+        self.past.asked.rests()
+    }
+}

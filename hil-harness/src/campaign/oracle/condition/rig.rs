@@ -1,0 +1,48 @@
+//! What the supervision knows of the rig, in the oracle's units.
+
+use ecu::Supervision;
+
+use crate::campaign::bounds;
+
+/// The settings of the supervision, each as the rules need it.
+#[derive(Debug)]
+pub(super) struct Rig {
+    pub(super) supply_min_bar: f64,
+    pub(super) supply_max_bar: f64,
+    pub(super) jump_bar: f64,
+    /// Change per sample and pressure difference, at least.
+    pub(super) rise: f64,
+    pub(super) fall: f64,
+    /// Of fill and vent valve.
+    pub(super) open_pct: [f64; 2],
+    /// Lowest and highest.
+    pub(super) battery_mv: [f64; 2],
+    /// Least of a coil that is driven, most of any.
+    pub(super) coil_ma: [f64; 2],
+}
+
+const SAMPLE_S: f64 = 0.01;
+const AMBIENT_BAR: f64 = 1.02;
+
+impl Rig {
+    pub(super) fn new(known: &Supervision) -> Self {
+        let rate = |rate: f64| rate * SAMPLE_S;
+        let fill = rate(known.fill_rate_per_s.to_num());
+        let vent = rate(known.vent_rate_per_s.to_num());
+        let supply_max_bar: f64 = known.supply_pressure_max_bar.to_num();
+        Self {
+            supply_min_bar: known.supply_pressure_min_bar.to_num(),
+            supply_max_bar,
+            jump_bar: bounds::JUMP_FACTOR * fill.max(vent) * (supply_max_bar + AMBIENT_BAR),
+            rise: bounds::RESPONSE_FACTOR * fill,
+            fall: bounds::RESPONSE_FACTOR * vent,
+            open_pct: [
+                known.open_duty_fill_pct.to_num(),
+                known.open_duty_vent_pct.to_num(),
+            ],
+            battery_mv: [known.battery_min_v, known.battery_max_v]
+                .map(|volt| 1e3 * volt.to_num::<f64>()),
+            coil_ma: [known.coil_current_min_ma, known.coil_current_max_ma].map(|ma| ma.to_num()),
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Whether the sensor shows the same while valves move the pressure.
+
+use super::rig::Rig;
+use crate::campaign::bounds;
+use crate::campaign::oracle::Seen;
+use crate::campaign::oracle::memory::Memory;
+
+/// One code for N samples in which a valve was driven and had a pressure to move.
+#[derive(Debug, Default)]
+pub(super) struct Stuck {
+    code: Option<u16>,
+    unmoved: u32,
+}
+
+impl Stuck {
+    pub(super) fn look(&mut self, rig: &Rig, seen: &Seen, memory: &Memory) -> bool {
+        let [fill, vent] = memory.coils().unwrap_or_default();
+        let is_driven = seen.shown_bar().is_some_and(|shown| {
+            fill > 0.0 && shown < rig.supply_min_bar - 0.01
+                || vent > 0.0 && shown > bounds::ROOM_TO_FALL_BAR
+        });
+        if seen.sensors.pressure.is_none() || seen.sensors.pressure != self.code {
+            self.code = seen.sensors.pressure;
+            self.unmoved = 0;
+        } else if is_driven {
+            self.unmoved += 1;
+        }
+        self.unmoved >= bounds::STUCK_N
+    }
+}
