@@ -7,11 +7,12 @@ use cortex_m_rt::{ExceptionFrame, exception};
 use firmware::Farewell;
 
 use crate::boards::board;
+use crate::kept;
 
 /// The one end of every life: coils off, the reason where the next life finds it, reset.
 pub(crate) fn end(farewell: Farewell) -> ! {
     board::coils_off();
-    board::retained().say(farewell);
+    kept::retained().say(farewell);
     SCB::sys_reset()
 }
 

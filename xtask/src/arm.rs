@@ -96,7 +96,7 @@ fn lint(toolchain: &Toolchain, board: Board) -> Result<(), Failure> {
 
 fn build(toolchain: &Toolchain, board: Board) -> Result<PathBuf, Failure> {
     process::run(&mut for_board(toolchain, "build", board), BUILD_DEADLINE)?;
-    let image = image_dir(board).join(TARGET).join("firmware/firmware");
+    let image = image_of(board);
     let size = image.metadata().map_err(|source| Failure::File {
         path: image.clone(),
         source,
@@ -110,11 +110,16 @@ fn build(toolchain: &Toolchain, board: Board) -> Result<PathBuf, Failure> {
 }
 
 /// A cargo command on the image of a board.
-fn for_board(toolchain: &Toolchain, verb: &str, board: Board) -> Command {
+pub(crate) fn for_board(toolchain: &Toolchain, verb: &str, board: Board) -> Command {
     let mut cargo = toolchain.cargo_into(verb, &image_dir(board));
     cargo.args(["--package", "firmware", "--no-default-features"]);
     cargo.args(["--features", board.feature()]);
     cargo
+}
+
+/// Where the image of a board lies once it is built.
+pub(crate) fn image_of(board: Board) -> PathBuf {
+    image_dir(board).join(TARGET).join("firmware/firmware")
 }
 
 /// Apart for each board: the images have the same name.

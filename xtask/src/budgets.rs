@@ -6,6 +6,7 @@
 //! against the budgets.
 
 mod bench;
+mod call_search;
 mod candidate;
 mod code;
 mod counted;
@@ -26,8 +27,10 @@ mod unbounded;
 pub(crate) mod unproved;
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::Duration;
 
+use crate::arm;
 use crate::failure::Failure;
 use crate::process;
 use crate::qemu::{self, Board};
@@ -64,6 +67,7 @@ pub(crate) fn run(report: &mut Report, choice: Choice, json: Option<&Path>) {
     });
     let mut findings = Findings::default();
     sample(report, toolchain.as_ref(), &mut findings);
+    image_of_nucleo(report, toolchain.as_ref(), &mut findings);
     image(report, toolchain.as_ref(), &mut findings);
     if let Some(path) = json {
         report.step("findings written", || findings.write(path));
@@ -108,15 +112,27 @@ fn sample(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Fin
     });
 }
 
-/// The image that is flashed, as it is built for the emulated board.
+/// The image of the real board: it cannot panic, and its stack is bounded.
+fn image_of_nucleo(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Findings) {
+    let build = |feature: &str| image_build(toolchain, Board::NucleoG474Re, feature);
+    report.step("image of the NUCLEO-G474RE cannot panic", || {
+        panic_free::links(&mut build("prove-panic-free")?)
+    });
+    report.step("the same with a panic on purpose is refused", || {
+        panic_free::canary_is_refused(&mut build("panic-canary")?)
+    });
+    report.step("stack of the image of the NUCLEO-G474RE, proved", || {
+        process::run(&mut build("")?, BUILD_DEADLINE)?;
+        let elf = Elf::read(&arm::image_of(Board::NucleoG474Re))?;
+        let stack = image::Stack::of(&elf, &Code::of(&elf)?)?;
+        println!("{}", stack.table());
+        findings.judge(&[stack.gate("image of the NUCLEO-G474RE")])
+    });
+}
+
+/// The image of the emulated board: the same, its stack painted as well, and its size.
 fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Findings) {
-    let build = |feature: &str| {
-        let mut build = needed(&toolchain, TOOLS)?.cargo("build");
-        build.args(["--package", "firmware", "--no-default-features"]);
-        build.args(["--features", Board::Mps2An386.feature()]);
-        build.args(["--features", feature]);
-        Ok::<_, Failure>(build)
-    };
+    let build = |feature: &str| image_build(toolchain, Board::Mps2An386, feature);
     report.step("image cannot panic", || {
         panic_free::links(&mut build("prove-panic-free")?)
     });
@@ -126,7 +142,7 @@ fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Find
     // Last, so that this one is what lies in the folder afterwards.
     let image = report.step(IMAGE, || {
         process::run(&mut build("")?, BUILD_DEADLINE)?;
-        let elf = Elf::read(&built("firmware"))?;
+        let elf = Elf::read(&arm::image_of(Board::Mps2An386))?;
         let code = Code::of(&elf)?;
         Ok((elf, code))
     });
@@ -138,7 +154,7 @@ fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Find
         let (elf, code) = needed(&image, IMAGE)?;
         let stack = image::Stack::of(elf, code)?;
         println!("{}", stack.table());
-        findings.judge(&[stack.gate()])?;
+        findings.judge(&[stack.gate("image")])?;
         Ok(stack)
     });
     report.step("stack of the image, painted", || {
@@ -154,6 +170,17 @@ fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Find
         println!("{}", sizes::table(&sizes));
         findings.judge(&sizes::gates(&sizes))
     });
+}
+
+/// Builds the image of a board with this feature.
+fn image_build(
+    toolchain: Option<&Toolchain>,
+    board: Board,
+    feature: &str,
+) -> Result<Command, Failure> {
+    let mut build = arm::for_board(needed(&toolchain, TOOLS)?, "build", board);
+    build.args(["--features", feature]);
+    Ok(build)
 }
 
 /// Where a program for the ECU lies once it is built.

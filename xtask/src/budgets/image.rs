@@ -51,8 +51,9 @@ impl Stack {
         self.parts.iter().map(|part| part.bytes).sum()
     }
 
-    pub(crate) fn gate(&self) -> Gate {
-        Gate::at_most("image: stack proved [bytes]", self.bound(), self.reserved)
+    pub(crate) fn gate(&self, image: &str) -> Gate {
+        let what = format!("{image}: stack proved [bytes]");
+        Gate::at_most(&what, self.bound(), self.reserved)
     }
 
     /// Painted stack against proved: what a run wrote.
@@ -104,7 +105,7 @@ fn parts(code: &Code, vectors: &[u32]) -> Result<Vec<Part>, Unbounded> {
         };
         let function = code.function(entry);
         let name = function.map_or_else(|| code.place(entry), |function| function.name.clone());
-        let bytes = frame + search.function(entry)?;
+        let bytes = frame + search.bytes(entry)?;
         let calls = search.deepest_calls(entry);
         parts.push(Part { name, bytes, calls });
     }
@@ -174,8 +175,8 @@ mod tests {
             reserved,
         };
         let exceeded = |gate| crate::budgets::gate::exceeded(&[gate]).len();
-        assert_eq!(exceeded(stack(156).gate()), 0);
-        assert_eq!(exceeded(stack(155).gate()), 1);
+        assert_eq!(exceeded(stack(156).gate("image")), 0);
+        assert_eq!(exceeded(stack(155).gate("image")), 1);
         assert_eq!(exceeded(stack(156).painted(156)), 0);
         assert_eq!(exceeded(stack(156).painted(157)), 1);
     }

@@ -5,92 +5,55 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::call_search::{CallSearch, Found};
 use super::code::Code;
 use super::instruction::Flow;
 use super::unbounded::Unbounded;
 
 /// The longest path from a function's entry to its return, callees included.
 pub(crate) fn longest_path(code: &Code, entry: u32) -> Result<u32, Unbounded> {
-    Search {
-        code,
-        callers: Vec::new(),
-        functions: HashMap::new(),
-    }
-    .function(entry & !1)
+    let Instructions(longest) = CallSearch::new(code).function(entry & !1)?;
+    Ok(longest)
 }
 
-struct Search<'a> {
-    code: &'a Code,
-    /// The functions whose calls lead here.
-    callers: Vec<u32>,
-    /// The longest path of each function so far.
-    functions: HashMap<u32, u32>,
-}
+/// Of a function's longest path.
+#[derive(Clone, Copy)]
+struct Instructions(u32);
 
-impl Search<'_> {
-    fn function(&mut self, entry: u32) -> Result<u32, Unbounded> {
-        if let Some(&longest) = self.functions.get(&entry) {
-            return Ok(longest);
-        }
-        if self.callers.contains(&entry) {
-            let at = self.code.place(entry);
-            return Err(Unbounded::Recursion { at });
-        }
-        self.callers.push(entry);
-        let longest = self.from(entry)?;
-        self.callers.pop();
-        self.functions.insert(entry, longest);
-        Ok(longest)
-    }
-
+impl Found for Instructions {
     /// Depth first, without recursion: an address stays on the way until the longest path behind it is known.
-    fn from(&mut self, entry: u32) -> Result<u32, Unbounded> {
+    fn in_body(search: &mut CallSearch<'_, Self>, entry: u32) -> Result<Self, Unbounded> {
+        let code = search.code;
         let mut longest: HashMap<u32, u32> = HashMap::new();
         let mut on_way = HashSet::new();
         let mut way = vec![entry];
         while let Some(&address) = way.last() {
-            if on_way.insert(address) {
-                self.check(address)?;
+            let flow = &search.instruction(address)?.flow;
+            if let Flow::Trap = flow {
+                let at = code.place(address);
+                return Err(Unbounded::Trap { at });
             }
-            let successors = self.code.successors(address);
+            on_way.insert(address);
+            let successors = code.successors(address);
             let unknown = successors.iter().find(|next| !longest.contains_key(next));
             if let Some(&next) = unknown {
                 if on_way.contains(&next) {
-                    let at = self.code.place(next);
+                    let at = code.place(next);
                     return Err(Unbounded::Loop { at });
                 }
                 way.push(next);
                 continue;
             }
             let behind = successors.iter().map(|next| longest[next]).max();
-            let callee = match self.code.at(address).map(|here| &here.flow) {
-                Some(&Flow::Call(target)) => self.function(target)?,
-                _ => 0,
+            let Self(callee) = match *flow {
+                Flow::Call(target) => search.function(target)?,
+                _ => Self(0),
             };
             longest.insert(address, 1 + callee + behind.unwrap_or(0));
             way.pop();
             on_way.remove(&address);
         }
-        Ok(longest[&entry])
-    }
-
-    /// Whether the instruction is one that a bounded path may have.
-    fn check(&self, address: u32) -> Result<(), Unbounded> {
-        let at = || self.code.place(address);
-        let Some(instruction) = self.code.at(address) else {
-            return Err(Unbounded::NoCode { at: at() });
-        };
-        if let Some(function) = self.code.panic_from(address) {
-            return Err(self.code.panics_at(address, function));
-        }
-        match instruction.flow {
-            Flow::Trap => Err(Unbounded::Trap { at: at() }),
-            Flow::IndirectCall | Flow::IndirectJump => Err(self.code.indirect_at(address)),
-            Flow::Table(_) if self.code.successors(address).is_empty() => {
-                Err(self.code.indirect_at(address))
-            }
-            _ => Ok(()),
-        }
+        Ok(Self(longest[&entry]))
     }
 }
 

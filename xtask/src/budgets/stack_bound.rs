@@ -4,6 +4,7 @@
 
 use std::collections::HashMap;
 
+use super::call_search::{CallSearch, Found};
 use super::code::Code;
 use super::instruction::{Flow, StackChange};
 use super::unbounded::Unbounded;
@@ -13,48 +14,34 @@ const DEEPEST: u32 = 1 << 20;
 
 /// The most bytes below the stack pointer of the caller.
 pub(crate) fn stack_bound(code: &Code, entry: u32) -> Result<u32, Unbounded> {
-    StackSearch::new(code).function(entry & !1)
+    StackSearch::new(code).bytes(entry & !1)
 }
 
-/// A search that remembers what it found, for an image with several entries.
-pub(crate) struct StackSearch<'a> {
-    code: &'a Code,
-    /// The functions whose calls lead here.
-    callers: Vec<u32>,
-    /// What each function needs, so far.
-    functions: HashMap<u32, Need>,
-}
+/// The search for what each function needs.
+pub(crate) type StackSearch<'a> = CallSearch<'a, Need>;
 
 /// What a call of a function means for its caller.
 #[derive(Clone, Copy)]
-struct Need {
+pub(crate) struct Need {
     bytes: u32,
     returns: bool,
     /// The callee that goes deepest, if one does.
     deepest: Option<u32>,
 }
 
-impl<'a> StackSearch<'a> {
-    pub(crate) fn new(code: &'a Code) -> Self {
-        Self {
-            code,
-            callers: Vec::new(),
-            functions: HashMap::new(),
-        }
-    }
-
+impl StackSearch<'_> {
     /// The most bytes that a call of this function needs.
-    pub(crate) fn function(&mut self, entry: u32) -> Result<u32, Unbounded> {
-        self.need(entry).map(|need| need.bytes)
+    pub(crate) fn bytes(&mut self, entry: u32) -> Result<u32, Unbounded> {
+        self.function(entry).map(|need| need.bytes)
     }
 
     /// The calls by which a function that has a bound reaches its deepest point, each with its own part of it.
     pub(crate) fn deepest_calls(&self, entry: u32) -> Vec<(String, u32)> {
         let mut calls = Vec::new();
         let mut next = Some(entry);
-        while let Some((at, need)) = next.and_then(|at| Some((at, self.functions.get(&at)?))) {
+        while let Some((at, need)) = next.and_then(|at| Some((at, self.known(at)?))) {
             next = need.deepest;
-            let below = next.and_then(|callee| self.functions.get(&callee));
+            let below = next.and_then(|callee| self.known(callee));
             let own = need.bytes - below.map_or(0, |callee| callee.bytes);
             let function = self.code.function(at);
             let name = function.map_or_else(|| self.code.place(at), |found| found.name.clone());
@@ -63,24 +50,24 @@ impl<'a> StackSearch<'a> {
         calls
     }
 
-    fn need(&mut self, entry: u32) -> Result<Need, Unbounded> {
-        if let Some(&need) = self.functions.get(&entry) {
-            return Ok(need);
+    fn depth_after(&self, address: u32, before: u32) -> Result<u32, Unbounded> {
+        match self.instruction(address)?.stack {
+            StackChange::None => Ok(before),
+            StackChange::Down(bytes) if before + bytes > DEEPEST => {
+                let at = self.code.place(address);
+                Err(Unbounded::StackGrows { at })
+            }
+            StackChange::Down(bytes) => Ok(before + bytes),
+            StackChange::Up(bytes) => Ok(before.saturating_sub(bytes)),
+            StackChange::Unknown => Err(self.code.stack_pointer_at(address)),
         }
-        if self.callers.contains(&entry) {
-            let at = self.code.place(entry);
-            return Err(Unbounded::Recursion { at });
-        }
-        self.callers.push(entry);
-        let need = self.follow(entry)?;
-        self.callers.pop();
-        self.functions.insert(entry, need);
-        Ok(need)
     }
+}
 
+impl Found for Need {
     /// Every address is visited again when a path reaches it deeper than any before.
-    fn follow(&mut self, entry: u32) -> Result<Need, Unbounded> {
-        let mut need = Need {
+    fn in_body(search: &mut StackSearch<'_>, entry: u32) -> Result<Self, Unbounded> {
+        let mut need = Self {
             bytes: 0,
             returns: false,
             deepest: None,
@@ -89,14 +76,14 @@ impl<'a> StackSearch<'a> {
         let mut open = vec![entry];
         while let Some(address) = open.pop() {
             let before = depths[&address];
-            let after = self.depth_after(address, before)?;
+            let after = search.depth_after(address, before)?;
             let mut depth = after;
             let mut callee = None;
             let mut goes_on = true;
-            let flow = self.code.at(address).map(|here| &here.flow);
+            let flow = search.code.at(address).map(|here| &here.flow);
             match flow {
                 Some(&Flow::Call(target)) => {
-                    let called = self.need(target)?;
+                    let called = search.function(target)?;
                     depth += called.bytes;
                     callee = Some(target);
                     goes_on = called.returns;
@@ -111,7 +98,7 @@ impl<'a> StackSearch<'a> {
             if !goes_on {
                 continue;
             }
-            for next in self.code.successors(address) {
+            for next in search.code.successors(address) {
                 if depths.get(&next).is_none_or(|&known| known < after) {
                     depths.insert(next, after);
                     open.push(next);
@@ -119,34 +106,6 @@ impl<'a> StackSearch<'a> {
             }
         }
         Ok(need)
-    }
-
-    fn depth_after(&self, address: u32, before: u32) -> Result<u32, Unbounded> {
-        let at = || self.code.place(address);
-        let Some(instruction) = self.code.at(address) else {
-            return Err(Unbounded::NoCode { at: at() });
-        };
-        if let Some(function) = self.code.panic_from(address) {
-            return Err(self.code.panics_at(address, function));
-        }
-        match instruction.flow {
-            Flow::IndirectCall | Flow::IndirectJump => {
-                return Err(self.code.indirect_at(address));
-            }
-            Flow::Table(_) if self.code.successors(address).is_empty() => {
-                return Err(self.code.indirect_at(address));
-            }
-            _ => {}
-        }
-        match instruction.stack {
-            StackChange::None => Ok(before),
-            StackChange::Down(bytes) if before + bytes > DEEPEST => {
-                Err(Unbounded::StackGrows { at: at() })
-            }
-            StackChange::Down(bytes) => Ok(before + bytes),
-            StackChange::Up(bytes) => Ok(before.saturating_sub(bytes)),
-            StackChange::Unknown => Err(self.code.stack_pointer_at(address)),
-        }
     }
 }
 
@@ -180,7 +139,7 @@ mod tests {
              30 h:\n 30: push {r7, lr}\n 32: bl 20 <g>\n 36: pop {r7, pc}\n",
         );
         let mut search = StackSearch::new(&code);
-        assert_eq!(search.function(0), Ok(8 + 8 + 16));
+        assert_eq!(search.bytes(0), Ok(8 + 8 + 16));
         let expected = [("f", 8), ("h", 8), ("g", 16)].map(|(name, own)| (name.to_owned(), own));
         assert_eq!(search.deepest_calls(0), expected);
     }

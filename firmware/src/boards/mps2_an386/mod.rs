@@ -28,6 +28,7 @@ use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
 
 use crate::build_number::build_number;
 use crate::handlers;
+use crate::kept;
 use crate::log;
 use converter::Converter;
 use firmware::Farewell;
@@ -35,8 +36,10 @@ use flash::Flash;
 use pins::Accident;
 use pwm::Pwm;
 
-pub(crate) use memory::retained;
 pub(crate) use timer::now_us;
+
+/// Of the black box in `board.x` \[bytes\].
+pub(crate) const BLACK_BOX_ROOM: usize = 28 * 1024;
 
 defmt::timestamp!("{=u32:us}", now_us());
 
@@ -87,7 +90,7 @@ impl Board for Mps2An386 {
     }
 
     fn retained(&self) -> Retained<'_> {
-        retained()
+        kept::retained()
     }
 
     fn now_us(&self) -> u32 {
@@ -187,8 +190,8 @@ fn main() -> ! {
     if self_test::is_wanted() {
         self_test::run();
     }
-    if let Some(black_box) = memory::black_box() {
-        let flash = Flash::start(!retained().is_warm());
+    if let Some(black_box) = kept::black_box() {
+        let flash = Flash::start(!kept::retained().is_warm());
         let mut image = Image::start(Mps2An386::new(), flash, black_box);
         while image.turn() == Life::GoesOn {}
     }

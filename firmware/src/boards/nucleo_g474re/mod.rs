@@ -4,9 +4,9 @@
 //! Section numbers are those of ST's reference manual RM0440.
 
 mod analog;
+mod clock;
 mod converter;
 mod flash;
-mod memory;
 mod start;
 mod timer;
 mod uart;
@@ -20,11 +20,14 @@ use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
 
 use crate::build_number::build_number;
 use crate::handlers;
+use crate::kept;
 use crate::log;
 
-pub(crate) use memory::retained;
 pub(crate) use start::coils_off;
 pub(crate) use timer::now_us;
+
+/// Of the black box in `board.x` \[bytes\].
+pub(crate) const BLACK_BOX_ROOM: usize = 23 * 1024;
 
 defmt::timestamp!("{=u32:us}", now_us());
 
@@ -55,7 +58,7 @@ impl Board for NucleoG474Re {
     }
 
     fn retained(&self) -> Retained<'_> {
-        retained()
+        kept::retained()
     }
 
     fn now_us(&self) -> u32 {
@@ -138,7 +141,7 @@ impl Board for NucleoG474Re {
 #[entry]
 fn main() -> ! {
     // None of the two can be taken twice in a life.
-    if let (Some((board, flash)), Some(black_box)) = (start::start(), memory::black_box()) {
+    if let (Some((board, flash)), Some(black_box)) = (start::start(), kept::black_box()) {
         let mut image = Image::start(board, flash, black_box);
         while image.turn() == Life::GoesOn {}
     }

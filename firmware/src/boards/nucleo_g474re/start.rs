@@ -6,29 +6,16 @@ use firmware::drivers::{Mcp3201, Valve};
 use stm32g4xx_hal::gpio::{AF6, Input, PA8, PA9, PC8};
 use stm32g4xx_hal::prelude::*;
 use stm32g4xx_hal::pwm::{ActiveHigh, C1, C2, ComplementaryDisabled, Pwm};
-use stm32g4xx_hal::pwr::{PwrExt, VoltageScale};
-use stm32g4xx_hal::rcc::{Config, PllConfig, PllMDiv, PllNMul, PllRDiv, PllSrc};
 use stm32g4xx_hal::spi::MODE_0;
 use stm32g4xx_hal::stm32::{Interrupt, Peripherals, RCC, TIM1};
 use stm32g4xx_hal::time::RateExtU32;
 
 use super::flash::Flash;
-use super::{NucleoG474Re, analog, converter, timer, uart};
+use super::{NucleoG474Re, analog, clock, converter, timer, uart};
 
 pub(super) type FillPwm = Pwm<TIM1, C1, ComplementaryDisabled, ActiveHigh, ActiveHigh>;
 pub(super) type VentPwm = Pwm<TIM1, C2, ComplementaryDisabled, ActiveHigh, ActiveHigh>;
 pub(super) type BenchJumper = PC8<Input>;
-
-/// 16 MHz of the internal oscillator, by 4, times 85, by 2. Within 1 % over temperature (data sheet DS12288, HSI16): the
-/// sample time may be as far off, and nothing waits for a crystal.
-const PLL: PllConfig = PllConfig {
-    mux: PllSrc::HSI,
-    m: PllMDiv::DIV_4,
-    n: PllNMul::MUL_85,
-    r: Some(PllRDiv::DIV_2),
-    p: None,
-    q: None,
-};
 
 /// f_PWM.
 const PWM_HZ: u32 = 100;
@@ -42,13 +29,7 @@ pub(super) fn start() -> Option<(NucleoG474Re, Flash)> {
     let device = Peripherals::take()?;
     let reset_cause = reset_cause(&device.RCC);
 
-    let power = device
-        .PWR
-        .constrain()
-        .vos(VoltageScale::Range1 { enable_boost: true })
-        .freeze();
-    let clocks = Config::pll().pll_cfg(PLL);
-    let mut rcc = device.RCC.freeze(clocks, power);
+    let mut rcc = clock::start(device.RCC, &device.PWR, &device.FLASH);
     timer::start_clock(device.TIM2, &mut rcc);
 
     let port_a = device.GPIOA.split(&mut rcc);

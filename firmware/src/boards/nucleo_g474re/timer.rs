@@ -6,8 +6,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use stm32g4xx_hal::rcc::{Enable, Rcc};
 use stm32g4xx_hal::stm32::{TIM1, TIM2, interrupt};
 
-/// What counts timer 1: the clock of the processor.
-const CLOCK_HZ: u32 = 170_000_000;
+use super::clock;
 
 static TICKS: AtomicU32 = AtomicU32::new(0);
 
@@ -43,7 +42,7 @@ pub(super) fn since_tick_us() -> u32 {
     let timer = unsafe { &*TIM1::ptr() };
     let clocks_per_count = u32::from(timer.psc().read().psc().bits()).wrapping_add(1);
     let counts = u32::from(timer.cnt().read().cnt().bits());
-    counts.wrapping_mul(clocks_per_count) / (CLOCK_HZ / 1_000_000)
+    counts.wrapping_mul(clocks_per_count) / (clock::HZ / 1_000_000)
 }
 
 /// Ticks since the last call.
