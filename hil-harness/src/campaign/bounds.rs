@@ -75,6 +75,12 @@ pub const SETTLING: u32 = 7;
 pub const BUMP_BAR: f64 = 0.9;
 /// The comeback is watched for so long after the ramp is over \[samples\]: T_req.
 pub const COMEBACK_SAMPLES: u32 = 50;
+/// A pressure that moves by no more than this in a sample rests \[bar\]: a difference of two samples with the bench's noise of 4 mbar
+/// rms stays within it in 999 of 1000.
+pub const REST_BAR: f64 = 0.02;
+/// The first duty cycle after a rest may be so much above the second \[%\]: a sixth of the 30 % from just open to fully open. What
+/// may still change, [`REST_BAR`] and a sample of the ramp, makes less than half of it with a derivative of 0.6 %/mbar.
+pub const KICK_PCT: f64 = 5.0;
 /// No filling so far above the reference \[bar\]: a derivative time of 16 ms at 75 bar/s looks ahead 1.2 bar, the prediction 0.7.
 pub const ABOVE_REFERENCE_BAR: f64 = 2.0;
 /// A step of the reference is more than this in a sample \[bar\]; a ramp of the fastest drive is less.

@@ -11,6 +11,7 @@ mod condition;
 mod memory;
 mod on_the_way;
 mod permission;
+mod takeover;
 mod way;
 
 use core::fmt;
@@ -25,6 +26,7 @@ use crate::wire::{Actuators, Sensors, measured_bar};
 use condition::Conditions;
 use memory::Memory;
 use permission::Permission;
+use takeover::Takeover;
 
 /// One sample as it is seen from outside.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +86,8 @@ pub enum Promise {
     EmptyInTime,
     /// The pressure comes back on the ramp, without a bump.
     NoBump,
+    /// The first duty cycle after both valves were shut is no larger than the next, where nothing has changed in between.
+    NoKick,
     /// A fault that came back too often, or damaged memory, locks.
     StaysLocked,
     /// The loop comes back by itself from a fault that the table lets pass.
@@ -130,6 +134,7 @@ pub struct Oracle {
     memory: Memory,
     conditions: Conditions,
     permission: Permission,
+    takeover: Takeover,
     violations: Vec<Violation>,
 }
 
@@ -143,6 +148,7 @@ impl Oracle {
             memory: Memory::new(),
             conditions: Conditions::new(&scenario.supervision),
             permission: Permission::new(injection.class.is_plain()),
+            takeover: Takeover::default(),
             violations: Vec::new(),
         }
     }
@@ -152,13 +158,16 @@ impl Oracle {
         if seen.is_first {
             self.conditions.forget();
             self.memory.forget();
+            self.takeover = Takeover::default();
         }
         self.conditions.look(seen, &self.memory);
         self.permission.look(seen, &self.conditions);
+        self.takeover.look(seen, &self.memory, &self.conditions);
         let broken = always::broken(seen, self)
             .into_iter()
             .chain(permission::broken(seen, self))
             .chain(on_the_way::broken(seen, self))
+            .chain([self.takeover.broken(seen)])
             .chain(self.liveness(seen));
         let broken: Vec<(Promise, String)> = broken.flatten().collect();
         for (promise, evidence) in broken {

@@ -107,7 +107,7 @@ impl Permission {
         if self.zero_for >= bounds::ZERO_N {
             self.needs_zero = false;
         }
-        self.come_back(seen);
+        self.come_back(seen, conditions);
     }
 
     fn answer(&mut self, seen: &Seen, conditions: &Conditions) {
@@ -147,8 +147,10 @@ impl Permission {
         }
     }
 
-    fn come_back(&mut self, seen: &Seen) {
-        let comeback = self.comeback.filter(|_| !self.needs_zero);
+    /// Watched until it is over, or the next thing is wrong: before that is confirmed valves may move as they like.
+    fn come_back(&mut self, seen: &Seen, conditions: &Conditions) {
+        let is_watched = !self.needs_zero && conditions.is_calm();
+        let comeback = self.comeback.filter(|_| is_watched);
         self.comeback = comeback.and_then(|comeback| comeback.go_on(seen.reference_bar));
     }
 }

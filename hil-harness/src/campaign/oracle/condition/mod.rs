@@ -172,6 +172,11 @@ impl Conditions {
         self.past.doubt.is_present()
     }
 
+    /// Whether this sample shows nothing wrong.
+    pub(super) fn is_calm(&self) -> bool {
+        self.past.calm_for > 0
+    }
+
     /// Those that had to be answered and are not gone.
     pub(super) fn answered(&self) -> impl Iterator<Item = &Watch> {
         self.past.watches.iter().filter(|watch| watch.is_answered())
