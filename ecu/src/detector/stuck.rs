@@ -148,4 +148,22 @@ mod tests {
         assert!(is_stuck_after(VENTED, not_empty, 50));
         assert!(!is_stuck_after(VENTED, not_empty - 1, 200));
     }
+
+    #[test]
+    fn at_its_bound_a_pressure_leaves_nothing_to_move_and_a_unit_inside_it_does() {
+        let limits = bench_limits();
+        for (opening, bound, inside) in [
+            (FILLED, limits.supply_min, limits.supply_min - 1),
+            (VENTED, ROOM_TO_FALL, ROOM_TO_FALL + 1),
+        ] {
+            for (bits, expected) in [(bound, false), (inside, true)] {
+                let mut detector = StuckDetector::NEW;
+                for _ in 0..51 {
+                    detector.sample(&limits, opening, code(1000), Pressure::from_bits(bits));
+                }
+                let is_stuck = !detector.faults(&limits).is_empty();
+                assert_eq!(is_stuck, expected, "{bits}");
+            }
+        }
+    }
 }
