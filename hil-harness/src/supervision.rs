@@ -42,8 +42,10 @@ pub fn supervision(plant: &PlantParameters) -> Supervision {
 /// What the vent valve of `plant` does without current.
 pub fn vent_valve(plant: &PlantParameters) -> VentValve {
     match plant.functions[VENT] {
-        ValveFunction::NormallyClosed => VentValve::NormallyClosed,
-        ValveFunction::NormallyOpen => VentValve::NormallyOpen,
+        ValveFunction::NormallyOpen | ValveFunction::AlwaysOpen => VentValve::NormallyOpen,
+        ValveFunction::NormallyClosed | ValveFunction::Blocked | ValveFunction::Absent => {
+            VentValve::NormallyClosed
+        }
     }
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct Commands {
     pub(crate) times_s: Vec<f64>,
     /// Duty cycles of fill and vent valve [%].
     pub(crate) duty_pct: [Vec<f64>; 2],
-    /// Duty cycle that leaves each valve shut [%].
+    /// Duty cycle that leaves each valve shut [%]; NaN for an orifice that nothing shuts.
     shut_pct: [f64; 2],
     /// Time from a command to its effect [s].
     delay_s: f64,
@@ -28,7 +28,7 @@ pub(crate) struct Commands {
 
 impl Commands {
     pub(crate) fn new(parameters: &PlantParameters, log: &Recording) -> Result<Self, ReplayError> {
-        let (base, inputs) = inputs(log)?;
+        let (base, inputs) = inputs(parameters, log)?;
         let start_s = base.start_s();
         let mut last = plant_sim::Command::default();
         let mut duty_pct = [
@@ -48,8 +48,11 @@ impl Commands {
                 .collect(),
             duty_pct,
             shut_pct: parameters.functions.map(|function| match function {
-                ValveFunction::NormallyClosed => 0.0,
+                ValveFunction::NormallyClosed | ValveFunction::Blocked | ValveFunction::Absent => {
+                    0.0
+                }
                 ValveFunction::NormallyOpen => 100.0,
+                ValveFunction::AlwaysOpen => f64::NAN,
             }),
             delay_s: parameters.ecu.command_delay_s,
             pwm_period_s: 1.0 / parameters.ecu.pwm_frequency_hz,

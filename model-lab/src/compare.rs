@@ -37,7 +37,7 @@ pub fn compare(
     options.check()?;
     let commands = Commands::new(parameters, log)?;
     let mut setup = Setup::new(parameters, log, options.tolerance)?;
-    let (measured, not_compared) = measured_signals(parameters, log, &commands)?;
+    let (measured, not_compared) = measured_signals(parameters, (log, setup.base), &commands)?;
     options.check_tolerances(&measured)?;
 
     let pressure = measured.iter().find(|signal| signal.name == PRESSURE);

@@ -3,8 +3,8 @@
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
-use plant_sim::replay::{PLUNGER_SIGNAL, ROW_SIGNALS};
-use recording::{Recording, Unit};
+use plant_sim::replay::signals;
+use recording::{Recording, TimeBase, Unit};
 
 use crate::commands::{Commands, DUTIES};
 use crate::error::CompareError;
@@ -47,22 +47,12 @@ impl Measured {
 /// Every signal of the log that the model has, and those which have the name but cannot be compared.
 pub(crate) fn measured_signals(
     parameters: &PlantParameters,
-    log: &Recording,
+    (log, base): (&Recording, &TimeBase),
     commands: &Commands,
 ) -> Result<(Vec<Measured>, Vec<NotCompared>), CompareError> {
-    let plunger = parameters
-        .regulating_valve
-        .is_some()
-        .then_some(PLUNGER_SIGNAL);
-    let modelled: Vec<(&'static str, Unit)> = ROW_SIGNALS
-        .into_iter()
-        .chain(plunger)
+    let modelled: Vec<(&'static str, Unit)> = signals(parameters)
         .filter(|(name, _)| !INPUTS.contains(name))
         .collect();
-    let base_of_commands = DUTIES
-        .into_iter()
-        .find_map(|name| log.signal(name))
-        .map(|signal| signal.time_base());
     let mut measured = Vec::new();
     let mut not_compared = Vec::new();
     for &(name, unit) in &modelled {
@@ -76,8 +66,8 @@ pub(crate) fn measured_signals(
                 reason: reason.to_owned(),
             })
         };
-        if Some(signal.time_base()) != base_of_commands {
-            refuse("it has another time base than the duty cycles; resample it to theirs");
+        if log.time_base(signal.time_base()) != Some(base) {
+            refuse("it has another time base than what drives the model; resample it to that");
             continue;
         }
         if signal.missing_count() == signal.len() {
@@ -120,6 +110,28 @@ pub(crate) fn measured_signals(
     Ok((measured, not_compared))
 }
 
+/// What the values show at the first instant: their mean, or where they drift by more than noise [sigma], the line
+/// through them.
+fn first_level((times_s, values): (&[f64], &[f64]), sigma: f64) -> Option<f64> {
+    let mean_value = mean(values)?;
+    let shown = || {
+        let pairs = times_s.iter().zip(values);
+        pairs.filter(|(_, value)| !value.is_nan())
+    };
+    let n = shown().count() as f64;
+    let mean_s = shown().map(|(time_s, _)| time_s).sum::<f64>() / n;
+    let (tt, ty) = shown().fold((0.0, 0.0), |(tt, ty), (time_s, value)| {
+        let t = time_s - mean_s;
+        (tt + t * t, ty + t * (value - mean_value))
+    });
+    let drifts = sigma > 0.0 && ty.abs() > REST_SIGMAS * sigma * tt.sqrt();
+    Some(if drifts {
+        mean_value + ty / tt * (times_s[0] - mean_s)
+    } else {
+        mean_value
+    })
+}
+
 /// Where the model begins: at rest, or at the measured pressure [Pa abs] if that is away from ambient.
 pub(crate) fn start(
     parameters: &PlantParameters,
@@ -143,8 +155,10 @@ pub(crate) fn start(
     let soon = commands
         .times_s
         .partition_point(|&time_s| time_s <= START_S);
-    let still = &pressure.values[..commands.rows_before_first_action().clamp(1, soon)];
-    let Some(initial_bar) = mean(still).or_else(|| present(&pressure.values).next()) else {
+    let rows = commands.rows_before_first_action().clamp(1, soon);
+    let still = (&commands.times_s[..rows], &pressure.values[..rows]);
+    let level = first_level(still, pressure.floor.sigma);
+    let Some(initial_bar) = level.or_else(|| present(&pressure.values).next()) else {
         return at_rest("from rest: every sample of the chamber pressure is missing".to_owned());
     };
     let close_bar = REST_BAR.max(REST_SIGMAS * pressure.floor.sigma);

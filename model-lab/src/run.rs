@@ -3,10 +3,12 @@
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{
-    CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, inputs,
+    CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, inputs,
 };
 use plant_sim::{PlantParameters, Simulator, Tolerance};
 use recording::{AddSignalError, Provenance, Recording, TimeBase, Unit};
+
+use crate::metrics::present;
 
 /// Within a sample interval the valves are looked at this often [ns].
 const LOOK_NS: u64 = 1_000_000;
@@ -45,7 +47,7 @@ impl<'a> Setup<'a> {
         log: &'a Recording,
         tolerance: Tolerance,
     ) -> Result<Self, ReplayError> {
-        let (base, inputs) = inputs(log)?;
+        let (base, inputs) = inputs(parameters, log)?;
         let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
         let sampling = CurrentSampling::of_interval(interval_s, parameters);
         Ok(Self {
@@ -144,19 +146,14 @@ impl<'a> Setup<'a> {
 
 impl Columns {
     fn with_capacity(setup: &Setup) -> Self {
-        let plunger = setup
-            .parameters
-            .regulating_valve
-            .is_some()
-            .then_some(PLUNGER_SIGNAL);
         let column = |(name, unit)| (name, unit, Vec::with_capacity(setup.inputs.len()));
         Self {
-            signals: ROW_SIGNALS.into_iter().chain(plunger).map(column).collect(),
+            signals: ROW_SIGNALS.into_iter().map(column).collect(),
         }
     }
 
-    fn push(&mut self, (row, plunger): (Row, Option<f64>)) {
-        for ((_, _, column), value) in self.signals.iter_mut().zip(row.into_iter().chain(plunger)) {
+    fn push(&mut self, row: Row) {
+        for ((_, _, column), value) in self.signals.iter_mut().zip(row) {
             column.push(value);
         }
     }
@@ -169,7 +166,7 @@ impl Columns {
             .map(|signal| &signal.2[..])
     }
 
-    /// The columns as a recording on `base`.
+    /// The columns as a recording on `base`, but for those of parts that the plant has not.
     pub(crate) fn into_recording(
         self,
         source: String,
@@ -180,7 +177,9 @@ impl Columns {
         let mut recording = Recording::new(provenance);
         let id = recording.add_time_base(base.clone());
         for (name, unit, column) in self.signals {
-            recording.add_signal(name, unit, id, column)?;
+            if present(&column).next().is_some() {
+                recording.add_signal(name, unit, id, column)?;
+            }
         }
         Ok(recording)
     }

@@ -4,11 +4,11 @@
 //! and the sensor values sampled just then. Coil currents are means over the interval that ends there when
 //! rows are slower than the PWM (an ECU log), and values of the instant when they are faster (a scope).
 
-use recording::{AddSignalError, Provenance, Quantity, Recording, TimeBase, Unit};
+use recording::{AddSignalError, Provenance, Quantity, Recording, Signal, TimeBase, Unit};
 use recording::{ConversionError, MissingSignal};
 
 use crate::ecu_output::Command;
-use crate::parameters::PlantParameters;
+use crate::parameters::{Part, PlantParameters};
 use crate::plant::{FILL, VENT};
 use crate::regulating_valve::RegulatingValve;
 use crate::simulator::{Sample, Simulator, Statistics, Tolerance};
@@ -44,11 +44,12 @@ impl CurrentSampling {
     }
 }
 
-/// One row of a simulated recording, in the order and the units of [`ROW_SIGNALS`].
+/// One row of a simulated recording, in the order and the units of [`ROW_SIGNALS`]; NaN where the plant leaves out
+/// what has the signal.
 pub type Row = [f64; ROW_SIGNALS.len()];
 
 /// Names and units of a simulated row.
-pub const ROW_SIGNALS: [(&str, Unit); 8] = [
+pub const ROW_SIGNALS: [(&str, Unit); 10] = [
     ("duty_fill", Unit::Percent),
     ("duty_vent", Unit::Percent),
     ("p_ch", Unit::BarGauge),
@@ -57,10 +58,29 @@ pub const ROW_SIGNALS: [(&str, Unit); 8] = [
     ("u_bat", Unit::Volt),
     ("x_fill", Unit::Millimetre),
     ("x_vent", Unit::Millimetre),
+    ("x_plunger", Unit::Millimetre),
+    ("t_gas", Unit::Kelvin),
 ];
 
-/// Name and unit of the plunger's position, which joins the row where the plant has a regulating valve.
-pub const PLUNGER_SIGNAL: (&str, Unit) = ("x_plunger", Unit::Millimetre);
+/// The signals that a plant has: those of its parts.
+pub fn signals(parameters: &PlantParameters) -> impl Iterator<Item = (&'static str, Unit)> {
+    ROW_SIGNALS
+        .into_iter()
+        .filter(|(name, _)| has_signal(parameters, name))
+}
+
+fn has_signal(parameters: &PlantParameters, name: &str) -> bool {
+    let [fill, vent] = parameters.functions;
+    match name {
+        "duty_fill" | "i_fill" => fill.has_coil(),
+        "duty_vent" | "i_vent" => vent.has_coil(),
+        "x_fill" => fill.has_armature(),
+        "x_vent" => vent.has_armature(),
+        "u_bat" => Part::Coil.is_in(parameters),
+        "x_plunger" => parameters.regulating_valve.is_some(),
+        _ => Part::Chamber.is_in(parameters),
+    }
+}
 
 /// Replays a log row by row in constant memory.
 #[derive(Debug, Clone)]
@@ -69,6 +89,7 @@ pub struct Replay {
     regulating_valve: Option<RegulatingValve>,
     sampling: CurrentSampling,
     ambient_pressure: f64,
+    has_coil: bool,
     command: Command,
     supply_voltage_v: f64,
     last: Option<Sample>,
@@ -89,6 +110,7 @@ impl Replay {
                 .map(RegulatingValve::new),
             sampling,
             ambient_pressure: parameters.gas.ambient_pressure_pa,
+            has_coil: Part::Coil.is_in(parameters),
             command: Command::default(),
             supply_voltage_v: parameters.ecu.supply_voltage_v,
             last: None,
@@ -100,9 +122,8 @@ impl Replay {
         &mut self.simulator
     }
 
-    /// Advances to the instant of `input`, samples, then hands over the command. The plunger's position (mm)
-    /// comes along where there is a regulating valve.
-    pub fn row(&mut self, input: ReplayInput) -> (Row, Option<f64>) {
+    /// Advances to the instant of `input`, samples, then hands over the command.
+    pub fn row(&mut self, input: ReplayInput) -> Row {
         self.simulator.advance_to_ns(input.time_ns);
         let sample = self.simulator.sample();
         let plunger = self.advance_plunger(&sample);
@@ -116,12 +137,14 @@ impl Replay {
         if let Some(command) = input.command {
             self.command = command;
         }
-        self.simulator.command(self.command);
+        if self.has_coil {
+            self.simulator.command(self.command);
+        }
         let current = match self.sampling {
             CurrentSampling::MeanOfInterval => sample.mean_current,
             CurrentSampling::Instant => sample.current,
         };
-        let row = [
+        [
             self.command.duty_fill_pct,
             self.command.duty_vent_pct,
             (sample.measured_pressure - self.ambient_pressure) / crate::parameters::PA_PER_BAR,
@@ -130,8 +153,9 @@ impl Replay {
             self.supply_voltage_v,
             sample.position[FILL] * 1e3,
             sample.position[VENT] * 1e3,
-        ];
-        (row, plunger)
+            plunger.unwrap_or(f64::NAN),
+            sample.temperature,
+        ]
     }
 
     fn advance_plunger(&mut self, sample: &Sample) -> Option<f64> {
@@ -164,7 +188,7 @@ pub struct Replayed {
 }
 
 /// Replays a whole log: `duty_fill` and `duty_vent` (either may be absent and is then 0 %), and `u_bat`
-/// where it was logged. `correct` sees the simulator after each row and may move its pressure, as a predictor
+/// where it was logged; a plant without coils needs neither. `correct` sees the simulator after each row and may move its pressure, as a predictor
 /// does; pass `|_, _| {}` for a free run.
 ///
 /// # Errors
@@ -175,21 +199,21 @@ pub fn replay(
     tolerance: Tolerance,
     mut correct: impl FnMut(usize, &mut Simulator),
 ) -> Result<Replayed, ReplayError> {
-    let (base, inputs) = inputs(log)?;
+    let (base, inputs) = inputs(parameters, log)?;
     let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
     let sampling = CurrentSampling::of_interval(interval_s, parameters);
     let mut replay = Replay::new(parameters, sampling, tolerance);
+    if let Some(pressure) = initial_pressure(parameters, log)? {
+        replay.simulator.set_chamber_pressure(pressure);
+    }
     let mut columns: [Vec<f64>; ROW_SIGNALS.len()] =
         core::array::from_fn(|_| Vec::with_capacity(inputs.len()));
-    let mut plunger_column = Vec::new();
     let mut held_commands = 0;
     for (index, &input) in inputs.iter().enumerate() {
         held_commands += usize::from(input.command.is_none());
-        let (row, plunger) = replay.row(input);
-        for (column, value) in columns.iter_mut().zip(row) {
+        for (column, value) in columns.iter_mut().zip(replay.row(input)) {
             column.push(value);
         }
-        plunger_column.extend(plunger);
         correct(index, replay.simulator());
     }
     let provenance = Provenance::from_source(format!("model of {}", log.provenance().source))
@@ -197,10 +221,9 @@ pub fn replay(
     let mut recording = Recording::new(provenance);
     let id = recording.add_time_base(base.clone());
     for ((name, unit), column) in ROW_SIGNALS.into_iter().zip(columns) {
-        recording.add_signal(name, unit, id, column)?;
-    }
-    if parameters.regulating_valve.is_some() {
-        recording.add_signal(PLUNGER_SIGNAL.0, PLUNGER_SIGNAL.1, id, plunger_column)?;
+        if has_signal(parameters, name) {
+            recording.add_signal(name, unit, id, column)?;
+        }
     }
     Ok(Replayed {
         recording,
@@ -214,17 +237,20 @@ pub fn replay(
 /// would take for ever.
 pub const LONGEST_GAP_S: f64 = 3600.0;
 
-/// The commands of a log, with the time base that they share.
+/// Names of the commands, fill and vent.
+const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
+
+/// The commands of a log to a plant, with the time base that they share. A plant without coils is not commanded: the
+/// time base is that of the first signal that it has.
 ///
 /// # Errors
-/// No duty cycle, one of another kind, signals that were not sampled together, or a gap of more than
-/// [`LONGEST_GAP_S`].
-pub fn inputs(log: &Recording) -> Result<(&TimeBase, Vec<ReplayInput>), ReplayError> {
-    let duties = ["duty_fill", "duty_vent"];
-    let present = duties.into_iter().find(|name| log.signal(name).is_some());
-    // The error of `require` lists what there is instead.
-    let first = log.require(present.unwrap_or(duties[FILL]), Quantity::DutyCycle)?;
-    let id = first.time_base();
+/// No duty cycle for a plant with coils, one of another kind, a duty cycle for a coil that the plant has not, signals
+/// that were not sampled together, or a gap of more than [`LONGEST_GAP_S`].
+pub fn inputs<'a>(
+    parameters: &PlantParameters,
+    log: &'a Recording,
+) -> Result<(&'a TimeBase, Vec<ReplayInput>), ReplayError> {
+    let id = driving_signal(parameters, log)?.time_base();
     let base = log.time_base(id).ok_or(ReplayError::NoTimeBase)?;
     for pair in base.times_s().windows(2) {
         check_gap(pair[0], pair[1])?;
@@ -239,8 +265,15 @@ pub fn inputs(log: &Recording) -> Result<(&TimeBase, Vec<ReplayInput>), ReplayEr
         }
         Ok(Some(signal.values_in(unit)?))
     };
-    let fill = column(duties[FILL], Quantity::DutyCycle, Unit::Percent)?;
-    let vent = column(duties[VENT], Quantity::DutyCycle, Unit::Percent)?;
+    let duty = |valve: usize| column(DUTIES[valve], Quantity::DutyCycle, Unit::Percent);
+    let (fill, vent) = (duty(FILL)?, duty(VENT)?);
+    for (valve, duty) in [&fill, &vent].into_iter().enumerate() {
+        let acts = || duty.iter().flatten().any(|duty| *duty > 0.0);
+        if !parameters.functions[valve].has_coil() && acts() {
+            let name = DUTIES[valve];
+            return Err(ReplayError::NoCoil { name });
+        }
+    }
     let supply = column("u_bat", Quantity::Voltage, Unit::Volt)?;
     let at = |column: &Option<Vec<f64>>, index: usize| column.as_ref().map_or(0.0, |c| c[index]);
     let start_s = base.start_s();
@@ -260,6 +293,44 @@ pub fn inputs(log: &Recording) -> Result<(&TimeBase, Vec<ReplayInput>), ReplayEr
         }
     });
     Ok((base, inputs.collect()))
+}
+
+/// The chamber pressure (Pa abs) to begin with, where the log alone tells it: the first one of a plant without coils,
+/// which nothing can have filled. None where the plant begins at rest.
+///
+/// # Errors
+/// `p_ch` is no pressure.
+pub fn initial_pressure(
+    parameters: &PlantParameters,
+    log: &Recording,
+) -> Result<Option<f64>, ReplayError> {
+    let has_one = Part::Chamber.is_in(parameters) && log.signal("p_ch").is_some();
+    if Part::Coil.is_in(parameters) || !has_one {
+        return Ok(None);
+    }
+    let signal = log.require("p_ch", Quantity::Pressure)?;
+    let ambient = parameters.gas.ambient_pressure_pa;
+    let values = signal.values_at_ambient(Unit::PascalAbsolute, ambient)?;
+    Ok(values
+        .into_iter()
+        .find(|value| value.is_finite() && *value > 0.0))
+}
+
+/// The signal whose instants are those of the replay.
+fn driving_signal<'a>(
+    parameters: &PlantParameters,
+    log: &'a Recording,
+) -> Result<&'a Signal, ReplayError> {
+    if Part::Coil.is_in(parameters) {
+        let present = DUTIES.into_iter().find(|name| log.signal(name).is_some());
+        // The error of `require` lists what there is instead.
+        return Ok(log.require(present.unwrap_or(DUTIES[FILL]), Quantity::DutyCycle)?);
+    }
+    let logged = signals(parameters).find_map(|(name, _)| log.signal(name));
+    match logged {
+        Some(signal) => Ok(signal),
+        None => Ok(log.require("p_ch", Quantity::Pressure)?),
+    }
 }
 
 /// Whether the time from one row to the next can be replayed.
@@ -298,6 +369,14 @@ pub enum ReplayError {
         after_s: f64,
         /// Length of the gap (s).
         gap_s: f64,
+    },
+    /// The log commands what is not there.
+    #[error(
+        "the log has a command `{name}` above 0 %, but the plant has no such coil: take a plant file with the valve, or leave out the column"
+    )]
+    NoCoil {
+        /// The signal.
+        name: &'static str,
     },
     /// The commands have no time base.
     #[error("the duty cycles have no time base")]

@@ -5,13 +5,36 @@ use crate::coil::{Coil, Drive, RestingCurrent};
 use crate::magnet::Magnet;
 use crate::orifice::{Limit, Orifice};
 
-/// What the valve does without current (section 2.3).
+/// What the valve does without current (section 2.3), or what a rig has in its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ValveFunction {
     /// Closed without current; the armature's travel is the lift.
     NormallyClosed,
     /// Open without current; the armature's travel closes the orifice.
     NormallyOpen,
+    /// An orifice that nothing closes: no coil, no armature.
+    AlwaysOpen,
+    /// A coil whose armature is held at its rest stop: no air flows.
+    Blocked,
+    /// Neither valve nor orifice.
+    Absent,
+}
+
+impl ValveFunction {
+    /// Whether there is a coil to command.
+    pub fn has_coil(self) -> bool {
+        self.has_armature() || self == Self::Blocked
+    }
+
+    /// Whether there is an armature that may move.
+    pub fn has_armature(self) -> bool {
+        matches!(self, Self::NormallyClosed | Self::NormallyOpen)
+    }
+
+    /// Whether air may flow.
+    pub fn has_orifice(self) -> bool {
+        self.has_armature() || self == Self::AlwaysOpen
+    }
 }
 
 /// A valve's physics.
@@ -81,8 +104,8 @@ impl Valve {
     #[inline]
     pub fn lift(&self, x: f64) -> f64 {
         match self.function {
-            ValveFunction::NormallyClosed => x,
-            ValveFunction::NormallyOpen => self.armature.stroke - x,
+            ValveFunction::NormallyOpen | ValveFunction::AlwaysOpen => self.armature.stroke - x,
+            _ => x,
         }
     }
 
@@ -118,10 +141,14 @@ impl Valve {
         let stroke = self.armature.stroke;
         let saturation = self.orifice.saturation_lift().min(stroke);
         match (self.function, limit) {
-            (ValveFunction::NormallyClosed, Limit::Curtain) => [0.0, saturation],
-            (ValveFunction::NormallyClosed, Limit::Bore) => [saturation, stroke],
-            (ValveFunction::NormallyOpen, Limit::Curtain) => [stroke - saturation, stroke],
-            (ValveFunction::NormallyOpen, Limit::Bore) => [0.0, stroke - saturation],
+            (ValveFunction::NormallyOpen | ValveFunction::AlwaysOpen, Limit::Curtain) => {
+                [stroke - saturation, stroke]
+            }
+            (ValveFunction::NormallyOpen | ValveFunction::AlwaysOpen, Limit::Bore) => {
+                [0.0, stroke - saturation]
+            }
+            (_, Limit::Curtain) => [0.0, saturation],
+            (_, Limit::Bore) => [saturation, stroke],
         }
     }
 

@@ -18,6 +18,7 @@ use hil_harness::signals;
 use hil_protocol::MEASURED_MAX;
 use model_lab::CompareError;
 use plant_sim::ParameterError;
+use plant_sim::parameters::Part;
 use plant_sim::replay::ReplayError;
 use recording::csv::{CsvError, MappingError, WriteError};
 
@@ -50,6 +51,10 @@ pub(crate) enum Failure {
         "--set {name}: the plant has no [regulating_valve]; add the table to its plant file first"
     )]
     SetAbsent { name: String },
+    #[error(
+        "{plant}: the plant has no {part}; this command needs both valves and the chamber, `simulate` and `compare` do not"
+    )]
+    PartLeftOut { plant: String, part: Part },
     #[error("{}: {error}", path.display())]
     Reference { path: PathBuf, error: ProfileError },
     #[error("{}: {error}", path.display())]

@@ -6,6 +6,8 @@ use std::path::Path;
 
 use hil_harness::{ReferenceProfile, Scenario, controller_file};
 use plant_sim::PlantParameters;
+use plant_sim::parameters::Part;
+use plant_sim::plant::{FILL, VENT};
 use recording::csv::{self, Mapping};
 use recording::{InputFile, Recording};
 use sha2::{Digest as _, Sha256};
@@ -73,6 +75,22 @@ impl NamedPlant {
             plant.name += &format!(", {} = {}", change.name, change.value);
         }
         Ok(plant)
+    }
+
+    /// The plant, if it has both valves and the chamber.
+    pub(crate) fn whole(self) -> Result<Self, Failure> {
+        let parts = [
+            Part::ArmatureOf(FILL),
+            Part::ArmatureOf(VENT),
+            Part::Chamber,
+        ];
+        match parts.into_iter().find(|part| !part.is_in(&self.parameters)) {
+            Some(part) => Err(Failure::PartLeftOut {
+                plant: self.name,
+                part,
+            }),
+            None => Ok(self),
+        }
     }
 
     /// What a report says of it.
@@ -248,7 +266,7 @@ impl NamedScenario {
                 (scenario, None)
             }
         };
-        let plant = NamedPlant::from_args(&args.plant, built_in_plant(&scenario))?;
+        let plant = NamedPlant::from_args(&args.plant, built_in_plant(&scenario))?.whole()?;
         let mut inputs = vec![
             plant.input(),
             named_input("controller", &controller.name, controller.file),

@@ -78,7 +78,8 @@ impl Task {
             }
             Some(Command::Thesis(args)) => {
                 (targets.json, targets.html) = (args.json.json, args.html.html);
-                Work::Thesis(NamedPlant::from_args(&args.plant, NamedPlant::nominal())?)
+                let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
+                Work::Thesis(plant.whole()?)
             }
             Some(Command::Parameters(args)) => {
                 let is_untouched = args.plant.plant.is_none() && args.plant.set.is_empty();

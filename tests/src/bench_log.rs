@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use plant_sim::PlantParameters;
 use plant_sim::replay::{self, ReplayInput};
 use recording::{Recording, csv};
 
@@ -22,6 +23,6 @@ pub fn synthetic(name: &str) -> Recording {
 /// The commands of a bundled synthetic log.
 pub fn commands(name: &str) -> Vec<ReplayInput> {
     let log = synthetic(name);
-    let (_, inputs) = replay::inputs(&log).expect("a bundled log has commands");
-    inputs
+    let inputs = replay::inputs(&PlantParameters::nominal(), &log);
+    inputs.expect("a bundled log has commands").1
 }

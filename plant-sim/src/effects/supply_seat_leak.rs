@@ -14,7 +14,7 @@ static ABOUT: About = About {
     id: "supply_seat_leak",
     sentence: "Dirt or wear on the seat of the fill valve lets supply air into the chamber although the valve is shut.",
     source: "E41 from the supply to the chamber: ISO 6358-1, or Hagen and Poiseuille for a scratched seat",
-    acts_on: EntryPoint::Leak,
+    acts_on: EntryPoint::AirSupply,
     variants: &[
         Variant {
             name: "orifice",

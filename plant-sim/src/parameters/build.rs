@@ -1,5 +1,6 @@
 //! From parameters to physics.
 
+use super::parts::Part;
 use super::values::PlantParameters;
 use crate::additions::Additions;
 use crate::armature::Armature;
@@ -8,9 +9,35 @@ use crate::coil::Coil;
 use crate::effects::{EffectSetting, LIBRARY};
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice};
-use crate::plant::Plant;
+use crate::plant::{FILL, Plant, VENT};
 use crate::subsonic_curves::SubsonicCurves;
 use crate::valve::{Valve, ValveFunction};
+
+/// Volume (m³) where there is no chamber: nothing flows into it or out of it.
+const ANY_VOLUME: f64 = 1.0;
+
+/// An armature that nothing moves.
+const HELD: (Magnet, Armature) = (
+    Magnet {
+        force_constant: 0.0,
+        gap: 2.0,
+    },
+    Armature {
+        mass: 1.0,
+        stroke: 1.0,
+        viscous_friction: 0.0,
+        spring_rate: 0.0,
+        preload: 1.0,
+        pressure_area: 0.0,
+    },
+);
+
+/// A coil that takes no current worth mentioning, should it be commanded.
+const NO_COIL: Coil = Coil {
+    resistance: 1e9,
+    inductance_at_rest: 1.0,
+    inductance_slope: 0.0,
+};
 
 impl PlantParameters {
     /// The physics that these parameters describe, effects included.
@@ -42,13 +69,13 @@ impl PlantParameters {
         Plant {
             valves: [
                 self.valve(
-                    self.functions[0],
+                    FILL,
                     self.armature.preload_fill_n,
                     self.flow.orifice_fill_m,
                     self.flow.discharge_fill,
                 ),
                 self.valve(
-                    self.functions[1],
+                    VENT,
                     self.armature.preload_vent_n,
                     self.flow.orifice_vent_m,
                     self.flow.discharge_vent,
@@ -57,7 +84,11 @@ impl PlantParameters {
             subsonic: SubsonicCurves::new(&nozzle),
             nozzle,
             chamber: Chamber::new(
-                self.chamber.volume_m3,
+                if Part::Chamber.is_in(self) {
+                    self.chamber.volume_m3
+                } else {
+                    ANY_VOLUME
+                },
                 gas.gas_constant_j_per_kg_k,
                 gas.temperature_k,
             ),
@@ -69,35 +100,66 @@ impl PlantParameters {
         }
     }
 
-    fn valve(&self, function: ValveFunction, preload: f64, orifice: f64, discharge: f64) -> Valve {
-        let armature = &self.armature;
-        let area = core::f64::consts::PI * (armature.pressure_force_diameter_m / 2.0).powi(2);
+    fn valve(&self, index: usize, preload: f64, orifice: f64, discharge: f64) -> Valve {
+        let function = self.functions[index];
+        let (magnet, armature) = if function.has_armature() {
+            self.moving(function, preload)
+        } else {
+            HELD
+        };
         Valve {
-            coil: Coil {
-                resistance: self.coil.resistance_20c_ohm,
-                inductance_at_rest: self.coil.inductance_closed_h,
-                inductance_slope: (self.coil.inductance_open_h - self.coil.inductance_closed_h)
-                    / armature.stroke_m,
+            coil: if function.has_coil() {
+                self.coil(function)
+            } else {
+                NO_COIL
             },
-            magnet: Magnet {
-                force_constant: self.magnet.force_constant_n_m2_per_a2,
-                gap: self.magnet.gap_closed_m,
+            magnet,
+            armature,
+            orifice: if Part::FlowThrough(index).is_in(self) {
+                Orifice::new(orifice, discharge)
+            } else {
+                Orifice::new(0.0, 0.0)
             },
-            armature: Armature {
-                mass: armature.mass_kg,
-                stroke: armature.stroke_m,
-                viscous_friction: armature.viscous_friction_ns_per_m,
-                spring_rate: armature.spring_n_per_m,
-                preload,
-                // The pressure lifts the seat: with the magnet in a normally closed valve, against it
-                // in a normally open one.
-                pressure_area: match function {
-                    ValveFunction::NormallyClosed => area,
-                    ValveFunction::NormallyOpen => -area,
-                },
-            },
-            orifice: Orifice::new(orifice, discharge),
             function,
         }
+    }
+
+    fn coil(&self, function: ValveFunction) -> Coil {
+        let Self { coil, armature, .. } = self;
+        Coil {
+            resistance: coil.resistance_20c_ohm,
+            inductance_at_rest: coil.inductance_closed_h,
+            inductance_slope: if function.has_armature() {
+                (coil.inductance_open_h - coil.inductance_closed_h) / armature.stroke_m
+            } else {
+                0.0
+            },
+        }
+    }
+
+    fn moving(&self, function: ValveFunction, preload: f64) -> (Magnet, Armature) {
+        let Self {
+            magnet, armature, ..
+        } = self;
+        let area = core::f64::consts::PI * (armature.pressure_force_diameter_m / 2.0).powi(2);
+        let magnet = Magnet {
+            force_constant: magnet.force_constant_n_m2_per_a2,
+            gap: magnet.gap_closed_m,
+        };
+        let armature = Armature {
+            mass: armature.mass_kg,
+            stroke: armature.stroke_m,
+            viscous_friction: armature.viscous_friction_ns_per_m,
+            spring_rate: armature.spring_n_per_m,
+            preload,
+            // The pressure lifts the seat: with the magnet in a normally closed valve, against it in a normally
+            // open one.
+            pressure_area: if function == ValveFunction::NormallyOpen {
+                -area
+            } else {
+                area
+            },
+        };
+        (magnet, armature)
     }
 }

@@ -1,12 +1,27 @@
 //! Values that exclude each other.
 
 use super::error::Problem;
+use super::parts::Part;
 use super::values::PlantParameters;
+use crate::effects::by_id;
 
 /// What no single range can catch.
 pub(super) fn inconsistency(plant: &PlantParameters) -> Option<Problem> {
     let at = |key: &'static str, rule: String| Some(Problem::Inconsistent { key, rule });
-    if plant.magnet.gap_closed_m <= plant.armature.stroke_m {
+    if !Part::Coil.is_in(plant) && !Part::Chamber.is_in(plant) {
+        return at(
+            "valves",
+            "nothing is left to simulate without a valve or a chamber".to_owned(),
+        );
+    }
+    for setting in &plant.effects {
+        let part = Part::of_effect(setting.effect());
+        if by_id(setting.id()).is_some() && !part.is_in(plant) {
+            let effect = setting.effect().about();
+            return Some(Problem::NothingToActOn { effect, part });
+        }
+    }
+    if Part::Armature.is_in(plant) && plant.magnet.gap_closed_m <= plant.armature.stroke_m {
         return at(
             "magnet.gap_closed_m",
             format!(

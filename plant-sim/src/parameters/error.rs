@@ -2,8 +2,9 @@
 
 use core::fmt;
 
+use super::parts::Part;
 use super::spec::ParameterSpec;
-use super::table::sections;
+use super::table::{CHAMBER, EFFECTS, VALVES, sections};
 use super::units::plausible_unit;
 use crate::effects::About;
 
@@ -60,10 +61,17 @@ pub enum Problem {
         line: usize,
         key: String,
         found: String,
-        choices: &'static [&'static str],
+        choices: Vec<&'static str>,
+    },
+    /// The plant leaves out the part that the parameter describes.
+    AbsentPart {
+        line: usize,
+        spec: &'static ParameterSpec,
     },
     /// The plant leaves out the table of the parameter.
     AbsentSection { spec: &'static ParameterSpec },
+    /// The plant leaves out what the effect acts on.
+    NothingToActOn { effect: &'static About, part: Part },
     /// Values that exclude each other.
     Inconsistent { key: &'static str, rule: String },
 }
@@ -91,12 +99,14 @@ impl Problem {
             | Self::UnknownKey { line, .. }
             | Self::UnknownEffect { line, .. }
             | Self::UnknownVariant { line, .. }
+            | Self::AbsentPart { line, .. }
             | Self::WrongType { line, .. }
             | Self::OutOfRange { line, .. }
             | Self::UnknownChoice { line, .. } => Some(*line).filter(|&line| line > 0),
-            Self::MissingKey { .. } | Self::AbsentSection { .. } | Self::Inconsistent { .. } => {
-                None
-            }
+            Self::MissingKey { .. }
+            | Self::AbsentSection { .. }
+            | Self::NothingToActOn { .. }
+            | Self::Inconsistent { .. } => None,
         }
     }
 }
@@ -158,14 +168,21 @@ impl fmt::Display for Problem {
                     ),
                 }
             }
-            Self::MissingKey { spec } => write!(
-                f,
-                "`{}` is missing in [{}]: {}; add it with a value from {}",
-                spec.key,
-                spec.section,
-                spec.about,
-                range(spec)
-            ),
+            Self::MissingKey { spec } => {
+                write!(
+                    f,
+                    "`{}` is missing in [{}]: {}; add it with a value from {}",
+                    spec.key,
+                    spec.section,
+                    spec.about,
+                    range(spec)
+                )?;
+                let part = Part::of_parameter(spec);
+                match part.left_out_by() {
+                    Some(way) => write!(f, "; if there is no {part}, write {way}"),
+                    None => Ok(()),
+                }
+            }
             Self::WrongType {
                 key,
                 found,
@@ -199,10 +216,22 @@ impl fmt::Display for Problem {
                 "`{key}` = \"{found}\" is not one of {}",
                 choices.join(", ")
             ),
+            Self::AbsentPart { spec, .. } => {
+                let (name, part) = (spec.name(), Part::of_parameter(spec));
+                write!(
+                    f,
+                    "`{name}` describes nothing, since this plant has no {part}: remove it, or mend the tables [{VALVES}] and [{CHAMBER}] that tell what there is"
+                )
+            }
             Self::AbsentSection { spec } => write!(
                 f,
                 "this plant has no table [{}]: add it to the plant file, with all its keys, before setting `{}`",
                 spec.section, spec.key
+            ),
+            Self::NothingToActOn { effect, part } => write!(
+                f,
+                "[{EFFECTS}.{}] has nothing to act on, since this plant has no {part}; remove it",
+                effect.id
             ),
             Self::Inconsistent { key, rule } => write!(f, "`{key}`: {rule}"),
         }

@@ -6,6 +6,7 @@
 mod build;
 mod consistency;
 mod error;
+mod parts;
 mod read;
 mod spec;
 mod table;
@@ -14,6 +15,7 @@ mod values;
 mod write;
 
 pub use error::{ParameterError, Problem};
+pub use parts::Part;
 pub(crate) use spec::effect_parameters;
 pub use spec::{ParameterSpec, Scale, Size};
 pub use table::PARAMETERS;
@@ -85,19 +87,21 @@ impl PlantParameters {
         write::write(self)
     }
 
-    /// The value of `section.key`; none where there is no such parameter, or the plant leaves its table out.
+    /// The value of `section.key`; none where there is no such parameter, or the plant leaves its part out.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.spec(name).and_then(|spec| spec.value(self))
     }
 
-    /// Every parameter that this plant has or may have: the list of all, and those of effects of your own.
+    /// Every parameter that this plant has or may have: of its parts, of the effects that can act on them, and of effects
+    /// of your own.
     pub fn specs(&self) -> impl Iterator<Item = &'static ParameterSpec> {
         let own = self
             .effects
             .iter()
             .filter(|setting| by_id(setting.id()).is_none())
             .flat_map(|setting| setting.parameters().iter().copied());
-        PARAMETERS.iter().copied().chain(own)
+        let all = PARAMETERS.iter().copied().chain(own);
+        all.filter(|spec| Part::of_parameter(spec).is_in(self))
     }
 
     /// Adds the effect that `spec` belongs to, in the first variant that has it, if it is one of the library.
@@ -116,6 +120,18 @@ impl PlantParameters {
         }
     }
 
+    /// Why there is no `name` to set to `value`.
+    fn why_not(&self, name: &str, value: f64) -> Problem {
+        match ParameterSpec::by_name(name) {
+            Some(spec) => Problem::AbsentPart { line: 0, spec },
+            None => Problem::UnknownKey {
+                line: 0,
+                key: name.to_owned(),
+                suggestion: in_other_unit_of_section(name, value),
+            },
+        }
+    }
+
     fn spec(&self, name: &str) -> Option<&'static ParameterSpec> {
         self.specs().find(|spec| spec.name() == name)
     }
@@ -124,17 +140,13 @@ impl PlantParameters {
     /// not have yet joins it, its other parameters at their typical size.
     ///
     /// # Errors
-    /// There is no such parameter, the plant leaves its table out, or the value is out of range or contradicts
-    /// another one; nothing is changed then.
+    /// There is no such parameter, the plant leaves its part out, or the value is out of range or contradicts another
+    /// one; nothing is changed then.
     pub fn set(&mut self, name: &str, value: f64, provenance: &str) -> Result<(), ParameterError> {
         let refuse = |problem| ParameterError::new(name, vec![problem]);
-        let spec = self.spec(name).ok_or_else(|| {
-            refuse(Problem::UnknownKey {
-                line: 0,
-                key: name.to_owned(),
-                suggestion: in_other_unit_of_section(name, value),
-            })
-        })?;
+        let spec = self
+            .spec(name)
+            .ok_or_else(|| refuse(self.why_not(name, value)))?;
         if !spec.contains(value) {
             return Err(refuse(Problem::OutOfRange {
                 line: 0,

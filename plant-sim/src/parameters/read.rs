@@ -6,15 +6,20 @@ use toml_edit::{Document, Item, TableLike, Value};
 
 use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
+use super::parts::Part;
 use super::spec::ParameterSpec;
-use super::table::{EFFECTS, FUNCTIONS, PARAMETERS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT};
+use super::table::{
+    CHAMBER, EFFECTS, FUNCTIONS, PARAMETERS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT,
+};
 use super::units::in_other_unit;
 use super::values::{PlantParameters, RegulatingValveParameters};
 use crate::effects::{Effect, EffectSetting, LIBRARY, nearest};
-use crate::valve::ValveFunction;
 
 /// Size beyond which a file is certainly not a plant file (bytes).
 const MAX_BYTES: usize = 1 << 20;
+
+/// A key of the file with its line.
+type Present = (&'static ParameterSpec, usize);
 
 struct Reader<'a> {
     text: &'a str,
@@ -69,9 +74,13 @@ pub(super) fn read(
 impl Reader<'_> {
     fn root(&mut self, document: &Document<&str>) {
         let root = document.as_table();
-        let mut present: Vec<&'static ParameterSpec> = Vec::new();
+        let mut present = Vec::new();
         if root.contains_key(REGULATING_VALVE) {
             self.parameters.regulating_valve = Some(RegulatingValveParameters::default());
+        }
+        if root.contains_key(CHAMBER) {
+            // There is one, until its volume is read.
+            self.parameters.chamber.volume_m3 = 1.0;
         }
         for (section, item) in root.iter() {
             let line = self.line(root.key(section).and_then(toml_edit::Key::span));
@@ -97,12 +106,30 @@ impl Reader<'_> {
                 });
             }
         }
+        self.missing(&present);
+        // A part may seem to be left out because of another mistake: first things first.
+        if self.problems.is_empty() {
+            self.superfluous(&present);
+        }
+    }
+
+    /// Keys that the parts of the plant need.
+    fn missing(&mut self, present: &[Present]) {
         let regulating = self.parameters.regulating_valve.is_some();
         for &spec in PARAMETERS.iter() {
-            let needed = !spec.is_optional() || (regulating && spec.section == REGULATING_VALVE);
-            let known = present.iter().any(|&seen| std::ptr::eq(seen, spec));
-            if needed && !known {
+            let in_table = !spec.is_optional() || (regulating && spec.section == REGULATING_VALVE);
+            let needed = in_table && Part::of_parameter(spec).is_in(&self.parameters);
+            if needed && !present.iter().any(|(seen, _)| std::ptr::eq(*seen, spec)) {
                 self.problems.push(Problem::MissingKey { spec });
+            }
+        }
+    }
+
+    /// Keys that describe what the plant leaves out.
+    fn superfluous(&mut self, present: &[Present]) {
+        for &(spec, line) in present {
+            if !Part::of_parameter(spec).is_in(&self.parameters) {
+                self.problems.push(Problem::AbsentPart { line, spec });
             }
         }
     }
@@ -112,7 +139,7 @@ impl Reader<'_> {
         section: &str,
         table: &dyn TableLike,
         specs: &[&'static ParameterSpec],
-        present: &mut Vec<&'static ParameterSpec>,
+        present: &mut Vec<Present>,
     ) {
         for (key, item) in table.iter() {
             if key == VARIANT && section.starts_with(EFFECTS) {
@@ -123,7 +150,7 @@ impl Reader<'_> {
             let Some(spec) = specs.iter().copied().find(|spec| spec.key == key) else {
                 let suggestion = in_other_unit(key, specs.iter()).map(|(spec, factor)| {
                     // Named, if in the wrong unit: it is not missing as well.
-                    present.push(spec);
+                    present.push((spec, line));
                     match number(item) {
                         Some(value) => format!("{} = {:e}", spec.key, value * factor),
                         None => spec.key.to_owned(),
@@ -138,7 +165,7 @@ impl Reader<'_> {
                 });
                 continue;
             };
-            present.push(spec);
+            present.push((spec, line));
             let Some(value) = number(item) else {
                 self.problems.push(Problem::WrongType {
                     line,
@@ -220,7 +247,7 @@ impl Reader<'_> {
         let mut present = Vec::new();
         self.section(&name, table, variant.parameters, &mut present);
         for &spec in variant.parameters {
-            if !present.iter().any(|&seen| std::ptr::eq(seen, spec)) {
+            if !present.iter().any(|(seen, _)| std::ptr::eq(*seen, spec)) {
                 self.problems.push(Problem::MissingKey { spec });
             }
         }
@@ -238,24 +265,22 @@ impl Reader<'_> {
                 });
                 continue;
             };
-            match item.as_str() {
-                Some("normally_closed") => {
-                    self.parameters.functions[index] = ValveFunction::NormallyClosed;
-                }
-                Some("normally_open") => {
-                    self.parameters.functions[index] = ValveFunction::NormallyOpen;
-                }
-                Some(found) => self.problems.push(Problem::UnknownChoice {
-                    line,
-                    key: name,
-                    found: quotable(found),
-                    choices: FUNCTIONS,
-                }),
-                None => self.problems.push(Problem::WrongType {
+            let Some(word) = item.as_str() else {
+                self.problems.push(Problem::WrongType {
                     line,
                     key: name,
                     found: item.type_name(),
-                    expected: "a text, \"normally_closed\" or \"normally_open\"",
+                    expected: "a text, such as \"normally_closed\"",
+                });
+                continue;
+            };
+            match FUNCTIONS.iter().find(|(known, _)| *known == word) {
+                Some(&(_, function)) => self.parameters.functions[index] = function,
+                None => self.problems.push(Problem::UnknownChoice {
+                    line,
+                    key: name,
+                    found: quotable(word),
+                    choices: FUNCTIONS.iter().map(|(known, _)| *known).collect(),
                 }),
             }
         }

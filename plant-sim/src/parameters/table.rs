@@ -2,11 +2,21 @@
 
 use super::spec::{ParameterSpec, Place};
 use crate::effects::LIBRARY;
+use crate::valve::ValveFunction;
 
-/// `[valves]`: which function the valves have.
+/// `[valves]`: what sits where the valves are.
 pub(super) const VALVES: &str = "valves";
 pub(super) const VALVE_KEYS: [&str; 2] = ["fill", "vent"];
-pub(super) const FUNCTIONS: &[&str] = &["normally_closed", "normally_open"];
+pub(super) const FUNCTIONS: [(&str, ValveFunction); 5] = [
+    ("normally_closed", ValveFunction::NormallyClosed),
+    ("normally_open", ValveFunction::NormallyOpen),
+    ("always_open", ValveFunction::AlwaysOpen),
+    ("blocked", ValveFunction::Blocked),
+    ("absent", ValveFunction::Absent),
+];
+
+/// The table that a plant without chamber leaves out.
+pub(super) const CHAMBER: &str = "chamber";
 
 /// The table of a plant file that may be absent.
 pub(super) const REGULATING_VALVE: &str = "regulating_valve";

@@ -20,9 +20,9 @@ pub struct PlantParameters {
     pub flow: FlowParameters,
     /// `[gas]`
     pub gas: GasParameters,
-    /// `[chamber]`
+    /// `[chamber]`; a volume of 0 is none.
     pub chamber: ChamberParameters,
-    /// `[valves]`: normally closed or normally open, fill and vent.
+    /// `[valves]`: what sits between supply and chamber (fill), and between chamber and drain (vent).
     pub functions: [ValveFunction; 2],
     /// `[regulating_valve]`: an output stage, where the file has one.
     pub regulating_valve: Option<RegulatingValveParameters>,
@@ -175,15 +175,25 @@ impl PlantParameters {
         plant
     }
 
-    /// All zeros, to be filled from a file.
+    /// To be filled from a file. What stays is what a plant without the part has around it: air at the standard
+    /// atmosphere, and for the leaks of a chamber without supply the pressure at which pneumatic components are rated.
     pub(super) fn blank() -> Self {
         Self {
             ecu: EcuParameters::default(),
             coil: CoilParameters::default(),
             magnet: MagnetParameters::default(),
             armature: ArmatureParameters::default(),
-            flow: FlowParameters::default(),
-            gas: GasParameters::default(),
+            flow: FlowParameters {
+                critical_ratio: 0.528,
+                ..FlowParameters::default()
+            },
+            gas: GasParameters {
+                gas_constant_j_per_kg_k: 287.05,
+                heat_capacity_ratio: 1.4,
+                temperature_k: 293.15,
+                supply_pressure_bar_gauge: 6.3,
+                ambient_pressure_pa: 101_325.0,
+            },
             chamber: ChamberParameters::default(),
             functions: [ValveFunction::NormallyClosed; 2],
             regulating_valve: None,

@@ -3,10 +3,9 @@
 use core::fmt::Write as _;
 
 use super::spec::ParameterSpec;
-use super::table::{PARAMETERS, VALVE_KEYS, VALVES, VARIANT};
+use super::table::{FUNCTIONS, PARAMETERS, VALVE_KEYS, VALVES, VARIANT};
 use super::values::PlantParameters;
 use crate::effects::EffectSetting;
-use crate::valve::ValveFunction;
 
 pub(super) fn write(parameters: &PlantParameters) -> String {
     let mut text = String::from(
@@ -25,11 +24,8 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
     }
     let _ = write!(text, "\n[{VALVES}]\n");
     for (key, function) in VALVE_KEYS.iter().zip(parameters.functions) {
-        let word = match function {
-            ValveFunction::NormallyClosed => "normally_closed",
-            ValveFunction::NormallyOpen => "normally_open",
-        };
-        let _ = writeln!(text, "{key} = \"{word}\"");
+        let word = FUNCTIONS.iter().find(|(_, known)| *known == function);
+        let _ = writeln!(text, "{key} = \"{}\"", word.map_or("", |(word, _)| word));
     }
     for setting in &parameters.effects {
         text += &effect(parameters, setting);

@@ -216,16 +216,18 @@ impl Extended {
             pressure: state.pressure,
             supply_pressure: self.plant.supply_pressure,
             ambient_pressure: self.plant.ambient_pressure,
-            temperature: self
-                .layout
-                .temperature
-                .map_or(f64::NAN, |index| self.extra[index]),
+            temperature: self.temperature().unwrap_or(f64::NAN),
             current: valves.map(|valve| valve.current),
             position: valves.map(|valve| valve.x),
             velocity: valves.map(|valve| valve.v),
             own: &self.extra[self.layout.own.0..][..self.layout.own.1],
         };
         self.sensor.shown(&self.plant.additions, &now)
+    }
+
+    /// Gas temperature (K), where it is a state.
+    pub(super) fn temperature(&self) -> Option<f64> {
+        Some(self.extra[self.layout.temperature?])
     }
 
     /// The chamber pressure was moved by `shift` to `pressure` (Pa): what follows it moves along.

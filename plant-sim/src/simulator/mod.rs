@@ -55,6 +55,8 @@ pub struct Sample {
     pub mean_current: [f64; 2],
     /// Armature positions (m).
     pub position: [f64; 2],
+    /// Gas temperature in the chamber (K): that of the plant file but for an effect.
+    pub temperature: f64,
 }
 
 /// Simulates a plant from duty cycles.
@@ -73,6 +75,8 @@ pub struct Simulator {
     engine: Engine,
     ecu_output: EcuOutput,
     supply_voltage: f64,
+    /// Of the plant file (K).
+    gas_temperature: f64,
     time_ns: u64,
     last_sample_ns: u64,
 }
@@ -117,6 +121,7 @@ impl Simulator {
                 parameters.ecu.command_delay_ns(),
             ),
             supply_voltage: parameters.ecu.supply_voltage_v,
+            gas_temperature: parameters.gas.temperature_k,
             time_ns: 0,
             last_sample_ns: 0,
         }
@@ -194,10 +199,14 @@ impl Simulator {
     /// Takes a sample; the mean currents refer to the time since the last one.
     pub fn sample(&mut self) -> Sample {
         let span = (self.time_ns - self.last_sample_ns) as f64 * 1e-9;
-        let measured_pressure = match &self.engine {
-            Engine::Plain(solver) => solver.state.pressure,
-            Engine::Extended(solver) => solver.physics.measured_pressure(&solver.state),
+        let (measured_pressure, temperature) = match &self.engine {
+            Engine::Plain(solver) => (solver.state.pressure, None),
+            Engine::Extended(solver) => (
+                solver.physics.measured_pressure(&solver.state),
+                solver.physics.temperature(),
+            ),
         };
+        let temperature = temperature.unwrap_or(self.gas_temperature);
         let charge = either!(&mut self.engine, solver => core::mem::take(&mut solver.charge));
         let state = self.state();
         let current = state.valves.map(|valve| valve.current);
@@ -212,6 +221,7 @@ impl Simulator {
                 current
             },
             position: state.valves.map(|valve| valve.x),
+            temperature,
         };
         self.last_sample_ns = self.time_ns;
         sample

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plant_sim::replay::{
-    CurrentSampling, PLUNGER_SIGNAL, ROW_SIGNALS, Replay, ReplayError, ReplayInput, check_gap,
-    inputs,
+    CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, check_gap,
+    initial_pressure, inputs, signals,
 };
 use plant_sim::{PlantParameters, Tolerance};
 use recording::csv::{Column, Decimals, Options, Reader, WriteError, Writer};
@@ -109,25 +109,26 @@ fn simulate<W: Write>(
     let begin = Instant::now();
     let failed = |error: WriteError| Failure::write(path.map(PathBuf::as_path), error);
     // A log that is refused at its beginning leaves no header on the standard output.
-    let mut chunk = Chunk::next(&mut reader, log)?;
-    let mut model = Model::new(&plant.parameters, chunk.median_step_s);
-    let columns = columns(&plant.parameters);
+    let mut chunk = Chunk::next(&mut reader, &plant.parameters, log)?;
+    let mut model = Model::new(&plant.parameters, &chunk);
+    let (places, columns) = columns(&plant.parameters);
     let provenance = provenance(log, plant);
     let mut writer = Writer::new(sink, &provenance, &columns, &decimals()).map_err(failed)?;
+    let mut values = Vec::with_capacity(columns.len());
     while !chunk.rows.is_empty() {
         for (time_s, input) in chunk.rows {
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Interrupted);
             }
-            let values = model.row(time_s, input).map_err(|error| Failure::Replay {
+            let row = model.row(time_s, input).map_err(|error| Failure::Replay {
                 path: log.into(),
                 error,
             })?;
-            writer
-                .write_row(time_s, &values[..columns.len()])
-                .map_err(failed)?;
+            values.clear();
+            values.extend(places.iter().map(|&place| row[place]));
+            writer.write_row(time_s, &values).map_err(failed)?;
         }
-        chunk = Chunk::next(&mut reader, log)?;
+        chunk = Chunk::next(&mut reader, &plant.parameters, log)?;
     }
     let sink = writer.finish().map_err(failed)?;
     let statistics = model.replay.simulator().statistics();
@@ -166,11 +167,15 @@ struct Model {
 }
 
 impl Model {
-    fn new(parameters: &PlantParameters, median_step_s: Option<f64>) -> Self {
-        let sampling =
-            CurrentSampling::of_interval(median_step_s.unwrap_or(f64::INFINITY), parameters);
+    fn new(parameters: &PlantParameters, begin: &Chunk) -> Self {
+        let step_s = begin.median_step_s.unwrap_or(f64::INFINITY);
+        let sampling = CurrentSampling::of_interval(step_s, parameters);
+        let mut replay = Replay::new(parameters, sampling, Tolerance::default());
+        if let Some(pressure) = begin.pressure {
+            replay.simulator().set_chamber_pressure(pressure);
+        }
         Self {
-            replay: Replay::new(parameters, sampling, Tolerance::default()),
+            replay,
             sampling,
             start_s: None,
             end_s: 0.0,
@@ -179,12 +184,7 @@ impl Model {
         }
     }
 
-    /// The values of one row; the last one is of no meaning without a regulating valve.
-    fn row(
-        &mut self,
-        time_s: f64,
-        input: ReplayInput,
-    ) -> Result<[f64; ROW_SIGNALS.len() + 1], ReplayError> {
+    fn row(&mut self, time_s: f64, input: ReplayInput) -> Result<Row, ReplayError> {
         let start_s = *self.start_s.get_or_insert(time_s);
         if self.rows > 0 {
             check_gap(self.end_s, time_s)?;
@@ -192,14 +192,10 @@ impl Model {
         self.end_s = time_s;
         self.rows += 1;
         self.held_commands += u64::from(input.command.is_none());
-        let (row, plunger) = self.replay.row(ReplayInput {
+        Ok(self.replay.row(ReplayInput {
             time_ns: ((time_s - start_s) * 1e9).round() as u64,
             ..input
-        });
-        let mut values = [0.0; ROW_SIGNALS.len() + 1];
-        values[..row.len()].copy_from_slice(&row);
-        values[row.len()] = plunger.unwrap_or_default();
-        Ok(values)
+        }))
     }
 }
 
@@ -208,11 +204,17 @@ impl Model {
 struct Chunk {
     rows: Vec<(f64, ReplayInput)>,
     median_step_s: Option<f64>,
+    /// Chamber pressure that a plant begins with which nothing else could have filled (Pa abs).
+    pressure: Option<f64>,
 }
 
 impl Chunk {
     /// The next rows. They pass through a recording, so that the library reads and refuses signals as in a whole log.
-    fn next(reader: &mut Reader<impl Read>, log: &str) -> Result<Self, Failure> {
+    fn next(
+        reader: &mut Reader<impl Read>,
+        parameters: &PlantParameters,
+        log: &str,
+    ) -> Result<Self, Failure> {
         let columns = reader.columns().to_vec();
         let mut times_s = Vec::with_capacity(CHUNK_ROWS);
         let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
@@ -235,13 +237,15 @@ impl Chunk {
                 .add_signal(column.name, column.unit, base, samples)
                 .expect("the reader refuses names that are taken or impossible");
         }
-        let (base, inputs) = inputs(&recording).map_err(|error| Failure::Replay {
+        let failed = |error| Failure::Replay {
             path: PathBuf::from(log),
             error,
-        })?;
+        };
+        let (base, inputs) = inputs(parameters, &recording).map_err(failed)?;
         Ok(Self {
             rows: base.times_s().iter().copied().zip(inputs).collect(),
             median_step_s: base.sampling().median_step_s,
+            pressure: initial_pressure(parameters, &recording).map_err(failed)?,
         })
     }
 }
@@ -253,19 +257,18 @@ fn provenance(log: &str, plant: &NamedPlant) -> Provenance {
     provenance
 }
 
-fn columns(parameters: &PlantParameters) -> Vec<Column> {
-    let plunger = parameters
-        .regulating_valve
-        .is_some()
-        .then_some(PLUNGER_SIGNAL);
-    ROW_SIGNALS
-        .into_iter()
-        .chain(plunger)
-        .map(|(name, unit)| Column {
-            name: name.to_owned(),
-            unit,
+/// The columns that a plant has, and their places in a row.
+fn columns(parameters: &PlantParameters) -> (Vec<usize>, Vec<Column>) {
+    let place = |signal| ROW_SIGNALS.iter().position(|one| *one == signal);
+    signals(parameters)
+        .filter_map(|(name, unit)| {
+            let column = Column {
+                name: name.to_owned(),
+                unit,
+            };
+            Some((place((name, unit))?, column))
         })
-        .collect()
+        .unzip()
 }
 
 /// Digits beyond the tolerance of the solver are noise: 0.1 Pa, 0.1 µA and 1 nm are written.

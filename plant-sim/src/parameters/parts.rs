@@ -1,0 +1,123 @@
+//! Parts that a plant may leave out: a valve, its coil or its armature, the chamber with its gas.
+
+use core::fmt;
+
+use super::spec::ParameterSpec;
+use super::table::{CHAMBER, REGULATING_VALVE, VALVE_KEYS, VALVES};
+use super::values::PlantParameters;
+use crate::effects::{Effect, EntryPoint, by_id};
+use crate::plant::{FILL, VENT};
+use crate::valve::ValveFunction;
+
+/// What a parameter describes, or an effect acts on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// A coil to command, of either valve.
+    Coil,
+    /// An armature that may move, of either valve.
+    Armature,
+    /// The armature of one valve.
+    ArmatureOf(usize),
+    /// An armature on which the pressure of a chamber acts.
+    ArmatureUnderPressure,
+    /// A path for air through either valve.
+    Flow,
+    /// A path for air through one valve.
+    FlowThrough(usize),
+    /// A chamber, with its gas.
+    Chamber,
+    /// What no plant leaves out, or who wrote an effect of their own knows.
+    Any,
+}
+
+impl Part {
+    /// Whether `plant` has it.
+    pub fn is_in(self, plant: &PlantParameters) -> bool {
+        let any = |has: fn(ValveFunction) -> bool| plant.functions.into_iter().any(has);
+        let has_chamber = plant.chamber.volume_m3 > 0.0;
+        match self {
+            Self::Coil => any(ValveFunction::has_coil),
+            Self::Armature => any(ValveFunction::has_armature),
+            Self::ArmatureOf(valve) => plant.functions[valve].has_armature(),
+            Self::ArmatureUnderPressure => has_chamber && any(ValveFunction::has_armature),
+            Self::Flow => has_chamber && any(ValveFunction::has_orifice),
+            Self::FlowThrough(valve) => has_chamber && plant.functions[valve].has_orifice(),
+            Self::Chamber => has_chamber,
+            Self::Any => true,
+        }
+    }
+
+    /// What an effect acts on.
+    pub fn of_effect(effect: &dyn Effect) -> Self {
+        match effect.about().acts_on {
+            EntryPoint::Coil | EntryPoint::ElectricSupply => Self::Coil,
+            EntryPoint::Armature => Self::Armature,
+            EntryPoint::AirSupply => Self::FlowThrough(FILL),
+            EntryPoint::Drain => Self::FlowThrough(VENT),
+            EntryPoint::Flow => Self::Flow,
+            EntryPoint::Leak | EntryPoint::GasEnergy | EntryPoint::Volume | EntryPoint::Sensor => {
+                Self::Chamber
+            }
+        }
+    }
+
+    /// What a parameter describes.
+    pub fn of_parameter(spec: &ParameterSpec) -> Self {
+        if let Some(id) = spec.effect_id() {
+            return by_id(id).map_or(Self::Any, Self::of_effect);
+        }
+        match (spec.section, spec.key) {
+            ("coil", "inductance_open_h") => Self::Armature,
+            ("ecu" | "coil", _) => Self::Coil,
+            ("armature", "preload_fill_n") => Self::ArmatureOf(FILL),
+            ("armature", "preload_vent_n") => Self::ArmatureOf(VENT),
+            ("armature", "pressure_force_diameter_m") => Self::ArmatureUnderPressure,
+            ("magnet" | "armature", _) => Self::Armature,
+            ("flow", "orifice_fill_m" | "discharge_fill") => Self::FlowThrough(FILL),
+            ("flow", "orifice_vent_m" | "discharge_vent") => Self::FlowThrough(VENT),
+            ("gas", "supply_pressure_bar_gauge") => Self::FlowThrough(FILL),
+            ("flow" | "gas" | CHAMBER | REGULATING_VALVE, _) => Self::Chamber,
+            _ => Self::Any,
+        }
+    }
+
+    /// How a plant file leaves it out; none where it cannot.
+    pub(super) fn left_out_by(self) -> Option<String> {
+        let words = |keys: &[&str], words: &str| {
+            let keys: Vec<_> = keys
+                .iter()
+                .map(|key| format!("`{key} = {words}`"))
+                .collect();
+            format!("{} in [{VALVES}]", keys.join(" and "))
+        };
+        match self {
+            Self::Coil => Some(words(&VALVE_KEYS, "\"absent\"")),
+            Self::Armature => Some(words(&VALVE_KEYS, "\"blocked\"")),
+            Self::ArmatureOf(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"always_open\"")),
+            Self::FlowThrough(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"absent\"")),
+            Self::Flow | Self::Chamber | Self::ArmatureUnderPressure => {
+                Some(format!("no table [{CHAMBER}]"))
+            }
+            Self::Any => None,
+        }
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Coil => f.write_str("coil"),
+            Self::Armature => f.write_str("armature that moves"),
+            Self::ArmatureOf(valve) => {
+                write!(f, "armature of the {} valve", VALVE_KEYS[*valve])
+            }
+            Self::ArmatureUnderPressure => f.write_str("armature under a chamber's pressure"),
+            Self::Flow => f.write_str("valve or orifice that air flows through"),
+            Self::FlowThrough(valve) => {
+                write!(f, "{} valve that air flows through", VALVE_KEYS[*valve])
+            }
+            Self::Chamber => f.write_str("chamber"),
+            Self::Any => f.write_str("such part"),
+        }
+    }
+}
