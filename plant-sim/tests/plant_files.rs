@@ -1,7 +1,8 @@
 //! Plant files: what is read, what is refused, and what the refusal says.
 
 use plant_sim::PlantParameters;
-use plant_sim::parameters::{NOMINAL_PLANT_TOML, PARAMETERS};
+use plant_sim::effects::EffectSetting;
+use plant_sim::parameters::{NOMINAL_PLANT_TOML, PARAMETERS, Part};
 use plant_sim::valve::ValveFunction;
 
 const REGULATING_VALVE: &str = "
@@ -207,5 +208,113 @@ fn hostile_files_are_refused_without_harm() {
         "[ecu]\nsample_time_s = 1e400".to_owned(),
     ] {
         assert!(PlantParameters::from_toml(&text, "rig.toml").is_err());
+    }
+}
+
+/// A plant file of the repository.
+fn bundled(name: &str) -> PlantParameters {
+    let path = format!("{}/../data/plants/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap();
+    PlantParameters::from_toml(&text, name).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn a_plant_has_the_parameters_of_its_parts_and_no_others() {
+    for (name, has, has_not) in [
+        (
+            "leakdown-chamber",
+            &["chamber.volume_m3", "flow.critical_ratio"][..],
+            &[
+                "flow.discharge_fill",
+                "coil.resistance_20c_ohm",
+                "gas.supply_pressure_bar_gauge",
+            ][..],
+        ),
+        (
+            "air-vessel-790kPa",
+            &["flow.discharge_vent", "gas.temperature_k"],
+            &["flow.discharge_fill", "armature.preload_vent_n"],
+        ),
+        (
+            "burkert-6724-coil",
+            &["coil.inductance_closed_h", "ecu.supply_voltage_v"],
+            &[
+                "coil.inductance_open_h",
+                "magnet.gap_closed_m",
+                "chamber.volume_m3",
+            ],
+        ),
+    ] {
+        let plant = bundled(name);
+        for key in has {
+            assert!(plant.get(key).is_some(), "{name}: {key}");
+        }
+        for key in has_not {
+            assert_eq!(plant.get(key), None, "{name}: {key}");
+            assert!(
+                plant.specs().all(|spec| spec.name() != *key),
+                "{name}: {key}"
+            );
+            let mut changed = plant.clone();
+            let refusal = changed.set(key, 1.0, "test").unwrap_err().to_string();
+            assert!(refusal.contains("describes nothing"), "{refusal}");
+        }
+        assert!(
+            plant.check().is_ok(),
+            "{name}: what is left out is not checked"
+        );
+        let again = PlantParameters::from_toml(&plant.to_toml(), "again").unwrap();
+        assert_eq!(plant, again);
+    }
+}
+
+#[test]
+fn an_effect_needs_the_part_that_it_acts_on() {
+    let chamber = bundled("leakdown-chamber");
+    for (effect, says) in [
+        ("coil_heating", "this plant has no coil; remove it"),
+        ("supply_seat_leak", "no fill valve that air flows through"),
+    ] {
+        let effect = plant_sim::effects::by_id(effect).unwrap();
+        assert!(!Part::of_effect(effect).is_in(&chamber));
+        let plant = chamber.with_effect(EffectSetting::typical(effect));
+        let refusal = plant.check().unwrap_err().to_string();
+        assert!(refusal.contains(says), "{refusal}");
+    }
+    let leak = plant_sim::effects::by_id("chamber_leak").unwrap();
+    assert!(
+        chamber
+            .with_effect(EffectSetting::typical(leak))
+            .check()
+            .is_ok()
+    );
+}
+
+#[test]
+fn a_part_is_left_out_by_saying_so_and_not_by_forgetting() {
+    for (text, says) in [
+        (
+            changed("discharge_vent = 0.97", ""),
+            "`discharge_vent` is missing in [flow]: discharge coefficient of the vent valve (equations 3.19, 5.1); add it with a value from 0.05 to 1.5; if there is no vent valve that air flows through, write `vent = \"absent\"` in [valves]",
+        ),
+        (
+            changed("preload_vent_n = 3.34", ""),
+            "if there is no armature of the vent valve, write `vent = \"always_open\"` in [valves]",
+        ),
+        (
+            format!("{NOMINAL_PLANT_TOML}\n[valves]\nvent = \"absent\"\n"),
+            "`flow.discharge_vent` describes nothing, since this plant has no vent valve that air flows through: remove it",
+        ),
+        (
+            changed("[chamber]\nvolume_m3 = 75e-6", ""),
+            "`gas.temperature_k` describes nothing, since this plant has no chamber",
+        ),
+        (
+            "[valves]\nfill = \"absent\"\nvent = \"absent\"\n".to_owned(),
+            "`valves`: nothing is left to simulate without a valve or a chamber",
+        ),
+    ] {
+        let message = refusal(&text);
+        assert!(message.contains(says), "expected: {says}\nfound: {message}");
     }
 }

@@ -135,3 +135,155 @@ fn the_trajectory_converges_with_the_tolerance() {
         assert!(error(1e-4) < 0.1, "{function:?}: {} Pa", error(1e-4));
     }
 }
+
+/// The nominal plant with parts left out: `lines` that begin with one of the keys go, and so do the tables.
+fn without(keys: &[&str], valves: &str) -> PlantParameters {
+    let is_left = |line: &&str| !keys.iter().any(|key| line.starts_with(key));
+    let text = plant_sim::parameters::NOMINAL_PLANT_TOML;
+    let text: Vec<_> = text.lines().filter(is_left).collect();
+    let text = format!("{}\n[valves]\n{valves}\n", text.join("\n"));
+    PlantParameters::from_toml(&text, "rig.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+const FILL_KEYS: [&str; 4] = [
+    "orifice_fill",
+    "discharge_fill",
+    "preload_fill",
+    "supply_pressure",
+];
+const COIL_KEYS: [&str; 23] = [
+    "[ecu]",
+    "sample_time",
+    "pwm",
+    "command_delay",
+    "supply_voltage",
+    "free_wheel",
+    "[coil]",
+    "resistance",
+    "inductance",
+    "[magnet]",
+    "force",
+    "gap",
+    "[armature]",
+    "mass",
+    "stroke",
+    "viscous",
+    "spring",
+    "pressure_force",
+    "preload",
+    "orifice_fill",
+    "discharge_fill",
+    "supply_pressure",
+    "no key",
+];
+
+fn pressure(samples: Vec<f64>) -> (&'static str, Unit, Vec<f64>) {
+    ("p_ch", Unit::BarAbsolute, samples)
+}
+
+/// An orifice that nothing closes is the vent valve held open: against the nominal plant at 100 %, once that is open.
+#[test]
+fn a_vessel_blows_down_through_an_orifice_as_through_an_open_valve() {
+    let vessel = without(&COIL_KEYS, "fill = \"absent\"\nvent = \"always_open\"");
+    let log = log(0.01, &[pressure(vec![7.0; 30])]);
+    let blown = run(&vessel, &log).recording;
+    let names: Vec<_> = blown.signals().iter().map(|signal| signal.name()).collect();
+    assert_eq!(names, ["p_ch", "t_gas"]);
+    assert!((blown.signal("p_ch").unwrap().get(0).unwrap() - (7.0 - 1.01325)).abs() < 1e-9);
+
+    let mut simulator = Simulator::new(&PlantParameters::nominal());
+    simulator.command(Command {
+        duty_fill_pct: 0.0,
+        duty_vent_pct: 100.0,
+    });
+    simulator.advance_to_ns(100_000_000);
+    simulator.set_chamber_pressure(7e5);
+    simulator.advance_to_ns(100_000_000 + 290_000_000);
+    let expected = (simulator.state().pressure - 101_325.0) / 1e5;
+    let found = last(&blown, "p_ch");
+    assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+}
+
+#[test]
+fn a_closed_chamber_keeps_the_first_logged_pressure() {
+    let keys: Vec<_> = COIL_KEYS
+        .iter()
+        .chain(&["orifice_vent", "discharge_vent"])
+        .copied()
+        .collect();
+    let chamber = without(&keys, "fill = \"absent\"\nvent = \"absent\"");
+    let times = TimeBase::new(vec![0.0, 0.3, 60.0]).unwrap();
+    let mut log = Recording::new(Provenance::from_source("bench"));
+    let base = log.add_time_base(times);
+    log.add_signal("p_ch", Unit::BarGauge, base, vec![f64::NAN, 5.0, 4.0])
+        .unwrap();
+    let kept = run(&chamber, &log).recording;
+    assert_eq!(kept.signal("p_ch").unwrap().values_or_nan(), [5.0; 3]);
+}
+
+/// Equation 4.2 from a scope log; the coil has no other signals, and neither chamber nor gas.
+#[test]
+fn one_coil_takes_its_current_without_chamber_and_armature() {
+    let keys = [
+        "[magnet]",
+        "force",
+        "gap",
+        "[armature]",
+        "mass",
+        "stroke",
+        "viscous",
+        "spring",
+        "pressure_force",
+        "preload",
+        "inductance_open",
+        "[flow]",
+        "orifice",
+        "discharge",
+        "critical",
+        "[gas]",
+        "heat",
+        "temperature_k",
+        "supply_pressure",
+        "ambient",
+        "gas_constant",
+        "[chamber]",
+        "volume",
+    ];
+    let coil = without(&keys, "fill = \"blocked\"\nvent = \"absent\"");
+    let log = log(50e-6, &[fill(vec![100.0; 800])]);
+    let run = run(&coil, &log);
+    let names: Vec<_> = run
+        .recording
+        .signals()
+        .iter()
+        .map(|signal| signal.name())
+        .collect();
+    assert_eq!(names, ["duty_fill", "i_fill", "u_bat"]);
+    let seconds = 799.0 * 50e-6 - 0.015;
+    let expected = 24.0 / 82.2 * 1e3 * (1.0 - (-seconds * 82.2 / 0.44_f64).exp());
+    let found = last(&run.recording, "i_fill");
+    assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+}
+
+#[test]
+fn a_command_to_a_coil_that_is_not_there_is_refused_and_zeros_are_not() {
+    let plant = without(&FILL_KEYS, "fill = \"absent\"");
+    let vent = || ("duty_vent", Unit::Percent, vec![50.0; 20]);
+    assert!(
+        run(&plant, &log(0.01, &[vent(), fill(vec![0.0; 20])]))
+            .recording
+            .signal("i_fill")
+            .is_none()
+    );
+    let refused = replay(
+        &plant,
+        &log(0.01, &[vent(), fill(vec![50.0; 20])]),
+        Tolerance::default(),
+        |_, _| {},
+    );
+    let message = refused.unwrap_err().to_string();
+    assert!(
+        message.contains("`duty_fill` above 0 %, but the plant has no such coil"),
+        "{message}"
+    );
+}

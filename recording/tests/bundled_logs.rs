@@ -198,3 +198,66 @@ fn the_wild_file_is_refused_without_a_mapping_and_says_so() {
     assert_eq!(error.code(), "E-CSV-HEADER");
     assert!(error.to_string().contains("mapping"), "{error}");
 }
+
+fn load_mapped(path: &str, mapping: &str) -> Recording {
+    let options = Options {
+        mapping: Mapping::read_file(data(mapping)).unwrap_or_else(|error| panic!("{error}")),
+        ..Options::default()
+    };
+    read_file(data(path), &options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn a_mapping_says_what_the_inrush_logs_leave_unsaid() {
+    for log in ["switching", "blocked"] {
+        let path = format!("real/inrush-burkert6724-{log}.csv");
+        let recording = load_mapped(&path, "real/inrush.toml");
+        let duty = recording.require("duty_fill", Quantity::DutyCycle).unwrap();
+        assert_eq!(duty.unit(), Unit::Percent);
+        assert_eq!(duty.values_or_nan(), [100.0; 500]);
+        let current = recording.require("i_fill", Quantity::Current).unwrap();
+        assert_eq!(current.time_base(), duty.time_base());
+    }
+}
+
+/// The first row that is kept is the one after the first that is lower than all before it by more than the noise.
+#[test]
+fn the_leak_down_logs_are_cut_where_the_supply_was_shut_off() {
+    for (name, plateau, first) in [
+        ("leakdown-ultimaker-015", 7.652, 7.448),
+        ("leakdown-ultimaker-020", 7.671, 5.104),
+    ] {
+        let whole = load(&format!("real/{name}.csv"));
+        let cut = load_mapped(&format!("real/{name}.csv"), &format!("real/{name}.toml"));
+        let times_s = cut.time_base_of("p_ch").unwrap().times_s();
+        assert_eq!(times_s[0], first, "{name}");
+        let dropped = whole.time_base_of("p_ch").unwrap().len() - times_s.len();
+        let values = whole.signal("p_ch").unwrap().values_or_nan();
+        let (before, lower) = (&values[..dropped - 1], &values[dropped - 1..]);
+        assert!(
+            before.iter().all(|bar| (bar - plateau).abs() < 0.008),
+            "{name}"
+        );
+        assert!(lower.iter().all(|bar| *bar < plateau - 0.03), "{name}");
+        assert_eq!(cut.signal("p_ch").unwrap().values_or_nan(), &lower[1..]);
+    }
+}
+
+#[test]
+fn a_mapping_that_keeps_no_row_or_contradicts_the_file_is_refused() {
+    for (lines, code) in [
+        ("[rows]\nfrom_s = 1e6", "E-CSV-NO-ROW-KEPT"),
+        (
+            "[constant.p_ch]\nvalue = 1\nunit = \"bar_gauge\"",
+            "E-CSV-CONSTANT-LOGGED",
+        ),
+    ] {
+        let mapping = Mapping::parse("test.toml", &format!("schema = 1\n{lines}\n")).unwrap();
+        let options = Options {
+            mapping,
+            ..Options::default()
+        };
+        let error = read_file(data("real/leakdown-aluminium.csv"), &options).unwrap_err();
+        assert_eq!(error.code(), code, "{error}");
+    }
+}

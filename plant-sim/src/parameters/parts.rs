@@ -66,7 +66,11 @@ impl Part {
         if let Some(id) = spec.effect_id() {
             return by_id(id).map_or(Self::Any, Self::of_effect);
         }
-        match (spec.section, spec.key) {
+        Self::of_key(spec.section, spec.key)
+    }
+
+    pub(super) fn of_key(section: &str, key: &str) -> Self {
+        match (section, key) {
             ("coil", "inductance_open_h") => Self::Armature,
             ("ecu" | "coil", _) => Self::Coil,
             ("armature", "preload_fill_n") => Self::ArmatureOf(FILL),

@@ -1,6 +1,5 @@
 //! One parameter of a plant file.
 
-use super::parts::Part;
 use super::table::{EFFECTS, PARAMETERS, REGULATING_VALVE};
 use super::values::PlantParameters;
 
@@ -100,11 +99,8 @@ impl ParameterSpec {
         format!("{}.{}", self.section, self.key)
     }
 
-    /// The value in `parameters`; none where the plant has not the part that it describes.
+    /// The value in `parameters`; none where its section is absent.
     pub fn value(&self, parameters: &PlantParameters) -> Option<f64> {
-        if !Part::of_parameter(self).is_in(parameters) {
-            return None;
-        }
         match self.place {
             Place::Field { read, .. } => read(parameters),
             Place::Effect => parameters.effect(self.effect_id()?)?.get(self.key),

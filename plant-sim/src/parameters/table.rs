@@ -1,5 +1,6 @@
 //! The one list of all parameters.
 
+use super::parts::Part;
 use super::spec::{ParameterSpec, Place};
 use crate::effects::LIBRARY;
 use crate::valve::ValveFunction;
@@ -43,7 +44,11 @@ macro_rules! parameters {
         }),*]
     };
     (@slot required $plant:ident $section:ident $key:ident) => { Some(&mut $plant.$section.$key) };
-    (@read required $plant:ident $section:ident $key:ident) => { Some($plant.$section.$key) };
+    (@read required $plant:ident $section:ident $key:ident) => {
+        Part::of_key(stringify!($section), stringify!($key))
+            .is_in($plant)
+            .then_some($plant.$section.$key)
+    };
     (@slot optional $plant:ident $section:ident $key:ident) => {
         $plant.$section.as_mut().map(|section| &mut section.$key)
     };

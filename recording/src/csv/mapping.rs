@@ -7,6 +7,9 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::complement::{
+    Constant, ConstantToml, Window, WindowToml, resolve_constants, resolve_window,
+};
 use super::error::Excerpt;
 use super::header::parse_unit;
 use super::{Decimal, Delimiter};
@@ -38,6 +41,14 @@ use crate::{Quantity, Unit};
 ///     scale = 2.0                       # bar per logged volt
 ///     offset = -1.0                     # added after the scale
 ///     check_scale = false               # accept values of unusual size
+///
+///     [constant.duty_fill]              # not in the file, since it stayed as it was
+///     value = 100
+///     unit = "pct"
+///
+///     [rows]                            # the others are left out
+///     from_s = 6.2
+///     until_s = 140
 /// "#)?;
 /// # Ok::<(), recording::csv::MappingError>(())
 /// ```
@@ -54,6 +65,8 @@ pub struct Mapping {
     pub(super) missing: Vec<String>,
     pub(super) time: Option<MappedColumn>,
     pub(super) signals: BTreeMap<String, MappedColumn>,
+    pub(super) constants: BTreeMap<String, Constant>,
+    pub(super) rows: Window,
 }
 
 /// A column as a mapping names it.
@@ -90,6 +103,10 @@ struct MappingToml {
     time: Option<ColumnToml>,
     #[serde(default)]
     signal: BTreeMap<Spanned<String>, ColumnToml>,
+    #[serde(default)]
+    constant: BTreeMap<Spanned<String>, ConstantToml>,
+    #[serde(default)]
+    rows: WindowToml,
 }
 
 #[derive(Default, Deserialize)]
@@ -163,7 +180,7 @@ impl Mapping {
     }
 }
 
-type AtSpan = (Range<usize>, MappingProblem);
+pub(super) type AtSpan = (Range<usize>, MappingProblem);
 
 fn resolve(raw: MappingToml) -> Result<Mapping, AtSpan> {
     if *raw.schema.get_ref() != 1 {
@@ -217,6 +234,8 @@ fn resolve(raw: MappingToml) -> Result<Mapping, AtSpan> {
         missing: raw.missing,
         time: time.map(|(column, _)| column),
         signals,
+        constants: resolve_constants(raw.constant)?,
+        rows: resolve_window(raw.rows)?,
     })
 }
 
@@ -377,6 +396,15 @@ pub enum MappingProblem {
     /// A scale of zero, NaN or infinity.
     #[error("found {0}, expected a finite number, for a scale other than 0; correct it")]
     Factor(f64),
+    /// A constant that is no number, or no duty cycle.
+    #[error("found {found}, expected a finite number, and 0 to 100 % for a duty cycle; correct it")]
+    Constant {
+        /// The value with its unit.
+        found: Excerpt,
+    },
+    /// No time is after `from_s` and before `until_s`.
+    #[error("no row is left between from_s and until_s; write a later until_s")]
+    WindowEmpty,
     /// The same character separates thousands and decimals.
     #[error("the comma is the decimal separator already; choose another thousands_separator")]
     ThousandsAsDecimal,
@@ -397,6 +425,8 @@ impl MappingProblem {
             Self::Name(_) => "E-MAP-NAME",
             Self::ColumnZero => "E-MAP-COLUMN",
             Self::Factor(_) => "E-MAP-FACTOR",
+            Self::Constant { .. } => "E-MAP-CONSTANT",
+            Self::WindowEmpty => "E-MAP-ROWS",
             Self::ThousandsAsDecimal => "E-MAP-THOUSANDS",
         }
     }

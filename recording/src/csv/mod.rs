@@ -4,6 +4,7 @@
 //! [`Writer`] writes rows. A [`Mapping`] explains files that do not explain themselves.
 
 mod checks;
+mod complement;
 mod dialect;
 mod error;
 mod header;

@@ -190,7 +190,7 @@ pub(super) fn resolve(head: &Head, mapping: &Mapping) -> Result<Plan, Located> {
         }
     }
     signals.sort_by(|a, b| (a.field, &a.name).cmp(&(b.field, &b.name)));
-    refuse_duplicates(head, &signals)?;
+    refuse_duplicates(head, mapping, &signals)?;
     let no_time = || {
         (
             Place::line(head.line),
@@ -215,13 +215,19 @@ pub(super) fn resolve(head: &Head, mapping: &Mapping) -> Result<Plan, Located> {
     })
 }
 
-fn refuse_duplicates(head: &Head, signals: &[FieldPlan]) -> Result<(), Located> {
+fn refuse_duplicates(head: &Head, mapping: &Mapping, signals: &[FieldPlan]) -> Result<(), Located> {
     let mut seen = std::collections::BTreeMap::new();
     for signal in signals {
         if let Some(first) = seen.insert(&signal.name, signal.field) {
             let problem = Problem::DuplicateName {
                 name: signal.name.clone(),
                 first_column: first + 1,
+            };
+            return Err((head.place(signal.field), problem));
+        }
+        if mapping.constants.contains_key(&signal.name) {
+            let problem = Problem::ConstantLogged {
+                name: signal.name.clone(),
             };
             return Err((head.place(signal.field), problem));
         }

@@ -107,6 +107,18 @@ pub enum Problem {
     NoSignal,
     /// A header, but no row of numbers.
     NoData,
+    /// The mapping keeps no row of the file.
+    NoRowKept {
+        /// First time of the file in s.
+        first_s: f64,
+        /// Last time of the file in s.
+        last_s: f64,
+    },
+    /// The mapping says that a signal is constant, and the file has it.
+    ConstantLogged {
+        /// Its name.
+        name: String,
+    },
     /// The mapping names a column that is not there.
     MappedColumnMissing {
         /// The column as the mapping names it.
@@ -236,6 +248,8 @@ impl Problem {
             Self::NoTimeColumn { .. } => "E-CSV-TIME-NO-COLUMN",
             Self::NoSignal => "E-CSV-NO-SIGNAL",
             Self::NoData => "E-CSV-NO-DATA",
+            Self::NoRowKept { .. } => "E-CSV-NO-ROW-KEPT",
+            Self::ConstantLogged { .. } => "E-CSV-CONSTANT-LOGGED",
             Self::MappedColumnMissing { .. } => "E-CSV-MAPPED-COLUMN",
             Self::MappedColumnTwice { .. } => "E-CSV-MAPPED-COLUMN-TWICE",
             Self::Unmapped { .. } => "E-CSV-UNMAPPED",
@@ -301,6 +315,10 @@ impl Problem {
             Self::NoTimeColumn { .. } => "name it time_s, or choose it by [time] in a mapping",
             Self::NoSignal => "add a column with a signal, such as p_ch_bar_gauge",
             Self::NoData => "check that the logger wrote rows",
+            Self::NoRowKept { .. } => "correct from_s and until_s under [rows] in the mapping",
+            Self::ConstantLogged { .. } => {
+                "take it out of [constant] in the mapping, or list the column under `ignore`"
+            }
             Self::MappedColumnMissing { .. } => {
                 "use a header field as it stands in the file, or a number from 1"
             }
@@ -422,6 +440,15 @@ impl fmt::Display for Problem {
             Self::NoTimeColumn { found } => write!(f, "found {found}, expected a time column"),
             Self::NoSignal => write!(f, "the time is the only column, expected a signal"),
             Self::NoData => write!(f, "there is no row of numbers, expected at least one"),
+            Self::NoRowKept { first_s, last_s } => write!(
+                f,
+                "the rows from {first_s} s to {last_s} s are all left out, expected at least one to keep"
+            ),
+            Self::ConstantLogged { name } => write!(
+                f,
+                "found {} in the file, expected it in the mapping alone, where it is constant",
+                Excerpt::of(name)
+            ),
             Self::MappedColumnMissing { wanted, found } => {
                 write!(
                     f,

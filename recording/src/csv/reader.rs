@@ -86,14 +86,15 @@ impl<R: Read> Reader<R> {
         records
             .skip(options.mapping.skip_lines, header_records)
             .map_err(fail)?;
-        let columns = plan
-            .signals
-            .iter()
-            .map(|signal| Column {
-                name: signal.name.clone(),
-                unit: signal.unit,
-            })
-            .collect();
+        let logged = plan.signals.iter().map(|signal| Column {
+            name: signal.name.clone(),
+            unit: signal.unit,
+        });
+        let constant = options.mapping.constants.iter().map(|(name, one)| Column {
+            name: name.clone(),
+            unit: one.unit,
+        });
+        let columns = logged.chain(constant).collect();
         let rows = RowParser::new(&plan, dialect.decimal, options);
         let source_name = source_name.to_owned();
         Ok(Self {
@@ -107,7 +108,7 @@ impl<R: Read> Reader<R> {
         })
     }
 
-    /// The signals, in the order of their columns.
+    /// The signals, in the order of their columns; behind them those that the mapping says to be constant.
     pub fn columns(&self) -> &[Column] {
         &self.columns
     }
@@ -166,16 +167,13 @@ impl<R: Read> Reader<R> {
     }
 
     fn advance(&mut self) -> Result<bool, Located> {
-        match self.records.next()? {
-            Some(record) => {
-                self.rows.parse(record, &self.plan)?;
-                Ok(true)
-            }
-            None => {
-                self.rows.finish(&self.plan)?;
-                Ok(false)
+        while let Some(record) = self.records.next()? {
+            if self.rows.parse(record, &self.plan)? {
+                return Ok(true);
             }
         }
+        self.rows.finish(&self.plan)?;
+        Ok(false)
     }
 }
 

@@ -1,6 +1,9 @@
 //! Records become rows, or are refused.
 
+use std::iter;
+
 use super::checks::{Watch, judge_time};
+use super::complement::Window;
 use super::error::{Excerpt, Located, Place};
 use super::number::{self, NumberError, Style};
 use super::plan::{FieldPlan, Plan};
@@ -18,6 +21,8 @@ pub(super) struct RowParser {
     first_time_s: f64,
     pub(super) values: Vec<f64>,
     rows: u64,
+    window: Window,
+    rows_kept: u64,
     rows_max: u64,
     decimal: Decimal,
     missing: Vec<String>,
@@ -32,8 +37,14 @@ impl RowParser {
             line: 0,
             time_s: f64::NEG_INFINITY,
             first_time_s: f64::NAN,
-            values: vec![f64::NAN; plan.signals.len()],
+            values: {
+                let constants = options.mapping.constants.values();
+                let logged = iter::repeat_n(f64::NAN, plan.signals.len());
+                logged.chain(constants.map(|one| one.value)).collect()
+            },
             rows: 0,
+            window: options.mapping.rows,
+            rows_kept: 0,
             rows_max: options.limits.samples,
             decimal,
             missing: options.mapping.missing.clone(),
@@ -43,7 +54,8 @@ impl RowParser {
         }
     }
 
-    pub(super) fn parse(&mut self, record: Record<'_>, plan: &Plan) -> Result<(), Located> {
+    /// Whether the row is one to keep.
+    pub(super) fn parse(&mut self, record: Record<'_>, plan: &Plan) -> Result<bool, Located> {
         let line = record.line;
         self.check_shape(record, plan)?;
         let time = &plan.time;
@@ -83,12 +95,21 @@ impl RowParser {
         if self.rows.is_multiple_of(ROWS_PER_JUDGEMENT) {
             self.judge(plan, false)?;
         }
-        Ok(())
+        let is_kept = self.window.contains(time_s);
+        self.rows_kept += u64::from(is_kept);
+        Ok(is_kept)
     }
 
     pub(super) fn finish(&self, plan: &Plan) -> Result<(), Located> {
         if self.rows == 0 {
             return Err((Place::default(), Problem::NoData));
+        }
+        if self.rows_kept == 0 {
+            let problem = Problem::NoRowKept {
+                first_s: self.first_time_s,
+                last_s: self.time_s,
+            };
+            return Err((Place::default(), problem));
         }
         judge_time(plan, self.first_time_s, self.time_s, self.rows)
             .map_err(|problem| (plan.place(self.line, plan.time.field), problem))?;

@@ -1,0 +1,105 @@
+//! What a mapping adds to a log, a signal that stayed constant, and what it leaves out, rows before and after a test.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::error::Excerpt;
+use super::header::parse_unit;
+use super::mapping::{AtSpan, MappingProblem};
+use crate::name::{check_name, is_time_column};
+use crate::signal::quantity_of;
+use crate::{Quantity, Unit};
+
+/// The rows that are kept (s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Window {
+    pub(super) from_s: f64,
+    pub(super) until_s: f64,
+}
+
+impl Default for Window {
+    fn default() -> Self {
+        Self {
+            from_s: f64::NEG_INFINITY,
+            until_s: f64::INFINITY,
+        }
+    }
+}
+
+impl Window {
+    pub(super) fn contains(self, time_s: f64) -> bool {
+        (self.from_s..=self.until_s).contains(&time_s)
+    }
+}
+
+/// A signal that the log has not because it stayed as it was.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Constant {
+    pub(super) value: f64,
+    pub(super) unit: Unit,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WindowToml {
+    from_s: Option<Spanned<f64>>,
+    until_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ConstantToml {
+    value: Spanned<f64>,
+    unit: Spanned<String>,
+}
+
+pub(super) fn resolve_window(raw: WindowToml) -> Result<Window, AtSpan> {
+    let all = Window::default();
+    let number = |value: &Option<Spanned<f64>>, default| match value {
+        None => Ok(default),
+        Some(value) if value.get_ref().is_finite() => Ok(*value.get_ref()),
+        Some(value) => Err((value.span(), MappingProblem::Factor(*value.get_ref()))),
+    };
+    let window = Window {
+        from_s: number(&raw.from_s, all.from_s)?,
+        until_s: number(&raw.until_s, all.until_s)?,
+    };
+    match raw.until_s.filter(|_| window.until_s <= window.from_s) {
+        Some(until) => Err((until.span(), MappingProblem::WindowEmpty)),
+        None => Ok(window),
+    }
+}
+
+pub(super) fn resolve_constants(
+    raw: BTreeMap<Spanned<String>, ConstantToml>,
+) -> Result<BTreeMap<String, Constant>, AtSpan> {
+    let mut constants = BTreeMap::new();
+    for (name, constant) in raw {
+        let (span, name) = (name.span(), name.into_inner());
+        check_name(&name).map_err(|problem| (span.clone(), MappingProblem::Name(problem)))?;
+        let unit = parse_unit(constant.unit.get_ref()).map_err(|problem| {
+            let problem = format!("{problem}; {}", problem.next_step());
+            (constant.unit.span(), MappingProblem::Unit(problem))
+        })?;
+        if is_time_column(&name, unit) {
+            return Err((span, MappingProblem::TimeAsSignal));
+        }
+        let value = *constant.value.get_ref();
+        if !value.is_finite() || !is_possible(&name, unit, value) {
+            let found = Excerpt::of(&format!("{value} {}", unit.symbol()));
+            return Err((constant.value.span(), MappingProblem::Constant { found }));
+        }
+        constants.insert(name, Constant { value, unit });
+    }
+    Ok(constants)
+}
+
+/// No duty cycle is outside 0 to 100 %.
+fn is_possible(name: &str, unit: Unit, value: f64) -> bool {
+    quantity_of(name, unit) != Quantity::DutyCycle
+        || unit
+            .converter(Unit::Percent)
+            .is_ok_and(|to_percent| (0.0..=100.0).contains(&to_percent.apply(value)))
+}
