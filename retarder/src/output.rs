@@ -44,6 +44,13 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
             write_text(path, &json)?;
         }
     }
+    if let Outcome::Measurement(measurement) = &outcome
+        && (is_taken || targets.recording.is_none())
+        && outcome.answer() != Answer::Holds
+    {
+        let text = print::measured(measurement, &Terminal::standard_error());
+        let _ = anstream::stderr().write_all(text.as_bytes());
+    }
     match &outcome {
         // The standard output may carry the recording.
         Outcome::Simulation(simulation) => {
@@ -80,7 +87,7 @@ pub(crate) fn exit_code(ended: Result<Answer, Failure>) -> ExitCode {
 fn csv(outcome: &Outcome) -> Option<String> {
     match outcome {
         Outcome::BlackBox(black_box) => Some(black_box.csv()),
-        Outcome::Measurement(csv) => Some(csv.clone()),
+        Outcome::Measurement(measurement) => Some(measurement.csv.clone()),
         _ => None,
     }
 }

@@ -20,6 +20,7 @@ use crate::failure::Failure;
 use crate::run::Outcome;
 use crate::targets::Targets;
 
+pub(crate) use device::{measured, measuring};
 pub(crate) use live::Live;
 pub(crate) use simulation::simulation;
 
@@ -119,8 +120,8 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::BlackBox(black_box) => device::black_box(black_box, terminal),
         Outcome::DeviceSettings(settings) => device::settings(settings, terminal),
         Outcome::DeviceSignals => device::signals(terminal),
-        Outcome::Measurement(csv) if targets.recording.is_none() => csv.clone(),
-        Outcome::Measurement(csv) => format!("{} samples.\n", csv.lines().count() - 1),
+        Outcome::Measurement(result) if targets.recording.is_none() => result.csv.clone(),
+        Outcome::Measurement(result) => device::measured(result, terminal),
         Outcome::Thesis(figures) => thesis::thesis(figures, terminal),
         Outcome::Parameters(plant) => parameters::parameters(plant, terminal),
         Outcome::Settings(controller) => parameters::settings(controller, terminal),

@@ -6,6 +6,7 @@ pub(crate) mod compare;
 pub(crate) mod control;
 pub(crate) mod device;
 pub(crate) mod device_report;
+pub(crate) mod measurement;
 pub(crate) mod schema;
 pub(crate) mod simulate;
 pub(crate) mod thesis;
@@ -23,8 +24,8 @@ pub(crate) enum Outcome {
     DeviceSettings(calibrate::Settings),
     /// All signals that a device has.
     DeviceSignals,
-    /// Signals of a device, as CSV.
-    Measurement(String),
+    /// Signals of a device.
+    Measurement(measurement::Measurement),
     Thesis(thesis::Figures),
     Parameters(NamedPlant),
     Settings(NamedController),
@@ -57,13 +58,13 @@ impl Outcome {
         match self {
             Self::Comparison(compared) => compared.answer(),
             Self::Control(controlled) => Answer::of(controlled.holds()),
+            Self::Measurement(measurement) => measurement.answer(),
             Self::Thesis(figures) => Answer::of(figures.table.holds),
             Self::Tour(_)
             | Self::Simulation(_)
             | Self::BlackBox(_)
             | Self::DeviceSettings(_)
             | Self::DeviceSignals
-            | Self::Measurement(_)
             | Self::Parameters(_)
             | Self::Settings(_)
             | Self::Text(_) => Answer::Holds,

@@ -12,7 +12,7 @@ use crate::cli::{
 };
 use crate::failure::Failure;
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
-use crate::print::Live;
+use crate::print::{self, Live};
 use crate::run::{self, Outcome, schema};
 use crate::targets::{Targets, is_standard_output};
 
@@ -138,7 +138,7 @@ impl Task {
                     Outcome::DeviceSettings(run::calibrate::write(&args)?)
                 }
                 CalibrateCommand::Measure(args) => {
-                    Outcome::Measurement(run::calibrate::measure(&args)?)
+                    Outcome::Measurement(run::measurement::run(&args, &mut print::measuring)?)
                 }
             },
             Work::Thesis(plant) => Outcome::Thesis(run::thesis::run(plant)),

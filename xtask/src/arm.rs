@@ -153,8 +153,23 @@ fn run_in_qemu(image: &Path) -> Result<Run, Failure> {
     read("the ARM image", &said)
 }
 
-/// The harness' tests of the image in QEMU. One at a time: each of them keeps two processors busy.
+/// The tests of the image in QEMU: the harness', and those of the commands.
 fn in_the_loop(image: &Path) -> Result<(), Failure> {
+    let of_harness = [
+        "--test",
+        "image_in_the_loop",
+        "--test",
+        "campaign_on_the_image",
+    ];
+    let of_commands = ["--test", "suite", "image::"];
+    let mut harness = one_at_a_time("hil-harness", &of_harness, image);
+    process::run(&mut harness, IN_THE_LOOP_DEADLINE)?;
+    let mut commands = one_at_a_time("retarder", &of_commands, image);
+    process::run(&mut commands, IN_THE_LOOP_DEADLINE)
+}
+
+/// Some tests of a package with the image in the loop, one after the other: each of them keeps two processors busy.
+fn one_at_a_time(package: &str, which: &[&str], image: &Path) -> Command {
     let mut tests = cargo();
     tests.env("RETARDER_IMAGE", image);
     let (runner, one_at_a_time): (&[&str], &[&str]) = if find_program("cargo-nextest").is_some() {
@@ -163,16 +178,9 @@ fn in_the_loop(image: &Path) -> Result<(), Failure> {
         (&["test"], &["--", "--test-threads", "1"])
     };
     tests.args(runner);
-    tests.args([
-        "--package",
-        "hil-harness",
-        "--features",
-        "image-in-the-loop",
-    ]);
-    tests.args(["--test", "image_in_the_loop"]);
-    tests.args(["--test", "campaign_on_the_image"]);
-    tests.args(one_at_a_time);
-    process::run(&mut tests, IN_THE_LOOP_DEADLINE)
+    tests.args(["--package", package, "--features", "image-in-the-loop"]);
+    tests.args(which).args(one_at_a_time);
+    tests
 }
 
 fn read(machine: &'static str, text: &str) -> Result<Run, Failure> {

@@ -1,14 +1,17 @@
 //! What a device is, says, recorded and is set to.
 
+use std::io::Write as _;
+
 use ecu::calibration::{Setting, SettingId};
 use hil_harness::signals;
 
 use super::number::{or_dash, value};
 use super::table::{Align, Entry, Table, painted};
-use super::{Colour, Terminal, paragraph, title};
+use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::black_box::{BlackBox, Record, Status};
 use crate::run::calibrate::Settings;
 use crate::run::device_report::DeviceReport;
+use crate::run::measurement::Measurement;
 
 /// Lines of a device's log that are shown; the JSON form has all.
 const LOG_LINES: usize = 20;
@@ -39,6 +42,36 @@ pub(super) fn report(report: &DeviceReport, terminal: &Terminal) -> String {
         for line in &report.log[left_out..] {
             text += &format!("  {line}\n");
         }
+    }
+    text
+}
+
+/// That measuring has begun, on the standard error: it may take as long as somebody wants.
+pub(crate) fn measuring() {
+    // Whoever closed the standard error does not want to know.
+    let _ = writeln!(
+        anstream::stderr(),
+        "Measuring; Ctrl-C ends it and keeps every sample until then."
+    );
+}
+
+/// How many samples came, and which of those that were wanted did not.
+pub(crate) fn measured(measurement: &Measurement, terminal: &Terminal) -> String {
+    let Measurement {
+        samples,
+        wanted,
+        lost,
+        ..
+    } = *measurement;
+    let mut text = match samples < wanted {
+        true => format!("{samples} samples of {wanted}: it was ended before.\n"),
+        false => format!("{samples} samples.\n"),
+    };
+    if lost > 0 {
+        let lost = format!(
+            "{lost} samples in between are missing: they came faster than this machine took them. time_s has the gaps."
+        );
+        text += &painted_paragraph(Colour::Notice, &lost, terminal);
     }
     text
 }

@@ -1,19 +1,14 @@
-//! Settings and signals of a device while it runs.
+//! Settings of a device while it runs.
 
 mod refusal;
 
-use std::sync::atomic::Ordering;
-
-use ecu::calibration::{SETTING_COUNT, Setting, SettingId, SettingValues, Signal};
+use ecu::calibration::{SETTING_COUNT, Setting, SettingId, SettingValues};
 use hil_harness::ecu_under_test::{carry_out, set};
 use hil_harness::link::{Link, LinkError};
-use hil_harness::signals;
-use hil_protocol::{MEASURED_MAX, Reply, Request, SettingsSource, SignalIds};
+use hil_protocol::{Reply, Request, SettingsSource};
 
-use crate::cli::{MeasureArgs, ReadArgs, WriteArgs};
-use crate::dut::Dut;
+use crate::cli::{ReadArgs, WriteArgs};
 use crate::failure::Failure;
-use crate::interrupt;
 
 /// Settings as they are in effect, those that a person wants to see.
 pub(crate) struct Settings {
@@ -165,67 +160,6 @@ fn assignment(assignment: &str) -> Result<(SettingId, i32), Failure> {
     Ok((id, bits as i32))
 }
 
-/// Measures signals in every sample, as CSV.
-pub(crate) fn measure(args: &MeasureArgs) -> Result<String, Failure> {
-    let signals: Vec<(u16, &Signal)> = args
-        .signals
-        .iter()
-        .map(|name| {
-            signals::named(name).ok_or_else(|| Failure::NoSuchDeviceSignal { name: name.clone() })
-        })
-        .collect::<Result<_, _>>()?;
-    let ids = SignalIds::from_iter(signals.iter().take(MEASURED_MAX).map(|(id, _)| *id));
-    if ids.len() < signals.len() {
-        return Err(Failure::TooManySignals {
-            count: signals.len(),
-        });
-    }
-    if args.device.dut == Dut::InProcess {
-        return Err(Failure::NoTimer);
-    }
-    let is_interrupted = interrupt::flag()?;
-    let mut session = args.device.dut.session(args.device.image.as_deref())?;
-    carry_out(session.as_mut(), &Request::Measure { ids })?;
-    let mut csv = header(&signals);
-    let mut first = None;
-    for _ in 0..args.samples {
-        if is_interrupted.load(Ordering::Relaxed) {
-            return Err(Failure::Interrupted);
-        }
-        let (sample, values) = session.measured()?;
-        let since = sample.wrapping_sub(*first.get_or_insert(sample));
-        csv += &format!("{}", f64::from(since) / 100.0);
-        for ((_, signal), value) in signals.iter().zip(&values) {
-            csv.push(',');
-            csv +=
-                &signals::value(signal, *value).map_or_else(String::new, |value| value.to_string());
-        }
-        csv.push('\n');
-    }
-    carry_out(
-        session.as_mut(),
-        &Request::Measure {
-            ids: SignalIds::new(),
-        },
-    )?;
-    Ok(csv)
-}
-
-/// Column names with units, as a bench log has them.
-fn header(signals: &[(u16, &Signal)]) -> String {
-    let mut header = "time_s".to_owned();
-    for (_, Signal { name, unit, .. }) in signals {
-        let unit = match *unit {
-            "" => String::new(),
-            "%" => "_pct".to_owned(),
-            unit => format!("_{}", unit.replace(' ', "_")),
-        };
-        header += &format!(",{name}{unit}");
-    }
-    header.push('\n');
-    header
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -247,14 +181,5 @@ mod tests {
             let error = assignment(text).unwrap_err().to_string();
             assert!(error.contains(said), "{error}");
         }
-    }
-
-    #[test]
-    fn columns_are_named_as_in_a_bench_log() {
-        let signals = ["p_ref", "u", "i_fill", "mode"].map(|name| signals::named(name).unwrap());
-        assert_eq!(
-            header(&signals),
-            "time_s,p_ref_bar_gauge,u_pct,i_fill_mA,mode\n"
-        );
     }
 }

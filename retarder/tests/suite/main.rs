@@ -3,6 +3,8 @@
 mod compare;
 mod control;
 mod device;
+#[cfg(feature = "image-in-the-loop")]
+mod image;
 mod listings;
 mod mistakes;
 mod runner;
