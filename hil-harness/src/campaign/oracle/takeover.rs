@@ -11,6 +11,8 @@ use crate::campaign::bounds;
 pub(super) struct Takeover {
     /// What the sample before showed and asked for [bar gauge], where both can be believed.
     before_bar: Option<[f64; 2]>,
+    /// Samples in a row in which neither moved.
+    rested_for: u32,
     /// What the coils got in the sample before, if it was the first that drove one \[%\].
     first_pct: Option<[f64; 2]>,
     /// By how much the first was above this sample's, of the valve that both drive \[%\].
@@ -24,13 +26,18 @@ impl Takeover {
             let [shown, reference] = [0, 1].map(|index| (now[index] - then[index]).abs());
             shown <= bounds::REST_BAR && reference <= bounds::RAMP_BAR_PER_SAMPLE
         });
-        let rests = rests && conditions.reference_rests();
+        self.rested_for = if rests {
+            self.rested_for.saturating_add(1)
+        } else {
+            0
+        };
         let first_pct = self.first_pct.take().filter(|_| rests);
         self.excess_pct = first_pct.map_or(0.0, |first| excess_pct(first, seen.coils));
         let was_shut = [0, 1]
             .iter()
             .all(|&valve| memory.coil_settled(valve, |duty| duty == 0.0));
-        let is_first = rests && was_shut && seen.coils != [0.0; 2];
+        // A target may have looked at a step for some samples before it believed it.
+        let is_first = self.rested_for >= bounds::SETTLING && was_shut && seen.coils != [0.0; 2];
         self.first_pct = is_first.then_some(seen.coils);
         self.before_bar = now_bar;
     }
