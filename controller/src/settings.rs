@@ -82,13 +82,14 @@ pub enum Prediction {
     TwoStep,
 }
 
-/// What the prediction takes for the change of the error per sample.
+/// What the prediction, and the derivative part, take for the change of the error per sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PredictionBasis {
     /// eₙ - eₙ₋₁ (equation 6.7): a jump of the reference is taken for a motion of the pressure in that sample.
     Error,
-    /// pₙ₋₁ - pₙ: the same while the reference rests, and blind to its jumps.
+    /// pₙ₋₁ - pₙ: the same while the reference rests, and blind to its jumps. The derivative part still answers to a jump away from
+    /// the pressure, which helps to get there, and no longer to one towards it, which would open the other valve far from the reference.
     Pressure,
 }
 

@@ -9,7 +9,7 @@ use crate::control_signal::ControlSignal;
 use crate::direction::Direction;
 use crate::input_output::{Input, Output};
 use crate::pid::Pid;
-use crate::prediction::{predicted, switches_off};
+use crate::prediction::{differentiated, predicted, switches_off};
 use crate::pressure::{ERROR_SHIFT, Pressure};
 use crate::state::{Sample, State};
 use crate::structure::Structure;
@@ -66,6 +66,7 @@ pub(crate) fn sample(
     }
 
     // The two parts without memory first, each sum next to its use: few numbers at a time are few registers to save.
+    let error_change = differentiated(structure, error_change, pressure_change);
     // At most 960 + 10 + 10 times 100 % in 2⁻²⁰: below 2³⁰.
     let u = config.pid.proportional_and_derivative(error, error_change);
     let boosting = shortfall > 0;

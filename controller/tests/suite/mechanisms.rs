@@ -115,6 +115,36 @@ fn leaving_the_tolerance_gives_no_derivative_kick() {
     assert_close(samples[2].1.derivative, 7.5);
 }
 
+/// At 5 bar, vented for 0 bar, 3 bar are asked for: equation 6.2 would fill.
+#[test]
+fn a_reference_that_jumps_towards_the_pressure_makes_the_derivative_part_fill_only_where_it_sees_the_jump()
+ {
+    let derivative = |prediction_basis, inputs: &[(&str, &str)]| {
+        let settings = Settings {
+            derivative_time_ms: Some(lit("10")),
+            prediction_basis,
+            ..bare()
+        };
+        run(&settings, inputs)[1].1.derivative
+    };
+    let (error, pressure) = (PredictionBasis::Error, PredictionBasis::Pressure);
+    let towards = [("0", "5"), ("3", "5")];
+    assert_close(derivative(error, &towards), 120.0);
+    assert_close(derivative(pressure, &towards), 0.0);
+    // The pressure itself still counts.
+    let falling = [("0", "5"), ("3", "4.5")];
+    assert_close(derivative(error, &falling), 140.0);
+    assert_close(derivative(pressure, &falling), 20.0);
+    // So does a jump that asks for more, to either side.
+    for (inputs, expected) in [
+        ([("3", "5"), ("1", "5")], -80.0),
+        ([("3", "2"), ("5", "2")], 80.0),
+    ] {
+        assert_close(derivative(error, &inputs), expected);
+        assert_close(derivative(pressure, &inputs), expected);
+    }
+}
+
 #[test]
 fn the_integral_part_is_held_or_cleared_at_the_reference_as_chosen() {
     let hold = Settings {
