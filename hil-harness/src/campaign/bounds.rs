@@ -81,10 +81,9 @@ pub const REST_BAR: f64 = 0.02;
 /// The first duty cycle after a rest may be so much above the second \[%\]: a sixth of the 30 % from just open to fully open. What
 /// may still change, [`REST_BAR`] and a sample of the ramp, makes less than half of it with a derivative of 0.6 %/mbar.
 pub const KICK_PCT: f64 = 5.0;
-/// No filling so far above the reference \[bar\]: a derivative time of 16 ms at 75 bar/s looks ahead 1.2 bar, the prediction 0.7.
-pub const ABOVE_REFERENCE_BAR: f64 = 2.0;
-/// A step of the reference is more than this in a sample \[bar\]; a ramp of the fastest drive is less.
-pub const STEP_BAR: f64 = 0.3;
+/// No filling so far above the reference \[bar\]: the derivative part brakes a falling pressure, and a derivative time of 16 ms looks
+/// ahead 1.3 bar where a rig that scatters loses 80 bar/s.
+pub const ABOVE_REFERENCE_BAR: f64 = 1.4;
 /// No valve moves the pressure by more in a sample \[bar\]: 7.3 1/s of 11 bar abs.
 pub const FASTEST_BAR: f64 = 0.8;
 /// Within this of the reference the loop is live \[bar\]: P_tol.

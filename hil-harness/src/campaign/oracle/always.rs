@@ -60,7 +60,7 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 6] {
         ),
         unless(
             fill == 0.0
-                || !oracle.conditions.reference_rests()
+                || !oracle.conditions.is_steady()
                 || above_bar.is_none_or(|above| above <= bounds::ABOVE_REFERENCE_BAR),
             Promise::TowardsTheReference,
             || format!("{above_bar:?} bar above the reference and {}", coils()),

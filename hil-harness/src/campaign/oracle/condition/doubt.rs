@@ -14,6 +14,8 @@ pub(super) struct Doubt {
     jumps: u32,
     /// Samples in a row in which nothing spoke against the pressure, jumps from it aside.
     sound_for: u32,
+    /// Samples since it moved faster than a valve can.
+    steady_for: u32,
 }
 
 impl Doubt {
@@ -33,10 +35,9 @@ impl Doubt {
         !self.is_present && self.sound_for >= bounds::RECOVERY_N
     }
 
-    /// By how much a pressure is off the one that is believed \[bar\].
-    pub(super) fn moved_bar(&self, shown_bar: f64) -> f64 {
-        self.believed_bar
-            .map_or(0.0, |believed| (shown_bar - believed).abs())
+    /// Whether the shown pressure was moved by nothing but valves lately: a derivative part answers to any motion.
+    pub(super) fn is_steady(&self) -> bool {
+        self.steady_for >= bounds::SETTLING
     }
 
     fn speaks_against(&mut self, rig: &Rig, seen: &Seen) -> bool {
@@ -51,7 +52,14 @@ impl Doubt {
             self.sound_for = 0;
             return true;
         };
-        let moved_bar = self.moved_bar(shown_bar);
+        let moved_bar = self
+            .believed_bar
+            .map_or(0.0, |believed| (shown_bar - believed).abs());
+        self.steady_for = if moved_bar > bounds::FASTEST_BAR {
+            0
+        } else {
+            self.steady_for.saturating_add(1)
+        };
         // Against which pressure a target judges that was in doubt a moment ago is its own affair.
         let is_sure = self.sound_for >= bounds::HOLD_SAMPLES && self.jumps < bounds::DOUBT_N;
         let has_jumped = is_sure && moved_bar > rig.jump_bar + 0.02;

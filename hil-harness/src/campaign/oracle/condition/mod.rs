@@ -1,6 +1,5 @@
 //! Which faults of the table are present, by what is on the wire and at the coils.
 
-mod asked;
 mod doubt;
 mod electrical;
 mod offset;
@@ -15,7 +14,6 @@ use super::Seen;
 use super::memory::Memory;
 use super::way::Way;
 use crate::campaign::bounds;
-use asked::Asked;
 use doubt::Doubt;
 use electrical::{battery, coil};
 use offset::Offset;
@@ -95,7 +93,7 @@ struct Past {
     watches: [Watch; 13],
     /// Samples without any.
     calm_for: u32,
-    asked: Asked,
+    last_reference_bar: f64,
     doubt: Doubt,
     stuck: Stuck,
     offset: Offset,
@@ -107,7 +105,7 @@ impl Past {
         Self {
             watches: Condition::ALL.map(Watch::new),
             calm_for: u32::MAX,
-            asked: Asked::default(),
+            last_reference_bar: 0.0,
             doubt: Doubt::default(),
             stuck: Stuck::default(),
             offset: Offset::default(),
@@ -133,9 +131,7 @@ impl Conditions {
         let reference_bar = self.reference_bar(seen);
         let Self { rig, past } = self;
         let shown_bar = seen.shown_bar();
-        let moved_bar = shown_bar.map_or(0.0, |shown| past.doubt.moved_bar(shown));
-        past.asked
-            .look(reference_bar, moved_bar > bounds::FASTEST_BAR);
+        past.last_reference_bar = reference_bar.unwrap_or(past.last_reference_bar);
         let is_in_doubt = past.doubt.look(rig, seen);
         let believed_bar = shown_bar.filter(|_| past.doubt.is_long_over());
         let [too_little, too_much] = past.response.look(rig, believed_bar, memory);
@@ -177,6 +173,11 @@ impl Conditions {
         self.past.calm_for > 0
     }
 
+    /// Whether the shown pressure was moved by nothing but valves lately.
+    pub(super) fn is_steady(&self) -> bool {
+        self.past.doubt.is_steady()
+    }
+
     /// Those that had to be answered and are not gone.
     pub(super) fn answered(&self) -> impl Iterator<Item = &Watch> {
         self.past.watches.iter().filter(|watch| watch.is_answered())
@@ -200,11 +201,6 @@ impl Conditions {
 
     /// The last of those [bar gauge]; zero before the first.
     pub(super) fn last_reference_bar(&self) -> f64 {
-        self.past.asked.last_bar()
-    }
-
-    /// Whether neither the reference nor the shown pressure has stepped lately.
-    pub(super) fn reference_rests(&self) -> bool {
-        self.past.asked.rests()
+        self.past.last_reference_bar
     }
 }
