@@ -89,6 +89,8 @@ pub struct Replay {
     regulating_valve: Option<RegulatingValve>,
     sampling: CurrentSampling,
     ambient_pressure: f64,
+    wall_temperature: f64,
+    thermometer_wall_share: f64,
     has_coil: bool,
     command: Command,
     supply_voltage_v: f64,
@@ -110,6 +112,8 @@ impl Replay {
                 .map(RegulatingValve::new),
             sampling,
             ambient_pressure: parameters.gas.ambient_pressure_pa,
+            wall_temperature: parameters.gas.temperature_k,
+            thermometer_wall_share: parameters.gas.thermometer_wall_share,
             has_coil: Part::Coil.is_in(parameters),
             command: Command::default(),
             supply_voltage_v: parameters.ecu.supply_voltage_v,
@@ -154,7 +158,8 @@ impl Replay {
             sample.position[FILL] * 1e3,
             sample.position[VENT] * 1e3,
             plunger.unwrap_or(f64::NAN),
-            sample.temperature,
+            sample.temperature
+                + self.thermometer_wall_share * (self.wall_temperature - sample.temperature),
         ]
     }
 

@@ -287,3 +287,38 @@ fn a_command_to_a_coil_that_is_not_there_is_refused_and_zeros_are_not() {
         "{message}"
     );
 }
+
+/// Without a chamber the armature moves as between equal pressures; nothing of an orifice is left to stumble over.
+#[test]
+fn a_valve_without_air_moves_to_its_stop() {
+    let keys = [
+        "pressure_force",
+        "[flow]",
+        "orifice",
+        "discharge",
+        "critical",
+        "[gas]",
+        "heat",
+        "temperature_k",
+        "supply_pressure",
+        "ambient",
+        "gas_constant",
+        "[chamber]",
+        "volume",
+        "preload_vent",
+    ];
+    let valve = without(&keys, "fill = \"normally_closed\"\nvent = \"absent\"");
+    let log = log(50e-6, &[fill(vec![100.0; 1600])]);
+    let alone = run(&valve, &log).recording;
+    assert_eq!(last(&alone, "x_fill"), 0.5);
+
+    let mut nominal = PlantParameters::nominal();
+    nominal.gas.supply_pressure_bar_gauge = 0.0;
+    let beside = run(&nominal, &log).recording;
+    for name in ["i_fill", "x_fill"] {
+        let [alone, beside] = [&alone, &beside].map(|run| run.signal(name).unwrap());
+        let apart = alone.iter().zip(beside.iter());
+        let worst = apart.map(|(a, b)| (a.unwrap() - b.unwrap()).abs());
+        assert!(worst.fold(0.0, f64::max) < 0.02, "{name}");
+    }
+}

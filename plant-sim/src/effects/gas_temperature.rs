@@ -7,6 +7,8 @@ use crate::plant::Plant;
 effect_parameters! { "effects.gas_temperature":
     CONDUCTANCE = wall_heat_transfer_w_per_k ["W/K"] 1e-4 ..= 50.0, Log 0.1, off f64::INFINITY,
         "heat between gas and wall per kelvin (E52); infinite keeps the gas at its temperature, as the plain model does";
+    CONVECTION = convection_w_per_k ["W/K"] 1e-4 ..= 50.0, Log 0.3, off f64::INFINITY,
+        "heat between gas and wall per kelvin at full supply pressure and 30 K difference (E52)";
     CAPACITY = wall_heat_capacity_j_per_k ["J/K"] 1e-3 ..= 1e4, Log 5.0,
         "heat capacity of the layer of the wall that follows the gas (E52)";
     LOSS = wall_loss_w_per_k ["W/K"] 1e-4 ..= 100.0, Log 0.5,
@@ -29,6 +31,11 @@ static ABOUT: About = About {
             about: "the inner wall follows the gas and gives its heat on: two time constants",
             parameters: &[&CONDUCTANCE, &CAPACITY, &LOSS],
         },
+        Variant {
+            name: "convection",
+            about: "the gas rises along the wall by itself: more heat while it is dense and its temperature far from the wall's",
+            parameters: &[&CONVECTION],
+        },
     ],
     excited_by: "fast filling to high pressure, then both valves shut for 3 s; the same slowly",
     confused_with: &[
@@ -46,8 +53,10 @@ pub struct GasTemperature;
 /// Heat from the wall to the gas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallHeat {
-    /// Between gas and wall (W/K).
+    /// Between gas and wall (W/K); by natural convection, at the reference.
     pub conductance: f64,
+    /// Gas constant times density (Pa/K) at which natural convection has that conductance; none where it is constant.
+    pub convection: Option<f64>,
     /// The wall's own heat capacity (J/K) and its loss to the surroundings (W/K); none where its temperature stays.
     pub wall: Option<(f64, f64)>,
     /// Temperature of the surroundings and of the supply air (K).
@@ -70,16 +79,31 @@ pub(crate) struct Balance {
     pub(crate) compliance: f64,
 }
 
+/// Temperature difference of the reference of natural convection (K).
+const REFERENCE_KELVIN: f64 = 30.0;
+
 impl WallHeat {
+    /// Heat between gas and wall per kelvin (W/K). Turbulent natural convection has Nu ∝ Ra^(1/3), and Ra goes with
+    /// ρ² ΔT: the size of the chamber cancels.
+    fn conductance(&self, pressure: f64, temperature: f64, wall: f64) -> f64 {
+        let Some(reference) = self.convection else {
+            return self.conductance;
+        };
+        let dense = pressure / temperature / reference;
+        let apart = (wall - temperature).abs() / REFERENCE_KELVIN;
+        self.conductance * (dense * dense * apart).cbrt()
+    }
+
     /// What drives the pressure (W): the enthalpy of mass flows in and out (kg/s), and the wall's heat, times k - 1.
     pub(crate) fn pressure_power(
         &self,
         [inflow, outflow]: [f64; 2],
+        pressure: f64,
         temperature: f64,
         wall: f64,
     ) -> f64 {
         let (k, r) = (self.heat_capacity_ratio, self.gas_constant);
-        let heat = self.conductance * (wall - temperature);
+        let heat = self.conductance(pressure, temperature, wall) * (wall - temperature);
         k * r * (inflow * self.surroundings - outflow * temperature) + (k - 1.0) * heat
     }
 
@@ -106,7 +130,7 @@ impl WallHeat {
             * (pressure_rate / pressure + compliance * pressure_rate / volume
                 - (inflow - outflow) / mass);
         let wall_rate = self.wall.map_or(0.0, |(capacity, loss)| {
-            let heat = self.conductance * (wall - temperature);
+            let heat = self.conductance(pressure, temperature, wall) * (wall - temperature);
             (-heat - loss * (wall - self.surroundings)) / capacity
         });
         [pressure_rate, temperature_rate, wall_rate]
@@ -121,7 +145,12 @@ impl Effect for GasTemperature {
     fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
         let capacity = setting.get("wall_heat_capacity_j_per_k");
         plant.additions.wall_heat = Some(WallHeat {
-            conductance: setting.value("wall_heat_transfer_w_per_k"),
+            conductance: setting
+                .get("convection_w_per_k")
+                .unwrap_or_else(|| setting.value("wall_heat_transfer_w_per_k")),
+            convection: setting
+                .get("convection_w_per_k")
+                .map(|_| plant.supply_pressure / parameters.gas.temperature_k),
             wall: capacity.zip(setting.get("wall_loss_w_per_k")),
             surroundings: parameters.gas.temperature_k,
             heat_capacity_ratio: parameters.gas.heat_capacity_ratio,
@@ -187,6 +216,26 @@ mod tests {
         let expected = 293.15 + (t0 - 293.15) * (-rate).exp();
         assert!((t1 - expected).abs() < 0.01, "{t1} {expected}");
         assert!((p1 / p0 * t0 / t1 - 1.0).abs() < 1e-6);
+    }
+
+    /// Nu ∝ Ra^(1/3): an eighth of the density and the same difference give a quarter of the heat.
+    #[test]
+    fn natural_convection_grows_with_density_and_difference() {
+        let variant = ABOUT.variant("convection").unwrap();
+        let setting = EffectSetting::typical_variant(&GasTemperature, variant);
+        let nominal = PlantParameters::nominal();
+        let plant = nominal.with_effect(setting).plant();
+        let heat = plant.additions.wall_heat.unwrap();
+        let full = plant.supply_pressure;
+        let conductance = |pressure: f64, kelvin: f64| {
+            // At the density of `pressure` and the temperature of the plant file.
+            let temperature = nominal.gas.temperature_k;
+            heat.conductance(pressure, temperature, temperature + kelvin)
+        };
+        assert!((conductance(full, 30.0) - 0.3).abs() < 1e-12);
+        assert!((conductance(full / 8.0, 30.0) - 0.3 / 4.0).abs() < 1e-12);
+        assert!((conductance(full, -240.0) - 0.3 * 2.0).abs() < 1e-12);
+        assert_eq!(conductance(full, 0.0), 0.0);
     }
 
     /// What the gas gives is what wall and surroundings got: with a wall of little capacity the gas cannot leave it.

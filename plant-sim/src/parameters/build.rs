@@ -107,6 +107,7 @@ impl PlantParameters {
         } else {
             HELD
         };
+        let stroke = armature.stroke;
         Valve {
             coil: if function.has_coil() {
                 self.coil(function)
@@ -118,7 +119,8 @@ impl PlantParameters {
             orifice: if Part::FlowThrough(index).is_in(self) {
                 Orifice::new(orifice, discharge)
             } else {
-                Orifice::new(0.0, 0.0)
+                // No air, and no kink of the area within the stroke.
+                Orifice::new(4.0 * stroke, 0.0)
             },
             function,
         }

@@ -9,7 +9,8 @@ use super::error::{ParameterError, Problem};
 use super::parts::Part;
 use super::spec::ParameterSpec;
 use super::table::{
-    CHAMBER, EFFECTS, FUNCTIONS, PARAMETERS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT,
+    CHAMBER, EFFECTS, FUNCTIONS, PARAMETERS, REGULATING_VALVE, THERMOMETER, VALVE_KEYS, VALVES,
+    VARIANT,
 };
 use super::units::in_other_unit;
 use super::values::{PlantParameters, RegulatingValveParameters};
@@ -118,7 +119,9 @@ impl Reader<'_> {
         let regulating = self.parameters.regulating_valve.is_some();
         for &spec in PARAMETERS.iter() {
             let in_table = !spec.is_optional() || (regulating && spec.section == REGULATING_VALVE);
-            let needed = in_table && Part::of_parameter(spec).is_in(&self.parameters);
+            let needed = in_table
+                && (spec.section, spec.key) != THERMOMETER
+                && Part::of_parameter(spec).is_in(&self.parameters);
             if needed && !present.iter().any(|(seen, _)| std::ptr::eq(*seen, spec)) {
                 self.problems.push(Problem::MissingKey { spec });
             }

@@ -16,6 +16,9 @@ pub(super) const FUNCTIONS: [(&str, ValveFunction); 5] = [
     ("absent", ValveFunction::Absent),
 ];
 
+/// The key that a file leaves out where it is 0, as it is without a thermometer.
+pub(super) const THERMOMETER: (&str, &str) = ("gas", "thermometer_wall_share");
+
 /// The table that a plant without chamber leaves out.
 pub(super) const CHAMBER: &str = "chamber";
 
@@ -86,6 +89,7 @@ const THESIS_MODEL: &[ParameterSpec] = parameters! { required:
     gas.temperature_k ["K"] 200.0 ..= 500.0, "gas temperature, constant (equation 3.24)";
     gas.supply_pressure_bar_gauge ["bar gauge"] 0.0 ..= 40.0, "supply pressure P_sup";
     gas.ambient_pressure_pa ["Pa abs"] 3e4 ..= 1.2e5, "ambient pressure P_atm, also of the drain";
+    gas.thermometer_wall_share [""] 0.0 ..= 0.9, "share of the wall's temperature in what a thermometer in the gas shows, by radiation and along its stem; may be absent and is 0 then";
     chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "dead volume V_ch of chamber, channels and actuator (section 2.2)";
 };
 

@@ -94,6 +94,7 @@ pub struct GasParameters {
     pub temperature_k: f64,
     pub supply_pressure_bar_gauge: f64,
     pub ambient_pressure_pa: f64,
+    pub thermometer_wall_share: f64,
 }
 
 /// The chamber.
@@ -193,6 +194,7 @@ impl PlantParameters {
                 temperature_k: 293.15,
                 supply_pressure_bar_gauge: 6.3,
                 ambient_pressure_pa: 101_325.0,
+                thermometer_wall_share: 0.0,
             },
             chamber: ChamberParameters::default(),
             functions: [ValveFunction::NormallyClosed; 2],

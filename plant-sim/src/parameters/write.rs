@@ -3,7 +3,7 @@
 use core::fmt::Write as _;
 
 use super::spec::ParameterSpec;
-use super::table::{FUNCTIONS, PARAMETERS, VALVE_KEYS, VALVES, VARIANT};
+use super::table::{FUNCTIONS, PARAMETERS, THERMOMETER, VALVE_KEYS, VALVES, VARIANT};
 use super::values::PlantParameters;
 use crate::effects::EffectSetting;
 
@@ -16,6 +16,9 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         let Some(value) = spec.value(parameters) else {
             continue;
         };
+        if (spec.section, spec.key) == THERMOMETER && value == 0.0 {
+            continue;
+        }
         if spec.section != section {
             section = spec.section;
             let _ = write!(text, "\n[{section}]\n");

@@ -195,7 +195,7 @@ pub(super) fn rates(
         (Some(heat), Some(index)) => {
             let wall = layout.wall.map_or(heat.surroundings, |wall| extra[wall]);
             let temperature = extra[index];
-            let power = heat.pressure_power([inflow, outflow], temperature, wall);
+            let power = heat.pressure_power([inflow, outflow], pressure, temperature, wall);
             let (volume, compliance) = volume(plant, swept, pressure, power > 0.0);
             let balance = Balance {
                 inflow,

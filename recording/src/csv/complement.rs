@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::error::Excerpt;
 use super::header::parse_unit;
-use super::mapping::{AtSpan, MappingProblem};
+use super::mapping_error::{AtSpan, MappingProblem};
 use crate::name::{check_name, is_time_column};
 use crate::signal::quantity_of;
 use crate::{Quantity, Unit};

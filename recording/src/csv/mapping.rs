@@ -12,8 +12,9 @@ use super::complement::{
 };
 use super::error::Excerpt;
 use super::header::parse_unit;
+use super::mapping_error::{AtSpan, BYTES_MAX, MappingError, MappingProblem};
 use super::{Decimal, Delimiter};
-use crate::name::{NameError, check_name, is_time_column};
+use crate::name::{check_name, is_time_column};
 use crate::{Quantity, Unit};
 
 /// Columns, units and dialect of CSV files that do not say these themselves. Read from TOML:
@@ -138,7 +139,7 @@ fn yes() -> bool {
 
 impl Mapping {
     /// Largest mapping file in bytes.
-    pub const BYTES_MAX: u64 = 1 << 20;
+    pub const BYTES_MAX: u64 = BYTES_MAX;
 
     /// The mapping in the TOML text of the file `source_name`.
     ///
@@ -179,8 +180,6 @@ impl Mapping {
         Self::parse(&source_name, &text)
     }
 }
-
-pub(super) type AtSpan = (Range<usize>, MappingProblem);
 
 fn resolve(raw: MappingToml) -> Result<Mapping, AtSpan> {
     if *raw.schema.get_ref() != 1 {
@@ -296,138 +295,5 @@ fn choice<T: Copy>(
                 choices: choices.iter().map(|(word, _)| *word).collect(),
             },
         )),
-    }
-}
-
-/// Why a mapping file was refused, and where.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: {source_name}{}: {problem}", problem.code(), at(*place))]
-pub struct MappingError {
-    source_name: String,
-    place: Option<(usize, usize)>,
-    problem: MappingProblem,
-}
-
-fn at(place: Option<(usize, usize)>) -> String {
-    place.map_or_else(String::new, |(line, column)| {
-        format!(", line {line}, column {column}")
-    })
-}
-
-impl MappingError {
-    fn new(
-        source_name: &str,
-        text: &str,
-        span: Option<Range<usize>>,
-        problem: MappingProblem,
-    ) -> Self {
-        let place = span.and_then(|span| text.get(..span.start)).map(|before| {
-            let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-            (
-                before.matches('\n').count() + 1,
-                before[line_start..].chars().count() + 1,
-            )
-        });
-        Self {
-            source_name: source_name.to_owned(),
-            place,
-            problem,
-        }
-    }
-
-    /// The stable code, such as `E-MAP-UNIT`.
-    pub fn code(&self) -> &'static str {
-        self.problem.code()
-    }
-
-    /// Line and column, both from 1.
-    pub fn place(&self) -> Option<(usize, usize)> {
-        self.place
-    }
-
-    /// What is wrong.
-    pub fn problem(&self) -> &MappingProblem {
-        &self.problem
-    }
-}
-
-/// What is wrong with a mapping file. Each variant has a stable code.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum MappingProblem {
-    /// The file cannot be read.
-    #[error("{0}; check that the file exists and may be read")]
-    Io(std::io::Error),
-    /// Larger than [`Mapping::BYTES_MAX`].
-    #[error(
-        "a mapping has at most {} bytes; leave out what is no mapping",
-        Mapping::BYTES_MAX
-    )]
-    Long,
-    /// Not TOML, a key that is unknown or missing, or a value of another type.
-    #[error("{}; see the example in the documentation of Mapping", Excerpt::of(.0).as_str())]
-    Toml(String),
-    /// Another version of the format.
-    #[error("found schema {0}, expected 1; write schema = 1")]
-    Schema(i64),
-    /// A word outside the choices.
-    #[error("found {found}, expected one of {choices:?}; choose one")]
-    Choice {
-        /// The word.
-        found: Excerpt,
-        /// What there is to choose from.
-        choices: Vec<&'static str>,
-    },
-    /// A unit that is unknown or leaves the pressure reference open.
-    #[error("{0}")]
-    Unit(String),
-    /// The time is declared in a unit of something else.
-    #[error("the time needs a unit of time; write s, ms or us")]
-    NoTimeUnit,
-    /// A signal that would be the time.
-    #[error("the time is no signal; describe it under [time]")]
-    TimeAsSignal,
-    /// The name of a signal is empty, too long or not printable.
-    #[error("{0}; rename the signal")]
-    Name(NameError),
-    /// Column 0.
-    #[error("columns are counted from 1; write a number from 1 or a header field in quotes")]
-    ColumnZero,
-    /// A scale of zero, NaN or infinity.
-    #[error("found {0}, expected a finite number, for a scale other than 0; correct it")]
-    Factor(f64),
-    /// A constant that is no number, or no duty cycle.
-    #[error("found {found}, expected a finite number, and 0 to 100 % for a duty cycle; correct it")]
-    Constant {
-        /// The value with its unit.
-        found: Excerpt,
-    },
-    /// No time is after `from_s` and before `until_s`.
-    #[error("no row is left between from_s and until_s; write a later until_s")]
-    WindowEmpty,
-    /// The same character separates thousands and decimals.
-    #[error("the comma is the decimal separator already; choose another thousands_separator")]
-    ThousandsAsDecimal,
-}
-
-impl MappingProblem {
-    /// The stable code.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::Io(_) => "E-MAP-IO",
-            Self::Long => "E-MAP-LONG",
-            Self::Toml(_) => "E-MAP-TOML",
-            Self::Schema(_) => "E-MAP-SCHEMA",
-            Self::Choice { .. } => "E-MAP-CHOICE",
-            Self::Unit(_) => "E-MAP-UNIT",
-            Self::NoTimeUnit => "E-MAP-TIME-UNIT",
-            Self::TimeAsSignal => "E-MAP-TIME-SIGNAL",
-            Self::Name(_) => "E-MAP-NAME",
-            Self::ColumnZero => "E-MAP-COLUMN",
-            Self::Factor(_) => "E-MAP-FACTOR",
-            Self::Constant { .. } => "E-MAP-CONSTANT",
-            Self::WindowEmpty => "E-MAP-ROWS",
-            Self::ThousandsAsDecimal => "E-MAP-THOUSANDS",
-        }
     }
 }
