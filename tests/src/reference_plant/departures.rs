@@ -60,6 +60,10 @@ pub struct DriverDepartures {
     pub polarisation_ohm: f64,
     /// Time constant of that (s).
     pub polarisation_s: f64,
+    /// Wander of the battery that no log shows (V).
+    pub wander_v: f64,
+    /// Its slowest frequency (Hz).
+    pub wander_hz: f64,
 }
 
 /// Friction, stops and the force of the flow.
@@ -71,6 +75,10 @@ pub struct ArmatureDepartures {
     pub breakaway_n: f64,
     /// Sliding friction that follows the deflection of bristles (N).
     pub bristle_n: f64,
+    /// Force with which a seat holds an armature that has rested long (N).
+    pub adhesion_n: f64,
+    /// Time in which that comes (s).
+    pub adhesion_s: f64,
     /// Share of the velocity that is left after a stop: rest stop, full stroke.
     pub restitution: [f64; 2],
     /// Share of the pressure force that is lost far from the seat.
@@ -174,6 +182,10 @@ pub struct PulseDepartures {
     pub missed_seed: u64,
     /// By how much the ECU's clock is slow against the log's.
     pub clock_drift: f64,
+    /// Half the way by which the command delay wanders (s).
+    pub delay_wander_s: f64,
+    /// Period of that (s).
+    pub delay_wander_period_s: f64,
 }
 
 /// Pressure sensor and current measurement.

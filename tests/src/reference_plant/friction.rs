@@ -1,4 +1,5 @@
-//! Friction of the armature in its tube, in two forms that both stay smooth where the velocity changes its sign.
+//! Friction of the armature in its tube, in two forms that both stay smooth where the velocity changes its sign, and
+//! a seat that sticks the longer the armature has rested.
 
 use super::departures::ArmatureDepartures;
 
@@ -8,6 +9,10 @@ const SMOOTHING: f64 = 2e-3;
 const STRIBECK: f64 = 1e-2;
 /// Stiffness of the bristles (N/m): P. R. Dahl, *A solid friction model*, 1968.
 const BRISTLES: f64 = 1e5;
+
+/// Lift over which an adhering seat lets go (m), and the time in which it forgets (s).
+const LETTING_GO: f64 = 2e-5;
+const FORGETTING: f64 = 2e-3;
 
 /// Friction that follows the velocity (N), against the motion.
 pub(super) fn of_velocity(armature: &ArmatureDepartures, velocity: f64) -> f64 {
@@ -25,4 +30,23 @@ pub(super) fn bristle_rate(armature: &ArmatureDepartures, force: f64, velocity: 
         return 0.0;
     }
     BRISTLES * velocity * (1.0 - force / armature.bristle_n * velocity.signum())
+}
+
+/// Pull of the seat (N), `adhesion` being the share of it that has come.
+pub(super) fn of_seat(armature: &ArmatureDepartures, adhesion: f64, position: f64) -> f64 {
+    if armature.adhesion_n == 0.0 {
+        return 0.0;
+    }
+    armature.adhesion_n * adhesion * (-position.max(0.0) / LETTING_GO).exp()
+}
+
+/// Rate of that share (1/s).
+pub(super) fn adhesion_rate(armature: &ArmatureDepartures, adhesion: f64, position: f64) -> f64 {
+    if armature.adhesion_n == 0.0 {
+        0.0
+    } else if position <= 0.0 {
+        (1.0 - adhesion) / armature.adhesion_s
+    } else {
+        -adhesion / FORGETTING
+    }
 }

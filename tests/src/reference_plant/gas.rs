@@ -9,7 +9,7 @@ use super::rig::Rig;
 use super::state::*;
 
 /// Width of the passage from curtain to bore (m).
-const PASSAGE: f64 = 2e-5;
+const PASSAGE: f64 = 1e-5;
 const PA_PER_BAR: f64 = 1e5;
 
 /// The opening of one valve.
@@ -116,7 +116,7 @@ impl GasPath {
         state[LINE] = mass(self.supply, supply.line_m3);
         state[INLET] = mass(self.supply, supply.inlet_m3);
         state[CAVITY] = mass(self.ambient, chamber.cavity_m3);
-        state[FILTERED..].fill(self.ambient);
+        state[FILTERED..=LAGGED_AGAIN].fill(self.ambient);
     }
 
     pub(super) fn pressures(&self, time: f64, state: &State) -> Pressures {

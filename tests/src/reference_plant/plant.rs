@@ -11,8 +11,8 @@ use super::state::*;
 
 /// Step while anything electrical or mechanical moves (s).
 const FINE_STEP: f64 = 1e-5;
-/// Step while coils are dead and armatures seated (s): only gas flows, and stops are stiff.
-const COARSE_STEP: f64 = 4e-5;
+/// Step while coils are dead and armatures seated (s): only gas flows, and the dampers of the stops are stiff.
+const COARSE_STEP: f64 = 1.5e-5;
 /// An armature slower than this rests (m/s).
 const RESTING: f64 = 1e-6;
 
@@ -191,7 +191,9 @@ impl ReferencePlant {
             .filter(|&valve| high[valve])
             .map(|valve| magnetising[valve])
             .sum();
-        let supplied = ecu.supply_voltage_v - driver.harness_ohm * drawn - state[POLARISATION];
+        let supplied = ecu.supply_voltage_v + wander(driver, time)
+            - driver.harness_ohm * drawn
+            - state[POLARISATION];
         if driver.polarisation_ohm > 0.0 {
             rate[POLARISATION] =
                 (driver.polarisation_ohm * drawn - state[POLARISATION]) / driver.polarisation_s;
@@ -255,12 +257,24 @@ impl ReferencePlant {
             - sheet.viscous_friction_ns_per_m * velocity
             - friction::of_velocity(departures, velocity)
             - state[BRISTLE + valve]
+            - friction::of_seat(departures, state[ADHESION + valve], position)
             + self.stops.force(position, velocity);
         rate[POSITION + valve] = velocity;
         rate[VELOCITY + valve] = force / sheet.mass_kg;
         rate[BRISTLE + valve] =
             friction::bristle_rate(departures, state[BRISTLE + valve], velocity);
+        rate[ADHESION + valve] =
+            friction::adhesion_rate(departures, state[ADHESION + valve], position);
     }
+}
+
+/// What the battery has beyond its voltage now (V): three tones without a common period.
+fn wander(driver: &super::departures::DriverDepartures, time: f64) -> f64 {
+    if driver.wander_v == 0.0 {
+        return 0.0;
+    }
+    let tone = |ratio: f64| (std::f64::consts::TAU * driver.wander_hz * ratio * time).sin();
+    driver.wander_v * (tone(1.0) + tone(1.618) + tone(2.618))
 }
 
 /// Pressure that pushes an armature open (Pa).

@@ -9,6 +9,8 @@ pub(super) struct Pulses {
     /// PWM period by the clock of the log (ns).
     period_ns: u64,
     delay_ns: u64,
+    /// Half the way of a wandering delay (ns), and its period in PWM periods.
+    wander: (f64, f64),
     missed_share: f64,
     missed_seed: u64,
     /// Shares of the period, fill and vent, one pair per sample.
@@ -27,6 +29,10 @@ impl Pulses {
         Self {
             period_ns: (ecu.sample_time_s * 1e9 * (1.0 + pulses.clock_drift)).round() as u64,
             delay_ns: (ecu.command_delay_s * 1e9).round() as u64,
+            wander: (
+                pulses.delay_wander_s * 1e9,
+                pulses.delay_wander_period_s / ecu.sample_time_s,
+            ),
             missed_share: pulses.missed_share,
             missed_seed: pulses.missed_seed,
             commands: Vec::new(),
@@ -41,13 +47,17 @@ impl Pulses {
 
     /// Which outputs are high from `now_ns` on, and the instant until which that is known to hold.
     pub(super) fn at(&self, now_ns: u64) -> ([bool; 2], u64) {
-        let Some(since_first) = now_ns.checked_sub(self.delay_ns) else {
+        if now_ns < self.delay_ns {
             return ([false; 2], self.delay_ns);
-        };
-        let period = since_first / self.period_ns;
-        let begin_ns = self.delay_ns + period * self.period_ns;
+        }
+        // A wandering delay only ever adds: the period is this one or one before.
+        let mut period = (now_ns - self.delay_ns) / self.period_ns;
+        while self.begin_ns(period) > now_ns {
+            period -= 1;
+        }
+        let begin_ns = self.begin_ns(period);
         let share = self.commands[period as usize];
-        let mut until_ns = begin_ns + self.period_ns;
+        let mut until_ns = self.begin_ns(period + 1);
         let mut high = [false; 2];
         for valve in 0..2 {
             if valve == 0 && self.is_missed(period) {
@@ -60,6 +70,16 @@ impl Pulses {
             }
         }
         (high, until_ns)
+    }
+
+    /// Instant at which a period begins.
+    fn begin_ns(&self, period: u64) -> u64 {
+        let (half_way, wander_period) = self.wander;
+        let mut late = 0.0;
+        if half_way > 0.0 {
+            late = half_way * (1.0 - (std::f64::consts::TAU * period as f64 / wander_period).cos());
+        }
+        self.delay_ns + period * self.period_ns + late as u64
     }
 
     /// Whether the fill driver skips this period: by chance, but the same in every run.

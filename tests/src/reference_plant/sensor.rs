@@ -4,7 +4,7 @@ use super::departures::SensorDepartures;
 use super::state::*;
 
 /// Time constant of the anti-alias filter (s).
-const ANTI_ALIAS: f64 = 2e-4;
+const ANTI_ALIAS: f64 = 5e-5;
 /// Gauge pressure at which a bow deviates most (Pa).
 const BOW_PRESSURE: f64 = 4e5;
 

@@ -1,7 +1,7 @@
 //! The state as one vector: where each quantity stands. Quantities of a valve stand twice, fill and vent.
 
 /// Number of state variables.
-pub(super) const COUNT: usize = 30;
+pub(super) const COUNT: usize = 32;
 pub(super) type State = [f64; COUNT];
 
 /// Flux linkage (Vs).
@@ -46,6 +46,8 @@ pub(super) const POLARISATION: usize = 26;
 pub(super) const FILTERED: usize = 27;
 pub(super) const LAGGED: usize = 28;
 pub(super) const LAGGED_AGAIN: usize = 29;
+/// How far the seat has stuck to the armature, as a share.
+pub(super) const ADHESION: usize = 30;
 
 /// `state + h rate`.
 pub(super) fn along(state: &State, h: f64, rate: &State) -> State {

@@ -71,4 +71,35 @@ pub(super) const FORMS: &[Form] = &[
             d.pulses.clock_drift = 1e-6 * p.size;
         },
     ),
+    beyond(
+        "delay_wander",
+        "command delay comes and goes",
+        (0.3, "ms"),
+        &[],
+        |p, d| {
+            d.pulses.delay_wander_s = 1e-3 * p.size;
+            d.pulses.delay_wander_period_s = p.between(20.0, 80.0);
+        },
+    ),
+    beyond(
+        "battery_wander",
+        "voltage that the log does not show",
+        (0.06, "V"),
+        &[],
+        |p, d| {
+            d.driver.wander_v = p.size;
+            d.driver.wander_hz = p.between(0.05, 1.0);
+        },
+    ),
+    // A library that has friction at rest may call it so.
+    beyond(
+        "sticky_seat",
+        "sticks the longer, the longer it has rested",
+        (0.1, "N"),
+        &["static_friction"],
+        |p, d| {
+            d.armature.adhesion_n = p.size;
+            d.armature.adhesion_s = p.between(0.3, 3.0);
+        },
+    ),
 ];
