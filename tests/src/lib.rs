@@ -1,5 +1,6 @@
 //! Evidence that needs more than one crate: shared tools of the tests in `tests/` and the benches.
 
 pub mod bench_log;
+pub mod blind;
 pub mod reference_plant;
 pub mod stiff_solver;

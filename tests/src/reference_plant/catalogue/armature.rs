@@ -13,7 +13,8 @@ pub(super) const FORMS: &[Form] = &[
             d.armature.coulomb_n = p.size;
             d.armature.breakaway_n = p.size * p.between(0.2, 0.8);
         },
-    ),
+    )
+    .parameter("friction_n", |p| p.size * (1.0 + p.between(0.2, 0.8))),
     Form::library(
         "static_friction",
         Variant,
@@ -27,7 +28,8 @@ pub(super) const FORMS: &[Form] = &[
         "both stops",
         (0.2, "of the velocity"),
         |p, d| d.armature.restitution = [p.size.min(0.9); 2],
-    ),
+    )
+    .parameter("restitution", |p| p.size.min(0.9)),
     Form::library(
         "end_stop_bounce",
         Variant,

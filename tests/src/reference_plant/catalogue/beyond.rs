@@ -8,7 +8,7 @@ const fn beyond(
     effect: &'static str,
     law: &'static str,
     (typical, unit): (f64, &'static str),
-    tolerated: &'static [&'static str],
+    same: &'static [&'static str],
     apply: fn(&Parameters<'_>, &mut Departures),
 ) -> Form {
     Form {
@@ -17,7 +17,8 @@ const fn beyond(
         kinship: Beyond,
         unit,
         typical,
-        tolerated,
+        same,
+        parameter: None,
         apply,
     }
 }

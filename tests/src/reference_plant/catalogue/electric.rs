@@ -13,7 +13,8 @@ pub(super) const FORMS: &[Form] = &[
             d.coil.winding_k_per_w = p.size;
             d.coil.winding_s = p.between(20.0, 120.0);
         },
-    ),
+    )
+    .parameter("heat_capacity_j_per_k", |p| p.between(20.0, 120.0) / p.size),
     Form::library(
         "coil_heating",
         Variant,
@@ -32,7 +33,9 @@ pub(super) const FORMS: &[Form] = &[
         "both coils in warm surroundings",
         (20.0, "K"),
         |p, d| d.coil.surroundings_k = [p.size; 2],
-    ),
+    )
+    .parameter("difference_k", |p| p.size)
+    .same(&["supply_resistance"]),
     Form::library(
         "coil_ambient_temperature",
         Variant,
@@ -43,7 +46,8 @@ pub(super) const FORMS: &[Form] = &[
             d.coil.surroundings_in_the_end_k = p.size;
             d.coil.surroundings_s = p.between(10.0, 60.0);
         },
-    ),
+    )
+    .same(&["coil_heating"]),
     Form::library(
         "iron_saturation",
         Matched,
@@ -70,7 +74,8 @@ pub(super) const FORMS: &[Form] = &[
         "shorted turn",
         (0.2, "mS"),
         |p, d| d.coil.eddy_s = 1e-3 * p.size,
-    ),
+    )
+    .parameter("loop_resistance_ohm", |p| 1e3 / p.size),
     Form::library(
         "eddy_currents",
         Variant,
@@ -87,21 +92,24 @@ pub(super) const FORMS: &[Form] = &[
         "constant voltage",
         (1.0, "V"),
         |p, d| d.driver.clamp_v = p.size,
-    ),
+    )
+    .parameter("extra_drop_v", |p| p.size),
     Form::library(
         "flyback_clamp",
         Variant,
         "resistor in the free-wheeling path",
         (10.0, "ohm"),
         |p, d| d.driver.snubber_ohm = p.size,
-    ),
+    )
+    .parameter("resistance_ohm", |p| p.size),
     Form::library(
         "supply_resistance",
         Matched,
         "wire that both coils share",
         (2.0, "ohm"),
         |p, d| d.driver.harness_ohm = p.size,
-    ),
+    )
+    .parameter("resistance_ohm", |p| p.size),
     Form::library(
         "supply_resistance",
         Variant,

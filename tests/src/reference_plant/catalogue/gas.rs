@@ -6,7 +6,8 @@ use super::Kinship::{Matched, Variant};
 pub(super) const FORMS: &[Form] = &[
     Form::library("chamber_leak", Matched, "hole", (2e-4, "mm²"), |p, d| {
         d.flow.chamber_leak.hole_m2 = 1e-6 * p.size;
-    }),
+    })
+    .parameter("area_m2", |p| 1e-6 * p.size),
     Form::library(
         "chamber_leak",
         Variant,
@@ -34,7 +35,8 @@ pub(super) const FORMS: &[Form] = &[
         "ISO 6358",
         (0.05, "below that of the nozzle"),
         |p, d| d.flow.critical_ratio_drop = p.size.min(0.5),
-    ),
+    )
+    .parameter("reduction", |p| p.size.min(0.5)),
     Form::library(
         "critical_ratio",
         Variant,
@@ -51,7 +53,10 @@ pub(super) const FORMS: &[Form] = &[
         "constant heat transfer to a cold wall",
         (3.0, "ms"),
         |p, d| d.chamber.thermal_s = 1e-3 * p.size,
-    ),
+    )
+    .parameter("wall_heat_transfer_w_per_k", |p| {
+        p.ambient_heat_capacity() / (1e-3 * p.size)
+    }),
     Form::library(
         "gas_temperature",
         Variant,
@@ -97,7 +102,9 @@ pub(super) const FORMS: &[Form] = &[
             d.chamber.cavity_kg_per_s_pa = p.between(1e-9, 8e-9);
             d.chamber.sensor_in_cavity = true;
         },
-    ),
+    )
+    .parameter("cavity_volume_m3", |p| 1e-6 * p.size)
+    .same(&["sensor_lag"]),
     Form::library(
         "dead_volume",
         Variant,

@@ -38,10 +38,15 @@ pub struct Form {
     pub unit: &'static str,
     /// A size that changes the readings by about the noise, after all nuisance parameters were refitted.
     pub typical: f64,
-    /// Effects of the library that say the same in other words; naming one of them is no error.
-    pub tolerated: &'static [&'static str],
+    /// Effects of the library that are physically the same thing here; naming one of them is right as well.
+    pub same: &'static [&'static str],
+    /// The parameter of the library's effect that means the same as this law's, where there is one.
+    parameter: Option<LibraryParameter>,
     apply: fn(&Parameters<'_>, &mut Departures),
 }
+
+/// Key of a parameter of the library, and its value for a law.
+type LibraryParameter = (&'static str, fn(&Parameters<'_>) -> f64);
 
 /// What a law is made from.
 struct Parameters<'a> {
@@ -55,6 +60,13 @@ impl Parameters<'_> {
     /// A second parameter between two positive bounds, even on a logarithmic scale.
     fn between(&self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.shape)
+    }
+
+    /// Heat capacity at constant volume of the chamber's gas at ambient density (J/K).
+    fn ambient_heat_capacity(&self) -> f64 {
+        let gas = &self.datasheet.gas;
+        gas.ambient_pressure_pa * self.datasheet.chamber.volume_m3
+            / (gas.temperature_k * (gas.heat_capacity_ratio - 1.0))
     }
 
     /// Effective area of the fully open fill valve (m²).
@@ -79,9 +91,38 @@ impl Form {
             kinship,
             unit,
             typical,
-            tolerated: &[],
+            same: &[],
+            parameter: None,
             apply,
         }
+    }
+
+    /// The same law, which effects of the library may also stand for.
+    const fn same(self, same: &'static [&'static str]) -> Self {
+        Self { same, ..self }
+    }
+
+    /// The same law, one parameter of which the library has too.
+    const fn parameter(self, key: &'static str, value: fn(&Parameters<'_>) -> f64) -> Self {
+        Self {
+            parameter: Some((key, value)),
+            ..self
+        }
+    }
+
+    /// Key and value of the library's parameter that means the same as this law's, where there is one.
+    pub fn library_parameter(
+        &self,
+        size: f64,
+        shape: f64,
+        datasheet: &Datasheet,
+    ) -> Option<(&'static str, f64)> {
+        let parameters = Parameters {
+            size,
+            shape,
+            datasheet,
+        };
+        self.parameter.map(|(key, value)| (key, value(&parameters)))
     }
 
     /// Puts this law into `departures`. `shape`, 0 to 1, sets its other parameters.

@@ -6,11 +6,14 @@ use super::Kinship::{Matched, Variant};
 pub(super) const FORMS: &[Form] = &[
     Form::library("sensor_lag", Matched, "one lag", (1.0, "ms"), |p, d| {
         d.sensor.lag_s = 1e-3 * p.size;
-    }),
+    })
+    .parameter("time_constant_s", |p| 1e-3 * p.size)
+    .same(&["dead_volume"]),
     Form::library("sensor_lag", Variant, "two lags", (1.0, "ms"), |p, d| {
         d.sensor.lag_s = 0.5e-3 * p.size;
         d.sensor.second_lag_s = 0.5e-3 * p.size;
-    }),
+    })
+    .same(&["dead_volume"]),
     Form::library(
         "sensor_offset",
         Matched,
@@ -19,7 +22,8 @@ pub(super) const FORMS: &[Form] = &[
         |p, d| {
             d.sensor.offset_pa = 100.0 * p.size;
         },
-    ),
+    )
+    .parameter("offset_bar", |p| 1e-3 * p.size),
     Form::library(
         "sensor_offset",
         Variant,

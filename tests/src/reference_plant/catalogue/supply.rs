@@ -16,7 +16,8 @@ pub(super) const FORMS: &[Form] = &[
             d.supply.line_m2 = p.fill_bore() / p.size;
             d.supply.line_m3 = p.between(2e-5, 2e-4);
         },
-    ),
+    )
+    .parameter("restriction_area_m2", |p| p.fill_bore() / p.size),
     Form::library(
         "supply_line_droop",
         Variant,
@@ -33,7 +34,9 @@ pub(super) const FORMS: &[Form] = &[
         "orifice in the inlet, areas in a row",
         (0.3, "fill bore over orifice"),
         |p, d| d.supply.inlet_m2 = p.fill_bore() / p.size,
-    ),
+    )
+    .parameter("fill_area_ratio", |p| p.size)
+    .same(&["supply_line_droop"]),
     Form::library(
         "series_restriction",
         Variant,
@@ -43,14 +46,16 @@ pub(super) const FORMS: &[Form] = &[
             d.supply.inlet_m2 = p.fill_bore() / p.size;
             d.supply.inlet_m3 = p.between(3e-7, 1.5e-6);
         },
-    ),
+    )
+    .same(&["supply_line_droop"]),
     Form::library(
         "drain_back_pressure",
         Matched,
         "constant",
         (20.0, "mbar"),
         |p, d| d.supply.drain_pa = 100.0 * p.size,
-    ),
+    )
+    .parameter("pressure_bar", |p| 1e-3 * p.size),
     Form::library(
         "drain_back_pressure",
         Variant,
@@ -60,14 +65,16 @@ pub(super) const FORMS: &[Form] = &[
             d.supply.drain_pa_s_per_kg = p.size * PA_S_PER_KG;
             d.supply.drain_s = p.between(2e-3, 2e-2);
         },
-    ),
+    )
+    .same(&["series_restriction"]),
     Form::library(
         "supply_seat_leak",
         Matched,
         "hole",
         (2e-4, "mm²"),
         |p, d| d.flow.seat_leak.hole_m2 = 1e-6 * p.size,
-    ),
+    )
+    .parameter("area_m2", |p| 1e-6 * p.size),
     Form::library(
         "supply_seat_leak",
         Variant,

@@ -1,0 +1,42 @@
+//! Draws sealed rigs from a seed: `docs/blind-benchmark.md`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use retarder_tests::blind::draw::{Counts, Draw};
+use retarder_tests::blind::format::Folders;
+
+/// Draws sealed rigs from a seed.
+#[derive(Parser)]
+struct Options {
+    /// Folder that the draw goes to; `logs` and `sealed` in it must not exist.
+    #[arg(long)]
+    out: PathBuf,
+    /// The seed.
+    #[arg(long)]
+    seed: u64,
+    /// Share of the full set.
+    #[arg(long, default_value_t = 1.0)]
+    share: f64,
+    /// Threads.
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    let draw = Draw::new(options.seed, Counts::FULL.share(options.share));
+    let count = draw.count();
+    let progress = |done| eprint!("\r{done} of {count} rigs");
+    match draw.write(&Folders::new(options.out), options.threads, progress) {
+        Ok(()) => {
+            eprintln!();
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("\n{error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! From readings to the log that a bench would write: noise, steps of the converters, columns.
+
+use std::fmt::Write;
+
+use super::super::chance::Chance;
+use crate::reference_plant::Reading;
+
+/// What measures the rig.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Logger {
+    /// Noise over that of a good log.
+    pub noise: f64,
+    /// ECU samples per row.
+    pub samples_per_row: usize,
+    /// Whether the pressure is logged.
+    pub pressure: bool,
+    /// Whether the currents are logged.
+    pub currents: bool,
+}
+
+/// A quantity's noise (rms) and the step of its converter.
+struct Channel {
+    noise: f64,
+    step: f64,
+}
+
+const PRESSURE_BAR: Channel = Channel {
+    noise: 4e-3,
+    step: 5.1e-3,
+};
+const CURRENT_MA: Channel = Channel {
+    noise: 0.7,
+    step: 0.5,
+};
+const BATTERY_V: Channel = Channel {
+    noise: 20e-3,
+    step: 25e-3,
+};
+const BATTERY: f64 = 24.0;
+
+impl Channel {
+    fn read(&self, value: f64, noise: f64, chance: &mut Chance) -> f64 {
+        let noisy = value + noise * self.noise * chance.normal();
+        // Adding zero takes the sign off a zero.
+        (noisy / self.step).round() * self.step + 0.0
+    }
+}
+
+/// Units of the noise (bar, mA) in which an excess is counted.
+pub(super) fn noise_of(signal: &str) -> f64 {
+    if signal == "p_ch" {
+        PRESSURE_BAR.noise
+    } else {
+        CURRENT_MA.noise
+    }
+}
+
+/// Signals of the reading (bar gauge, mA), in the order of the columns.
+pub(super) fn signals(reading: &Reading) -> [(&'static str, f64); 3] {
+    [
+        ("p_ch", reading.pressure * 1e-5),
+        ("i_fill", reading.currents[0] * 1e3),
+        ("i_vent", reading.currents[1] * 1e3),
+    ]
+}
+
+impl Logger {
+    /// What the ECU reads of the pressure (bar gauge).
+    pub(super) fn pressure(&self, reading: &Reading, chance: &mut Chance) -> f64 {
+        PRESSURE_BAR.read(reading.pressure * 1e-5, self.noise, chance)
+    }
+
+    /// The log as CSV. `pressures` are those that the ECU read, one per sample as all others.
+    pub(super) fn csv(
+        &self,
+        commands: &[[f64; 2]],
+        readings: &[Reading],
+        pressures: &[f64],
+        chance: &mut Chance,
+    ) -> String {
+        let mut text = String::from("time_s,duty_fill_pct,duty_vent_pct");
+        if self.pressure {
+            text += ",p_ch_bar_gauge";
+        }
+        if self.currents {
+            text += ",i_fill_mA,i_vent_mA";
+        }
+        text += ",u_bat_V\n";
+        for n in (0..commands.len()).step_by(self.samples_per_row) {
+            let [fill, vent] = commands[n];
+            let mut row = format!("{:.2},{fill:.1},{vent:.1}", n as f64 * 0.01);
+            if self.pressure {
+                _ = write!(row, ",{:.4}", pressures[n]);
+            }
+            if self.currents {
+                // Means since the row before.
+                let since = &readings[(n + 1).saturating_sub(self.samples_per_row)..=n];
+                for valve in 0..2 {
+                    let mean =
+                        since.iter().map(|r| r.currents[valve]).sum::<f64>() / since.len() as f64;
+                    let current = CURRENT_MA.read(1e3 * mean, self.noise, chance);
+                    _ = write!(row, ",{current:.1}");
+                }
+            }
+            _ = writeln!(
+                text,
+                "{row},{:.3}",
+                BATTERY_V.read(BATTERY, self.noise, chance)
+            );
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STILL: Reading = Reading {
+        pressure: 2e5,
+        pressure_rate: 0.0,
+        currents: [0.1, 0.0],
+    };
+
+    fn logged(logger: Logger) -> String {
+        let readings: Vec<Reading> = (0..20)
+            .map(|n| Reading {
+                currents: [f64::from(n) * 1e-3, 0.0],
+                ..STILL
+            })
+            .collect();
+        let mut chance = Chance::new(1);
+        logger.csv(&[[50.0, 0.0]; 20], &readings, &[2.0; 20], &mut chance)
+    }
+
+    #[test]
+    fn a_slow_log_holds_means_since_its_row_before() {
+        let text = logged(Logger {
+            noise: 0.0,
+            samples_per_row: 5,
+            pressure: true,
+            currents: true,
+        });
+        let rows: Vec<&str> = text.lines().collect();
+        assert_eq!(rows.len(), 1 + 4);
+        assert_eq!(rows[2], "0.05,50.0,0.0,2.0000,3.0,0.0,24.000");
+    }
+
+    #[test]
+    fn a_log_has_the_columns_that_were_measured() {
+        let header = |pressure, currents| {
+            let text = logged(Logger {
+                noise: 1.0,
+                samples_per_row: 1,
+                pressure,
+                currents,
+            });
+            text.lines().next().unwrap().to_owned()
+        };
+        let all = "time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge,i_fill_mA,i_vent_mA,u_bat_V";
+        assert_eq!(header(true, true), all);
+        assert_eq!(header(true, false), all.replace(",i_fill_mA,i_vent_mA", ""));
+        assert_eq!(header(false, true), all.replace(",p_ch_bar_gauge", ""));
+    }
+}

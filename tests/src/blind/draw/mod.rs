@@ -1,0 +1,280 @@
+//! Draws rigs, runs them in the reference plant, and writes logs and sealed answers.
+
+mod closed_loop;
+mod log;
+mod plan;
+mod profile;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use thiserror::Error;
+
+use super::chance::Chance;
+use super::format::{Answer, Class, Folders, Hidden, Poor, Profile, SCHEMA};
+use crate::reference_plant::{
+    Departures, Reading, ReferencePlant, Rig, SCATTERED, Scatter, replay,
+};
+pub use log::Logger;
+pub use plan::Counts;
+use plan::{Dose, Plan};
+use profile::Commands;
+
+/// Length of a good id log and of a good check log in samples.
+const GOOD_LENGTHS: [usize; 2] = [6000, 4000];
+
+/// Why a draw failed.
+#[derive(Debug, Error)]
+pub enum DrawError {
+    /// A folder that is not empty may hold another draw.
+    #[error("{} is there already; draw into a folder that is not", .0.display())]
+    Occupied(PathBuf),
+    /// A file or a folder could not be written.
+    #[error("{} cannot be written: {}", .0.display(), .1)]
+    Write(PathBuf, #[source] io::Error),
+}
+
+/// One rig, drawn.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    /// What it hides.
+    pub answer: Answer,
+    /// Its id log and its check log as CSV.
+    pub logs: [String; 2],
+}
+
+/// Rigs of a seed.
+#[derive(Debug, Clone)]
+pub struct Draw {
+    seed: u64,
+    plans: Vec<Plan>,
+}
+
+impl Draw {
+    /// The rigs of `seed`, planned and not yet run.
+    pub fn new(seed: u64, counts: Counts) -> Self {
+        Self {
+            seed,
+            plans: plan::plans(counts, &mut Chance::new(seed)),
+        }
+    }
+
+    /// Number of rigs.
+    pub fn count(&self) -> usize {
+        self.plans.len()
+    }
+
+    /// Kind of a rig.
+    pub fn class(&self, index: usize) -> Class {
+        self.plans[index].class
+    }
+
+    /// Runs one rig.
+    pub fn rig(&self, index: usize) -> Drawn {
+        drawn(
+            format!("rig-{:03}", index + 1),
+            &self.plans[index],
+            &mut Chance::of(self.seed, index as u64),
+        )
+    }
+
+    /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` hears how many are done.
+    ///
+    /// # Errors
+    /// If the folder is there already, or a file cannot be written.
+    pub fn write(
+        &self,
+        folders: &Folders,
+        threads: usize,
+        progress: impl Fn(usize) + Sync,
+    ) -> Result<(), DrawError> {
+        if folders.logs().exists() || folders.sealed().exists() {
+            return Err(DrawError::Occupied(folders.root().to_owned()));
+        }
+        for folder in [folders.logs(), folders.sealed()] {
+            fs::create_dir_all(&folder).map_err(|error| DrawError::Write(folder, error))?;
+        }
+        let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let work = || -> Result<(), DrawError> {
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                if index >= self.count() {
+                    return Ok(());
+                }
+                self.rig(index).write(folders)?;
+                progress(1 + done.fetch_add(1, Ordering::Relaxed));
+            }
+        };
+        std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
+            workers
+                .into_iter()
+                .try_for_each(|worker| worker.join().expect("a worker does not panic"))
+        })
+    }
+}
+
+impl Drawn {
+    fn write(&self, folders: &Folders) -> Result<(), DrawError> {
+        let rig = &self.answer.rig;
+        let answer = serde_json::to_string_pretty(&self.answer).expect("an answer is plain data");
+        let [id, check] = &self.logs;
+        for (path, text) in [
+            (folders.id_log(rig), id),
+            (folders.check_log(rig), check),
+            (folders.sealed().join(format!("{rig}.json")), &answer),
+        ] {
+            fs::write(&path, text).map_err(|error| DrawError::Write(path, error))?;
+        }
+        Ok(())
+    }
+}
+
+fn drawn(name: String, plan: &Plan, chance: &mut Chance) -> Drawn {
+    let scatter = Scatter([0.0; SCATTERED.len()].map(|_: f64| chance.between(-1.0, 1.0)));
+    let plain = Rig::nominal().scattered(&scatter);
+    let rig = plain.with(departures(plan, &plain));
+    let logger = logger(plan.poor);
+    let profiles = profiles(plan.poor, chance);
+    let lengths = match plan.poor {
+        Some(Poor::Short) => [0; 2].map(|_| chance.whole(1000, 2000)),
+        _ => GOOD_LENGTHS,
+    };
+    let mut runs = [0, 1].map(|n| {
+        let commands = Commands::new(profiles[n], lengths[n], logger.samples_per_row, chance);
+        Run::new(&rig, commands, lengths[n], &logger, chance)
+    });
+    let logs = runs.each_mut().map(|run| run.csv(&logger, chance));
+    let raw_excess = if plan.hidden.is_empty() {
+        BTreeMap::new()
+    } else {
+        raw_excess(&runs[1], &replay(&plain, &runs[1].commands))
+    };
+    Drawn {
+        answer: Answer {
+            schema: SCHEMA.to_owned(),
+            rig: name,
+            class: plan.class,
+            poor: plan.poor,
+            hidden: plan
+                .hidden
+                .iter()
+                .map(|dose| hidden(dose, &plain))
+                .collect(),
+            raw_excess,
+            profiles,
+            scatter: scatter.0.to_vec(),
+        },
+        logs,
+    }
+}
+
+fn departures(plan: &Plan, plain: &Rig) -> Departures {
+    let mut departures = Departures::default();
+    for dose in &plan.hidden {
+        let size = dose.size_over_typical * dose.form.typical;
+        dose.form
+            .apply(size, dose.shape, &plain.datasheet, &mut departures);
+    }
+    departures
+}
+
+fn hidden(dose: &Dose, plain: &Rig) -> Hidden {
+    let form = dose.form;
+    let size = dose.size_over_typical * form.typical;
+    Hidden {
+        effect: form.effect.to_owned(),
+        law: form.law.to_owned(),
+        kinship: form.kinship,
+        same: form.same.iter().map(|&id| id.to_owned()).collect(),
+        size,
+        unit: form.unit.to_owned(),
+        size_over_typical: dose.size_over_typical,
+        shape: dose.shape,
+        parameter: form
+            .library_parameter(size, dose.shape, &plain.datasheet)
+            .map(|(name, value)| (name.to_owned(), value)),
+    }
+}
+
+fn logger(poor: Option<Poor>) -> Logger {
+    Logger {
+        noise: if poor == Some(Poor::Noisy) { 3.0 } else { 1.0 },
+        samples_per_row: if poor == Some(Poor::Slow) { 5 } else { 1 },
+        pressure: poor != Some(Poor::CurrentsOnly),
+        currents: poor != Some(Poor::PressureOnly),
+    }
+}
+
+fn profiles(poor: Option<Poor>, chance: &mut Chance) -> [Profile; 2] {
+    use Profile::{Bench, Chance as ByChance, ClosedLoop, Pulses, Restless};
+    match poor {
+        Some(Poor::NoHold) => [Restless; 2],
+        Some(Poor::Short) => [ByChance; 2],
+        Some(_) => [Bench, ByChance],
+        None => chance.one_of(&[
+            [Bench, ByChance],
+            [Bench, ClosedLoop],
+            [ByChance, Pulses],
+            [ClosedLoop, ClosedLoop],
+            [Pulses, Bench],
+        ]),
+    }
+}
+
+/// A rig that was run through commands.
+struct Run {
+    commands: Vec<[f64; 2]>,
+    readings: Vec<Reading>,
+    /// Pressures that the ECU read (bar gauge).
+    pressures: Vec<f64>,
+}
+
+impl Run {
+    fn new(
+        rig: &Rig,
+        mut commands: Commands,
+        samples: usize,
+        logger: &Logger,
+        chance: &mut Chance,
+    ) -> Self {
+        let mut plant = ReferencePlant::new(rig);
+        let mut run = Self {
+            commands: Vec::with_capacity(samples),
+            readings: Vec::with_capacity(samples),
+            pressures: Vec::with_capacity(samples),
+        };
+        for n in 0..samples {
+            let reading = plant.reading();
+            let pressure = logger.pressure(&reading, chance);
+            let command = commands.at(n, pressure);
+            plant.run(command);
+            run.readings.push(reading);
+            run.pressures.push(pressure);
+            run.commands.push(command);
+        }
+        run
+    }
+
+    fn csv(&self, logger: &Logger, chance: &mut Chance) -> String {
+        logger.csv(&self.commands, &self.readings, &self.pressures, chance)
+    }
+}
+
+/// What a run differs from the plain rig's, by signal: rms in units of the noise of a good log.
+fn raw_excess(run: &Run, plain: &[Reading]) -> BTreeMap<String, f64> {
+    let mut sums: BTreeMap<String, f64> = BTreeMap::new();
+    for (with, without) in run.readings.iter().zip(plain) {
+        for ((signal, with), (_, without)) in log::signals(with).iter().zip(log::signals(without)) {
+            let error = (with - without) / log::noise_of(signal);
+            *sums.entry((*signal).to_owned()).or_default() += error * error;
+        }
+    }
+    for sum in sums.values_mut() {
+        *sum = (*sum / plain.len() as f64).sqrt();
+    }
+    sums
+}
