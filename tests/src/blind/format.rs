@@ -45,6 +45,11 @@ impl Folders {
         self.0.join("found")
     }
 
+    /// What it said of a rig.
+    pub fn finding(&self, rig: &str) -> PathBuf {
+        self.found().join(format!("{rig}.json"))
+    }
+
     /// The folder of the draw itself.
     pub fn root(&self) -> &Path {
         &self.0

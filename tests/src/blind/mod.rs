@@ -11,3 +11,5 @@
 pub mod chance;
 pub mod draw;
 pub mod format;
+pub mod run;
+pub mod score;

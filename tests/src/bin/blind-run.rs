@@ -1,0 +1,51 @@
+//! Diagnoses the rigs of a draw by the released command: `docs/blind-benchmark.md`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use retarder_tests::blind::format::Folders;
+use retarder_tests::blind::run::{Diagnose, Progress, run};
+
+/// Diagnoses the rigs of a draw by the released command; goes on where it was stopped.
+#[derive(Parser)]
+struct Options {
+    /// Folder of the draw.
+    #[arg(long)]
+    draw: PathBuf,
+    /// The command `retarder`.
+    #[arg(long)]
+    retarder: PathBuf,
+    /// The datasheet's plant.
+    #[arg(long, default_value = "data/nominal-plant.toml")]
+    plant: PathBuf,
+    /// Diagnoses at a time; each uses the threads that it likes.
+    #[arg(long, default_value_t = 1)]
+    jobs: usize,
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    let command = Diagnose {
+        retarder: options.retarder,
+        plant: options.plant,
+    };
+    let progress = |Progress { done, all, left }| {
+        eprint!("\r{done} of {all} rigs, {} s left   ", left.as_secs());
+    };
+    match run(
+        &Folders::new(options.draw),
+        &command,
+        options.jobs,
+        progress,
+    ) {
+        Ok(()) => {
+            eprintln!();
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("\n{error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Lets the released command diagnose the logs of a draw, one rig after the other; opens no answer.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use thiserror::Error;
+
+use super::format::Folders;
+
+/// Why a run cannot go on.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// A file or a folder could not be read or written.
+    #[error("{}: {}", .0.display(), .1)]
+    File(PathBuf, #[source] io::Error),
+    /// There is nothing to diagnose.
+    #[error("no log called `*-id.csv` in {}; draw first", .0.display())]
+    NoLogs(PathBuf),
+    /// The command did not start.
+    #[error("{} does not start: {}; build it, or say where it is", .0.display(), .1)]
+    Start(PathBuf, #[source] io::Error),
+}
+
+/// What to run.
+#[derive(Debug, Clone)]
+pub struct Diagnose {
+    /// The command `retarder`.
+    pub retarder: PathBuf,
+    /// The datasheet's plant.
+    pub plant: PathBuf,
+}
+
+/// How far a run is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Rigs that are diagnosed, those of earlier runs included.
+    pub done: usize,
+    /// All rigs.
+    pub all: usize,
+    /// Time that the rest will take at the pace so far.
+    pub left: Duration,
+}
+
+/// Diagnoses every rig of `folders` that has no finding yet, `jobs` at a time. A rig whose diagnosis fails leaves a
+/// file with what it said instead of a finding; the next run tries it again.
+///
+/// # Errors
+/// If files cannot be read or written, or the command does not start.
+pub fn run(
+    folders: &Folders,
+    command: &Diagnose,
+    jobs: usize,
+    progress: impl Fn(Progress) + Sync,
+) -> Result<(), RunError> {
+    let file = |path: &Path| {
+        let path = path.to_owned();
+        move |error| RunError::File(path, error)
+    };
+    let (found, rigs) = (folders.found(), rigs(&folders.logs())?);
+    fs::create_dir_all(&found).map_err(file(&found))?;
+    let times = found.join("times.csv");
+    let mut log = fs::OpenOptions::new();
+    let log = log.create(true).append(true).open(&times);
+    let log = Mutex::new(log.map_err(file(&times))?);
+    let missing: Vec<_> = rigs
+        .iter()
+        .filter(|rig| !folders.finding(rig).exists())
+        .collect();
+    let (next, done, start) = (AtomicUsize::new(0), AtomicUsize::new(0), Instant::now());
+    let work = || -> Result<(), RunError> {
+        while let Some(rig) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let began = Instant::now();
+            let code = diagnose(folders, command, rig)?;
+            let line = format!("{rig},{:.2},{code}\n", began.elapsed().as_secs_f64());
+            let mut log = log.lock().expect("no thread panics while it writes");
+            log.write_all(line.as_bytes()).map_err(file(&times))?;
+            let now = 1 + done.fetch_add(1, Ordering::Relaxed);
+            let rest = missing.len().saturating_sub(now);
+            progress(Progress {
+                done: rigs.len() - rest,
+                all: rigs.len(),
+                left: start.elapsed().mul_f64(rest as f64 / now as f64),
+            });
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(work)).collect();
+        workers
+            .into_iter()
+            .try_for_each(|worker| worker.join().expect("a worker does not panic"))
+    })
+}
+
+/// Names of the rigs whose logs are there, in order.
+fn rigs(logs: &Path) -> Result<Vec<String>, RunError> {
+    let read = fs::read_dir(logs).map_err(|error| RunError::File(logs.to_owned(), error))?;
+    let mut rigs: Vec<String> = read
+        .filter_map(|entry| {
+            let name = entry.ok()?.file_name().into_string().ok()?;
+            name.strip_suffix("-id.csv").map(str::to_owned)
+        })
+        .collect();
+    rigs.sort();
+    if rigs.is_empty() {
+        return Err(RunError::NoLogs(logs.to_owned()));
+    }
+    Ok(rigs)
+}
+
+/// Diagnoses one rig; the exit code of the command, -1 if it was killed.
+fn diagnose(folders: &Folders, command: &Diagnose, rig: &str) -> Result<i32, RunError> {
+    let (finding, said) = (
+        folders.finding(rig),
+        folders.found().join(format!("{rig}.failed")),
+    );
+    let output = Command::new(&command.retarder)
+        .arg("diagnose")
+        .arg("--plant")
+        .arg(&command.plant)
+        .arg("--log")
+        .arg(folders.id_log(rig))
+        .arg("--check")
+        .arg(folders.check_log(rig))
+        .arg("--json")
+        .arg(&finding)
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| RunError::Start(command.retarder.clone(), error))?;
+    if finding.exists() {
+        // Of an earlier run; most often not there.
+        _ = fs::remove_file(&said);
+    } else {
+        let text = [output.stdout, output.stderr].concat();
+        fs::write(&said, text).map_err(|error| RunError::File(said, error))?;
+    }
+    Ok(output.status.code().unwrap_or(-1))
+}

@@ -1,0 +1,109 @@
+//! What the score reads of a diagnosis.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+/// A figure per signal.
+pub type BySignal = BTreeMap<String, f64>;
+
+/// What `retarder diagnose --json` said of a rig.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Finding {
+    /// `adequate`, `found`, `form_wrong` or `not_in_library`.
+    pub verdict: String,
+    /// The named effects.
+    pub effects: Vec<String>,
+    /// Of each named effect, the ids that the log cannot tell from it.
+    #[serde(default)]
+    pub equivalents: BTreeMap<String, Vec<String>>,
+    /// From the plain model on, one row per step.
+    pub ladder: Vec<Step>,
+    /// Every effect that was tried alone.
+    #[serde(default)]
+    pub candidates: Vec<Candidate>,
+}
+
+/// One step of the ladder.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Step {
+    /// Rms error on the id log.
+    pub fit_rms: BySignal,
+    /// Rms error on the check log.
+    pub check_rms: BySignal,
+    /// What the signal scatters by itself.
+    pub noise_floor: BySignal,
+    /// Number of fitted parameters.
+    #[serde(default)]
+    pub free_parameters: usize,
+}
+
+/// The model with one effect, refitted.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Candidate {
+    /// Its id.
+    pub effect: String,
+    /// Rms error on the id log.
+    pub fit_rms: BySignal,
+    /// Rms error on the check log.
+    pub check_rms: BySignal,
+    /// Number of fitted parameters.
+    #[serde(default)]
+    pub free_parameters: usize,
+    /// The effect's own.
+    #[serde(default)]
+    pub parameters: Vec<Fitted>,
+}
+
+/// A fitted parameter with its 95 % interval.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Fitted {
+    /// Its key in the plant file.
+    pub key: String,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+}
+
+impl Finding {
+    /// What the plain model, refitted, leaves beside the noise, in units of the noise: of the signal in which it is most.
+    pub fn excess(&self) -> f64 {
+        self.ladder.first().map_or(f64::NAN, |plain| {
+            excess(&plain.check_rms, &plain.noise_floor)
+        })
+    }
+
+    /// What was fitted to a parameter of an effect.
+    pub fn fitted(&self, effect: &str, key: &str) -> Option<&Fitted> {
+        let mut candidates = self.candidates.iter();
+        let candidate = candidates.find(|candidate| candidate.effect == effect)?;
+        candidate.parameters.iter().find(|fitted| fitted.key == key)
+    }
+
+    /// How many ids a named effect stands for, itself included.
+    pub fn set_size(&self, effect: &str) -> usize {
+        self.equivalents
+            .get(effect)
+            .map_or(1, |ids| ids.len().max(1))
+    }
+
+    /// Check error of the last step over the noise, of the signal in which it is most.
+    pub fn last_over_floor(&self) -> f64 {
+        self.ladder.last().map_or(f64::NAN, |last| {
+            ratios(&last.check_rms, &last.noise_floor).fold(0.0, f64::max)
+        })
+    }
+}
+
+/// √((rms/floor)² - 1), of the signal in which it is most.
+pub fn excess(rms: &BySignal, floor: &BySignal) -> f64 {
+    ratios(rms, floor)
+        .map(|ratio| (ratio * ratio - 1.0).max(0.0).sqrt())
+        .fold(0.0, f64::max)
+}
+
+fn ratios<'a>(rms: &'a BySignal, floor: &'a BySignal) -> impl Iterator<Item = f64> + 'a {
+    rms.iter()
+        .filter_map(|(signal, rms)| Some(rms / floor.get(signal)?))
+}

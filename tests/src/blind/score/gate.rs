@@ -1,0 +1,196 @@
+//! What the names of the diagnosis, or of a rule, have to be worth.
+
+use serde::Serialize;
+
+use super::super::format::Class;
+use super::Scored;
+use super::judge::Judgement;
+use super::share::Share;
+
+/// A promise about a share.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Gate {
+    /// What it promises.
+    pub promise: &'static str,
+    /// What was found.
+    pub share: Share,
+    /// Its exact 95 % limits.
+    pub limits: [f64; 2],
+    /// Bound of the share.
+    pub bound: f64,
+    /// Whether the bound is the least or the most.
+    pub is_least: bool,
+    /// Whether it is kept; not by nothing.
+    pub holds: bool,
+}
+
+/// The five shares by which names are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Quality {
+    /// Plain rigs with a name.
+    pub false_names: Share,
+    /// Single effects that show and are named.
+    pub right_names: Share,
+    /// Rigs with effects of the library that have a wrong name.
+    pub wrong_names: Share,
+    /// Rigs with an effect outside the library that have a name.
+    pub named_outside: Share,
+    /// Pairs of which both are named.
+    pub both_of_two: Share,
+}
+
+impl Quality {
+    /// The shares of names that `judgement` picks.
+    pub fn new(rigs: &[Scored], judgement: impl Fn(&Scored) -> Judgement) -> Self {
+        let of = |class: Class| rigs.iter().filter(move |rig| rig.answer.class == class);
+        Self {
+            false_names: Share::of(of(Class::Plain), |rig| judgement(rig).named > 0),
+            right_names: Share::of(rigs.iter().filter(|rig| rig.is_to_be_found()), |rig| {
+                judgement(rig).right == 1
+            }),
+            wrong_names: Share::of(rigs.iter().filter(|rig| rig.has_library_effects()), |rig| {
+                judgement(rig).wrong() > 0
+            }),
+            named_outside: Share::of(of(Class::Beyond), |rig| judgement(rig).wrong() > 0),
+            both_of_two: Share::of(of(Class::Two), |rig| judgement(rig).right == 2),
+        }
+    }
+
+    /// The promises.
+    pub fn gates(&self) -> [Gate; 5] {
+        [
+            gate("a plain rig gets a name", self.false_names, 0.01, false),
+            gate(
+                "one effect of at least half the noise is named",
+                self.right_names,
+                0.95,
+                true,
+            ),
+            gate(
+                "a name stands for nothing that is there",
+                self.wrong_names,
+                0.02,
+                false,
+            ),
+            gate(
+                "what the library lacks gets a name",
+                self.named_outside,
+                0.03,
+                false,
+            ),
+            gate(
+                "both of two effects are named",
+                self.both_of_two,
+                0.80,
+                true,
+            ),
+        ]
+    }
+}
+
+fn gate(promise: &'static str, share: Share, bound: f64, is_least: bool) -> Gate {
+    Gate {
+        promise,
+        share,
+        limits: share.limits(),
+        bound,
+        is_least,
+        holds: share.value().is_some_and(|value| {
+            if is_least {
+                value >= bound
+            } else {
+                value <= bound
+            }
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::judge::tests::answer;
+    use super::*;
+    use crate::blind::score::finding::{Finding, Step};
+
+    /// A rig whose plain model leaves `excess`, and which got these names.
+    fn rig(class: Class, hidden: &[&str], excess: f64, effects: &[&str]) -> Scored {
+        let by_signal = |value: f64| [("p_ch".to_owned(), value)].into();
+        let finding = Finding {
+            verdict: String::new(),
+            effects: effects.iter().map(|&id| id.to_owned()).collect(),
+            equivalents: [].into(),
+            ladder: vec![Step {
+                fit_rms: by_signal(1.0),
+                check_rms: by_signal((1.0 + excess * excess).sqrt()),
+                noise_floor: by_signal(1.0),
+                free_parameters: 10,
+            }],
+            candidates: vec![],
+        };
+        let hidden: Vec<(&str, &[&str])> = hidden.iter().map(|&id| (id, &[] as &[&str])).collect();
+        Scored::new(answer(class, &hidden), Some(finding), None)
+    }
+
+    fn quality(rigs: &[Scored]) -> Quality {
+        Quality::new(rigs, |rig| rig.judgement)
+    }
+
+    /// Counted by hand.
+    #[test]
+    fn shares_are_those_of_a_count_by_hand() {
+        let mut unfinished = rig(Class::Matched, &["eddy_currents"], 0.0, &[]);
+        unfinished.finding = None;
+        let rigs = [
+            rig(Class::Plain, &[], 0.1, &[]),
+            rig(Class::Plain, &[], 0.1, &["sensor_lag"]),
+            rig(Class::Matched, &["chamber_leak"], 0.6, &["chamber_leak"]),
+            rig(
+                Class::Variant,
+                &["chamber_leak"],
+                5.0,
+                &["chamber_leak", "flow_force"],
+            ),
+            rig(Class::Matched, &["chamber_leak"], 0.4, &[]),
+            rig(Class::Matched, &["chamber_leak"], 0.4, &["flow_force"]),
+            unfinished,
+            rig(
+                Class::Two,
+                &["sensor_lag", "eddy_currents"],
+                2.0,
+                &["sensor_lag"],
+            ),
+            rig(
+                Class::Two,
+                &["sensor_lag", "eddy_currents"],
+                2.0,
+                &["eddy_currents", "sensor_lag"],
+            ),
+            rig(Class::Beyond, &["sensor_bow"], 2.0, &[]),
+            rig(Class::Beyond, &["sensor_bow"], 2.0, &["sensor_offset"]),
+        ];
+        let share = |count, of| Share { count, of };
+        assert_eq!(
+            quality(&rigs),
+            Quality {
+                false_names: share(1, 2),
+                // Two that show; one without an answer counts as missed.
+                right_names: share(2, 3),
+                wrong_names: share(2, 7),
+                named_outside: share(1, 2),
+                both_of_two: share(1, 2),
+            }
+        );
+    }
+
+    #[test]
+    fn a_gate_holds_at_its_bound_and_not_beyond_it() {
+        let of = |count, of| Share { count, of };
+        assert!(gate("", of(95, 100), 0.95, true).holds);
+        assert!(!gate("", of(94, 100), 0.95, true).holds);
+        assert!(gate("", of(2, 100), 0.02, false).holds);
+        assert!(!gate("", of(3, 100), 0.02, false).holds);
+        assert!(
+            !gate("", of(0, 0), 0.02, false).holds,
+            "nothing keeps no promise"
+        );
+    }
+}

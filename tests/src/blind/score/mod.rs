@@ -1,0 +1,136 @@
+//! Holds what the diagnosis said against the sealed answers: shares with limits, gates, misses, simple rules beside it.
+
+pub mod finding;
+mod gate;
+mod judge;
+mod log;
+mod rules;
+pub mod share;
+mod sparse_regression;
+mod table;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use thiserror::Error;
+
+use super::format::{Answer, Class, Folders};
+use finding::Finding;
+pub use gate::{Gate, Quality};
+use judge::{Judgement, Named};
+pub use table::Report;
+
+/// Upper ends of the strata of excess, in units of the noise; the last one is open.
+pub const STRATA: [f64; 4] = [0.15, 0.5, 1.0, 3.0];
+/// Excess from which an effect has to be found.
+pub const TO_BE_FOUND: f64 = 0.5;
+
+/// Why there is no score.
+#[derive(Debug, Error)]
+pub enum ScoreError {
+    /// A file or a folder could not be read.
+    #[error("{}: {}", .0.display(), .1)]
+    Read(PathBuf, #[source] io::Error),
+    /// A file is not what it should be.
+    #[error("{} is not what the score reads: {}", .0.display(), .1)]
+    Form(PathBuf, #[source] serde_json::Error),
+    /// There is nothing to score.
+    #[error("no answer in {}; draw first", .0.display())]
+    NoAnswers(PathBuf),
+}
+
+/// One rig with its answer and, if the diagnosis came to an end, its finding.
+#[derive(Debug, Clone)]
+pub struct Scored {
+    /// What it hides.
+    pub answer: Answer,
+    /// What the diagnosis said.
+    pub finding: Option<Finding>,
+    /// How right its names are.
+    judgement: Judgement,
+    /// How right the names of the simple rules are, in the order of [`rules::RULES`].
+    by_rules: Vec<Judgement>,
+}
+
+impl Scored {
+    fn new(answer: Answer, finding: Option<Finding>, log: Option<&log::Log>) -> Self {
+        let named = finding
+            .as_ref()
+            .map_or_else(Named::default, |finding| Named {
+                effects: finding.effects.clone(),
+                equivalents: finding.equivalents.clone(),
+            });
+        let judgement = Judgement::new(&answer, &named);
+        let by_rules = rules::RULES
+            .iter()
+            .map(|rule| {
+                let effects = (rule.names)(&answer, finding.as_ref(), log);
+                let named = Named {
+                    effects,
+                    ..Named::default()
+                };
+                Judgement::new(&answer, &named)
+            })
+            .collect();
+        Self {
+            answer,
+            finding,
+            judgement,
+            by_rules,
+        }
+    }
+
+    /// Excess of the refitted plain model in units of the noise; none where the diagnosis did not end.
+    pub fn excess(&self) -> Option<f64> {
+        self.finding.as_ref().map(Finding::excess)
+    }
+
+    fn is_single(&self) -> bool {
+        matches!(self.answer.class, Class::Matched | Class::Variant)
+    }
+
+    fn has_library_effects(&self) -> bool {
+        self.is_single() || self.answer.class == Class::Two
+    }
+
+    /// Whether it has one effect that shows, or whose diagnosis did not end.
+    fn is_to_be_found(&self) -> bool {
+        self.is_single() && self.excess().is_none_or(|excess| excess >= TO_BE_FOUND)
+    }
+}
+
+/// Reads answers and findings of a draw, and scores them.
+///
+/// # Errors
+/// If an answer or a finding cannot be read. A finding that is not there is a rig without names.
+pub fn score(folders: &Folders) -> Result<Report, ScoreError> {
+    let sealed = folders.sealed();
+    let read = fs::read_dir(&sealed).map_err(|error| ScoreError::Read(sealed.clone(), error))?;
+    let mut paths: Vec<PathBuf> = read
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "json"))
+        .collect();
+    paths.sort();
+    if paths.is_empty() {
+        return Err(ScoreError::NoAnswers(sealed));
+    }
+    let rigs: Result<Vec<Scored>, ScoreError> = paths
+        .iter()
+        .map(|path| {
+            let answer: Answer = parse(path)?;
+            let finding = folders.finding(&answer.rig);
+            let finding = finding.exists().then(|| parse(&finding)).transpose()?;
+            let log = log::Log::read(&folders.id_log(&answer.rig))?;
+            Ok(Scored::new(answer, finding, Some(&log)))
+        })
+        .collect();
+    Ok(Report::new(&rigs?))
+}
+
+fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, ScoreError> {
+    let text =
+        fs::read_to_string(path).map_err(|error| ScoreError::Read(path.to_owned(), error))?;
+    serde_json::from_str(&text).map_err(|error| ScoreError::Form(path.to_owned(), error))
+}
