@@ -2,5 +2,7 @@
 
 pub mod bench_log;
 pub mod blind;
+pub mod least_squares;
+pub mod plain_fit;
 pub mod reference_plant;
 pub mod stiff_solver;

@@ -1,9 +1,10 @@
 //! The verbs of the workshop: `cargo xtask --help` lists them, `docs/building.md` explains them.
 //!
-//! One file per group of verbs ([`host`], [`arm`], [`publish`]); below them what a machine has and lacks ([`toolchain`],
+//! One file per group of verbs ([`host`], [`arm`], [`publish`], [`blind`]); below them what a machine has and lacks ([`toolchain`],
 //! [`qemu`], [`packages`]), and how a step runs, ends and is told ([`process`], [`report`]).
 
 mod arm;
+mod blind;
 mod budgets;
 mod coverage;
 mod digests;
@@ -72,6 +73,18 @@ enum Verb {
         #[arg(long)]
         shard: Option<mutants::Shard>,
     },
+    /// The blind benchmark of the diagnosis: draw rigs, diagnose them, score. Goes on where it was stopped.
+    Blind {
+        /// Folder of the draw; what is there already is kept.
+        #[arg(long, value_name = "FOLDER")]
+        draw: PathBuf,
+        /// Seed of the rigs.
+        #[arg(long)]
+        seed: u64,
+        /// Share of the full set.
+        #[arg(long, default_value_t = 1.0)]
+        share: f64,
+    },
     /// Install what the other verbs need, and run nothing.
     Setup {
         #[command(flatten)]
@@ -138,6 +151,7 @@ fn main() -> ExitCode {
         }
         Verb::Coverage => coverage::check(&mut report),
         Verb::Mutants { only, shard } => mutants::check(&mut report, only, shard),
+        Verb::Blind { draw, seed, share } => blind::run(&mut report, &draw, seed, share),
         Verb::Setup { arm } => {
             host::setup(&mut report);
             arm::setup(&mut report, arm.toolchain);

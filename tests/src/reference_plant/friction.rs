@@ -7,8 +7,8 @@ use super::departures::ArmatureDepartures;
 const SMOOTHING: f64 = 2e-3;
 /// Velocity at which the surplus of the static friction is gone (m/s): Stribeck (1902).
 const STRIBECK: f64 = 1e-2;
-/// Stiffness of the bristles (N/m): P. R. Dahl, *A solid friction model*, 1968.
-const BRISTLES: f64 = 1e5;
+/// Deflection at which bristles carry most of the friction (m): P. R. Dahl, *A solid friction model*, 1968.
+const DEFLECTION: f64 = 5e-6;
 
 /// Lift over which an adhering seat lets go (m), and the time in which it forgets (s).
 const LETTING_GO: f64 = 2e-5;
@@ -29,7 +29,8 @@ pub(super) fn bristle_rate(armature: &ArmatureDepartures, force: f64, velocity: 
     if armature.bristle_n == 0.0 {
         return 0.0;
     }
-    BRISTLES * velocity * (1.0 - force / armature.bristle_n * velocity.signum())
+    // The rate of decay |v| / DEFLECTION is within what the solver's step takes, whatever the friction.
+    (armature.bristle_n - force * velocity.signum()) * velocity / DEFLECTION
 }
 
 /// Pull of the seat (N), `adhesion` being the share of it that has come.

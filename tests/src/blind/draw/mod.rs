@@ -249,6 +249,10 @@ impl Run {
         };
         for n in 0..samples {
             let reading = plant.reading();
+            assert!(
+                reading.pressure.is_finite(),
+                "the reference plant's step is too long for this rig"
+            );
             let pressure = logger.pressure(&reading, chance);
             let command = commands.at(n, pressure);
             plant.run(command);

@@ -31,7 +31,7 @@ const PAIRS: [[&str; 2]; 20] = [
 /// Sizes over the typical one: from far below the noise to far above it.
 const SINGLE_SIZES: [f64; 2] = [0.15, 10.0];
 /// Effects in a pair, or in a poor log: each one matters.
-const STRONG_SIZES: [f64; 2] = [2.0, 10.0];
+const STRONG_SIZES: [f64; 2] = [1.5, 6.0];
 
 /// How many rigs of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

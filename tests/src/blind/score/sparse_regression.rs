@@ -2,6 +2,7 @@
 //! 2016, 3932: sequentially thresholded least squares) on terms that the effects of the library add to it.
 
 use super::log::Log;
+use crate::least_squares::{rms, weights};
 
 /// Samples on either side of a smoothing window, to which a parabola is fitted (A. Savitzky and M. Golay 1964).
 const HALF_WINDOW: usize = 5;
@@ -65,7 +66,7 @@ pub(super) fn names(log: &Log) -> Vec<String> {
         .iter()
         .map(|(_, term)| samples.iter().map(|(s, _)| term(s)).collect())
         .collect();
-    let bound = THRESHOLD * rms(&derivative);
+    let bound = THRESHOLD * rms_of(&derivative);
     let mut left: Vec<usize> = (0..TERMS.len()).collect();
     loop {
         let columns: Vec<&Vec<f64>> = base.iter().chain(left.iter().map(|&n| &terms[n])).collect();
@@ -73,7 +74,7 @@ pub(super) fn names(log: &Log) -> Vec<String> {
         let kept: Vec<usize> = left
             .iter()
             .zip(&weights[base.len()..])
-            .filter(|&(&n, weight)| weight.abs() * rms(&terms[n]) >= bound)
+            .filter(|&(&n, weight)| weight.abs() * rms_of(&terms[n]) >= bound)
             .map(|(&n, _)| n)
             .collect();
         if kept.len() == left.len() {
@@ -158,48 +159,28 @@ fn flow(ratio: f64) -> f64 {
     (1.0 - beyond * beyond).sqrt()
 }
 
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-/// Weights of the columns whose sum comes nearest to the target; a column of nothing gets none.
+/// Weights of the columns, each scaled to its rms, with a ridge of a millionth; a column of nothing gets none.
 fn least_squares(columns: &[&Vec<f64>], target: &[f64]) -> Vec<f64> {
     let scales: Vec<f64> = columns
         .iter()
-        .map(|column| rms(column).max(1e-12))
+        .map(|column| rms_of(column).max(1e-12))
         .collect();
-    let n = columns.len();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    // Normal equations of the scaled columns with a ridge of 1e-6, solved by elimination: they are positive definite.
-    let mut rows: Vec<Vec<f64>> = (0..n)
-        .map(|i| {
-            let mut row: Vec<f64> = (0..n)
-                .map(|j| dot(columns[i], columns[j]) / (scales[i] * scales[j]))
-                .collect();
-            row[i] += 1e-6 * target.len() as f64;
-            row.push(dot(columns[i], target) / scales[i]);
-            row
-        })
+    let scaled: Vec<Vec<f64>> = columns
+        .iter()
+        .zip(&scales)
+        .map(|(column, scale)| column.iter().map(|value| value / scale).collect())
         .collect();
-    for pivot in 0..n {
-        let (done, below) = rows.split_at_mut(pivot + 1);
-        for row in below {
-            let factor = row[pivot] / done[pivot][pivot];
-            for (cell, above) in row[pivot..].iter_mut().zip(&done[pivot][pivot..]) {
-                *cell -= factor * above;
-            }
-        }
-    }
-    let mut weights = vec![0.0; n];
-    for i in (0..n).rev() {
-        let known: f64 = (i + 1..n).map(|j| rows[i][j] * weights[j]).sum();
-        weights[i] = (rows[i][n] - known) / rows[i][i];
-    }
+    let ridge = vec![1e-6 * target.len() as f64; columns.len()];
+    let weights = weights(&scaled, target, &ridge);
     weights
         .iter()
         .zip(&scales)
         .map(|(weight, scale)| weight / scale)
         .collect()
+}
+
+fn rms_of(values: &[f64]) -> f64 {
+    rms(values.iter().copied())
 }
 
 #[cfg(test)]
@@ -215,17 +196,6 @@ mod tests {
         for (found, expected) in found.iter().zip([3.0, 2.0, 1.0]) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
-    }
-
-    #[test]
-    fn weights_are_found_again() {
-        let (a, b) = (vec![1.0, 2.0, 3.0, 5.0], vec![100.0, -100.0, 0.0, 50.0]);
-        let target: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 2.0 * a - 0.01 * b).collect();
-        let weights = least_squares(&[&a, &b], &target);
-        assert!(
-            (weights[0] - 2.0).abs() < 1e-4 && (weights[1] + 0.01).abs() < 1e-6,
-            "{weights:?}"
-        );
     }
 
     /// A chamber that only leaks: nothing but that and what looks like it.

@@ -24,21 +24,21 @@ const fn beyond(
 }
 
 pub(super) const FORMS: &[Form] = &[
-    beyond("supply_pulsation", "sine", (20.0, "mbar"), &[], |p, d| {
+    beyond("supply_pulsation", "sine", (12.0, "mbar"), &[], |p, d| {
         d.supply.pulsation_pa = 100.0 * p.size;
         d.supply.pulsation_hz = p.between(0.2, 3.0);
     }),
-    beyond("missed_pulses", "by chance", (0.2, "%"), &[], |p, d| {
+    beyond("missed_pulses", "by chance", (0.3, "%"), &[], |p, d| {
         d.pulses.missed_share = (1e-2 * p.size).min(0.2);
         d.pulses.missed_seed = (p.shape * (1_u64 << 53) as f64) as u64;
     }),
-    beyond("sensor_play", "hysteresis", (10.0, "mbar"), &[], |p, d| {
+    beyond("sensor_play", "hysteresis", (15.0, "mbar"), &[], |p, d| {
         d.sensor.play_pa = 100.0 * p.size;
     }),
     beyond(
         "sensor_bow",
         "parabola between 0 and 8 bar",
-        (10.0, "mbar"),
+        (30.0, "mbar"),
         &[],
         |p, d| d.sensor.bow_pa = 100.0 * p.size,
     ),
@@ -46,7 +46,7 @@ pub(super) const FORMS: &[Form] = &[
     beyond(
         "creeping_hose",
         "volume follows the pressure slowly",
-        (0.1, "% per bar"),
+        (0.056, "% per bar"),
         &["regulating_valve_volume"],
         |p, d| {
             d.chamber.hose_per_pa = 1e-2 * p.size / 1e5;
@@ -66,7 +66,7 @@ pub(super) const FORMS: &[Form] = &[
     beyond(
         "clock_drift",
         "ECU slower than log",
-        (20.0, "ppm"),
+        (66.0, "ppm"),
         &[],
         |p, d| {
             d.pulses.clock_drift = 1e-6 * p.size;
@@ -75,7 +75,7 @@ pub(super) const FORMS: &[Form] = &[
     beyond(
         "delay_wander",
         "command delay comes and goes",
-        (0.3, "ms"),
+        (0.52, "ms"),
         &[],
         |p, d| {
             d.pulses.delay_wander_s = 1e-3 * p.size;
@@ -85,7 +85,7 @@ pub(super) const FORMS: &[Form] = &[
     beyond(
         "battery_wander",
         "voltage that the log does not show",
-        (0.06, "V"),
+        (0.043, "V"),
         &[],
         |p, d| {
             d.driver.wander_v = p.size;
@@ -96,7 +96,7 @@ pub(super) const FORMS: &[Form] = &[
     beyond(
         "sticky_seat",
         "sticks the longer, the longer it has rested",
-        (0.1, "N"),
+        (0.63, "N"),
         &["static_friction"],
         |p, d| {
             d.armature.adhesion_n = p.size;

@@ -8,7 +8,7 @@ pub(super) const FORMS: &[Form] = &[
         "coil_heating",
         Matched,
         "winding as one body",
-        (6.0, "K/W"),
+        (5.0, "K/W"),
         |p, d| {
             d.coil.winding_k_per_w = p.size;
             d.coil.winding_s = p.between(20.0, 120.0);
@@ -19,7 +19,7 @@ pub(super) const FORMS: &[Form] = &[
         "coil_heating",
         Variant,
         "winding and body",
-        (6.0, "K/W"),
+        (3.0, "K/W"),
         |p, d| {
             d.coil.winding_k_per_w = 0.4 * p.size;
             d.coil.winding_s = p.between(3.0, 10.0);
@@ -31,7 +31,7 @@ pub(super) const FORMS: &[Form] = &[
         "coil_ambient_temperature",
         Matched,
         "both coils in warm surroundings",
-        (20.0, "K"),
+        (12.0, "K"),
         |p, d| d.coil.surroundings_k = [p.size; 2],
     )
     .parameter("difference_k", |p| p.size)
@@ -52,7 +52,7 @@ pub(super) const FORMS: &[Form] = &[
         "iron_saturation",
         Matched,
         "inductance of the datasheet is that at rated current",
-        (0.05, "of the inductance"),
+        (0.012, "of the inductance"),
         |p, d| {
             d.coil.saturation = p.size;
             d.coil.saturation_power = if p.shape < 0.5 { 2 } else { 4 };
@@ -62,7 +62,7 @@ pub(super) const FORMS: &[Form] = &[
         "iron_saturation",
         Variant,
         "inductance of the datasheet is that without current, sharp knee",
-        (0.05, "of the current at rated flux"),
+        (0.028, "of the current at rated flux"),
         |p, d| {
             d.coil.knee = p.size;
             d.coil.knee_power = if p.shape < 0.5 { 6 } else { 8 };
@@ -72,7 +72,7 @@ pub(super) const FORMS: &[Form] = &[
         "eddy_currents",
         Matched,
         "shorted turn",
-        (0.2, "mS"),
+        (1.0, "mS"),
         |p, d| d.coil.eddy_s = 1e-3 * p.size,
     )
     .parameter("loop_resistance_ohm", |p| 1e3 / p.size),
@@ -80,7 +80,7 @@ pub(super) const FORMS: &[Form] = &[
         "eddy_currents",
         Variant,
         "shorted turn with stray inductance",
-        (0.3, "mS"),
+        (1.0, "mS"),
         |p, d| {
             d.coil.eddy_s = 1e-3 * p.size;
             d.coil.eddy_lag_s = p.between(3e-4, 1.5e-3);
@@ -90,7 +90,7 @@ pub(super) const FORMS: &[Form] = &[
         "flyback_clamp",
         Matched,
         "constant voltage",
-        (1.0, "V"),
+        (0.42, "V"),
         |p, d| d.driver.clamp_v = p.size,
     )
     .parameter("extra_drop_v", |p| p.size),
@@ -98,7 +98,7 @@ pub(super) const FORMS: &[Form] = &[
         "flyback_clamp",
         Variant,
         "resistor in the free-wheeling path",
-        (10.0, "ohm"),
+        (3.2, "ohm"),
         |p, d| d.driver.snubber_ohm = p.size,
     )
     .parameter("resistance_ohm", |p| p.size),
@@ -106,7 +106,7 @@ pub(super) const FORMS: &[Form] = &[
         "supply_resistance",
         Matched,
         "wire that both coils share",
-        (2.0, "ohm"),
+        (3.4, "ohm"),
         |p, d| d.driver.harness_ohm = p.size,
     )
     .parameter("resistance_ohm", |p| p.size),

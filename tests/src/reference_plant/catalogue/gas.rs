@@ -4,7 +4,7 @@ use super::Form;
 use super::Kinship::{Matched, Variant};
 
 pub(super) const FORMS: &[Form] = &[
-    Form::library("chamber_leak", Matched, "hole", (2e-4, "mm²"), |p, d| {
+    Form::library("chamber_leak", Matched, "hole", (3.2e-4, "mm²"), |p, d| {
         d.flow.chamber_leak.hole_m2 = 1e-6 * p.size;
     })
     .parameter("area_m2", |p| 1e-6 * p.size),
@@ -22,7 +22,7 @@ pub(super) const FORMS: &[Form] = &[
         "chamber_leak",
         Variant,
         "rough gap",
-        (0.3, "mg/s at 5 bar"),
+        (0.5, "mg/s at 5 bar"),
         |p, d| {
             let power = p.between(0.55, 0.9);
             d.flow.chamber_leak.rough_kg_per_s = 1e-6 * p.size / 5_f64.powf(power);
@@ -33,7 +33,7 @@ pub(super) const FORMS: &[Form] = &[
         "critical_ratio",
         Matched,
         "ISO 6358",
-        (0.05, "below that of the nozzle"),
+        (0.029, "below that of the nozzle"),
         |p, d| d.flow.critical_ratio_drop = p.size.min(0.5),
     )
     .parameter("reduction", |p| p.size.min(0.5)),
@@ -41,7 +41,7 @@ pub(super) const FORMS: &[Form] = &[
         "critical_ratio",
         Variant,
         "ISO 6358 with subsonic index",
-        (0.05, "below that of the nozzle"),
+        (0.023, "below that of the nozzle"),
         |p, d| {
             d.flow.critical_ratio_drop = p.size.min(0.5);
             d.flow.subsonic_index_rise = p.size.min(0.5) * p.between(0.2, 0.6);
@@ -51,7 +51,7 @@ pub(super) const FORMS: &[Form] = &[
         "gas_temperature",
         Matched,
         "constant heat transfer to a cold wall",
-        (3.0, "ms"),
+        (0.32, "ms"),
         |p, d| d.chamber.thermal_s = 1e-3 * p.size,
     )
     .parameter("wall_heat_transfer_w_per_k", |p| {
@@ -61,11 +61,12 @@ pub(super) const FORMS: &[Form] = &[
         "gas_temperature",
         Variant,
         "heat transfer grows with the density, wall warms",
-        (5.0, "ms"),
+        (0.4, "ms"),
         |p, d| {
             d.chamber.thermal_s = 1e-3 * p.size;
             d.chamber.thermal_density_power = 0.5;
-            d.chamber.wall_j_per_k = p.between(1.0, 5.0);
+            // The less, the less the wall warms: no size, no effect.
+            d.chamber.wall_j_per_k = p.between(10.0, 50.0) / p.size;
             d.chamber.wall_s = 3.0;
         },
     ),
@@ -73,7 +74,7 @@ pub(super) const FORMS: &[Form] = &[
         "regulating_valve_volume",
         Matched,
         "plunger on its spring",
-        (0.2, "cm³"),
+        (1.3, "cm³"),
         |p, d| {
             d.chamber.plunger_m3 = 1e-6 * p.size;
             d.chamber.plunger_pa = [1e5, p.between(3e5, 6.5e5)];
@@ -84,7 +85,7 @@ pub(super) const FORMS: &[Form] = &[
         "regulating_valve_volume",
         Variant,
         "plunger with friction",
-        (0.2, "cm³"),
+        (1.3, "cm³"),
         |p, d| {
             d.chamber.plunger_m3 = 1e-6 * p.size;
             d.chamber.plunger_pa = [1e5, p.between(3e5, 6.5e5)];
@@ -96,7 +97,7 @@ pub(super) const FORMS: &[Form] = &[
         "dead_volume",
         Matched,
         "laminar tube, sensor in the cavity",
-        (0.5, "cm³"),
+        (0.16, "cm³"),
         |p, d| {
             d.chamber.cavity_m3 = 1e-6 * p.size;
             d.chamber.cavity_kg_per_s_pa = p.between(1e-9, 8e-9);
@@ -109,7 +110,7 @@ pub(super) const FORMS: &[Form] = &[
         "dead_volume",
         Variant,
         "throttled side chamber, sensor in the chamber",
-        (0.5, "cm³"),
+        (1.5, "cm³"),
         |p, d| {
             d.chamber.cavity_m3 = 1e-6 * p.size;
             d.chamber.cavity_m2 = p.between(3e-8, 2e-7);

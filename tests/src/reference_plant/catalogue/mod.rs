@@ -36,7 +36,8 @@ pub struct Form {
     pub kinship: Kinship,
     /// Unit of the size.
     pub unit: &'static str,
-    /// A size that changes the readings by about the noise, after all nuisance parameters were refitted.
+    /// A size that leaves about the noise in some signal after the scattered parameters of the simulator's plain model were
+    /// fitted (`plain_fit`, twenty seconds of a bench log).
     pub typical: f64,
     /// Effects of the library that are physically the same thing here; naming one of them is right as well.
     pub same: &'static [&'static str],

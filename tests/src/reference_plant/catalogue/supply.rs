@@ -11,7 +11,7 @@ pub(super) const FORMS: &[Form] = &[
         "supply_line_droop",
         Matched,
         "restriction, then the volume of the line",
-        (0.2, "fill bore over restriction"),
+        (0.36, "fill bore over restriction"),
         |p, d| {
             d.supply.line_m2 = p.fill_bore() / p.size;
             d.supply.line_m3 = p.between(2e-5, 2e-4);
@@ -22,7 +22,7 @@ pub(super) const FORMS: &[Form] = &[
         "supply_line_droop",
         Variant,
         "regulator that gives way to the flow",
-        (0.05, "bar at 1 g/s"),
+        (0.02, "bar at 1 g/s"),
         |p, d| {
             d.supply.regulator_pa_s_per_kg = p.size * PA_S_PER_KG;
             d.supply.regulator_s = p.between(5e-3, 0.1);
@@ -32,7 +32,7 @@ pub(super) const FORMS: &[Form] = &[
         "series_restriction",
         Matched,
         "orifice in the inlet, areas in a row",
-        (0.3, "fill bore over orifice"),
+        (0.5, "fill bore over orifice"),
         |p, d| d.supply.inlet_m2 = p.fill_bore() / p.size,
     )
     .parameter("fill_area_ratio", |p| p.size)
@@ -41,7 +41,7 @@ pub(super) const FORMS: &[Form] = &[
         "series_restriction",
         Variant,
         "orifice in the inlet and the port behind it",
-        (0.3, "fill bore over orifice"),
+        (0.42, "fill bore over orifice"),
         |p, d| {
             d.supply.inlet_m2 = p.fill_bore() / p.size;
             d.supply.inlet_m3 = p.between(3e-7, 1.5e-6);
@@ -52,7 +52,7 @@ pub(super) const FORMS: &[Form] = &[
         "drain_back_pressure",
         Matched,
         "constant",
-        (20.0, "mbar"),
+        (8.2, "mbar"),
         |p, d| d.supply.drain_pa = 100.0 * p.size,
     )
     .parameter("pressure_bar", |p| 1e-3 * p.size),
@@ -60,7 +60,7 @@ pub(super) const FORMS: &[Form] = &[
         "drain_back_pressure",
         Variant,
         "silencer",
-        (0.05, "bar at 1 g/s"),
+        (0.063, "bar at 1 g/s"),
         |p, d| {
             d.supply.drain_pa_s_per_kg = p.size * PA_S_PER_KG;
             d.supply.drain_s = p.between(2e-3, 2e-2);
@@ -71,7 +71,7 @@ pub(super) const FORMS: &[Form] = &[
         "supply_seat_leak",
         Matched,
         "hole",
-        (2e-4, "mm²"),
+        (6.7e-4, "mm²"),
         |p, d| d.flow.seat_leak.hole_m2 = 1e-6 * p.size,
     )
     .parameter("area_m2", |p| 1e-6 * p.size),
@@ -79,7 +79,7 @@ pub(super) const FORMS: &[Form] = &[
         "supply_seat_leak",
         Variant,
         "laminar gap",
-        (0.3, "mg/s at 8.4 bar"),
+        (1.7, "mg/s at 8.4 bar"),
         |p, d| {
             d.flow.seat_leak.gap_kg_per_s_pa2 =
                 1e-6 * p.size / (9.41e5_f64.powi(2) - 1.01e5_f64.powi(2));

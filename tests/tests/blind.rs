@@ -1,0 +1,101 @@
+//! The three programs of the blind benchmark, end to end on one short rig.
+
+#![cfg(unix)]
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+use retarder_tests::blind::draw::{Counts, Draw, DrawError};
+use retarder_tests::blind::format::Folders;
+use retarder_tests::blind::run::{Diagnose, run};
+use retarder_tests::blind::score::score;
+
+/// Poor logs of the first kind alone, 10 to 20 s long.
+const SHORT: Counts = Counts {
+    plain: 0,
+    matched: 0,
+    variant: 0,
+    two: 0,
+    beyond: 0,
+    poor: 1,
+};
+
+/// A command that takes the diagnosis' place: writes `says` where it is told to, and a mark into `calls`.
+fn stand_in(folder: &Path, says: &str) -> PathBuf {
+    let path = folder.join("stand-in");
+    // Arguments: diagnose --plant P --log L --check C --json F.
+    let script = format!(
+        "#!/bin/sh\necho \"$*\" >> {}/calls\ncat > \"$9\" <<'END'\n{says}\nEND\n",
+        folder.display()
+    );
+    fs::write(&path, script).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    path
+}
+
+fn finding(effects: &str) -> String {
+    let figures = r#"{"p_ch": 0.004, "i_fill": 0.7, "i_vent": 0.7}"#;
+    format!(
+        r#"{{"verdict": "adequate", "effects": {effects}, "ladder":
+            [{{"fit_rms": {figures}, "check_rms": {figures}, "noise_floor": {figures}}}]}}"#
+    )
+}
+
+#[test]
+fn a_rig_is_the_same_from_the_same_seed_and_another_from_another() {
+    let of = |seed| Draw::new(seed, SHORT).rig(0);
+    let (rig, again, other) = (of(1), of(1), of(2));
+    assert_eq!(rig.answer, again.answer);
+    assert_eq!(rig.logs, again.logs);
+    assert_ne!(rig.logs, other.logs);
+}
+
+#[test]
+fn what_the_diagnosis_says_of_a_drawn_rig_is_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    for (effects, false_names) in [("[]", 0), (r#"["chamber_leak"]"#, 1)] {
+        let folders = Folders::new(folder.path().join(format!("draw-{false_names}")));
+        let draw = Draw::new(1, SHORT);
+        draw.write(&folders, 1, |_| ()).unwrap();
+        let again = draw.write(&folders, 1, |_| ());
+        assert!(matches!(again, Err(DrawError::Occupied(_))));
+
+        let command = Diagnose {
+            retarder: stand_in(folder.path(), &finding(effects)),
+            plant: "plant.toml".into(),
+        };
+        fs::write(folder.path().join("calls"), "").unwrap();
+        for _ in 0..2 {
+            run(&folders, &command, 1, |_| ()).unwrap();
+        }
+        let calls = fs::read_to_string(folder.path().join("calls")).unwrap();
+        assert_eq!(calls.lines().count(), 1, "the second run has nothing left");
+        assert!(!calls.contains("sealed"), "{calls}");
+
+        let report = score(&folders).unwrap();
+        assert_eq!((report.rigs.count, report.rigs.of), (1, 1));
+        let gate = &report.gates[0];
+        assert_eq!((gate.share.count, gate.share.of), (false_names, 1));
+        assert_eq!(gate.holds, false_names == 0);
+    }
+}
+
+/// A diagnosis that ends without a finding is no name, and the score as a whole does not hold.
+#[test]
+fn a_diagnosis_that_fails_leaves_what_it_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders::new(folder.path().join("draw"));
+    Draw::new(1, SHORT).write(&folders, 1, |_| ()).unwrap();
+    let command = Diagnose {
+        retarder: "/bin/echo".into(),
+        plant: "plant.toml".into(),
+    };
+    run(&folders, &command, 1, |_| ()).unwrap();
+    let said = fs::read_to_string(folders.found().join("rig-001.failed")).unwrap();
+    assert!(said.contains("diagnose --plant plant.toml"), "{said}");
+    let report = score(&folders).unwrap();
+    assert_eq!((report.rigs.count, report.rigs.of), (0, 1));
+    assert!(!report.holds());
+    assert_eq!(report.misses.len(), 1);
+}

@@ -1,0 +1,33 @@
+//! The certificate of the blind benchmark: the reference plant is the thesis' model, and it is not the simulator.
+
+use retarder_tests::bench_log;
+use retarder_tests::plain_fit::misfit;
+use retarder_tests::reference_plant::{Rig, Scatter, replay};
+
+/// Twelve seconds of a bench log's commands.
+fn commands() -> Vec<[f64; 2]> {
+    let inputs = bench_log::commands("practice-00-check");
+    let commands = inputs.iter().filter_map(|input| input.command);
+    commands
+        .map(|command| [command.duty_fill_pct, command.duty_vent_pct])
+        .take(1200)
+        .collect()
+}
+
+/// A rig without effects, seen without noise: what the simulator's plain model leaves after its uncertain parameters
+/// were fitted. Nothing would mean that both are the same program; half the noise, that a plain rig is none.
+#[test]
+fn a_plain_rig_is_the_thesis_model_to_a_third_of_the_noise_and_no_better() {
+    let scatter = Scatter([0.5, -0.3, 0.8, -0.6, 0.2, -0.9, 0.4, 0.1, -0.5, 0.7]);
+    for rig in [Rig::nominal(), Rig::nominal().scattered(&scatter)] {
+        let commands = commands();
+        let left = misfit(&commands, &replay(&rig, &commands));
+        println!("in units of the noise (pressure, fill current, vent current): {left:.3?}");
+        let [pressure, currents @ ..] = left.fitted;
+        assert!((0.02..0.5).contains(&pressure), "{left:?}");
+        assert!(
+            currents.iter().all(|left| (0.002..0.5).contains(left)),
+            "{left:?}"
+        );
+    }
+}
