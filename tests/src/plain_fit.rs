@@ -98,7 +98,7 @@ fn simulated(plant: &PlantParameters, commands: &[[f64; 2]]) -> Vec<f64> {
     let period = plant.ecu.sample_time_ns();
     let mut time_ns = 0;
     let rows = commands.iter().flat_map(|&[duty_fill_pct, duty_vent_pct]| {
-        let (row, _) = model.row(ReplayInput {
+        let row = model.row(ReplayInput {
             time_ns,
             command: Some(Command {
                 duty_fill_pct,
