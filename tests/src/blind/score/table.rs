@@ -30,7 +30,7 @@ pub struct Report {
     pub effects: Vec<Row>,
     /// Names by the simple rules.
     pub rules: Vec<(&'static str, Quality)>,
-    /// Rigs of the library named within [`CLOSE_TO_THE_FLOOR`] of the noise floor.
+    /// Rightly named rigs whose last check error is within 1.5 of the noise floor.
     pub close_to_the_floor: Share,
     /// Median of the last check error over the noise floor where names are right.
     pub median_over_floor: Option<f64>,
