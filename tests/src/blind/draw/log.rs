@@ -7,15 +7,15 @@ use crate::reference_plant::Reading;
 
 /// What measures the rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Logger {
+pub(super) struct Logger {
     /// Noise over that of a good log.
-    pub noise: f64,
+    pub(super) noise: f64,
     /// ECU samples per row.
-    pub samples_per_row: usize,
+    pub(super) samples_per_row: usize,
     /// Whether the pressure is logged.
-    pub pressure: bool,
+    pub(super) pressure: bool,
     /// Whether the currents are logged.
-    pub currents: bool,
+    pub(super) currents: bool,
 }
 
 /// A quantity's noise (rms) and the step of its converter.

@@ -14,11 +14,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
 use super::chance::Chance;
-use super::format::{Answer, Class, Folders, Hidden, Poor, Profile, SCHEMA};
+use super::format::{Answer, Folders, Hidden, Poor, Profile, SCHEMA};
 use crate::reference_plant::{
     Departures, Reading, ReferencePlant, Rig, SCATTERED, Scatter, replay,
 };
-pub use log::Logger;
+use log::Logger;
 pub use plan::Counts;
 use plan::{Dose, Plan};
 use profile::Commands;
@@ -65,11 +65,6 @@ impl Draw {
     /// Number of rigs.
     pub fn count(&self) -> usize {
         self.plans.len()
-    }
-
-    /// Kind of a rig.
-    pub fn class(&self, index: usize) -> Class {
-        self.plans[index].class
     }
 
     /// Runs one rig.

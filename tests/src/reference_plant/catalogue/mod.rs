@@ -157,3 +157,55 @@ pub fn forms() -> impl Iterator<Item = &'static Form> {
 pub fn forms_of(kinship: Kinship) -> impl Iterator<Item = &'static Form> {
     forms().filter(move |form| form.kinship == kinship)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference_plant::{Reading, Rig, replay};
+
+    /// Fill, hold, vent, both: what moves everything once.
+    fn readings(form: &Form, size: f64) -> Vec<Reading> {
+        let rig = Rig::nominal();
+        let mut departures = Departures::default();
+        form.apply(size, 0.5, &rig.datasheet, &mut departures);
+        let mut commands = vec![[0.0, 0.0]; 5];
+        commands.extend([[100.0, 0.0]; 12]);
+        commands.extend([[60.0, 0.0]; 6]);
+        commands.extend([[0.0, 0.0]; 10]);
+        commands.extend([[0.0, 80.0]; 10]);
+        commands.extend([[70.0, 70.0]; 12]);
+        replay(&rig.with(departures), &commands)
+    }
+
+    /// Bristles a hundred times too stiff for the solver's step once made a rig of no numbers.
+    #[test]
+    fn every_law_is_solved_at_both_ends_of_the_sizes_that_are_drawn() {
+        for form in forms() {
+            for share in [0.15, 10.0] {
+                let readings = readings(form, share * form.typical);
+                assert!(
+                    readings.iter().all(|r| {
+                        (-1e5..1.2e6).contains(&r.pressure)
+                            && r.currents.iter().all(|current| current.abs() < 0.5)
+                    }),
+                    "{} ({}) at {share} of the typical size",
+                    form.effect,
+                    form.law
+                );
+            }
+        }
+    }
+
+    /// Of the laws that act within half a second: a pulse is lost and a seat sticks only now and then.
+    #[test]
+    fn no_size_is_the_plain_plant_and_a_large_one_is_not() {
+        let slow = ["missed_pulses", "sticky_seat"];
+        for form in forms().filter(|form| !slow.contains(&form.effect)) {
+            let [none, large] = [0.0, 10.0].map(|share| readings(form, share * form.typical));
+            let mut departures = Departures::default();
+            form.apply(0.0, 0.5, &Datasheet::bundled(), &mut departures);
+            assert_eq!(departures, Departures::default(), "{}", form.effect);
+            assert_ne!(none, large, "{} ({})", form.effect, form.law);
+        }
+    }
+}
