@@ -28,15 +28,10 @@ pub(crate) const fn predicted(
 /// The change that the derivative part answers to \[bar\], 2⁻²⁵: that of the error. Blind to jumps of the reference, it does not count
 /// one towards the pressure: that shortens the way and moves nothing, and would open the other valve far from the reference.
 #[inline(always)]
-pub(crate) const fn differentiated(
-    structure: Structure,
-    error_change: i32,
-    pressure_change: i32,
-) -> i32 {
-    let motion = pressure_change.wrapping_neg();
+pub(crate) fn differentiated(structure: Structure, error_change: i32, pressure_change: i32) -> i32 {
     match structure.prediction_basis {
-        PredictionBasis::Pressure if error_change < motion => motion,
-        PredictionBasis::Error | PredictionBasis::Pressure => error_change,
+        PredictionBasis::Error => error_change,
+        PredictionBasis::Pressure => error_change.max(pressure_change.wrapping_neg()),
     }
 }
 
