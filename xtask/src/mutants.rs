@@ -164,8 +164,9 @@ fn commit_number() -> Result<u32, Failure> {
 }
 
 fn judge(subject: Subject, shard: Option<Shard>) -> Result<(), Failure> {
-    let listed = Listed::read(&root().join(subject.folder()).join("mutants.toml"))?;
-    let found = Found::read(&run(subject, shard)?)?;
+    let listed = root().join(subject.folder()).join("mutants.toml");
+    let listed = read(&listed, Listed::parse)?;
+    let found = read(&run(subject, shard)?, Found::parse)?;
     eprintln!("{found}");
     found.agrees(&listed, shard.is_none())
 }
@@ -228,6 +229,15 @@ fn make_folder(path: &Path) -> Result<(), Failure> {
     })
 }
 
+/// A file as what `parse` makes of it.
+fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<T, Failure> {
+    let parsed = fs::read_to_string(path).and_then(|text| parse(&text).map_err(io::Error::other));
+    parsed.map_err(|source| Failure::File {
+        path: path.to_owned(),
+        source,
+    })
+}
+
 /// A mutant without line and column, which move with every edit.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord)]
 struct Mutant {
@@ -261,15 +271,6 @@ struct Survivor {
 }
 
 impl Listed {
-    fn read(path: &Path) -> Result<Self, Failure> {
-        let refused = |source| Failure::File {
-            path: path.to_owned(),
-            source,
-        };
-        let text = fs::read_to_string(path).map_err(refused)?;
-        Self::parse(&text).map_err(|why| refused(io::Error::other(why)))
-    }
-
     fn parse(text: &str) -> Result<Self, String> {
         let list: ListFile = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut listed = Self::default();
@@ -315,15 +316,6 @@ enum Scenario {
 }
 
 impl Found {
-    fn read(path: &Path) -> Result<Self, Failure> {
-        let refused = |source| Failure::File {
-            path: path.to_owned(),
-            source,
-        };
-        let text = fs::read_to_string(path).map_err(refused)?;
-        Self::parse(&text).map_err(|why| refused(io::Error::other(why)))
-    }
-
     fn parse(text: &str) -> Result<Self, String> {
         let all: Outcomes = serde_json::from_str(text).map_err(|error| error.to_string())?;
         let mut found = Self::default();

@@ -367,26 +367,19 @@ impl Reader<'_> {
                 other,
                 min,
                 max,
-            } => out_of_range(
-                field,
-                value,
-                min,
-                max,
-                Some(format!("where `{}` is the least", path(other))),
-            ),
-            ConfigError::AboveOther {
+            }
+            | ConfigError::AboveOther {
                 field,
                 value,
                 other,
                 min,
                 max,
-            } => out_of_range(
-                field,
-                value,
-                min,
-                max,
-                Some(format!("where `{}` is the most", path(other))),
-            ),
+            } => {
+                let is_least = matches!(error, ConfigError::BelowOther { .. });
+                let bound = if is_least { "least" } else { "most" };
+                let by = format!("where `{}` is the {bound}", path(other));
+                out_of_range(field, value, min, max, Some(by))
+            }
             ConfigError::CoefficientOutOfRange { coefficient, .. } => {
                 let field = match coefficient {
                     Coefficient::Integral => Field::IntegralTime,
