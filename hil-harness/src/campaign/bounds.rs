@@ -79,7 +79,7 @@ pub const COMEBACK_SAMPLES: u32 = 50;
 /// rms stays within it in 999 of 1000.
 pub const REST_BAR: f64 = 0.02;
 /// The first duty cycle after a rest may be so much above the second \[%\]: a sixth of the 30 % from just open to fully open. What
-/// may still change, [`REST_BAR`] and a sample of the ramp, makes less than half of it with a derivative of 0.6 %/mbar.
+/// may still change, [`REST_BAR`] and a sample of the ramp, makes 1.4 % with a gain of 35 %/bar and a derivative time of 16 ms.
 pub const KICK_PCT: f64 = 5.0;
 /// No filling so far above the reference \[bar\]: the derivative part brakes a falling pressure, and a derivative time of 16 ms looks
 /// ahead 1.3 bar where a rig that scatters loses 80 bar/s.
