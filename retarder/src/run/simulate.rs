@@ -271,10 +271,11 @@ fn columns(parameters: &PlantParameters) -> (Vec<usize>, Vec<Column>) {
         .unzip()
 }
 
-/// Digits beyond the tolerance of the solver are noise: 0.1 Pa, 0.1 µA and 1 nm are written.
+/// Digits beyond the tolerance of the solver are noise: 0.1 Pa, 0.1 µA, 1 nm and 0.1 mK are written.
 fn decimals() -> Decimals {
     Decimals::shortest()
         .with(Unit::BarGauge, 6)
         .with(Unit::Milliampere, 4)
         .with(Unit::Millimetre, 6)
+        .with(Unit::Kelvin, 4)
 }

@@ -1,0 +1,238 @@
+//! Parameters of a plant fitted to a log by least squares (Levenberg and Marquardt).
+
+use plant_sim::parameters::Scale;
+use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, initial_pressure, inputs, signals};
+use plant_sim::{PlantParameters, Tolerance};
+use recording::Recording;
+
+/// Step of the differences, in units of a fitted unknown.
+const STEP: f64 = 1e-3;
+/// An unknown moves at most so far at once.
+const LONGEST_STEP: f64 = 0.7;
+/// A gain of the sum of squares below this share ends the fit.
+const SMALL_GAIN: f64 = 1e-6;
+
+/// A signal of the log in the unit of the model, and the error that counts as one.
+#[derive(Debug)]
+pub(crate) struct Measured {
+    /// Name, such as `p_ch`.
+    pub(crate) name: &'static str,
+    /// Place in a row.
+    place: usize,
+    /// NaN where missing.
+    pub(crate) values: Vec<f64>,
+    weight: f64,
+}
+
+/// The signals of `log` that the plant has, with a weight for each: an error of that size counts as one.
+pub(crate) fn measured(
+    plant: &PlantParameters,
+    log: &Recording,
+    weights: &[(&'static str, f64)],
+) -> Vec<Measured> {
+    let one = |&(name, weight): &(&'static str, f64)| {
+        let place = ROW_SIGNALS.iter().position(|signal| signal.0 == name)?;
+        let (_, unit) = signals(plant).find(|signal| signal.0 == name)?;
+        let ambient = plant.gas.ambient_pressure_pa;
+        let values = log.signal(name)?.values_at_ambient(unit, ambient).ok()?;
+        Some(Measured {
+            name,
+            place,
+            values,
+            weight,
+        })
+    };
+    weights.iter().filter_map(one).collect()
+}
+
+/// The course of each measured signal on the instants of the log. The sensor shows the first logged pressure at the start.
+pub(crate) fn simulate(
+    plant: &PlantParameters,
+    log: &Recording,
+    measured: &[Measured],
+) -> Vec<Vec<f64>> {
+    let (base, inputs) = inputs(plant, log).expect("a bundled log drives its plant");
+    let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
+    let sampling = CurrentSampling::of_interval(interval_s, plant);
+    let mut replay = Replay::new(plant, sampling, Tolerance::scaled(0.1));
+    if let Some(pressure) = initial_pressure(plant, log).expect("`p_ch` is a pressure") {
+        let offset_bar = plant.get("effects.sensor_offset.offset_bar").unwrap_or(0.0);
+        replay
+            .simulator()
+            .set_chamber_pressure(pressure - offset_bar * 1e5);
+    }
+    let mut courses = vec![Vec::with_capacity(inputs.len()); measured.len()];
+    for input in inputs {
+        let row = replay.row(input);
+        for (course, signal) in courses.iter_mut().zip(measured) {
+            course.push(row[signal.place]);
+        }
+    }
+    courses
+}
+
+/// Root mean square of measured minus modelled, missing samples left out.
+pub(crate) fn rms(measured: &Measured, course: &[f64]) -> f64 {
+    let errors = measured.values.iter().zip(course).map(|(a, b)| a - b);
+    let squares: Vec<f64> = errors.filter(|e| !e.is_nan()).map(|e| e * e).collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+/// The plant with the parameters `names` fitted to the log.
+pub(crate) fn fit(
+    start: &PlantParameters,
+    log: &Recording,
+    measured: &[Measured],
+    names: &[&str],
+) -> PlantParameters {
+    let residuals = |unknowns: &[f64]| -> Vec<f64> {
+        let plant = with(start, names, unknowns);
+        let courses = simulate(&plant, log, measured);
+        let pairs = measured.iter().zip(&courses);
+        pairs
+            .flat_map(|(signal, course)| {
+                let errors = signal.values.iter().zip(course);
+                errors.map(|(a, b)| (a - b) / signal.weight)
+            })
+            .filter(|error| !error.is_nan())
+            .collect()
+    };
+    let limits: Vec<[f64; 2]> = names.iter().map(|name| limits(start, name)).collect();
+    let mut unknowns: Vec<f64> = names.iter().map(|name| unknown_of(start, name)).collect();
+    let mut errors = residuals(&unknowns);
+    let mut damping = 1e-2;
+    for _ in 0..40 {
+        let columns: Vec<Vec<f64>> = (0..names.len())
+            .map(|k| {
+                let mut moved = unknowns.clone();
+                // Inwards, where there is no room.
+                let step = if moved[k] + STEP > limits[k][1] {
+                    -STEP
+                } else {
+                    STEP
+                };
+                moved[k] += step;
+                let moved = residuals(&moved);
+                moved
+                    .iter()
+                    .zip(&errors)
+                    .map(|(a, b)| (a - b) / step)
+                    .collect()
+            })
+            .collect();
+        let before = square(&errors);
+        let better = (0..10).find_map(|_| {
+            let step = step(&columns, &errors, damping);
+            let moved: Vec<f64> = (0..names.len())
+                .map(|k| (unknowns[k] + step[k]).clamp(limits[k][0], limits[k][1]))
+                .collect();
+            let found = residuals(&moved);
+            let is_better = square(&found) < before;
+            damping *= if is_better { 0.3 } else { 4.0 };
+            is_better.then_some((moved, found))
+        });
+        let Some((moved, found)) = better else { break };
+        (unknowns, errors) = (moved, found);
+        if before - square(&errors) < SMALL_GAIN * before {
+            break;
+        }
+    }
+    let mut plant = with(start, names, &unknowns);
+    let origin = format!("fitted to {}", log.provenance().source);
+    for name in names {
+        let value = plant.get(name).expect("the plant has what is fitted");
+        let rounded = format!("{value:.3e}")
+            .parse()
+            .expect("a printed number is read");
+        plant
+            .set(name, rounded, &origin)
+            .expect("a value within its range");
+    }
+    plant
+}
+
+/// The unknown of a parameter: its logarithm, but for those that are spread evenly.
+fn unknown_of(plant: &PlantParameters, name: &str) -> f64 {
+    let value = plant.get(name).expect("the plant has what is fitted");
+    if is_linear(plant, name) {
+        value
+    } else {
+        value.ln()
+    }
+}
+
+/// Between which values an unknown may be.
+fn limits(plant: &PlantParameters, name: &str) -> [f64; 2] {
+    let spec = plant.specs().find(|spec| spec.name() == name);
+    let (least, most) = spec.expect("the plant has what is fitted").range;
+    [least, most].map(|value| {
+        if is_linear(plant, name) {
+            value
+        } else {
+            value.ln()
+        }
+    })
+}
+
+fn with(plant: &PlantParameters, names: &[&str], unknowns: &[f64]) -> PlantParameters {
+    let mut plant = plant.clone();
+    for (name, &unknown) in names.iter().zip(unknowns) {
+        let value = if is_linear(&plant, name) {
+            unknown
+        } else {
+            unknown.exp()
+        };
+        let spec = plant.specs().find(|spec| spec.name() == *name);
+        let (least, most) = spec.expect("the plant has what is fitted").range;
+        // A logarithm and back may leave the range by a rounding.
+        plant
+            .set(name, value.clamp(least, most), "being fitted")
+            .expect("a value within its range");
+    }
+    plant
+}
+
+fn is_linear(plant: &PlantParameters, name: &str) -> bool {
+    let spec = plant.specs().find(|spec| spec.name() == name);
+    spec.and_then(|spec| spec.size)
+        .is_some_and(|size| size.scale == Scale::Linear)
+}
+
+fn square(errors: &[f64]) -> f64 {
+    errors.iter().map(|error| error * error).sum()
+}
+
+/// The damped step that the linearised errors ask for.
+fn step(columns: &[Vec<f64>], errors: &[f64], damping: f64) -> Vec<f64> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let n = columns.len();
+    let mut rows: Vec<Vec<f64>> = (0..n)
+        .map(|i| {
+            let mut row: Vec<f64> = columns.iter().map(|one| dot(&columns[i], one)).collect();
+            row[i] = row[i] * (1.0 + damping) + f64::MIN_POSITIVE;
+            row.push(-dot(&columns[i], errors));
+            row
+        })
+        .collect();
+    // Positive definite: elimination without pivots is stable.
+    for i in 0..n {
+        for k in i + 1..n {
+            let factor = rows[k][i] / rows[i][i];
+            let pivot = rows[i].clone();
+            for (value, above) in rows[k].iter_mut().zip(pivot).skip(i) {
+                *value -= factor * above;
+            }
+        }
+    }
+    let mut step = vec![0.0; n];
+    for i in (0..n).rev() {
+        let known = dot(&rows[i][i + 1..n], &step[i + 1..]);
+        let wanted = (rows[i][n] - known) / rows[i][i];
+        step[i] = if wanted.is_finite() {
+            wanted.clamp(-LONGEST_STEP, LONGEST_STEP)
+        } else {
+            0.0
+        };
+    }
+    step
+}
