@@ -1,0 +1,118 @@
+//! Coils with effects: currents from fluxes, and what flows and warms while they do.
+
+use super::super::flux::{self, CoilNow};
+use super::super::smooth::Smooth;
+use super::super::span::{Span, first_of};
+use super::Extended;
+use crate::coil::Drive;
+use crate::plant::{FILL, PlantState, VENT};
+use crate::valve::ValveState;
+
+impl Extended {
+    /// Whether flux and current of a coil are in proportion.
+    pub(super) fn is_linear(&self) -> bool {
+        let additions = &self.plant.additions;
+        additions.saturation.is_none() && additions.eddy_conductance == 0.0
+    }
+
+    /// The current that makes the force of a valve (A).
+    pub(super) fn pulling_current(&self, index: usize, valve: &ValveState) -> f64 {
+        if self.is_linear() {
+            valve.current
+        } else {
+            flux::pulling_current(&self.plant, index, self.flux[index], valve.x)
+        }
+    }
+
+    /// The magnetising current (A) at which that of a free-wheeling coil ends: the eddy currents carry the rest.
+    pub(super) fn least_current(&self) -> f64 {
+        self.plant.diode_drop * self.plant.additions.eddy_conductance
+    }
+
+    /// The live coils at a state, with their magnetising currents.
+    pub(super) fn coils<const N: usize, const M: usize>(
+        &self,
+        smooth: &Smooth<M>,
+        y: &[f64; N],
+        more: [f64; 2],
+    ) -> [CoilNow; 2] {
+        let mut coils = [None; 2];
+        for slot in 0..M {
+            let (index, first) = (smooth.live[slot], first_of(slot));
+            let current = flux::magnetising_current(&self.plant, index, y[first], y[first + 1]);
+            coils[index] = Some((smooth.drives[slot], current, more[index]));
+        }
+        flux::coils_now(&self.plant, coils)
+    }
+
+    /// The outputs have switched: with eddy currents, the current at the terminals jumps.
+    pub(in crate::simulator) fn switched(&self, state: &mut PlantState) {
+        if self.plant.additions.eddy_conductance == 0.0 {
+            return;
+        }
+        let coils = [FILL, VENT].map(|index| {
+            let valve = &state.valves[index];
+            let current = flux::magnetising_current(&self.plant, index, self.flux[index], valve.x);
+            Some((valve.drive, current, 0.0))
+        });
+        let now = flux::coils_now(&self.plant, coils);
+        for (valve, coil) in state.valves.iter_mut().zip(now) {
+            valve.current = coil.current.max(0.0);
+        }
+    }
+
+    pub(super) fn commit_charge<const N: usize, const M: usize>(
+        &mut self,
+        smooth: &Smooth<M>,
+        span: &Span<N, M>,
+        (taken, end): (f64, &[f64; N]),
+        charge: &mut [f64; 2],
+    ) {
+        let additions = &self.plant.additions;
+        let simpson = additions.heating.is_some() || !additions.hooks.is_empty();
+        if simpson {
+            let middle = span.at(0.5 * taken);
+            let states = [&span.start, &middle, end];
+            let [start, middle, end] = states.map(|y| self.coils(smooth, y, [0.0; 2]));
+            for &index in &smooth.live {
+                let mean = |power: i32| {
+                    let [start, middle, end] =
+                        [start, middle, end].map(|now| now[index].current.powi(power));
+                    (start + 4.0 * middle + end) / 6.0 * taken
+                };
+                charge[index] += mean(1);
+                self.heat[index] += self.plant.valves[index].coil.resistance * mean(2);
+            }
+            return;
+        }
+        // Flux balance: R ∫i dt = ∫u dt - Δλ, where all energised coils share a part of u.
+        let balances: [_; M] = core::array::from_fn(|slot| {
+            let (index, drive) = (smooth.live[slot], smooth.drives[slot]);
+            let voltage = drive.voltage()?;
+            let first = first_of(slot);
+            let balance = voltage * taken - (end[first] - span.start[first]);
+            let resistance = flux::loop_resistance(&self.plant, index, drive);
+            Some((balance / resistance, resistance))
+        });
+        let shared = additions.supply_resistance;
+        let energised = || {
+            let drives = smooth.drives.iter().zip(balances);
+            drives.filter_map(|(drive, balance)| {
+                matches!(drive, Drive::Energised(_)).then_some(balance?)
+            })
+        };
+        let conductance: f64 = energised().map(|(_, resistance)| resistance.recip()).sum();
+        let together =
+            energised().map(|(alone, _)| alone).sum::<f64>() / (1.0 + shared * conductance);
+        for (slot, balance) in balances.into_iter().enumerate() {
+            let Some((alone, resistance)) = balance else {
+                continue;
+            };
+            let lost = match smooth.drives[slot] {
+                Drive::Energised(_) => shared * together / resistance,
+                _ => 0.0,
+            };
+            charge[smooth.live[slot]] += alone - lost;
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Forces on an armature with effects.
+
+use super::super::gas;
+use super::Extended;
+use crate::hooks::{self, Now};
+use crate::valve::ValveState;
+
+impl Extended {
+    /// Forces on an armature without friction (N).
+    pub(super) fn net_force(
+        &self,
+        (index, x, v): (usize, f64, f64),
+        pulling_current: f64,
+        pressure_drop: f64,
+        now: Option<&Now>,
+    ) -> f64 {
+        let valve = &self.plant.valves[index];
+        let additions = &self.plant.additions;
+        let lift = valve.lift(x) / valve.armature.stroke;
+        let drop = pressure_drop * (1.0 - additions.flow_force * lift);
+        let own = now.map_or(0.0, |now| hooks::sum(&additions.hooks.force[index], now));
+        valve.magnet.force(pulling_current, x) + valve.armature.static_force(x, drop)
+            - valve.armature.viscous_friction * v
+            + own
+    }
+
+    /// The net force on an armature that does not move (N).
+    pub(super) fn resting_force(
+        &self,
+        index: usize,
+        valve: &ValveState,
+        current: f64,
+        pressure: f64,
+        extra: &[f64],
+    ) -> f64 {
+        let mut currents = [0.0; 2];
+        currents[index] = current;
+        let now = self.now(pressure, extra, (currents, [valve.x; 2], [0.0; 2]));
+        let area = self.plant.valves[index].effective_area(valve.x);
+        let place = (index, area);
+        let drop = gas::pressure_drop(
+            &self.plant,
+            &self.layout,
+            place,
+            pressure,
+            extra,
+            now.as_ref(),
+        );
+        self.net_force((index, valve.x, 0.0), current, drop, now.as_ref())
+    }
+}

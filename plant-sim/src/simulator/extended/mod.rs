@@ -1,0 +1,157 @@
+//! The plant with effects, as the solver asks for it.
+
+mod coils;
+mod forces;
+mod physics;
+
+use super::layout::Layout;
+use super::physics::MANY;
+use super::sensor::Sensor;
+use super::tolerance::Tolerance;
+use crate::hooks::Now;
+use crate::plant::{FILL, Plant, PlantState, VENT};
+
+/// A state that an effect adds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EffectState {
+    /// `t_gas`, `t_wall`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_cavity`, or `own` for your own.
+    pub name: &'static str,
+    /// Its value: K or Pa abs, or the unit of your own.
+    pub value: f64,
+}
+
+/// The plant with its additions, and their states.
+#[derive(Debug, Clone)]
+pub(in crate::simulator) struct Extended {
+    plant: Plant,
+    layout: Layout,
+    extra: [f64; MANY],
+    /// Inverse tolerances of `extra`.
+    extra_weights: [f64; MANY],
+    /// Flux linkage of each coil (Wb), where its current does not tell it.
+    flux: [f64; 2],
+    /// What each coil is warmer than 20 °C (K), and the heat since it was brought up to date (J).
+    warmth: [f64; 2],
+    heat: [f64; 2],
+    /// Resistance of each coil as installed (Ω).
+    installed: [f64; 2],
+    /// The plunger's share of its travel.
+    swept: f64,
+    sensor: Sensor,
+}
+
+impl Extended {
+    pub(in crate::simulator) fn new(plant: Plant, tolerance: Tolerance) -> Self {
+        let layout = Layout::new(&plant);
+        let [extra, extra_weights] = layout.start(&plant, tolerance.pressure);
+        let warmth = plant
+            .additions
+            .heating
+            .map_or(0.0, |heating| heating.ambient());
+        let start = plant.rest_state().pressure;
+        Self {
+            extra,
+            extra_weights,
+            flux: [0.0; 2],
+            warmth: [warmth; 2],
+            heat: [0.0; 2],
+            installed: [FILL, VENT].map(|index| plant.valves[index].coil.resistance),
+            swept: plant
+                .additions
+                .plunger
+                .map_or(0.0, |plunger| plunger.share(0.0, start)),
+            sensor: Sensor::new(start),
+            layout,
+            plant,
+        }
+    }
+
+    /// What laws of your own see; none where there are none.
+    fn now<'a>(
+        &self,
+        pressure: f64,
+        extra: &'a [f64],
+        (current, position, velocity): ([f64; 2], [f64; 2], [f64; 2]),
+    ) -> Option<Now<'a>> {
+        let time = self.layout.time?;
+        let (first, number) = self.layout.own;
+        Some(Now {
+            time: extra[time],
+            pressure,
+            supply_pressure: self.plant.supply_pressure,
+            ambient_pressure: self.plant.ambient_pressure,
+            temperature: self
+                .layout
+                .temperature
+                .map_or(f64::NAN, |index| extra[index]),
+            current,
+            position,
+            velocity,
+            own: &extra[first..first + number],
+        })
+    }
+
+    /// The states of effects, named.
+    pub(in crate::simulator) fn states(&self) -> Vec<EffectState> {
+        let Layout {
+            line,
+            temperature,
+            wall,
+            cavity,
+            own: (first, number),
+            ..
+        } = self.layout;
+        let named = [
+            ("p_line", line),
+            ("t_gas", temperature),
+            ("t_wall", wall),
+            ("p_cavity", cavity),
+        ];
+        let state = |name, value| EffectState { name, value };
+        let mut states: Vec<_> = named
+            .into_iter()
+            .filter_map(|(name, index)| Some(state(name, self.extra[index?])))
+            .collect();
+        if self.plant.additions.heating.is_some() {
+            states.push(state("t_coil_fill", self.warmth[FILL] + 293.15));
+            states.push(state("t_coil_vent", self.warmth[VENT] + 293.15));
+        }
+        let own = &self.extra[first..first + number];
+        states.extend(own.iter().map(|value| state("own", *value)));
+        states
+    }
+
+    /// What the sensor shows (Pa abs).
+    pub(in crate::simulator) fn measured_pressure(&self, state: &PlantState) -> f64 {
+        let valves = &state.valves;
+        let now = Now {
+            time: self.layout.time.map_or(f64::NAN, |time| self.extra[time]),
+            pressure: state.pressure,
+            supply_pressure: self.plant.supply_pressure,
+            ambient_pressure: self.plant.ambient_pressure,
+            temperature: self.temperature().unwrap_or(f64::NAN),
+            current: valves.map(|valve| valve.current),
+            position: valves.map(|valve| valve.x),
+            velocity: valves.map(|valve| valve.v),
+            own: &self.extra[self.layout.own.0..][..self.layout.own.1],
+        };
+        self.sensor.shown(&self.plant.additions, &now)
+    }
+
+    /// Gas temperature (K), where it is a state.
+    pub(in crate::simulator) fn temperature(&self) -> Option<f64> {
+        Some(self.extra[self.layout.temperature?])
+    }
+
+    /// The chamber pressure was moved by `shift` to `pressure` (Pa): what follows it moves along.
+    pub(in crate::simulator) fn shift_pressure(&mut self, shift: f64, pressure: f64) {
+        if let Some(cavity) = self.layout.cavity {
+            // A correction by a measurement; never to vacuum.
+            self.extra[cavity] = (self.extra[cavity] + shift).max(1.0);
+        }
+        if let Some(plunger) = &self.plant.additions.plunger {
+            self.swept = plunger.share(self.swept, pressure);
+        }
+        self.sensor.shift(shift);
+    }
+}
