@@ -6,6 +6,7 @@ mod fit;
 #[path = "../examples/real_measurements/rigs.rs"]
 mod rigs;
 
+use model_lab::{CompareOptions, Comparison, compare};
 use rigs::{Outcome, RIGS, Rig};
 
 fn rig(name: &str) -> &'static Rig {
@@ -137,5 +138,53 @@ fn every_model_answers_at_every_instant_with_values_within_their_ranges() {
             }
             assert!(outcome.plant.check().is_ok(), "{title}: {model}");
         }
+    }
+}
+
+/// The last model of a rig, as `retarder compare` holds it against the log.
+fn compared(name: &str, tolerances: &[(&str, f64)]) -> Comparison {
+    let rig = rig(name);
+    let plant = rig.outcomes().pop().unwrap().plant;
+    let options = CompareOptions {
+        tolerances: tolerances
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), *value))
+            .collect(),
+        ..CompareOptions::default()
+    };
+    compare(&plant, &rig.log(), &options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A pressure that falls from the first row on begins where it was, not at the mean of its first second.
+#[test]
+fn a_comparison_of_a_leak_down_starts_at_the_first_row() {
+    let comparison = compared("leakdown-015", &[("p_ch", 0.02)]);
+    let start = comparison.start.pressure_bar_gauge;
+    assert!((7.48..7.51).contains(&start), "{start}");
+    assert!(comparison.verdict.holds, "{:?}", comparison.verdict);
+}
+
+/// Through an orifice that nothing closes the pressure is never quiet: there is no noise to be had from it.
+#[test]
+fn a_comparison_of_a_blow_down_has_no_noise_floor_and_two_signals() {
+    let comparison = compared("blowdown", &[("p_ch", 0.03), ("t_gas", 0.7)]);
+    let names: Vec<_> = comparison.signals.iter().map(|one| &one.name[..]).collect();
+    assert_eq!(names, ["p_ch", "t_gas"]);
+    assert!(
+        comparison
+            .signals
+            .iter()
+            .all(|one| one.noise_floor.value.is_none())
+    );
+    assert!(comparison.verdict.holds, "{:?}", comparison.verdict);
+}
+
+#[test]
+fn a_comparison_of_one_coil_has_its_current_alone() {
+    for name in ["inrush-switching", "inrush-blocked"] {
+        let comparison = compared(name, &[("i_fill", 0.7)]);
+        assert_eq!(comparison.signals.len(), 1);
+        assert_eq!(comparison.signals[0].name, "i_fill");
+        assert!(comparison.verdict.holds, "{:?}", comparison.verdict);
     }
 }

@@ -1,7 +1,7 @@
 //! What plant files and controller files are made of.
 
 use hil_harness::controller_file::{self, KEYS};
-use plant_sim::parameters::{PARAMETERS, ParameterSpec};
+use plant_sim::parameters::ParameterSpec;
 
 use super::number::{or_dash, value};
 use super::{Colour, Terminal, indented, painted_lines, title};
@@ -11,7 +11,7 @@ use crate::input::{NamedController, NamedPlant};
 pub(super) fn parameters(plant: &NamedPlant, terminal: &Terminal) -> String {
     let mut text = title(&format!("Parameters of the {}", plant.name), terminal);
     let mut section = "";
-    for spec in PARAMETERS.iter() {
+    for spec in plant.parameters.specs() {
         if spec.section != section {
             section = spec.section;
             text += &format!("\n[{section}]\n");

@@ -273,3 +273,33 @@ fn options() {
     check(&bench, &["simulte"], &["simulte", "simulate"]);
     check(&bench, &["compare"], &["--log <FILE>"]);
 }
+
+#[test]
+fn a_plant_without_valves_where_both_are_needed() {
+    let bench = bench();
+    let vessel = data("plants/air-vessel-790kPa.toml");
+    for command in ["control", "thesis"] {
+        check(
+            &bench,
+            &[command, "--plant", &vessel],
+            &[
+                "air-vessel-790kPa.toml: the plant has no armature of the fill valve",
+                "needs both valves and the chamber",
+            ],
+        );
+    }
+    check(
+        &bench,
+        &[
+            "parameters",
+            "--plant",
+            &vessel,
+            "--set",
+            "coil.resistance_20c_ohm=80",
+        ],
+        &[
+            "--set",
+            "`coil.resistance_20c_ohm` describes nothing, since this plant has no coil",
+        ],
+    );
+}
