@@ -1,0 +1,91 @@
+//! Plants with parts left out, every combination of them.
+
+use plant_sim::effects::{EffectSetting, LIBRARY};
+use plant_sim::parameters::Part;
+use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, signals};
+use plant_sim::valve::ValveFunction;
+use plant_sim::{Command, PlantParameters, Tolerance};
+
+const FUNCTIONS: [ValveFunction; 5] = [
+    ValveFunction::NormallyClosed,
+    ValveFunction::NormallyOpen,
+    ValveFunction::AlwaysOpen,
+    ValveFunction::Blocked,
+    ValveFunction::Absent,
+];
+
+/// Every plant that has at least a coil or a chamber.
+fn plants() -> impl Iterator<Item = PlantParameters> {
+    let pairs = FUNCTIONS.map(|fill| FUNCTIONS.map(|vent| [fill, vent]));
+    pairs.into_iter().flatten().flat_map(|functions| {
+        [true, false].into_iter().filter_map(move |has_chamber| {
+            let mut plant = PlantParameters::nominal();
+            plant.functions = functions;
+            if !has_chamber {
+                plant.chamber.volume_m3 = 0.0;
+            }
+            // Only the keys of the parts that are there make it into the file.
+            PlantParameters::from_toml(&plant.to_toml(), "rig.toml").ok()
+        })
+    })
+}
+
+/// Steps that 0.1 s of a plant take at most, with the stiffest effect at its typical size.
+const STEPS_MAX: u64 = 20_000;
+
+/// Fills, vents and holds for 0.1 s; the signals that the plant has are finite, the others are not there.
+fn check(plant: &PlantParameters, what: &str) {
+    let mut replay = Replay::new(plant, CurrentSampling::Instant, Tolerance::default());
+    for time_ns in (0..=100_u64).map(|ms| ms * 1_000_000) {
+        let duty = |from: u64| {
+            if time_ns / 1_000_000 % 40 >= from {
+                70.0
+            } else {
+                0.0
+            }
+        };
+        let row = replay.row(ReplayInput {
+            time_ns,
+            command: Some(Command {
+                duty_fill_pct: duty(0),
+                duty_vent_pct: duty(20),
+            }),
+            supply_voltage_v: None,
+        });
+        for ((name, _), value) in ROW_SIGNALS.iter().zip(row) {
+            let has = signals(plant).any(|(one, _)| one == *name);
+            assert!(value.is_finite() || !has, "{what}: {name} = {value}");
+        }
+    }
+    let statistics = replay.simulator().statistics();
+    assert!(statistics.steps < STEPS_MAX, "{what}: {statistics:?}");
+}
+
+#[test]
+fn every_combination_of_parts_is_a_plant_but_nothing_at_all() {
+    // Neither coil nor chamber: an orifice or nothing in place of each valve.
+    assert_eq!(plants().count(), 50 - 4);
+    for plant in plants() {
+        assert!(plant.check().is_ok());
+        check(&plant, &format!("{:?}", plant.functions));
+        for spec in plant.specs().filter(|spec| !spec.is_optional()) {
+            assert!(spec.value(&plant).is_some(), "{}", spec.name());
+        }
+    }
+}
+
+#[test]
+fn every_effect_joins_every_plant_that_has_what_it_acts_on() {
+    for effect in LIBRARY {
+        let id = effect.about().id;
+        for plant in plants() {
+            let joined = plant.with_effect(EffectSetting::typical(effect));
+            let what = format!("{id} on {:?}", plant.functions);
+            let may = Part::of_effect(effect).is_in(&plant);
+            assert_eq!(joined.check().is_ok(), may, "{what}");
+            if may {
+                check(&joined, &what);
+            }
+        }
+    }
+}
