@@ -82,12 +82,15 @@ impl<'a> Course<'a> {
             .zip(self.values.iter().map(square))
     }
 
-    /// Lines from sample to sample, broken where samples are missing.
+    /// Lines from sample to sample, broken where samples are missing; a sample between missing ones is a dash.
     pub(super) fn lines(&self, window_s: &Range<f64>, columns: usize) -> Vec<Vec<Point>> {
         let point = |row: usize| (self.times_s[row], self.values[row]);
         self.pieces(window_s)
             .into_iter()
-            .map(|rows| drawn(&rows.map(point).collect::<Vec<_>>(), window_s, columns))
+            .map(|rows| match rows.len() {
+                1 => dash(point(rows.start), window_s),
+                _ => drawn(&rows.map(point).collect::<Vec<_>>(), window_s, columns),
+            })
             .collect()
     }
 
@@ -147,6 +150,14 @@ impl<'a> Course<'a> {
         }
         pieces
     }
+}
+
+/// A line without neighbours that can be seen: a two-hundredth of the window.
+fn dash((time_s, value): Point, window_s: &Range<f64>) -> Vec<Point> {
+    let half_s = (window_s.end - window_s.start) / 400.0;
+    [time_s - half_s, time_s + half_s]
+        .map(|time_s| (time_s.clamp(window_s.start, window_s.end), value))
+        .to_vec()
 }
 
 /// The points that a line needs.
@@ -258,11 +269,28 @@ mod tests {
 
     #[test]
     fn a_missing_sample_breaks_the_line() {
-        let recording = recording_of(vec![1.0, 2.0, f64::NAN, 3.0, f64::NAN]);
+        let recording = recording_of(vec![1.0, 2.0, f64::NAN, 3.0, 4.0, f64::NAN]);
         assert_eq!(
             lines(&recording, 100),
-            [vec![(0.0, 1.0), (0.01, 2.0)], vec![(0.03, 3.0)]]
+            [
+                vec![(0.0, 1.0), (0.01, 2.0)],
+                vec![(0.03, 3.0), (0.04, 4.0)]
+            ]
         );
+    }
+
+    #[test]
+    fn a_sample_between_missing_ones_is_seen() {
+        let recording = recording_of(vec![1.0, f64::NAN, 3.0, f64::NAN]);
+        let dashes = lines(&recording, 100);
+        assert_eq!(dashes.len(), 2);
+        for (dash, time_s, value) in [(&dashes[0], 0.0, 1.0), (&dashes[1], 0.02, 3.0)] {
+            let [begin, end] = dash[..] else {
+                panic!("{dash:?}")
+            };
+            assert!(begin.0 <= time_s && time_s < end.0, "{dash:?}");
+            assert_eq!((begin.1, end.1), (value, value));
+        }
     }
 
     #[test]
