@@ -102,9 +102,14 @@ pub(crate) fn comparison(
     })
 }
 
-/// The window of `length_s` in which the free-run residual of the signal `name` is largest; none if the log is not longer.
+/// An excerpt shows at least so many samples: those of a slow log are farther apart.
+const FEWEST_SAMPLES: f64 = 100.0;
+
+/// The window of `length_s`, or of [`FEWEST_SAMPLES`], in which the free-run residual of the signal `name` is largest; none
+/// if the log is not longer.
 pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Option<Range<f64>> {
     let residual = Course::of(&comparison.traces.free_run_residual, name)?;
+    let length_s = length_s.max(FEWEST_SAMPLES * residual.step_s());
     let all_s = residual.window_s();
     if all_s.end - all_s.start <= length_s {
         return None;
@@ -138,22 +143,33 @@ pub(super) fn duties(
     recording: &Recording,
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
+    let commanded = [
+        ("duty_fill", "fill valve", palette::FILL),
+        ("duty_vent", "vent valve", palette::VENT),
+    ];
+    let courses: Vec<_> = commanded
+        .into_iter()
+        .filter_map(|(name, valve, colour)| {
+            let course = Course::of_in(recording, name, Unit::Percent)?;
+            Some(((valve, colour), course))
+        })
+        .collect();
     let mut chart = sheet.panel(&Panel {
         corner,
         size: (width_px, DUTIES_PX),
         x: window_s.clone(),
         y: -4.0..104.0,
         x_caption: Some("time [s]"),
-        y_caption: "Duty cycle [%]",
+        y_caption: if courses.is_empty() {
+            "Duty cycle [%]: nothing is commanded"
+        } else {
+            "Duty cycle [%]"
+        },
     })?;
-    sheet.legend(
-        (corner.0 + width_px, corner.1 - 16),
-        &[("fill valve", palette::FILL), ("vent valve", palette::VENT)],
-    )?;
-    for (name, colour) in [("duty_vent", palette::VENT), ("duty_fill", palette::FILL)] {
-        if let Some(course) = Course::of_in(recording, name, Unit::Percent) {
-            chart.curve(&course.stairs(window_s, width_px as usize), colour, 1.25)?;
-        }
+    let legend: Vec<_> = courses.iter().map(|(entry, _)| *entry).collect();
+    sheet.legend((corner.0 + width_px, corner.1 - 16), &legend)?;
+    for ((_, colour), course) in courses.iter().rev() {
+        chart.curve(&course.stairs(window_s, width_px as usize), *colour, 1.25)?;
     }
     Ok(())
 }

@@ -62,6 +62,11 @@ impl<'a> Course<'a> {
         start_s..end_s + self.step_s
     }
 
+    /// Median distance of two samples \[s\].
+    pub(super) fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
     /// Least and greatest value in the window; none where nothing was sampled.
     pub(super) fn extent(&self, window_s: &Range<f64>) -> Option<Range<f64>> {
         self.rows(window_s)
