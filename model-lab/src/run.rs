@@ -63,7 +63,7 @@ impl<'a> Setup<'a> {
     fn begin(&self) -> Replay {
         let mut replay = Replay::new(self.parameters, self.sampling, self.tolerance);
         if let Some(pressure) = self.start_pressure {
-            replay.simulator().set_chamber_pressure(pressure);
+            replay.begin_showing(pressure);
         }
         replay
     }

@@ -126,6 +126,18 @@ impl Replay {
         &mut self.simulator
     }
 
+    /// Begins at the chamber pressure at which the sensor shows `shown` (Pa abs), whatever its offset.
+    ///
+    /// # Panics
+    /// If `shown` is not positive and finite.
+    pub fn begin_showing(&mut self, shown: f64) {
+        self.simulator.set_chamber_pressure(shown);
+        let too_much = self.simulator.sample().measured_pressure - shown;
+        if too_much < shown {
+            self.simulator.set_chamber_pressure(shown - too_much);
+        }
+    }
+
     /// Advances to the instant of `input`, samples, then hands over the command.
     pub fn row(&mut self, input: ReplayInput) -> Row {
         self.simulator.advance_to_ns(input.time_ns);
@@ -209,7 +221,7 @@ pub fn replay(
     let sampling = CurrentSampling::of_interval(interval_s, parameters);
     let mut replay = Replay::new(parameters, sampling, tolerance);
     if let Some(pressure) = initial_pressure(parameters, log)? {
-        replay.simulator.set_chamber_pressure(pressure);
+        replay.begin_showing(pressure);
     }
     let mut columns: [Vec<f64>; ROW_SIGNALS.len()] =
         core::array::from_fn(|_| Vec::with_capacity(inputs.len()));

@@ -322,3 +322,21 @@ fn a_valve_without_air_moves_to_its_stop() {
         assert!(worst.fold(0.0, f64::max) < 0.02, "{name}");
     }
 }
+
+#[test]
+fn a_replay_begins_where_the_sensor_shows_the_first_pressure() {
+    let mut vessel = without(&COIL_KEYS, "fill = \"absent\"\nvent = \"always_open\"");
+    vessel
+        .set("effects.sensor_offset.offset_bar", 0.2, "test")
+        .unwrap();
+    let log = log(0.01, &[pressure(vec![7.0; 3])]);
+    let blown = run(&vessel, &log).recording;
+    let first = blown.signal("p_ch").unwrap().get(0).unwrap();
+    assert!((first - (7.0 - 1.01325)).abs() < 1e-9, "{first}");
+    let plain = run(&vessel.without_effect("sensor_offset"), &log).recording;
+    let fall = |recording: &Recording| {
+        let values = recording.signal("p_ch").unwrap().values_or_nan();
+        values[0] - values[2]
+    };
+    assert!(fall(&blown) < fall(&plain), "the chamber itself is at less");
+}

@@ -56,10 +56,7 @@ pub(crate) fn simulate(
     let sampling = CurrentSampling::of_interval(interval_s, plant);
     let mut replay = Replay::new(plant, sampling, Tolerance::scaled(0.1));
     if let Some(pressure) = initial_pressure(plant, log).expect("`p_ch` is a pressure") {
-        let offset_bar = plant.get("effects.sensor_offset.offset_bar").unwrap_or(0.0);
-        replay
-            .simulator()
-            .set_chamber_pressure(pressure - offset_bar * 1e5);
+        replay.begin_showing(pressure);
     }
     let mut courses = vec![Vec::with_capacity(inputs.len()); measured.len()];
     for input in inputs {

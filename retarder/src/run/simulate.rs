@@ -172,7 +172,7 @@ impl Model {
         let sampling = CurrentSampling::of_interval(step_s, parameters);
         let mut replay = Replay::new(parameters, sampling, Tolerance::default());
         if let Some(pressure) = begin.pressure {
-            replay.simulator().set_chamber_pressure(pressure);
+            replay.begin_showing(pressure);
         }
         Self {
             replay,
