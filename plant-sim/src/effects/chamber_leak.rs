@@ -1,7 +1,7 @@
 //! The chamber loses air to the surroundings.
 
 use super::{About, Effect, EffectSetting, EntryPoint, Variant};
-use crate::orifice::NozzleLaw;
+use crate::additions::{Leak, LeakLaw};
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 
@@ -54,71 +54,21 @@ static ABOUT: About = About {
 #[derive(Debug)]
 pub struct ChamberLeak;
 
-/// A leak from one pressure to another.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Leak {
-    law: LeakLaw,
-    /// Effective area of the orifice that leaks as much at the reference pressures (m²).
-    area: f64,
-    /// Mass flow per area at the reference pressures (kg/(s m²)).
-    reference_flow: f64,
-    /// Difference of the reference pressures (Pa), and of their squares (Pa²).
-    reference: [f64; 2],
-}
-
-/// How a leak's flow depends on the pressures.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum LeakLaw {
-    Orifice,
-    /// ΔP² = a ṁ + b ṁ², with this share of the linear part at the reference.
-    Mixed(f64),
-    Power(f64),
-}
-
-impl Leak {
-    pub(super) fn of(setting: &EffectSetting, plant: &Plant) -> Self {
-        let (high, low) = (plant.supply_pressure, plant.ambient_pressure);
-        Self {
-            law: match setting.variant().name {
-                "laminar" => LeakLaw::Mixed(1.0),
-                "mixed" => LeakLaw::Mixed(setting.value("laminar_share")),
-                "power" => LeakLaw::Power(setting.value("exponent")),
-                _ => LeakLaw::Orifice,
-            },
-            area: setting.value("area_m2"),
-            reference_flow: plant.nozzle.mass_flow(1.0, high, low),
-            reference: [high - low, high * high - low * low],
-        }
-    }
-
-    /// The area by which it widens a valve beside it; none where it follows another law than an orifice.
-    pub(crate) fn orifice_area(&self) -> Option<f64> {
-        (self.law == LeakLaw::Orifice).then_some(self.area)
-    }
-
-    /// Mass flow (kg/s) from `upside` to `downside` (Pa abs); negative where they are reversed.
-    pub(crate) fn mass_flow(&self, nozzle: &NozzleLaw, upside: f64, downside: f64) -> f64 {
-        if upside < downside {
-            return -self.mass_flow(nozzle, downside, upside);
-        }
-        let reference = self.area * self.reference_flow;
-        match self.law {
-            LeakLaw::Orifice => nozzle.mass_flow(self.area, upside, downside),
-            LeakLaw::Power(exponent) => {
-                reference * ((upside - downside) / self.reference[0]).powf(exponent)
-            }
-            LeakLaw::Mixed(share) => {
-                // share m + (1 - share) m² = s for the flow m relative to the reference.
-                let s = (upside * upside - downside * downside) / self.reference[1];
-                let root = (share * share + 4.0 * (1.0 - share) * s).sqrt();
-                if s == 0.0 {
-                    0.0
-                } else {
-                    reference * 2.0 * s / (share + root)
-                }
-            }
-        }
-    }
+/// The leak that `setting` describes, sized at the supply pressure. It has the keys and forms of this effect.
+pub(super) fn leak(setting: &EffectSetting, plant: &Plant) -> Leak {
+    let law = match setting.variant().name {
+        "laminar" => LeakLaw::Mixed(1.0),
+        "mixed" => LeakLaw::Mixed(setting.value("laminar_share")),
+        "power" => LeakLaw::Power(setting.value("exponent")),
+        _ => LeakLaw::Orifice,
+    };
+    Leak::new(
+        law,
+        setting.value("area_m2"),
+        &plant.nozzle,
+        plant.supply_pressure,
+        plant.ambient_pressure,
+    )
 }
 
 impl Effect for ChamberLeak {
@@ -127,7 +77,7 @@ impl Effect for ChamberLeak {
     }
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
-        plant.additions.leaks[0] = Some(Leak::of(setting, plant));
+        plant.additions.leaks[0] = Some(leak(setting, plant));
     }
 }
 
@@ -143,7 +93,7 @@ mod tests {
         if let Some((key, value)) = key {
             setting = setting.with(key, value);
         }
-        (Leak::of(&setting, &plant), plant)
+        (super::leak(&setting, &plant), plant)
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The coils are not at 20 °C.
 
 use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::additions::resistance;
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 
@@ -26,12 +27,6 @@ static ABOUT: About = About {
 /// The effect.
 #[derive(Debug)]
 pub struct CoilAmbientTemperature;
-
-/// Resistance (Ω) at `difference` (K) above 20 °C, of copper that has `at_20` there (equation 5.7).
-#[inline]
-pub fn resistance(at_20: f64, coefficient: f64, difference: f64) -> f64 {
-    at_20 * (1.0 + coefficient * difference)
-}
 
 impl Effect for CoilAmbientTemperature {
     fn about(&self) -> &'static About {

@@ -1,7 +1,7 @@
 //! The coils warm up under current.
 
-use super::coil_ambient_temperature::resistance;
 use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::additions::Heating;
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 
@@ -36,47 +36,6 @@ static ABOUT: About = About {
 /// The effect.
 #[derive(Debug)]
 pub struct CoilHeating;
-
-/// Heat balance of a coil: C dT/dt = R i² - k (T - T_ambient).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Heating {
-    /// Heat capacity (J/K).
-    heat_capacity: f64,
-    /// Cooling (W/K).
-    cooling: f64,
-    /// Temperature coefficient of the resistance (1/K).
-    coefficient: f64,
-    /// Resistance at 20 °C (Ω).
-    at_20: f64,
-    /// What the surroundings are warmer than 20 °C (K).
-    ambient: f64,
-}
-
-impl Heating {
-    /// What a coil is warmer than 20 °C (K) before it had any current.
-    pub(crate) fn ambient(&self) -> f64 {
-        self.ambient
-    }
-
-    /// The temperature, counted from 20 °C (K), after `heat` (J) came in over `duration` (s).
-    pub(crate) fn after(&self, temperature: f64, heat: f64, duration: f64) -> f64 {
-        // Exact for a steady power.
-        let rate = self.cooling / self.heat_capacity;
-        let share = -(-rate * duration).exp_m1();
-        let cooled = temperature - share * (temperature - self.ambient);
-        let held = if rate * duration > 1e-9 {
-            share / (rate * duration)
-        } else {
-            1.0
-        };
-        cooled + held * heat / self.heat_capacity
-    }
-
-    /// Resistance (Ω) at a temperature counted from 20 °C (K).
-    pub(crate) fn resistance(&self, temperature: f64) -> f64 {
-        resistance(self.at_20, self.coefficient, temperature)
-    }
-}
 
 impl Effect for CoilHeating {
     fn about(&self) -> &'static About {

@@ -1,8 +1,8 @@
 //! The sensor sits in a cavity at the end of a tube.
 
-use super::chamber_leak::Leak;
+use super::chamber_leak::leak;
 use super::{About, Effect, EffectSetting, EntryPoint, Variant};
-use crate::orifice::NozzleLaw;
+use crate::additions::{Cavity, Tube};
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 use crate::restriction::Restriction;
@@ -39,30 +39,6 @@ static ABOUT: About = About {
 #[derive(Debug)]
 pub struct DeadVolume;
 
-/// A cavity behind a tube.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cavity {
-    /// Volume (m³).
-    pub volume: f64,
-    tube: Tube,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Tube {
-    Orifice(Restriction),
-    Laminar(Leak),
-}
-
-impl Cavity {
-    /// Mass flow from the chamber into the cavity (kg/s).
-    pub(crate) fn inflow(&self, nozzle: &NozzleLaw, chamber: f64, cavity: f64) -> f64 {
-        match self.tube {
-            Tube::Orifice(restriction) => restriction.mass_flow(nozzle, chamber, cavity),
-            Tube::Laminar(leak) => leak.mass_flow(nozzle, chamber, cavity),
-        }
-    }
-}
-
 impl Effect for DeadVolume {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -72,7 +48,7 @@ impl Effect for DeadVolume {
         plant.additions.cavity = Some(Cavity {
             volume: setting.value("cavity_volume_m3"),
             tube: match setting.variant().name {
-                "laminar" => Tube::Laminar(Leak::of(setting, plant)),
+                "laminar" => Tube::Laminar(leak(setting, plant)),
                 _ => Tube::Orifice(Restriction {
                     effective_area: setting.value("area_m2"),
                 }),

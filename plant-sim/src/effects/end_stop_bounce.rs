@@ -4,12 +4,6 @@ use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 
-/// Velocity (m/s) below which an armature stays at the stop it meets: it would fly a micrometre.
-pub const SLOWEST_BOUNCE: f64 = 0.02;
-/// Time (s) between two impacts below which an armature stays as well: bounces under a steady force get shorter and
-/// shorter, infinitely many in a finite time.
-pub const SHORTEST_FLIGHT: f64 = 1e-6;
-
 effect_parameters! { "effects.end_stop_bounce":
     RESTITUTION = restitution [""] 0.01 ..= 0.9, Linear 0.3, off 0.0,
         "velocity after over velocity before an end stop is met (E48)";
@@ -46,6 +40,7 @@ impl Effect for EndStopBounce {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::additions::SLOWEST_BOUNCE;
     use crate::{Command, Simulator};
 
     /// Each flight after a bounce begins with the share of the velocity that the arrival had.

@@ -1,6 +1,7 @@
 //! The gas warms on filling and cools on venting.
 
 use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::additions::WallHeat;
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 
@@ -49,93 +50,6 @@ static ABOUT: About = About {
 /// The effect.
 #[derive(Debug)]
 pub struct GasTemperature;
-
-/// Heat from the wall to the gas.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WallHeat {
-    /// Between gas and wall (W/K); by natural convection, at the reference.
-    pub conductance: f64,
-    /// Gas constant times density (Pa/K) at which natural convection has that conductance; none where it is constant.
-    pub convection: Option<f64>,
-    /// The wall's own heat capacity (J/K) and its loss to the surroundings (W/K); none where its temperature stays.
-    pub wall: Option<(f64, f64)>,
-    /// Temperature of the surroundings and of the supply air (K).
-    pub surroundings: f64,
-    /// Ratio of heat capacities (-).
-    pub heat_capacity_ratio: f64,
-    /// Gas constant (J/(kg K)).
-    pub gas_constant: f64,
-}
-
-/// Flows of the energy balance.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Balance {
-    /// Mass flow in, at the temperature of the supply (kg/s).
-    pub(crate) inflow: f64,
-    /// Mass flow out, at the temperature of the chamber (kg/s).
-    pub(crate) outflow: f64,
-    /// Volume (m³), and its change with the pressure (m³/Pa).
-    pub(crate) volume: f64,
-    pub(crate) compliance: f64,
-}
-
-/// Temperature difference of the reference of natural convection (K).
-const REFERENCE_KELVIN: f64 = 30.0;
-
-impl WallHeat {
-    /// Heat between gas and wall per kelvin (W/K). Turbulent natural convection has Nu ∝ Ra^(1/3), and Ra goes with
-    /// ρ² ΔT: the size of the chamber cancels.
-    fn conductance(&self, pressure: f64, temperature: f64, wall: f64) -> f64 {
-        let Some(reference) = self.convection else {
-            return self.conductance;
-        };
-        let dense = pressure / temperature / reference;
-        let apart = (wall - temperature).abs() / REFERENCE_KELVIN;
-        self.conductance * (dense * dense * apart).cbrt()
-    }
-
-    /// What drives the pressure (W): the enthalpy of mass flows in and out (kg/s), and the wall's heat, times k - 1.
-    pub(crate) fn pressure_power(
-        &self,
-        [inflow, outflow]: [f64; 2],
-        pressure: f64,
-        temperature: f64,
-        wall: f64,
-    ) -> f64 {
-        let (k, r) = (self.heat_capacity_ratio, self.gas_constant);
-        let heat = self.conductance(pressure, temperature, wall) * (wall - temperature);
-        k * r * (inflow * self.surroundings - outflow * temperature) + (k - 1.0) * heat
-    }
-
-    /// d(pressure)/dt (Pa/s), d(gas temperature)/dt and d(wall temperature)/dt (K/s) at a
-    /// [pressure power](Self::pressure_power).
-    pub(crate) fn rates(
-        &self,
-        balance: &Balance,
-        pressure_power: f64,
-        pressure: f64,
-        temperature: f64,
-        wall: f64,
-    ) -> [f64; 3] {
-        let Balance {
-            inflow,
-            outflow,
-            volume,
-            compliance,
-        } = *balance;
-        let (k, r) = (self.heat_capacity_ratio, self.gas_constant);
-        let pressure_rate = pressure_power / (volume + k * pressure * compliance);
-        let mass = pressure * volume / (r * temperature);
-        let temperature_rate = temperature
-            * (pressure_rate / pressure + compliance * pressure_rate / volume
-                - (inflow - outflow) / mass);
-        let wall_rate = self.wall.map_or(0.0, |(capacity, loss)| {
-            let heat = self.conductance(pressure, temperature, wall) * (wall - temperature);
-            (-heat - loss * (wall - self.surroundings)) / capacity
-        });
-        [pressure_rate, temperature_rate, wall_rate]
-    }
-}
 
 impl Effect for GasTemperature {
     fn about(&self) -> &'static About {

@@ -1,6 +1,6 @@
 //! The library of physical effects that the thesis' model lacks.
 //!
-//! One effect is one file: what it is, its law with source, its parameters, what excites it and what it is
+//! One effect is one file: what it is, the source of its law, its parameters, what excites it and what it is
 //! confused with. A plant file names the ones that a rig has, `[effects.chamber_leak]`; they combine. Where all
 //! strengths of an effect are at their *off* value, the plain model answers bit for bit.
 //!

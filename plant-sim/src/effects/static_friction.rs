@@ -1,6 +1,7 @@
 //! Dry friction of the armature.
 
 use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::additions::Friction;
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 
@@ -35,15 +36,6 @@ static ABOUT: About = About {
 /// The effect.
 #[derive(Debug)]
 pub struct StaticFriction;
-
-/// Friction at rest and in motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Friction {
-    /// Largest force at rest (N).
-    pub at_rest: f64,
-    /// Force against the motion (N).
-    pub sliding: f64,
-}
 
 impl Effect for StaticFriction {
     fn about(&self) -> &'static About {

@@ -1,6 +1,7 @@
 //! The supply pressure falls while the fill valve is open.
 
 use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::additions::SupplyLine;
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 use crate::restriction::Restriction;
@@ -36,15 +37,6 @@ static ABOUT: About = About {
 /// The effect.
 #[derive(Debug)]
 pub struct SupplyLineDroop;
-
-/// A restriction behind the reservoir, and the volume behind it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SupplyLine {
-    /// The narrowest place.
-    pub restriction: Restriction,
-    /// Volume between it and the valve (m³); none where it is negligible.
-    pub volume: Option<f64>,
-}
 
 impl Effect for SupplyLineDroop {
     fn about(&self) -> &'static About {

@@ -1,6 +1,6 @@
 //! The fill valve does not close tightly.
 
-use super::chamber_leak::Leak;
+use super::chamber_leak::leak;
 use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
@@ -41,7 +41,7 @@ impl Effect for SupplySeatLeak {
     }
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
-        plant.additions.leaks[1] = Some(Leak::of(setting, plant));
+        plant.additions.leaks[1] = Some(leak(setting, plant));
     }
 }
 

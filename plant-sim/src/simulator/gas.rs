@@ -1,7 +1,7 @@
 //! Flows and pressures with effects.
 
 use super::layout::Layout;
-use crate::effects::gas_temperature::Balance;
+use crate::additions::Balance;
 use crate::hooks::{self, Now};
 use crate::plant::{FILL, Plant, VENT};
 use crate::resting_pressure::RestingPressure;

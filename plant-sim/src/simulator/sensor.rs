@@ -1,7 +1,6 @@
 //! What the pressure sensor shows.
 
-use crate::additions::Additions;
-use crate::effects::sensor_lag::lagged;
+use crate::additions::{Additions, lagged};
 use crate::hooks::{self, Now};
 
 /// The sensor's state.

@@ -1,14 +1,26 @@
 //! What effects add to the thesis' model: filled by [`Effect::install`](crate::effects::Effect::install), read by the
-//! simulator. Each law stands in the file of its effect.
+//! simulator. The laws here know nothing of effects; several effects may share one.
 
-use crate::effects::chamber_leak::Leak;
-use crate::effects::coil_heating::Heating;
-use crate::effects::dead_volume::Cavity;
-use crate::effects::gas_temperature::WallHeat;
-use crate::effects::iron_saturation::Saturation;
-use crate::effects::regulating_valve_volume::Plunger;
-use crate::effects::static_friction::Friction;
-use crate::effects::supply_line_droop::SupplyLine;
+mod cavity;
+mod heating;
+mod leak;
+mod plunger;
+mod saturation;
+mod sensor_lag;
+mod wall_heat;
+
+pub use cavity::Cavity;
+pub(crate) use cavity::Tube;
+pub use heating::Heating;
+pub(crate) use heating::resistance;
+pub use leak::Leak;
+pub(crate) use leak::LeakLaw;
+pub use plunger::Plunger;
+pub use saturation::Saturation;
+pub(crate) use sensor_lag::lagged;
+pub(crate) use wall_heat::Balance;
+pub use wall_heat::WallHeat;
+
 use crate::hooks::Hooks;
 use crate::restriction::Restriction;
 
@@ -52,3 +64,27 @@ pub struct Additions {
     /// Laws of your own.
     pub hooks: Hooks,
 }
+
+/// A restriction behind the reservoir, and the volume behind it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SupplyLine {
+    /// The narrowest place.
+    pub restriction: Restriction,
+    /// Volume between it and the valve (m³); none where it is negligible.
+    pub volume: Option<f64>,
+}
+
+/// Friction at rest and in motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Friction {
+    /// Largest force at rest (N).
+    pub at_rest: f64,
+    /// Force against the motion (N).
+    pub sliding: f64,
+}
+
+/// Velocity (m/s) below which an armature stays at the stop it meets: it would fly a micrometre.
+pub(crate) const SLOWEST_BOUNCE: f64 = 0.02;
+/// Time (s) between two impacts below which an armature stays as well: bounces under a steady force get shorter and
+/// shorter, infinitely many in a finite time.
+pub(crate) const SHORTEST_FLIGHT: f64 = 1e-6;

@@ -1,0 +1,29 @@
+//! A second volume behind a tube (E59).
+
+use super::leak::Leak;
+use crate::orifice::NozzleLaw;
+use crate::restriction::Restriction;
+
+/// A cavity behind a tube.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cavity {
+    /// Volume (m³).
+    pub volume: f64,
+    pub(crate) tube: Tube,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Tube {
+    Orifice(Restriction),
+    Laminar(Leak),
+}
+
+impl Cavity {
+    /// Mass flow from the chamber into the cavity (kg/s).
+    pub(crate) fn inflow(&self, nozzle: &NozzleLaw, chamber: f64, cavity: f64) -> f64 {
+        match self.tube {
+            Tube::Orifice(restriction) => restriction.mass_flow(nozzle, chamber, cavity),
+            Tube::Laminar(leak) => leak.mass_flow(nozzle, chamber, cavity),
+        }
+    }
+}
