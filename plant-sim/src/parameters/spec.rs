@@ -107,6 +107,12 @@ impl ParameterSpec {
         }
     }
 
+    /// Puts `value` into `parameters` as it is, for fits that keep to the ranges themselves; false where its section
+    /// is absent. [`PlantParameters::set`] checks, and notes where a value comes from.
+    pub fn put(&self, parameters: &mut PlantParameters, value: f64) -> bool {
+        self.slot(parameters).map(|slot| *slot = value).is_some()
+    }
+
     /// The place of the value in `parameters`; none where its section is absent.
     pub(super) fn slot<'a>(&self, parameters: &'a mut PlantParameters) -> Option<&'a mut f64> {
         match self.place {
