@@ -4,6 +4,7 @@ pub mod additions;
 pub mod armature;
 pub mod chamber;
 pub mod coil;
+mod description;
 pub mod ecu_output;
 pub mod effects;
 pub mod experiment;

@@ -1,6 +1,6 @@
 //! What the repository promises about itself.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -62,6 +62,59 @@ fn crates_depend_on_each_other_as_the_architecture_says() {
                 !depends || may,
                 "{name} depends on {other}, which ARCHITECTURE.md does not allow"
             );
+        }
+    }
+}
+
+/// Who reads a module of a library needs to read only what lies below it: `use` between the modules of a crate makes no circle.
+#[test]
+fn modules_of_a_crate_use_each_other_one_way() {
+    for crate_name in [
+        "controller",
+        "ecu",
+        "hil-protocol",
+        "recording",
+        "plant-sim",
+        "model-lab",
+        "hil-harness",
+        "retarder",
+    ] {
+        let source = repository().join(crate_name).join("src");
+        let mut uses = BTreeMap::new();
+        used_modules(&source, &source, &mut uses);
+        assert!(uses.len() > 3, "the modules were found: {uses:?}");
+        // Takes away what stands on nothing that is left, until nothing does.
+        while let Some(lowest) = uses
+            .iter()
+            .find(|(_, used)| !used.iter().any(|name| uses.contains_key(name)))
+        {
+            let lowest = lowest.0.clone();
+            uses.remove(&lowest);
+        }
+        assert!(uses.is_empty(), "{crate_name}, in a circle: {uses:?}");
+    }
+}
+
+/// The modules of a crate, each a file or a folder in `source`, with those that its code names; tests may name any.
+fn used_modules(source: &Path, folder: &Path, uses: &mut BTreeMap<String, BTreeSet<String>>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            used_modules(source, &path, uses);
+            continue;
+        }
+        let module = path.strip_prefix(source).unwrap().iter().next().unwrap();
+        let module = module.to_str().unwrap().trim_end_matches(".rs").to_owned();
+        let text = fs::read_to_string(&path).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap().lines();
+        let code = code.filter(|line| !line.trim_start().starts_with("//"));
+        let used = uses.entry(module.clone()).or_default();
+        for rest in code.flat_map(|line| line.split("crate::").skip(1)) {
+            let end = rest.find(|c: char| c != '_' && !c.is_ascii_lowercase());
+            let name = &rest[..end.unwrap_or(rest.len())];
+            if !name.is_empty() && name != module {
+                used.insert(name.to_owned());
+            }
         }
     }
 }

@@ -1,8 +1,9 @@
 //! The chamber loses air to the surroundings.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::{Leak, LeakLaw};
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.chamber_leak":

@@ -1,8 +1,9 @@
 //! The coils are not at 20 °C.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::resistance;
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.coil_ambient_temperature":

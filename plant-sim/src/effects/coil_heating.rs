@@ -1,8 +1,9 @@
 //! The coils warm up under current.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::Heating;
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.coil_heating":

@@ -1,8 +1,9 @@
 //! Real orifices choke at a smaller pressure ratio than an ideal nozzle.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::orifice::{NozzleLaw, Subsonic};
-use crate::parameters::{PlantParameters, effect_parameters};
 use crate::plant::Plant;
 use crate::subsonic_curves::SubsonicCurves;
 

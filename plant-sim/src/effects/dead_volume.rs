@@ -1,9 +1,10 @@
 //! The sensor sits in a cavity at the end of a tube.
 
 use super::chamber_leak::leak;
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::{Cavity, Tube};
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 use crate::restriction::Restriction;
 

@@ -1,7 +1,9 @@
 //! The drain is not at ambient pressure.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
-use crate::parameters::{PA_PER_BAR, PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PA_PER_BAR, PlantParameters, Variant,
+    effect_parameters,
+};
 use crate::plant::Plant;
 use crate::restriction::Restriction;
 

@@ -1,7 +1,8 @@
 //! The pressure force on the armature falls with the lift.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.flow_force":

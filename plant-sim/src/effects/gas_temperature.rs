@@ -1,8 +1,9 @@
 //! The gas warms on filling and cools on venting.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::WallHeat;
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.gas_temperature":

@@ -1,8 +1,9 @@
 //! The iron saturates.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::Saturation;
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.iron_saturation":

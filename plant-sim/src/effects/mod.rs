@@ -4,13 +4,9 @@
 //! confused with. A plant file names the ones that a rig has, `[effects.chamber_leak]`; they combine. Where all
 //! strengths of an effect are at their *off* value, the plain model answers bit for bit.
 //!
-//! An effect is resolved once: [`Effect::install`] changes a prepared [`Plant`]. Effects that are parameters in
-//! disguise change what is there; the others fill [`Additions`](crate::additions::Additions). An effect of your
-//! own does the same, or hangs closures into [`Hooks`](crate::hooks::Hooks); `examples/own_effect.rs` is one.
-
-mod about;
-mod nearest;
-mod setting;
+//! An effect is resolved once: [`Effect::install`] changes a prepared [`Plant`](crate::plant::Plant). Effects that are
+//! parameters in disguise change what is there; the others fill [`Additions`](crate::additions::Additions). An effect of
+//! your own does the same, or hangs closures into [`Hooks`](crate::hooks::Hooks); `examples/own_effect.rs` is one.
 
 pub mod chamber_leak;
 pub mod coil_ambient_temperature;
@@ -33,24 +29,7 @@ pub mod supply_line_droop;
 pub mod supply_resistance;
 pub mod supply_seat_leak;
 
-pub use about::{About, EntryPoint, Variant};
-pub(crate) use nearest::nearest;
-pub use setting::EffectSetting;
-
-use core::fmt::Debug;
-
-use crate::parameters::PlantParameters;
-use crate::plant::Plant;
-
-/// A physical effect.
-pub trait Effect: Debug + Sync {
-    /// What it is, for people and for a diagnosis.
-    fn about(&self) -> &'static About;
-
-    /// Puts the effect into a plant that was prepared from `parameters`. Called once per simulation, and not at all
-    /// where `setting` is off.
-    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant);
-}
+pub use crate::description::{About, Effect, EffectSetting, EntryPoint, Variant};
 
 /// Every effect of the library. They are installed in this order, whatever the order in the plant file.
 pub static LIBRARY: [&dyn Effect; 20] = [

@@ -1,8 +1,10 @@
 //! The plunger of the regulating valve enlarges the chamber.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::Plunger;
-use crate::parameters::{PA_PER_BAR, PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PA_PER_BAR, PlantParameters, Variant,
+    effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.regulating_valve_volume":

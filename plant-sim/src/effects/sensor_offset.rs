@@ -1,7 +1,9 @@
 //! The pressure sensor shows too much or too little.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
-use crate::parameters::{PA_PER_BAR, PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PA_PER_BAR, PlantParameters, Variant,
+    effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.sensor_offset":

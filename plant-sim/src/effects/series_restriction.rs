@@ -1,7 +1,8 @@
 //! A fixed orifice in series with a valve.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::{FILL, Plant, VENT};
 use crate::restriction::Restriction;
 

@@ -1,8 +1,9 @@
 //! Dry friction of the armature.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::Friction;
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.static_friction":

@@ -1,8 +1,9 @@
 //! The supply pressure falls while the fill valve is open.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
 use crate::additions::SupplyLine;
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 use crate::restriction::Restriction;
 

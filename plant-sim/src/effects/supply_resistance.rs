@@ -1,7 +1,8 @@
 //! Battery and harness have a resistance.
 
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.supply_resistance":

@@ -1,8 +1,9 @@
 //! The fill valve does not close tightly.
 
 use super::chamber_leak::leak;
-use super::{About, Effect, EffectSetting, EntryPoint, Variant};
-use crate::parameters::{PlantParameters, effect_parameters};
+use crate::description::{
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+};
 use crate::plant::Plant;
 
 effect_parameters! { "effects.supply_seat_leak":

@@ -1,12 +1,12 @@
 //! From parameters to physics.
 
 use super::parts::Part;
-use super::values::PlantParameters;
 use crate::additions::Additions;
 use crate::armature::Armature;
 use crate::chamber::Chamber;
 use crate::coil::Coil;
-use crate::effects::{EffectSetting, LIBRARY};
+use crate::description::{EffectSetting, PlantParameters};
+use crate::effects::LIBRARY;
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice};
 use crate::plant::{FILL, Plant, VENT};

@@ -2,7 +2,7 @@
 
 use super::error::Problem;
 use super::parts::Part;
-use super::values::PlantParameters;
+use crate::description::PlantParameters;
 use crate::effects::by_id;
 
 /// What no single range can catch.

@@ -2,11 +2,11 @@
 
 use core::fmt;
 
+use super::names::{CHAMBER, VALVES};
 use super::parts::Part;
-use super::spec::ParameterSpec;
-use super::table::{CHAMBER, EFFECTS, VALVES, sections};
+use super::table::sections;
 use super::units::plausible_unit;
-use crate::effects::About;
+use crate::description::{About, EFFECTS, ParameterSpec};
 
 /// All problems of one plant file.
 #[derive(Debug, Clone)]

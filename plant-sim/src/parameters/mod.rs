@@ -3,28 +3,29 @@
 //! A plant file is TOML with the unit in every key. [`PARAMETERS`] is the one list of all keys with unit,
 //! range and meaning; reading, writing, checking and fitting all go through it.
 
+mod access;
 mod build;
 mod consistency;
 mod error;
+mod names;
+mod nearest;
 mod parts;
 mod read;
-mod spec;
 mod table;
 mod units;
-mod values;
 mod write;
 
+pub use crate::description::{
+    ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
+    GasParameters, MagnetParameters, PA_PER_BAR, ParameterSpec, PlantParameters,
+    RegulatingValveParameters, Scale, Size,
+};
 pub use error::{ParameterError, Problem};
 pub use parts::Part;
-pub(crate) use spec::effect_parameters;
-pub use spec::{ParameterSpec, Scale, Size};
 pub use table::PARAMETERS;
-pub use values::{
-    ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, MagnetParameters, PA_PER_BAR, PlantParameters, RegulatingValveParameters,
-};
 
-use crate::effects::{Effect, EffectSetting, by_id};
+use crate::description::{Effect, EffectSetting};
+use crate::effects::by_id;
 use consistency::inconsistency;
 use units::in_other_unit;
 

@@ -2,10 +2,9 @@
 
 use core::fmt;
 
-use super::spec::ParameterSpec;
-use super::table::{CHAMBER, REGULATING_VALVE, VALVE_KEYS, VALVES};
-use super::values::PlantParameters;
-use crate::effects::{Effect, EntryPoint, by_id};
+use super::names::{CHAMBER, REGULATING_VALVE, VALVE_KEYS, VALVES};
+use crate::description::{Effect, EntryPoint, ParameterSpec, PlantParameters};
+use crate::effects::by_id;
 use crate::plant::{FILL, VENT};
 use crate::valve::ValveFunction;
 

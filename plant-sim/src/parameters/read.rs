@@ -6,15 +6,17 @@ use toml_edit::{Document, Item, TableLike, Value};
 
 use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
-use super::parts::Part;
-use super::spec::ParameterSpec;
-use super::table::{
-    CHAMBER, EFFECTS, FUNCTIONS, PARAMETERS, REGULATING_VALVE, THERMOMETER, VALVE_KEYS, VALVES,
-    VARIANT,
+use super::names::{
+    CHAMBER, FUNCTIONS, REGULATING_VALVE, THERMOMETER, VALVE_KEYS, VALVES, VARIANT,
 };
+use super::nearest::nearest;
+use super::parts::Part;
+use super::table::PARAMETERS;
 use super::units::in_other_unit;
-use super::values::{PlantParameters, RegulatingValveParameters};
-use crate::effects::{Effect, EffectSetting, LIBRARY, nearest};
+use crate::description::{
+    EFFECTS, Effect, EffectSetting, ParameterSpec, PlantParameters, RegulatingValveParameters,
+};
+use crate::effects::LIBRARY;
 
 /// Size beyond which a file is certainly not a plant file (bytes).
 const MAX_BYTES: usize = 1 << 20;

@@ -1,57 +1,47 @@
 //! The one list of all parameters.
 
-use super::parts::Part;
-use super::spec::{ParameterSpec, Place};
+use super::names::{REGULATING_VALVE, VALVES};
+use crate::description::{EFFECTS, ParameterSpec, PlantParameters};
 use crate::effects::LIBRARY;
-use crate::valve::ValveFunction;
 
-/// `[valves]`: what sits where the valves are.
-pub(super) const VALVES: &str = "valves";
-pub(super) const VALVE_KEYS: [&str; 2] = ["fill", "vent"];
-pub(super) const FUNCTIONS: [(&str, ValveFunction); 5] = [
-    ("normally_closed", ValveFunction::NormallyClosed),
-    ("normally_open", ValveFunction::NormallyOpen),
-    ("always_open", ValveFunction::AlwaysOpen),
-    ("blocked", ValveFunction::Blocked),
-    ("absent", ValveFunction::Absent),
-];
-
-/// The key that a file leaves out where it is 0, as it is without a thermometer.
-pub(super) const THERMOMETER: (&str, &str) = ("gas", "thermometer_wall_share");
-
-/// The table that a plant without chamber leaves out.
-pub(super) const CHAMBER: &str = "chamber";
-
-/// The table of a plant file that may be absent.
-pub(super) const REGULATING_VALVE: &str = "regulating_valve";
-
-/// The table of a plant file that holds one table per effect.
-pub(super) const EFFECTS: &str = "effects";
-/// The key that names the form of an effect's law.
-pub(super) const VARIANT: &str = "variant";
-
-/// Rows of the list: `required` tables are always there, an `optional` one is an `Option`.
+/// The list `$list`, and the fields that its rows describe: `required` tables are always there, an `optional` one is an
+/// `Option`.
 macro_rules! parameters {
-    ($kind:ident: $($section:ident.$key:ident [$unit:literal] $min:literal ..= $max:literal, $about:literal;)*) => {
-        &[$(ParameterSpec {
+    ($list:ident $field:ident $field_mut:ident $kind:ident:
+        $($section:ident.$key:ident [$unit:literal] $min:literal ..= $max:literal, $about:literal;)*) => {
+        const $list: &[ParameterSpec] = &[$(ParameterSpec {
             section: stringify!($section),
             key: stringify!($key),
             unit: $unit,
             range: ($min, $max),
             about: $about,
             size: None,
-            place: Place::Field {
-                slot: |plant| parameters!(@slot $kind plant $section $key),
-                read: |plant| parameters!(@read $kind plant $section $key),
-            },
-        }),*]
+        }),*];
+
+        fn $field(plant: &PlantParameters, section: &str, key: &str) -> Option<f64> {
+            match (section, key) {
+                $((stringify!($section), stringify!($key)) => {
+                    parameters!(@read $kind plant $section $key)
+                })*
+                _ => None,
+            }
+        }
+
+        fn $field_mut<'a>(
+            plant: &'a mut PlantParameters,
+            section: &str,
+            key: &str,
+        ) -> Option<&'a mut f64> {
+            match (section, key) {
+                $((stringify!($section), stringify!($key)) => {
+                    parameters!(@slot $kind plant $section $key)
+                })*
+                _ => None,
+            }
+        }
     };
     (@slot required $plant:ident $section:ident $key:ident) => { Some(&mut $plant.$section.$key) };
-    (@read required $plant:ident $section:ident $key:ident) => {
-        Part::of_key(stringify!($section), stringify!($key))
-            .is_in($plant)
-            .then_some($plant.$section.$key)
-    };
+    (@read required $plant:ident $section:ident $key:ident) => { Some($plant.$section.$key) };
     (@slot optional $plant:ident $section:ident $key:ident) => {
         $plant.$section.as_mut().map(|section| &mut section.$key)
     };
@@ -60,7 +50,7 @@ macro_rules! parameters {
     };
 }
 
-const THESIS_MODEL: &[ParameterSpec] = parameters! { required:
+parameters! { THESIS_MODEL thesis_field thesis_field_mut required:
     ecu.sample_time_s ["s"] 1e-4 ..= 1.0, "ECU sample time T_ECU; the grid of commands and samples";
     ecu.pwm_frequency_hz ["Hz"] 5.0 ..= 5000.0, "PWM frequency f_PWM of both outputs (equation 3.1)";
     ecu.command_delay_s ["s"] 0.0 ..= 1.0, "time from a command to its effect at the output (section 4.2.4)";
@@ -91,9 +81,9 @@ const THESIS_MODEL: &[ParameterSpec] = parameters! { required:
     gas.ambient_pressure_pa ["Pa abs"] 3e4 ..= 1.2e5, "ambient pressure P_atm, also of the drain";
     gas.thermometer_wall_share [""] 0.0 ..= 0.9, "share of the wall's temperature in what a thermometer in the gas shows, by radiation and along its stem; may be absent and is 0 then";
     chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "dead volume V_ch of chamber, channels and actuator (section 2.2)";
-};
+}
 
-const REGULATING_VALVE_MODEL: &[ParameterSpec] = parameters! { optional:
+parameters! { REGULATING_VALVE_MODEL regulating_valve_field regulating_valve_field_mut optional:
     regulating_valve.plunger_mass_kg ["kg"] 1e-3 ..= 10.0, "mass of the plunger (equation 3.25)";
     regulating_valve.air_area_m2 ["m2"] 1e-6 ..= 0.1, "plunger area on the air side (equation 3.25)";
     regulating_valve.oil_area_m2 ["m2"] 0.0 ..= 0.1, "plunger area on the oil side (equation 3.25)";
@@ -103,7 +93,7 @@ const REGULATING_VALVE_MODEL: &[ParameterSpec] = parameters! { optional:
     regulating_valve.static_friction_n ["N"] 0.0 ..= 1e3, "friction that must be overcome from rest (equation 3.25)";
     regulating_valve.dynamic_friction_n ["N"] 0.0 ..= 1e3, "friction while the plunger moves (equation 3.25)";
     regulating_valve.stroke_m ["m"] 1e-4 ..= 0.5, "travel of the plunger between its stops";
-};
+}
 
 /// All parameters of a plant file, in its order.
 pub static PARAMETERS: std::sync::LazyLock<Vec<&'static ParameterSpec>> =
@@ -117,6 +107,28 @@ pub static PARAMETERS: std::sync::LazyLock<Vec<&'static ParameterSpec>> =
             .chain(effects)
             .collect()
     });
+
+/// The value of a field; none where its table is absent.
+pub(super) fn field(plant: &PlantParameters, section: &str, key: &str) -> Option<f64> {
+    if section == REGULATING_VALVE {
+        regulating_valve_field(plant, section, key)
+    } else {
+        thesis_field(plant, section, key)
+    }
+}
+
+/// A field, to change it; none where its table is absent.
+pub(super) fn field_mut<'a>(
+    plant: &'a mut PlantParameters,
+    section: &str,
+    key: &str,
+) -> Option<&'a mut f64> {
+    if section == REGULATING_VALVE {
+        regulating_valve_field_mut(plant, section, key)
+    } else {
+        thesis_field_mut(plant, section, key)
+    }
+}
 
 /// The tables that a plant file may have, as they are written.
 pub(super) fn sections() -> Vec<String> {

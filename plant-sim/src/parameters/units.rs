@@ -1,6 +1,6 @@
 //! Units that people write by mistake, with the factor to the unit of the key.
 
-use super::spec::ParameterSpec;
+use crate::description::ParameterSpec;
 
 /// (unit token at the end of a key, other token of the same quantity, factor from other to key unit).
 const CONVERSIONS: &[(&str, &str, f64)] = &[

@@ -2,10 +2,9 @@
 
 use core::fmt::Write as _;
 
-use super::spec::ParameterSpec;
-use super::table::{FUNCTIONS, PARAMETERS, THERMOMETER, VALVE_KEYS, VALVES, VARIANT};
-use super::values::PlantParameters;
-use crate::effects::EffectSetting;
+use super::names::{FUNCTIONS, THERMOMETER, VALVE_KEYS, VALVES, VARIANT};
+use super::table::PARAMETERS;
+use crate::description::{EffectSetting, ParameterSpec, PlantParameters};
 
 pub(super) fn write(parameters: &PlantParameters) -> String {
     let mut text = String::from(

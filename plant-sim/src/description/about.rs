@@ -1,6 +1,6 @@
 //! What is said of an effect.
 
-use crate::parameters::ParameterSpec;
+use super::spec::ParameterSpec;
 
 /// An effect, described.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! The name that was probably meant.
 
 /// The candidate with the fewest edits to `word`, if fewer than half of its letters change.
-pub(crate) fn nearest<'a>(
+pub(super) fn nearest<'a>(
     word: &str,
     candidates: impl Iterator<Item = &'a str>,
 ) -> Option<&'a str> {

@@ -1,36 +1,4 @@
-//! The values of a plant file, by its tables.
-
-use std::collections::BTreeMap;
-
-use crate::effects::EffectSetting;
-use crate::valve::ValveFunction;
-
-/// Everything a plant file says.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PlantParameters {
-    /// `[ecu]`
-    pub ecu: EcuParameters,
-    /// `[coil]`, of both valves.
-    pub coil: CoilParameters,
-    /// `[magnet]`, of both valves.
-    pub magnet: MagnetParameters,
-    /// `[armature]`, of both valves but for the preloads.
-    pub armature: ArmatureParameters,
-    /// `[flow]`
-    pub flow: FlowParameters,
-    /// `[gas]`
-    pub gas: GasParameters,
-    /// `[chamber]`; a volume of 0 is none.
-    pub chamber: ChamberParameters,
-    /// `[valves]`: what sits between supply and chamber (fill), and between chamber and drain (vent).
-    pub functions: [ValveFunction; 2],
-    /// `[regulating_valve]`: an output stage, where the file has one.
-    pub regulating_valve: Option<RegulatingValveParameters>,
-    /// `[effects.*]`: what this plant has beyond the thesis' model, each effect at most once.
-    pub effects: Vec<EffectSetting>,
-    /// Where each value comes from, by `section.key`; the comment behind the value in the file.
-    pub provenance: BTreeMap<String, String>,
-}
+//! The tables of a plant file.
 
 /// The ECU's sampling and output stage.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -147,60 +115,5 @@ impl GasParameters {
     /// Supply pressure (Pa abs).
     pub fn supply_pressure_pa(&self) -> f64 {
         self.supply_pressure_bar_gauge * PA_PER_BAR + self.ambient_pressure_pa
-    }
-}
-
-impl PlantParameters {
-    /// The effect `id` as this plant has it; none where it has not.
-    pub fn effect(&self, id: &str) -> Option<&EffectSetting> {
-        self.effects.iter().find(|setting| setting.id() == id)
-    }
-
-    /// The same plant with an effect, which replaces the one of the same id.
-    #[must_use]
-    pub fn with_effect(&self, setting: EffectSetting) -> Self {
-        let mut plant = self.without_effect(setting.id());
-        plant.effects.push(setting);
-        plant
-    }
-
-    /// The same plant without the effect `id`.
-    #[must_use]
-    pub fn without_effect(&self, id: &str) -> Self {
-        let mut plant = self.clone();
-        plant.effects.retain(|setting| setting.id() != id);
-        let prefix = format!("effects.{id}.");
-        plant
-            .provenance
-            .retain(|name, _| !name.starts_with(&prefix));
-        plant
-    }
-
-    /// To be filled from a file. What stays is what a plant without the part has around it: air at the standard
-    /// atmosphere, and for the leaks of a chamber without supply the pressure at which pneumatic components are rated.
-    pub(super) fn blank() -> Self {
-        Self {
-            ecu: EcuParameters::default(),
-            coil: CoilParameters::default(),
-            magnet: MagnetParameters::default(),
-            armature: ArmatureParameters::default(),
-            flow: FlowParameters {
-                critical_ratio: 0.528,
-                ..FlowParameters::default()
-            },
-            gas: GasParameters {
-                gas_constant_j_per_kg_k: 287.05,
-                heat_capacity_ratio: 1.4,
-                temperature_k: 293.15,
-                supply_pressure_bar_gauge: 6.3,
-                ambient_pressure_pa: 101_325.0,
-                thermometer_wall_share: 0.0,
-            },
-            chamber: ChamberParameters::default(),
-            functions: [ValveFunction::NormallyClosed; 2],
-            regulating_valve: None,
-            effects: Vec::new(),
-            provenance: BTreeMap::new(),
-        }
     }
 }

@@ -1,0 +1,16 @@
+//! What a plant is described by: its parameters with their meaning, and the effects that it has. Effects are written
+//! against this; who knows all of them stands above.
+
+mod about;
+mod parameters;
+mod sections;
+mod spec;
+
+pub use about::{About, EntryPoint, Variant};
+pub use parameters::{Effect, EffectSetting, PlantParameters};
+pub use sections::{
+    ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
+    GasParameters, MagnetParameters, PA_PER_BAR, RegulatingValveParameters,
+};
+pub(crate) use spec::{EFFECTS, effect_parameters};
+pub use spec::{ParameterSpec, Scale, Size};

@@ -1,0 +1,26 @@
+//! The names of a plant file that are no parameters, and the tables that are special.
+
+use crate::valve::ValveFunction;
+
+/// `[valves]`: what sits where the valves are.
+pub(super) const VALVES: &str = "valves";
+pub(super) const VALVE_KEYS: [&str; 2] = ["fill", "vent"];
+pub(super) const FUNCTIONS: [(&str, ValveFunction); 5] = [
+    ("normally_closed", ValveFunction::NormallyClosed),
+    ("normally_open", ValveFunction::NormallyOpen),
+    ("always_open", ValveFunction::AlwaysOpen),
+    ("blocked", ValveFunction::Blocked),
+    ("absent", ValveFunction::Absent),
+];
+
+/// The key that a file leaves out where it is 0, as it is without a thermometer.
+pub(super) const THERMOMETER: (&str, &str) = ("gas", "thermometer_wall_share");
+
+/// The table that a plant without chamber leaves out.
+pub(super) const CHAMBER: &str = "chamber";
+
+/// The table of a plant file that may be absent.
+pub(super) const REGULATING_VALVE: &str = "regulating_valve";
+
+/// The key that names the form of an effect's law.
+pub(super) const VARIANT: &str = "variant";
