@@ -115,7 +115,7 @@ enum Part {
     Lint,
     /// Tests and examples on this machine, and what of the controller they reach.
     Host,
-    /// Some mutants of the controller, drawn by the commit.
+    /// Some mutants of controller and supervisor, drawn by the commit.
     Mutants,
     /// The image: built, run in QEMU, its bits compared with the host's, in the loop with the plant.
     Arm,
