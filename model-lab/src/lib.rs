@@ -4,6 +4,7 @@
 mod bench;
 mod commands;
 mod compare;
+pub mod diagnosis;
 mod error;
 mod measured;
 mod metrics;

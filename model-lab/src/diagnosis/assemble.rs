@@ -1,0 +1,266 @@
+//! Puts the findings into words and figures.
+
+use std::collections::BTreeMap;
+
+use plant_sim::PlantParameters;
+use plant_sim::parameters::ParameterSpec;
+use recording::Recording;
+
+use super::detection::detection_limit;
+use super::error::DiagnoseError;
+use super::errors::Errors;
+use super::evidence::Run;
+use super::interval::half_widths;
+use super::ladder::Ladder;
+use super::result::{
+    BySignal, Candidate, DetectionLimit, FittedParameter, NuisanceValue, Regime, Step, Verdict,
+};
+use super::search::Tried;
+use super::trial::{Bench, Trial};
+use super::unknowns::Unknown;
+use super::verdict::{ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE};
+use crate::{CompareOptions, compare};
+
+/// Within this coordinate of a bound a parameter has run to it.
+const AT_BOUND: f64 = 1e-6;
+/// A size this many times above or below the typical one is not met in practice.
+const IMPLAUSIBLE: f64 = 20.0;
+
+/// One row per step.
+pub(crate) fn ladder(bench: &Bench, ladder: &Ladder) -> Result<Vec<Step>, DiagnoseError> {
+    let plain = &ladder.steps[0];
+    ladder
+        .steps
+        .iter()
+        .enumerate()
+        .map(|(index, trial)| {
+            let added = (index > 0).then(|| trial.effects.last()).flatten();
+            Ok(Step {
+                added: added.map(|effect| effect.id().to_owned()),
+                variant: added.map(|effect| effect.variant().name.to_owned()),
+                fit_rms: trial.fitted.rms(),
+                check_rms: trial.checked.rms(),
+                noise_floor: trial.checked.floor(),
+                free_run_check_rms: free_run(bench, trial),
+                explained_share: trial.share_of(plain),
+                free_parameters: trial.unknowns.len(),
+            })
+        })
+        .collect()
+}
+
+fn free_run(bench: &Bench, trial: &Trial) -> BySignal {
+    let residuals = bench.checking.residuals(&trial.plant(), Run::Free);
+    residuals.map_or_else(BySignal::new, |residuals| {
+        Errors::new(bench.checking, &residuals, Run::Free).rms()
+    })
+}
+
+/// Every effect alone; the limits are those on top of `last`, where the named effects are known.
+pub(crate) fn candidate(bench: &Bench, plain: &Trial, last: &Trial, tried: &Tried) -> Candidate {
+    let about = tried.setting.effect().about();
+    let fitted = Some(last).filter(|last| last.has(tried.id())).or(tried.trial.as_ref());
+    let parameters =
+        fitted.map_or_else(Vec::new, |trial| fitted_parameters(bench, trial, tried.id()));
+    let best = tried.trial.as_ref().unwrap_or(plain);
+    let limit_base = if last.has(tried.id()) { plain } else { last };
+    Candidate {
+        effect: about.id.to_owned(),
+        variant: tried.setting.variant().name.to_owned(),
+        fit_rms: best.fitted.rms(),
+        check_rms: best.checked.rms(),
+        explained_share: best.share_of(plain),
+        evidence: tried.trial.as_ref().map_or(0.0, |trial| trial.evidence_over(plain)),
+        free_parameters: plain.unknowns.len() + tried.setting.parameters().len(),
+        plausibility: plausibility(&parameters),
+        parameters,
+        detection_limit: detection_limit(bench, limit_base, &tried.setting),
+        physics: about.sentence.to_owned(),
+        source: about.source.to_owned(),
+    }
+}
+
+fn fitted_parameters(bench: &Bench, trial: &Trial, id: &str) -> Vec<FittedParameter> {
+    let widths = half_widths(bench.fitting, trial);
+    let list = trial.unknowns.list().iter().zip(&trial.fit.z).zip(widths);
+    list.filter_map(|((unknown, &z), width)| match unknown {
+        Unknown::Effect { spec, .. } if spec.effect_id() == Some(id) => {
+            let (least, most) = unknown.bounds();
+            let ends = [z - width, z + width].map(|end| unknown.value(end.clamp(least, most)));
+            Some(FittedParameter {
+                key: spec.key.to_owned(),
+                unit: spec.unit.to_owned(),
+                value: unknown.value(z),
+                low: ends[0].min(ends[1]),
+                high: ends[0].max(ends[1]),
+                typical: spec.size.map(|size| size.typical),
+                at_bound: z - least < AT_BOUND || most - z < AT_BOUND,
+            })
+        }
+        _ => None,
+    })
+    .collect()
+}
+
+fn plausibility(parameters: &[FittedParameter]) -> String {
+    if parameters.is_empty() {
+        return "explains nothing at any size".to_owned();
+    }
+    let odd = |parameter: &&FittedParameter| {
+        parameter.at_bound
+            || parameter.typical.is_some_and(|typical| {
+                let ratio = (parameter.value / typical).abs();
+                typical != 0.0 && !(1.0 / IMPLAUSIBLE..=IMPLAUSIBLE).contains(&ratio)
+            })
+    };
+    match parameters.iter().find(odd) {
+        None => "plausible: within what is met in practice".to_owned(),
+        Some(parameter) if parameter.at_bound => {
+            format!("implausible: {} ran to the end of its range", parameter.key)
+        }
+        Some(parameter) => format!(
+            "implausible: {} is {:.1e} times the typical size",
+            parameter.key,
+            parameter.value / parameter.typical.unwrap_or(1.0)
+        ),
+    }
+}
+
+/// What cannot be told from each named effect, and by how much everything else can.
+#[expect(clippy::type_complexity, reason = "two maps of the JSON")]
+pub(crate) fn equivalents(
+    ladder: &Ladder,
+) -> (BTreeMap<String, Vec<String>>, BTreeMap<String, BTreeMap<String, f64>>) {
+    let last = ladder.steps.last().expect("at least the plain plant");
+    let left = last.checked.total_excess();
+    let mut equivalents = BTreeMap::new();
+    let mut distances = BTreeMap::new();
+    for (step, rivals) in ladder.steps[1..].iter().zip(&ladder.rivals) {
+        let named = step.effects.last().expect("a step adds an effect").id();
+        // Without the named effect there is at least the excess of the next best.
+        let without = rivals
+            .iter()
+            .filter(|rival| rival.id() != named)
+            .filter_map(|rival| rival.trial.as_ref())
+            .map(|trial| trial.checked.total_excess())
+            .fold(0.0, f64::max);
+        let alike = ALIKE_EXCESS.max(ALIKE_SHARE * (without - left));
+        let mut ids = vec![named.to_owned()];
+        let mut distance = BTreeMap::new();
+        for rival in rivals.iter().filter(|rival| rival.id() != named) {
+            let Some(trial) = &rival.trial else { continue };
+            let more = (trial.total_square() - last.total_square()) / last.correlation_samples;
+            let noise_units = more.max(0.0).sqrt();
+            let excess = trial.checked.total_excess() - left;
+            if noise_units < DISTINGUISHABLE || excess < alike {
+                ids.push(rival.id().to_owned());
+            }
+            distance.insert(rival.id().to_owned(), noise_units);
+        }
+        equivalents.insert(named.to_owned(), ids);
+        distances.insert(named.to_owned(), distance);
+    }
+    (equivalents, distances)
+}
+
+/// The nuisance parameters, with the plain model and with the named effects.
+pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<NuisanceValue> {
+    let widths = half_widths(bench.fitting, last);
+    let list = last.unknowns.list().iter().enumerate();
+    list.filter_map(|(index, unknown)| {
+        let Unknown::Nuisance { nuisance, datasheet, tolerance } = unknown else {
+            return None;
+        };
+        let (before, after) = (plain.fit.z[index], last.fit.z[index]);
+        let at_end = |z: f64| z.abs() > 1.0 - AT_BOUND;
+        let alarm = match (at_end(before), at_end(after)) {
+            (_, true) => Some("ran to the end of its tolerance with the named effects: physics is still missing"),
+            (true, false) => Some("ran to the end of its tolerance in the plain model: it hid missing physics"),
+            (false, false) => None,
+        };
+        let spec = ParameterSpec::by_name(nuisance.name)?;
+        Some(NuisanceValue {
+            name: nuisance.name.to_owned(),
+            unit: spec.unit.to_owned(),
+            datasheet: *datasheet,
+            tolerance: *tolerance,
+            plain: unknown.value(before),
+            fitted: unknown.value(after),
+            low: unknown.value(after - widths[index]),
+            high: unknown.value(after + widths[index]),
+            alarm: alarm.filter(|_| last.effects.len() > plain.effects.len() || at_end(after)).map(str::to_owned),
+        })
+    })
+    .collect()
+}
+
+/// Where most of the excess of each signal is.
+pub(crate) fn regimes(plant: &PlantParameters, logs: &[Recording]) -> Result<Vec<Regime>, DiagnoseError> {
+    let mut regimes = Vec::new();
+    for log in logs {
+        let comparison = compare(plant, log, &CompareOptions::default())?;
+        for signal in comparison.signals {
+            regimes.push(Regime {
+                log: comparison.log.clone(),
+                signal: signal.name,
+                regime: signal.finding.regime,
+                excess_share: signal.finding.excess_share,
+                sample_share: signal.finding.sample_share,
+                sentence: signal.finding.sentence,
+            });
+        }
+    }
+    Ok(regimes)
+}
+
+/// The answer in words.
+pub(crate) fn sentence(
+    verdict: Verdict,
+    steps: &[Step],
+    candidates: &[Candidate],
+    equivalents: &BTreeMap<String, Vec<String>>,
+) -> String {
+    let title = |id: &str| id.replace('_', " ");
+    let named: Vec<String> = steps
+        .iter()
+        .filter_map(|step| step.added.as_deref())
+        .map(|id| match equivalents.get(id) {
+            Some(ids) if ids.len() > 1 => {
+                let others: Vec<String> = ids[1..].iter().map(|id| title(id)).collect();
+                format!("{} (or {})", title(id), others.join(" or "))
+            }
+            _ => title(id),
+        })
+        .collect();
+    let share = steps.last().map_or(0.0, |step| 100.0 * step.explained_share);
+    match verdict {
+        Verdict::Adequate => {
+            let shown = candidates
+                .iter()
+                .filter(|candidate| matches!(candidate.detection_limit, DetectionLimit::Size { .. }))
+                .count();
+            format!(
+                "nothing detectable is missing; these logs would have shown {shown} of {} effects above the sizes listed",
+                candidates.len()
+            )
+        }
+        Verdict::Found => format!(
+            "missing: {}; with it {share:.0} % of the excess error is explained",
+            named.join(" and ")
+        ),
+        Verdict::FormWrong => format!(
+            "missing: {}, which explains {share:.0} % of the excess error; its law differs here, or something else is missing as well",
+            named.join(" and ")
+        ),
+        Verdict::NotInLibrary => {
+            let best = candidates.first().map_or(String::new(), |best| {
+                format!(
+                    "; the best of them, {}, explains {:.0} % of the excess error",
+                    title(&best.effect),
+                    100.0 * best.explained_share.max(0.0)
+                )
+            });
+            format!("something is missing that no effect of the library explains{best}")
+        }
+    }
+}

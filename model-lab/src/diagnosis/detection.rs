@@ -1,0 +1,88 @@
+//! How large an effect would have to be to show in these logs.
+
+use nalgebra::DVector;
+use plant_sim::effects::EffectSetting;
+
+use super::errors::Errors;
+use super::evidence::Run;
+use super::fit::{Fitter, dot};
+use super::result::DetectionLimit;
+use super::trial::{Bench, Trial};
+use super::unknowns::{Unknown, Unknowns};
+use super::verdict::{DETECTABLE, MATERIAL_EXCESS};
+
+/// An effect that shows only beyond so many typical sizes is not excited.
+const LARGEST_SIZE: f64 = 10.0;
+/// The search begins below the typical size, where most effects are in proportion to it, ...
+const FIRST_SIZE: f64 = 0.3;
+/// ... and is set right so often.
+const CORRECTIONS: usize = 2;
+
+/// The size of `effect` on top of `base` that would have been named: what the nuisance parameters cannot hide of it is
+/// beyond chance (non-centrality after W. E. Saris, A. Satorra, D. Sörbom 1987) and material.
+pub(crate) fn detection_limit(bench: &Bench, base: &Trial, effect: &EffectSetting) -> DetectionLimit {
+    let not_excited = || DetectionLimit::NotExcited {
+        manoeuvre: effect.effect().about().excited_by.to_owned(),
+    };
+    let mut effects = base.effects.clone();
+    effects.push(effect.clone());
+    let unknowns = Unknowns::new(bench.plant, &effects, bench.fitting.has_pressure());
+    let own = &unknowns.list()[base.unknowns.len()..];
+    let mut size = FIRST_SIZE;
+    for _ in 0..=CORRECTIONS {
+        let Some(visible) = visibility(bench, base, &unknowns, size) else {
+            return not_excited();
+        };
+        if visible <= 0.0 {
+            return not_excited();
+        }
+        size = (size / visible).clamp(0.01 * FIRST_SIZE, 1.5 * LARGEST_SIZE);
+    }
+    if size > LARGEST_SIZE {
+        return not_excited();
+    }
+    let strength = own.iter().find(|unknown| unknown.is_strength());
+    match strength {
+        Some(unknown @ Unknown::Effect { spec, .. }) => DetectionLimit::Size {
+            key: spec.key.to_owned(),
+            value: unknown.value(unknown.of_size(size)),
+            unit: spec.unit.to_owned(),
+        },
+        _ => not_excited(),
+    }
+}
+
+/// By how much an effect of this size is above what shows; 1 at the limit, in proportion to the size.
+fn visibility(bench: &Bench, base: &Trial, unknowns: &Unknowns, size: f64) -> Option<f64> {
+    let mut fitter = Fitter::new(bench.fitting, unknowns);
+    let own = &unknowns.list()[base.unknowns.len()..];
+    let mut z = base.fit.z.clone();
+    z.extend(own.iter().map(|unknown| unknown.of_size(size)));
+    let with = fitter.at(z)?;
+    let mut change: Vec<f64> = with
+        .residuals
+        .iter()
+        .zip(&base.fit.residuals)
+        .map(|(with, without)| with - without)
+        .collect();
+    hide(bench, base, &mut change)?;
+    let chance = (dot(&change, &change) / base.correlation_samples / DETECTABLE).sqrt();
+    let errors = Errors::new(bench.fitting, &change, Run::Predicted);
+    let material = errors.worst_rms() / MATERIAL_EXCESS;
+    Some(chance.min(material))
+}
+
+/// Takes away what the parameters of `base` can imitate within their tolerances.
+fn hide(bench: &Bench, base: &Trial, change: &mut [f64]) -> Option<()> {
+    let fitter = Fitter::new(bench.fitting, &base.unknowns);
+    let (hessian, _) = fitter.normal(&base.fit);
+    let columns = &base.fit.jacobian;
+    let right = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, change)));
+    let share = hessian.cholesky()?.solve(&right);
+    for (column, share) in columns.iter().zip(share.iter()) {
+        for (change, column) in change.iter_mut().zip(column) {
+            *change -= share * column;
+        }
+    }
+    Some(())
+}

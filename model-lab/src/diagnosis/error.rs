@@ -1,0 +1,59 @@
+//! Why a diagnosis cannot be made.
+
+use crate::error::CompareError;
+
+/// Why a diagnosis cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DiagnoseError {
+    /// A log cannot be held against the model.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
+    /// Nothing was given to fit.
+    #[error("no log to fit: give at least one, `--log A.csv`")]
+    NoLog,
+    /// No signal whose noise can be estimated.
+    #[error(
+        "{log}: neither the chamber pressure nor a coil current changes, so that nothing can be weighed; \
+         log p_ch, i_fill or i_vent with commands that move the valves"
+    )]
+    NothingToWeigh {
+        /// Source of the log.
+        log: String,
+    },
+    /// The plain plant cannot be simulated on the log.
+    #[error(
+        "the plant cannot be simulated on {log} in a bounded number of steps; check the plant file with `retarder simulate`"
+    )]
+    NotSimulated {
+        /// Source of the first log.
+        log: String,
+    },
+    /// No such effect.
+    #[error("there is no effect `{id}`{}; `retarder plant --effects` lists the library", hint(.nearest))]
+    NoSuchEffect {
+        /// What was asked for.
+        id: String,
+        /// What may have been meant.
+        nearest: Option<String>,
+    },
+    /// The effect has no such form.
+    #[error("the effect `{id}` has no form `{variant}`; it has {forms}")]
+    NoSuchVariant {
+        /// The effect.
+        id: String,
+        /// What was asked for.
+        variant: String,
+        /// What there is.
+        forms: String,
+    },
+    /// Somebody stopped it.
+    #[error("stopped; nothing was written")]
+    Interrupted,
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    nearest
+        .as_ref()
+        .map_or(String::new(), |id| format!(", did you mean `{id}`?"))
+}

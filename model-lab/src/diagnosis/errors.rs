@@ -1,0 +1,90 @@
+//! The errors of a model, signal by signal, beside the noise.
+
+use std::collections::BTreeMap;
+
+use super::evidence::{Evidence, Run};
+use super::result::BySignal;
+
+/// Sums over the samples of one signal in all logs.
+#[derive(Debug, Clone, Default)]
+struct Sums {
+    count: f64,
+    /// Of the error, in its unit.
+    square: f64,
+    /// Of what a perfect model has.
+    floor_square: f64,
+    /// Of the error over what a perfect model has.
+    normalised_square: f64,
+}
+
+/// Errors by signal.
+#[derive(Debug, Clone)]
+pub(crate) struct Errors(BTreeMap<&'static str, Sums>);
+
+impl Errors {
+    pub(crate) fn new(evidence: &Evidence, residuals: &[f64], run: Run) -> Self {
+        let mut by_signal: BTreeMap<&'static str, Sums> = BTreeMap::new();
+        for (log, channel, range) in evidence.channels() {
+            let sums = by_signal.entry(channel.signal).or_default();
+            for (row, residual) in residuals[range].iter().enumerate() {
+                if log.counted[row] && !channel.values[row].is_nan() {
+                    let floor = log.floor(channel, run, row);
+                    sums.count += 1.0;
+                    sums.square += (residual * floor).powi(2);
+                    sums.floor_square += floor * floor;
+                    sums.normalised_square += residual * residual;
+                }
+            }
+        }
+        by_signal.retain(|_, sums| sums.count > 0.0);
+        Self(by_signal)
+    }
+
+    /// Rms error in the unit of each signal.
+    pub(crate) fn rms(&self) -> BySignal {
+        self.each(|sums| (sums.square / sums.count).sqrt())
+    }
+
+    /// Rms of what a perfect model has.
+    pub(crate) fn floor(&self) -> BySignal {
+        self.each(|sums| (sums.floor_square / sums.count).sqrt())
+    }
+
+    /// Mean square over the noise's, less one, of each signal: 0 for a perfect model.
+    pub(crate) fn excess(&self) -> BySignal {
+        self.each(|sums| (sums.normalised_square / sums.count - 1.0).max(0.0))
+    }
+
+    /// The excess of all signals together.
+    pub(crate) fn total_excess(&self) -> f64 {
+        self.excess().values().sum()
+    }
+
+    /// The rms excess of the signal that has most, in noise sigmas.
+    pub(crate) fn worst_excess(&self) -> f64 {
+        self.excess().values().fold(0.0, |most: f64, excess| most.max(excess.sqrt()))
+    }
+
+    /// The rms of the signal that has most, in noise sigmas.
+    pub(crate) fn worst_rms(&self) -> f64 {
+        let each = self.each(|sums| (sums.normalised_square / sums.count).sqrt());
+        each.into_values().fold(0.0, f64::max)
+    }
+
+    /// Samples of all signals.
+    pub(crate) fn count(&self) -> f64 {
+        self.0.values().map(|sums| sums.count).sum()
+    }
+
+    /// Sum of squares in noise sigmas.
+    pub(crate) fn square(&self) -> f64 {
+        self.0.values().map(|sums| sums.normalised_square).sum()
+    }
+
+    fn each(&self, figure: impl Fn(&Sums) -> f64) -> BySignal {
+        self.0
+            .iter()
+            .map(|(signal, sums)| ((*signal).to_owned(), figure(sums)))
+            .collect()
+    }
+}

@@ -1,0 +1,349 @@
+//! The logs as the diagnosis sees them: what drives the model, and what it has to answer.
+
+use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::time::Instant;
+
+use plant_sim::parameters::PA_PER_BAR;
+use plant_sim::plant::FILL;
+use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
+use plant_sim::{PlantParameters, Simulator, Tolerance};
+use recording::Recording;
+
+use super::error::DiagnoseError;
+use super::predictor::Predictor;
+use crate::commands::Commands;
+use crate::error::CompareError;
+use crate::measured::{Measured, PRESSURE, measured_signals, start};
+
+/// Signals of a log that the diagnosis weighs; armature positions are the model's own.
+const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
+/// A simulation that takes more steps than this per row, and so many more at the start, is given up.
+const STEPS_PER_ROW: u64 = 400;
+const STEPS_AT_START: u64 = 100_000;
+/// A correction leaves at least this pressure (Pa abs).
+const LEAST_PRESSURE: f64 = 1e3;
+
+/// A log, ready to be simulated again and again.
+pub(crate) struct Log {
+    pub(crate) source: String,
+    pub(crate) commands: Commands,
+    inputs: Vec<ReplayInput>,
+    sampling: CurrentSampling,
+    /// Chamber pressure to begin with (Pa abs); none starts at rest.
+    start_pressure: Option<f64>,
+    pub(crate) predictor: Predictor,
+    pub(crate) channels: Vec<Channel>,
+    /// Rows that count.
+    pub(crate) counted: Vec<bool>,
+    /// Whether the supply was shut off: nothing in the log tells, and it explains the currents better.
+    is_without_supply: bool,
+}
+
+/// One signal of a log.
+pub(crate) struct Channel {
+    pub(crate) signal: &'static str,
+    /// Where it stands in a row of the model.
+    column: usize,
+    /// In the unit of the model; NaN where missing.
+    pub(crate) values: Vec<f64>,
+    /// Standard deviation of the measurement noise.
+    pub(crate) sigma: f64,
+}
+
+/// Which error of the model is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Run {
+    /// Corrected by the measured pressure.
+    Predicted,
+    /// Driven by the commands alone.
+    Free,
+}
+
+/// All logs of one kind: for fitting, or for checking.
+pub(crate) struct Evidence {
+    pub(crate) logs: Vec<Log>,
+    simulations: AtomicUsize,
+    computing_ns: AtomicU64,
+}
+
+/// How blocks are held out, for people.
+pub(crate) const HELD_OUT_BLOCKS: &str =
+    "every third of twelve blocks of each log, which was not fitted";
+/// Blocks of a log, of which every third is held out.
+const BLOCKS: usize = 12;
+
+/// Errors of a model over what a perfect model has, (measured - modelled) / floor; 0 where the measurement is missing
+/// or does not count: channel after channel in the order of [`Evidence::channels`].
+pub(crate) type Residuals = Vec<f64>;
+
+impl Log {
+    fn new(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
+        let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
+        let (base, inputs) = inputs(parameters, log).map_err(CompareError::from)?;
+        let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
+        let (measured, _) = measured_signals(parameters, (log, base), &commands)?;
+        let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
+        let (_, start_pressure) = start(parameters, pressure, &commands);
+        let sigmas: Vec<f64> = measured.iter().map(scatter).collect();
+        let channels: Vec<Channel> = measured
+            .into_iter()
+            .zip(sigmas)
+            .filter(|(signal, sigma)| SIGNALS.contains(&signal.name) && *sigma > 0.0)
+            .map(|(signal, sigma)| {
+                let column = ROW_SIGNALS
+                    .iter()
+                    .position(|(name, _)| *name == signal.name)
+                    .expect("measured signals are of the model");
+                Channel {
+                    signal: signal.name,
+                    column,
+                    sigma,
+                    values: signal.values,
+                }
+            })
+            .collect();
+        if channels.is_empty() {
+            return Err(DiagnoseError::NothingToWeigh {
+                log: log.provenance().source.clone(),
+            });
+        }
+        let samples = commands.len();
+        let mut log = Self {
+            source: log.provenance().source.clone(),
+            commands,
+            inputs,
+            sampling: CurrentSampling::of_interval(interval_s, parameters),
+            start_pressure,
+            predictor: Predictor::free_run(samples),
+            channels,
+            counted: vec![true; samples],
+            is_without_supply: false,
+        };
+        log.find_predictor(parameters);
+        log.find_supply(parameters);
+        Ok(log)
+    }
+
+    fn pressure(&self) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.signal == PRESSURE)
+    }
+
+    fn find_predictor(&mut self, parameters: &PlantParameters) {
+        let Some(pressure) = self.pressure() else {
+            return;
+        };
+        let sigma = pressure.sigma;
+        let mut largest = 0.0_f64;
+        let mut last = f64::NAN;
+        let column = pressure.column;
+        let mut last_s = 0.0;
+        self.run(parameters, Run::Free, |row, values, _| {
+            let span_s = self.commands.times_s[row] - last_s;
+            let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
+            largest = largest.max((values[column] - last).abs() / periods);
+            last = values[column];
+            last_s = self.commands.times_s[row];
+        });
+        self.predictor = Predictor::new(
+            parameters,
+            &self.commands,
+            &pressure.values,
+            sigma,
+            largest,
+            self.start_pressure.is_some(),
+        );
+    }
+
+    /// A bench log without chamber pressure was often made with the supply shut off.
+    fn find_supply(&mut self, parameters: &PlantParameters) {
+        if self.pressure().is_some() || !parameters.functions[FILL].has_coil() {
+            return;
+        }
+        let error = |log: &Self| {
+            let mut all = Residuals::new();
+            log.residuals_into(parameters, Run::Free, &mut all)
+                .map_or(f64::INFINITY, |()| super::fit::square(&all))
+        };
+        let with = error(self);
+        self.is_without_supply = true;
+        self.is_without_supply = error(self) < with;
+    }
+
+    /// Runs the model; `row` sees index, values and simulator. None where the simulation was given up.
+    fn run(
+        &self,
+        parameters: &PlantParameters,
+        run: Run,
+        mut see: impl FnMut(usize, &Row, &mut Simulator),
+    ) -> Option<()> {
+        let without_supply;
+        let parameters = if self.is_without_supply {
+            without_supply = shut_off(parameters);
+            &without_supply
+        } else {
+            parameters
+        };
+        let mut replay = Replay::new(parameters, self.sampling, Tolerance::default());
+        if let Some(pressure) = self.start_pressure {
+            replay.begin_showing(pressure);
+        }
+        let pressure = self.pressure().filter(|_| run == Run::Predicted);
+        let mut budget = STEPS_AT_START;
+        for (index, &input) in self.inputs.iter().enumerate() {
+            let row = replay.row(input);
+            see(index, &row, replay.simulator());
+            if let Some(channel) = pressure {
+                let error = channel.values[index] - row[channel.column];
+                let gain = self.predictor.gains[index];
+                if error.is_finite() && gain > 0.0 {
+                    let simulator = replay.simulator();
+                    let corrected = simulator.state().pressure + gain * error * PA_PER_BAR;
+                    simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
+                }
+            }
+            budget += STEPS_PER_ROW;
+            if replay.simulator().statistics().steps as u64 > budget {
+                return None;
+            }
+        }
+        Some(())
+    }
+
+    /// Appends the residuals of `parameters`; none where the simulation was given up.
+    fn residuals_into(
+        &self,
+        parameters: &PlantParameters,
+        run: Run,
+        all: &mut Residuals,
+    ) -> Option<()> {
+        let rows = self.inputs.len();
+        let begin = all.len();
+        all.resize(begin + rows * self.channels.len(), 0.0);
+        self.run(parameters, run, |index, row, _| {
+            for (n, channel) in self.channels.iter().enumerate() {
+                let error = channel.values[index] - row[channel.column];
+                if error.is_finite() && self.counted[index] {
+                    all[begin + n * rows + index] = error / self.floor(channel, run, index);
+                }
+            }
+        })
+    }
+
+    /// What a perfect model has there, in the unit of the channel.
+    pub(super) fn floor(&self, channel: &Channel, run: Run, row: usize) -> f64 {
+        if channel.signal == PRESSURE && run == Run::Predicted {
+            channel.sigma * self.predictor.floors[row]
+        } else {
+            channel.sigma
+        }
+    }
+}
+
+/// The plant with its supply at ambient pressure.
+fn shut_off(parameters: &PlantParameters) -> PlantParameters {
+    let mut plant = parameters.clone();
+    plant.gas.supply_pressure_bar_gauge = 0.0;
+    plant
+}
+
+/// Standard deviation of the noise: that of quiet stretches, or where the log has none, that of what no slow course
+/// can be: the second differences (a median, which the few samples at a switching valve do not move).
+fn scatter(signal: &Measured) -> f64 {
+    if signal.floor.sigma > 0.0 {
+        return signal.floor.sigma;
+    }
+    let mut curvatures: Vec<f64> = signal
+        .values
+        .windows(3)
+        .map(|three| (three[0] - 2.0 * three[1] + three[2]).abs())
+        .filter(|curvature| curvature.is_finite())
+        .collect();
+    if curvatures.is_empty() {
+        return 0.0;
+    }
+    curvatures.sort_by(f64::total_cmp);
+    // The median of a normal magnitude is 0.6745 standard deviations; the weights 1, -2, 1 give sqrt(6).
+    curvatures[curvatures.len() / 2] / (0.6745 * 6_f64.sqrt())
+}
+
+impl Evidence {
+    pub(crate) fn new(parameters: &PlantParameters, logs: &[Recording]) -> Result<Self, DiagnoseError> {
+        let logs = logs
+            .iter()
+            .map(|log| Log::new(parameters, log))
+            .collect::<Result<_, DiagnoseError>>()?;
+        Ok(Self {
+            logs,
+            simulations: AtomicUsize::new(0),
+            computing_ns: AtomicU64::new(0),
+        })
+    }
+
+    /// Leaves blocks out, and gives them as evidence of their own.
+    pub(crate) fn hold_out(
+        &mut self,
+        parameters: &PlantParameters,
+        logs: &[Recording],
+    ) -> Result<Self, DiagnoseError> {
+        let mut held_out = Self::new(parameters, logs)?;
+        for (kept, out) in self.logs.iter_mut().zip(&mut held_out.logs) {
+            let rows = kept.counted.len();
+            for row in 0..rows {
+                let is_out = row * BLOCKS / rows.max(1) % 3 == 2;
+                kept.counted[row] = !is_out;
+                out.counted[row] = is_out;
+            }
+        }
+        Ok(held_out)
+    }
+
+    pub(crate) fn sources(&self) -> Vec<String> {
+        self.logs.iter().map(|log| log.source.clone()).collect()
+    }
+
+    /// Logged time of all logs (s).
+    pub(crate) fn duration_s(&self) -> f64 {
+        let of = |log: &Log| log.commands.times_s.last().copied().unwrap_or(0.0);
+        self.logs.iter().map(of).sum()
+    }
+
+    /// How often all logs were simulated.
+    pub(crate) fn simulations(&self) -> usize {
+        self.simulations.load(Ordering::Relaxed)
+    }
+
+    /// Computing time of it (s).
+    pub(crate) fn computing_s(&self) -> f64 {
+        self.computing_ns.load(Ordering::Relaxed) as f64 * 1e-9
+    }
+
+    pub(crate) fn has_pressure(&self) -> bool {
+        self.logs.iter().any(|log| log.pressure().is_some())
+    }
+
+    /// Every channel with the range of its residuals.
+    pub(crate) fn channels(&self) -> impl Iterator<Item = (&Log, &Channel, core::ops::Range<usize>)> {
+        let mut begin = 0;
+        self.logs.iter().flat_map(|log| log.channels.iter().map(move |channel| (log, channel))).map(
+            move |(log, channel)| {
+                let range = begin..begin + channel.values.len();
+                begin = range.end;
+                (log, channel, range)
+            },
+        )
+    }
+
+    /// The residuals of `parameters`; none where the simulation was given up.
+    pub(crate) fn residuals(&self, parameters: &PlantParameters, run: Run) -> Option<Residuals> {
+        let begin = Instant::now();
+        let mut all = Residuals::new();
+        let done = self
+            .logs
+            .iter()
+            .try_for_each(|log| log.residuals_into(parameters, run, &mut all));
+        self.simulations.fetch_add(1, Ordering::Relaxed);
+        let elapsed_ns = begin.elapsed().as_nanos() as u64;
+        self.computing_ns.fetch_add(elapsed_ns, Ordering::Relaxed);
+        done.map(|()| all)
+    }
+}

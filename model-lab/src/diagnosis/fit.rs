@@ -1,0 +1,265 @@
+//! Least squares within bounds, with what is believed of the nuisance parameters: Gauss-Newton steps, damped after
+//! Marquardt, on an active set of bounds.
+//!
+//! A general library is not used, because three things matter here that none offers together: bounds, Jacobian
+//! columns that are known already (those of the nuisance parameters hardly change from one candidate to the next),
+//! and an end as soon as a candidate has no chance.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evidence::{Evidence, Residuals, Run};
+use super::unknowns::Unknowns;
+
+/// Iterations at most.
+const ITERATIONS: usize = 12;
+/// An expected or reached decrease of the cost below this is none, nor is one below this share of the cost.
+const CONVERGED: f64 = 0.5;
+const CONVERGED_SHARE: f64 = 1e-4;
+/// A step is at most this long in each coordinate.
+const LONGEST_STEP: f64 = 1.5;
+/// A decrease of the cost below this share of what was expected makes the Jacobian stale.
+const STALE: f64 = 0.7;
+
+/// A point of the unknowns with its residuals.
+#[derive(Debug, Clone)]
+pub(crate) struct Fit {
+    pub(crate) z: Vec<f64>,
+    /// Sum of squared residuals plus that of the prior.
+    pub(crate) cost: f64,
+    pub(crate) residuals: Residuals,
+    /// One column per unknown: d residual / d z.
+    pub(crate) jacobian: Vec<Residuals>,
+}
+
+/// How a Jacobian is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Difference {
+    /// To one side: good enough to go down.
+    Forward,
+    /// To both sides: what curvature adds cancels, so that directions which the logs leave open stay open.
+    Central,
+}
+
+/// Evaluates and counts.
+pub(crate) struct Fitter<'a> {
+    pub(crate) evidence: &'a Evidence,
+    pub(crate) unknowns: &'a Unknowns,
+    pub(crate) simulations: usize,
+}
+
+impl<'a> Fitter<'a> {
+    pub(crate) fn new(evidence: &'a Evidence, unknowns: &'a Unknowns) -> Self {
+        Self {
+            evidence,
+            unknowns,
+            simulations: 0,
+        }
+    }
+
+    fn residuals(&mut self, z: &[f64]) -> Option<Residuals> {
+        self.simulations += 1;
+        let plant = self.unknowns.plant(z);
+        plant.check().ok()?;
+        self.evidence.residuals(&plant, Run::Predicted)
+    }
+
+    fn cost(&self, z: &[f64], residuals: &Residuals) -> f64 {
+        square(residuals) + self.prior(z)
+    }
+
+    fn prior(&self, z: &[f64]) -> f64 {
+        self.unknowns
+            .list()
+            .iter()
+            .zip(z)
+            .map(|(unknown, z)| ((z - unknown.prior_mean()) / unknown.prior_sd()).powi(2))
+            .sum()
+    }
+
+    /// The point at `z`, without its Jacobian.
+    pub(crate) fn at(&mut self, z: Vec<f64>) -> Option<Fit> {
+        let residuals = self.residuals(&z)?;
+        Some(Fit {
+            cost: self.cost(&z, &residuals),
+            z,
+            residuals,
+            jacobian: Vec::new(),
+        })
+    }
+
+    /// The column of the Jacobian for unknown `n` at `fit`; away from a bound.
+    fn column(&mut self, fit: &Fit, n: usize, difference: Difference) -> Option<Residuals> {
+        let unknown = &self.unknowns.list()[n];
+        let (least, most) = unknown.bounds();
+        let mut moved = |step: f64| {
+            let mut z = fit.z.clone();
+            z[n] += step;
+            self.residuals(&z)
+        };
+        let step = match difference {
+            Difference::Forward => unknown.step(),
+            Difference::Central => unknown.wide_step(),
+        };
+        // Only effects end at their bounds; a tolerance may be left to look beyond.
+        let may_leave = unknown.is_nuisance();
+        let has_above = may_leave || fit.z[n] + step <= most;
+        let has_below = may_leave || fit.z[n] - step >= least;
+        if difference == Difference::Central && has_above && has_below {
+            let (above, below) = (moved(step)?, moved(-step)?);
+            let pairs = above.iter().zip(&below);
+            return Some(pairs.map(|(above, below)| (above - below) / (2.0 * step)).collect());
+        }
+        let mut away = |step: f64| {
+            let moved = moved(step)?;
+            let pairs = moved.iter().zip(&fit.residuals);
+            Some(pairs.map(|(moved, here)| (moved - here) / step).collect())
+        };
+        let first = if has_above || !has_below { step } else { -step };
+        away(first).or_else(|| away(-first))
+    }
+
+    /// Fills in the columns from `first` on.
+    pub(crate) fn differentiate(
+        &mut self,
+        fit: &mut Fit,
+        first: usize,
+        difference: Difference,
+    ) -> Option<()> {
+        fit.jacobian.truncate(first);
+        for n in fit.jacobian.len()..self.unknowns.len() {
+            let column = self.column(fit, n, difference)?;
+            fit.jacobian.push(column);
+        }
+        Some(())
+    }
+
+    /// Goes down from `fit`, whose Jacobian may be of another point; none where nothing could be simulated.
+    pub(crate) fn descend(&mut self, mut fit: Fit, iterations: usize) -> Option<Fit> {
+        let mut fresh = false;
+        if fit.jacobian.len() < self.unknowns.len() {
+            let known = fit.jacobian.len();
+            self.differentiate(&mut fit, known, Difference::Forward)?;
+            fresh = known == 0;
+        }
+        let mut damping = 1e-3;
+        let mut left = iterations.min(ITERATIONS);
+        while left > 0 {
+            let (z, expected) = self.step(&fit, damping);
+            if expected < converged(fit.cost) {
+                if fresh {
+                    break;
+                }
+                self.differentiate(&mut fit, 0, Difference::Forward)?;
+                fresh = true;
+                left -= 1;
+                continue;
+            }
+            let next = self.at(z);
+            let reached = next.as_ref().map_or(f64::NEG_INFINITY, |next| fit.cost - next.cost);
+            if let Some(mut next) = next.filter(|_| reached > 0.0) {
+                next.jacobian = core::mem::take(&mut fit.jacobian);
+                fit = next;
+                damping = (damping * 0.2).max(1e-6);
+                if fresh && reached < converged(fit.cost) {
+                    break;
+                }
+                fresh = false;
+                if reached < STALE * expected {
+                    self.differentiate(&mut fit, 0, Difference::Forward)?;
+                    fresh = true;
+                }
+            } else if fresh {
+                damping = (damping * 10.0).max(1e-2);
+                if damping > 1e4 {
+                    break;
+                }
+            } else {
+                self.differentiate(&mut fit, 0, Difference::Forward)?;
+                fresh = true;
+            }
+            left -= 1;
+        }
+        Some(fit)
+    }
+
+    /// The damped step from `fit` within the bounds, and by how much a linear model's cost falls.
+    pub(crate) fn step(&self, fit: &Fit, damping: f64) -> (Vec<f64>, f64) {
+        let (hessian, gradient) = self.normal(fit);
+        // Unknowns without a column stay where they are.
+        let count = fit.jacobian.len();
+        let bounds: Vec<_> = self.unknowns.list().iter().map(|unknown| unknown.bounds()).collect();
+        let mut free: Vec<usize> = (0..count).collect();
+        let mut step = vec![0.0; count];
+        // Each pass fixes what would leave its bounds; the rest is solved again.
+        for _ in 0..=count {
+            let moved = |n: usize| !free.contains(&n);
+            let size = free.len();
+            let matrix = DMatrix::from_fn(size, size, |a, b| {
+                let value = hessian[(free[a], free[b])];
+                if a == b { value * (1.0 + damping) + 1e-12 } else { value }
+            });
+            let right = DVector::from_fn(size, |a, _| {
+                let fixed: f64 = (0..count)
+                    .filter(|&n| moved(n))
+                    .map(|n| hessian[(free[a], n)] * step[n])
+                    .sum();
+                -gradient[free[a]] - fixed
+            });
+            let Some(cholesky) = matrix.cholesky() else { break };
+            let solution = cholesky.solve(&right);
+            let mut outside = Vec::new();
+            for (a, &n) in free.iter().enumerate() {
+                let (least, most) = bounds[n];
+                let longest = LONGEST_STEP;
+                let low = (least - fit.z[n]).max(-longest);
+                let high = (most - fit.z[n]).min(longest);
+                step[n] = solution[a].clamp(low, high);
+                if step[n] != solution[a] {
+                    outside.push(n);
+                }
+            }
+            if outside.is_empty() {
+                break;
+            }
+            free.retain(|n| !outside.contains(n));
+            if free.is_empty() {
+                break;
+            }
+        }
+        let s = DVector::from_vec(step.clone());
+        let expected = -2.0 * gradient.dot(&s) - s.dot(&(&hessian * &s));
+        let mut z = fit.z.clone();
+        z.iter_mut().zip(&step).for_each(|(z, step)| *z += step);
+        (z, expected)
+    }
+
+    /// JᵀJ and Jᵀr with the prior.
+    pub(crate) fn normal(&self, fit: &Fit) -> (DMatrix<f64>, DVector<f64>) {
+        let columns = &fit.jacobian;
+        let list = self.unknowns.list();
+        let mut hessian = DMatrix::zeros(columns.len(), columns.len());
+        let mut gradient = DVector::zeros(columns.len());
+        for (a, column) in columns.iter().enumerate() {
+            for (b, other) in columns.iter().enumerate().take(a + 1) {
+                hessian[(a, b)] = dot(column, other);
+                hessian[(b, a)] = hessian[(a, b)];
+            }
+            let weight = list[a].prior_sd().powi(-2);
+            hessian[(a, a)] += weight;
+            gradient[a] = dot(column, &fit.residuals) + weight * (fit.z[a] - list[a].prior_mean());
+        }
+        (hessian, gradient)
+    }
+}
+
+fn converged(cost: f64) -> f64 {
+    CONVERGED.max(CONVERGED_SHARE * cost)
+}
+
+pub(crate) fn square(residuals: &[f64]) -> f64 {
+    dot(residuals, residuals)
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,152 @@
+//! From the plain model to the named effects.
+
+use super::error::DiagnoseError;
+use super::result::Verdict;
+use super::search::{Tried, Watch, try_all};
+use super::trial::{Bench, Trial};
+use super::verdict::{
+    FOUND_SHARE, FURTHER_DROP, FURTHER_SHARE, MATERIAL_EXCESS, NAMED_EVIDENCE, NAMED_SHARE,
+};
+
+/// So many first effects are tried with every second one.
+const FIRSTS: usize = 3;
+
+/// What was found.
+pub(crate) struct Ladder {
+    /// The plain plant first, then one trial per named effect.
+    pub(crate) steps: Vec<Trial>,
+    /// Every effect alone.
+    pub(crate) singles: Vec<Tried>,
+    /// For each named effect, what stands in its place beside the other one.
+    pub(crate) rivals: Vec<Vec<Tried>>,
+    pub(crate) verdict: Verdict,
+    /// Whether a material part of the excess remains.
+    pub(crate) unexplained: bool,
+}
+
+/// Climbs until nothing material remains, or nothing explains what does.
+pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder, DiagnoseError> {
+    let is_adequate = !plain.is_material();
+    let singles = try_all(bench, &plain, !is_adequate, "single effects", watch)?;
+    let mut ladder = Ladder {
+        steps: vec![plain],
+        singles,
+        rivals: Vec::new(),
+        verdict: Verdict::Adequate,
+        unexplained: false,
+    };
+    if is_adequate {
+        return Ok(ladder);
+    }
+    let plain = &ladder.steps[0];
+    let single = ladder.singles.first().and_then(|tried| tried.trial.clone());
+    let single = single.filter(|single| single.is_evident_over(plain));
+    let pair = match &single {
+        Some(single) if !single.is_material() => None,
+        _ => best_pair(bench, plain, &ladder.singles, watch)?,
+    };
+    match (single, pair) {
+        (_, Some(pair)) if pair.last.share_of(plain) >= FOUND_SHARE => {
+            ladder.rivals = vec![
+                try_all(bench, &pair.other, true, "what may stand for the first effect", watch)?,
+                pair.tried,
+            ];
+            ladder.steps.extend([pair.first, pair.last]);
+        }
+        (Some(single), _) if single.share_of(plain) >= NAMED_SHARE => {
+            ladder.rivals = vec![ladder.singles.clone()];
+            ladder.steps.push(single);
+        }
+        _ => {}
+    }
+    let last = ladder.steps.last().expect("the plain plant is there");
+    let share = last.share_of(&ladder.steps[0]);
+    let explains = share >= FOUND_SHARE || !last.is_material();
+    ladder.unexplained = !explains;
+    ladder.verdict = match ladder.steps.len() {
+        1 => Verdict::NotInLibrary,
+        _ if explains => Verdict::Found,
+        _ => Verdict::FormWrong,
+    };
+    Ok(ladder)
+}
+
+/// Two effects together.
+struct Pair {
+    first: Trial,
+    /// The second effect alone.
+    other: Trial,
+    last: Trial,
+    /// Every second effect beside the first.
+    tried: Vec<Tried>,
+}
+
+/// The best second effect for each of the most promising first ones, if both are needed.
+fn best_pair(
+    bench: &Bench,
+    plain: &Trial,
+    singles: &[Tried],
+    watch: Watch,
+) -> Result<Option<Pair>, DiagnoseError> {
+    let mut best: Option<Pair> = None;
+    let firsts = singles.iter().filter_map(|tried| tried.trial.as_ref()).take(FIRSTS);
+    for first in firsts {
+        let mut first = first.clone();
+        if first.refresh(bench).is_none() {
+            continue;
+        }
+        let tried = try_all(bench, &first, true, "pairs of effects", watch)?;
+        let Some(last) = tried.first().and_then(|tried| tried.trial.clone()) else {
+            continue;
+        };
+        let second = last.effects.last().expect("one was added").id();
+        let Some(other) = singles
+            .iter()
+            .find(|tried| tried.id() == second)
+            .map(|tried| tried.trial.clone().unwrap_or_else(|| plain.clone()))
+        else {
+            continue;
+        };
+        let needs_both = last.is_further_than(&first) && last.is_further_than(&other);
+        let is_better = best
+            .as_ref()
+            .is_none_or(|best| last.total_square() < best.last.total_square());
+        if needs_both && is_better {
+            best = Some(Pair { first, other, last, tried });
+        }
+        // The first of the list explains what it can; others are tried only where the pair leaves something.
+        if best.as_ref().is_some_and(|best| !best.last.is_material()) {
+            break;
+        }
+    }
+    Ok(best)
+}
+
+impl Trial {
+    /// Whether a material error remains.
+    pub(crate) fn is_material(&self) -> bool {
+        self.checked.worst_excess() >= MATERIAL_EXCESS
+    }
+
+    /// Share of the excess of `plain` that it explains.
+    pub(crate) fn share_of(&self, plain: &Self) -> f64 {
+        let excess = plain.checked.total_excess();
+        if excess > 0.0 {
+            1.0 - self.checked.total_excess() / excess
+        } else {
+            0.0
+        }
+    }
+
+    fn is_evident_over(&self, base: &Self) -> bool {
+        self.evidence_over(base) > NAMED_EVIDENCE
+    }
+
+    /// Whether what it adds to `base` takes most of what was left there.
+    fn is_further_than(&self, base: &Self) -> bool {
+        let (left, before) = (self.checked.total_excess(), base.checked.total_excess());
+        left <= (1.0 - FURTHER_SHARE) * before
+            && before - left >= FURTHER_DROP
+            && self.is_evident_over(base)
+    }
+}

@@ -1,0 +1,120 @@
+//! Which physical effect is missing?
+//!
+//! ```text
+//! logs ─► evidence (errors over the noise, seen through a predictor) ─► fit (nuisance parameters within their
+//!         tolerances, with every effect) ─► search (all effects, all forms) ─► ladder (verdict) ─► result
+//! ```
+
+mod assemble;
+mod detection;
+mod error;
+mod errors;
+mod evidence;
+mod fit;
+mod interval;
+mod ladder;
+mod nuisance;
+mod predictor;
+pub mod result;
+mod search;
+mod trial;
+mod unknowns;
+mod verdict;
+
+use std::time::Instant;
+
+use plant_sim::PlantParameters;
+use rayon::prelude::*;
+use recording::Recording;
+
+pub use error::DiagnoseError;
+pub use result::Diagnosis;
+pub use search::{Progress, Watch};
+
+use evidence::Evidence;
+use result::{Cost, DIAGNOSIS_SCHEMA, Location, Remaining};
+use trial::Bench;
+
+/// Which effects of the library does `plant` lack to explain `logs`? What is held out judges: `check`, or without it,
+/// blocks of the logs.
+///
+/// `watch` sees the progress and may stop the search.
+///
+/// # Errors
+/// [`DiagnoseError`]: a log cannot be used, or `watch` stopped it.
+pub fn diagnose(
+    plant: &PlantParameters,
+    logs: &[Recording],
+    check: &[Recording],
+    watch: Watch,
+) -> Result<Diagnosis, DiagnoseError> {
+    let begin = Instant::now();
+    let first = logs.first().ok_or(DiagnoseError::NoLog)?;
+    let mut fitting = Evidence::new(plant, logs)?;
+    let checking = if check.is_empty() {
+        fitting.hold_out(plant, logs)?
+    } else {
+        Evidence::new(plant, check)?
+    };
+    let bench = Bench {
+        plant,
+        fitting: &fitting,
+        checking: &checking,
+    };
+    let not_simulated = || DiagnoseError::NotSimulated {
+        log: first.provenance().source.clone(),
+    };
+    search::report(watch, "the plain model", 0.0)?;
+    let plain = bench.plain().ok_or_else(not_simulated)?;
+    let mut found = ladder::climb(&bench, plain, watch)?;
+    let last = found.steps.last_mut().expect("at least the plain plant");
+    search::report(watch, "the final fit", 0.0)?;
+    last.polish(&bench).ok_or_else(not_simulated)?;
+
+    let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
+    search::report(watch, "detection limits", 0.0)?;
+    let candidates: Vec<_> = found
+        .singles
+        .par_iter()
+        .map(|tried| assemble::candidate(&bench, plain, last, tried))
+        .collect();
+    search::report(watch, "where the error is", 0.0)?;
+    let before = assemble::regimes(&plain.plant(), logs)?;
+    let after = if found.steps.len() > 1 {
+        assemble::regimes(&last.plant(), logs)?
+    } else {
+        before.clone()
+    };
+    let ladder = assemble::ladder(&bench, &found)?;
+    let (equivalents, distinguishability) = assemble::equivalents(&found);
+    let elapsed_s = begin.elapsed().as_secs_f64();
+    let simulations = bench.fitting.simulations() + bench.checking.simulations();
+    Ok(Diagnosis {
+        schema: DIAGNOSIS_SCHEMA.to_owned(),
+        logs: fitting.sources(),
+        check: check.iter().map(|log| log.provenance().source.clone()).collect(),
+        held_out: if check.is_empty() {
+            evidence::HELD_OUT_BLOCKS.to_owned()
+        } else {
+            "the logs given for checking, which were not fitted".to_owned()
+        },
+        predictor: predictor::STATEMENT.to_owned(),
+        verdict: found.verdict,
+        sentence: assemble::sentence(found.verdict, &ladder, &candidates, &equivalents),
+        effects: ladder.iter().filter_map(|step| step.added.clone()).collect(),
+        unexplained: found.unexplained,
+        equivalents,
+        distinguishability,
+        nuisance: assemble::nuisance(&bench, plain, last),
+        ladder,
+        candidates,
+        location: Location { before, after },
+        remaining: Remaining::default(),
+        cost: Cost {
+            simulations,
+            log_s: fitting.duration_s(),
+            elapsed_s,
+            per_simulation_ms: fitting.computing_s() / fitting.simulations().max(1) as f64 * 1e3,
+        },
+    })
+}

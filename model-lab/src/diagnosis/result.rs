@@ -1,0 +1,306 @@
+//! What a diagnosis says, as it stands in its JSON.
+
+use std::collections::BTreeMap;
+
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the JSON format.
+pub const DIAGNOSIS_SCHEMA: &str = "retarder.diagnosis/1";
+
+/// A figure per signal, such as `p_ch` in bar and `i_fill` in mA.
+pub type BySignal = BTreeMap<String, f64>;
+
+/// Which physical effect is missing, and how the error falls when it is added.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Diagnosis {
+    /// Name and version of this format, `retarder.diagnosis/1`.
+    pub schema: String,
+    /// Sources of the logs that were fitted.
+    pub logs: Vec<String>,
+    /// Sources of the logs that judged; empty where blocks of the fitted logs were held out.
+    pub check: Vec<String>,
+    /// What judged, in words.
+    pub held_out: String,
+    /// How the errors were made and what they are weighed against, in words.
+    pub predictor: String,
+    /// One of four answers.
+    pub verdict: Verdict,
+    /// The answer in words.
+    pub sentence: String,
+    /// Ids of the named effects in the order added.
+    pub effects: Vec<String>,
+    /// Whether a material part of the excess error remains after them.
+    pub unexplained: bool,
+    /// From each named effect to the effects that these logs cannot tell from it, itself included.
+    pub equivalents: BTreeMap<String, Vec<String>>,
+    /// From each named effect to every other effect that explains something: by how many standard deviations of the
+    /// noise these logs tell it from the named one. Below 3.3 they are swapped in more than one of twenty logs.
+    pub distinguishability: BTreeMap<String, BTreeMap<String, f64>>,
+    /// The error, from the plain model with refitted nuisance parameters on; one row per added effect.
+    pub ladder: Vec<Step>,
+    /// Every effect of the library, the one that explains most first.
+    pub candidates: Vec<Candidate>,
+    /// What may differ from rig to rig without any physics missing, as fitted with the named effects.
+    pub nuisance: Vec<NuisanceValue>,
+    /// Where the excess error is.
+    #[serde(rename = "where")]
+    pub location: Location,
+    /// What the residual looks like after the named effects.
+    pub remaining: Remaining,
+    /// What the answer cost.
+    pub cost: Cost,
+}
+
+impl Diagnosis {
+    /// The JSON Schema of a diagnosis.
+    pub fn json_schema() -> Schema {
+        schemars::schema_for!(Self)
+    }
+}
+
+/// The four honest answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing detectable is missing.
+    Adequate,
+    /// These effects, and nothing material remains.
+    Found,
+    /// The dominant effect is named, but something remains: its law differs, or another effect is missing as well.
+    FormWrong,
+    /// Something is missing that no effect of the library explains.
+    NotInLibrary,
+}
+
+/// One row of the ladder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Step {
+    /// Id of the effect that this row adds; null for the plain model.
+    pub added: Option<String>,
+    /// Form of its law; null for the plain model.
+    pub variant: Option<String>,
+    /// Rms error on the fitted logs.
+    pub fit_rms: BySignal,
+    /// Rms error on what was held out.
+    pub check_rms: BySignal,
+    /// What a perfect model would have there: the noise of the measurement, seen through the predictor.
+    pub noise_floor: BySignal,
+    /// Rms error on what was held out of the model driven by the commands alone.
+    pub free_run_check_rms: BySignal,
+    /// Share of the plain model's excess error that is explained, 0 to 1; below 0 where the error grew.
+    pub explained_share: f64,
+    /// Number of fitted parameters.
+    pub free_parameters: usize,
+}
+
+/// The plain model with one effect, refitted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Candidate {
+    /// Its id.
+    pub effect: String,
+    /// The form of its law that explains most.
+    pub variant: String,
+    /// Rms error on the fitted logs.
+    pub fit_rms: BySignal,
+    /// Rms error on what was held out.
+    pub check_rms: BySignal,
+    /// Share of the plain model's excess error that it explains by itself.
+    pub explained_share: f64,
+    /// Evidence for it against the plain model: difference of the information criterion of Schwarz, corrected for
+    /// correlated errors. Above 10 it is strong, below 0 it speaks against the effect.
+    pub evidence: f64,
+    /// Number of fitted parameters.
+    pub free_parameters: usize,
+    /// The effect's own parameters; of a named effect, those fitted together with all named ones.
+    pub parameters: Vec<FittedParameter>,
+    /// Whether the fitted size is one that is met in practice, in words.
+    pub plausibility: String,
+    /// What size these logs would have shown.
+    pub detection_limit: DetectionLimit,
+    /// One sentence for the workshop.
+    pub physics: String,
+    /// Number in `docs/equations.md`, and the source.
+    pub source: String,
+}
+
+/// A fitted parameter of an effect.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FittedParameter {
+    /// Its key in the plant file.
+    pub key: String,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+    /// Best value.
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end of the 95 % interval.
+    pub high: f64,
+    /// A size that is met in practice; null where none is known.
+    pub typical: Option<f64>,
+    /// Whether it ran to the end of its range: physics is missing, or the logs do not show it.
+    pub at_bound: bool,
+}
+
+/// The size of an effect that these logs would have shown.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DetectionLimit {
+    /// At this size and above it would have been named.
+    Size {
+        /// Key of the parameter in the plant file.
+        key: String,
+        /// Its value.
+        value: f64,
+        /// Its unit.
+        unit: String,
+    },
+    /// No size that is met in practice shows in these logs.
+    NotExcited {
+        /// What would show it.
+        manoeuvre: String,
+    },
+}
+
+/// A nuisance parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NuisanceValue {
+    /// Name in the plant file.
+    pub name: String,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+    /// Value of the plant file.
+    pub datasheet: f64,
+    /// Allowed distance from it.
+    pub tolerance: f64,
+    /// Value fitted to the plain model.
+    pub plain: f64,
+    /// Value fitted with the named effects.
+    pub fitted: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end of the 95 % interval.
+    pub high: f64,
+    /// Set where it ran to the end of its tolerance, in the plain model or with the named effects: physics may be missing.
+    pub alarm: Option<String>,
+}
+
+/// Where the excess error is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Location {
+    /// With the plain model.
+    pub before: Vec<Regime>,
+    /// With the named effects; the same as `before` where none is named.
+    pub after: Vec<Regime>,
+}
+
+/// The regime that holds most of the excess error of one signal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Regime {
+    /// Source of the log.
+    pub log: String,
+    /// The signal.
+    pub signal: String,
+    /// The regime in words; null where there is no excess to place.
+    pub regime: Option<String>,
+    /// Its share of the excess.
+    pub excess_share: Option<f64>,
+    /// Its share of the samples.
+    pub sample_share: Option<f64>,
+    /// All of it in one sentence.
+    pub sentence: String,
+}
+
+/// What the residual looks like.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Remaining {
+    /// The leading shapes in words, the most telling first; empty where nothing material remains.
+    pub sentences: Vec<String>,
+    /// The flow that is missing, against what it may depend on; positive fills the chamber.
+    pub missing_flow: Vec<FlowCurve>,
+    /// Sharp lines in the spectrum of a residual.
+    pub spectral_lines: Vec<SpectralLine>,
+    /// Single instants at which far more or less air came than a pulse delivers.
+    pub lost_pulses: Vec<LostPulse>,
+}
+
+/// Missing flow against one quantity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FlowCurve {
+    /// The quantity, such as `p_ch`.
+    pub against: String,
+    /// Its unit.
+    pub unit: String,
+    /// When it was looked at: `both valves shut`, `filling`, `venting`.
+    pub condition: String,
+    /// Share of the missing flow's variance that the curve explains, 0 to 1.
+    pub explained_share: f64,
+    /// The curve, rising in its quantity.
+    pub points: Vec<FlowPoint>,
+}
+
+/// One point of a missing flow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FlowPoint {
+    /// The quantity.
+    pub at: f64,
+    /// Mean rate at which the pressure is missing (bar/s).
+    pub bar_per_s: f64,
+    /// Standard error of it (bar/s).
+    pub standard_error: f64,
+    /// Samples.
+    pub samples: usize,
+}
+
+/// A line in a spectrum.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpectralLine {
+    /// The signal.
+    pub signal: String,
+    /// Its frequency (Hz).
+    pub frequency_hz: f64,
+    /// Amplitude of the residual there, in the unit of the signal's errors.
+    pub amplitude: f64,
+    /// Probability of such a line in noise.
+    pub p_value: f64,
+}
+
+/// One instant at which the residual jumped.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LostPulse {
+    /// Source of the log.
+    pub log: String,
+    /// Instant (s).
+    pub time_s: f64,
+    /// By how much the measured pressure jumped beside the model (bar).
+    pub jump_bar: f64,
+    /// The same in standard deviations of what is usual there.
+    pub in_noise: f64,
+}
+
+/// What an answer cost.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cost {
+    /// Simulations of all logs.
+    pub simulations: usize,
+    /// Logged time that one simulation covers (s).
+    pub log_s: f64,
+    /// Time that it took, all cores together (s).
+    pub elapsed_s: f64,
+    /// Computing time of one simulation (ms).
+    pub per_simulation_ms: f64,
+}

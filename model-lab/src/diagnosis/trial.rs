@@ -1,0 +1,202 @@
+//! The plant with some effects, fitted and judged.
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::EffectSetting;
+
+use super::errors::Errors;
+use super::evidence::{Evidence, Run};
+use super::fit::{Difference, Fit, Fitter};
+use super::unknowns::{Unknown, Unknowns};
+use crate::whiteness::autocorrelation_time_samples;
+
+/// Sizes at which the search for the best one begins, over the typical one.
+const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
+/// The same for effects that have a sign.
+const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
+
+/// Steps after which a fit without prospects is left.
+const FIRST_STEPS: usize = 3;
+
+/// A fit that was begun.
+#[derive(Debug, Clone)]
+pub(crate) struct Opened {
+    effects: Vec<EffectSetting>,
+    unknowns: Unknowns,
+    pub(crate) fit: Fit,
+    simulations: usize,
+}
+
+/// What every trial is held against.
+pub(crate) struct Bench<'a> {
+    pub(crate) plant: &'a PlantParameters,
+    pub(crate) fitting: &'a Evidence,
+    pub(crate) checking: &'a Evidence,
+}
+
+/// A fitted plant.
+#[derive(Debug, Clone)]
+pub(crate) struct Trial {
+    /// The effects in the order added.
+    pub(crate) effects: Vec<EffectSetting>,
+    pub(crate) unknowns: Unknowns,
+    pub(crate) fit: Fit,
+    /// Errors on the fitted logs and on what was held out.
+    pub(crate) fitted: Errors,
+    pub(crate) checked: Errors,
+    /// Samples over which the error remembers; at least 1.
+    pub(crate) correlation_samples: f64,
+    /// Simulations of the fitted logs that it took.
+    pub(crate) simulations: usize,
+}
+
+impl Bench<'_> {
+    /// The plant as given, with its nuisance parameters and those of its effects fitted.
+    pub(crate) fn plain(&self) -> Option<Trial> {
+        let effects = self.plant.effects.clone();
+        let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
+        let mut fitter = Fitter::new(self.fitting, &unknowns);
+        let start = fitter.at(unknowns.start())?;
+        let fit = fitter.descend(start, usize::MAX)?;
+        let simulations = fitter.simulations;
+        let mut trial = self.judge(effects, unknowns, fit, simulations)?;
+        trial.refresh(self)?;
+        Some(trial)
+    }
+
+    /// `base` and `effect`, fitted together for a few steps from the most promising of several sizes; none where
+    /// nothing of it can be simulated.
+    pub(crate) fn open(&self, base: &Trial, effect: EffectSetting) -> Option<Opened> {
+        let mut effects = base.effects.clone();
+        effects.push(effect);
+        let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
+        let mut fitter = Fitter::new(self.fitting, &unknowns);
+        let mut best: Option<(f64, Fit)> = None;
+        for start in starts(&unknowns.list()[base.unknowns.len()..]) {
+            let mut z = base.fit.z.clone();
+            z.extend(start);
+            let Some(mut fit) = fitter.at(z) else { continue };
+            fit.jacobian.clone_from(&base.fit.jacobian);
+            // The nuisance parameters make room for the effect before anything else moves.
+            let (z, promised) = fitter.step(&fit, 0.0);
+            let cost = fit.cost - promised.max(0.0);
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, Fit { z, ..fit }));
+            }
+        }
+        let (_, promising) = best?;
+        let mut start = fitter.at(promising.z)?;
+        start.jacobian = promising.jacobian;
+        let fit = fitter.descend(start, FIRST_STEPS)?;
+        let simulations = fitter.simulations;
+        Some(Opened {
+            effects,
+            unknowns,
+            fit,
+            simulations,
+        })
+    }
+
+    /// Fits what was begun to the end, and judges it.
+    pub(crate) fn finish(&self, opened: Opened) -> Option<Trial> {
+        let Opened {
+            effects,
+            unknowns,
+            fit,
+            simulations,
+        } = opened;
+        let mut fitter = Fitter::new(self.fitting, &unknowns);
+        let fit = fitter.descend(fit, usize::MAX)?;
+        let simulations = simulations + fitter.simulations;
+        self.judge(effects, unknowns, fit, simulations)
+    }
+
+    /// Judges what was begun as it is.
+    pub(crate) fn leave(&self, opened: Opened) -> Option<Trial> {
+        self.judge(opened.effects, opened.unknowns, opened.fit, opened.simulations)
+    }
+
+    fn judge(
+        &self,
+        effects: Vec<EffectSetting>,
+        unknowns: Unknowns,
+        fit: Fit,
+        simulations: usize,
+    ) -> Option<Trial> {
+        let plant = unknowns.plant(&fit.z);
+        let residuals = self.checking.residuals(&plant, Run::Predicted)?;
+        Some(Trial {
+            correlation_samples: correlation_samples(self.fitting, &fit.residuals),
+            fitted: Errors::new(self.fitting, &fit.residuals, Run::Predicted),
+            checked: Errors::new(self.checking, &residuals, Run::Predicted),
+            effects,
+            unknowns,
+            fit,
+            simulations,
+        })
+    }
+}
+
+impl Trial {
+    /// The fitted plant.
+    pub(crate) fn plant(&self) -> PlantParameters {
+        self.unknowns.plant(&self.fit.z)
+    }
+
+    /// Fits on from where it is with a Jacobian of its own, which is then that at the fit: intervals need it.
+    pub(crate) fn polish(&mut self, bench: &Bench) -> Option<()> {
+        self.refresh(bench)?;
+        let opened = Opened {
+            effects: self.effects.clone(),
+            unknowns: self.unknowns.clone(),
+            fit: self.fit.clone(),
+            simulations: self.simulations,
+        };
+        *self = bench.finish(opened)?;
+        self.refresh(bench)
+    }
+
+    /// Takes the Jacobian anew, at the fit.
+    pub(crate) fn refresh(&mut self, bench: &Bench) -> Option<()> {
+        let mut fitter = Fitter::new(bench.fitting, &self.unknowns);
+        fitter.differentiate(&mut self.fit, 0, Difference::Central)?;
+        self.simulations += fitter.simulations;
+        Some(())
+    }
+
+    /// Difference of Schwarz's criterion to `base`, which has fewer parameters, with as many independent samples as
+    /// the autocorrelation of the error leaves.
+    pub(crate) fn evidence_over(&self, base: &Self) -> f64 {
+        let added = (self.unknowns.len() - base.unknowns.len()) as f64;
+        let independent = self.fitted.count() / self.correlation_samples;
+        (base.fit.cost - self.fit.cost) / self.correlation_samples - added * independent.ln()
+    }
+
+    pub(crate) fn has(&self, id: &str) -> bool {
+        self.effects.iter().any(|effect| effect.id() == id)
+    }
+
+    /// What is left over the noise, held-out and fitted logs together.
+    pub(crate) fn total_square(&self) -> f64 {
+        self.fit.cost + self.checked.square()
+    }
+}
+
+/// The longest autocorrelation time of any signal.
+fn correlation_samples(evidence: &Evidence, residuals: &[f64]) -> f64 {
+    evidence
+        .channels()
+        .filter_map(|(_, _, range)| autocorrelation_time_samples(&residuals[range]))
+        .fold(1.0, f64::max)
+}
+
+/// Coordinates of an effect's parameters to begin with: its strengths at several sizes, the rest typical.
+fn starts(own: &[Unknown]) -> impl Iterator<Item = Vec<f64>> {
+    let sizes: &[f64] = if own.iter().any(Unknown::is_signed) {
+        &SIGNED_SIZES
+    } else {
+        &SIZES
+    };
+    sizes
+        .iter()
+        .map(|&size| own.iter().map(|unknown| unknown.of_size(size)).collect())
+}

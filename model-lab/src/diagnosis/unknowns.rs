@@ -1,0 +1,231 @@
+//! What a fit may move, in coordinates in which one unit is one tolerance or one typical size.
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::EffectSetting;
+use plant_sim::parameters::{ParameterSpec, Scale, Size};
+
+use super::nuisance::{NUISANCES, Nuisance, Shown};
+
+/// Standard deviation of a nuisance parameter in tolerances: even within the tolerance, 1/sqrt(3).
+const NUISANCE_SD: f64 = 0.577;
+/// Standard deviation of a parameter of form, in its coordinate; all that data may leave open.
+const FORM_SD: f64 = 2.0;
+/// Finite differences: this many tolerances, ...
+const NUISANCE_STEP: f64 = 0.04;
+/// ... or this change of an effect's coordinate. Both are far above the solver's error.
+const EFFECT_STEP: f64 = 0.04;
+
+/// A plant with the list of what may be moved in it.
+#[derive(Debug, Clone)]
+pub(crate) struct Unknowns {
+    datasheet: PlantParameters,
+    list: Vec<Unknown>,
+}
+
+/// One coordinate.
+#[derive(Debug, Clone)]
+pub(crate) enum Unknown {
+    /// (value - datasheet) / tolerance.
+    Nuisance {
+        nuisance: &'static Nuisance,
+        datasheet: f64,
+        tolerance: f64,
+    },
+    /// ln(value / typical) on a logarithmic scale, (value - off) / |typical - off| on a linear one.
+    Effect {
+        spec: &'static ParameterSpec,
+        origin: f64,
+        unit: f64,
+    },
+}
+
+impl Unknowns {
+    /// The nuisance parameters of `datasheet`, as far as the logs can show them, and then those of its effects
+    /// which are in `fitted`.
+    pub(crate) fn new(
+        datasheet: &PlantParameters,
+        fitted: &[EffectSetting],
+        has_pressure: bool,
+    ) -> Self {
+        let mut plant = datasheet.clone();
+        let mut list: Vec<Unknown> = NUISANCES
+            .iter()
+            .filter(|nuisance| has_pressure || nuisance.shown_by == Shown::Always)
+            .filter_map(|nuisance| {
+                let there = datasheet.get(nuisance.name)?;
+                let tolerance = nuisance.tolerance_of(there);
+                (tolerance > 0.0).then_some(Unknown::Nuisance {
+                    nuisance,
+                    datasheet: there,
+                    tolerance,
+                })
+            })
+            .collect();
+        for setting in fitted {
+            plant = plant.with_effect(setting.clone());
+            list.extend(setting.parameters().iter().map(|&spec| Unknown::effect(spec)));
+        }
+        Self {
+            datasheet: plant,
+            list,
+        }
+    }
+
+    pub(crate) fn list(&self) -> &[Unknown] {
+        &self.list
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The coordinates of the datasheet and of the effects as they were given.
+    pub(crate) fn start(&self) -> Vec<f64> {
+        self.list.iter().map(|unknown| unknown.coordinate(&self.datasheet)).collect()
+    }
+
+    /// The plant at the coordinates `z`.
+    pub(crate) fn plant(&self, z: &[f64]) -> PlantParameters {
+        let mut plant = self.datasheet.clone();
+        for (unknown, &z) in self.list.iter().zip(z) {
+            unknown.put(&mut plant, &self.datasheet, z);
+        }
+        plant
+    }
+}
+
+impl Unknown {
+    fn effect(spec: &'static ParameterSpec) -> Self {
+        let (origin, unit) = match spec.size {
+            Some(size) if size.scale == Scale::Log => (size.typical, 1.0),
+            Some(size) => {
+                let off = size.off.filter(|off| off.is_finite());
+                let origin = off.unwrap_or(size.typical);
+                let width = (size.typical - origin).abs();
+                let unit = if width > 0.0 { width } else { 0.1 * (spec.range.1 - spec.range.0) };
+                (origin, unit)
+            }
+            None => (spec.range.0, spec.range.1 - spec.range.0),
+        };
+        Self::Effect { spec, origin, unit }
+    }
+
+    fn is_log(spec: &ParameterSpec) -> bool {
+        spec.size.is_some_and(|size| size.scale == Scale::Log)
+    }
+
+    /// Whether it is the strength of an effect.
+    pub(crate) fn is_strength(&self) -> bool {
+        matches!(self, Self::Effect { spec, .. } if spec.size.is_some_and(|size| size.off.is_some()))
+    }
+
+    /// The coordinate at `size` times the typical strength: the larger, the stronger the effect. What is no strength
+    /// stays typical.
+    pub(crate) fn of_size(&self, size: f64) -> f64 {
+        let Self::Effect { spec, .. } = self else {
+            return 0.0;
+        };
+        let typical = self.prior_mean();
+        let Some(off) = spec.size.and_then(|size| size.off) else {
+            return typical;
+        };
+        let z = if !Self::is_log(spec) {
+            typical * size
+        } else if off.is_finite() {
+            typical + size.abs().ln()
+        } else {
+            typical - size.abs().ln()
+        };
+        let (least, most) = self.bounds();
+        z.clamp(least, most)
+    }
+
+    /// Whether it may be on either side of nothing.
+    pub(crate) fn is_signed(&self) -> bool {
+        let is_linear = |size: Size| size.off.is_some() && size.scale == Scale::Linear;
+        matches!(self, Self::Effect { spec, .. } if spec.size.is_some_and(is_linear))
+            && self.bounds().0 < 0.0
+            && self.bounds().1 > 0.0
+    }
+
+    pub(crate) fn value(&self, z: f64) -> f64 {
+        match self {
+            Self::Nuisance { datasheet, tolerance, .. } => datasheet + z * tolerance,
+            Self::Effect { spec, origin, .. } if Self::is_log(spec) => origin * z.exp(),
+            Self::Effect { origin, unit, .. } => origin + z * unit,
+        }
+    }
+
+    fn coordinate_of(&self, value: f64) -> f64 {
+        match self {
+            Self::Nuisance { datasheet, tolerance, .. } => (value - datasheet) / tolerance,
+            Self::Effect { spec, origin, .. } if Self::is_log(spec) => (value / origin).ln(),
+            Self::Effect { origin, unit, .. } => (value - origin) / unit,
+        }
+    }
+
+    fn coordinate(&self, plant: &PlantParameters) -> f64 {
+        match self {
+            Self::Nuisance { .. } => 0.0,
+            Self::Effect { spec, .. } => spec.value(plant).map_or(0.0, |value| self.coordinate_of(value)),
+        }
+    }
+
+    fn put(&self, plant: &mut PlantParameters, datasheet: &PlantParameters, z: f64) {
+        match self {
+            Self::Nuisance { nuisance, .. } => nuisance.set(plant, datasheet, self.value(z)),
+            Self::Effect { spec, .. } => {
+                let (least, most) = spec.range;
+                spec.put(plant, self.value(z).clamp(least, most));
+            }
+        }
+    }
+
+    /// Least and largest coordinate.
+    pub(crate) fn bounds(&self) -> (f64, f64) {
+        match self {
+            Self::Nuisance { .. } => (-1.0, 1.0),
+            Self::Effect { spec, .. } => {
+                (self.coordinate_of(spec.range.0), self.coordinate_of(spec.range.1))
+            }
+        }
+    }
+
+    /// Standard deviation that is believed before anything is measured; infinite for a strength.
+    pub(crate) fn prior_sd(&self) -> f64 {
+        match self {
+            Self::Nuisance { .. } => NUISANCE_SD,
+            Self::Effect { .. } if self.is_strength() => f64::INFINITY,
+            Self::Effect { .. } => FORM_SD,
+        }
+    }
+
+    /// Where the prior is centred.
+    pub(crate) fn prior_mean(&self) -> f64 {
+        match self {
+            Self::Nuisance { .. } => 0.0,
+            Self::Effect { spec, .. } => {
+                spec.size.map_or(0.0, |size| self.coordinate_of(size.typical))
+            }
+        }
+    }
+
+    pub(crate) fn is_nuisance(&self) -> bool {
+        matches!(self, Self::Nuisance { .. })
+    }
+
+    /// Step of a difference to both sides, which takes no harm from curvature, but would from the solver's error.
+    pub(crate) fn wide_step(&self) -> f64 {
+        match self {
+            Self::Nuisance { .. } => 5.0 * NUISANCE_STEP,
+            Self::Effect { .. } => EFFECT_STEP,
+        }
+    }
+
+    pub(crate) fn step(&self) -> f64 {
+        match self {
+            Self::Nuisance { .. } => NUISANCE_STEP,
+            Self::Effect { .. } => EFFECT_STEP,
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! The thresholds of the answer, all of them, and the rule that uses them.
+//!
+//! They were fixed on development rigs of the blind benchmark, before its scored rigs were drawn.
+
+/// A channel whose rms excess over the noise is below this many noise sigmas is as good as the model can be: two
+/// correct programs of the same plant differ by a third of the noise.
+pub(crate) const MATERIAL_EXCESS: f64 = 0.40;
+/// Share of the excess that names explain where nothing material remains.
+pub(crate) const FOUND_SHARE: f64 = 0.90;
+/// Share of the excess below which nothing is named.
+pub(crate) const NAMED_SHARE: f64 = 0.50;
+/// A further effect explains at least this share of what remained before it.
+pub(crate) const FURTHER_SHARE: f64 = 0.50;
+/// ... and at least this much, in noise variances.
+pub(crate) const FURTHER_DROP: f64 = 0.08;
+/// Evidence (difference of Schwarz's criterion, corrected for correlated errors) that a name needs.
+pub(crate) const NAMED_EVIDENCE: f64 = 10.0;
+/// An effect shows from this non-centrality on: power 0.9 at 1 % over the whole library.
+pub(crate) const DETECTABLE: f64 = 20.0;
+/// Effects which are nearer than this to each other, in standard deviations of the noise, are swapped in more than one of
+/// twenty logs.
+pub(crate) const DISTINGUISHABLE: f64 = 3.3;
+/// Two effects are not told apart where their excesses differ by less than this, in noise variances: as much as a
+/// correct model of the same plant may differ ...
+pub(crate) const ALIKE_EXCESS: f64 = 0.03;
+/// ... or by this share of what they explain.
+pub(crate) const ALIKE_SHARE: f64 = 0.02;
