@@ -3,6 +3,7 @@
 pub mod csv;
 mod file;
 mod name;
+mod plausibility;
 mod provenance;
 mod quantity;
 mod recording;
@@ -12,6 +13,7 @@ mod unit;
 
 pub use file::{AtomicFile, write_file_atomically};
 pub use name::{NAME_BYTES_MAX, NameError};
+pub use plausibility::Implausible;
 pub use provenance::{InputFile, Note, Provenance};
 pub use quantity::Quantity;
 pub use recording::{AddSignalError, MissingSignal, Recording, TimeBaseId};

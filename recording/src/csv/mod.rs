@@ -3,7 +3,6 @@
 //! [`read_file`] makes a [`Recording`](crate::Recording); [`Reader`] gives one row after the other in bounded memory;
 //! [`Writer`] writes rows. A [`Mapping`] explains files that do not explain themselves.
 
-mod checks;
 mod complement;
 mod dialect;
 mod error;

@@ -2,8 +2,8 @@ use std::fmt;
 use std::io;
 
 use super::{Delimiter, Excerpt};
-use crate::Unit;
 use crate::name::NameError;
+use crate::{Implausible, Unit};
 
 /// A budget of [`Limits`](super::Limits).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -195,29 +195,8 @@ pub enum Problem {
         /// Line for a mapping file that would make sense of it.
         proposal: String,
     },
-    /// A duty cycle outside 0 to 100 %.
-    DutyRange {
-        /// The value in percent.
-        percent: f64,
-    },
-    /// A pressure below vacuum.
-    BelowVacuum {
-        /// The value.
-        value: f64,
-        /// Declared unit.
-        declared: Unit,
-    },
-    /// Values whose size does not fit the declared unit.
-    Scale {
-        /// The value of largest size.
-        largest: f64,
-        /// Declared unit.
-        declared: Unit,
-        /// The unit they look like.
-        looks_like: Option<Unit>,
-        /// Line for a mapping file that accepts them.
-        proposal: String,
-    },
+    /// Values that no signal of this unit has.
+    Implausible(Implausible),
 }
 
 impl Problem {
@@ -263,9 +242,11 @@ impl Problem {
             Self::TimeMissing => "E-CSV-TIME-MISSING",
             Self::TimeOrder { .. } => "E-CSV-TIME-ORDER",
             Self::TimeScale { .. } => "E-CSV-TIME-SCALE",
-            Self::DutyRange { .. } => "E-CSV-DUTY-RANGE",
-            Self::BelowVacuum { .. } => "E-CSV-BELOW-VACUUM",
-            Self::Scale { .. } => "E-CSV-SCALE",
+            Self::Implausible(implausible) => match implausible {
+                Implausible::DutyRange { .. } => "E-CSV-DUTY-RANGE",
+                Implausible::BelowVacuum { .. } => "E-CSV-BELOW-VACUUM",
+                Implausible::Scale { .. } => "E-CSV-SCALE",
+            },
         }
     }
 
@@ -349,16 +330,8 @@ impl Problem {
             Self::TimeOrder {
                 previous_s, time_s, ..
             } => return time_order_advice(*previous_s, *time_s),
-            Self::DutyRange { .. } => "check the unit (pct or frac) and the logger",
-            Self::BelowVacuum { declared, .. } => {
-                return format!(
-                    "check whether {} is the right reference, and the sensor's offset",
-                    declared.symbol()
-                );
-            }
-            Self::Scale { proposal, .. } | Self::TimeScale { proposal, .. } => {
-                return format!("say in a mapping: {proposal}");
-            }
+            Self::TimeScale { proposal, .. } => return format!("say in a mapping: {proposal}"),
+            Self::Implausible(implausible) => return implausible.next_step(),
         };
         fixed.to_owned()
     }
@@ -516,24 +489,7 @@ impl fmt::Display for Problem {
                     "rows are {mean_step_s} s apart if the time is in {declared}, expected less than 10 s"
                 )
             }
-            Self::DutyRange { percent } => {
-                write!(f, "found a duty cycle of {percent} %, expected 0 to 100 %")
-            }
-            Self::BelowVacuum { value, declared } => {
-                write!(f, "found {value} {declared}, expected no less than vacuum")
-            }
-            Self::Scale {
-                largest,
-                declared,
-                looks_like,
-                ..
-            } => {
-                write!(f, "found values up to {largest}, declared {declared}")?;
-                match looks_like {
-                    Some(unit) => write!(f, ", but their size looks like {unit}"),
-                    None => write!(f, ", expected a {} of usual size", declared.quantity()),
-                }
-            }
+            Self::Implausible(implausible) => implausible.fmt(f),
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use std::iter;
 
-use super::checks::{Watch, judge_time};
 use super::complement::Window;
 use super::error::{Excerpt, Located, Place};
 use super::number::{self, NumberError, Style};
@@ -10,9 +9,13 @@ use super::plan::{FieldPlan, Plan};
 use super::problem::{Budget, Problem};
 use super::record::Record;
 use super::{Decimal, Options};
+use crate::Unit;
+use crate::plausibility::Watch;
 
 /// The size of values is judged each time so many rows were read.
 const ROWS_PER_JUDGEMENT: u64 = 1 << 16;
+/// Mean distance of rows at which seconds look like milliseconds.
+const STEP_MAX_S: f64 = 10.0;
 
 /// Turns records into rows, and refuses what is no row.
 pub(super) struct RowParser {
@@ -48,7 +51,11 @@ impl RowParser {
             rows_max: options.limits.samples,
             decimal,
             missing: options.mapping.missing.clone(),
-            watches: plan.signals.iter().map(Watch::new).collect(),
+            watches: plan
+                .signals
+                .iter()
+                .map(|signal| Watch::new(&signal.name, signal.unit, signal.check_scale))
+                .collect(),
             last_field: LastField::default(),
             scratch: String::new(),
         }
@@ -87,7 +94,9 @@ impl RowParser {
                             found: Excerpt::of(record.get(signal.field)),
                         }));
                     }
-                    self.watches[index].take(value, line).map_err(place)?;
+                    self.watches[index]
+                        .take(value, line)
+                        .map_err(|problem| place(Problem::Implausible(problem)))?;
                     value
                 }
             };
@@ -119,8 +128,11 @@ impl RowParser {
     fn judge(&self, plan: &Plan, at_end: bool) -> Result<(), Located> {
         for (watch, signal) in self.watches.iter().zip(&plan.signals) {
             watch
-                .judge(plan, signal, at_end)
-                .map_err(|(line, problem)| (plan.place(line, signal.field), problem))?;
+                .judge(&signal.name, || plan.column_key(signal.field), at_end)
+                .map_err(|(line, problem)| {
+                    let place = plan.place(line, signal.field);
+                    (place, Problem::Implausible(problem))
+                })?;
         }
         Ok(())
     }
@@ -196,6 +208,25 @@ impl RowParser {
                 (plan.place(record.line, column.field), problem)
             })
     }
+}
+
+/// Refuses a time whose steps are far too long for a log of a brake.
+fn judge_time(plan: &Plan, first_s: f64, last_s: f64, rows: u64) -> Result<(), Problem> {
+    let mean_step_s = (last_s - first_s) / (rows.max(2) - 1) as f64;
+    if !plan.time.check_scale || rows < 3 || mean_step_s < STEP_MAX_S {
+        return Ok(());
+    }
+    let key = plan.column_key(plan.time.field);
+    let (unit, accepted) = match plan.time.unit {
+        Unit::Second => ("ms", ""),
+        unit => (unit.token(), ", check_scale = false"),
+    };
+    let proposal = format!("time = {{ column = {key}, unit = \"{unit}\"{accepted} }}");
+    Err(Problem::TimeScale {
+        mean_step_s,
+        declared: plan.time.unit,
+        proposal,
+    })
 }
 
 /// Tells whether a last number without a line feed is whole: only if all before it had as many decimals.

@@ -1,7 +1,7 @@
 //! Does the size of the values fit their declared unit? A unit that is wrong by a factor reads without any error.
 
-use super::plan::{FieldPlan, Plan};
-use super::problem::Problem;
+use std::fmt;
+
 use crate::signal::quantity_of;
 use crate::{Converter, PressureReference, Quantity, Unit};
 
@@ -16,18 +16,84 @@ const AMBIENT_MIN_BAR: f64 = 0.5;
 /// Vacuum, with room for the offset of a sensor.
 const VACUUM_GAUGE_BAR: f64 = -1.1;
 const VACUUM_ABSOLUTE_BAR: f64 = -0.05;
-/// Mean distance of rows at which seconds look like milliseconds.
-const STEP_MAX_S: f64 = 10.0;
+
+/// Values that no logged signal of this unit has.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Implausible {
+    /// A duty cycle that no PWM output has.
+    DutyRange {
+        /// The duty cycle in %.
+        percent: f64,
+    },
+    /// A pressure below vacuum.
+    BelowVacuum {
+        /// The value as logged.
+        value: f64,
+        /// Its declared unit.
+        declared: Unit,
+    },
+    /// Values whose size does not fit the declared unit.
+    Scale {
+        /// The value farthest from zero.
+        largest: f64,
+        /// Declared unit.
+        declared: Unit,
+        /// The unit they look like.
+        looks_like: Option<Unit>,
+        /// Line for a mapping file that accepts them.
+        proposal: String,
+    },
+}
+
+impl Implausible {
+    /// What to do next, as an instruction.
+    pub fn next_step(&self) -> String {
+        match self {
+            Self::DutyRange { .. } => "check the unit (pct or frac) and the logger".to_owned(),
+            Self::BelowVacuum { declared, .. } => format!(
+                "check whether {} is the right reference, and the sensor's offset",
+                declared.symbol()
+            ),
+            Self::Scale { proposal, .. } => format!("say in a mapping: {proposal}"),
+        }
+    }
+}
+
+impl fmt::Display for Implausible {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DutyRange { percent } => {
+                write!(f, "found a duty cycle of {percent} %, expected 0 to 100 %")
+            }
+            Self::BelowVacuum { value, declared } => {
+                write!(f, "found {value} {declared}, expected no less than vacuum")
+            }
+            Self::Scale {
+                largest,
+                declared,
+                looks_like,
+                ..
+            } => {
+                write!(f, "found values up to {largest}, declared {declared}")?;
+                match looks_like {
+                    Some(unit) => write!(f, ", but their size looks like {unit}"),
+                    None => write!(f, ", expected a {} of usual size", declared.quantity()),
+                }
+            }
+        }
+    }
+}
 
 /// Watches the values of one signal.
 #[derive(Debug)]
-pub(super) struct Watch {
+pub(crate) struct Watch {
     law: Law,
     unit: Unit,
     min: f64,
     max: f64,
-    line_of_min: u64,
-    line_of_max: u64,
+    place_of_min: u64,
+    place_of_max: u64,
     between_zero_and_one: bool,
 }
 
@@ -45,17 +111,17 @@ enum Law {
 }
 
 impl Watch {
-    pub(super) fn new(column: &FieldPlan) -> Self {
-        let unit = column.unit;
-        let law = match (quantity_of(&column.name, unit), unit.pressure_reference()) {
+    /// A watch on the signal `name`; without `check_scale` values of unusual size pass.
+    pub(crate) fn new(name: &str, unit: Unit, check_scale: bool) -> Self {
+        let law = match (quantity_of(name, unit), unit.pressure_reference()) {
             (Quantity::DutyCycle, _) => match unit.converter(Unit::Percent) {
                 Ok(to_percent) => Law::Duty {
                     to_percent,
-                    check_scale: column.check_scale,
+                    check_scale,
                 },
                 Err(_) => Law::Any,
             },
-            (_, Some(reference)) if column.check_scale => match unit.converter(bar(reference)) {
+            (_, Some(reference)) if check_scale => match unit.converter(bar(reference)) {
                 Ok(to_bar) => Law::Pressure { reference, to_bar },
                 Err(_) => Law::Any,
             },
@@ -67,20 +133,20 @@ impl Watch {
             unit,
             min,
             max,
-            line_of_min: 0,
-            line_of_max: 0,
+            place_of_min: 0,
+            place_of_max: 0,
             between_zero_and_one: false,
         }
     }
 
-    /// Takes one value; refuses what is impossible by itself.
-    pub(super) fn take(&mut self, value: f64, line: u64) -> Result<(), Problem> {
+    /// Takes one value, from a line or sample `place`; refuses what is impossible by itself.
+    pub(crate) fn take(&mut self, value: f64, place: u64) -> Result<(), Implausible> {
         match &self.law {
             Law::Any => return Ok(()),
             Law::Duty { to_percent, .. } => {
                 let percent = to_percent.apply(value);
                 if !(0.0..=100.0).contains(&percent) {
-                    return Err(Problem::DutyRange { percent });
+                    return Err(Implausible::DutyRange { percent });
                 }
                 self.between_zero_and_one |= value > 0.0 && value < 1.0;
             }
@@ -92,7 +158,7 @@ impl Watch {
                 // A large negative value is a matter of size and not of vacuum.
                 let bar = to_bar.apply(value);
                 if bar < vacuum_bar && bar >= -LARGEST_BAR {
-                    return Err(Problem::BelowVacuum {
+                    return Err(Implausible::BelowVacuum {
                         value,
                         declared: self.unit,
                     });
@@ -100,21 +166,25 @@ impl Watch {
             }
         }
         if value < self.min {
-            (self.min, self.line_of_min) = (value, line);
+            (self.min, self.place_of_min) = (value, place);
         }
         if value > self.max {
-            (self.max, self.line_of_max) = (value, line);
+            (self.max, self.place_of_max) = (value, place);
         }
         Ok(())
     }
 
-    /// Judges the size of the values so far; only at the end of the file can they be too small.
-    pub(super) fn judge(
+    /// Judges the size of the values so far; only at the end of the file can they be too small. A mapping calls the
+    /// signal `name` and its column `key`.
+    ///
+    /// # Errors
+    /// The place of the largest value, and what is wrong with it.
+    pub(crate) fn judge(
         &self,
-        plan: &Plan,
-        column: &FieldPlan,
+        name: &str,
+        key: impl FnOnce() -> String,
         at_end: bool,
-    ) -> Result<(), (u64, Problem)> {
+    ) -> Result<(), (u64, Implausible)> {
         if self.max < self.min {
             return Ok(());
         }
@@ -146,28 +216,25 @@ impl Watch {
             }
             _ => return Ok(()),
         };
-        let (largest, line) = if -self.min > self.max {
-            (self.min, self.line_of_min)
+        let (largest, place) = if -self.min > self.max {
+            (self.min, self.place_of_min)
         } else {
-            (self.max, self.line_of_max)
+            (self.max, self.place_of_max)
         };
-        let key = plan.column_key(column.field);
         let unit = looks_like.unwrap_or(self.unit).token();
-        let (name, accepted) = (
-            &column.name,
-            if looks_like.is_some() {
-                ""
-            } else {
-                ", check_scale = false"
-            },
-        );
+        let accepted = if looks_like.is_some() {
+            ""
+        } else {
+            ", check_scale = false"
+        };
         let proposal = format!(
-            "signal.{} = {{ column = {key}, unit = \"{unit}\"{accepted} }}",
-            toml_key(name)
+            "signal.{} = {{ column = {}, unit = \"{unit}\"{accepted} }}",
+            toml_key(name),
+            key()
         );
         Err((
-            line,
-            Problem::Scale {
+            place,
+            Implausible::Scale {
                 largest,
                 declared: self.unit,
                 looks_like,
@@ -219,25 +286,6 @@ impl Watch {
                     && to_bar.apply(self.min) >= lowest_bar
             })
     }
-}
-
-/// Refuses a time whose steps are far too long for a log of a brake.
-pub(super) fn judge_time(plan: &Plan, first_s: f64, last_s: f64, rows: u64) -> Result<(), Problem> {
-    let mean_step_s = (last_s - first_s) / (rows.max(2) - 1) as f64;
-    if !plan.time.check_scale || rows < 3 || mean_step_s < STEP_MAX_S {
-        return Ok(());
-    }
-    let key = plan.column_key(plan.time.field);
-    let (unit, accepted) = match plan.time.unit {
-        Unit::Second => ("ms", ""),
-        unit => (unit.token(), ", check_scale = false"),
-    };
-    let proposal = format!("time = {{ column = {key}, unit = \"{unit}\"{accepted} }}");
-    Err(Problem::TimeScale {
-        mean_step_s,
-        declared: plan.time.unit,
-        proposal,
-    })
 }
 
 fn bar(reference: PressureReference) -> Unit {
