@@ -16,7 +16,7 @@ pub use name::{NAME_BYTES_MAX, NameError};
 pub use plausibility::Implausible;
 pub use provenance::{InputFile, Note, Provenance};
 pub use quantity::Quantity;
-pub use recording::{AddSignalError, MissingSignal, Recording, TimeBaseId};
+pub use recording::{AddSignalError, LeftOut, MissingSignal, Recording, TimeBaseId};
 pub use signal::Signal;
 pub use time_base::{Gap, Sampling, TimeBase, TimeBaseError};
 pub use unit::{ConversionError, Converter, PressureReference, STANDARD_ATMOSPHERE_PA, Unit};

@@ -8,6 +8,16 @@ pub struct Recording {
     provenance: Provenance,
     time_bases: Vec<TimeBase>,
     signals: Vec<Signal>,
+    left_out: Vec<LeftOut>,
+}
+
+/// What its source has and the recording has not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Name as the source has it.
+    pub name: String,
+    /// Why it is no signal, and what to do about it.
+    pub reason: String,
 }
 
 /// Names one time base of a recording.
@@ -77,6 +87,32 @@ impl Recording {
         Ok(&self.signals[last])
     }
 
+    /// Notes that the source has `name`, which is no signal here because of `reason`: whoever asks for it is told.
+    pub fn leave_out(&mut self, name: impl Into<String>, reason: impl Into<String>) {
+        self.left_out.push(LeftOut {
+            name: name.into(),
+            reason: reason.into(),
+        });
+    }
+
+    /// What the source has and the recording has not, in the order of the source.
+    pub fn left_out(&self) -> &[LeftOut] {
+        &self.left_out
+    }
+
+    /// Whether the source has `name`, as a signal or left out.
+    pub fn mentions(&self, name: &str) -> bool {
+        self.signal(name).is_some() || self.reason_left_out(name).is_some()
+    }
+
+    /// Why `name` was left out, if it was.
+    pub fn reason_left_out(&self, name: &str) -> Option<&str> {
+        self.left_out
+            .iter()
+            .find(|left_out| left_out.name == name)
+            .map(|left_out| left_out.reason.as_str())
+    }
+
     /// Where the recording comes from.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
@@ -122,16 +158,24 @@ impl Recording {
     /// [`MissingSignal`] says which signals there are, or which quantity the signal has.
     pub fn require(&self, name: &str, quantity: Quantity) -> Result<&Signal, MissingSignal> {
         let source = || self.provenance.source.clone();
-        let signal = self.signal(name).ok_or_else(|| MissingSignal::Absent {
-            source_name: source(),
-            name: name.to_owned(),
-            quantity,
-            present: self
-                .signals
-                .iter()
-                .map(|signal| signal.name().to_owned())
-                .collect(),
-        })?;
+        let absent = || match self.reason_left_out(name) {
+            Some(reason) => MissingSignal::LeftOut {
+                source_name: source(),
+                name: name.to_owned(),
+                reason: reason.to_owned(),
+            },
+            None => MissingSignal::Absent {
+                source_name: source(),
+                name: name.to_owned(),
+                quantity,
+                present: self
+                    .signals
+                    .iter()
+                    .map(|signal| signal.name().to_owned())
+                    .collect(),
+            },
+        };
+        let signal = self.signal(name).ok_or_else(absent)?;
         if signal.quantity() != quantity {
             return Err(MissingSignal::OtherQuantity {
                 source_name: source(),
@@ -223,6 +267,16 @@ pub enum MissingSignal {
         quantity: Quantity,
         /// Names that are there.
         present: Vec<String>,
+    },
+    /// The source has it, but it could not be read as a signal.
+    #[error("{name:?} in {source_name} was left out: {reason}")]
+    LeftOut {
+        /// Source of the recording.
+        source_name: String,
+        /// Wanted name.
+        name: String,
+        /// Why, and what to do.
+        reason: String,
     },
     /// A signal of this name, but of another quantity.
     #[error(
@@ -318,6 +372,21 @@ mod tests {
             refusal("u", volt, time_base, &infinite),
             AddSignalError::Infinite { index: 1, .. }
         ));
+    }
+
+    #[test]
+    fn what_was_left_out_is_told_to_whoever_asks_for_it() {
+        let (mut recording, _) = two_samples();
+        recording.leave_out("p_ch", "found \"bar\", expected gauge or absolute");
+        assert!(recording.mentions("p_ch") && !recording.mentions("u"));
+        let error = recording
+            .require("p_ch", Quantity::Pressure)
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            error,
+            "\"p_ch\" in bench was left out: found \"bar\", expected gauge or absolute"
+        );
     }
 
     #[test]
