@@ -2,8 +2,10 @@
 
 pub mod csv;
 mod file;
+pub mod mf4;
 mod name;
 mod plausibility;
+mod proposal;
 mod provenance;
 mod quantity;
 mod recording;

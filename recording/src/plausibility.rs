@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::proposal::signal_line;
 use crate::signal::quantity_of;
 use crate::{Converter, PressureReference, Quantity, Unit};
 
@@ -222,16 +223,10 @@ impl Watch {
             (self.max, self.place_of_max)
         };
         let unit = looks_like.unwrap_or(self.unit).token();
-        let accepted = if looks_like.is_some() {
-            ""
-        } else {
-            ", check_scale = false"
-        };
-        let proposal = format!(
-            "signal.{} = {{ column = {}, unit = \"{unit}\"{accepted} }}",
-            toml_key(name),
-            key()
-        );
+        let mut proposal = signal_line(name, &key(), unit);
+        if looks_like.is_none() {
+            proposal.insert_str(proposal.len() - " }".len(), ", check_scale = false");
+        }
         Err((
             place,
             Implausible::Scale {
@@ -292,17 +287,5 @@ fn bar(reference: PressureReference) -> Unit {
     match reference {
         PressureReference::Gauge => Unit::BarGauge,
         PressureReference::Absolute => Unit::BarAbsolute,
-    }
-}
-
-/// A bare key where TOML allows one.
-fn toml_key(name: &str) -> String {
-    let bare = name
-        .bytes()
-        .all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-'));
-    if bare {
-        name.to_owned()
-    } else {
-        format!("'{name}'")
     }
 }

@@ -1,5 +1,6 @@
 //! Small files made by hand, each wrong in one way or right in an odd way.
 
+#[allow(dead_code, reason = "each test holds some of the promises")]
 mod promise;
 
 use std::collections::BTreeSet;

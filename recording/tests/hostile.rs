@@ -3,6 +3,7 @@
 //! Memory cannot be counted by an allocator here, because that takes `unsafe`; instead the tests count how far a
 //! refused input was read, and on Linux the growth of the process while a long one is streamed.
 
+#[allow(dead_code, reason = "each test holds some of the promises")]
 mod promise;
 
 use std::io::{self, Read};

@@ -14,9 +14,9 @@ use crate::{Quantity, Unit};
 
 /// The rows that are kept (s).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Window {
-    pub(super) from_s: f64,
-    pub(super) until_s: f64,
+pub(crate) struct Window {
+    pub(crate) from_s: f64,
+    pub(crate) until_s: f64,
 }
 
 impl Default for Window {
@@ -29,16 +29,16 @@ impl Default for Window {
 }
 
 impl Window {
-    pub(super) fn contains(self, time_s: f64) -> bool {
+    pub(crate) fn contains(self, time_s: f64) -> bool {
         (self.from_s..=self.until_s).contains(&time_s)
     }
 }
 
 /// A signal that the log has not because it stayed as it was.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Constant {
-    pub(super) value: f64,
-    pub(super) unit: Unit,
+pub(crate) struct Constant {
+    pub(crate) value: f64,
+    pub(crate) unit: Unit,
 }
 
 #[derive(Default, Deserialize)]

@@ -8,13 +8,13 @@ use crate::name::check_name;
 
 /// What a column header says.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Heading {
-    pub(super) name: String,
-    pub(super) unit: Unit,
+pub(crate) struct Heading {
+    pub(crate) name: String,
+    pub(crate) unit: Unit,
 }
 
 /// The name and unit of a header field that carries its unit.
-pub(super) fn parse_heading(field: &str) -> Result<Heading, Problem> {
+pub(crate) fn parse_heading(field: &str) -> Result<Heading, Problem> {
     let field = without_formula_guard(field);
     let (name, unit) = match bracketed(field) {
         Some((name, unit)) => (name, parse_unit(unit)?),
@@ -56,7 +56,7 @@ pub(super) fn is_units_row<'a>(fields: impl Iterator<Item = &'a str>) -> bool {
 }
 
 /// A unit as a mapping or units row names it.
-pub(super) fn parse_unit(text: &str) -> Result<Unit, Problem> {
+pub(crate) fn parse_unit(text: &str) -> Result<Unit, Problem> {
     let text = unwrapped(text);
     Unit::parse(text).ok_or_else(|| {
         if is_pressure_without_reference(text) {

@@ -57,23 +57,23 @@ use crate::{Quantity, Unit};
 /// Columns that are neither mapped nor ignored speak for themselves by their header, or are refused.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
-    pub(super) delimiter: Option<Delimiter>,
-    pub(super) decimal: Option<Decimal>,
-    pub(super) header: Option<bool>,
-    pub(super) units_row: Option<bool>,
-    pub(super) skip_lines: u32,
-    pub(super) ignore: Vec<ColumnKey>,
-    pub(super) missing: Vec<String>,
-    pub(super) time: Option<MappedColumn>,
-    pub(super) signals: BTreeMap<String, MappedColumn>,
-    pub(super) constants: BTreeMap<String, Constant>,
-    pub(super) rows: Window,
+    pub(crate) delimiter: Option<Delimiter>,
+    pub(crate) decimal: Option<Decimal>,
+    pub(crate) header: Option<bool>,
+    pub(crate) units_row: Option<bool>,
+    pub(crate) skip_lines: u32,
+    pub(crate) ignore: Vec<ColumnKey>,
+    pub(crate) missing: Vec<String>,
+    pub(crate) time: Option<MappedColumn>,
+    pub(crate) signals: BTreeMap<String, MappedColumn>,
+    pub(crate) constants: BTreeMap<String, Constant>,
+    pub(crate) rows: Window,
 }
 
 /// A column as a mapping names it.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
-pub(super) enum ColumnKey {
+pub(crate) enum ColumnKey {
     /// By its position, from 1.
     Number(u32),
     /// By its header field.
@@ -82,13 +82,13 @@ pub(super) enum ColumnKey {
 
 /// What a mapping says about one column.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct MappedColumn {
-    pub(super) column: ColumnKey,
-    pub(super) unit: Unit,
-    pub(super) scale: f64,
-    pub(super) offset: f64,
-    pub(super) thousands: Option<char>,
-    pub(super) check_scale: bool,
+pub(crate) struct MappedColumn {
+    pub(crate) column: ColumnKey,
+    pub(crate) unit: Unit,
+    pub(crate) scale: f64,
+    pub(crate) offset: f64,
+    pub(crate) thousands: Option<char>,
+    pub(crate) check_scale: bool,
 }
 
 #[derive(Deserialize)]

@@ -3,12 +3,12 @@
 //! [`read_file`] makes a [`Recording`](crate::Recording); [`Reader`] gives one row after the other in bounded memory;
 //! [`Writer`] writes rows. A [`Mapping`] explains files that do not explain themselves.
 
-mod complement;
+pub(crate) mod complement;
 mod dialect;
 mod error;
-mod header;
+pub(crate) mod header;
 mod limits;
-mod mapping;
+pub(crate) mod mapping;
 mod mapping_error;
 mod number;
 mod opening;
@@ -17,7 +17,7 @@ mod problem;
 mod reader;
 mod record;
 mod row;
-mod writer;
+pub(crate) mod writer;
 
 pub use dialect::{Delimiter, Dialect};
 pub use error::{CsvError, Excerpt, Place};

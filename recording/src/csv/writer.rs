@@ -179,7 +179,7 @@ pub fn write<W: Write>(
     writer.finish()
 }
 
-fn check_columns(columns: &[Column]) -> Result<(), WriteError> {
+pub(crate) fn check_columns(columns: &[Column]) -> Result<(), WriteError> {
     if columns.is_empty() {
         return Err(WriteError::NoColumns);
     }

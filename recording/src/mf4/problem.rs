@@ -1,0 +1,368 @@
+use std::fmt;
+use std::io;
+
+use crate::csv::Excerpt;
+use crate::{Implausible, NameError};
+
+/// A budget of [`Limits`](super::Limits).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Budget {
+    /// Bytes in the file.
+    FileBytes,
+    /// Bytes of blocks that are no data.
+    MetadataBytes,
+    /// Channels.
+    Channels,
+    /// Samples per channel.
+    Samples,
+    /// Samples of all signals together.
+    Values,
+    /// Bytes of one block after unpacking.
+    UnpackedBytes,
+}
+
+/// What is wrong with an MF4 file. Each variant has a stable code.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The file cannot be read.
+    Io(io::Error),
+    /// It does not begin as an MDF file.
+    NoMdf {
+        /// Its first bytes.
+        found: Excerpt,
+    },
+    /// Another version than 4.
+    Version {
+        /// The version that the file names, times 100.
+        found: u16,
+    },
+    /// A budget is exceeded.
+    Limit {
+        /// Which budget.
+        budget: Budget,
+        /// What the file wants.
+        found: u64,
+        /// The bound.
+        bound: u64,
+    },
+    /// A link that leads outside of the file, or between two places where a block may begin.
+    Link {
+        /// Where it leads, in bytes from the beginning of the file.
+        target: u64,
+        /// Size of the file in bytes.
+        file_bytes: u64,
+    },
+    /// Another block than the one that belongs there.
+    BlockId {
+        /// What belongs there.
+        expected: &'static str,
+        /// The four bytes that are there.
+        found: Excerpt,
+    },
+    /// A block that is longer than the file, or too short for what it has to hold.
+    BlockLength {
+        /// What the block says, in bytes.
+        found: u64,
+        /// The shortest possible, in bytes.
+        at_least: u64,
+        /// What there is up to the end of the file, in bytes.
+        at_most: u64,
+    },
+    /// A block that is its own successor, by way of others or not.
+    Loop,
+    /// A field with a value that the format does not have, or that contradicts another one.
+    Field {
+        /// Which field.
+        field: &'static str,
+        /// Its value.
+        found: u64,
+        /// What is possible.
+        expected: String,
+    },
+    /// Packed data that cannot be unpacked.
+    Packed {
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// Less data than the samples need.
+    DataShort {
+        /// Number of samples that the group says it has.
+        samples: u64,
+        /// Number of samples that are there.
+        found: u64,
+    },
+    /// A record of a group that is not there.
+    RecordId {
+        /// Number of the record's group.
+        found: u64,
+    },
+    /// No channel becomes a signal.
+    NoSignal {
+        /// The first channels that were left out, with their reasons.
+        left_out: String,
+    },
+    /// The mapping names a channel that is not there.
+    MappedChannelMissing {
+        /// The channel as the mapping names it.
+        wanted: String,
+        /// Channels that are there.
+        found: Excerpt,
+    },
+    /// The mapping names a channel that occurs in several groups.
+    MappedChannelTwice {
+        /// The channel as the mapping names it.
+        wanted: String,
+        /// Two of the groups, numbered from 1.
+        groups: [usize; 2],
+    },
+    /// The mapping wants a channel that cannot be a signal.
+    MappedChannelUnusable {
+        /// The channel as the mapping names it.
+        wanted: String,
+        /// Why.
+        reason: String,
+    },
+    /// The mapping names a column by its number.
+    MappedByNumber {
+        /// The number.
+        number: u32,
+    },
+    /// The mapping says what the time is.
+    MappedTime,
+    /// The mapping says that a signal is constant, and the file has it.
+    ConstantLogged {
+        /// Its name.
+        name: String,
+    },
+    /// A constant of the mapping, and several time bases that it could have.
+    ConstantTimeBase {
+        /// Its name.
+        name: String,
+    },
+    /// The mapping keeps no row of the file.
+    NoRowKept,
+    /// The mapping takes its instants from a signal that is not there.
+    NoInstants {
+        /// Its name.
+        name: String,
+    },
+    /// Values that no signal of this unit has.
+    Implausible {
+        /// Number of the sample, from 0.
+        sample: u64,
+        /// What is wrong with it.
+        implausible: Implausible,
+    },
+    /// A signal that a recording does not take.
+    Name {
+        /// The name.
+        found: Excerpt,
+        /// What is wrong with it.
+        problem: NameError,
+    },
+}
+
+impl Problem {
+    /// The stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Io(_) => "E-MF4-IO",
+            Self::NoMdf { .. } => "E-MF4-ID",
+            Self::Version { .. } => "E-MF4-VERSION",
+            Self::Limit { budget, .. } => match budget {
+                Budget::FileBytes => "E-MF4-LIMIT-FILE",
+                Budget::MetadataBytes => "E-MF4-LIMIT-METADATA",
+                Budget::Channels => "E-MF4-LIMIT-CHANNELS",
+                Budget::Samples => "E-MF4-LIMIT-SAMPLES",
+                Budget::Values => "E-MF4-LIMIT-VALUES",
+                Budget::UnpackedBytes => "E-MF4-LIMIT-UNPACKED",
+            },
+            Self::Link { .. } => "E-MF4-LINK",
+            Self::BlockId { .. } => "E-MF4-BLOCK",
+            Self::BlockLength { .. } => "E-MF4-LENGTH",
+            Self::Loop => "E-MF4-LOOP",
+            Self::Field { .. } => "E-MF4-FIELD",
+            Self::Packed { .. } => "E-MF4-PACKED",
+            Self::DataShort { .. } => "E-MF4-DATA-SHORT",
+            Self::RecordId { .. } => "E-MF4-RECORD-ID",
+            Self::NoSignal { .. } => "E-MF4-NO-SIGNAL",
+            Self::MappedChannelMissing { .. } => "E-MF4-MAPPED-CHANNEL",
+            Self::MappedChannelTwice { .. } => "E-MF4-MAPPED-CHANNEL-TWICE",
+            Self::MappedChannelUnusable { .. } => "E-MF4-MAPPED-UNUSABLE",
+            Self::MappedByNumber { .. } => "E-MF4-MAPPED-NUMBER",
+            Self::MappedTime => "E-MF4-MAPPED-TIME",
+            Self::ConstantLogged { .. } => "E-MF4-CONSTANT-LOGGED",
+            Self::ConstantTimeBase { .. } => "E-MF4-CONSTANT-TIME-BASE",
+            Self::NoRowKept => "E-MF4-NO-ROW-KEPT",
+            Self::NoInstants { .. } => "E-MF4-NO-INSTANTS",
+            Self::Implausible { implausible, .. } => match implausible {
+                Implausible::DutyRange { .. } => "E-MF4-DUTY-RANGE",
+                Implausible::BelowVacuum { .. } => "E-MF4-BELOW-VACUUM",
+                Implausible::Scale { .. } => "E-MF4-SCALE",
+            },
+            Self::Name { .. } => "E-MF4-NAME",
+        }
+    }
+
+    /// What to do next, as an instruction.
+    pub fn next_step(&self) -> String {
+        let fixed = match self {
+            Self::Io(_) => "check that the file exists and may be read",
+            Self::NoMdf { .. } => "check that it is the right file, and that it was copied whole",
+            Self::Version { .. } => "convert it to MDF 4.1 with the tool that wrote it",
+            Self::Limit { .. } => "cut the file, or raise the limit if it is meant",
+            Self::Link { .. }
+            | Self::BlockId { .. }
+            | Self::BlockLength { .. }
+            | Self::Loop
+            | Self::Field { .. }
+            | Self::Packed { .. }
+            | Self::DataShort { .. }
+            | Self::RecordId { .. } => {
+                "the file is damaged: copy it again, or have the tool that wrote it repair it"
+            }
+            Self::NoSignal { .. } => {
+                "map the channels that matter under [signal.NAME] in a mapping"
+            }
+            Self::MappedChannelMissing { .. } => {
+                "use the name of a channel as it stands in the file"
+            }
+            Self::MappedChannelTwice { wanted, groups } => {
+                return format!(
+                    "write {:?} for the first of them",
+                    format!("{}/{wanted}", groups[0])
+                );
+            }
+            Self::MappedChannelUnusable { .. } => "map another channel",
+            Self::MappedByNumber { .. } => "name the channel",
+            Self::MappedTime => "leave [time] out: each group of the file has a master channel",
+            Self::ConstantLogged { .. } => {
+                "take it out of [constant] in the mapping, or list the channel under `ignore`"
+            }
+            Self::ConstantTimeBase { .. } => {
+                "choose the instants by instants_of under [rows] in the mapping"
+            }
+            Self::NoRowKept => "correct from_s and until_s under [rows] in the mapping",
+            Self::NoInstants { .. } => "name a signal of the file by instants_of under [rows]",
+            Self::Implausible { implausible, .. } => return implausible.next_step(),
+            Self::Name { .. } => "choose another name in the mapping",
+        };
+        fixed.to_owned()
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io(error) => write!(f, "{error}"),
+            Self::NoMdf { found } => write!(f, "it begins with {found}, expected \"MDF     \""),
+            Self::Version { found } => {
+                write!(
+                    f,
+                    "it is version {}.{:02}, expected 4",
+                    found / 100,
+                    found % 100
+                )
+            }
+            Self::Limit {
+                budget,
+                found,
+                bound,
+            } => {
+                let what = match budget {
+                    Budget::FileBytes => "the file has",
+                    Budget::MetadataBytes => "groups, channels and texts have",
+                    Budget::Channels => "channels:",
+                    Budget::Samples => "samples in one group:",
+                    Budget::Values => "samples in all signals:",
+                    Budget::UnpackedBytes => "the unpacked block has",
+                };
+                let unit = match budget {
+                    Budget::FileBytes | Budget::MetadataBytes | Budget::UnpackedBytes => " bytes",
+                    Budget::Channels | Budget::Samples | Budget::Values => "",
+                };
+                write!(f, "{what} {found}{unit}, expected at most {bound}")
+            }
+            Self::Link { target, file_bytes } => write!(
+                f,
+                "a link leads to byte {target}, expected a multiple of 8 from 64 to the end of the file at {file_bytes}"
+            ),
+            Self::BlockId { expected, found } => write!(f, "found {found}, expected {expected:?}"),
+            Self::BlockLength {
+                found,
+                at_least,
+                at_most,
+            } => write!(
+                f,
+                "the block says it has {found} bytes, expected {at_least} to {at_most}"
+            ),
+            Self::Loop => write!(
+                f,
+                "the block was read already, expected each once in its list"
+            ),
+            Self::Field {
+                field,
+                found,
+                expected,
+            } => write!(f, "{field} is {found}, expected {expected}"),
+            Self::Packed { reason } => write!(f, "the packed data {reason}"),
+            Self::DataShort { samples, found } => {
+                write!(f, "there are {found} whole records, expected {samples}")
+            }
+            Self::RecordId { found } => {
+                write!(
+                    f,
+                    "found a record of group {found}, expected a group of this list"
+                )
+            }
+            Self::NoSignal { left_out } => {
+                write!(f, "no channel can be read as a signal{left_out}")
+            }
+            Self::MappedChannelMissing { wanted, found } => write!(
+                f,
+                "found {found}, expected the channel {} of the mapping",
+                Excerpt::of(wanted)
+            ),
+            Self::MappedChannelTwice { wanted, groups } => write!(
+                f,
+                "groups {} and {} both have {}, expected one channel",
+                groups[0],
+                groups[1],
+                Excerpt::of(wanted)
+            ),
+            Self::MappedChannelUnusable { wanted, reason } => {
+                write!(f, "the mapped channel {}: {reason}", Excerpt::of(wanted))
+            }
+            Self::MappedByNumber { number } => {
+                write!(
+                    f,
+                    "the mapping says column {number}, expected the name of a channel"
+                )
+            }
+            Self::MappedTime => write!(f, "the mapping chooses a time"),
+            Self::ConstantLogged { name } => write!(
+                f,
+                "found {} in the file, expected it in the mapping alone, where it is constant",
+                Excerpt::of(name)
+            ),
+            Self::ConstantTimeBase { name } => write!(
+                f,
+                "the constant {} could have the instants of several groups",
+                Excerpt::of(name)
+            ),
+            Self::NoRowKept => {
+                write!(f, "every sample is left out, expected at least one to keep")
+            }
+            Self::NoInstants { name } => write!(f, "there is no signal {}", Excerpt::of(name)),
+            Self::Implausible {
+                sample,
+                implausible,
+            } => write!(f, "sample {sample}: {implausible}"),
+            Self::Name { found, problem } => {
+                write!(f, "{found} cannot name a signal: {problem}")
+            }
+        }
+    }
+}
