@@ -160,6 +160,17 @@ impl Simulator {
         either!(&self.engine, solver => solver.statistics)
     }
 
+    /// Gives the simulation up once its [work](Statistics::work) has reached `limit`, in the middle of an advance if it
+    /// comes to that: the plant is left as it is then, while time goes on. A larger limit lets it go on.
+    pub fn set_work_limit(&mut self, limit: u64) {
+        either!(&mut self.engine, solver => solver.work_limit = limit);
+    }
+
+    /// Whether the limit of the work is reached: what the simulator shows from there on says nothing of the plant.
+    pub fn is_given_up(&self) -> bool {
+        either!(&self.engine, solver => solver.is_given_up())
+    }
+
     /// Commands duty cycles now; they take effect after the command delay.
     pub fn command(&mut self, command: Command) {
         self.ecu_output.command(self.time_ns, command);

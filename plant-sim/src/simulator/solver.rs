@@ -41,6 +41,13 @@ pub struct Statistics {
     pub events: u64,
 }
 
+impl Statistics {
+    /// All that takes computing time: steps, repeated ones included, and intervals passed by formula.
+    pub fn work(&self) -> u64 {
+        self.steps + self.rejected_steps + self.exact_intervals
+    }
+}
+
 /// The physics, its state and what the solution needs to know of its past.
 #[derive(Debug, Clone)]
 pub(super) struct Solver<P> {
@@ -49,6 +56,8 @@ pub(super) struct Solver<P> {
     /// ∫ i dt since the last sample (A s).
     pub(super) charge: [f64; 2],
     pub(super) statistics: Statistics,
+    /// Work at which the simulation is given up.
+    pub(super) work_limit: u64,
     weights: Weights,
     /// Step size to try next (s): flow only, and with motion.
     proposal: [f64; 2],
@@ -63,16 +72,21 @@ impl<P: Physics> Solver<P> {
             physics,
             charge: [0.0; 2],
             statistics: Statistics::default(),
+            work_limit: u64::MAX,
             weights: tolerance.weights(),
             proposal: [1e-3, 0.25e-3],
             stiffness: 0,
         }
     }
 
+    pub(super) fn is_given_up(&self) -> bool {
+        self.statistics.work() >= self.work_limit
+    }
+
     /// Advances through `duration` (s) in which no output changes.
     pub(super) fn advance(&mut self, duration: f64) {
         let mut remaining = duration;
-        while remaining > 0.0 {
+        while remaining > 0.0 && !self.is_given_up() {
             self.release_departing();
             let live =
                 [FILL, VENT].map(|index| self.physics.is_live(index, &self.state.valves[index]));
@@ -201,7 +215,9 @@ impl<P: Physics> Solver<P> {
         let mut start_rate = self.physics.rates(&smooth, &start);
         self.stiffness = self.stiffness.min(STIFF - RECONSIDERED);
         while remaining > 0.0 {
-            let (span, end_rate) = self.step(&smooth, start, start_rate, remaining);
+            let Some((span, end_rate)) = self.step(&smooth, start, start_rate, remaining) else {
+                return remaining;
+            };
             let currents = self.resting_currents();
             if let Some((time, event)) = self.first_event(&smooth, &span, &currents) {
                 self.commit(&smooth, &span, &span.at(time), time, &currents);
@@ -240,14 +256,15 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// One step that keeps the tolerance, at most `remaining` (s) long, and the rates at its end.
+    /// One step that keeps the tolerance, at most `remaining` (s) long, and the rates at its end; none where the
+    /// simulation is given up.
     fn step<const N: usize, const M: usize>(
         &mut self,
         smooth: &Smooth<M>,
         start: [f64; N],
         start_rate: [f64; N],
         remaining: f64,
-    ) -> (Span<N, M>, [f64; N]) {
+    ) -> Option<(Span<N, M>, [f64; N])> {
         let kind = usize::from(M > 0);
         let stiff = P::MAY_BE_STIFF && self.stiffness >= STIFF;
         let longest = if stiff {
@@ -255,7 +272,7 @@ impl<P: Physics> Solver<P> {
         } else {
             [self.physics.longest_flow_step(), LONGEST_MOTION_STEP][kind]
         };
-        loop {
+        while !self.is_given_up() {
             let h = self.proposal[kind].min(longest).min(remaining);
             let rates = |y: &[f64; N]| self.physics.rates(smooth, y);
             let step = if stiff {
@@ -289,11 +306,12 @@ impl<P: Physics> Solver<P> {
                     span.start_rate = core::array::from_fn(|n| (step.end[n] - start[n]) / h);
                     span.end_rate = span.start_rate;
                 }
-                return (span, step.end_rate);
+                return Some((span, step.end_rate));
             }
             self.proposal[kind] = h * factor.min(0.9);
             self.statistics.rejected_steps += 1;
         }
+        None
     }
 
     /// Counts the steps at the limit of stability.
