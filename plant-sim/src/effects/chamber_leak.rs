@@ -2,7 +2,8 @@
 
 use crate::additions::{Leak, LeakLaw};
 use crate::description::{
-    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
+    About, Effect, EffectSetting, EntryPoint, PA_PER_BAR, PlantParameters, Variant,
+    effect_parameters,
 };
 use crate::plant::Plant;
 
@@ -55,6 +56,9 @@ static ABOUT: About = About {
 #[derive(Debug)]
 pub struct ChamberLeak;
 
+/// Least gauge pressure (Pa) at which a leak is sized: a supply that is shut off has none.
+const LEAST_SIZING_PRESSURE: f64 = PA_PER_BAR;
+
 /// The leak that `setting` describes, sized at the supply pressure. It has the keys and forms of this effect.
 pub(super) fn leak(setting: &EffectSetting, plant: &Plant) -> Leak {
     let law = match setting.variant().name {
@@ -67,7 +71,9 @@ pub(super) fn leak(setting: &EffectSetting, plant: &Plant) -> Leak {
         law,
         setting.value("area_m2"),
         &plant.nozzle,
-        plant.supply_pressure,
+        plant
+            .supply_pressure
+            .max(plant.ambient_pressure + LEAST_SIZING_PRESSURE),
         plant.ambient_pressure,
     )
 }
@@ -95,6 +101,24 @@ mod tests {
             setting = setting.with(key, value);
         }
         (super::leak(&setting, &plant), plant)
+    }
+
+    /// At no pressure difference an orifice leaks nothing, and a law sized by that leaked 0/0: a simulation that never
+    /// came to an end.
+    #[test]
+    fn a_leak_has_its_size_while_the_supply_is_shut_off() {
+        for variant in ABOUT.variants {
+            let mut parameters = PlantParameters::nominal();
+            parameters.gas.supply_pressure_bar_gauge = 0.0;
+            let plant = parameters.plant();
+            let setting = EffectSetting::typical_variant(&ChamberLeak, variant);
+            let leak = super::leak(&setting, &plant);
+            let ambient = plant.ambient_pressure;
+            assert_eq!(leak.mass_flow(&plant.nozzle, ambient, ambient), 0.0);
+            let expected = plant.nozzle.mass_flow(2e-8, ambient + PA_PER_BAR, ambient);
+            let found = leak.mass_flow(&plant.nozzle, ambient + PA_PER_BAR, ambient);
+            assert!((found / expected - 1.0).abs() < 1e-12, "{}", variant.name);
+        }
     }
 
     #[test]
