@@ -2,6 +2,8 @@
 
 pub mod csv;
 mod file;
+mod known;
+mod log;
 pub mod mf4;
 mod name;
 mod plausibility;
@@ -14,6 +16,9 @@ mod time_base;
 mod unit;
 
 pub use file::{AtomicFile, write_file_atomically};
+pub use log::{
+    LogError, LogFormat, LogOptions, OpenLog, open_log, open_log_file, read_log, read_log_file,
+};
 pub use name::{NAME_BYTES_MAX, NameError};
 pub use plausibility::Implausible;
 pub use provenance::{InputFile, Note, Provenance};

@@ -105,8 +105,11 @@ impl Recording {
         self.signal(name).is_some() || self.reason_left_out(name).is_some()
     }
 
-    /// Why `name` was left out, if it was.
+    /// Why `name` was left out, if it was, and if no other channel became the signal of this name.
     pub fn reason_left_out(&self, name: &str) -> Option<&str> {
+        if self.signal(name).is_some() {
+            return None;
+        }
         self.left_out
             .iter()
             .find(|left_out| left_out.name == name)

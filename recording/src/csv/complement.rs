@@ -46,6 +46,7 @@ pub(crate) struct Constant {
 pub(super) struct WindowToml {
     from_s: Option<Spanned<f64>>,
     until_s: Option<Spanned<f64>>,
+    pub(super) instants_of: Option<String>,
 }
 
 #[derive(Deserialize)]

@@ -109,6 +109,11 @@ impl CsvError {
         }))
     }
 
+    /// The file `source_name` cannot be read at all.
+    pub(crate) fn io(source_name: &str, error: std::io::Error) -> Self {
+        Self::new(source_name, Place::default(), Problem::Io(error))
+    }
+
     /// The stable code, such as `E-CSV-TIME-ORDER`.
     pub fn code(&self) -> &'static str {
         self.problem().code()

@@ -17,7 +17,7 @@ use super::{Decimal, Delimiter};
 use crate::name::{check_name, is_time_column};
 use crate::{Quantity, Unit};
 
-/// Columns, units and dialect of CSV files that do not say these themselves. Read from TOML:
+/// Columns, units and dialect of files that do not say these themselves. Read from TOML:
 ///
 /// ```
 /// let mapping = recording::csv::Mapping::parse("wild.toml", r#"
@@ -50,11 +50,13 @@ use crate::{Quantity, Unit};
 ///     [rows]                            # the others are left out
 ///     from_s = 6.2
 ///     until_s = 140
+///     instants_of = "duty_fill"         # of a log with several rates: all signals at the instants of this one
 /// "#)?;
 /// # Ok::<(), recording::csv::MappingError>(())
 /// ```
 ///
-/// Columns that are neither mapped nor ignored speak for themselves by their header, or are refused.
+/// In MF4, which has channels, `column` and `ignore` name them, the dialect and `missing` mean nothing, and the time is
+/// that of the group. Columns that are neither mapped nor ignored speak for themselves by their header, or are refused.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
     pub(crate) delimiter: Option<Delimiter>,
@@ -68,6 +70,7 @@ pub struct Mapping {
     pub(crate) signals: BTreeMap<String, MappedColumn>,
     pub(crate) constants: BTreeMap<String, Constant>,
     pub(crate) rows: Window,
+    pub(crate) instants_of: Option<String>,
 }
 
 /// A column as a mapping names it.
@@ -181,7 +184,7 @@ impl Mapping {
     }
 }
 
-fn resolve(raw: MappingToml) -> Result<Mapping, AtSpan> {
+fn resolve(mut raw: MappingToml) -> Result<Mapping, AtSpan> {
     if *raw.schema.get_ref() != 1 {
         return Err((
             raw.schema.span(),
@@ -234,6 +237,7 @@ fn resolve(raw: MappingToml) -> Result<Mapping, AtSpan> {
         time: time.map(|(column, _)| column),
         signals,
         constants: resolve_constants(raw.constant)?,
+        instants_of: raw.rows.instants_of.take(),
         rows: resolve_window(raw.rows)?,
     })
 }

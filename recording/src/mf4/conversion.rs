@@ -166,9 +166,13 @@ fn merged(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 }
 
 impl Conversion {
-    /// Whether some numbers stand for texts.
-    pub(super) fn has_texts(&self) -> bool {
-        matches!(self, Self::Texts(..))
+    /// What became of the numbers that stand for texts; none if there are no such.
+    pub(super) fn of_texts(&self) -> Option<&'static str> {
+        match self {
+            Self::Texts(_, None) => Some("it holds the numbers"),
+            Self::Texts(_, Some(_)) => Some("samples that are texts are missing"),
+            _ => None,
+        }
     }
 
     /// Replaces numbers by what they mean. NaN stays NaN; a number that stands for a text becomes NaN if other numbers

@@ -113,7 +113,6 @@ impl std::error::Error for Mf4Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self.problem() {
             Problem::Io(error) => Some(error),
-            Problem::Name { problem, .. } => Some(problem),
             _ => None,
         }
     }

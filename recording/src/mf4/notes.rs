@@ -40,14 +40,21 @@ pub(super) fn add_rest(provenance: &mut Provenance, bytes: u64) {
 /// Tells what was made of a channel's numbers.
 pub(super) fn add_column(provenance: &mut Provenance, column: &Column, not_a_number: u64) {
     let name = Excerpt::of(&column.name);
-    if column.source.conversion.has_texts() {
-        let text = format!("{name} has texts for some of its numbers: it holds the numbers");
+    if let Some(outcome) = column.source.conversion.of_texts() {
+        let text = format!("{name} has texts for some of its numbers: {outcome}");
         add(provenance, text);
     }
     if not_a_number > 0 {
         let text = format!("{name} has {not_a_number} samples that are NaN: they count as missing");
         add(provenance, text);
     }
+}
+
+/// Tells that signals of other rates were taken at the instants of `name`.
+pub(super) fn add_instants(provenance: &mut Provenance, name: &str) {
+    let name = Excerpt::of(name);
+    let text = format!("all signals are as they were known at the instants of {name}");
+    add(provenance, text);
 }
 
 fn add(provenance: &mut Provenance, value: String) {

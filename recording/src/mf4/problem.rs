@@ -1,8 +1,8 @@
 use std::fmt;
 use std::io;
 
+use crate::Implausible;
 use crate::csv::Excerpt;
-use crate::{Implausible, NameError};
 
 /// A budget of [`Limits`](super::Limits).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,13 +155,6 @@ pub enum Problem {
         /// What is wrong with it.
         implausible: Implausible,
     },
-    /// A signal that a recording does not take.
-    Name {
-        /// The name.
-        found: Excerpt,
-        /// What is wrong with it.
-        problem: NameError,
-    },
 }
 
 impl Problem {
@@ -202,7 +195,6 @@ impl Problem {
                 Implausible::BelowVacuum { .. } => "E-MF4-BELOW-VACUUM",
                 Implausible::Scale { .. } => "E-MF4-SCALE",
             },
-            Self::Name { .. } => "E-MF4-NAME",
         }
     }
 
@@ -247,7 +239,6 @@ impl Problem {
             Self::NoRowKept => "correct from_s and until_s under [rows] in the mapping",
             Self::NoInstants { .. } => "name a signal of the file by instants_of under [rows]",
             Self::Implausible { implausible, .. } => return implausible.next_step(),
-            Self::Name { .. } => "choose another name in the mapping",
         };
         fixed.to_owned()
     }
@@ -360,9 +351,6 @@ impl fmt::Display for Problem {
                 sample,
                 implausible,
             } => write!(f, "sample {sample}: {implausible}"),
-            Self::Name { found, problem } => {
-                write!(f, "{found} cannot name a signal: {problem}")
-            }
         }
     }
 }

@@ -230,6 +230,13 @@ impl Builder<'_> {
                 },
             }));
         }
+        if let Some(name) = &self.mapping.instants_of {
+            let base = self.recording.signal(name).map(|one| one.time_base());
+            let known = base.and_then(|base| self.recording.known_at(base));
+            let absent = || of_file(Problem::NoInstants { name: name.clone() });
+            self.recording = known.ok_or_else(absent)?;
+            notes::add_instants(self.recording.provenance_mut(), name);
+        }
         for (name, constant) in &self.mapping.constants {
             let mut bases = self.recording.time_bases();
             let (base, instants) = match (bases.next(), bases.next()) {
