@@ -32,6 +32,16 @@ pub enum CompareError {
         /// Signals of the model that can be compared.
         modelled: Vec<String>,
     },
+    /// The signals that are on both sides cannot be compared.
+    #[error("{log}: {name:?} cannot be compared: {reason}")]
+    NotComparable {
+        /// Source of the log.
+        log: String,
+        /// The first of them.
+        name: String,
+        /// Why.
+        reason: String,
+    },
     /// An option outside its range.
     #[error("option `{option}` is {value}; it must be {range}")]
     Option {

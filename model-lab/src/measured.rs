@@ -56,18 +56,24 @@ pub(crate) fn measured_signals(
     let mut measured = Vec::new();
     let mut not_compared = Vec::new();
     for &(name, unit) in &modelled {
-        if log.signal(name).is_none() {
+        if !log.mentions(name) {
             continue;
         }
-        let signal = log.require(name, unit.quantity())?;
         let mut refuse = |reason: &str| {
             not_compared.push(NotCompared {
                 name: name.to_owned(),
                 reason: reason.to_owned(),
             })
         };
+        if let Some(reason) = log.reason_left_out(name) {
+            refuse(reason);
+            continue;
+        }
+        let signal = log.require(name, unit.quantity())?;
         if log.time_base(signal.time_base()) != Some(base) {
-            refuse("it has another time base than what drives the model; resample it to that");
+            refuse(
+                "it has another time base than what drives the model; instants_of under [rows] in a mapping names the one for all",
+            );
             continue;
         }
         if signal.missing_count() == signal.len() {
@@ -94,6 +100,13 @@ pub(crate) fn measured_signals(
         });
     }
     if measured.is_empty() {
+        if let Some(first) = not_compared.into_iter().next() {
+            return Err(CompareError::NotComparable {
+                log: log.provenance().source.clone(),
+                name: first.name,
+                reason: first.reason,
+            });
+        }
         return Err(CompareError::NothingToCompare {
             log: log.provenance().source.clone(),
             logged: log

@@ -273,7 +273,7 @@ pub fn inputs<'a>(
         check_gap(pair[0], pair[1])?;
     }
     let column = |name: &'static str, quantity, unit| -> Result<Option<Vec<f64>>, ReplayError> {
-        if log.signal(name).is_none() {
+        if !log.mentions(name) {
             return Ok(None);
         }
         let signal = log.require(name, quantity)?;
@@ -321,7 +321,7 @@ pub fn initial_pressure(
     parameters: &PlantParameters,
     log: &Recording,
 ) -> Result<Option<f64>, ReplayError> {
-    let has_one = Part::Chamber.is_in(parameters) && log.signal("p_ch").is_some();
+    let has_one = Part::Chamber.is_in(parameters) && log.mentions("p_ch");
     if Part::Coil.is_in(parameters) || !has_one {
         return Ok(None);
     }
@@ -339,7 +339,7 @@ fn driving_signal<'a>(
     log: &'a Recording,
 ) -> Result<&'a Signal, ReplayError> {
     if Part::Coil.is_in(parameters) {
-        let present = DUTIES.into_iter().find(|name| log.signal(name).is_some());
+        let present = DUTIES.into_iter().find(|name| log.mentions(name));
         // The error of `require` lists what there is instead.
         return Ok(log.require(present.unwrap_or(DUTIES[FILL]), Quantity::DutyCycle)?);
     }
@@ -399,7 +399,9 @@ pub enum ReplayError {
     #[error("the duty cycles have no time base")]
     NoTimeBase,
     /// Commands and voltage must be sampled together.
-    #[error("`{name}` has another time base than the duty cycles; resample it to theirs first")]
+    #[error(
+        "`{name}` has another time base than the duty cycles: say in a mapping, under [rows], instants_of = \"duty_fill\""
+    )]
     OtherTimeBase {
         /// The signal.
         name: &'static str,
