@@ -80,6 +80,7 @@ Examples:
 #[command(after_help = "\
 Examples:
   retarder simulate --log bench.csv --out model.csv
+  retarder simulate --log bench.mf4 --out model.mf4
   retarder simulate --log bench.csv --set gas.supply_pressure_bar_gauge=8.0 | head
   zcat long.csv.gz | retarder simulate --log - --out model.csv --json")]
 pub(crate) struct SimulateArgs {
@@ -140,7 +141,7 @@ pub(crate) struct ControlArgs {
     pub(crate) plant: PlantArgs,
     #[command(flatten)]
     pub(crate) controller: ControllerArg,
-    /// Reference profile, CSV
+    /// Reference profile, CSV or MF4
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "scenario")]
     pub(crate) reference: Option<PathBuf>,
     /// Built-in scenario: reference profile, start, and plant if none is given
@@ -234,10 +235,10 @@ pub(crate) struct PlantArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct LogArgs {
-    /// Bench log, CSV with units in the header (`p_ch_bar_gauge`); - is the standard input
+    /// Bench log, CSV with units in the header (`p_ch_bar_gauge`) or MF4; - is the standard input
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) log: PathBuf,
-    /// TOML file that maps the columns of a log that does not explain itself
+    /// TOML file that maps the columns or channels of a log that does not explain itself
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) mapping: Option<PathBuf>,
 }
@@ -251,7 +252,7 @@ pub(crate) struct ControllerArg {
 
 #[derive(Debug, Args)]
 pub(crate) struct OutArg {
-    /// Write the recording to this CSV file
+    /// Write the recording to this CSV file; `simulate` and `control` write MF4 to a name that ends in .mf4
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) out: Option<PathBuf>,
 }

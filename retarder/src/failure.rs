@@ -20,6 +20,7 @@ use model_lab::CompareError;
 use plant_sim::ParameterError;
 use plant_sim::parameters::Part;
 use plant_sim::replay::ReplayError;
+use recording::LogError;
 use recording::csv::{CsvError, MappingError, WriteError};
 
 /// Why there is no result.
@@ -32,7 +33,7 @@ pub(crate) enum Failure {
     #[error("{}: larger than the {limit} bytes of any file of this kind; is it the right one?", path.display())]
     TooLarge { path: PathBuf, limit: u64 },
     #[error(transparent)]
-    Log(#[from] CsvError),
+    Log(#[from] LogError),
     #[error(transparent)]
     Mapping(#[from] MappingError),
     #[error("{error}{source_lines}")]
@@ -113,10 +114,20 @@ pub(crate) enum Failure {
     },
     #[error("two results for the standard output; write one of them to a file with {option} FILE")]
     TwoOnStandardOutput { option: &'static str },
+    #[error(
+        "{}: only recordings of `simulate` and `control` are written as MF4; choose a name that ends in .csv", path.display()
+    )]
+    NotAsMf4 { path: PathBuf },
     #[error("interrupted; nothing was written")]
     Interrupted,
     #[error("Ctrl-C cannot be watched for: {0}")]
     Signal(#[from] ctrlc::Error),
+}
+
+impl From<CsvError> for Failure {
+    fn from(error: CsvError) -> Self {
+        Self::Log(error.into())
+    }
 }
 
 impl Failure {

@@ -9,7 +9,9 @@ use plant_sim::PlantParameters;
 use plant_sim::parameters::Part;
 use plant_sim::plant::{FILL, VENT};
 use recording::csv::{self, Mapping};
-use recording::{InputFile, Recording};
+use recording::{
+    InputFile, LogOptions, OpenLog, Recording, open_log, open_log_file, read_log, read_log_file,
+};
 use sha2::{Digest as _, Sha256};
 
 use crate::cli::{ControlArgs, ControllerArg, LogArgs, PlantArgs};
@@ -115,54 +117,49 @@ fn identity(text: &str) -> InputFile {
 }
 
 /// How the log is to be read.
-pub(crate) fn csv_options(args: &LogArgs) -> Result<csv::Options, Failure> {
-    Ok(csv::Options {
+pub(crate) fn log_options(args: &LogArgs) -> Result<LogOptions, Failure> {
+    Ok(LogOptions {
         mapping: match &args.mapping {
             Some(path) => Mapping::read_file(path)?,
             None => Mapping::default(),
         },
-        ..csv::Options::default()
+        ..LogOptions::default()
     })
 }
 
 /// The whole log.
 pub(crate) fn log(args: &LogArgs) -> Result<Recording, Failure> {
-    let options = csv_options(args)?;
-    if is_standard_input(&args.log) {
-        return Ok(csv::read(STANDARD_INPUT, io::stdin().lock(), &options)?);
-    }
-    Ok(csv::read_file(&args.log, &options)?)
+    let options = log_options(args)?;
+    Ok(match is_standard_input(&args.log) {
+        true => read_log(STANDARD_INPUT, io::stdin().lock(), &options)?,
+        false => read_log_file(&args.log, &options)?,
+    })
 }
 
-/// A log that is read as it is needed.
-pub(crate) struct LogStream {
+/// A log that is read as it is needed, or was read as a whole because its format wants it.
+pub(crate) struct LogSource {
     pub(crate) name: String,
-    pub(crate) bytes: Box<dyn Read>,
+    pub(crate) log: OpenLog<'static>,
     /// Size in bytes, where it is known.
     pub(crate) size: Option<u64>,
 }
 
 /// Opens the log.
-pub(crate) fn open_log(args: &LogArgs) -> Result<LogStream, Failure> {
-    if is_standard_input(&args.log) {
-        return Ok(LogStream {
-            name: STANDARD_INPUT.to_owned(),
-            bytes: Box::new(io::stdin().lock()),
-            size: None,
-        });
-    }
-    let failed = |error| Failure::Read {
-        path: args.log.clone(),
-        error,
+pub(crate) fn open_source(args: &LogArgs, options: &LogOptions) -> Result<LogSource, Failure> {
+    let (name, size, log) = if is_standard_input(&args.log) {
+        let log = open_log(STANDARD_INPUT, io::stdin().lock(), options)?;
+        (STANDARD_INPUT.to_owned(), None, log)
+    } else {
+        let metadata = std::fs::metadata(&args.log).map_err(|error| Failure::Read {
+            path: args.log.clone(),
+            error,
+        })?;
+        let name = args.log.file_name().unwrap_or(args.log.as_os_str());
+        let size = metadata.is_file().then_some(metadata.len());
+        let log = open_log_file(&args.log, options)?;
+        (name.to_string_lossy().into_owned(), size, log)
     };
-    let file = File::open(&args.log).map_err(failed)?;
-    let metadata = file.metadata().map_err(failed)?;
-    let name = args.log.file_name().unwrap_or(args.log.as_os_str());
-    Ok(LogStream {
-        name: name.to_string_lossy().into_owned(),
-        bytes: Box::new(file),
-        size: metadata.is_file().then_some(metadata.len()),
-    })
+    Ok(LogSource { name, log, size })
 }
 
 const STANDARD_INPUT: &str = "standard input";
@@ -297,7 +294,7 @@ fn built_in_plant(scenario: &Scenario) -> NamedPlant {
 }
 
 fn reference(path: &Path) -> Result<(ReferenceProfile, Input), Failure> {
-    let recording = csv::read_file(path, &csv::Options::default())?;
+    let recording = read_log_file(path, &LogOptions::default())?;
     let profile =
         ReferenceProfile::from_recording(&recording).map_err(|error| Failure::Reference {
             path: path.to_path_buf(),

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use recording::csv::{Decimals, WriteError};
-use recording::{Recording, write_file_atomically};
+use recording::{LogFormat, Recording, write_file_atomically};
 
 use crate::failure::Failure;
 use crate::page;
@@ -130,8 +130,11 @@ fn write_recording(path: &Path, recording: &Recording) -> Result<(), Failure> {
         )
         .map(drop)
     } else {
-        write_file_atomically(path, |file| {
-            recording::csv::write(file, recording, time_base, &Decimals::shortest()).map(drop)
+        write_file_atomically(path, |file| match LogFormat::of_name(path) {
+            LogFormat::Csv => {
+                recording::csv::write(file, recording, time_base, &Decimals::shortest()).map(drop)
+            }
+            LogFormat::Mf4 => recording::mf4::write(file, recording).map(drop),
         })
     };
     written

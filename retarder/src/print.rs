@@ -16,6 +16,10 @@ use std::io::{stderr, stdout};
 
 use anstream::{AutoStream, ColorChoice};
 
+use recording::Recording;
+use recording::csv::Excerpt;
+use recording::mf4::READER_NOTE;
+
 use crate::failure::Failure;
 use crate::run::Outcome;
 use crate::targets::Targets;
@@ -142,6 +146,28 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
 /// The text of a failure.
 pub(crate) fn failure(failure: &Failure, terminal: &Terminal) -> String {
     format!("{} {failure}\n", terminal.paint(Colour::Bad, "error:"))
+}
+
+/// What the reader of a log had to say about it; empty for one that was read as it stands.
+pub(crate) fn log_notes(log: &Recording, terminal: &Terminal) -> String {
+    let source = Excerpt::of(&log.provenance().source);
+    let notes = log.provenance().notes.iter();
+    let notes = notes.filter(|note| note.key == READER_NOTE);
+    let mut lines: Vec<String> = notes.map(|note| note.value.clone()).collect();
+    if !log.left_out().is_empty() {
+        let left_out = log.left_out().iter();
+        let names: Vec<&str> = left_out.map(|one| one.name.as_str()).collect();
+        let (count, names) = (names.len(), Excerpt::of(&names.join(", ")));
+        lines.push(format!(
+            "channels that are no signals: {count}, {}",
+            names.as_str()
+        ));
+    }
+    let note = terminal.paint(Colour::Title, "note:");
+    lines
+        .iter()
+        .map(|line| format!("{note} {}: {line}\n", source.as_str()))
+        .collect()
 }
 
 /// A title above a part of the text.

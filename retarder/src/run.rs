@@ -7,6 +7,7 @@ pub(crate) mod control;
 pub(crate) mod device;
 pub(crate) mod device_report;
 pub(crate) mod measurement;
+mod row_output;
 pub(crate) mod schema;
 pub(crate) mod simulate;
 pub(crate) mod thesis;

@@ -1,10 +1,11 @@
 //! What is to be done, with every file read and every value checked.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::CommandFactory as _;
 use model_lab::CompareOptions;
-use recording::Recording;
+use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
     BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs, SchemaName,
@@ -12,7 +13,7 @@ use crate::cli::{
 };
 use crate::failure::Failure;
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
-use crate::print::{self, Live};
+use crate::print::{self, Live, Terminal};
 use crate::run::{self, Outcome, schema};
 use crate::targets::{Targets, is_standard_output};
 
@@ -65,14 +66,14 @@ impl Task {
                 {
                     return Err(Failure::TwoOnStandardOutput { option: "--out" });
                 }
-                targets.recording = args.out.out.take();
+                targets.recording = as_csv(args.out.out.take())?;
                 targets.json = args.json.json.take();
                 Work::BlackBox(args)
             }
             Some(Command::Calibrate(args)) => {
                 let mut command = args.command;
                 if let CalibrateCommand::Measure(args) = &mut command {
-                    targets.recording = args.out.out.take();
+                    targets.recording = as_csv(args.out.out.take())?;
                 }
                 Work::Calibrate(command)
             }
@@ -156,22 +157,28 @@ fn simulate(args: SimulateArgs, targets: &mut Targets) -> Result<Work, Failure> 
         return Err(Failure::TwoOnStandardOutput { option: "--out" });
     }
     targets.json = args.json.json;
-    let options = input::csv_options(&args.log)?;
+    let options = input::log_options(&args.log)?;
     let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
-    let log = input::open_log(&args.log)?;
+    let log = input::open_source(&args.log, &options)?;
+    if let OpenLog::Recording(recording) = &log.log {
+        tell_notes(recording);
+    }
     Ok(Work::Simulate(run::simulate::Task {
         plant,
         log,
-        options,
+        options: options.csv(),
         out,
     }))
 }
 
 fn compare(args: CompareArgs, targets: &mut Targets) -> Result<Work, Failure> {
     (targets.json, targets.html) = (args.json.json, args.html.html);
+    let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
+    let log = input::log(&args.log)?;
+    tell_notes(&log);
     Ok(Work::Compare {
-        plant: NamedPlant::from_args(&args.plant, NamedPlant::nominal())?,
-        log: input::log(&args.log)?,
+        plant,
+        log,
         options: CompareOptions {
             allowed_noise_multiples: args.allow,
             tolerances: args
@@ -207,6 +214,23 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
             pace: args.pace,
         })),
     })
+}
+
+/// Tells what was made of the log, before anything is done with it.
+fn tell_notes(log: &Recording) {
+    let text = print::log_notes(log, &Terminal::standard_error());
+    // Whoever closed the standard error does not want to know.
+    let _ = anstream::stderr().write_all(text.as_bytes());
+}
+
+/// The name of a file that is written as CSV only.
+fn as_csv(path: Option<PathBuf>) -> Result<Option<PathBuf>, Failure> {
+    match path {
+        Some(path) if LogFormat::of_name(&path) == LogFormat::Mf4 => {
+            Err(Failure::NotAsMf4 { path })
+        }
+        path => Ok(path),
+    }
 }
 
 fn goes_to_standard_output(path: &Option<PathBuf>) -> bool {

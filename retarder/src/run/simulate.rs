@@ -1,7 +1,8 @@
 //! Duty log in, recording out, in memory that does not grow with the log.
 
-use std::io::{self, Read, Write};
-use std::path::PathBuf;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -10,22 +11,24 @@ use plant_sim::replay::{
     initial_pressure, inputs, signals,
 };
 use plant_sim::{PlantParameters, Tolerance};
-use recording::csv::{Column, Decimals, Options, Reader, WriteError, Writer};
-use recording::{AtomicFile, Provenance, Recording, TimeBase, Unit};
+use recording::csv::{Column, Decimals, Options, Reader, WriteError};
+use recording::{OpenLog, Provenance, Recording, TimeBase, Unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::row_output::RowOutput;
 use crate::failure::Failure;
-use crate::input::{LogStream, NamedPlant};
+use crate::input::{LogSource, NamedPlant};
 use crate::interrupt;
 use crate::progress::Progress;
 
 /// What to simulate.
 pub(crate) struct Task {
     pub(crate) plant: NamedPlant,
-    pub(crate) log: LogStream,
+    pub(crate) log: LogSource,
+    /// How a CSV log is read.
     pub(crate) options: Options,
-    /// CSV file; none is the standard output.
+    /// CSV or MF4 file; none is the standard output, as CSV.
     pub(crate) out: Option<PathBuf>,
 }
 
@@ -75,45 +78,41 @@ const CHUNK_ROWS: usize = 4096;
 pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
     let Task {
         plant,
-        log: LogStream { name, bytes, size },
+        log: LogSource { name, log, size },
         options,
         out,
     } = task;
     let progress = Progress::of_bytes("simulating", size);
-    let reader = Reader::new(&name, progress.watch(bytes), &options)?;
-    match &out {
-        None => {
-            let sink = io::BufWriter::new(io::stdout().lock());
-            simulate(&plant, &name, reader, (None, sink), &AtomicBool::new(false))
-                .map(|(simulation, _)| simulation)
-        }
-        Some(path) => {
-            let failed = |error: io::Error| Failure::write(Some(path), error);
-            let interrupted = interrupt::flag()?;
-            let sink = AtomicFile::create(path).map_err(failed)?;
-            let (simulation, sink) =
-                simulate(&plant, &name, reader, (Some(path), sink), &interrupted)?;
-            sink.commit().map_err(failed)?;
-            Ok(simulation)
-        }
-    }
+    let rows = match log {
+        OpenLog::Csv(bytes) => Rows::Csv(Box::new(Reader::new(
+            &name,
+            progress.watch(bytes),
+            &options,
+        )?)),
+        OpenLog::Recording(recording) => Rows::Recording(Some(recording)),
+    };
+    let interrupted = match &out {
+        None => Arc::new(AtomicBool::new(false)),
+        Some(_) => interrupt::flag()?,
+    };
+    simulate(&plant, &name, rows, out.as_deref(), &interrupted)
 }
 
-fn simulate<W: Write>(
+fn simulate(
     plant: &NamedPlant,
     log: &str,
-    mut reader: Reader<impl Read>,
-    (path, sink): (Option<&PathBuf>, W),
+    mut rows: Rows<impl Read>,
+    path: Option<&Path>,
     interrupted: &AtomicBool,
-) -> Result<(Simulation, W), Failure> {
+) -> Result<Simulation, Failure> {
     let begin = Instant::now();
-    let failed = |error: WriteError| Failure::write(path.map(PathBuf::as_path), error);
+    let failed = |error: WriteError| Failure::write(path, error);
     // A log that is refused at its beginning leaves no header on the standard output.
-    let mut chunk = Chunk::next(&mut reader, &plant.parameters, log)?;
+    let mut chunk = Chunk::next(&mut rows, &plant.parameters, log)?;
     let mut model = Model::new(&plant.parameters, &chunk);
     let (places, columns) = columns(&plant.parameters);
     let provenance = provenance(log, plant);
-    let mut writer = Writer::new(sink, &provenance, &columns, &decimals()).map_err(failed)?;
+    let mut output = RowOutput::begin(path, &provenance, &columns, &decimals()).map_err(failed)?;
     let mut values = Vec::with_capacity(columns.len());
     while !chunk.rows.is_empty() {
         for (time_s, input) in chunk.rows {
@@ -126,11 +125,11 @@ fn simulate<W: Write>(
             })?;
             values.clear();
             values.extend(places.iter().map(|&place| row[place]));
-            writer.write_row(time_s, &values).map_err(failed)?;
+            output.write_row(time_s, &values).map_err(failed)?;
         }
-        chunk = Chunk::next(&mut reader, &plant.parameters, log)?;
+        chunk = Chunk::next(&mut rows, &plant.parameters, log)?;
     }
-    let sink = writer.finish().map_err(failed)?;
+    output.finish().map_err(failed)?;
     let statistics = model.replay.simulator().statistics();
     let duration_s = model.end_s - model.start_s.unwrap_or(model.end_s);
     let elapsed_s = begin.elapsed().as_secs_f64();
@@ -153,7 +152,49 @@ fn simulate<W: Write>(
         elapsed_s,
         times_real_time: duration_s / elapsed_s,
     };
-    Ok((simulation, sink))
+    Ok(simulation)
+}
+
+/// The rows of a log: a CSV as it is read, or a recording that was read as a whole.
+enum Rows<R: Read> {
+    Csv(Box<Reader<R>>),
+    Recording(Option<Recording>),
+}
+
+impl<R: Read> Rows<R> {
+    /// The next rows, those of a recording all at once; none at the end.
+    fn next(&mut self) -> Result<Option<Recording>, Failure> {
+        match self {
+            Self::Csv(reader) => next_rows(reader),
+            Self::Recording(recording) => Ok(recording.take()),
+        }
+    }
+}
+
+fn next_rows(reader: &mut Reader<impl Read>) -> Result<Option<Recording>, Failure> {
+    let columns = reader.columns().to_vec();
+    let mut times_s = Vec::with_capacity(CHUNK_ROWS);
+    let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
+    while times_s.len() < CHUNK_ROWS
+        && let Some(row) = reader.next_row()?
+    {
+        times_s.push(row.time_s);
+        for (samples, &value) in samples.iter_mut().zip(row.values) {
+            samples.push(value);
+        }
+    }
+    if times_s.is_empty() {
+        return Ok(None);
+    }
+    let mut recording = Recording::new(Provenance::default());
+    let base = TimeBase::new(times_s).expect("the reader refuses times that do not increase");
+    let base = recording.add_time_base(base);
+    for (column, samples) in columns.into_iter().zip(samples) {
+        recording
+            .add_signal(column.name, column.unit, base, samples)
+            .expect("the reader refuses names that are taken or impossible");
+    }
+    Ok(Some(recording))
 }
 
 /// The plant on its way through the log.
@@ -211,32 +252,13 @@ struct Chunk {
 impl Chunk {
     /// The next rows. They pass through a recording, so that the library reads and refuses signals as in a whole log.
     fn next(
-        reader: &mut Reader<impl Read>,
+        rows: &mut Rows<impl Read>,
         parameters: &PlantParameters,
         log: &str,
     ) -> Result<Self, Failure> {
-        let columns = reader.columns().to_vec();
-        let mut times_s = Vec::with_capacity(CHUNK_ROWS);
-        let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
-        while times_s.len() < CHUNK_ROWS
-            && let Some(row) = reader.next_row()?
-        {
-            times_s.push(row.time_s);
-            for (samples, &value) in samples.iter_mut().zip(row.values) {
-                samples.push(value);
-            }
-        }
-        if times_s.is_empty() {
+        let Some(recording) = rows.next()? else {
             return Ok(Self::default());
-        }
-        let mut recording = Recording::new(Provenance::default());
-        let base = TimeBase::new(times_s).expect("the reader refuses times that do not increase");
-        let base = recording.add_time_base(base);
-        for (column, samples) in columns.into_iter().zip(samples) {
-            recording
-                .add_signal(column.name, column.unit, base, samples)
-                .expect("the reader refuses names that are taken or impossible");
-        }
+        };
         let failed = |error| Failure::Replay {
             path: PathBuf::from(log),
             error,

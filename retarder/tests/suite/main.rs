@@ -6,6 +6,7 @@ mod device;
 #[cfg(feature = "image-in-the-loop")]
 mod image;
 mod listings;
+mod mf4;
 mod mistakes;
 mod runner;
 mod schemas;

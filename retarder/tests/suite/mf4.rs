@@ -1,0 +1,171 @@
+//! Logs and recordings as MF4, where CSV goes too.
+
+use std::fs::File;
+
+use recording::{Provenance, Recording, TimeBase, Unit, csv, mf4};
+
+use crate::runner::{Bench, assert_contains, data, short_log};
+
+fn write_mf4(bench: &Bench, name: &str, recording: &Recording) {
+    mf4::write(File::create(bench.path(name)).unwrap(), recording).unwrap();
+}
+
+/// The short log of CSV, as MF4 besides.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.file("log.csv", &short_log());
+    let options = csv::Options::default();
+    let log = csv::read("log.csv", short_log().as_bytes(), &options).unwrap();
+    write_mf4(&bench, "log.mf4", &log);
+    bench
+}
+
+#[test]
+fn a_log_gives_the_same_rows_in_either_format_and_from_the_standard_input() {
+    let bench = bench();
+    let rows = |text: &str| text.split_once("time_s").unwrap().1.to_owned();
+    let csv = bench.run(&["simulate", "--log", "log.csv"]).ended_with(0);
+    let mf4 = bench.run(&["simulate", "--log", "log.mf4"]).ended_with(0);
+    assert_eq!(rows(&mf4), rows(&csv));
+    let output = bench
+        .command(&["simulate", "--log", "-"])
+        .stdin(File::open(bench.path("log.mf4")).unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(rows(&String::from_utf8(output.stdout).unwrap()), rows(&csv));
+}
+
+/// Not rounded to decimals as CSV is: what is compared is the model itself.
+#[test]
+fn a_simulated_mf4_holds_against_its_own_plant_without_any_error() {
+    let bench = Bench::new();
+    let log = data("synthetic/practice-00-check.csv");
+    let ran = bench.run(&["simulate", "--log", &log, "--out", "model.mf4"]);
+    assert_contains(&ran.err, &["Written: model.mf4"]);
+    ran.ended_with(0);
+    let json = bench
+        .run(&["compare", "--log", "model.mf4", "--json"])
+        .ended_with(0);
+    assert_contains(&json, &["\"rms\": 0.0"]);
+    let read = mf4::read_file(bench.path("model.mf4"), &mf4::Options::default()).unwrap();
+    assert!(
+        read.provenance()
+            .producer
+            .as_deref()
+            .unwrap()
+            .starts_with("retarder ")
+    );
+    assert_eq!(bench.files(), ["model.mf4"]);
+}
+
+#[test]
+fn the_closed_loop_is_written_as_mf4() {
+    let bench = Bench::new();
+    let run = |out: &str| {
+        let scenario = ["control", "--scenario", "figure-6.5", "--out", out];
+        bench.run(&scenario);
+    };
+    run("run.mf4");
+    run("run.csv");
+    let mf4 = mf4::read_file(bench.path("run.mf4"), &mf4::Options::default()).unwrap();
+    let csv = csv::read_file(bench.path("run.csv"), &csv::Options::default()).unwrap();
+    assert_eq!(mf4.signals(), csv.signals());
+}
+
+/// Pressure at 1 kHz, commands at 100 Hz: what to write is said, and then it is compared.
+#[test]
+fn two_rates_are_compared_at_the_instants_that_a_mapping_chooses() {
+    let bench = Bench::new();
+    let log = data("synthetic/practice-00-id.csv");
+    let log = csv::read_file(log, &csv::Options::default()).unwrap();
+    let (_, slow) = log.time_bases().next().unwrap();
+    let mut rates = Recording::new(Provenance::from_source("bench"));
+    let slow_id = rates.add_time_base(slow.clone());
+    for name in ["duty_fill", "duty_vent", "u_bat"] {
+        let signal = log.signal(name).unwrap();
+        let values = signal.values_or_nan().to_vec();
+        rates
+            .add_signal(name, signal.unit(), slow_id, values)
+            .unwrap();
+    }
+    let mut one = rates.clone();
+    let pressure = log.signal("p_ch").unwrap().values_or_nan();
+    one.add_signal("p_ch", Unit::BarGauge, slow_id, pressure.to_vec())
+        .unwrap();
+    write_mf4(&bench, "one-rate.mf4", &one);
+    let fast = TimeBase::uniform(0.0, 0.001, 10 * slow.len()).unwrap();
+    let fast_id = rates.add_time_base(fast);
+    let held = pressure.iter().flat_map(|value| [*value; 10]).collect();
+    rates
+        .add_signal("p_ch", Unit::BarGauge, fast_id, held)
+        .unwrap();
+    write_mf4(&bench, "two-rate.mf4", &rates);
+    let refused = bench.run(&["compare", "--log", "two-rate.mf4"]);
+    assert_contains(
+        &refused.err,
+        &["\"p_ch\" cannot be compared", "instants_of under [rows]"],
+    );
+    refused.ended_with(2);
+    bench.file(
+        "at.toml",
+        "schema = 1\nrows = { instants_of = \"duty_fill\" }\n",
+    );
+    let ran = bench.run(&["compare", "--log", "two-rate.mf4", "--mapping", "at.toml"]);
+    assert_contains(
+        &ran.err,
+        &["note: two-rate.mf4: all signals are as they were known"],
+    );
+    let at_commands = ran.ended_with(1);
+    // What was held for ten samples is picked again: the figures are those of one rate.
+    let itself = bench
+        .run(&["compare", "--log", "one-rate.mf4"])
+        .ended_with(1);
+    assert_eq!(at_commands.replace("two-rate", "one-rate"), itself);
+}
+
+#[test]
+fn a_signal_that_needs_a_mapping_is_an_error_where_it_matters() {
+    let bench = bench();
+    let mut bytes = std::fs::read(bench.path("log.mf4")).unwrap();
+    let unit = bytes.windows(2).rposition(|text| text == b"%\0").unwrap();
+    bytes[unit] = b'?';
+    std::fs::write(bench.path("odd.mf4"), bytes).unwrap();
+    let ran = bench.run(&["simulate", "--log", "odd.mf4"]);
+    assert_contains(
+        &ran.err,
+        &[
+            "note: odd.mf4: channels that are no signals: 1, duty_vent",
+            "\"duty_vent\" in odd.mf4 was left out: found \"?\", expected a unit",
+            "signal.duty_vent = { column = \"duty_vent\"",
+        ],
+    );
+    assert_eq!(ran.ended_with(2), "");
+}
+
+#[test]
+fn a_damaged_file_and_a_wrong_name_are_told() {
+    let bench = bench();
+    let bytes = std::fs::read(bench.path("log.mf4")).unwrap();
+    std::fs::write(bench.path("cut.mf4"), &bytes[..bytes.len() - 100]).unwrap();
+    let ran = bench.run(&["compare", "--log", "cut.mf4"]);
+    assert_contains(
+        &ran.err,
+        &["E-MF4-LENGTH: cut.mf4, block ##DT at byte", "copy it again"],
+    );
+    ran.ended_with(2);
+    let measure = [
+        "calibrate",
+        "measure",
+        "--dut",
+        "in-process",
+        "--out",
+        "m.mf4",
+        "u",
+    ];
+    let ran = bench.run(&measure);
+    assert_contains(
+        &ran.err,
+        &["m.mf4: only recordings of `simulate` and `control`"],
+    );
+    ran.ended_with(2);
+}
