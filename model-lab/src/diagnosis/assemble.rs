@@ -59,9 +59,12 @@ fn free_run(bench: &Bench, trial: &Trial) -> BySignal {
 /// Every effect alone; the limits are those on top of `last`, where the named effects are known.
 pub(crate) fn candidate(bench: &Bench, plain: &Trial, last: &Trial, tried: &Tried) -> Candidate {
     let about = tried.setting.effect().about();
-    let fitted = Some(last).filter(|last| last.has(tried.id())).or(tried.trial.as_ref());
-    let parameters =
-        fitted.map_or_else(Vec::new, |trial| fitted_parameters(bench, trial, tried.id()));
+    let fitted = Some(last)
+        .filter(|last| last.has(tried.id()))
+        .or(tried.trial.as_ref());
+    let parameters = fitted.map_or_else(Vec::new, |trial| {
+        fitted_parameters(bench, trial, tried.id())
+    });
     let best = tried.trial.as_ref().unwrap_or(plain);
     let limit_base = if last.has(tried.id()) { plain } else { last };
     Candidate {
@@ -70,7 +73,10 @@ pub(crate) fn candidate(bench: &Bench, plain: &Trial, last: &Trial, tried: &Trie
         fit_rms: best.fitted.rms(),
         check_rms: best.checked.rms(),
         explained_share: best.share_of(plain),
-        evidence: tried.trial.as_ref().map_or(0.0, |trial| trial.evidence_over(plain)),
+        evidence: tried
+            .trial
+            .as_ref()
+            .map_or(0.0, |trial| trial.evidence_over(plain)),
         free_parameters: plain.unknowns.len() + tried.setting.parameters().len(),
         plausibility: plausibility(&parameters),
         parameters,
@@ -130,9 +136,12 @@ fn plausibility(parameters: &[FittedParameter]) -> String {
 #[expect(clippy::type_complexity, reason = "two maps of the JSON")]
 pub(crate) fn equivalents(
     ladder: &Ladder,
-) -> (BTreeMap<String, Vec<String>>, BTreeMap<String, BTreeMap<String, f64>>) {
+) -> (
+    BTreeMap<String, Vec<String>>,
+    BTreeMap<String, BTreeMap<String, f64>>,
+) {
     let last = ladder.steps.last().expect("at least the plain plant");
-    let left = last.checked.total_excess();
+    let left = last.mean_excess();
     let mut equivalents = BTreeMap::new();
     let mut distances = BTreeMap::new();
     for (step, rivals) in ladder.steps[1..].iter().zip(&ladder.rivals) {
@@ -142,7 +151,7 @@ pub(crate) fn equivalents(
             .iter()
             .filter(|rival| rival.id() != named)
             .filter_map(|rival| rival.trial.as_ref())
-            .map(|trial| trial.checked.total_excess())
+            .map(Trial::mean_excess)
             .fold(0.0, f64::max);
         let alike = ALIKE_EXCESS.max(ALIKE_SHARE * (without - left));
         let mut ids = vec![named.to_owned()];
@@ -151,7 +160,7 @@ pub(crate) fn equivalents(
             let Some(trial) = &rival.trial else { continue };
             let more = (trial.total_square() - last.total_square()) / last.correlation_samples;
             let noise_units = more.max(0.0).sqrt();
-            let excess = trial.checked.total_excess() - left;
+            let excess = trial.mean_excess() - left;
             if noise_units < DISTINGUISHABLE || excess < alike {
                 ids.push(rival.id().to_owned());
             }
@@ -168,14 +177,23 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
     let widths = half_widths(bench.fitting, last);
     let list = last.unknowns.list().iter().enumerate();
     list.filter_map(|(index, unknown)| {
-        let Unknown::Nuisance { nuisance, datasheet, tolerance } = unknown else {
+        let Unknown::Nuisance {
+            nuisance,
+            datasheet,
+            tolerance,
+        } = unknown
+        else {
             return None;
         };
         let (before, after) = (plain.fit.z[index], last.fit.z[index]);
         let at_end = |z: f64| z.abs() > 1.0 - AT_BOUND;
         let alarm = match (at_end(before), at_end(after)) {
-            (_, true) => Some("ran to the end of its tolerance with the named effects: physics is still missing"),
-            (true, false) => Some("ran to the end of its tolerance in the plain model: it hid missing physics"),
+            (_, true) => Some(
+                "ran to the end of its tolerance with the named effects: physics is still missing",
+            ),
+            (true, false) => {
+                Some("ran to the end of its tolerance in the plain model: it hid missing physics")
+            }
             (false, false) => None,
         };
         let spec = ParameterSpec::by_name(nuisance.name)?;
@@ -188,14 +206,19 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
             fitted: unknown.value(after),
             low: unknown.value(after - widths[index]),
             high: unknown.value(after + widths[index]),
-            alarm: alarm.filter(|_| last.effects.len() > plain.effects.len() || at_end(after)).map(str::to_owned),
+            alarm: alarm
+                .filter(|_| last.effects.len() > plain.effects.len() || at_end(after))
+                .map(str::to_owned),
         })
     })
     .collect()
 }
 
 /// Where most of the excess of each signal is.
-pub(crate) fn regimes(plant: &PlantParameters, logs: &[Recording]) -> Result<Vec<Regime>, DiagnoseError> {
+pub(crate) fn regimes(
+    plant: &PlantParameters,
+    logs: &[Recording],
+) -> Result<Vec<Regime>, DiagnoseError> {
     let mut regimes = Vec::new();
     for log in logs {
         let comparison = compare(plant, log, &CompareOptions::default())?;
@@ -232,12 +255,16 @@ pub(crate) fn sentence(
             _ => title(id),
         })
         .collect();
-    let share = steps.last().map_or(0.0, |step| 100.0 * step.explained_share);
+    let share = steps
+        .last()
+        .map_or(0.0, |step| 100.0 * step.explained_share);
     match verdict {
         Verdict::Adequate => {
             let shown = candidates
                 .iter()
-                .filter(|candidate| matches!(candidate.detection_limit, DetectionLimit::Size { .. }))
+                .filter(|candidate| {
+                    matches!(candidate.detection_limit, DetectionLimit::Size { .. })
+                })
                 .count();
             format!(
                 "nothing detectable is missing; these logs would have shown {shown} of {} effects above the sizes listed",

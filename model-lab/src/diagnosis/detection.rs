@@ -20,7 +20,11 @@ const CORRECTIONS: usize = 2;
 
 /// The size of `effect` on top of `base` that would have been named: what the nuisance parameters cannot hide of it is
 /// beyond chance (non-centrality after W. E. Saris, A. Satorra, D. Sörbom 1987) and material.
-pub(crate) fn detection_limit(bench: &Bench, base: &Trial, effect: &EffectSetting) -> DetectionLimit {
+pub(crate) fn detection_limit(
+    bench: &Bench,
+    base: &Trial,
+    effect: &EffectSetting,
+) -> DetectionLimit {
     let not_excited = || DetectionLimit::NotExcited {
         manoeuvre: effect.effect().about().excited_by.to_owned(),
     };
@@ -77,7 +81,10 @@ fn hide(bench: &Bench, base: &Trial, change: &mut [f64]) -> Option<()> {
     let fitter = Fitter::new(bench.fitting, &base.unknowns);
     let (hessian, _) = fitter.normal(&base.fit);
     let columns = &base.fit.jacobian;
-    let right = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, change)));
+    let right = DVector::from_iterator(
+        columns.len(),
+        columns.iter().map(|column| dot(column, change)),
+    );
     let share = hessian.cholesky()?.solve(&right);
     for (column, share) in columns.iter().zip(share.iter()) {
         for (change, column) in change.iter_mut().zip(column) {

@@ -62,7 +62,9 @@ impl Errors {
 
     /// The rms excess of the signal that has most, in noise sigmas.
     pub(crate) fn worst_excess(&self) -> f64 {
-        self.excess().values().fold(0.0, |most: f64, excess| most.max(excess.sqrt()))
+        self.excess()
+            .values()
+            .fold(0.0, |most: f64, excess| most.max(excess.sqrt()))
     }
 
     /// The rms of the signal that has most, in noise sigmas.

@@ -125,7 +125,9 @@ impl Log {
     }
 
     fn pressure(&self) -> Option<&Channel> {
-        self.channels.iter().find(|channel| channel.signal == PRESSURE)
+        self.channels
+            .iter()
+            .find(|channel| channel.signal == PRESSURE)
     }
 
     fn find_predictor(&mut self, parameters: &PlantParameters) {
@@ -267,7 +269,10 @@ fn scatter(signal: &Measured) -> f64 {
 }
 
 impl Evidence {
-    pub(crate) fn new(parameters: &PlantParameters, logs: &[Recording]) -> Result<Self, DiagnoseError> {
+    pub(crate) fn new(
+        parameters: &PlantParameters,
+        logs: &[Recording],
+    ) -> Result<Self, DiagnoseError> {
         let logs = logs
             .iter()
             .map(|log| Log::new(parameters, log))
@@ -322,15 +327,18 @@ impl Evidence {
     }
 
     /// Every channel with the range of its residuals.
-    pub(crate) fn channels(&self) -> impl Iterator<Item = (&Log, &Channel, core::ops::Range<usize>)> {
+    pub(crate) fn channels(
+        &self,
+    ) -> impl Iterator<Item = (&Log, &Channel, core::ops::Range<usize>)> {
         let mut begin = 0;
-        self.logs.iter().flat_map(|log| log.channels.iter().map(move |channel| (log, channel))).map(
-            move |(log, channel)| {
+        self.logs
+            .iter()
+            .flat_map(|log| log.channels.iter().map(move |channel| (log, channel)))
+            .map(move |(log, channel)| {
                 let range = begin..begin + channel.values.len();
                 begin = range.end;
                 (log, channel, range)
-            },
-        )
+            })
     }
 
     /// The residuals of `parameters`; none where the simulation was given up.

@@ -107,7 +107,11 @@ impl<'a> Fitter<'a> {
         if difference == Difference::Central && has_above && has_below {
             let (above, below) = (moved(step)?, moved(-step)?);
             let pairs = above.iter().zip(&below);
-            return Some(pairs.map(|(above, below)| (above - below) / (2.0 * step)).collect());
+            return Some(
+                pairs
+                    .map(|(above, below)| (above - below) / (2.0 * step))
+                    .collect(),
+            );
         }
         let mut away = |step: f64| {
             let moved = moved(step)?;
@@ -155,7 +159,9 @@ impl<'a> Fitter<'a> {
                 continue;
             }
             let next = self.at(z);
-            let reached = next.as_ref().map_or(f64::NEG_INFINITY, |next| fit.cost - next.cost);
+            let reached = next
+                .as_ref()
+                .map_or(f64::NEG_INFINITY, |next| fit.cost - next.cost);
             if let Some(mut next) = next.filter(|_| reached > 0.0) {
                 next.jacobian = core::mem::take(&mut fit.jacobian);
                 fit = next;
@@ -187,7 +193,12 @@ impl<'a> Fitter<'a> {
         let (hessian, gradient) = self.normal(fit);
         // Unknowns without a column stay where they are.
         let count = fit.jacobian.len();
-        let bounds: Vec<_> = self.unknowns.list().iter().map(|unknown| unknown.bounds()).collect();
+        let bounds: Vec<_> = self
+            .unknowns
+            .list()
+            .iter()
+            .map(|unknown| unknown.bounds())
+            .collect();
         let mut free: Vec<usize> = (0..count).collect();
         let mut step = vec![0.0; count];
         // Each pass fixes what would leave its bounds; the rest is solved again.
@@ -196,7 +207,11 @@ impl<'a> Fitter<'a> {
             let size = free.len();
             let matrix = DMatrix::from_fn(size, size, |a, b| {
                 let value = hessian[(free[a], free[b])];
-                if a == b { value * (1.0 + damping) + 1e-12 } else { value }
+                if a == b {
+                    value * (1.0 + damping) + 1e-12
+                } else {
+                    value
+                }
             });
             let right = DVector::from_fn(size, |a, _| {
                 let fixed: f64 = (0..count)
@@ -205,7 +220,9 @@ impl<'a> Fitter<'a> {
                     .sum();
                 -gradient[free[a]] - fixed
             });
-            let Some(cholesky) = matrix.cholesky() else { break };
+            let Some(cholesky) = matrix.cholesky() else {
+                break;
+            };
             let solution = cholesky.solve(&right);
             let mut outside = Vec::new();
             for (a, &n) in free.iter().enumerate() {

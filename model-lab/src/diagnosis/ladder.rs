@@ -1,6 +1,7 @@
 //! From the plain model to the named effects.
 
 use super::error::DiagnoseError;
+use super::errors::Errors;
 use super::result::Verdict;
 use super::search::{Tried, Watch, try_all};
 use super::trial::{Bench, Trial};
@@ -8,8 +9,10 @@ use super::verdict::{
     FOUND_SHARE, FURTHER_DROP, FURTHER_SHARE, MATERIAL_EXCESS, NAMED_EVIDENCE, NAMED_SHARE,
 };
 
-/// So many first effects are tried with every second one.
+/// So many first effects are tried with every second one, ...
 const FIRSTS: usize = 3;
+/// ... if they explain at least this share of the excess on the fitted logs.
+const FIRST_SHARE: f64 = 0.05;
 
 /// What was found.
 pub(crate) struct Ladder {
@@ -48,7 +51,13 @@ pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder,
     match (single, pair) {
         (_, Some(pair)) if pair.last.share_of(plain) >= FOUND_SHARE => {
             ladder.rivals = vec![
-                try_all(bench, &pair.other, true, "what may stand for the first effect", watch)?,
+                try_all(
+                    bench,
+                    &pair.other,
+                    true,
+                    "what may stand for the first effect",
+                    watch,
+                )?,
                 pair.tried,
             ];
             ladder.steps.extend([pair.first, pair.last]);
@@ -89,7 +98,12 @@ fn best_pair(
     watch: Watch,
 ) -> Result<Option<Pair>, DiagnoseError> {
     let mut best: Option<Pair> = None;
-    let firsts = singles.iter().filter_map(|tried| tried.trial.as_ref()).take(FIRSTS);
+    let excess = plain.fitted.total_excess();
+    let firsts = singles
+        .iter()
+        .filter_map(|tried| tried.trial.as_ref())
+        .filter(|trial| trial.fitted.total_excess() <= (1.0 - FIRST_SHARE) * excess)
+        .take(FIRSTS);
     for first in firsts {
         let mut first = first.clone();
         if first.refresh(bench).is_none() {
@@ -112,7 +126,12 @@ fn best_pair(
             .as_ref()
             .is_none_or(|best| last.total_square() < best.last.total_square());
         if needs_both && is_better {
-            best = Some(Pair { first, other, last, tried });
+            best = Some(Pair {
+                first,
+                other,
+                last,
+                tried,
+            });
         }
         // The first of the list explains what it can; others are tried only where the pair leaves something.
         if best.as_ref().is_some_and(|best| !best.last.is_material()) {
@@ -123,19 +142,33 @@ fn best_pair(
 }
 
 impl Trial {
-    /// Whether a material error remains.
-    pub(crate) fn is_material(&self) -> bool {
-        self.checked.worst_excess() >= MATERIAL_EXCESS
+    /// Errors on the fitted logs and on what was held out.
+    fn sets(&self) -> [&Errors; 2] {
+        [&self.fitted, &self.checked]
     }
 
-    /// Share of the excess of `plain` that it explains.
+    /// Whether a material error remains, on the fitted logs or on what was held out.
+    pub(crate) fn is_material(&self) -> bool {
+        self.sets().into_iter().any(is_material)
+    }
+
+    /// Share of the excess of `plain` that it explains: the least of the fitted logs and of what was held out, as far
+    /// as the effect shows there. A log that does not excite an effect says nothing of it.
     pub(crate) fn share_of(&self, plain: &Self) -> f64 {
-        let excess = plain.checked.total_excess();
-        if excess > 0.0 {
-            1.0 - self.checked.total_excess() / excess
-        } else {
-            0.0
-        }
+        let pairs = || self.sets().into_iter().zip(plain.sets());
+        let share = |(own, plain): (&Errors, &Errors)| {
+            let excess = plain.total_excess();
+            if excess > 0.0 {
+                1.0 - own.total_excess() / excess
+            } else {
+                0.0
+            }
+        };
+        let shows = pairs().filter(|(_, plain)| is_material(plain));
+        shows
+            .map(share)
+            .reduce(f64::min)
+            .unwrap_or_else(|| pairs().map(share).fold(f64::INFINITY, f64::min))
     }
 
     fn is_evident_over(&self, base: &Self) -> bool {
@@ -144,9 +177,21 @@ impl Trial {
 
     /// Whether what it adds to `base` takes most of what was left there.
     fn is_further_than(&self, base: &Self) -> bool {
-        let (left, before) = (self.checked.total_excess(), base.checked.total_excess());
-        left <= (1.0 - FURTHER_SHARE) * before
-            && before - left >= FURTHER_DROP
-            && self.is_evident_over(base)
+        let mut drops = self.sets().into_iter().zip(base.sets()).map(|(own, base)| {
+            let (left, before) = (own.total_excess(), base.total_excess());
+            (before - left, before)
+        });
+        let takes_most =
+            |(drop, before): (f64, f64)| drop >= FURTHER_SHARE * before || before < FURTHER_DROP;
+        let takes_much = self
+            .sets()
+            .into_iter()
+            .zip(base.sets())
+            .any(|(own, base)| base.total_excess() - own.total_excess() >= FURTHER_DROP);
+        takes_much && drops.all(takes_most) && self.is_evident_over(base)
     }
+}
+
+fn is_material(errors: &Errors) -> bool {
+    errors.worst_excess() >= MATERIAL_EXCESS
 }

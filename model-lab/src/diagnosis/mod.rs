@@ -24,6 +24,7 @@ mod verdict;
 use std::time::Instant;
 
 use plant_sim::PlantParameters;
+use plant_sim::effects::{Effect, LIBRARY};
 use rayon::prelude::*;
 use recording::Recording;
 
@@ -48,6 +49,20 @@ pub fn diagnose(
     check: &[Recording],
     watch: Watch,
 ) -> Result<Diagnosis, DiagnoseError> {
+    diagnose_with(&LIBRARY, plant, logs, check, watch)
+}
+
+/// As [`diagnose`], with a library of your own: more effects than ours, or fewer.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_with(
+    library: &[&'static dyn Effect],
+    plant: &PlantParameters,
+    logs: &[Recording],
+    check: &[Recording],
+    watch: Watch,
+) -> Result<Diagnosis, DiagnoseError> {
     let begin = Instant::now();
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
     let mut fitting = Evidence::new(plant, logs)?;
@@ -58,6 +73,7 @@ pub fn diagnose(
     };
     let bench = Bench {
         plant,
+        library,
         fitting: &fitting,
         checking: &checking,
     };
@@ -92,7 +108,10 @@ pub fn diagnose(
     Ok(Diagnosis {
         schema: DIAGNOSIS_SCHEMA.to_owned(),
         logs: fitting.sources(),
-        check: check.iter().map(|log| log.provenance().source.clone()).collect(),
+        check: check
+            .iter()
+            .map(|log| log.provenance().source.clone())
+            .collect(),
         held_out: if check.is_empty() {
             evidence::HELD_OUT_BLOCKS.to_owned()
         } else {
@@ -101,7 +120,10 @@ pub fn diagnose(
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict,
         sentence: assemble::sentence(found.verdict, &ladder, &candidates, &equivalents),
-        effects: ladder.iter().filter_map(|step| step.added.clone()).collect(),
+        effects: ladder
+            .iter()
+            .filter_map(|step| step.added.clone())
+            .collect(),
         unexplained: found.unexplained,
         equivalents,
         distinguishability,

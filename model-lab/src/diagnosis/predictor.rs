@@ -56,7 +56,11 @@ impl Predictor {
                 believed += pulse * pulses;
             }
             floors.push(f64::sqrt(perfect + 1.0));
-            let gain = if value.is_nan() { 0.0 } else { believed / (believed + 1.0) };
+            let gain = if value.is_nan() {
+                0.0
+            } else {
+                believed / (believed + 1.0)
+            };
             believed *= 1.0 - gain;
             perfect = (1.0 - gain).powi(2) * perfect + gain * gain;
             gains.push(gain);
@@ -101,14 +105,26 @@ mod tests {
     fn a_hold_is_averaged_and_a_pulse_is_forgiven() {
         let commands = commands();
         let measured = vec![1.0; commands.len()];
-        let predictor =
-            Predictor::new(&PlantParameters::nominal(), &commands, &measured, 0.005, 0.13, false);
+        let predictor = Predictor::new(
+            &PlantParameters::nominal(),
+            &commands,
+            &measured,
+            0.005,
+            0.13,
+            false,
+        );
         let first = predictor.gains.iter().position(|gain| *gain > 0.0).unwrap();
         let holds = commands.holds(0.0);
-        assert!(first >= holds[0].end - 1, "nothing is doubted before the first command");
+        assert!(
+            first >= holds[0].end - 1,
+            "nothing is doubted before the first command"
+        );
         let hold = holds.iter().skip(1).max_by_key(|hold| hold.len()).unwrap();
         let (begin, end) = (predictor.gains[hold.start], predictor.gains[hold.end - 1]);
-        assert!(end < begin && end < 1.2 / hold.len() as f64, "{begin} {end}");
+        assert!(
+            end < begin && end < 1.2 / hold.len() as f64,
+            "{begin} {end}"
+        );
     }
 
     #[test]
@@ -116,8 +132,14 @@ mod tests {
         // sqrt(2 / (2 - L)) in the steady state.
         let commands = commands();
         let measured = vec![1.0; commands.len()];
-        let predictor =
-            Predictor::new(&PlantParameters::nominal(), &commands, &measured, 0.005, 0.13, false);
+        let predictor = Predictor::new(
+            &PlantParameters::nominal(),
+            &commands,
+            &measured,
+            0.005,
+            0.13,
+            false,
+        );
         for (gain, floor) in predictor.gains.iter().zip(&predictor.floors).skip(1) {
             let most = (2.0 / (2.0 - gain.max(0.5))).sqrt();
             assert!((1.0..=most).contains(floor), "{gain} {floor}");

@@ -90,7 +90,8 @@ pub struct Step {
     pub noise_floor: BySignal,
     /// Rms error on what was held out of the model driven by the commands alone.
     pub free_run_check_rms: BySignal,
-    /// Share of the plain model's excess error that is explained, 0 to 1; below 0 where the error grew.
+    /// Share of the plain model's excess error that is explained, at most 1; below 0 where the error grew. The less of
+    /// two shares: that of the fitted logs and that of what was held out, as far as the excess shows there.
     pub explained_share: f64,
     /// Number of fitted parameters.
     pub free_parameters: usize,
@@ -108,7 +109,7 @@ pub struct Candidate {
     pub fit_rms: BySignal,
     /// Rms error on what was held out.
     pub check_rms: BySignal,
-    /// Share of the plain model's excess error that it explains by itself.
+    /// Share of the plain model's excess error that it explains by itself, as in the ladder.
     pub explained_share: f64,
     /// Evidence for it against the plain model: difference of the information criterion of Schwarz, corrected for
     /// correlated errors. Above 10 it is strong, below 0 it speaks against the effect.

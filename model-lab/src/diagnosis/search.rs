@@ -1,14 +1,16 @@
 //! Tries every effect of the library on top of a fitted plant.
 
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 use core::sync::atomic::{AtomicUsize, Ordering};
 
-use plant_sim::effects::{EffectSetting, LIBRARY};
+use plant_sim::effects::EffectSetting;
 use rayon::prelude::*;
 
 use super::error::DiagnoseError;
 use super::trial::{Bench, Opened, Trial};
 
+/// Further forms of an effect are tried where its first form gained this share of what the best effect gained.
+const FORM_PROSPECT: f64 = 0.02;
 /// A fit is followed to its end where its first steps gained this share of what the best one gained.
 const PROSPECT: f64 = 0.25;
 
@@ -32,7 +34,8 @@ pub(crate) struct Tried {
     pub(crate) trial: Option<Trial>,
 }
 
-/// Tries all effects that `base` does not have. `thorough` follows prospects to the end.
+/// Tries all effects that `base` does not have. `thorough` tries every form of the promising ones and follows them to the
+/// end.
 pub(crate) fn try_all(
     bench: &Bench,
     base: &Trial,
@@ -40,48 +43,100 @@ pub(crate) fn try_all(
     stage: &'static str,
     watch: Watch,
 ) -> Result<Vec<Tried>, DiagnoseError> {
-    let settings: Vec<EffectSetting> = LIBRARY
+    let effects: Vec<_> = bench
+        .library
         .iter()
+        .copied()
         .filter(|effect| !base.has(effect.about().id))
-        .flat_map(|effect| {
-            let variants = effect.about().variants.iter();
-            variants.map(|variant| EffectSetting::typical_variant(*effect, variant))
-        })
         .collect();
-    let total = settings.len() as f64;
-    let done = AtomicUsize::new(0);
-    report(watch, stage, 0.0)?;
-    let opened = settings
-        .into_par_iter()
-        .map(|setting| {
-            let opened = bench.open(base, setting.clone());
-            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-            report(watch, stage, 0.7 * count as f64 / total)?;
-            Ok((setting, opened))
-        })
-        .collect::<Result<Vec<_>, DiagnoseError>>()?;
-
-    let gain = |opened: &Opened| base.fit.cost - opened.fit.cost;
-    let most = opened
+    let first_forms = effects
         .iter()
-        .filter_map(|(_, opened)| opened.as_ref().map(gain))
-        .fold(0.0, f64::max);
+        .map(|&effect| EffectSetting::typical(effect))
+        .collect();
+    let mut opened = open_all(bench, base, first_forms, (stage, 0.0..0.5), watch)?;
+    if thorough {
+        let least = FORM_PROSPECT * opened.iter().map(Begun::gain).fold(0.0, f64::max);
+        let other_forms = opened
+            .iter()
+            .filter(|begun| begun.gain() >= least)
+            .flat_map(|begun| {
+                let effect = begun.setting.effect();
+                let variants = effect.about().variants.iter().skip(1);
+                variants.map(move |variant| EffectSetting::typical_variant(effect, variant))
+            })
+            .collect();
+        opened.extend(open_all(
+            bench,
+            base,
+            other_forms,
+            (stage, 0.5..0.7),
+            watch,
+        )?);
+    }
+    let least = PROSPECT * opened.iter().map(Begun::gain).fold(0.0, f64::max);
+    let finished = AtomicUsize::new(0);
+    let total = opened.len() as f64;
     let tried = opened
         .into_par_iter()
-        .map(|(setting, opened)| {
-            let opened = opened.filter(|opened| gain(opened) > 0.0);
-            let trial = opened.and_then(|opened| {
-                if thorough && gain(&opened) >= PROSPECT * most {
+        .map(|begun| {
+            let gain = begun.gain();
+            let trial = begun.opened.filter(|_| gain > 0.0).and_then(|opened| {
+                if thorough && gain >= least {
                     bench.finish(opened)
                 } else {
                     bench.leave(opened)
                 }
             });
-            report(watch, stage, 0.9)?;
-            Ok(Tried { setting, trial })
+            let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
+            report(watch, stage, 0.7 + 0.3 * count as f64 / total)?;
+            Ok(Tried {
+                setting: begun.setting,
+                trial,
+            })
         })
         .collect::<Result<Vec<_>, DiagnoseError>>()?;
     Ok(best_forms(tried))
+}
+
+/// An effect whose fit was begun.
+struct Begun {
+    setting: EffectSetting,
+    opened: Option<Opened>,
+    /// Cost without it.
+    before: f64,
+}
+
+impl Begun {
+    fn gain(&self) -> f64 {
+        self.opened
+            .as_ref()
+            .map_or(0.0, |opened| self.before - opened.fit.cost)
+    }
+}
+
+fn open_all(
+    bench: &Bench,
+    base: &Trial,
+    settings: Vec<EffectSetting>,
+    (stage, span): (&'static str, Range<f64>),
+    watch: Watch,
+) -> Result<Vec<Begun>, DiagnoseError> {
+    report(watch, stage, span.start)?;
+    let total = settings.len() as f64;
+    let done = AtomicUsize::new(0);
+    settings
+        .into_par_iter()
+        .map(|setting| {
+            let opened = bench.open(base, setting.clone());
+            let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / total;
+            report(watch, stage, span.start + share * (span.end - span.start))?;
+            Ok(Begun {
+                setting,
+                opened,
+                before: base.fit.cost,
+            })
+        })
+        .collect()
 }
 
 /// Tells `watch` how far it is.
@@ -96,7 +151,10 @@ pub(crate) fn report(watch: Watch, stage: &'static str, done: f64) -> Result<(),
 fn best_forms(tried: Vec<Tried>) -> Vec<Tried> {
     let mut best: Vec<Tried> = Vec::new();
     for tried in tried {
-        match best.iter_mut().find(|best| best.setting.id() == tried.setting.id()) {
+        match best
+            .iter_mut()
+            .find(|best| best.setting.id() == tried.setting.id())
+        {
             Some(there) if tried.cost() < there.cost() => *there = tried,
             Some(_) => {}
             None => best.push(tried),
@@ -109,7 +167,9 @@ fn best_forms(tried: Vec<Tried>) -> Vec<Tried> {
 impl Tried {
     /// Sum of squares on the fitted and the held-out logs.
     pub(crate) fn cost(&self) -> f64 {
-        self.trial.as_ref().map_or(f64::INFINITY, Trial::total_square)
+        self.trial
+            .as_ref()
+            .map_or(f64::INFINITY, Trial::total_square)
     }
 
     pub(crate) fn id(&self) -> &'static str {

@@ -1,7 +1,7 @@
 //! The plant with some effects, fitted and judged.
 
 use plant_sim::PlantParameters;
-use plant_sim::effects::EffectSetting;
+use plant_sim::effects::{Effect, EffectSetting};
 
 use super::errors::Errors;
 use super::evidence::{Evidence, Run};
@@ -29,6 +29,8 @@ pub(crate) struct Opened {
 /// What every trial is held against.
 pub(crate) struct Bench<'a> {
     pub(crate) plant: &'a PlantParameters,
+    /// The effects that are tried.
+    pub(crate) library: &'a [&'static dyn Effect],
     pub(crate) fitting: &'a Evidence,
     pub(crate) checking: &'a Evidence,
 }
@@ -74,7 +76,9 @@ impl Bench<'_> {
         for start in starts(&unknowns.list()[base.unknowns.len()..]) {
             let mut z = base.fit.z.clone();
             z.extend(start);
-            let Some(mut fit) = fitter.at(z) else { continue };
+            let Some(mut fit) = fitter.at(z) else {
+                continue;
+            };
             fit.jacobian.clone_from(&base.fit.jacobian);
             // The nuisance parameters make room for the effect before anything else moves.
             let (z, promised) = fitter.step(&fit, 0.0);
@@ -112,7 +116,12 @@ impl Bench<'_> {
 
     /// Judges what was begun as it is.
     pub(crate) fn leave(&self, opened: Opened) -> Option<Trial> {
-        self.judge(opened.effects, opened.unknowns, opened.fit, opened.simulations)
+        self.judge(
+            opened.effects,
+            opened.unknowns,
+            opened.fit,
+            opened.simulations,
+        )
     }
 
     fn judge(
@@ -169,6 +178,11 @@ impl Trial {
         let added = (self.unknowns.len() - base.unknowns.len()) as f64;
         let independent = self.fitted.count() / self.correlation_samples;
         (base.fit.cost - self.fit.cost) / self.correlation_samples - added * independent.ln()
+    }
+
+    /// The excess over the noise, mean of the fitted logs and of what was held out.
+    pub(crate) fn mean_excess(&self) -> f64 {
+        0.5 * (self.fitted.total_excess() + self.checked.total_excess())
     }
 
     pub(crate) fn has(&self, id: &str) -> bool {

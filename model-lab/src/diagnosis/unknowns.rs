@@ -63,7 +63,12 @@ impl Unknowns {
             .collect();
         for setting in fitted {
             plant = plant.with_effect(setting.clone());
-            list.extend(setting.parameters().iter().map(|&spec| Unknown::effect(spec)));
+            list.extend(
+                setting
+                    .parameters()
+                    .iter()
+                    .map(|&spec| Unknown::effect(spec)),
+            );
         }
         Self {
             datasheet: plant,
@@ -81,7 +86,10 @@ impl Unknowns {
 
     /// The coordinates of the datasheet and of the effects as they were given.
     pub(crate) fn start(&self) -> Vec<f64> {
-        self.list.iter().map(|unknown| unknown.coordinate(&self.datasheet)).collect()
+        self.list
+            .iter()
+            .map(|unknown| unknown.coordinate(&self.datasheet))
+            .collect()
     }
 
     /// The plant at the coordinates `z`.
@@ -102,7 +110,11 @@ impl Unknown {
                 let off = size.off.filter(|off| off.is_finite());
                 let origin = off.unwrap_or(size.typical);
                 let width = (size.typical - origin).abs();
-                let unit = if width > 0.0 { width } else { 0.1 * (spec.range.1 - spec.range.0) };
+                let unit = if width > 0.0 {
+                    width
+                } else {
+                    0.1 * (spec.range.1 - spec.range.0)
+                };
                 (origin, unit)
             }
             None => (spec.range.0, spec.range.1 - spec.range.0),
@@ -150,7 +162,11 @@ impl Unknown {
 
     pub(crate) fn value(&self, z: f64) -> f64 {
         match self {
-            Self::Nuisance { datasheet, tolerance, .. } => datasheet + z * tolerance,
+            Self::Nuisance {
+                datasheet,
+                tolerance,
+                ..
+            } => datasheet + z * tolerance,
             Self::Effect { spec, origin, .. } if Self::is_log(spec) => origin * z.exp(),
             Self::Effect { origin, unit, .. } => origin + z * unit,
         }
@@ -158,7 +174,11 @@ impl Unknown {
 
     fn coordinate_of(&self, value: f64) -> f64 {
         match self {
-            Self::Nuisance { datasheet, tolerance, .. } => (value - datasheet) / tolerance,
+            Self::Nuisance {
+                datasheet,
+                tolerance,
+                ..
+            } => (value - datasheet) / tolerance,
             Self::Effect { spec, origin, .. } if Self::is_log(spec) => (value / origin).ln(),
             Self::Effect { origin, unit, .. } => (value - origin) / unit,
         }
@@ -167,7 +187,9 @@ impl Unknown {
     fn coordinate(&self, plant: &PlantParameters) -> f64 {
         match self {
             Self::Nuisance { .. } => 0.0,
-            Self::Effect { spec, .. } => spec.value(plant).map_or(0.0, |value| self.coordinate_of(value)),
+            Self::Effect { spec, .. } => spec
+                .value(plant)
+                .map_or(0.0, |value| self.coordinate_of(value)),
         }
     }
 
@@ -185,9 +207,10 @@ impl Unknown {
     pub(crate) fn bounds(&self) -> (f64, f64) {
         match self {
             Self::Nuisance { .. } => (-1.0, 1.0),
-            Self::Effect { spec, .. } => {
-                (self.coordinate_of(spec.range.0), self.coordinate_of(spec.range.1))
-            }
+            Self::Effect { spec, .. } => (
+                self.coordinate_of(spec.range.0),
+                self.coordinate_of(spec.range.1),
+            ),
         }
     }
 
@@ -204,9 +227,9 @@ impl Unknown {
     pub(crate) fn prior_mean(&self) -> f64 {
         match self {
             Self::Nuisance { .. } => 0.0,
-            Self::Effect { spec, .. } => {
-                spec.size.map_or(0.0, |size| self.coordinate_of(size.typical))
-            }
+            Self::Effect { spec, .. } => spec
+                .size
+                .map_or(0.0, |size| self.coordinate_of(size.typical)),
         }
     }
 

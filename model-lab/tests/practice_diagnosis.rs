@@ -1,0 +1,159 @@
+//! The bundled rigs with their answers: data/README.md and data/synthetic/answers.json.
+
+use core::ops::ControlFlow;
+use std::path::PathBuf;
+
+use model_lab::diagnosis::diagnose;
+use model_lab::diagnosis::result::{Candidate, Diagnosis, FittedParameter, Verdict};
+use plant_sim::PlantParameters;
+use recording::{Recording, csv};
+
+fn log(name: &str) -> Recording {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../data/synthetic")
+        .join(name);
+    csv::read_file(path, &csv::Options::default()).unwrap()
+}
+
+fn diagnosed(rig: u8) -> Diagnosis {
+    let read = |kind: &str| [log(&format!("practice-{rig:02}-{kind}.csv"))];
+    let watch = |_| ControlFlow::Continue(());
+    diagnose(
+        &PlantParameters::nominal(),
+        &read("id"),
+        &read("check"),
+        &watch,
+    )
+    .unwrap()
+}
+
+fn candidate<'a>(diagnosis: &'a Diagnosis, effect: &str) -> &'a Candidate {
+    let mut candidates = diagnosis.candidates.iter();
+    candidates
+        .find(|candidate| candidate.effect == effect)
+        .unwrap()
+}
+
+fn fitted<'a>(diagnosis: &'a Diagnosis, effect: &str, key: &str) -> &'a FittedParameter {
+    let mut parameters = candidate(diagnosis, effect).parameters.iter();
+    parameters.find(|parameter| parameter.key == key).unwrap()
+}
+
+/// What the issue promises of every rig that hides effects of the library: found, named alone, and the error at the
+/// floor.
+fn assert_found(diagnosis: &Diagnosis, effects: &[&str]) {
+    assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
+    assert_eq!(diagnosis.effects, effects);
+    assert!(!diagnosis.unexplained);
+    for effect in effects {
+        assert_eq!(diagnosis.equivalents[*effect], [*effect]);
+    }
+    let last = diagnosis.ladder.last().unwrap();
+    for (signal, rms) in &last.check_rms {
+        let ratio = rms / last.noise_floor[signal];
+        assert!(ratio < 1.1, "{signal}: {ratio:.2} noise floors remain");
+    }
+}
+
+fn assert_contains(parameter: &FittedParameter, truth: f64) {
+    assert!(
+        parameter.low <= truth && truth <= parameter.high,
+        "{}: {:.4e} is not in {:.4e} to {:.4e}",
+        parameter.key,
+        truth,
+        parameter.low,
+        parameter.high
+    );
+    // An interval that contains everything says nothing.
+    assert!(parameter.high / parameter.low < 1.5, "{parameter:?}");
+}
+
+#[test]
+fn rig_0_lacks_nothing_and_tells_what_it_would_have_shown() {
+    let diagnosis = diagnosed(0);
+    assert_eq!(
+        diagnosis.verdict,
+        Verdict::Adequate,
+        "{}",
+        diagnosis.sentence
+    );
+    assert!(diagnosis.effects.is_empty() && diagnosis.equivalents.is_empty());
+    assert_eq!(diagnosis.candidates.len(), 20);
+    assert!(
+        diagnosis
+            .nuisance
+            .iter()
+            .all(|nuisance| nuisance.alarm.is_none())
+    );
+}
+
+#[test]
+fn rig_1_leaks() {
+    let diagnosis = diagnosed(1);
+    assert_found(&diagnosis, &["chamber_leak"]);
+    assert_contains(fitted(&diagnosis, "chamber_leak", "area_m2"), 2.1e-8);
+}
+
+#[test]
+fn rig_2_heats_its_coils() {
+    let diagnosis = diagnosed(2);
+    assert_found(&diagnosis, &["coil_heating"]);
+    let capacity = fitted(&diagnosis, "coil_heating", "heat_capacity_j_per_k");
+    assert_contains(capacity, 23.0);
+}
+
+#[test]
+fn rig_3_saturates() {
+    assert_found(&diagnosed(3), &["iron_saturation"]);
+}
+
+#[test]
+fn rig_4_has_a_narrow_supply_line() {
+    let diagnosis = diagnosed(4);
+    assert_found(&diagnosis, &["supply_line_droop"]);
+    let of = |key| fitted(&diagnosis, "supply_line_droop", key);
+    assert_contains(of("restriction_area_m2"), 3.25e-6);
+    assert_contains(of("line_volume_m3"), 7e-5);
+    // Without the effect, the parameters that may scatter were bent out of shape.
+    let bent = |name: &str| {
+        let mut nuisance = diagnosis.nuisance.iter();
+        nuisance.any(|nuisance| nuisance.name == name && nuisance.alarm.is_some())
+    };
+    assert!(bent("flow.discharge_fill"));
+}
+
+#[test]
+fn rig_5_warms_its_gas() {
+    let diagnosis = diagnosed(5);
+    assert_found(&diagnosis, &["gas_temperature"]);
+    let heat = fitted(&diagnosis, "gas_temperature", "wall_heat_transfer_w_per_k");
+    assert_contains(heat, 0.07);
+}
+
+#[test]
+fn rig_6_has_a_slow_sensor() {
+    let diagnosis = diagnosed(6);
+    assert_found(&diagnosis, &["sensor_lag"]);
+    assert_contains(fitted(&diagnosis, "sensor_lag", "time_constant_s"), 0.012);
+}
+
+#[test]
+fn rig_7_leaks_and_heats_its_coils() {
+    let diagnosis = diagnosed(7);
+    assert_found(&diagnosis, &["chamber_leak", "coil_heating"]);
+    assert_contains(fitted(&diagnosis, "chamber_leak", "area_m2"), 2.1e-8);
+    let capacity = fitted(&diagnosis, "coil_heating", "heat_capacity_j_per_k");
+    assert_contains(capacity, 23.0);
+}
+
+#[test]
+fn rig_8_lacks_something_that_the_library_has_not() {
+    let diagnosis = diagnosed(8);
+    assert_eq!(
+        diagnosis.verdict,
+        Verdict::NotInLibrary,
+        "{}",
+        diagnosis.sentence
+    );
+    assert!(diagnosis.effects.is_empty() && diagnosis.unexplained);
+}
