@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use recording::csv::Mapping;
 use recording::mf4::{Limits, Mf4Error, Options, READER_NOTE, list, read};
-use recording::{Quantity, Recording, Unit};
+use recording::{LogFormat, LogOptions, Quantity, Recording, Unit, read_log, read_log_file};
 
 fn folder() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/mf4"))
@@ -295,4 +295,67 @@ fn one_name_in_two_groups_is_chosen_by_the_mapping() {
             .ends_with("write \"1/p_ch\" for the first of them"),
         "{error}"
     );
+}
+
+#[test]
+fn a_mapping_brings_two_rates_to_the_instants_of_one() {
+    let at = |name: &str| {
+        let rows = format!("rows = {{ instants_of = \"{name}\" }}");
+        let constant = "constant.duty_vent = { value = 0, unit = \"pct\" }";
+        read_mapped("rates", &format!("schema = 1\n{rows}\n{constant}\n"))
+    };
+    let slow = at("duty_fill").unwrap();
+    assert_eq!(slow.time_bases().count(), 1);
+    let all = read_fixture("rates");
+    let fast = all.signal("p_ch").unwrap().values_or_nan();
+    // Of samples up to 59 ms the last one is still known at 60 ms, and none at 70 ms.
+    let picked = slow.signal("p_ch").unwrap();
+    let known: Vec<f64> = picked.iter().map_while(|value| value).collect();
+    let places = [0, 10, 20, 30, 40, 50, 59];
+    let expected: Vec<f64> = places.map(|place| fast[place]).to_vec();
+    assert_eq!((known, picked.len()), (expected, 12));
+    assert_eq!(slow.signal("duty_vent").unwrap().len(), 12);
+    let note = slow.provenance().notes.last().unwrap();
+    assert!(note.key == READER_NOTE && note.value.ends_with("the instants of \"duty_fill\""));
+    assert_eq!(at("i_vent").unwrap_err().code(), "E-MF4-NO-INSTANTS");
+}
+
+/// Not by the name: a log is what its first bytes say, also where it cannot be read twice.
+#[test]
+fn a_log_of_either_format_is_known_by_its_beginning() {
+    let csv = b"time_s,p_ch_bar_gauge\n0.0,1.5\n0.1,1.6\n";
+    let folder = tempfile::tempdir().unwrap();
+    for (content, signals) in [
+        (csv.to_vec(), 1),
+        (bytes("rates"), 5),
+        (bytes("unfinished"), 1),
+    ] {
+        let path = folder.path().join("log");
+        fs::write(&path, &content).unwrap();
+        let options = LogOptions::default();
+        let of_file = read_log_file(&path, &options).unwrap();
+        let of_stream = read_log("log", content.as_slice(), &options).unwrap();
+        assert_eq!(of_file.signals().len(), signals);
+        assert_eq!(of_stream, of_file);
+    }
+    let code = |content: &[u8]| {
+        let error = read_log("log", content, &LogOptions::default()).unwrap_err();
+        error.code()
+    };
+    assert_eq!(code(b""), "E-CSV-EMPTY");
+    assert_eq!(code(b"MDF     4.10"), "E-MF4-ID");
+    assert_eq!(code(b"UnFinMF 4.10"), "E-MF4-ID");
+    let mf4_limits = Limits {
+        file_bytes: 1000,
+        ..Limits::default()
+    };
+    let options = LogOptions {
+        mf4_limits,
+        ..LogOptions::default()
+    };
+    let error = read_log("log", bytes("rates").as_slice(), &options).unwrap_err();
+    assert_eq!(error.code(), "E-MF4-LIMIT-FILE", "{error}");
+    let named = ["a.mf4", "a.MF4", "a.csv", "mf4"].map(LogFormat::of_name);
+    let [mf4, csv] = [LogFormat::Mf4, LogFormat::Csv];
+    assert_eq!(named, [mf4, mf4, csv, csv]);
 }
