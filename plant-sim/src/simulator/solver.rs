@@ -23,7 +23,8 @@ const LONGEST_STIFF_STEP: f64 = 0.2e-3;
 const NEAR_INSTABILITY: f64 = 2.5;
 /// So many more steps at the limit than below it, and the plant is called stiff.
 const STIFF: u32 = 15;
-/// After an event, so many steps decide anew.
+/// After an event, so many steps decide anew; but for a stretch that had fewer, or events that follow each other closely
+/// would leave a stiff plant to the explicit method, whose noise makes more of them.
 const RECONSIDERED: u32 = 3;
 /// Time that passes at least with every located event (s); keeps a chattering armature going forward.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
@@ -63,6 +64,8 @@ pub(super) struct Solver<P> {
     proposal: [f64; 2],
     /// Steps at the limit of stability, less those below it.
     stiffness: u32,
+    /// Steps of the last integrated stretch.
+    stretch: u32,
 }
 
 impl<P: Physics> Solver<P> {
@@ -76,6 +79,7 @@ impl<P: Physics> Solver<P> {
             weights: tolerance.weights(),
             proposal: [1e-3, 0.25e-3],
             stiffness: 0,
+            stretch: 0,
         }
     }
 
@@ -213,11 +217,14 @@ impl<P: Physics> Solver<P> {
         let smooth = self.smooth(live);
         let mut start = self.pack::<N, M>(live);
         let mut start_rate = self.physics.rates(&smooth, &start);
-        self.stiffness = self.stiffness.min(STIFF - RECONSIDERED);
+        if core::mem::take(&mut self.stretch) >= RECONSIDERED {
+            self.stiffness = self.stiffness.min(STIFF - RECONSIDERED);
+        }
         while remaining > 0.0 {
             let Some((span, end_rate)) = self.step(&smooth, start, start_rate, remaining) else {
                 return remaining;
             };
+            self.stretch = self.stretch.saturating_add(1);
             let currents = self.resting_currents();
             if let Some((time, event)) = self.first_event(&smooth, &span, &currents) {
                 self.commit(&smooth, &span, &span.at(time), time, &currents);

@@ -74,10 +74,16 @@ impl Extended {
             let middle = span.at(0.5 * taken);
             let states = [&span.start, &middle, end];
             let [start, middle, end] = states.map(|y| self.coils(smooth, y, [0.0; 2]));
-            for &index in &smooth.live {
+            for (&index, drive) in smooth.live.iter().zip(smooth.drives) {
+                let [start, middle, end] = [start, middle, end].map(|now| now[index].current);
+                // Interpolated flux that is off by a little is a current off by any factor where the iron saturates.
+                let steady = drive.voltage().unwrap_or(0.0)
+                    / flux::loop_resistance(&self.plant, index, drive);
+                let most = start.abs().max(end.abs()).max(steady.abs());
+                let middle = middle.clamp(-most, most);
                 let mean = |power: i32| {
                     let [start, middle, end] =
-                        [start, middle, end].map(|now| now[index].current.powi(power));
+                        [start, middle, end].map(|current| current.powi(power));
                     (start + 4.0 * middle + end) / 6.0 * taken
                 };
                 charge[index] += mean(1);
