@@ -5,10 +5,11 @@ use plant_sim::effects::EffectSetting;
 
 use super::errors::Errors;
 use super::evidence::Run;
-use super::fit::{Fitter, dot};
+use super::fit::Fitter;
 use super::result::DetectionLimit;
 use super::trial::{Bench, Trial};
 use super::unknowns::{Unknown, Unknowns};
+use super::vector::dot;
 use super::verdict::{DETECTABLE, MATERIAL_EXCESS};
 
 /// An effect that shows only beyond so many typical sizes is not excited.

@@ -164,7 +164,7 @@ impl Log {
         let error = |log: &Self| {
             let mut all = Residuals::new();
             log.residuals_into(parameters, Run::Free, &mut all)
-                .map_or(f64::INFINITY, |()| super::fit::square(&all))
+                .map_or(f64::INFINITY, |()| super::vector::square(&all))
         };
         let with = error(self);
         self.is_without_supply = true;
@@ -204,7 +204,7 @@ impl Log {
                 }
             }
             budget += STEPS_PER_ROW;
-            if replay.simulator().statistics().steps as u64 > budget {
+            if replay.simulator().statistics().steps > budget {
                 return None;
             }
         }

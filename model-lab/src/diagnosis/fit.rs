@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::evidence::{Evidence, Residuals, Run};
 use super::unknowns::Unknowns;
+use super::vector::{dot, square};
 
 /// Iterations at most.
 const ITERATIONS: usize = 12;
@@ -271,12 +272,4 @@ impl<'a> Fitter<'a> {
 
 fn converged(cost: f64) -> f64 {
     CONVERGED.max(CONVERGED_SHARE * cost)
-}
-
-pub(crate) fn square(residuals: &[f64]) -> f64 {
-    dot(residuals, residuals)
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

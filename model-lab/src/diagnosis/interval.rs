@@ -47,7 +47,7 @@ fn scatter_of_gradient(evidence: &Evidence, trial: &Trial) -> DMatrix<f64> {
             let gradient: Vec<f64> = columns
                 .iter()
                 .map(|column| {
-                    super::fit::dot(&column[block.clone()], &trial.fit.residuals[block.clone()])
+                    super::vector::dot(&column[block.clone()], &trial.fit.residuals[block.clone()])
                 })
                 .collect();
             for a in 0..count {

@@ -19,6 +19,7 @@ pub mod result;
 mod search;
 mod trial;
 mod unknowns;
+mod vector;
 mod verdict;
 
 use std::time::Instant;
