@@ -59,6 +59,21 @@ pub struct Sample {
     pub temperature: f64,
 }
 
+impl Sample {
+    /// What is known once a simulation was given up: the time.
+    fn unknown(time_ns: u64) -> Self {
+        Self {
+            time_ns,
+            pressure: f64::NAN,
+            measured_pressure: f64::NAN,
+            current: [f64::NAN; 2],
+            mean_current: [f64::NAN; 2],
+            position: [f64::NAN; 2],
+            temperature: f64::NAN,
+        }
+    }
+}
+
 /// Simulates a plant from duty cycles.
 ///
 /// ```
@@ -161,12 +176,13 @@ impl Simulator {
     }
 
     /// Gives the simulation up once its [work](Statistics::work) has reached `limit`, in the middle of an advance if it
-    /// comes to that: the plant is left as it is then, while time goes on. A larger limit lets it go on.
+    /// comes to that: the plant stays as it is then, and samples show NaN. A larger limit lets it go on from there.
     pub fn set_work_limit(&mut self, limit: u64) {
         either!(&mut self.engine, solver => solver.work_limit = limit);
     }
 
-    /// Whether the limit of the work is reached: what the simulator shows from there on says nothing of the plant.
+    /// Whether the simulation was given up: the limit of the work is reached, or a rate is no number, as a law of your own
+    /// may have it. Samples show NaN then.
     pub fn is_given_up(&self) -> bool {
         either!(&self.engine, solver => solver.is_given_up())
     }
@@ -221,7 +237,7 @@ impl Simulator {
         let charge = either!(&mut self.engine, solver => core::mem::take(&mut solver.charge));
         let state = self.state();
         let current = state.valves.map(|valve| valve.current);
-        let sample = Sample {
+        let known = Sample {
             time_ns: self.time_ns,
             pressure: state.pressure,
             measured_pressure,
@@ -235,7 +251,11 @@ impl Simulator {
             temperature,
         };
         self.last_sample_ns = self.time_ns;
-        sample
+        if self.is_given_up() {
+            Sample::unknown(self.time_ns)
+        } else {
+            known
+        }
     }
 
     /// Advances to `end_ns`; an instant in the past changes nothing.

@@ -26,6 +26,8 @@ const STIFF: u32 = 15;
 /// After an event, so many steps decide anew; but for a stretch that had fewer, or events that follow each other closely
 /// would leave a stiff plant to the explicit method, whose noise makes more of them.
 const RECONSIDERED: u32 = 3;
+/// A step that is shorter (s) and still meets a rate that is no number will meet it however short it is.
+const SHORTEST_STEP: f64 = 1e-15;
 /// Time that passes at least with every located event (s); keeps a chattering armature going forward.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
 
@@ -66,6 +68,8 @@ pub(super) struct Solver<P> {
     stiffness: u32,
     /// Steps of the last integrated stretch.
     stretch: u32,
+    /// Whether a rate was no number, so that there is no next step.
+    has_no_step: bool,
 }
 
 impl<P: Physics> Solver<P> {
@@ -80,11 +84,12 @@ impl<P: Physics> Solver<P> {
             proposal: [1e-3, 0.25e-3],
             stiffness: 0,
             stretch: 0,
+            has_no_step: false,
         }
     }
 
     pub(super) fn is_given_up(&self) -> bool {
-        self.statistics.work() >= self.work_limit
+        self.has_no_step || self.statistics.work() >= self.work_limit
     }
 
     /// Advances through `duration` (s) in which no output changes.
@@ -315,6 +320,7 @@ impl<P: Physics> Solver<P> {
                 }
                 return Some((span, step.end_rate));
             }
+            self.has_no_step = h < SHORTEST_STEP && !error.is_finite();
             self.proposal[kind] = h * factor.min(0.9);
             self.statistics.rejected_steps += 1;
         }
