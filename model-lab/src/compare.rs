@@ -11,10 +11,10 @@ use crate::metrics::{present, residual};
 use crate::noise_floor::Floor;
 use crate::offset::{FineCourse, time_offset};
 use crate::options::CompareOptions;
-use crate::regime::{Excess, Features, error_map, find, shares};
+use crate::regime::{Excess, Features, error_map, find, placement, shares};
 use crate::result::{
-    COMPARISON_SCHEMA, Comparison, CurrentMeaning, Horizon, LimitFrom, Predictor, RESIDUAL_SIGN,
-    SignalComparison, TimeOffset, Traces, Verdict,
+    COMPARISON_SCHEMA, Comparison, CurrentMeaning, Horizon, LimitFrom, Placement, Predictor,
+    RESIDUAL_SIGN, SignalComparison, TimeOffset, Traces, Verdict,
 };
 use crate::run::{Activity, Columns, Setup};
 use crate::summary::summary;
@@ -71,6 +71,7 @@ pub fn compare(
         fine_run: &fine_run,
     };
     let mut signals = Vec::new();
+    let mut placements = Vec::new();
     let mut residuals = [Columns::default(), Columns::default()];
     for signal in &measured {
         let of = |run: &Columns| {
@@ -79,7 +80,9 @@ pub fn compare(
         };
         let free = of(&free_run).unwrap_or_default();
         let short = of(&short_horizon).filter(|_| predictor.is_some());
-        signals.push(lab.compare_signal(signal, &free, short.as_deref()));
+        let (compared, placed) = lab.compare_signal(signal, &free, short.as_deref());
+        signals.push(compared);
+        placements.extend(placed);
         residuals[0]
             .signals
             .push((signal.name, signal.error_unit, free));
@@ -100,6 +103,7 @@ pub fn compare(
         },
         free_run_residual: recording(free_run_residual, "free-run residual of")?,
         short_horizon_residual: recording(short_horizon_residual, "short-horizon residual of")?,
+        placements,
     };
     Ok(Comparison {
         schema: COMPARISON_SCHEMA.to_owned(),
@@ -143,7 +147,7 @@ impl Lab<'_> {
         signal: &Measured,
         free: &[f64],
         short: Option<&[f64]>,
-    ) -> SignalComparison {
+    ) -> (SignalComparison, Vec<Placement>) {
         let Floor { sigma, freedom, .. } = signal.floor;
         let short_sigma =
             self.predictor
@@ -173,7 +177,14 @@ impl Lab<'_> {
         };
         let free_run = summary(free, sigma, Horizon::FreeRun);
         let (limit, limit_from) = self.limit(signal);
-        SignalComparison {
+        let (error_map, mut cells) = error_map(&features, local, horizon);
+        signal.name.clone_into(&mut cells.signal);
+        let placements = dimensions
+            .iter()
+            .map(|dimension| placement(signal.name, dimension))
+            .chain([cells]);
+        let placements = placements.collect();
+        let compared = SignalComparison {
             name: signal.name.to_owned(),
             unit: signal.error_unit.symbol().to_owned(),
             compared: present(free).count(),
@@ -189,9 +200,10 @@ impl Lab<'_> {
                 .iter()
                 .map(|dimension| shares(dimension, short_excess.as_ref(), &free_excess))
                 .collect(),
-            error_map: error_map(&features, local, horizon),
+            error_map,
             finding: find(&dimensions, &features, local, horizon),
-        }
+        };
+        (compared, placements)
     }
 
     fn features(&self, signal: &Measured) -> Features {

@@ -63,6 +63,24 @@ pub struct Traces {
     pub free_run_residual: Recording,
     /// Measured minus short-horizon prediction: the innovations. Empty where no pressure was logged.
     pub short_horizon_residual: Recording,
+    /// The bin of each instant, for each compared signal and each way to sort.
+    pub placements: Vec<Placement>,
+}
+
+/// Dimension of the [`Placement`] into the cells of [`ErrorMap`]; labels are `duty band, pressure band`.
+pub const ERROR_MAP: &str = "error_map";
+
+/// The bin of each instant in one dimension.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Placement {
+    /// The compared signal.
+    pub signal: String,
+    /// Stable name, as in [`RegimeShares`], or [`ERROR_MAP`].
+    pub dimension: String,
+    /// Labels of all bins, those without samples included.
+    pub labels: Vec<String>,
+    /// For each instant of the log, an index into `labels`.
+    pub bin_of: Vec<u16>,
 }
 
 /// How a current sample is meant.

@@ -33,6 +33,7 @@ Examples:
   retarder parameters --toml > my-plant.toml                 a plant file to start from
   retarder compare --plant my-plant.toml --log bench.csv
   retarder control --plant my-plant.toml                     does the loop keep its promises?
+  retarder serve                                             all of it in your browser
 
 Exit status: 0 holds, 1 does not hold, 2 could not run or could not tell.
 Colours: NO_COLOR=1 turns them off, CLICOLOR_FORCE=1 on. COLUMNS sets the width of tables and plots.";
@@ -56,6 +57,8 @@ pub(crate) enum Command {
     Parameters(ParametersArgs),
     /// The settings of a controller file: value and meaning
     Settings(SettingsArgs),
+    /// The same loop with mouse and eyes: a page for your browser, served on this machine alone
+    Serve(ServeArgs),
     /// The JSON Schema of a result
     #[command(after_help = "Example:\n  retarder schema comparison > comparison.schema.json")]
     Schema {
@@ -221,6 +224,22 @@ pub(crate) struct SettingsArgs {
     pub(crate) controller: ControllerArg,
     #[command(flatten)]
     pub(crate) toml: TomlArg,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder serve
+  retarder serve --project bench-week-12 --port 8080
+
+The printed address opens the page in one browser; it changes with every start. Ctrl-C ends it.")]
+pub(crate) struct ServeArgs {
+    /// Folder that keeps logs and projects, so that the next start finds them again
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath, default_value = "retarder-project")]
+    pub(crate) project: PathBuf,
+    /// Port on 127.0.0.1; without it 7474, or a free one if that is taken
+    #[arg(long, value_name = "PORT", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) port: Option<u16>,
 }
 
 #[derive(Debug, Args)]

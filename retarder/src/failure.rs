@@ -33,6 +33,8 @@ pub(crate) enum Failure {
     #[error("{}: larger than the {limit} bytes of any file of this kind; is it the right one?", path.display())]
     TooLarge { path: PathBuf, limit: u64 },
     #[error(transparent)]
+    Serve(#[from] workbench::ServeError),
+    #[error(transparent)]
     Log(#[from] LogError),
     #[error(transparent)]
     Mapping(#[from] MappingError),

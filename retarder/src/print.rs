@@ -7,6 +7,7 @@ mod device;
 mod live;
 mod number;
 mod parameters;
+mod serve;
 mod simulation;
 mod table;
 mod thesis;
@@ -26,6 +27,7 @@ use crate::targets::Targets;
 
 pub(crate) use device::{measured, measuring};
 pub(crate) use live::Live;
+pub(crate) use serve::serving;
 pub(crate) use simulation::simulation;
 
 /// What text is laid out for.

@@ -9,6 +9,7 @@ pub(crate) mod device_report;
 pub(crate) mod measurement;
 mod row_output;
 pub(crate) mod schema;
+pub(crate) mod serve;
 pub(crate) mod simulate;
 pub(crate) mod thesis;
 pub(crate) mod tour;

@@ -42,6 +42,7 @@ enum Work {
     Thesis(NamedPlant),
     Parameters(NamedPlant),
     Settings(NamedController),
+    Serve(workbench::Options),
     Text(String),
 }
 
@@ -101,6 +102,10 @@ impl Task {
                     Work::Settings(controller)
                 }
             }
+            Some(Command::Serve(args)) => Work::Serve(workbench::Options {
+                project: args.project,
+                port: args.port,
+            }),
             Some(Command::Schema { result }) => Work::Text(schema_text(result)),
             Some(Command::Completions { shell }) => Work::Text(completions(shell)),
         };
@@ -145,6 +150,9 @@ impl Task {
             Work::Thesis(plant) => Outcome::Thesis(run::thesis::run(plant)),
             Work::Parameters(plant) => Outcome::Parameters(plant),
             Work::Settings(controller) => Outcome::Settings(controller),
+            Work::Serve(options) => Outcome::Text(run::serve::run(&options, &mut |address| {
+                print::serving(address)
+            })?),
             Work::Text(text) => Outcome::Text(text),
         };
         Ok((outcome, self.targets))

@@ -1,10 +1,14 @@
 use super::dimension::{duty_band, duty_band_labels, pressure_band};
 use super::excess::Excess;
 use super::features::Features;
-use crate::result::{ErrorMap, Horizon, MapCell};
+use crate::result::{ERROR_MAP, ErrorMap, Horizon, MapCell, Placement};
 
-/// The error over duty cycle of the acting valve (rows) and pressure (columns).
-pub(crate) fn error_map(features: &Features, excess: &Excess, horizon: Horizon) -> ErrorMap {
+/// The error over duty cycle of the acting valve (rows) and pressure (columns), and the cell of each sample.
+pub(crate) fn error_map(
+    features: &Features,
+    excess: &Excess,
+    horizon: Horizon,
+) -> (ErrorMap, Placement) {
     let labels = duty_band_labels();
     let bands = labels.len();
     let venting = labels
@@ -40,12 +44,28 @@ pub(crate) fn error_map(features: &Features, excess: &Excess, horizon: Horizon) 
             samples: sums.count,
             error: excess.bin_error(sums),
         });
-    ErrorMap {
+    let labels = duty_bands.iter().flat_map(|duty| {
+        let label = move |pressure| format!("{duty}, {pressure}");
+        pressure_bands.iter().map(label)
+    });
+    let placement = Placement {
+        signal: String::new(),
+        dimension: ERROR_MAP.to_owned(),
+        labels: labels.collect(),
+        bin_of: compact(&cell_of),
+    };
+    let map = ErrorMap {
         horizon,
         cells: cells.collect(),
         duty_bands,
         pressure_bands,
-    }
+    };
+    (map, placement)
+}
+
+/// Bins as a placement keeps them: some hundred at most.
+pub(crate) fn compact(bin_of: &[usize]) -> Vec<u16> {
+    bin_of.iter().map(|&bin| bin as u16).collect()
 }
 
 #[cfg(test)]
@@ -65,7 +85,7 @@ mod tests {
             times_s: vec![0.0, 1.0, 2.0, 3.0, 4.0],
         };
         let residual = [1.0, 2.0, 3.0, f64::NAN, 5.0];
-        let map = error_map(
+        let (map, placement) = error_map(
             &features,
             &Excess::new(&residual, 0.0, 0.0),
             Horizon::FreeRun,
@@ -86,5 +106,8 @@ mod tests {
                 ("fill 90 % and more", "7 to 8 bar", 5.0),
             ]
         );
+        let label = |sample: usize| &placement.labels[usize::from(placement.bin_of[sample])][..];
+        assert_eq!(label(0), "vent 90 % and more, 0 to 1 bar");
+        assert_eq!(label(3), "fill below 30 %, 0 to 1 bar");
     }
 }

@@ -14,9 +14,9 @@ pub(crate) use dimension::Dimension;
 pub(crate) use excess::Excess;
 pub(crate) use features::Features;
 pub(crate) use finder::find;
-pub(crate) use map::error_map;
+pub(crate) use map::{compact, error_map};
 
-use crate::result::{RegimeBin, RegimeShares};
+use crate::result::{Placement, RegimeBin, RegimeShares};
 
 /// The shares in each bin of `dimension`.
 pub(crate) fn shares(
@@ -47,5 +47,15 @@ pub(crate) fn shares(
                 free_run: free_run.bin_error(&free_run_sums[index]),
             })
             .collect(),
+    }
+}
+
+/// The bin of each sample in `dimension`, for the signal of this name.
+pub(crate) fn placement(signal: &str, dimension: &Dimension) -> Placement {
+    Placement {
+        signal: signal.to_owned(),
+        dimension: dimension.id.to_owned(),
+        labels: dimension.bins.iter().map(|bin| bin.label.clone()).collect(),
+        bin_of: compact(&dimension.bin_of),
     }
 }

@@ -1,0 +1,18 @@
+//! The page, until Ctrl-C.
+
+use workbench::{Options, Server};
+
+use crate::failure::Failure;
+
+/// Serves; `begin` is called with the address once it answers. What comes back is what there is to say at the end.
+pub(crate) fn run(options: &Options, begin: &mut dyn FnMut(&str)) -> Result<String, Failure> {
+    let server = Server::bind(options)?;
+    let stopper = server.stopper();
+    ctrlc::set_handler(move || stopper.stop())?;
+    begin(&server.address());
+    server.run()?;
+    Ok(format!(
+        "\nThe project is kept in {}.\n",
+        options.project.display()
+    ))
+}

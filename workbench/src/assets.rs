@@ -1,0 +1,121 @@
+//! The files of the page. All are part of the program; a path of a request is looked up in this list and nowhere else.
+
+use std::sync::LazyLock;
+
+use axum::extract::Path;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use plotly::Plot;
+
+use crate::refusal::Refusal;
+
+const HTML: &str = "text/html; charset=utf-8";
+const CSS: &str = "text/css; charset=utf-8";
+const JAVASCRIPT: &str = "text/javascript; charset=utf-8";
+
+macro_rules! modules {
+    ($($path:literal),* $(,)?) => {
+        &[$(($path, include_str!(concat!("web/", $path)))),*]
+    };
+}
+
+/// Modules of the page.
+const MODULES: &[(&str, &str)] = modules![
+    "main.js",
+    "api.js",
+    "chart.js",
+    "dom.js",
+    "format.js",
+    "theme.js",
+    "view.js",
+    "pages/compare/charts.js",
+    "pages/compare/closer.js",
+    "pages/compare/cursors.js",
+    "pages/compare/regimes.js",
+    "pages/logs.js",
+    "pages/mapping.js",
+    "pages/compare.js",
+];
+
+/// The charting library, cut out of the script elements in which its crate hands it out.
+static PLOTLY: LazyLock<String> = LazyLock::new(|| {
+    let elements = Plot::offline_js_sources();
+    let begin = elements.find('>').map_or(0, |at| at + 1);
+    // The library itself has no such line; the second element is for formulas in labels, which the page does not have.
+    let end = elements.find("</script>\n").unwrap_or(elements.len());
+    elements[begin..end].to_owned()
+});
+
+/// The one document.
+pub(crate) async fn index() -> impl IntoResponse {
+    ([(CONTENT_TYPE, HTML)], include_str!("web/index.html"))
+}
+
+/// A script or the style sheet.
+pub(crate) async fn asset(Path(path): Path<String>) -> Result<Response, Refusal> {
+    let (kind, text): (_, &'static str) = match path.as_str() {
+        "style.css" => (CSS, include_str!("web/style.css")),
+        "plotly.js" => (JAVASCRIPT, PLOTLY.as_str()),
+        _ => {
+            let module = MODULES.iter().find(|(name, _)| *name == path);
+            let (_, text) = module.ok_or_else(|| Refusal::not_found("file"))?;
+            (JAVASCRIPT, *text)
+        }
+    };
+    Ok(([(CONTENT_TYPE, kind)], text).into_response())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_charting_library_is_whole_and_alone() {
+        assert!(PLOTLY.len() > 4_000_000, "{} bytes", PLOTLY.len());
+        let head = PLOTLY.trim_start();
+        assert!(head.starts_with("/**\n* plotly.js v3."), "{}", &head[..60]);
+        assert!(!PLOTLY.contains("<script type"), "an element is left");
+        assert!(
+            !PLOTLY.contains("MathJax.loader"),
+            "the second library is left"
+        );
+    }
+
+    /// Every file of the folder is in the list, and none names a place elsewhere.
+    #[test]
+    fn the_modules_are_those_of_the_folder_and_need_no_network() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/web");
+        let mut found = Vec::new();
+        let mut folders = vec![root.clone()];
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    folders.push(path);
+                    continue;
+                }
+                let text = std::fs::read_to_string(&path).unwrap();
+                for scheme in ["https://", "http://", "//cdn", "ws://"] {
+                    assert!(!text.contains(scheme), "{}: {scheme}", path.display());
+                }
+                for markup in [
+                    "innerHTML",
+                    "outerHTML",
+                    "insertAdjacentHTML",
+                    "document.write",
+                    "eval(",
+                ] {
+                    assert!(!text.contains(markup), "{}: {markup}", path.display());
+                }
+                if path.extension().is_some_and(|end| end == "js") {
+                    let name = path.strip_prefix(&root).unwrap().to_str().unwrap();
+                    found.push(name.replace('\\', "/"));
+                }
+            }
+        }
+        found.sort();
+        let mut listed: Vec<&str> = MODULES.iter().map(|(name, _)| *name).collect();
+        listed.sort_unstable();
+        assert_eq!(found, listed);
+    }
+}

@@ -1,0 +1,177 @@
+//! What every request passes before it is routed, and what every response carries.
+//!
+//! In this order: the `Host` header (a page of a name that an attacker lets point at this machine has another one), where
+//! the request comes from (a page of another origin may send but not read), the secret of this start (so may other users
+//! of the machine).
+
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::extract::{Request, State};
+use axum::http::header::{
+    CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, LOCATION, ORIGIN,
+    REFERRER_POLICY, SET_COOKIE, X_CONTENT_TYPE_OPTIONS,
+};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use crate::token::Secrets;
+
+/// Everything from this server, nothing inline, and strings become markup only where a policy lets them.
+const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; \
+     connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; \
+     require-trusted-types-for 'script'; trusted-types default";
+
+const SEC_FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
+const SEC_FETCH_MODE: HeaderName = HeaderName::from_static("sec-fetch-mode");
+
+/// What the guard knows of this start.
+pub(crate) struct Gate {
+    pub(crate) port: u16,
+    pub(crate) secrets: Secrets,
+}
+
+impl Gate {
+    /// Cookies are shared by all ports of a host, so two servers need two names.
+    fn cookie_name(&self) -> String {
+        format!("retarder-{}", self.port)
+    }
+
+    fn is_our_host(&self, host: &str) -> bool {
+        let port = self.port;
+        host == format!("127.0.0.1:{port}") || host == format!("localhost:{port}")
+    }
+
+    fn has_cookie(&self, headers: &HeaderMap) -> bool {
+        let name = self.cookie_name();
+        headers
+            .get_all(COOKIE)
+            .iter()
+            .filter_map(|value| value.to_str().ok())
+            .flat_map(|value| value.split(';'))
+            .filter_map(|pair| pair.trim().split_once('='))
+            .any(|(key, value)| key == name && self.secrets.is_cookie(value))
+    }
+
+    /// The answer to a request that may not pass; none lets it pass.
+    fn refusal(&self, request: &Request) -> Option<Response> {
+        let headers = request.headers();
+        let Some(host) = only(headers, HOST).filter(|host| self.is_our_host(host)) else {
+            return Some(plain(
+                StatusCode::MISDIRECTED_REQUEST,
+                "This server answers to the address that `retarder serve` printed, and to no other.\n",
+            ));
+        };
+        if !is_from_our_page(request.method(), headers, host) {
+            return Some(plain(
+                StatusCode::FORBIDDEN,
+                "Only the page of this server may ask this.\n",
+            ));
+        }
+        let token = (request.uri().path() == "/")
+            .then(|| token_of(request.uri().query().unwrap_or("")))
+            .flatten();
+        match (self.has_cookie(headers), token) {
+            (true, None) => None,
+            // The address was opened again: the secret leaves the address bar.
+            (true, Some(_)) => Some(to_the_page(None)),
+            (false, Some(token)) => match self.secrets.exchange(token) {
+                Some(cookie) => Some(to_the_page(Some(format!(
+                    "{}={cookie}; Path=/; HttpOnly; SameSite=Strict",
+                    self.cookie_name()
+                )))),
+                None => Some(unauthorised()),
+            },
+            (false, None) => Some(unauthorised()),
+        }
+    }
+}
+
+/// The one value of a header; none if it is absent, repeated or no text.
+fn only(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
+    let mut values = headers.get_all(name).iter();
+    match (values.next(), values.next()) {
+        (Some(value), None) => value.to_str().ok(),
+        _ => None,
+    }
+}
+
+/// Whether the request comes from a page of this server, or from a person who typed the address.
+fn is_from_our_page(method: &Method, headers: &HeaderMap, host: &str) -> bool {
+    let origin = match headers.get_all(ORIGIN).iter().count() {
+        0 => None,
+        _ => Some(only(headers, ORIGIN).is_some_and(|origin| origin == format!("http://{host}"))),
+    };
+    let site = match headers.get_all(SEC_FETCH_SITE).iter().count() {
+        0 => None,
+        _ => only(headers, SEC_FETCH_SITE).or(Some("")),
+    };
+    let reads_only = matches!(*method, Method::GET | Method::HEAD);
+    let is_navigation = only(headers, SEC_FETCH_MODE) == Some("navigate");
+    match (origin, site) {
+        (Some(false), _) => false,
+        (_, Some("same-origin")) => true,
+        (_, Some("none")) => reads_only || origin == Some(true),
+        // A link that was followed from elsewhere may open the page; it brings no cookie.
+        (_, Some(_)) => reads_only && is_navigation,
+        (Some(true), None) => true,
+        (None, None) => reads_only,
+    }
+}
+
+fn token_of(query: &str) -> Option<&str> {
+    query
+        .split('&')
+        .find_map(|pair| pair.strip_prefix("token="))
+}
+
+fn to_the_page(cookie: Option<String>) -> Response {
+    let mut response = (StatusCode::SEE_OTHER, [(LOCATION, "/")]).into_response();
+    if let Some(cookie) = cookie.and_then(|cookie| HeaderValue::try_from(cookie).ok()) {
+        response.headers_mut().insert(SET_COOKIE, cookie);
+    }
+    response
+}
+
+fn unauthorised() -> Response {
+    plain(
+        StatusCode::UNAUTHORIZED,
+        "This page opens with the address that `retarder serve` printed; each start has its own, and it is good for one \
+         browser. Start it again for another.\n",
+    )
+}
+
+fn plain(status: StatusCode, text: &'static str) -> Response {
+    (
+        status,
+        [(CONTENT_TYPE, "text/plain; charset=utf-8")],
+        Body::from(text),
+    )
+        .into_response()
+}
+
+/// Lets a request pass or answers it, and gives every answer the same headers.
+pub(crate) async fn guard(State(gate): State<Arc<Gate>>, request: Request, next: Next) -> Response {
+    let mut response = match gate.refusal(&request) {
+        Some(response) => response,
+        None => next.run(request).await,
+    };
+    let headers = response.headers_mut();
+    let mut set = |name: HeaderName, value: &'static str| {
+        headers.insert(name, HeaderValue::from_static(value));
+    };
+    set(CONTENT_SECURITY_POLICY, CONTENT_POLICY);
+    set(X_CONTENT_TYPE_OPTIONS, "nosniff");
+    set(REFERRER_POLICY, "no-referrer");
+    set(CACHE_CONTROL, "no-store");
+    set(
+        HeaderName::from_static("cross-origin-opener-policy"),
+        "same-origin",
+    );
+    set(
+        HeaderName::from_static("cross-origin-resource-policy"),
+        "same-origin",
+    );
+    response
+}

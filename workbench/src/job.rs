@@ -1,0 +1,199 @@
+//! Work that takes longer than a request: one job at a time for each session, watched by events, ended with its page.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use axum::response::Sse;
+use axum::response::sse::{Event, KeepAlive};
+use futures_util::{Stream, stream};
+use serde::Serialize;
+use tokio::sync::watch;
+
+use crate::refusal::{Problem, Refusal};
+
+/// Steps of progress that are told.
+const STEPS: u64 = 1000;
+
+/// How far a job is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "state", rename_all = "snake_case")]
+pub(crate) enum Progress {
+    Running {
+        /// Share that is done, 0 to 1.
+        share: f64,
+    },
+    Done,
+    Cancelled,
+    Failed {
+        problems: Vec<Problem>,
+    },
+}
+
+/// A job under way.
+pub(crate) struct Job {
+    pub(crate) number: u64,
+    is_cancelled: AtomicBool,
+    told: AtomicU64,
+    progress: watch::Sender<Progress>,
+}
+
+impl Job {
+    fn new() -> Self {
+        static NUMBERS: AtomicU64 = AtomicU64::new(1);
+        Self {
+            number: NUMBERS.fetch_add(1, Ordering::Relaxed),
+            is_cancelled: AtomicBool::new(false),
+            told: AtomicU64::new(0),
+            progress: watch::Sender::new(Progress::Running { share: 0.0 }),
+        }
+    }
+
+    /// Starts `work` on a thread of its own. It asks its job now and then whether to go on.
+    pub(crate) fn start(
+        work: impl FnOnce(&Self) -> Result<(), Refusal> + Send + 'static,
+    ) -> Arc<Self> {
+        let job = Arc::new(Self::new());
+        let worker = Arc::clone(&job);
+        let running = tokio::task::spawn_blocking(move || {
+            let ended = work(&worker);
+            worker.end(ended);
+        });
+        let watched = Arc::clone(&job);
+        tokio::spawn(async move {
+            if running.await.is_err() {
+                let problem = Problem::new(
+                    "E-WEB-INTERNAL",
+                    "this is a mistake of the program, not of the data; please report it with the log",
+                );
+                watched.end(Err(problem.into()));
+            }
+        });
+        job
+    }
+
+    fn end(&self, ended: Result<(), Refusal>) {
+        self.progress.send_replace(match ended {
+            _ if self.is_cancelled() => Progress::Cancelled,
+            Ok(()) => Progress::Done,
+            Err(refusal) => Progress::Failed {
+                problems: refusal.problems,
+            },
+        });
+    }
+
+    pub(crate) fn cancel(&self) {
+        self.is_cancelled.store(true, Ordering::Relaxed);
+    }
+
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Tells how far the job is (0 to 1), and says whether it is to go on.
+    pub(crate) fn goes_on(&self, share: f64) -> bool {
+        let step = (share * STEPS as f64) as u64;
+        if self.told.swap(step, Ordering::Relaxed) != step {
+            self.progress.send_replace(Progress::Running { share });
+        }
+        !self.is_cancelled()
+    }
+
+    /// Its progress as events, the last one its end. Whoever stops listening before that ends the job.
+    pub(crate) fn events(
+        self: &Arc<Self>,
+    ) -> Sse<impl Stream<Item = Result<Event, Infallible>> + use<>> {
+        let listener = Listener {
+            progress: self.progress.subscribe(),
+            job: Arc::clone(self),
+            is_first: true,
+            has_ended: false,
+        };
+        let events = stream::unfold(listener, async |mut listener| {
+            let progress = listener.next().await?;
+            let event = Event::default().json_data(progress).unwrap_or_default();
+            Some((Ok(event), listener))
+        });
+        Sse::new(events).keep_alive(KeepAlive::new().interval(Duration::from_secs(5)))
+    }
+}
+
+struct Listener {
+    job: Arc<Job>,
+    progress: watch::Receiver<Progress>,
+    is_first: bool,
+    has_ended: bool,
+}
+
+impl Listener {
+    async fn next(&mut self) -> Option<Progress> {
+        if self.has_ended {
+            return None;
+        }
+        if !self.is_first {
+            self.progress.changed().await.ok()?;
+        }
+        self.is_first = false;
+        let progress = self.progress.borrow_and_update().clone();
+        self.has_ended = !matches!(progress, Progress::Running { .. });
+        Some(progress)
+    }
+}
+
+impl Drop for Listener {
+    fn drop(&mut self) {
+        if !self.has_ended {
+            self.job.cancel();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn in_runtime(test: impl Future<Output = ()>) {
+        tokio::runtime::Builder::new_multi_thread()
+            .enable_all()
+            .build()
+            .unwrap()
+            .block_on(test);
+    }
+
+    async fn last_of(job: &Arc<Job>) -> Progress {
+        let mut progress = job.progress.subscribe();
+        let ended = progress
+            .wait_for(|progress| !matches!(progress, Progress::Running { .. }))
+            .await;
+        ended.unwrap().clone()
+    }
+
+    #[test]
+    fn a_job_ends_with_what_came_of_it() {
+        in_runtime(async {
+            assert_eq!(last_of(&Job::start(|_| Ok(()))).await, Progress::Done);
+            let failing = Job::start(|_| Err(Refusal::value("no")));
+            assert!(matches!(last_of(&failing).await, Progress::Failed { .. }));
+            let panicking = Job::start(|_| panic!("on purpose"));
+            let Progress::Failed { problems } = last_of(&panicking).await else {
+                panic!("the panic was not told");
+            };
+            assert_eq!(problems[0].code, "E-WEB-INTERNAL");
+        });
+    }
+
+    #[test]
+    fn a_job_whose_listener_goes_away_is_cancelled() {
+        in_runtime(async {
+            let job = Job::start(|job| {
+                while job.goes_on(0.5) {
+                    std::thread::yield_now();
+                }
+                Ok(())
+            });
+            drop(job.events());
+            assert_eq!(last_of(&job).await, Progress::Cancelled);
+        });
+    }
+}

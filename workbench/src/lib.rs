@@ -1,0 +1,19 @@
+#![doc = include_str!("../README.md")]
+
+mod align;
+mod assets;
+mod examples;
+mod guard;
+mod job;
+mod log_reader;
+mod mapping;
+mod pages;
+mod project;
+mod pyramid;
+mod refusal;
+mod server;
+mod session;
+mod store;
+mod token;
+
+pub use server::{Options, ServeError, Server, Stopper};

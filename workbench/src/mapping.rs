@@ -1,0 +1,208 @@
+//! The form in which a person says what the columns of a log are becomes the TOML that its reader takes.
+
+use std::fmt::Write as _;
+
+use serde::Deserialize;
+
+use crate::refusal::Refusal;
+
+/// A mapping as the page sends it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Form {
+    /// The mapping as TOML, for what the form does not offer; it takes the place of all else.
+    toml: Option<String>,
+    #[serde(default)]
+    columns: Vec<Column>,
+    /// Lines before the header.
+    #[serde(default)]
+    skip_lines: u32,
+    /// Whether the first line that is read names the columns; none lets the reader find out.
+    header: Option<bool>,
+    /// `comma`, `semicolon` or `tab`.
+    delimiter: Option<Word>,
+    /// `.` or `,`.
+    decimal: Option<Word>,
+}
+
+/// What one column is. A column that the form does not have speaks for itself.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Column {
+    /// From 1.
+    number: u32,
+    role: Role,
+    #[serde(default)]
+    name: String,
+    #[serde(default)]
+    unit: String,
+    /// Value = logged number * scale + offset.
+    scale: Option<f64>,
+    offset: Option<f64>,
+    thousands_separator: Option<Word>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Role {
+    Time,
+    Signal,
+    Ignore,
+}
+
+/// A word that the reader of mappings judges.
+type Word = String;
+
+impl Form {
+    /// The mapping as TOML; none if the form says nothing, so that the log is read as it stands.
+    ///
+    /// # Errors
+    /// A number that TOML cannot hold.
+    pub(crate) fn toml(&self) -> Result<Option<String>, Refusal> {
+        if let Some(toml) = &self.toml {
+            return Ok(Some(toml.clone()).filter(|toml| !toml.trim().is_empty()));
+        }
+        let mut toml = String::from("schema = 1\n");
+        let of_role = |role| {
+            self.columns
+                .iter()
+                .filter(move |column| column.role == role)
+        };
+        let ignored: Vec<String> = of_role(Role::Ignore)
+            .map(|column| column.number.to_string())
+            .collect();
+        if !ignored.is_empty() {
+            let _ = writeln!(toml, "ignore = [{}]", ignored.join(", "));
+        }
+        toml += &self.dialect();
+        for column in of_role(Role::Time) {
+            toml += "\n[time]\n";
+            toml += &column.lines()?;
+        }
+        for column in of_role(Role::Signal) {
+            let _ = write!(toml, "\n[signal.{}]\n", quoted(&column.name));
+            toml += &column.lines()?;
+        }
+        Ok((toml != "schema = 1\n").then_some(toml))
+    }
+
+    fn dialect(&self) -> String {
+        let mut lines = String::new();
+        if self.skip_lines > 0 {
+            let _ = writeln!(lines, "skip_lines = {}", self.skip_lines);
+        }
+        if let Some(header) = self.header {
+            let _ = writeln!(lines, "header = {header}");
+        }
+        for (key, word) in [("delimiter", &self.delimiter), ("decimal", &self.decimal)] {
+            if let Some(word) = word {
+                let _ = writeln!(lines, "{key} = {}", quoted(word));
+            }
+        }
+        if lines.is_empty() {
+            lines
+        } else {
+            format!("\n[dialect]\n{lines}")
+        }
+    }
+}
+
+impl Column {
+    fn lines(&self) -> Result<String, Refusal> {
+        let mut lines = format!("column = {}\nunit = {}\n", self.number, quoted(&self.unit));
+        for (key, value) in [("scale", self.scale), ("offset", self.offset)] {
+            if let Some(value) = value {
+                if !value.is_finite() {
+                    return Err(Refusal::value(format!(
+                        "the {key} of column {} is no finite number",
+                        self.number
+                    )));
+                }
+                let _ = writeln!(lines, "{key} = {value:?}");
+            }
+        }
+        if let Some(separator) = &self.thousands_separator {
+            let _ = writeln!(lines, "thousands_separator = {}", quoted(separator));
+        }
+        Ok(lines)
+    }
+}
+
+/// A TOML string.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for character in text.chars() {
+        match character {
+            '"' | '\\' => {
+                quoted.push('\\');
+                quoted.push(character);
+            }
+            _ if character.is_control() => {
+                let _ = write!(quoted, "\\u{:04X}", character as u32);
+            }
+            _ => quoted.push(character),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+#[cfg(test)]
+mod tests {
+    use recording::csv::{Mapping, Options, read};
+    use serde_json::json;
+
+    use super::*;
+
+    fn form(json: serde_json::Value) -> Form {
+        serde_json::from_value(json).unwrap()
+    }
+
+    #[test]
+    fn a_form_reads_a_log_that_does_not_explain_itself() {
+        let form = form(json!({
+            "columns": [
+                {"number": 1, "role": "time", "unit": "us", "thousands_separator": "."},
+                {"number": 2, "role": "signal", "name": "p_ch", "unit": "bar_gauge", "scale": 0.5, "offset": -0.25},
+                {"number": 3, "role": "ignore"},
+            ],
+            "delimiter": "semicolon",
+            "header": false,
+        }));
+        let toml = form.toml().unwrap().unwrap();
+        let mapping =
+            Mapping::parse("mapping", &toml).unwrap_or_else(|error| panic!("{error}\n{toml}"));
+        let log = "999.000;0.5;x\n1.000.000;2.5;y\n";
+        let options = Options {
+            mapping,
+            ..Options::default()
+        };
+        let recording = read("wild.csv", log.as_bytes(), &options).unwrap();
+        assert_eq!(
+            recording.signal("p_ch").unwrap().values_or_nan(),
+            [0.0, 1.0]
+        );
+    }
+
+    #[test]
+    fn a_name_cannot_leave_its_quotes() {
+        let name = "p\"]\nignore = [1]\n[signal.\"q\\";
+        let form = form(json!({
+            "columns": [{"number": 1, "role": "signal", "name": name, "unit": "bar_gauge"}]
+        }));
+        let toml = form.toml().unwrap().unwrap();
+        assert!(
+            !toml.lines().any(|line| line.starts_with("ignore")),
+            "{toml}"
+        );
+        // A name with a line break is refused by the reader, as a name and not as broken TOML.
+        let error = Mapping::parse("mapping", &toml).unwrap_err();
+        assert_eq!(error.code(), "E-MAP-NAME", "{error}");
+    }
+
+    #[test]
+    fn a_form_that_says_nothing_is_no_mapping() {
+        assert_eq!(form(json!({})).toml().unwrap(), None);
+        assert_eq!(form(json!({"toml": " \n"})).toml().unwrap(), None);
+    }
+}

@@ -1,0 +1,88 @@
+//! The pages: each is one file of routes here and one module in `web/pages/`.
+
+pub(crate) mod compare;
+mod logs;
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::response::Sse;
+use axum::response::sse::Event;
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use futures_util::Stream;
+use serde::{Deserialize, Serialize};
+
+use crate::refusal::Refusal;
+use crate::session::{Session, Sessions};
+use crate::store::ProjectId;
+
+/// What the routes of a page share.
+pub(crate) type Shared = State<Arc<Sessions>>;
+
+/// All routes below `/api`.
+pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
+    Router::new()
+        .route("/sessions", post(open))
+        .route("/sessions/{session}/close", post(close))
+        .route("/sessions/{session}/jobs/{job}", get(events))
+        .merge(logs::routes())
+        .merge(compare::routes())
+        .with_state(sessions)
+}
+
+/// The session that the path names.
+pub(crate) fn session(sessions: &Sessions, id: String) -> Result<Arc<Session>, Refusal> {
+    let id = ProjectId::try_from(id).map_err(|_| Refusal::not_found("session"))?;
+    sessions.get(&id)
+}
+
+/// Files are read on threads that may wait.
+pub(crate) async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
+) -> Result<T, Refusal> {
+    let done = tokio::task::spawn_blocking(work).await;
+    done.unwrap_or_else(|_| {
+        Err(Refusal::new(
+            StatusCode::INTERNAL_SERVER_ERROR,
+            "E-WEB-INTERNAL",
+            "this is a mistake of the program, not of the data; please report it with the log",
+        ))
+    })
+}
+
+#[derive(Deserialize)]
+struct Open {
+    /// Project that the tab had open before, if any.
+    project: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Opened {
+    session: ProjectId,
+}
+
+async fn open(State(sessions): Shared, Json(wish): Json<Open>) -> Result<Json<Opened>, Refusal> {
+    let wanted = wish.project.and_then(|id| ProjectId::try_from(id).ok());
+    let session = sessions.open(wanted)?;
+    Ok(Json(Opened {
+        session: session.id.clone(),
+    }))
+}
+
+async fn close(State(sessions): Shared, Path(id): Path<String>) -> Result<(), Refusal> {
+    let id = ProjectId::try_from(id).map_err(|_| Refusal::not_found("session"))?;
+    sessions.close(&id);
+    Ok(())
+}
+
+async fn events(
+    State(sessions): Shared,
+    Path((id, job)): Path<(String, u64)>,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Refusal> {
+    let session = session(&sessions, id)?;
+    let job = session.job(job).ok_or_else(|| Refusal::not_found("job"))?;
+    Ok(job.events())
+}

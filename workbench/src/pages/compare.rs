@@ -1,0 +1,208 @@
+//! Page "Compare": measured and modelled side by side, and where they part.
+
+mod courses;
+mod details;
+mod selection;
+
+use std::sync::Arc;
+
+use axum::extract::{Path, Query, State};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::IntoResponse;
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use model_lab::{Comparison, compare};
+use plant_sim::PlantParameters;
+use serde::{Deserialize, Serialize};
+use tokio::sync::Semaphore;
+
+use super::{Shared, session};
+use crate::align;
+use crate::job::Job;
+use crate::pages::blocking;
+use crate::pyramid::Pyramid;
+use crate::refusal::Refusal;
+use crate::session::{Session, Sessions};
+
+/// Comparisons at one time, of all tabs together; others wait.
+static WORKERS: Semaphore = Semaphore::const_new(2);
+
+pub(super) fn routes() -> Router<Arc<Sessions>> {
+    Router::new()
+        .route("/sessions/{session}/logs/{log}/compare", post(begin))
+        .route("/sessions/{session}/logs/{log}/comparison", get(result))
+        .route("/sessions/{session}/logs/{log}/courses", get(show_courses))
+        .route("/sessions/{session}/logs/{log}/values", get(show_values))
+        .route("/sessions/{session}/logs/{log}/scatter", get(show_scatter))
+        .route("/sessions/{session}/logs/{log}/fold", get(show_fold))
+        .route(
+            "/sessions/{session}/logs/{log}/alignment",
+            get(show_alignment),
+        )
+        .route("/sessions/{session}/logs/{log}/csv", get(export))
+}
+
+/// A comparison with what a view of it needs.
+pub(crate) struct Compared {
+    pub(crate) comparison: Comparison,
+    pub(crate) parameters: PlantParameters,
+    /// Of each compared signal, in the order of the comparison.
+    pyramids: Vec<Pyramids>,
+}
+
+/// Extremes of the computed courses of one signal.
+struct Pyramids {
+    model: Pyramid,
+    residual: Pyramid,
+}
+
+impl Compared {
+    fn new(comparison: Comparison, parameters: PlantParameters) -> Self {
+        let traces = &comparison.traces;
+        let pyramid = |recording: &recording::Recording, name: &str| {
+            recording
+                .signal(name)
+                .map_or_else(Pyramid::default, |signal| {
+                    Pyramid::new(signal.values_or_nan())
+                })
+        };
+        let of_signal = |signal: &model_lab::result::SignalComparison| Pyramids {
+            model: pyramid(&traces.free_run, &signal.name),
+            residual: pyramid(&traces.free_run_residual, &signal.name),
+        };
+        Self {
+            pyramids: comparison.signals.iter().map(of_signal).collect(),
+            parameters,
+            comparison,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Begun {
+    job: u64,
+}
+
+/// Begins the comparison of a log with the plant; one that is under way in the same tab ends.
+async fn begin(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+) -> Result<Json<Begun>, Refusal> {
+    let session = session(&sessions, id)?;
+    session.project().log(log)?;
+    let worker = Arc::clone(&session);
+    let place = WORKERS.acquire().await.ok();
+    let job = Job::start(move |job| {
+        let _place = place;
+        work(&worker, log, job)
+    });
+    let number = job.number;
+    session.begin(job);
+    Ok(Json(Begun { job: number }))
+}
+
+fn work(session: &Session, number: u32, job: &Job) -> Result<(), Refusal> {
+    let project = session.project();
+    let parameters = project.plant.parameters()?;
+    let log = session.log(number)?;
+    let log = log.as_ref().as_ref().map_err(Clone::clone)?;
+    let options = project.strictness.options_for(&log.recording);
+    let comparison = compare(&parameters, &log.recording, &options)?;
+    let compared = Compared::new(comparison, parameters);
+    if job.goes_on(1.0) {
+        session.keep_comparison(number, compared);
+    }
+    Ok(())
+}
+
+fn compared(session: &Session, log: u32) -> Result<Arc<Compared>, Refusal> {
+    let compared = session.comparison(log);
+    compared.ok_or_else(|| {
+        Refusal::too_early("the log is not compared with this plant yet; compare it first")
+    })
+}
+
+/// The comparison: the very JSON that `retarder compare --json` writes.
+async fn result(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+) -> Result<Json<Comparison>, Refusal> {
+    let session = session(&sessions, id)?;
+    Ok(Json(compared(&session, log)?.comparison.clone()))
+}
+
+async fn show_courses(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(view): Query<courses::View>,
+) -> Result<Json<courses::Courses>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || courses::courses(&session, log, &view).map(Json)).await
+}
+
+async fn show_values(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(at): Query<details::Instant>,
+) -> Result<Json<details::Values>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || details::values(&session, log, at.time_s).map(Json)).await
+}
+
+async fn show_scatter(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(axes): Query<details::Axes>,
+) -> Result<Json<details::Scatter>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || details::scatter(&session, log, &axes).map(Json)).await
+}
+
+async fn show_fold(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(fold): Query<details::Folding>,
+) -> Result<Json<details::Fold>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || details::fold(&session, log, &fold).map(Json)).await
+}
+
+#[derive(Deserialize)]
+struct Alignment {
+    /// The log that stays where it is.
+    with: u32,
+    signal: String,
+}
+
+async fn show_alignment(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(wish): Query<Alignment>,
+) -> Result<Json<align::Alignment>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || {
+        let [moved, fixed] = [session.log(log)?, session.log(wish.with)?];
+        let moved = moved.as_ref().as_ref().map_err(Clone::clone)?;
+        let fixed = fixed.as_ref().as_ref().map_err(Clone::clone)?;
+        align::align(&fixed.recording, &moved.recording, &wish.signal).map(Json)
+    })
+    .await
+}
+
+/// The range of a view as CSV: measured, modelled and residual of every signal.
+async fn export(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(range): Query<courses::Range>,
+) -> Result<impl IntoResponse, Refusal> {
+    let session = session(&sessions, id)?;
+    let csv = blocking(move || courses::csv(&session, log, &range)).await?;
+    let headers = [
+        (CONTENT_TYPE, "text/csv; charset=utf-8"),
+        (
+            CONTENT_DISPOSITION,
+            "attachment; filename=\"comparison.csv\"",
+        ),
+    ];
+    Ok((headers, csv))
+}

@@ -1,0 +1,360 @@
+//! The courses of a view, in as many points as it has pixels, and what can be said of them in numbers.
+
+use plant_sim::parameters::PlantParameters;
+use plant_sim::replay::ROW_SIGNALS;
+use recording::csv::{Decimals, write};
+use recording::{Converter, Provenance, Recording, Sampling, Signal, TimeBase, Unit};
+use serde::{Deserialize, Serialize};
+
+use super::Compared;
+use super::selection::Selection;
+use crate::pyramid::Pyramid;
+use crate::refusal::Refusal;
+use crate::session::{LoadedLog, Session};
+
+/// Points of a course that a page may ask for.
+const POINTS_MAX: usize = 8000;
+
+/// A piece of a log's time (s).
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub(super) struct Range {
+    pub(super) from_s: Option<f64>,
+    pub(super) to_s: Option<f64>,
+}
+
+/// What the page shows.
+#[derive(Debug, Deserialize)]
+pub(super) struct View {
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    /// Points for each course.
+    points: usize,
+    /// Samples to mark; see [`Selection`].
+    select: Option<String>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Courses {
+    /// From the first to the last instant of the whole log (s).
+    whole_s: (f64, f64),
+    signals: Vec<SignalCourses>,
+    selection: Option<Selection>,
+}
+
+#[derive(Serialize)]
+struct SignalCourses {
+    name: String,
+    quantity: String,
+    unit: &'static str,
+    /// Whether it drives the model.
+    is_input: bool,
+    measured: Course,
+    model: Option<Course>,
+    residual: Option<Residual>,
+}
+
+#[derive(Serialize)]
+struct Residual {
+    course: Course,
+    unit: String,
+    /// Standard deviation of the measurement noise.
+    noise: Option<f64>,
+    /// Largest rms that holds.
+    limit: Option<f64>,
+    holds: Option<bool>,
+    /// Of the samples in the view.
+    metrics: Option<Metrics>,
+}
+
+/// Points of a course; null is a gap.
+#[derive(Serialize)]
+struct Course {
+    t: Vec<Option<f64>>,
+    y: Vec<Option<f64>>,
+}
+
+/// A residual in numbers.
+#[derive(Debug, PartialEq, Serialize)]
+struct Metrics {
+    samples: usize,
+    rms: f64,
+    mean_absolute: f64,
+    bias: f64,
+    standard_deviation: f64,
+    lowest: f64,
+    highest: f64,
+}
+
+impl Metrics {
+    /// None where nothing was compared.
+    fn of(residual: &[f64]) -> Option<Self> {
+        let present = || residual.iter().copied().filter(|error| !error.is_nan());
+        let samples = present().count();
+        if samples == 0 {
+            return None;
+        }
+        let mean = |term: fn(f64) -> f64| present().map(term).sum::<f64>() / samples as f64;
+        let bias = mean(|error| error);
+        let variance = present().map(|error| (error - bias).powi(2)).sum::<f64>() / samples as f64;
+        Some(Self {
+            samples,
+            rms: mean(|error| error * error).sqrt(),
+            mean_absolute: mean(f64::abs),
+            bias,
+            standard_deviation: variance.sqrt(),
+            lowest: present().fold(f64::INFINITY, f64::min),
+            highest: present().fold(f64::NEG_INFINITY, f64::max),
+        })
+    }
+}
+
+impl Range {
+    /// Indices of the instants within, and the range in s.
+    pub(super) fn of(
+        self,
+        base: &TimeBase,
+    ) -> Result<(std::ops::Range<usize>, (f64, f64)), Refusal> {
+        let from_s = self.from_s.unwrap_or(base.start_s());
+        let to_s = self.to_s.unwrap_or(base.end_s());
+        if !(from_s.is_finite() && to_s.is_finite() && from_s <= to_s) {
+            return Err(Refusal::value(format!(
+                "a view goes from an earlier to a later instant; from {from_s} s to {to_s} s it does not"
+            )));
+        }
+        let times_s = base.times_s();
+        let first = times_s.partition_point(|&time_s| time_s < from_s);
+        let last = times_s.partition_point(|&time_s| time_s <= to_s);
+        Ok((first..last, (from_s, to_s)))
+    }
+}
+
+/// The unit in which a signal is shown, and how to get there: the model's, so that both sides share an axis.
+pub(super) fn shown_unit(
+    signal: &Signal,
+    parameters: &PlantParameters,
+) -> (Unit, Option<Converter>) {
+    let modelled = ROW_SIGNALS
+        .iter()
+        .find(|(name, _)| *name == signal.name())
+        .map(|(_, unit)| *unit);
+    let ambient = parameters.gas.ambient_pressure_pa;
+    modelled
+        .and_then(|unit| {
+            let converter = signal.unit().converter_at_ambient(unit, ambient).ok()?;
+            Some((unit, Some(converter)))
+        })
+        .unwrap_or((signal.unit(), None))
+}
+
+/// The courses of the log `number` in a view, and those of the model where it was compared.
+pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Courses, Refusal> {
+    let log = session.log(number)?;
+    let log = log.as_ref().as_ref().map_err(Clone::clone)?;
+    let compared = session.comparison(number);
+    let parameters = session.project().plant.parameters()?;
+    let range = Range {
+        from_s: view.from_s,
+        to_s: view.to_s,
+    };
+    let drawer = Drawer {
+        log,
+        parameters: &parameters,
+        compared: compared.as_deref(),
+        range,
+        points: view.points.clamp(2, POINTS_MAX),
+    };
+    let signals = (0..log.recording.signals().len()).map(|index| drawer.signal(index));
+    let signals = signals.collect::<Result<_, _>>()?;
+    let bases = || log.recording.time_bases().map(|(_, base)| base);
+    let selection = match (&compared, &view.select) {
+        (Some(compared), Some(select)) => Some(Selection::of(compared, select)?),
+        _ => None,
+    };
+    Ok(Courses {
+        whole_s: (
+            bases().map(TimeBase::start_s).fold(f64::INFINITY, f64::min),
+            bases()
+                .map(TimeBase::end_s)
+                .fold(f64::NEG_INFINITY, f64::max),
+        ),
+        signals,
+        selection,
+    })
+}
+
+struct Drawer<'a> {
+    log: &'a LoadedLog,
+    parameters: &'a PlantParameters,
+    compared: Option<&'a Compared>,
+    range: Range,
+    points: usize,
+}
+
+impl Drawer<'_> {
+    fn signal(&self, index: usize) -> Result<SignalCourses, Refusal> {
+        let recording = &self.log.recording;
+        let signal = &recording.signals()[index];
+        let base = recording.time_base(signal.time_base());
+        let base = base.ok_or_else(|| Refusal::not_found("time base"))?;
+        let (unit, converter) = shown_unit(signal, self.parameters);
+        let measured = self.course(base, signal.values_or_nan(), &self.log.pyramids[index])?;
+        let place = self.compared.and_then(|compared| {
+            let signals = &compared.comparison.signals;
+            Some((
+                compared,
+                signals.iter().position(|one| one.name == signal.name())?,
+            ))
+        });
+        let (mut model, mut residual) = (None, None);
+        if let Some((compared, place)) = place {
+            let traces = &compared.comparison.traces;
+            let pyramids = &compared.pyramids[place];
+            if let Some(run) = traces.free_run.signal(signal.name()) {
+                model = Some(self.course(base, run.values_or_nan(), &pyramids.model)?);
+            }
+            residual = self.residual(compared, place, base)?;
+        }
+        Ok(SignalCourses {
+            name: signal.name().to_owned(),
+            quantity: signal.quantity().to_string(),
+            unit: unit.symbol(),
+            is_input: signal.name().starts_with("duty_") || signal.name() == "u_bat",
+            measured: match converter {
+                Some(converter) => measured.map(|value| converter.apply(value)),
+                None => measured,
+            },
+            model,
+            residual,
+        })
+    }
+
+    fn residual(
+        &self,
+        compared: &Compared,
+        place: usize,
+        base: &TimeBase,
+    ) -> Result<Option<Residual>, Refusal> {
+        let signal = &compared.comparison.signals[place];
+        let errors = &compared.comparison.traces.free_run_residual;
+        let Some(errors) = errors.signal(&signal.name) else {
+            return Ok(None);
+        };
+        let errors = errors.values_or_nan();
+        let (within, _) = self.range.of(base)?;
+        Ok(Some(Residual {
+            course: self.course(base, errors, &compared.pyramids[place].residual)?,
+            unit: signal.unit.clone(),
+            noise: signal.noise_floor.value,
+            limit: signal.limit,
+            holds: signal.holds,
+            metrics: Metrics::of(&errors[within]),
+        }))
+    }
+
+    fn course(
+        &self,
+        base: &TimeBase,
+        values: &[f64],
+        pyramid: &Pyramid,
+    ) -> Result<Course, Refusal> {
+        let (_, view_s) = self.range.of(base)?;
+        let times_s = base.times_s();
+        // Two instants at least: the interval of a whole log may not be known.
+        let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
+        let shown = pyramid.thin((times_s, values), view_s, self.points, gap_s);
+        Ok(Course {
+            t: shown
+                .iter()
+                .map(|index| index.map(|index| times_s[index]))
+                .collect(),
+            y: shown
+                .iter()
+                .map(|index| index.map(|index| values[index]))
+                .collect(),
+        })
+    }
+}
+
+/// Mean distance of two instants (s): a bound for gaps that costs nothing.
+fn mean_step_s(base: &TimeBase) -> f64 {
+    (base.end_s() - base.start_s()) / (base.len().max(2) - 1) as f64
+}
+
+impl Course {
+    fn map(mut self, change: impl Fn(f64) -> f64) -> Self {
+        for value in self.y.iter_mut().flatten() {
+            *value = change(*value);
+        }
+        self
+    }
+}
+
+/// Measured, modelled and residual of every signal in `range`, as a log that everything here reads.
+pub(super) fn csv(session: &Session, number: u32, range: &Range) -> Result<Vec<u8>, Refusal> {
+    let log = session.log(number)?;
+    let log = log.as_ref().as_ref().map_err(Clone::clone)?;
+    let recording = &log.recording;
+    let Some((id, base)) = recording.time_bases().next() else {
+        return Err(Refusal::not_found("time base"));
+    };
+    let (within, _) = range.of(base)?;
+    if within.is_empty() {
+        return Err(Refusal::value("there is no sample in this range; zoom out"));
+    }
+    let internal = |error: &dyn std::fmt::Display| Refusal::value(error.to_string());
+    let provenance = Provenance::from_source(recording.provenance().source.clone())
+        .with_note("producer", concat!("retarder ", env!("CARGO_PKG_VERSION")));
+    let mut out = Recording::new(provenance);
+    let times_s = base.times_s()[within.clone()].to_vec();
+    let out_id = out.add_time_base(TimeBase::new(times_s).map_err(|error| internal(&error))?);
+    let mut add = |name: &str, signal: &Signal| {
+        let samples = signal.values_or_nan()[within.clone()].to_vec();
+        out.add_signal(name, signal.unit(), out_id, samples)
+            .map(drop)
+            .map_err(|error| internal(&error))
+    };
+    let compared = session.comparison(number);
+    for signal in recording
+        .signals()
+        .iter()
+        .filter(|signal| signal.time_base() == id)
+    {
+        add(signal.name(), signal)?;
+        let traces = compared
+            .as_ref()
+            .map(|compared| &compared.comparison.traces);
+        let Some(traces) = traces else { continue };
+        if let Some(errors) = traces.free_run_residual.signal(signal.name()) {
+            if let Some(model) = traces.free_run.signal(signal.name()) {
+                add(&format!("{}_model", signal.name()), model)?;
+            }
+            add(&format!("{}_residual", signal.name()), errors)?;
+        }
+    }
+    let mut bytes = Vec::new();
+    write(&mut bytes, &out, out_id, &Decimals::shortest()).map_err(|error| internal(&error))?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metrics_are_those_of_the_samples_that_are_there() {
+        let metrics = Metrics::of(&[1.0, f64::NAN, -3.0]).unwrap();
+        assert_eq!(
+            metrics,
+            Metrics {
+                samples: 2,
+                rms: 5.0_f64.sqrt(),
+                mean_absolute: 2.0,
+                bias: -1.0,
+                standard_deviation: 2.0,
+                lowest: -3.0,
+                highest: 1.0,
+            }
+        );
+        assert_eq!(Metrics::of(&[f64::NAN]), None);
+    }
+}

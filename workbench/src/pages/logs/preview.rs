@@ -1,0 +1,251 @@
+//! The first rows of a log: as signals where it can be read, as text where it cannot.
+
+use std::fs::File;
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::Path;
+
+use recording::csv::Delimiter;
+use recording::{Recording, Unit};
+use serde::Serialize;
+
+use crate::refusal::Refusal;
+use crate::session::Session;
+
+/// Rows that are shown.
+const ROWS: usize = 12;
+/// Lines that are shown before and after a line that is wrong.
+const AROUND: u64 = 2;
+/// Of a line, no more bytes than this are shown.
+const LINE_BYTES_MAX: u64 = 4096;
+/// Cells of a line that are shown.
+const CELLS_MAX: usize = 64;
+
+#[derive(Serialize)]
+pub(in crate::pages) struct Preview {
+    /// Rows of values, with the time first; empty where the log cannot be read.
+    columns: Vec<ColumnView>,
+    rows: Vec<Vec<Option<f64>>>,
+    /// The text of the file's head.
+    head: Text,
+    /// The text around the line that is wrong.
+    around: Option<Text>,
+    /// The mapping that is in use, TOML.
+    mapping: Option<String>,
+    /// Signals that the model knows, with the unit in which it has them.
+    known: Vec<Known>,
+    /// Tokens of all units, as a mapping writes them.
+    units: Vec<&'static str>,
+}
+
+#[derive(Serialize)]
+struct ColumnView {
+    name: String,
+    unit: String,
+}
+
+#[derive(Serialize)]
+struct Text {
+    delimiter: &'static str,
+    lines: Vec<Line>,
+}
+
+#[derive(Serialize)]
+struct Line {
+    /// From 1.
+    number: u64,
+    cells: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Known {
+    name: &'static str,
+    unit: &'static str,
+}
+
+impl Preview {
+    pub(in crate::pages) fn of(session: &Session, number: u32) -> Result<Self, Refusal> {
+        let project = session.project();
+        let entry = project.log(number)?;
+        let path = session.store.log_path(&entry.file);
+        let log = session.log(number)?;
+        let head = lines(&path, 1, ROWS as u64)?;
+        let delimiter = delimiter(&head);
+        let (columns, rows) = log
+            .as_ref()
+            .as_ref()
+            .map(|log| values(&log.recording))
+            .unwrap_or_default();
+        let wrong_line = log.as_ref().as_ref().err().and_then(|problem| problem.line);
+        let around = match wrong_line.filter(|&line| line > ROWS as u64) {
+            Some(line) => {
+                let lines = lines(&path, line.saturating_sub(AROUND), 2 * AROUND + 1)?;
+                Some(text(lines, delimiter))
+            }
+            None => None,
+        };
+        Ok(Self {
+            columns,
+            rows,
+            head: text(head, delimiter),
+            around,
+            mapping: entry.mapping.clone(),
+            known: plant_sim::replay::ROW_SIGNALS
+                .iter()
+                .map(|(name, unit)| Known {
+                    name,
+                    unit: unit.token(),
+                })
+                .collect(),
+            units: Unit::all().map(Unit::token).collect(),
+        })
+    }
+}
+
+/// First rows of the first time base.
+fn values(log: &Recording) -> (Vec<ColumnView>, Vec<Vec<Option<f64>>>) {
+    let Some((id, base)) = log.time_bases().next() else {
+        return Default::default();
+    };
+    let signals = || {
+        log.signals()
+            .iter()
+            .filter(|signal| signal.time_base() == id)
+    };
+    let time = ColumnView {
+        name: "time".to_owned(),
+        unit: "s".to_owned(),
+    };
+    let others = signals().map(|signal| ColumnView {
+        name: signal.name().to_owned(),
+        unit: signal.unit().symbol().to_owned(),
+    });
+    let rows = (0..base.len().min(ROWS)).map(|row| {
+        let time_s = Some(base.times_s()[row]);
+        std::iter::once(time_s)
+            .chain(signals().map(|signal| signal.get(row)))
+            .collect()
+    });
+    (
+        std::iter::once(time).chain(others).collect(),
+        rows.collect(),
+    )
+}
+
+/// What tells one kind of file from another: its first line.
+pub(in crate::pages) fn head_key(path: &Path) -> Option<String> {
+    let first = lines(path, 1, 1).ok()?.pop()?.1;
+    // Without a header, the first line is data and the number of columns has to do.
+    let separator = delimiter(&[(1, first.clone())]);
+    let cells = first.split(symbol(separator));
+    if first.chars().any(char::is_alphabetic) {
+        Some(first)
+    } else {
+        Some(format!("{} columns without header", cells.count()))
+    }
+}
+
+/// `count` lines from line `from` on, with their numbers; bytes that are no text are replaced.
+fn lines(path: &Path, from: u64, count: u64) -> Result<Vec<(u64, String)>, Refusal> {
+    let mut file = BufReader::new(File::open(path)?);
+    let from = from.max(1);
+    let mut found = Vec::new();
+    for number in 1..from + count {
+        let mut bytes = Vec::new();
+        if (&mut file)
+            .take(LINE_BYTES_MAX)
+            .read_until(b'\n', &mut bytes)?
+            == 0
+        {
+            break;
+        }
+        let is_cut = bytes.last() != Some(&b'\n') && bytes.len() as u64 == LINE_BYTES_MAX;
+        if is_cut {
+            file.skip_until(b'\n')?;
+        }
+        if number >= from {
+            let text = String::from_utf8_lossy(&bytes);
+            let text = text
+                .trim_start_matches('\u{feff}')
+                .trim_end_matches(['\r', '\n']);
+            found.push((number, text.to_owned()));
+        }
+    }
+    Ok(found)
+}
+
+/// The separator that most lines have most often.
+fn delimiter(lines: &[(u64, String)]) -> Delimiter {
+    let count = |delimiter: &Delimiter| {
+        lines
+            .iter()
+            .map(|(_, line)| line.matches(symbol(*delimiter)).count())
+            .sum::<usize>()
+    };
+    // The last of equals wins, and a comma may be a decimal one.
+    [Delimiter::Comma, Delimiter::Tab, Delimiter::Semicolon]
+        .into_iter()
+        .max_by_key(count)
+        .unwrap_or(Delimiter::Comma)
+}
+
+fn symbol(delimiter: Delimiter) -> char {
+    match delimiter {
+        Delimiter::Comma => ',',
+        Delimiter::Semicolon => ';',
+        Delimiter::Tab => '\t',
+    }
+}
+
+fn text(lines: Vec<(u64, String)>, delimiter: Delimiter) -> Text {
+    let cells = |line: String| {
+        line.split(symbol(delimiter))
+            .take(CELLS_MAX)
+            .map(|cell| cell.trim().trim_matches('"').to_owned())
+            .collect()
+    };
+    Text {
+        delimiter: match delimiter {
+            Delimiter::Comma => "comma",
+            Delimiter::Semicolon => "semicolon",
+            Delimiter::Tab => "tab",
+        },
+        lines: lines
+            .into_iter()
+            .map(|(number, line)| Line {
+                number,
+                cells: cells(line),
+            })
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_numbered_cut_and_found_behind_long_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log");
+        let long = "x".repeat(10_000);
+        std::fs::write(&path, format!("\u{feff}a;b\r\n{long}\n1;2\n")).unwrap();
+        let found = lines(&path, 1, 9).unwrap();
+        assert_eq!(found[0], (1, "a;b".to_owned()));
+        assert_eq!(found[1].1.len() as u64, LINE_BYTES_MAX);
+        assert_eq!(found[2], (3, "1;2".to_owned()));
+        assert_eq!(lines(&path, 3, 9).unwrap(), found[2..]);
+    }
+
+    #[test]
+    fn files_are_told_apart_by_their_header_or_by_their_width() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log");
+        let key = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            head_key(&path)
+        };
+        assert_eq!(key("t;p\n1;2\n").unwrap(), "t;p");
+        assert_eq!(key("1,5;2\n3,5;4\n").unwrap(), "2 columns without header");
+        assert_eq!(key(""), None);
+    }
+}

@@ -1,0 +1,140 @@
+//! What a person has open: logs with their mappings and offsets, a plant, and how strict the comparison is.
+
+use std::collections::BTreeMap;
+
+use model_lab::CompareOptions;
+use plant_sim::PlantParameters;
+use plant_sim::parameters::NOMINAL_PLANT_TOML;
+use recording::Recording;
+use serde::{Deserialize, Serialize};
+
+use crate::refusal::Refusal;
+use crate::store::LogHash;
+
+/// Name and version of the project file.
+pub(crate) const PROJECT_SCHEMA: &str = "retarder.project/1";
+
+/// Logs in one project.
+pub(crate) const LOGS_MAX: usize = 32;
+
+/// A project, as it is kept over a restart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Project {
+    pub(crate) schema: String,
+    pub(crate) logs: Vec<LogEntry>,
+    pub(crate) plant: PlantFile,
+    pub(crate) strictness: Strictness,
+    /// Mappings by the header that they were made for, to be offered again.
+    pub(crate) mappings: BTreeMap<String, String>,
+}
+
+/// A log of the project.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LogEntry {
+    /// Number within the project; never given twice.
+    pub(crate) number: u32,
+    /// File name as the person sees it. It names nothing on the disk.
+    pub(crate) name: String,
+    pub(crate) file: LogHash,
+    /// Mapping, TOML.
+    pub(crate) mapping: Option<String>,
+    /// Added to the times of the log (s) where it is shown beside others.
+    pub(crate) offset_s: f64,
+}
+
+/// A plant file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PlantFile {
+    pub(crate) name: String,
+    pub(crate) toml: String,
+}
+
+impl PlantFile {
+    pub(crate) fn nominal() -> Self {
+        Self {
+            name: "nominal-plant.toml".to_owned(),
+            toml: NOMINAL_PLANT_TOML.to_owned(),
+        }
+    }
+
+    pub(crate) fn parameters(&self) -> Result<PlantParameters, Refusal> {
+        Ok(PlantParameters::from_toml(&self.toml, &self.name)?)
+    }
+}
+
+/// When a signal holds; see [`CompareOptions`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Strictness {
+    pub(crate) allowed_noise_multiples: f64,
+    pub(crate) tolerances: BTreeMap<String, f64>,
+}
+
+impl Default for Strictness {
+    fn default() -> Self {
+        let options = CompareOptions::default();
+        Self {
+            allowed_noise_multiples: options.allowed_noise_multiples,
+            tolerances: options.tolerances,
+        }
+    }
+}
+
+impl Strictness {
+    /// The options for `log`; tolerances of signals that it has not are for other logs of the project.
+    pub(crate) fn options_for(&self, log: &Recording) -> CompareOptions {
+        let tolerances = self.tolerances.iter();
+        CompareOptions {
+            allowed_noise_multiples: self.allowed_noise_multiples,
+            tolerances: tolerances
+                .filter(|(name, _)| log.signal(name).is_some())
+                .map(|(name, value)| (name.clone(), *value))
+                .collect(),
+            ..CompareOptions::default()
+        }
+    }
+}
+
+impl Default for Project {
+    fn default() -> Self {
+        Self {
+            schema: PROJECT_SCHEMA.to_owned(),
+            logs: Vec::new(),
+            plant: PlantFile::nominal(),
+            strictness: Strictness::default(),
+            mappings: BTreeMap::new(),
+        }
+    }
+}
+
+impl Project {
+    /// Adds a log and says its number.
+    pub(crate) fn add(&mut self, name: String, file: LogHash, mapping: Option<String>) -> u32 {
+        let number = self.logs.iter().map(|log| log.number).max().unwrap_or(0) + 1;
+        self.logs.push(LogEntry {
+            number,
+            name,
+            file,
+            mapping,
+            offset_s: 0.0,
+        });
+        number
+    }
+
+    pub(crate) fn log(&self, number: u32) -> Result<&LogEntry, Refusal> {
+        self.logs
+            .iter()
+            .find(|log| log.number == number)
+            .ok_or_else(|| Refusal::not_found("log"))
+    }
+
+    pub(crate) fn log_mut(&mut self, number: u32) -> Result<&mut LogEntry, Refusal> {
+        self.logs
+            .iter_mut()
+            .find(|log| log.number == number)
+            .ok_or_else(|| Refusal::not_found("log"))
+    }
+}

@@ -1,0 +1,141 @@
+//! What the page is told when something cannot be done.
+
+use axum::Json;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use model_lab::CompareError;
+use plant_sim::ParameterError;
+use recording::csv::{CsvError, MappingError};
+use serde::Serialize;
+
+/// One thing that is wrong, and what to do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Problem {
+    /// Stable code, such as `E-CSV-TIME-ORDER`.
+    pub(crate) code: String,
+    /// What was found, what was expected, what to do.
+    pub(crate) message: String,
+    /// Line of the file, from 1.
+    pub(crate) line: Option<u64>,
+    /// Column of the file, from 1.
+    pub(crate) column: Option<usize>,
+}
+
+impl Problem {
+    pub(crate) fn new(code: &str, message: impl Into<String>) -> Self {
+        Self {
+            code: code.to_owned(),
+            message: message.into(),
+            line: None,
+            column: None,
+        }
+    }
+}
+
+/// A request that was not carried out: a status for the browser and all that is wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Refusal {
+    pub(crate) status: StatusCode,
+    pub(crate) problems: Vec<Problem>,
+}
+
+impl Refusal {
+    pub(crate) fn new(status: StatusCode, code: &str, message: impl Into<String>) -> Self {
+        Self {
+            status,
+            problems: vec![Problem::new(code, message)],
+        }
+    }
+
+    /// What was asked for is not there: a log that was removed, a session of an earlier start.
+    pub(crate) fn not_found(what: &str) -> Self {
+        let message = format!("there is no such {what}; reload the page");
+        Self::new(StatusCode::NOT_FOUND, "E-WEB-NOT-FOUND", message)
+    }
+
+    /// The request came before what it needs.
+    pub(crate) fn too_early(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::CONFLICT, "E-WEB-TOO-EARLY", message)
+    }
+
+    /// A value of the request that is out of its range.
+    pub(crate) fn value(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::BAD_REQUEST, "E-WEB-VALUE", message)
+    }
+
+    fn of(problems: Vec<Problem>) -> Self {
+        Self {
+            status: StatusCode::UNPROCESSABLE_ENTITY,
+            problems,
+        }
+    }
+}
+
+impl From<Problem> for Refusal {
+    fn from(problem: Problem) -> Self {
+        Self::of(vec![problem])
+    }
+}
+
+impl From<&CsvError> for Problem {
+    fn from(error: &CsvError) -> Self {
+        let place = error.place();
+        Self {
+            code: error.code().to_owned(),
+            message: format!("{}; {}", error.problem(), error.problem().next_step()),
+            line: place.line,
+            column: place.column,
+        }
+    }
+}
+
+impl From<&MappingError> for Problem {
+    fn from(error: &MappingError) -> Self {
+        Self {
+            line: error.place().map(|(line, _)| line as u64),
+            column: error.place().map(|(_, column)| column),
+            ..Self::new(error.code(), error.problem().to_string())
+        }
+    }
+}
+
+impl From<ParameterError> for Refusal {
+    fn from(error: ParameterError) -> Self {
+        let problem = |problem: &plant_sim::parameters::Problem| Problem {
+            line: problem.line().map(|line| line as u64),
+            ..Problem::new("E-PLANT", problem.to_string())
+        };
+        Self::of(error.problems().iter().map(problem).collect())
+    }
+}
+
+impl From<CompareError> for Refusal {
+    fn from(error: CompareError) -> Self {
+        Problem::new("E-COMPARE", error.to_string()).into()
+    }
+}
+
+impl From<std::io::Error> for Refusal {
+    /// Only the kind: the text of an error may name a path.
+    fn from(error: std::io::Error) -> Self {
+        Self::new(
+            StatusCode::INTERNAL_SERVER_ERROR,
+            "E-WEB-DISK",
+            format!(
+                "the project folder cannot be used: {}; check its rights and the space on its disk",
+                error.kind()
+            ),
+        )
+    }
+}
+
+impl IntoResponse for Refusal {
+    fn into_response(self) -> Response {
+        #[derive(Serialize)]
+        struct Body {
+            problems: Vec<Problem>,
+        }
+        let problems = self.problems;
+        (self.status, Json(Body { problems })).into_response()
+    }
+}

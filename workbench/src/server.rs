@@ -1,0 +1,179 @@
+//! Binds, prints nothing, serves until it is stopped.
+
+use std::io;
+use std::net::{Ipv4Addr, SocketAddrV4, TcpListener};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::middleware::from_fn_with_state;
+use axum::routing::get;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::sync::{Notify, Semaphore};
+
+use crate::assets;
+use crate::guard::{Gate, guard};
+use crate::pages;
+use crate::refusal::Refusal;
+use crate::session::Sessions;
+use crate::store::Store;
+use crate::token::Secrets;
+
+/// The usual port, so that a bookmark of a view holds over restarts.
+const USUAL_PORT: u16 = 7474;
+/// Connections at one time; a browser has six.
+const CONNECTIONS_MAX: usize = 512;
+/// Longest time for the headers of a request.
+const HEADERS_DEADLINE: Duration = Duration::from_secs(15);
+
+/// What to serve, and where.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Folder that keeps logs and projects; made if it is not there.
+    pub project: PathBuf,
+    /// The port on the loopback interface; none takes 7474, or a free one if that is taken.
+    pub port: Option<u16>,
+}
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The project folder.
+    #[error("{}: {error}; choose a folder that you may write, with --project", folder.display())]
+    Project {
+        /// The folder.
+        folder: PathBuf,
+        /// What the operating system says.
+        error: io::Error,
+    },
+    /// The port.
+    #[error(
+        "port {port} of the loopback interface: {error}; choose another with --port, or leave the option out"
+    )]
+    Port {
+        /// The port.
+        port: u16,
+        /// What the operating system says.
+        error: io::Error,
+    },
+    /// The operating system has no randomness to give.
+    #[error("no token could be drawn: {0}")]
+    Token(#[from] getrandom::Error),
+    /// The runtime or the socket.
+    #[error("the server cannot run: {0}")]
+    Run(#[from] io::Error),
+}
+
+/// A server that has its port and its project folder, and waits to run.
+pub struct Server {
+    listener: TcpListener,
+    gate: Arc<Gate>,
+    sessions: Arc<Sessions>,
+    stop: Arc<Notify>,
+}
+
+/// Stops a server from another thread.
+#[derive(Clone)]
+pub struct Stopper(Arc<Notify>);
+
+impl Stopper {
+    /// Ends [`Server::run`].
+    pub fn stop(&self) {
+        self.0.notify_one();
+    }
+}
+
+impl Server {
+    /// Takes the port on 127.0.0.1, and on no other address, and opens the project folder.
+    ///
+    /// # Errors
+    /// [`ServeError`]: the port is taken, or the folder cannot be used.
+    pub fn bind(options: &Options) -> Result<Self, ServeError> {
+        let listener = match options.port {
+            Some(port) => listen(port).map_err(|error| ServeError::Port { port, error })?,
+            None => listen(USUAL_PORT).or_else(|_| listen(0))?,
+        };
+        let store = Store::open(&options.project).map_err(|error| ServeError::Project {
+            folder: options.project.clone(),
+            error,
+        })?;
+        Ok(Self {
+            gate: Arc::new(Gate {
+                port: listener.local_addr()?.port(),
+                secrets: Secrets::new()?,
+            }),
+            listener,
+            sessions: Arc::new(Sessions::new(Arc::new(store))),
+            stop: Arc::default(),
+        })
+    }
+
+    /// The address to open, with the token of this start. It is good for one browser.
+    pub fn address(&self) -> String {
+        let Gate { port, secrets } = &*self.gate;
+        format!("http://127.0.0.1:{port}/?token={}", secrets.token())
+    }
+
+    /// What stops [`Self::run`].
+    pub fn stopper(&self) -> Stopper {
+        Stopper(Arc::clone(&self.stop))
+    }
+
+    /// Serves until it is stopped.
+    ///
+    /// # Errors
+    /// The operating system gives no threads or takes the socket away.
+    pub fn run(self) -> Result<(), ServeError> {
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .enable_all()
+            .build()?;
+        let served = runtime.block_on(self.serve());
+        // Whatever is computed for pages that are gone is not waited for.
+        runtime.shutdown_background();
+        served
+    }
+
+    async fn serve(self) -> Result<(), ServeError> {
+        let router = Router::new()
+            .route("/", get(assets::index))
+            .route("/assets/{*path}", get(assets::asset))
+            .nest("/api", pages::routes(self.sessions))
+            .fallback(async || Refusal::not_found("page"))
+            .layer(from_fn_with_state(self.gate, guard));
+        self.listener.set_nonblocking(true)?;
+        let listener = tokio::net::TcpListener::from_std(self.listener)?;
+        let places = Arc::new(Semaphore::new(CONNECTIONS_MAX));
+        loop {
+            let place = Arc::clone(&places).acquire_owned().await;
+            let stream = tokio::select! {
+                () = self.stop.notified() => return Ok(()),
+                accepted = listener.accept() => match accepted {
+                    Ok((stream, _)) => stream,
+                    // One connection that failed, or no file handles for a moment.
+                    Err(_) => {
+                        tokio::time::sleep(Duration::from_millis(20)).await;
+                        continue;
+                    }
+                },
+            };
+            let service = TowerToHyperService::new(router.clone());
+            tokio::spawn(async move {
+                let _place = place;
+                let _ = stream.set_nodelay(true);
+                // A connection that breaks off concerns its page alone.
+                let _ = http1::Builder::new()
+                    .timer(TokioTimer::new())
+                    .header_read_timeout(HEADERS_DEADLINE)
+                    .serve_connection(TokioIo::new(stream), service)
+                    .await;
+            });
+        }
+    }
+}
+
+fn listen(port: u16) -> io::Result<TcpListener> {
+    TcpListener::bind(SocketAddrV4::new(Ipv4Addr::LOCALHOST, port))
+}

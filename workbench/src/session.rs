@@ -1,0 +1,189 @@
+//! One session for each tab: its project, and what was computed for it. Sessions share nothing but stored logs.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use recording::Recording;
+
+use crate::job::Job;
+use crate::log_reader;
+use crate::pages::compare::Compared;
+use crate::project::Project;
+use crate::pyramid::Pyramid;
+use crate::refusal::{Problem, Refusal};
+use crate::store::{ProjectId, Store};
+
+/// Sessions at one time; beyond them, the one that was opened first is forgotten. Its project is kept.
+const SESSIONS_MAX: usize = 24;
+
+/// All open sessions.
+pub(crate) struct Sessions {
+    pub(crate) store: Arc<Store>,
+    open: Mutex<HashMap<ProjectId, (u64, Arc<Session>)>>,
+}
+
+/// What one tab has open.
+pub(crate) struct Session {
+    pub(crate) id: ProjectId,
+    pub(crate) store: Arc<Store>,
+    project: Mutex<Project>,
+    logs: Mutex<BTreeMap<u32, Arc<OpenLog>>>,
+    comparisons: Mutex<BTreeMap<u32, Arc<Compared>>>,
+    job: Mutex<Option<Arc<Job>>>,
+}
+
+/// A log in memory, or why it is not.
+pub(crate) type OpenLog = Result<LoadedLog, Problem>;
+
+/// A log with what a view of it needs.
+pub(crate) struct LoadedLog {
+    pub(crate) recording: Recording,
+    /// Of each signal.
+    pub(crate) pyramids: Vec<Pyramid>,
+}
+
+impl LoadedLog {
+    fn new(recording: Recording) -> Self {
+        let pyramid = |signal: &recording::Signal| Pyramid::new(signal.values_or_nan());
+        Self {
+            pyramids: recording.signals().iter().map(pyramid).collect(),
+            recording,
+        }
+    }
+}
+
+/// A panic while a lock is held leaves whole values: they are replaced, not changed in steps.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Sessions {
+    pub(crate) fn new(store: Arc<Store>) -> Self {
+        Self {
+            store,
+            open: Mutex::default(),
+        }
+    }
+
+    pub(crate) fn get(&self, id: &ProjectId) -> Result<Arc<Session>, Refusal> {
+        let open = lock(&self.open);
+        let found = open.get(id).map(|(_, session)| Arc::clone(session));
+        found.ok_or_else(|| Refusal::not_found("session"))
+    }
+
+    /// Opens a session: on the project `wanted`, under its own id if no other tab has it open, else on a copy; without a
+    /// wish, on a copy of the project that was changed last.
+    pub(crate) fn open(&self, wanted: Option<ProjectId>) -> Result<Arc<Session>, Refusal> {
+        let live = wanted.as_ref().and_then(|id| self.get(id).ok());
+        let stored = wanted.as_ref().and_then(|id| self.store.load(id));
+        let (id, project) = match (live, stored, wanted) {
+            (Some(live), _, _) => (ProjectId::random()?, Some(live.project())),
+            (None, Some(project), Some(id)) => (id, Some(project)),
+            _ => (ProjectId::random()?, self.store.newest()),
+        };
+        let session = Arc::new(Session {
+            id: id.clone(),
+            store: Arc::clone(&self.store),
+            project: Mutex::new(project.unwrap_or_default()),
+            logs: Mutex::default(),
+            comparisons: Mutex::default(),
+            job: Mutex::default(),
+        });
+        let mut open = lock(&self.open);
+        let order = open.values().map(|(order, _)| order + 1).max().unwrap_or(0);
+        if open.len() >= SESSIONS_MAX {
+            let oldest = open.iter().min_by_key(|(_, (order, _))| *order);
+            if let Some(oldest) = oldest.map(|(id, _)| id.clone()) {
+                close(open.remove(&oldest));
+            }
+        }
+        open.insert(id, (order, Arc::clone(&session)));
+        Ok(session)
+    }
+
+    /// Ends the work of a session and forgets it; its project is kept.
+    pub(crate) fn close(&self, id: &ProjectId) {
+        close(lock(&self.open).remove(id));
+    }
+}
+
+fn close(session: Option<(u64, Arc<Session>)>) {
+    if let Some((_, session)) = session {
+        session.cancel();
+    }
+}
+
+impl Session {
+    /// The project as it is now.
+    pub(crate) fn project(&self) -> Project {
+        lock(&self.project).clone()
+    }
+
+    /// Changes the project and keeps it. A change that is refused, or cannot be kept, changes nothing.
+    pub(crate) fn change<T>(
+        &self,
+        change: impl FnOnce(&mut Project) -> Result<T, Refusal>,
+    ) -> Result<T, Refusal> {
+        let mut project = lock(&self.project);
+        let mut changed = project.clone();
+        let result = change(&mut changed)?;
+        self.store.save(&self.id, &changed)?;
+        *project = changed;
+        Ok(result)
+    }
+
+    /// The log, read when it is first asked for.
+    pub(crate) fn log(&self, number: u32) -> Result<Arc<OpenLog>, Refusal> {
+        if let Some(log) = lock(&self.logs).get(&number) {
+            return Ok(Arc::clone(log));
+        }
+        let entry = self.project().log(number)?.clone();
+        let path = self.store.log_path(&entry.file);
+        let read = log_reader::read(&entry.name, &path, entry.mapping.as_deref());
+        let log = Arc::new(read.map(LoadedLog::new));
+        lock(&self.logs).insert(number, Arc::clone(&log));
+        Ok(log)
+    }
+
+    /// Forgets what was read and computed of a log.
+    pub(crate) fn forget_log(&self, number: u32) {
+        lock(&self.logs).remove(&number);
+        lock(&self.comparisons).remove(&number);
+    }
+
+    /// Forgets all comparisons, because the plant or the strictness is another.
+    pub(crate) fn forget_comparisons(&self) {
+        self.cancel();
+        lock(&self.comparisons).clear();
+    }
+
+    pub(crate) fn comparison(&self, log: u32) -> Option<Arc<Compared>> {
+        lock(&self.comparisons).get(&log).map(Arc::clone)
+    }
+
+    pub(crate) fn keep_comparison(&self, log: u32, compared: Compared) {
+        lock(&self.comparisons).insert(log, Arc::new(compared));
+    }
+
+    /// The job of this number, if it is the last one.
+    pub(crate) fn job(&self, number: u64) -> Option<Arc<Job>> {
+        let job = lock(&self.job);
+        job.as_ref()
+            .filter(|job| job.number == number)
+            .map(Arc::clone)
+    }
+
+    /// Makes `job` the job of this session; one that is under way ends.
+    pub(crate) fn begin(&self, job: Arc<Job>) {
+        if let Some(before) = lock(&self.job).replace(job) {
+            before.cancel();
+        }
+    }
+
+    /// Ends the job that is under way.
+    pub(crate) fn cancel(&self) {
+        if let Some(job) = lock(&self.job).take() {
+            job.cancel();
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! The project folder: logs under their hash, one file per project. No name in it comes from a request.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use axum::body::Body;
+use axum::http::StatusCode;
+use futures_util::StreamExt as _;
+use recording::write_file_atomically;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+use tokio::io::AsyncWriteExt as _;
+use tokio::time::timeout;
+
+use crate::project::Project;
+use crate::refusal::Refusal;
+use crate::token::{hex, random_hex};
+
+/// Largest file that the page takes (bytes): an hour at 1 kHz in a dozen channels as text.
+pub(crate) const UPLOAD_BYTES_MAX: u64 = 1 << 30;
+/// Longest silence within an upload.
+const SILENCE_MAX: Duration = Duration::from_secs(30);
+/// Projects that are kept; of older ones, the file is removed when the folder is opened.
+const PROJECTS_MAX: usize = 50;
+
+/// A project folder.
+pub(crate) struct Store {
+    logs: PathBuf,
+    projects: PathBuf,
+    incoming: PathBuf,
+}
+
+/// SHA-256 of a stored log, which is its name in the folder.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub(crate) struct LogHash(String);
+
+impl TryFrom<String> for LogHash {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        if is_hex(&text, 64) {
+            Ok(Self(text))
+        } else {
+            Err("a log is named by the 64 hexadecimal digits of its hash".to_owned())
+        }
+    }
+}
+
+impl From<LogHash> for String {
+    fn from(hash: LogHash) -> Self {
+        hash.0
+    }
+}
+
+/// A name that the server drew: 32 hexadecimal digits, so that it is a safe file name.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub(crate) struct ProjectId(String);
+
+impl TryFrom<String> for ProjectId {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        if is_hex(&text, 32) {
+            Ok(Self(text))
+        } else {
+            Err("a project is named by 32 hexadecimal digits".to_owned())
+        }
+    }
+}
+
+impl From<ProjectId> for String {
+    fn from(id: ProjectId) -> Self {
+        id.0
+    }
+}
+
+impl ProjectId {
+    pub(crate) fn random() -> Result<Self, io::Error> {
+        random_hex().map(Self).map_err(io::Error::other)
+    }
+
+    pub(crate) fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+fn is_hex(text: &str, length: usize) -> bool {
+    let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
+    text.len() == length && text.bytes().all(is_digit)
+}
+
+impl Store {
+    /// Opens or makes the folder, for its owner alone, and removes what an earlier start left unfinished.
+    pub(crate) fn open(folder: &Path) -> io::Result<Self> {
+        let store = Self {
+            logs: folder.join("logs"),
+            projects: folder.join("projects"),
+            incoming: folder.join("incoming"),
+        };
+        make_private(folder)?;
+        if store.incoming.exists() {
+            fs::remove_dir_all(&store.incoming)?;
+        }
+        for part in [&store.logs, &store.projects, &store.incoming] {
+            make_private(part)?;
+        }
+        store.forget_the_oldest()?;
+        Ok(store)
+    }
+
+    /// Takes an upload, and names it by its hash. Never more than a chunk of it is in memory.
+    pub(crate) async fn receive(&self, body: Body) -> Result<LogHash, Refusal> {
+        let name = ProjectId::random()?;
+        let path = self.incoming.join(name.as_str());
+        let received = self.receive_into(&path, body).await;
+        if received.is_err() {
+            let _ = tokio::fs::remove_file(&path).await;
+        }
+        received
+    }
+
+    async fn receive_into(&self, path: &Path, body: Body) -> Result<LogHash, Refusal> {
+        let mut file = tokio::fs::File::create(path).await?;
+        let mut chunks = body.into_data_stream();
+        let mut hash = Sha256::new();
+        let mut size = 0;
+        while let Some(chunk) = timeout(SILENCE_MAX, chunks.next())
+            .await
+            .map_err(|_| too_slow())?
+        {
+            let chunk = chunk.map_err(|_| broken_off())?;
+            size += chunk.len() as u64;
+            if size > UPLOAD_BYTES_MAX {
+                return Err(too_large());
+            }
+            hash.update(&chunk);
+            file.write_all(&chunk).await?;
+        }
+        file.sync_all().await?;
+        let hash = LogHash(hex(&hash.finalize()));
+        tokio::fs::rename(path, self.log_path(&hash)).await?;
+        Ok(hash)
+    }
+
+    /// Keeps a log that comes with the program.
+    pub(crate) fn keep(&self, bytes: &[u8]) -> io::Result<LogHash> {
+        let hash = LogHash(hex(&Sha256::digest(bytes)));
+        let path = self.log_path(&hash);
+        if !path.exists() {
+            write_file_atomically(path, |file| io::Write::write_all(file, bytes))?;
+        }
+        Ok(hash)
+    }
+
+    /// Where the bytes of a log lie.
+    pub(crate) fn log_path(&self, hash: &LogHash) -> PathBuf {
+        self.logs.join(&hash.0)
+    }
+
+    fn project_path(&self, id: &ProjectId) -> PathBuf {
+        self.projects.join(format!("{}.json", id.as_str()))
+    }
+
+    pub(crate) fn save(&self, id: &ProjectId, project: &Project) -> io::Result<()> {
+        let json = serde_json::to_vec_pretty(project)?;
+        write_file_atomically(self.project_path(id), |file| {
+            io::Write::write_all(file, &json)
+        })
+    }
+
+    /// The project of this id; none if there is none that can be read.
+    pub(crate) fn load(&self, id: &ProjectId) -> Option<Project> {
+        read_project(&self.project_path(id))
+    }
+
+    /// The project that was changed last.
+    pub(crate) fn newest(&self) -> Option<Project> {
+        let (_, path) = self.project_files().ok()?.pop()?;
+        read_project(&path)
+    }
+
+    /// Project files, the oldest first.
+    fn project_files(&self) -> io::Result<Vec<(SystemTime, PathBuf)>> {
+        let mut files = Vec::new();
+        for entry in fs::read_dir(&self.projects)? {
+            let entry = entry?;
+            if entry.path().extension().is_some_and(|end| end == "json") {
+                files.push((entry.metadata()?.modified()?, entry.path()));
+            }
+        }
+        files.sort();
+        Ok(files)
+    }
+
+    /// Removes the oldest projects beyond the number that is kept, and logs that no project has.
+    fn forget_the_oldest(&self) -> io::Result<()> {
+        let mut files = self.project_files()?;
+        let surplus = files.len().saturating_sub(PROJECTS_MAX);
+        for (_, path) in files.drain(..surplus) {
+            fs::remove_file(path)?;
+        }
+        let projects: Vec<Project> = files
+            .iter()
+            .filter_map(|(_, path)| read_project(path))
+            .collect();
+        for entry in fs::read_dir(&self.logs)? {
+            let entry = entry?;
+            let name = entry.file_name();
+            let is_used = projects
+                .iter()
+                .flat_map(|project| &project.logs)
+                .any(|log| log.file.0.as_str() == name);
+            if !is_used {
+                fs::remove_file(entry.path())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn read_project(path: &Path) -> Option<Project> {
+    let text = fs::read(path).ok()?;
+    serde_json::from_slice(&text).ok()
+}
+
+fn make_private(folder: &Path) -> io::Result<()> {
+    let mut builder = fs::DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.recursive(true).create(folder)
+}
+
+fn too_large() -> Refusal {
+    Refusal::new(
+        StatusCode::PAYLOAD_TOO_LARGE,
+        "E-WEB-TOO-LARGE",
+        format!(
+            "the page takes files of up to {} MiB; cut the log, or use `retarder compare`",
+            UPLOAD_BYTES_MAX >> 20
+        ),
+    )
+}
+
+fn too_slow() -> Refusal {
+    Refusal::new(
+        StatusCode::REQUEST_TIMEOUT,
+        "E-WEB-SLOW",
+        format!(
+            "nothing came for {} s; drop the file again",
+            SILENCE_MAX.as_secs()
+        ),
+    )
+}
+
+fn broken_off() -> Refusal {
+    Refusal::new(
+        StatusCode::BAD_REQUEST,
+        "E-WEB-BROKEN-OFF",
+        "the upload broke off; drop the file again",
+    )
+}

@@ -1,0 +1,83 @@
+//! Secrets of one start: the token in the printed address, and the cookie that it is exchanged for.
+
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// 128 random bits as 32 hexadecimal digits.
+///
+/// # Errors
+/// The operating system has no randomness to give.
+pub(crate) fn random_hex() -> Result<String, getrandom::Error> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes)?;
+    Ok(hex(&bytes))
+}
+
+/// Lower-case hexadecimal digits of `bytes`.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+/// The secrets of one start.
+pub(crate) struct Secrets {
+    token: String,
+    cookie: String,
+    is_exchanged: AtomicBool,
+}
+
+impl Secrets {
+    pub(crate) fn new() -> Result<Self, getrandom::Error> {
+        Ok(Self {
+            token: random_hex()?,
+            cookie: random_hex()?,
+            is_exchanged: AtomicBool::new(false),
+        })
+    }
+
+    /// What stands in the printed address.
+    pub(crate) fn token(&self) -> &str {
+        &self.token
+    }
+
+    /// The cookie for the token; once only, so that an address that somebody else reads later opens nothing.
+    pub(crate) fn exchange(&self, token: &str) -> Option<&str> {
+        let is_first =
+            is_equal(token, &self.token) && !self.is_exchanged.swap(true, Ordering::Relaxed);
+        is_first.then_some(&self.cookie)
+    }
+
+    /// Whether this is the cookie of this start.
+    pub(crate) fn is_cookie(&self, value: &str) -> bool {
+        is_equal(value, &self.cookie)
+    }
+}
+
+/// Compares in a time that tells nothing of where two texts differ.
+fn is_equal(one: &str, other: &str) -> bool {
+    let difference = one
+        .bytes()
+        .zip(other.bytes())
+        .fold(0, |sum, (a, b)| sum | (a ^ b));
+    one.len() == other.len() && std::hint::black_box(difference) == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_token_is_exchanged_once_and_only_the_right_one() {
+        let secrets = Secrets::new().unwrap();
+        assert_eq!(secrets.token().len(), 32);
+        assert!(secrets.exchange("").is_none());
+        assert!(secrets.exchange(&"0".repeat(32)).is_none());
+        let cookie = secrets.exchange(secrets.token()).unwrap();
+        assert!(secrets.is_cookie(cookie) && !secrets.is_cookie(secrets.token()));
+        assert!(!secrets.is_cookie(&cookie[..31]));
+        assert!(secrets.exchange(secrets.token()).is_none());
+    }
+}

@@ -1,0 +1,74 @@
+// Requests to the server. A refusal carries a list of problems, each with a code and, where there is one, a line.
+
+/** What the server did not do, and why. */
+export class Refusal extends Error {
+  constructor(status, problems) {
+    super(problems.map((problem) => problem.message).join("\n"));
+    this.status = status;
+    this.problems = problems;
+  }
+}
+
+let session = null;
+
+async function request(method, path, body, signal) {
+  const options = { method, signal, headers: {} };
+  if (body instanceof Blob) options.body = body;
+  else if (body !== undefined) {
+    options.body = JSON.stringify(body);
+    options.headers["content-type"] = "application/json";
+  }
+  let response;
+  try {
+    response = await fetch(`/api${path}`, options);
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer; start `retarder serve` again" }]);
+  }
+  const text = await response.text();
+  const isJson = (response.headers.get("content-type") ?? "").startsWith("application/json");
+  const value = isJson ? JSON.parse(text) : text;
+  if (response.ok) return value;
+  throw new Refusal(response.status, value.problems ?? [{ code: `HTTP ${response.status}`, message: text }]);
+}
+
+/** Opens a session on a project; without one, on what was open last. */
+export async function open(project) {
+  const opened = await request("POST", "/sessions", { project });
+  session = opened.session;
+  return session;
+}
+
+/** Ends the session's work when the page goes away. */
+export function close() {
+  if (session) navigator.sendBeacon(`/api/sessions/${session}/close`);
+}
+
+const inSession = (path) => `/sessions/${session}${path}`;
+
+export const get = (path, signal) => request("GET", inSession(path), undefined, signal);
+export const post = (path, body) => request("POST", inSession(path), body ?? {});
+export const put = (path, body) => request("PUT", inSession(path), body);
+export const remove = (path) => request("DELETE", inSession(path));
+export const examples = () => request("GET", "/examples");
+export const address = (path) => `/api${inSession(path)}`;
+
+/** Sends a file; the server names it by its content. */
+export const upload = (file) => request("POST", inSession(`/logs?${new URLSearchParams({ name: file.name })}`), file);
+
+/** Follows a job to its end. `onProgress` is told shares from 0 to 1; aborting the signal ends the job. */
+export function follow(job, onProgress, signal) {
+  return new Promise((resolve, reject) => {
+    const events = new EventSource(address(`/jobs/${job}`));
+    const end = (act) => { events.close(); act(); };
+    signal?.addEventListener("abort", () => end(() => reject(new DOMException("cancelled", "AbortError"))));
+    events.onerror = () => end(() => reject(new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer" }])));
+    events.onmessage = (event) => {
+      const progress = JSON.parse(event.data);
+      if (progress.state === "running") onProgress(progress.share);
+      else if (progress.state === "done") end(resolve);
+      else if (progress.state === "cancelled") end(() => reject(new DOMException("cancelled", "AbortError")));
+      else end(() => reject(new Refusal(422, progress.problems)));
+    };
+  });
+}

@@ -1,0 +1,68 @@
+// Plotly, with the colours and the manners of this page.
+
+import { save } from "./dom.js";
+import { colour } from "./theme.js";
+
+/** Plotly reads a few entities of its labels through markup; nothing else of it, and nothing of ours, may. */
+globalThis.trustedTypes?.createPolicy("default", {
+  createHTML: (text) => {
+    if (/^&#?\w+;$/.test(text)) return text;
+    throw new TypeError("text is not to become markup");
+  },
+});
+
+const loaded = new Promise((resolve, reject) => {
+  if (globalThis.Plotly) { resolve(); return; }
+  const script = document.getElementById("plotly");
+  script.addEventListener("load", resolve);
+  script.addEventListener("error", () => reject(new Error("the charting library did not come")));
+});
+
+/** The library, once it is there. */
+export async function plotly() {
+  await loaded;
+  return globalThis.Plotly;
+}
+
+/** Text for a label: the library would read markup in it. */
+export const label = (text) => String(text).replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
+
+/** An axis in the colours of the page. */
+export function axis(properties = {}) {
+  return {
+    color: colour("label"), gridcolor: colour("grid"), linecolor: colour("axis"), zerolinecolor: colour("axis"),
+    zeroline: false, showline: true, ticks: "outside", ticklen: 4, automargin: false, exponentformat: "none", ...properties,
+  };
+}
+
+/** A layout in the colours of the page. */
+export function layout(properties = {}) {
+  return {
+    paper_bgcolor: colour("card"), plot_bgcolor: colour("card"), showlegend: false, hovermode: "closest", dragmode: "zoom",
+    font: { family: "system-ui, sans-serif", size: 12, color: colour("ink") },
+    hoverlabel: { bgcolor: colour("raised"), bordercolor: colour("axis"), font: { color: colour("ink") } },
+    margin: { l: 64, r: 14, t: 26, b: 42 }, ...properties,
+  };
+}
+
+const CONFIG = { displaylogo: false, responsive: true, displayModeBar: false, doubleClick: false, showTips: false };
+
+/** Draws, or draws anew. */
+export async function draw(place, traces, wished) {
+  const library = await plotly();
+  await library.react(place, traces, wished, CONFIG);
+}
+
+/** Saves a chart as `png` or `svg`, at the size in which it is seen. */
+export async function saveImage(place, format, name) {
+  const library = await plotly();
+  const { width, height } = place.getBoundingClientRect();
+  const url = await library.toImage(place, { format, width, height, scale: format === "png" ? 2 : 1 });
+  save(`${name}.${format}`, url);
+  return url.length;
+}
+
+/** Takes a chart away with all that the library keeps of it. */
+export function clear(place) {
+  globalThis.Plotly?.purge(place);
+}

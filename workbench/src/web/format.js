@@ -1,0 +1,45 @@
+// Numbers and names for people.
+
+/** A number with so many significant digits, without an exponent where it can be avoided. */
+export function number(value, digits = 4) {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e6 || size < 1e-4) return value.toExponential(digits - 1).replace("-", "−").replace("e−", "e-");
+  const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
+  return value.toFixed(Math.min(decimals, 8)).replace("-", "−");
+}
+
+/** A number with its sign. */
+export const signed = (value, digits = 4) => (value > 0 ? "+" : "") + number(value, digits);
+
+/** A share in percent. */
+export function percent(share) {
+  if (share === null || share === undefined) return "–";
+  const value = 100 * share;
+  return `${(Math.abs(value) < 9.95 ? value.toFixed(1) : value.toFixed(0)).replace(/^-(?=0(\.0)?$)/, "").replace("-", "−")} %`;
+}
+
+/** An interval of time in a unit that suits it. */
+export function duration(seconds) {
+  if (seconds === null || seconds === undefined) return "–";
+  if (seconds < 1e-3) return `${number(1e6 * seconds, 3)} µs`;
+  if (seconds < 1) return `${number(1e3 * seconds, 3)} ms`;
+  if (seconds < 600) return `${number(seconds, 4)} s`;
+  return `${number(seconds / 60, 4)} min`;
+}
+
+/** Groups of three digits. */
+export const count = (value) => value.toLocaleString("en").replaceAll(",", "\u202f");
+
+const WORDS = {
+  p_ch: "chamber pressure", i_fill: "current of the fill coil", i_vent: "current of the vent coil",
+  duty_fill: "duty cycle of the fill valve", duty_vent: "duty cycle of the vent valve", u_bat: "supply voltage",
+  x_fill: "stroke of the fill valve", x_vent: "stroke of the vent valve", x_plunger: "stroke of the plunger", t_gas: "gas temperature",
+};
+
+/** What a signal is, in words, if its name is one of the model's. */
+export const words = (name) => WORDS[name] ?? "";
+
+/** A signal for a label: words and name, or the name alone. */
+export const titled = (name) => WORDS[name] ? `${WORDS[name]} ${name}` : name;

@@ -1,0 +1,56 @@
+// Opens the session, shows the page that the address names, and ends the session's work with the page.
+
+import * as api from "./api.js";
+import { element, fill, tell } from "./dom.js";
+import * as theme from "./theme.js";
+import * as view from "./view.js";
+import * as logs from "./pages/logs.js";
+import * as compare from "./pages/compare.js";
+
+/** A page has a title and `show(place)`, which returns what it has to be told: `leave` and `redraw`. */
+const PAGES = { logs, compare };
+const KEY = "project";
+
+const place = document.getElementById("page");
+let shown = null;
+
+function tabs() {
+  fill(document.getElementById("tabs"), Object.entries(PAGES).map(([name, page]) => element("a", {
+    href: `#/${name}?project=${view.text("project") ?? ""}`,
+    "aria-current": name === view.page() ? "page" : undefined,
+    on: { click: (event) => { event.preventDefault(); view.go(name); } },
+  }, page.title)));
+}
+
+async function show() {
+  const wanted = view.text("project");
+  if (wanted && wanted !== sessionStorage.getItem(KEY)) await begin();
+  shown?.leave?.();
+  const page = PAGES[view.page()] ?? logs;
+  tabs();
+  document.title = `${page.title} – Retarder workbench`;
+  delete document.body.dataset.ready;
+  fill(place);
+  shown = await page.show(place);
+}
+
+async function begin() {
+  const project = await api.open(view.text("project") ?? sessionStorage.getItem(KEY));
+  sessionStorage.setItem(KEY, project);
+  view.set({ project });
+}
+
+document.getElementById("link").addEventListener("click", async () => {
+  await navigator.clipboard.writeText(view.link());
+  tell("The link to this view is in the clipboard. It opens in a browser that this server knows.");
+});
+theme.begin(document.getElementById("theme"), () => shown?.redraw?.());
+addEventListener("pagehide", () => api.close());
+addEventListener("pageshow", (event) => { if (event.persisted) location.reload(); });
+view.begin(show);
+try {
+  await begin();
+  await show();
+} catch (error) {
+  fill(place, element("p", { class: "message problem" }, String(error.message ?? error)));
+}

@@ -1,0 +1,138 @@
+// Page "Compare": a log and the model driven by its commands, on the same axes, and where they part.
+
+import * as api from "../api.js";
+import { button, element, fill, tellProblems } from "../dom.js";
+import { number, percent, signed, titled } from "../format.js";
+import * as view from "../view.js";
+import { closerLooks } from "./compare/closer.js";
+import { Cursors } from "./compare/cursors.js";
+import { Regimes } from "./compare/regimes.js";
+import { TimePlots } from "./compare/charts.js";
+
+export const title = "Compare";
+
+export async function show(place) {
+  const project = await api.get("/project");
+  const logs = project.logs.filter((log) => !log.problem);
+  if (logs.length === 0) {
+    fill(place, element("p", {}, "There is no log to compare yet. ", button("Open one", () => view.go("logs"), { class: "primary" })));
+    document.body.dataset.ready = "compare";
+    return {};
+  }
+  const log = logs.find((one) => one.number === view.numberOf("log")) ?? logs[0];
+  const page = new Page(place, project, logs, log);
+  await page.begin();
+  return page;
+}
+
+class Page {
+  constructor(place, project, logs, log) {
+    Object.assign(this, { place, project, logs, log, comparison: null });
+    view.set({ log: log.number });
+    this.ending = new AbortController();
+    this.verdict = element("div", { class: "verdict", role: "status", id: "verdict" });
+    this.cursors = new Cursors(log, () => this.plots.mark());
+    this.plots = new TimePlots(log, logs, this.cursors, () => this.looks?.refresh());
+    this.regimes = new Regimes(() => this.plots.refresh());
+    this.closer = element("div", { class: "stack" });
+    const choice = element("select", { id: "log", on: { change: () => view.go("compare", { log: Number(choice.value) }) } },
+      logs.map((one) => element("option", { value: one.number, selected: one === log }, one.name)));
+    fill(place,
+      element("section", { class: "bar row" },
+        element("label", {}, "Log ", choice),
+        element("span", {}, "against ", element("strong", {}, project.plant.name)),
+        this.verdict, element("span", { class: "space" }), this.strictness()),
+      element("div", { class: "columns plots" },
+        element("div", { class: "stack wide" }, this.plots.element),
+        element("aside", { class: "stack" }, this.cursors.element, this.findings = element("section", { class: "card", hidden: true }))),
+      this.regimes.element, this.closer);
+  }
+
+  leave() {
+    this.ending.abort();
+    this.plots.leave();
+    this.looks?.leave();
+    this.regimes.leave();
+  }
+
+  redraw() {
+    this.plots.redraw();
+    this.regimes.redraw();
+    this.looks?.redraw();
+  }
+
+  async begin() {
+    try {
+      await this.plots.refresh();
+      if (!this.log.is_compared) await this.compare();
+      await this.take();
+      document.body.dataset.ready = "compare";
+    } catch (refusal) {
+      if (refusal.name === "AbortError") return;
+      fill(this.verdict, element("span", { class: "chip bad" }, "not compared"));
+      tellProblems(refusal, this.log.name);
+      document.body.dataset.ready = "failed";
+    }
+  }
+
+  async compare() {
+    const bar = element("progress", { max: 1, value: 0, "aria-label": "comparing" });
+    const share = element("span", { class: "quiet" }, "comparing …");
+    const begun = await api.post(`/logs/${this.log.number}/compare`);
+    const stop = new AbortController();
+    this.ending.signal.addEventListener("abort", () => stop.abort());
+    fill(this.verdict, bar, share, button("Stop", () => stop.abort()));
+    await api.follow(begun.job, (done) => { bar.value = done; share.textContent = `comparing, ${percent(done)}`; }, stop.signal);
+    this.log.is_compared = true;
+  }
+
+  async take() {
+    this.comparison = await api.get(`/logs/${this.log.number}/comparison`);
+    const { verdict, signals } = this.comparison;
+    const word = verdict.holds ? ["good", "holds"] : verdict.failing.length > 0 ? ["bad", "does not hold"] : ["open", "undecided"];
+    fill(this.verdict, element("span", { class: `chip ${word[0]}`, title: verdict.rule }, `The model ${word[1]}`),
+      signals.map((signal) => element("span", { class: `chip ${signal.holds === null ? "open" : signal.holds ? "good" : "bad"}`, title: signal.noise_floor.statement },
+        `${signal.name} ${signal.free_run.rms_in_noise === null ? `${number(signal.free_run.rms, 3)} ${signal.unit}` : `${number(signal.free_run.rms_in_noise, 3)} × noise`}`)));
+    this.showFindings(signals);
+    this.regimes.take(this.log, this.comparison);
+    this.looks = closerLooks(this.closer, this.log, this.logs, this.comparison, this.project, () => this.plots.refresh());
+    await this.plots.refresh();
+  }
+
+  showFindings(signals) {
+    this.findings.hidden = false;
+    fill(this.findings, element("h2", {}, "Where the error is"),
+      signals.map((signal) => element("div", {},
+        element("h3", {}, titled(signal.name)),
+        element("p", {}, signal.finding.sentence),
+        element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, worst ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
+          button("Go there", () => this.plots.goTo(signal.free_run.worst_time_s), { class: "link" })),
+        signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))));
+  }
+
+  /** When a signal holds: multiples of its noise, or a tolerance of its own. */
+  strictness() {
+    const { allowed_noise_multiples: multiples, tolerances } = this.project.strictness;
+    const allow = element("input", { type: "number", min: 0, step: "any", value: multiples, class: "short" });
+    const names = this.log.summary.signals.filter((signal) => !signal.name.startsWith("duty_") && signal.name !== "u_bat").map((signal) => signal.name);
+    const fields = names.map((name) => [name, element("input", { type: "number", min: 0, step: "any", value: tolerances[name] ?? "", class: "short", placeholder: "from noise" })]);
+    const apply = async () => {
+      const kept = { ...tolerances };
+      for (const [name, field] of fields) {
+        if (field.value === "") delete kept[name];
+        else kept[name] = Number(field.value);
+      }
+      try {
+        await api.put("/strictness", { allowed_noise_multiples: Number(allow.value), tolerances: kept });
+        view.go("compare", Object.fromEntries(["log", "from", "to", "a", "b", "select", "hide"].map((key) => [key, view.text(key)])));
+      } catch (refusal) {
+        tellProblems(refusal, "Limits");
+      }
+    };
+    return element("details", { class: "menu" }, element("summary", {}, "Limits"),
+      element("div", { class: "popup stack" },
+        element("label", {}, "a signal holds up to ", allow, " times its noise"),
+        fields.map(([name, field]) => element("label", {}, `or ${name} up to an rms of `, field)),
+        button("Compare with these", apply, { class: "primary" })));
+  }
+}

@@ -1,0 +1,107 @@
+// Two cursors with their values and differences, and the values under the pointer.
+
+import * as api from "../../api.js";
+import { element, fill, tellProblems } from "../../dom.js";
+import { number, signed } from "../../format.js";
+import { colour } from "../../theme.js";
+import * as view from "../../view.js";
+
+export class Cursors {
+  constructor(log, onMove) {
+    Object.assign(this, { log, onMove, values: { a: null, b: null }, courses: null });
+    const field = (name) => element("input", {
+      type: "number", step: "any", class: "time", id: `cursor-${name}`, placeholder: "none", value: view.numberOf(name) ?? "",
+      on: { change: (event) => this.set(name, event.target.value === "" ? null : Number(event.target.value)) },
+    });
+    this.fields = { a: field("a"), b: field("b") };
+    this.body = element("div", { class: "scroll" });
+    this.element = element("section", { class: "card", "aria-labelledby": "cursors-title" },
+      element("h2", { id: "cursors-title" }, "Values"),
+      element("p", { class: "row" },
+        element("label", {}, element("b", { class: "cursor-a" }, "A "), this.fields.a, " s"),
+        element("label", {}, element("b", { class: "cursor-b" }, "B "), this.fields.b, " s")),
+      this.difference = element("p", { class: "quiet" }), this.body);
+  }
+
+  /** Moves a cursor; none takes it away. */
+  set(name, time) {
+    view.set({ [name]: time });
+    this.fields[name].value = time === null ? "" : String(+time.toPrecision(8));
+    this.onMove();
+    this.fetch(name);
+  }
+
+  async refresh(courses) {
+    this.courses = courses;
+    await Promise.all(["a", "b"].map((name) => this.fetch(name)));
+  }
+
+  async fetch(name) {
+    const time = view.numberOf(name);
+    try {
+      this.values[name] = time === null ? null : (await api.get(`/logs/${this.log.number}/values?time_s=${time}`)).signals;
+    } catch (refusal) {
+      tellProblems(refusal, "Cursor");
+    }
+    this.show();
+  }
+
+  hover(time, courses) {
+    this.pointer = time === null || !courses ? null : new Map(courses.signals.map((signal) => [signal.name, {
+      measured: at(signal.measured, time), model: signal.model && at(signal.model, time), residual: signal.residual && at(signal.residual.course, time),
+    }]));
+    if (this.isWaiting) return;
+    this.isWaiting = true;
+    requestAnimationFrame(() => { this.isWaiting = false; this.show(); });
+  }
+
+  show() {
+    if (!this.courses) return;
+    const { a, b } = this.values;
+    const [from, to] = [view.numberOf("a"), view.numberOf("b")];
+    this.difference.textContent = from !== null && to !== null
+      ? `B − A = ${signed(to - from, 5)} s, 1/Δt = ${number(1 / Math.abs(to - from), 4)} Hz` : "Click into a plot for A, with Alt for B.";
+    const rows = [];
+    for (const signal of this.courses.signals.toSorted((one, other) => one.is_input - other.is_input)) {
+      const of = (values) => values?.find((one) => one.name === signal.name);
+      const [left, right] = [of(a), of(b)];
+      const pointer = this.pointer?.get(signal.name);
+      const row = (title, key, role) => {
+        const [x, y] = [left?.[key] ?? null, right?.[key] ?? null];
+        rows.push(element("tr", { class: key === "measured" ? "first" : undefined }, element("th", { scope: "row" }, element("span", { class: `key ${role}` }, title)),
+          element("td", {}, number(pointer?.[key])), element("td", {}, number(x)), element("td", {}, number(y)),
+          element("td", {}, x !== null && y !== null ? signed(y - x) : "–")));
+      };
+      row(`${signal.name} [${signal.unit}]`, "measured", signal.is_input ? "input" : "measured");
+      if (signal.model) row("modelled", "model", "model");
+      if (signal.residual) row(`residual [${signal.residual.unit}]`, "residual", "residual");
+    }
+    fill(this.body, element("table", { class: "numbers", id: "values" },
+      element("thead", {}, element("tr", {}, ["", "pointer", "A", "B", "B\u00a0−\u00a0A"].map((cell) => element("th", { scope: "col" }, cell)))),
+      element("tbody", {}, rows)));
+  }
+
+  lines() {
+    return ["a", "b"].map((name) => [name, view.numberOf(name)]).filter(([, time]) => time !== null);
+  }
+
+  shapes() {
+    return this.lines().map(([name, time]) => ({ type: "line", xref: "x", x0: time, x1: time, yref: "paper", y0: 0, y1: 1, line: { color: colour(`cursor-${name}`), width: 1.5, dash: name === "a" ? "solid" : "dash" } }));
+  }
+
+  labels() {
+    return this.lines().map(([name, time]) => ({ xref: "x", x: time, yref: "paper", y: 0, yanchor: "top", yshift: 2, showarrow: false, text: name.toUpperCase(), font: { color: colour("card"), size: 11 }, bgcolor: colour(`cursor-${name}`), borderpad: 2 }));
+  }
+}
+
+/** The point of a course next before a time. */
+function at(course, time) {
+  let low = 0, high = course.t.length - 1;
+  if (high < 0) return null;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    const there = course.t[middle] ?? course.t[middle - 1];
+    if (there <= time) low = middle; else high = middle - 1;
+  }
+  return course.y[low];
+}

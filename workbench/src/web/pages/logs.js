@@ -1,0 +1,243 @@
+// Page "Logs and plant": files come in, columns are explained, problems are named.
+
+import * as api from "../api.js";
+import { button, element, fill, tell, tellProblems } from "../dom.js";
+import { count, duration, number } from "../format.js";
+import * as view from "../view.js";
+import { mappingForm } from "./mapping.js";
+
+export const title = "Logs and plant";
+
+export async function show(place) {
+  const page = new Page(place);
+  await page.refresh();
+  document.body.dataset.ready = "logs";
+  return page;
+}
+
+class Page {
+  constructor(place) {
+    this.place = place;
+    this.open = new Set();
+    this.logs = element("div", { class: "stack" });
+    this.plant = element("section", { class: "card", "aria-labelledby": "plant-title" });
+    this.examples = element("section", { class: "card", "aria-labelledby": "examples-title" });
+    fill(place, element("div", { class: "columns" },
+      element("div", { class: "stack wide" }, this.dropZone(), this.logs),
+      element("div", { class: "stack" }, this.plant, this.examples)));
+  }
+
+  async refresh() {
+    const [project, examples] = await Promise.all([api.get("/project"), api.examples()]);
+    this.listExamples(examples);
+    this.showProject(project);
+  }
+
+  showProject(project) {
+    this.project = project;
+    fill(this.logs,
+      project.logs.length === 0 && element("p", { class: "quiet" }, "Nothing is open yet. Drop a log, or begin with an example on the right."),
+      project.logs.map((log) => this.logCard(log)));
+    this.showPlant(project.plant);
+  }
+
+  dropZone() {
+    const input = element("input", { type: "file", multiple: true, id: "files", accept: ".csv,.tsv,.txt,.toml,.mf4,.dat", on: { change: () => this.take([...input.files]) } });
+    const zone = element("section", { class: "drop", id: "drop", "aria-label": "Open files" },
+      element("p", {}, element("strong", {}, "Drop logs here"), ", several at once if you like – CSV with units in the header – or a plant file (TOML)."),
+      element("p", {}, element("label", { class: "button primary", for: "files" }, "Choose files …"), input),
+      this.progress = element("p", { class: "quiet", role: "status" }));
+    const over = (event) => { event.preventDefault(); zone.classList.add("over"); };
+    zone.addEventListener("dragover", over);
+    zone.addEventListener("dragenter", over);
+    zone.addEventListener("dragleave", () => zone.classList.remove("over"));
+    zone.addEventListener("drop", (event) => {
+      event.preventDefault();
+      zone.classList.remove("over");
+      this.take([...event.dataTransfer.files]);
+    });
+    return zone;
+  }
+
+  async take(files) {
+    for (const file of files) {
+      this.progress.textContent = `Reading ${file.name} …`;
+      try {
+        if (file.name.toLowerCase().endsWith(".toml")) {
+          await this.takePlant(file);
+        } else {
+          const added = await api.upload(file);
+          const log = added.project.logs.find((one) => one.number === added.log);
+          if (log.problem) this.open.add(log.number);
+          this.showProject(added.project);
+        }
+      } catch (refusal) {
+        tellProblems(refusal, file.name);
+      }
+    }
+    this.progress.textContent = "";
+  }
+
+  async takePlant(file) {
+    if (file.size > 1 << 20) {
+      tell(`${file.name}: a plant file has at most 1 MiB; is it the right one?`, "problem");
+      return;
+    }
+    this.showProject(await api.put("/plant", { name: file.name, toml: await file.text() }));
+    tell(`${file.name} is the plant now.`);
+  }
+
+  logCard(log) {
+    const body = log.problem ? this.problem(log) : this.summary(log);
+    const details = element("div", { class: "details", hidden: !this.open.has(log.number) });
+    const toggle = button("Preview and columns", () => this.toggle(log, details, toggle), { "aria-expanded": String(!details.hidden) });
+    const card = element("section", { class: `card log${log.problem ? " wrong" : ""}`, data: { log: log.number, name: log.name }, "aria-label": `Log ${log.name}` },
+      element("header", { class: "row" },
+        element("h2", {}, log.name),
+        element("span", { class: "space" }),
+        !log.problem && button("Compare with the plant", () => view.go("compare", { log: log.number }), { class: "primary compare" }),
+        toggle,
+        button("Remove", () => this.removeLog(log))),
+      body, details);
+    if (!details.hidden) this.fillDetails(log, details);
+    return card;
+  }
+
+  problem(log) {
+    const { code, message, line, column } = log.problem;
+    const where = [line && `line ${line}`, column && `column ${column}`].filter(Boolean).join(", ");
+    return element("div", { class: "problem" },
+      element("p", {}, element("strong", {}, where ? `${where}: ` : ""), message),
+      element("p", { class: "quiet" }, code, log.is_mapped && " – read with a mapping"));
+  }
+
+  summary(log) {
+    const { summary } = log;
+    const facts = [
+      `${count(summary.samples)} samples`, duration(summary.duration_s),
+      summary.sample_interval_s && `every ${duration(summary.sample_interval_s)}`,
+      summary.gaps > 0 && `${summary.gaps} ${summary.gaps === 1 ? "gap" : "gaps"} in time`,
+      summary.is_uneven && "uneven sampling", log.is_mapped && "with a mapping", log.is_compared && "compared",
+    ];
+    return element("div", {},
+      element("p", { class: "facts" }, facts.filter(Boolean).join(" · ")),
+      element("ul", { class: "signals" }, summary.signals.map((signal) => element("li", { class: "chip", title: `${signal.quantity}; ${number(signal.lowest)} to ${number(signal.highest)} ${signal.unit}` },
+        element("b", {}, signal.name), ` ${signal.unit}`,
+        signal.missing > 0 && element("em", {}, ` ${count(signal.missing)} missing`)))));
+  }
+
+  async toggle(log, details, toggle) {
+    details.hidden = !details.hidden;
+    toggle.setAttribute("aria-expanded", String(!details.hidden));
+    if (details.hidden) this.open.delete(log.number);
+    else {
+      this.open.add(log.number);
+      await this.fillDetails(log, details);
+    }
+  }
+
+  async fillDetails(log, details) {
+    try {
+      const preview = await api.get(`/logs/${log.number}/preview`);
+      fill(details,
+        preview.around && [element("h3", {}, "Around the line that is wrong"), rawTable(preview.around, log.problem)],
+        preview.rows.length > 0 && [element("h3", {}, "First rows, as signals"), valueTable(preview)],
+        element("h3", {}, "The file's first lines"), rawTable(preview.head, log.problem),
+        mappingForm(log, preview, async (form) => {
+          try {
+            const project = await api.put(`/logs/${log.number}/mapping`, form);
+            const after = project.logs.find((one) => one.number === log.number);
+            if (!after.problem) { this.open.delete(log.number); tell(`${log.name} is read with this mapping; logs with the same header will be, too.`); }
+            this.showProject(project);
+          } catch (refusal) {
+            tellProblems(refusal, "Mapping");
+          }
+        }));
+      if (log.summary?.sha256) details.append(element("p", { class: "quiet" }, `SHA-256 ${log.summary.sha256}`));
+    } catch (refusal) {
+      tellProblems(refusal, log.name);
+    }
+  }
+
+  async removeLog(log) {
+    try {
+      this.showProject(await api.remove(`/logs/${log.number}`));
+    } catch (refusal) {
+      tellProblems(refusal, log.name);
+    }
+  }
+
+  showPlant(plant) {
+    const rows = plant.changed.map((parameter) => element("tr", { title: parameter.about },
+      element("th", { scope: "row" }, parameter.name),
+      element("td", {}, number(parameter.value)),
+      element("td", {}, number(parameter.nominal)),
+      element("td", {}, parameter.unit)));
+    fill(this.plant,
+      element("h2", { id: "plant-title" }, "Plant"),
+      element("p", {}, element("strong", {}, plant.name), plant.is_nominal && " – the thesis model"),
+      plant.problems.map((problem) => element("p", { class: "problem" }, problem.message)),
+      rows.length > 0 && element("details", {},
+        element("summary", {}, `${rows.length} ${rows.length === 1 ? "parameter differs" : "parameters differ"} from the thesis model`),
+        element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ["parameter", "here", "thesis", "unit"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows))),
+      element("p", { class: "row" },
+        element("a", { class: "button", href: api.address("/plant"), download: "plant.toml" }, "Download"),
+        !plant.is_nominal && button("Back to the thesis model", async () => this.showProject(await api.put("/plant", { name: "" })))));
+  }
+
+  listExamples(examples) {
+    const groups = Map.groupBy(examples, (example) => example.group);
+    fill(this.examples,
+      element("h2", { id: "examples-title" }, "Examples"),
+      [...groups].map(([group, list]) => [
+        element("h3", {}, group),
+        element("ul", { class: group === "Practice rigs" ? "tiles" : "plain" }, list.map((example) => element("li", {},
+          button(example.title, () => this.openExample(example), { class: "example", title: example.about, data: { example: example.id } }),
+          group !== "Practice rigs" && element("span", { class: "quiet" }, ` ${example.about}`)))),
+        group === "Practice rigs" && element("p", { class: "quiet" }, list[0].about),
+      ]),
+      element("p", { class: "row" }, button("Close everything", () => this.closeAll())));
+  }
+
+  async openExample(example) {
+    const keep = this.project.logs.length > 0 && !await this.mayReplace();
+    try {
+      this.showProject(await api.post(`/examples/${example.id}`, { keep }));
+      tell(`${example.title} is open.`);
+    } catch (refusal) {
+      tellProblems(refusal, example.title);
+    }
+  }
+
+  /** Whether what is open may go; asks. */
+  mayReplace() {
+    return new Promise((resolve) => {
+      const end = (answer) => { dialog.close(); dialog.remove(); resolve(answer); };
+      const dialog = element("dialog", { "aria-label": "What is open" },
+        element("p", {}, `${this.project.logs.length} ${this.project.logs.length === 1 ? "log is" : "logs are"} open. Keep them beside the example?`),
+        element("p", { class: "row" },
+          button("Replace", () => end(true), { class: "primary", id: "replace" }),
+          button("Keep beside it", () => end(false))));
+      dialog.addEventListener("cancel", (event) => event.preventDefault());
+      document.body.append(dialog);
+      dialog.showModal();
+    });
+  }
+
+  async closeAll() {
+    this.open.clear();
+    this.showProject(await api.remove("/project"));
+  }
+}
+
+function rawTable(text, problem) {
+  return element("div", { class: "scroll" }, element("table", { class: "raw" }, element("tbody", {}, text.lines.map((line) => element("tr", { class: problem?.line === line.number ? "wrong" : undefined },
+    element("th", { scope: "row" }, line.number),
+    line.cells.map((cell, index) => element("td", { class: problem?.line === line.number && problem.column === index + 1 ? "wrong" : undefined }, cell)))))));
+}
+
+function valueTable(preview) {
+  return element("div", { class: "scroll" }, element("table", { class: "numbers" },
+    element("thead", {}, element("tr", {}, preview.columns.map((column) => element("th", { scope: "col" }, column.name, element("span", { class: "unit" }, column.unit))))),
+    element("tbody", {}, preview.rows.map((row) => element("tr", {}, row.map((value) => element("td", {}, value === null ? "" : String(value))))))));
+}

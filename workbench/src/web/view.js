@@ -1,0 +1,54 @@
+// What is shown, as the part of the address behind `#`: a link is a view.
+
+const state = { page: "logs", parameters: new URLSearchParams() };
+let listen = () => {};
+
+function read() {
+  const [page, query] = location.hash.replace(/^#\/?/, "").split("?");
+  state.page = page || "logs";
+  state.parameters = new URLSearchParams(query ?? "");
+}
+
+function write() {
+  const query = state.parameters.toString();
+  history.replaceState(null, "", `#/${state.page}${query ? `?${query}` : ""}`);
+}
+
+/** Reads the address, and calls `onMove` whenever a person goes elsewhere in it. */
+export function begin(onMove) {
+  listen = onMove;
+  read();
+  addEventListener("hashchange", () => { read(); listen(); });
+}
+
+export const page = () => state.page;
+
+/** A text of the view; none if it does not say. */
+export const text = (name) => state.parameters.get(name);
+
+/** A number of the view; none if it does not say, or is no number. */
+export function numberOf(name) {
+  const value = parseFloat(state.parameters.get(name) ?? "");
+  return Number.isFinite(value) ? value : null;
+}
+
+/** Changes the view; null takes a part away. */
+export function set(changes) {
+  for (const [name, value] of Object.entries(changes)) {
+    if (value === null || value === undefined || value === "") state.parameters.delete(name);
+    else state.parameters.set(name, typeof value === "number" ? String(+value.toPrecision(12)) : value);
+  }
+  write();
+}
+
+/** Goes to another page; the project stays. */
+export function go(page, changes = {}) {
+  const project = state.parameters.get("project");
+  state.page = page;
+  state.parameters = new URLSearchParams(project ? { project } : {});
+  set(changes);
+  listen();
+}
+
+/** The address of the view, without secrets. */
+export const link = () => location.href;
