@@ -34,9 +34,24 @@ pub fn compare(
     log: &Recording,
     options: &CompareOptions,
 ) -> Result<Comparison, CompareError> {
+    compare_watched(parameters, log, options, &|_| true)
+}
+
+/// As [`compare`], for somebody who waits: `goes_on` is told every few milliseconds which share of the work is done,
+/// 0 to 1, and ends it by saying false.
+///
+/// # Errors
+/// Those of [`compare`], and [`CompareError::Stopped`].
+pub fn compare_watched(
+    parameters: &PlantParameters,
+    log: &Recording,
+    options: &CompareOptions,
+    goes_on: &dyn Fn(f64) -> bool,
+) -> Result<Comparison, CompareError> {
     options.check()?;
     let commands = Commands::new(parameters, log)?;
-    let mut setup = Setup::new(parameters, log, options.tolerance)?;
+    let setup = Setup::new(parameters, log, options.tolerance)?;
+    let mut setup = setup.watched(goes_on, OFFSET_ROWS);
     let (measured, not_compared) = measured_signals(parameters, (log, setup.base), &commands)?;
     options.check_tolerances(&measured)?;
 
@@ -44,7 +59,7 @@ pub fn compare(
     let (start, start_pressure) = start(parameters, pressure, &commands);
     setup.start_pressure = start_pressure;
 
-    let free_run = setup.free_run();
+    let free_run = setup.free_run()?;
     let no_pressure = vec![f64::NAN; commands.len()];
     let gain = if pressure.is_some() {
         options.predictor_gain
@@ -52,8 +67,8 @@ pub fn compare(
         0.0
     };
     let (short_horizon, activities) =
-        setup.predict(pressure.map_or(&no_pressure, |signal| &signal.values), gain);
-    let (fine_times_s, fine_run) = setup.fine_run(OFFSET_ROWS);
+        setup.predict(pressure.map_or(&no_pressure, |signal| &signal.values), gain)?;
+    let (fine_times_s, fine_run) = setup.fine_run(OFFSET_ROWS)?;
     let predictor = pressure.map(|_| Predictor {
         signal: PRESSURE.to_owned(),
         gain,

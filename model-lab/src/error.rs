@@ -52,6 +52,9 @@ pub enum CompareError {
         /// What is allowed.
         range: &'static str,
     },
+    /// Whoever watched said not to go on.
+    #[error("the comparison was stopped before its end; begin it again")]
+    Stopped,
     /// A tolerance for a signal that is not compared.
     #[error(
         "there is a tolerance for {name:?}, but compared are {}; remove it or correct the name",

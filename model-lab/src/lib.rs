@@ -18,7 +18,7 @@ mod summary;
 pub mod thesis;
 mod whiteness;
 
-pub use compare::compare;
+pub use compare::{compare, compare_watched};
 pub use error::CompareError;
 pub use options::CompareOptions;
 pub use result::Comparison;

@@ -1,5 +1,7 @@
 //! The model on the instants of a log: free run, short-horizon prediction, and a fine course for time shifts.
 
+use std::cell::Cell;
+
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{
@@ -8,6 +10,7 @@ use plant_sim::replay::{
 use plant_sim::{PlantParameters, Simulator, Tolerance};
 use recording::{AddSignalError, Provenance, Recording, TimeBase, Unit};
 
+use crate::error::CompareError;
 use crate::metrics::present;
 
 /// Within a sample interval the valves are looked at this often [ns].
@@ -22,6 +25,29 @@ pub(crate) struct Setup<'a> {
     pub(crate) tolerance: Tolerance,
     /// Chamber pressure to begin with [Pa abs]; none starts at rest.
     pub(crate) start_pressure: Option<f64>,
+    watch: Option<Watch<'a>>,
+}
+
+/// Somebody who is told now and then which share of all rows is done, and says whether to go on.
+struct Watch<'a> {
+    goes_on: &'a dyn Fn(f64) -> bool,
+    done: Cell<usize>,
+    all: usize,
+}
+
+/// Rows between two looks of a [`Watch`]: some milliseconds.
+const ROWS_UNWATCHED: usize = 64;
+
+impl Watch<'_> {
+    fn count_row(&self) -> Result<(), CompareError> {
+        let done = self.done.get() + 1;
+        self.done.set(done);
+        let share = || (done as f64 / self.all.max(1) as f64).min(1.0);
+        if done.is_multiple_of(ROWS_UNWATCHED) && !(self.goes_on)(share()) {
+            return Err(CompareError::Stopped);
+        }
+        Ok(())
+    }
 }
 
 /// The model's signals, one column per name.
@@ -57,7 +83,23 @@ impl<'a> Setup<'a> {
             sampling,
             tolerance,
             start_pressure: None,
+            watch: None,
         })
+    }
+
+    /// Lets `goes_on` watch a free run, a prediction and a fine run over `fine_rows` rows.
+    pub(crate) fn watched(mut self, goes_on: &'a dyn Fn(f64) -> bool, fine_rows: usize) -> Self {
+        let rows = self.inputs.len();
+        self.watch = Some(Watch {
+            goes_on,
+            done: Cell::new(0),
+            all: 2 * rows + rows.min(fine_rows),
+        });
+        self
+    }
+
+    fn count_row(&self) -> Result<(), CompareError> {
+        self.watch.as_ref().map_or(Ok(()), Watch::count_row)
     }
 
     fn begin(&self) -> Replay {
@@ -69,22 +111,28 @@ impl<'a> Setup<'a> {
     }
 
     /// The model driven by the commands alone.
-    pub(crate) fn free_run(&self) -> Columns {
+    pub(crate) fn free_run(&self) -> Result<Columns, CompareError> {
         let mut replay = self.begin();
         let mut columns = Columns::with_capacity(self);
         for &input in &self.inputs {
+            self.count_row()?;
             columns.push(replay.row(input));
         }
-        columns
+        Ok(columns)
     }
 
     /// The model corrected after each sample by `gain` times (measured - predicted) pressure, measured in bar gauge,
     /// NaN where missing. Gain 0 watches the free run.
-    pub(crate) fn predict(&self, measured_bar: &[f64], gain: f64) -> (Columns, Vec<Activity>) {
+    pub(crate) fn predict(
+        &self,
+        measured_bar: &[f64],
+        gain: f64,
+    ) -> Result<(Columns, Vec<Activity>), CompareError> {
         let mut replay = self.begin();
         let mut columns = Columns::with_capacity(self);
         let mut activities = Vec::with_capacity(self.inputs.len());
         for (row, &input) in self.inputs.iter().enumerate() {
+            self.count_row()?;
             let begin = (
                 replay.simulator().time_ns(),
                 replay.simulator().state().pressure,
@@ -114,17 +162,18 @@ impl<'a> Setup<'a> {
                 simulator.set_chamber_pressure(pressure + gain * error);
             }
         }
-        (columns, activities)
+        Ok((columns, activities))
     }
 
     /// The free run on a grid of at most 1 ms over the first `rows` instants: times [s] and columns. A current that
     /// is a mean refers to the grid interval that ends at its time.
-    pub(crate) fn fine_run(&self, rows: usize) -> (Vec<f64>, Columns) {
+    pub(crate) fn fine_run(&self, rows: usize) -> Result<(Vec<f64>, Columns), CompareError> {
         let mut replay = self.begin();
         let mut columns = Columns::with_capacity(self);
         let mut times_s = Vec::new();
         let mut last_ns = 0;
         for &input in self.inputs.iter().take(rows) {
+            self.count_row()?;
             for time_ns in
                 instants_between(last_ns, input.time_ns).take_while(|&t| t < input.time_ns)
             {
@@ -140,7 +189,7 @@ impl<'a> Setup<'a> {
             times_s.push(input.time_ns as f64 * 1e-9);
             last_ns = input.time_ns;
         }
-        (times_s, columns)
+        Ok((times_s, columns))
     }
 }
 
@@ -213,7 +262,7 @@ mod tests {
             plant_sim::replay::replay(&bench.plant, &log, Tolerance::default(), |_, _| {}).unwrap();
         let pressure = replayed.recording.signal("p_ch").unwrap();
         assert_eq!(
-            setup.free_run().get("p_ch").unwrap(),
+            setup.free_run().unwrap().get("p_ch").unwrap(),
             pressure.values_or_nan()
         );
     }
@@ -223,9 +272,11 @@ mod tests {
         let bench = Bench::default();
         let log = bench.measure();
         let setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
-        let free = setup.free_run();
-        let (watched, _) = setup.predict(&vec![f64::NAN; log.signals()[0].len()], 0.0);
-        let (times_s, fine) = setup.fine_run(usize::MAX);
+        let free = setup.free_run().unwrap();
+        let (watched, _) = setup
+            .predict(&vec![f64::NAN; log.signals()[0].len()], 0.0)
+            .unwrap();
+        let (times_s, fine) = setup.fine_run(usize::MAX).unwrap();
         for (row, &expected) in free.get("p_ch").unwrap().iter().enumerate() {
             let time_s = row as f64 * 0.01;
             let nearest = times_s.partition_point(|&t| t < time_s - 1e-6);
@@ -247,7 +298,7 @@ mod tests {
         let mut setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
         setup.start_pressure = Some(3e5);
         let measured = vec![2.5; log.signals()[0].len()];
-        let (columns, activity) = setup.predict(&measured, 1.0);
+        let (columns, activity) = setup.predict(&measured, 1.0).unwrap();
         let still = activity
             .iter()
             .position(|activity| activity.open != [false; 2])

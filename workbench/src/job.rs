@@ -9,7 +9,7 @@ use axum::response::Sse;
 use axum::response::sse::{Event, KeepAlive};
 use futures_util::{Stream, stream};
 use serde::Serialize;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 
 use crate::refusal::{Problem, Refusal};
 
@@ -50,18 +50,20 @@ impl Job {
         }
     }
 
-    /// Starts `work` on a thread of its own. It asks its job now and then whether to go on.
+    /// Starts `work` on a thread of its own, once there is a place for it. It asks its job now and then whether to go on.
     pub(crate) fn start(
+        places: Arc<Semaphore>,
         work: impl FnOnce(&Self) -> Result<(), Refusal> + Send + 'static,
     ) -> Arc<Self> {
         let job = Arc::new(Self::new());
         let worker = Arc::clone(&job);
-        let running = tokio::task::spawn_blocking(move || {
-            let ended = work(&worker);
-            worker.end(ended);
-        });
         let watched = Arc::clone(&job);
         tokio::spawn(async move {
+            let _place = places.acquire_owned().await;
+            let running = tokio::task::spawn_blocking(move || {
+                let ended = work(&worker);
+                worker.end(ended);
+            });
             if running.await.is_err() {
                 let problem = Problem::new(
                     "E-WEB-INTERNAL",
@@ -161,6 +163,10 @@ mod tests {
             .block_on(test);
     }
 
+    fn one_place() -> Arc<Semaphore> {
+        Arc::new(Semaphore::new(1))
+    }
+
     async fn last_of(job: &Arc<Job>) -> Progress {
         let mut progress = job.progress.subscribe();
         let ended = progress
@@ -172,10 +178,13 @@ mod tests {
     #[test]
     fn a_job_ends_with_what_came_of_it() {
         in_runtime(async {
-            assert_eq!(last_of(&Job::start(|_| Ok(()))).await, Progress::Done);
-            let failing = Job::start(|_| Err(Refusal::value("no")));
+            assert_eq!(
+                last_of(&Job::start(one_place(), |_| Ok(()))).await,
+                Progress::Done
+            );
+            let failing = Job::start(one_place(), |_| Err(Refusal::value("no")));
             assert!(matches!(last_of(&failing).await, Progress::Failed { .. }));
-            let panicking = Job::start(|_| panic!("on purpose"));
+            let panicking = Job::start(one_place(), |_| panic!("on purpose"));
             let Progress::Failed { problems } = last_of(&panicking).await else {
                 panic!("the panic was not told");
             };
@@ -186,7 +195,7 @@ mod tests {
     #[test]
     fn a_job_whose_listener_goes_away_is_cancelled() {
         in_runtime(async {
-            let job = Job::start(|job| {
+            let job = Job::start(one_place(), |job| {
                 while job.goes_on(0.5) {
                     std::thread::yield_now();
                 }

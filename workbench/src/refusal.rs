@@ -6,6 +6,7 @@ use axum::response::{IntoResponse, Response};
 use model_lab::CompareError;
 use plant_sim::ParameterError;
 use recording::csv::{CsvError, MappingError};
+use recording::mf4::Mf4Error;
 use serde::Serialize;
 
 /// One thing that is wrong, and what to do.
@@ -86,6 +87,27 @@ impl From<&CsvError> for Problem {
             line: place.line,
             column: place.column,
         }
+    }
+}
+
+impl From<&Mf4Error> for Problem {
+    /// An MF4 file has no lines; its blocks are for those who repair it.
+    fn from(error: &Mf4Error) -> Self {
+        let place = error.place();
+        let block = place.block.map(|block| format!("block {block}"));
+        let offset = place.offset.map(|offset| format!("byte {offset}"));
+        let channel = place.channel.as_ref().map(|name| format!("channel {name}"));
+        let place: Vec<String> = [block, offset, channel].into_iter().flatten().collect();
+        let place = if place.is_empty() {
+            String::new()
+        } else {
+            format!("{}: ", place.join(", "))
+        };
+        let problem = error.problem();
+        Self::new(
+            error.code(),
+            format!("{place}{problem}; {}", problem.next_step()),
+        )
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use recording::Recording;
+use tokio::sync::Semaphore;
 
 use crate::job::Job;
 use crate::log_reader;
@@ -19,8 +20,15 @@ const SESSIONS_MAX: usize = 24;
 /// All open sessions.
 pub(crate) struct Sessions {
     pub(crate) store: Arc<Store>,
+    /// Uploads at one time, of all tabs together.
+    pub(crate) uploads: Semaphore,
+    /// Jobs at one time, of all tabs together; others wait.
+    pub(crate) workers: Arc<Semaphore>,
     open: Mutex<HashMap<ProjectId, (u64, Arc<Session>)>>,
 }
+
+const UPLOADS: usize = 2;
+const WORKERS: usize = 2;
 
 /// What one tab has open.
 pub(crate) struct Session {
@@ -61,6 +69,8 @@ impl Sessions {
     pub(crate) fn new(store: Arc<Store>) -> Self {
         Self {
             store,
+            uploads: Semaphore::new(UPLOADS),
+            workers: Arc::new(Semaphore::new(WORKERS)),
             open: Mutex::default(),
         }
     }

@@ -1,3 +1,4 @@
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::{env, fs};
@@ -8,7 +9,7 @@ use serde_json::Value;
 
 use crate::bench::Bench;
 use crate::result::{Comparison, Horizon, LimitFrom, RegimeBin, SignalComparison, StartFrom};
-use crate::{CompareError, CompareOptions, compare};
+use crate::{CompareError, CompareOptions, compare, compare_watched};
 
 fn against_nominal(log: &Recording) -> Comparison {
     compare(&PlantParameters::nominal(), log, &CompareOptions::default()).unwrap()
@@ -35,6 +36,30 @@ fn bin<'a>(signal: &'a SignalComparison, dimension: &str, label: &str) -> &'a Re
         .find(|regime| regime.dimension == dimension)
         .unwrap();
     regime.bins.iter().find(|bin| bin.label == label).unwrap()
+}
+
+#[test]
+fn whoever_watches_is_told_every_share_in_order_and_can_end_it() {
+    let bench = Bench::default();
+    let log = bench.measure();
+    let told = RefCell::new(Vec::new());
+    let run = |last: f64| {
+        told.borrow_mut().clear();
+        let goes_on = |share| {
+            told.borrow_mut().push(share);
+            share < last
+        };
+        compare_watched(&bench.plant, &log, &CompareOptions::default(), &goes_on)
+    };
+    assert_eq!(run(2.0).unwrap(), against(&bench.plant, &log));
+    assert!(told.borrow().is_sorted() && told.borrow().len() > 10);
+    assert!(*told.borrow().last().unwrap() > 0.95);
+    assert_eq!(run(0.4).unwrap_err(), CompareError::Stopped);
+    assert!(*told.borrow().last().unwrap() < 0.5);
+}
+
+fn against(plant: &PlantParameters, log: &Recording) -> Comparison {
+    compare(plant, log, &CompareOptions::default()).unwrap()
 }
 
 fn excess_share(bin: &RegimeBin) -> f64 {

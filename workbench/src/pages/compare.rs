@@ -2,6 +2,7 @@
 
 mod courses;
 mod details;
+mod export;
 mod selection;
 
 use std::sync::Arc;
@@ -11,10 +12,9 @@ use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use axum::{Json, Router};
-use model_lab::{Comparison, compare};
+use model_lab::{Comparison, compare_watched};
 use plant_sim::PlantParameters;
 use serde::{Deserialize, Serialize};
-use tokio::sync::Semaphore;
 
 use super::{Shared, session};
 use crate::align;
@@ -23,9 +23,6 @@ use crate::pages::blocking;
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::session::{Session, Sessions};
-
-/// Comparisons at one time, of all tabs together; others wait.
-static WORKERS: Semaphore = Semaphore::const_new(2);
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
@@ -39,7 +36,8 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
             "/sessions/{session}/logs/{log}/alignment",
             get(show_alignment),
         )
-        .route("/sessions/{session}/logs/{log}/csv", get(export))
+        .route("/sessions/{session}/logs/{log}/csv", get(export_csv))
+        .route("/sessions/{session}/logs/{log}/mf4", get(export_mf4))
 }
 
 /// A comparison with what a view of it needs.
@@ -91,11 +89,8 @@ async fn begin(
     let session = session(&sessions, id)?;
     session.project().log(log)?;
     let worker = Arc::clone(&session);
-    let place = WORKERS.acquire().await.ok();
-    let job = Job::start(move |job| {
-        let _place = place;
-        work(&worker, log, job)
-    });
+    let places = Arc::clone(&sessions.workers);
+    let job = Job::start(places, move |job| work(&worker, log, job));
     let number = job.number;
     session.begin(job);
     Ok(Json(Begun { job: number }))
@@ -107,7 +102,8 @@ fn work(session: &Session, number: u32, job: &Job) -> Result<(), Refusal> {
     let log = session.log(number)?;
     let log = log.as_ref().as_ref().map_err(Clone::clone)?;
     let options = project.strictness.options_for(&log.recording);
-    let comparison = compare(&parameters, &log.recording, &options)?;
+    let goes_on = |share| job.goes_on(share);
+    let comparison = compare_watched(&parameters, &log.recording, &options, &goes_on)?;
     let compared = Compared::new(comparison, parameters);
     if job.goes_on(1.0) {
         session.keep_comparison(number, compared);
@@ -189,14 +185,14 @@ async fn show_alignment(
     .await
 }
 
-/// The range of a view as CSV: measured, modelled and residual of every signal.
-async fn export(
+/// The range of a view: measured, modelled and residual of every signal.
+async fn export_csv(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
     Query(range): Query<courses::Range>,
 ) -> Result<impl IntoResponse, Refusal> {
     let session = session(&sessions, id)?;
-    let csv = blocking(move || courses::csv(&session, log, &range)).await?;
+    let csv = blocking(move || export::csv(&session, log, range)).await?;
     let headers = [
         (CONTENT_TYPE, "text/csv; charset=utf-8"),
         (
@@ -205,4 +201,22 @@ async fn export(
         ),
     ];
     Ok((headers, csv))
+}
+
+/// The same as MF4.
+async fn export_mf4(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(range): Query<courses::Range>,
+) -> Result<impl IntoResponse, Refusal> {
+    let session = session(&sessions, id)?;
+    let mf4 = blocking(move || export::mf4(&session, log, range)).await?;
+    let headers = [
+        (CONTENT_TYPE, "application/octet-stream"),
+        (
+            CONTENT_DISPOSITION,
+            "attachment; filename=\"comparison.mf4\"",
+        ),
+    ];
+    Ok((headers, mf4))
 }

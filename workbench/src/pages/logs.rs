@@ -14,7 +14,6 @@ use axum::routing::{delete, get, post, put};
 use axum::{Json, Router};
 use recording::csv::Mapping;
 use serde::{Deserialize, Serialize};
-use tokio::sync::Semaphore;
 
 use super::{Shared, blocking, session};
 use crate::examples::{self, Example};
@@ -24,9 +23,6 @@ use crate::project::{LOGS_MAX, PlantFile, Project, Strictness};
 use crate::refusal::{Problem, Refusal};
 use crate::session::{Session, Sessions};
 use view::ProjectView;
-
-/// Uploads at one time, of all tabs together.
-static UPLOADS: Semaphore = Semaphore::const_new(2);
 
 /// Longest name of a file that is kept (characters).
 const NAME_MAX: usize = 120;
@@ -174,7 +170,7 @@ async fn add_log(
     if session.project().logs.len() >= LOGS_MAX {
         return Err(too_many());
     }
-    let _place = UPLOADS.try_acquire().map_err(|_| {
+    let _place = sessions.uploads.try_acquire().map_err(|_| {
         Refusal::new(
             StatusCode::TOO_MANY_REQUESTS,
             "E-WEB-BUSY",

@@ -2,8 +2,7 @@
 
 use plant_sim::parameters::PlantParameters;
 use plant_sim::replay::ROW_SIGNALS;
-use recording::csv::{Decimals, write};
-use recording::{Converter, Provenance, Recording, Sampling, Signal, TimeBase, Unit};
+use recording::{Converter, Sampling, Signal, TimeBase, Unit};
 use serde::{Deserialize, Serialize};
 
 use super::Compared;
@@ -287,53 +286,6 @@ impl Course {
         }
         self
     }
-}
-
-/// Measured, modelled and residual of every signal in `range`, as a log that everything here reads.
-pub(super) fn csv(session: &Session, number: u32, range: &Range) -> Result<Vec<u8>, Refusal> {
-    let log = session.log(number)?;
-    let log = log.as_ref().as_ref().map_err(Clone::clone)?;
-    let recording = &log.recording;
-    let Some((id, base)) = recording.time_bases().next() else {
-        return Err(Refusal::not_found("time base"));
-    };
-    let (within, _) = range.of(base)?;
-    if within.is_empty() {
-        return Err(Refusal::value("there is no sample in this range; zoom out"));
-    }
-    let internal = |error: &dyn std::fmt::Display| Refusal::value(error.to_string());
-    let provenance = Provenance::from_source(recording.provenance().source.clone())
-        .with_note("producer", concat!("retarder ", env!("CARGO_PKG_VERSION")));
-    let mut out = Recording::new(provenance);
-    let times_s = base.times_s()[within.clone()].to_vec();
-    let out_id = out.add_time_base(TimeBase::new(times_s).map_err(|error| internal(&error))?);
-    let mut add = |name: &str, signal: &Signal| {
-        let samples = signal.values_or_nan()[within.clone()].to_vec();
-        out.add_signal(name, signal.unit(), out_id, samples)
-            .map(drop)
-            .map_err(|error| internal(&error))
-    };
-    let compared = session.comparison(number);
-    for signal in recording
-        .signals()
-        .iter()
-        .filter(|signal| signal.time_base() == id)
-    {
-        add(signal.name(), signal)?;
-        let traces = compared
-            .as_ref()
-            .map(|compared| &compared.comparison.traces);
-        let Some(traces) = traces else { continue };
-        if let Some(errors) = traces.free_run_residual.signal(signal.name()) {
-            if let Some(model) = traces.free_run.signal(signal.name()) {
-                add(&format!("{}_model", signal.name()), model)?;
-            }
-            add(&format!("{}_residual", signal.name()), errors)?;
-        }
-    }
-    let mut bytes = Vec::new();
-    write(&mut bytes, &out, out_id, &Decimals::shortest()).map_err(|error| internal(&error))?;
-    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -43,11 +43,11 @@ export class TimePlots {
   exportMenu() {
     const name = `${this.log.name.replace(/\.[^.]*$/, "")}-comparison`;
     const image = (format) => saveImage(this.chart, format, name).catch((error) => tellProblems(error, format));
-    const csv = () => save(`${name}.csv`, api.address(`/logs/${this.log.number}/csv?${this.rangeQuery()}`));
+    const data = (format) => save(`${name}.${format}`, api.address(`/logs/${this.log.number}/${format}?${this.rangeQuery()}`));
     return element("details", { class: "menu" }, element("summary", {}, "Export"),
       element("div", { class: "popup stack" },
         button("PNG", () => image("png"), { id: "export-png" }), button("SVG", () => image("svg"), { id: "export-svg" }),
-        button("CSV of the visible range", csv, { id: "export-csv" })));
+        button("CSV of the visible range", () => data("csv"), { id: "export-csv" }), button("MF4 of the visible range", () => data("mf4"), { id: "export-mf4" })));
   }
 
   rangeQuery() {

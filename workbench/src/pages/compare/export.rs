@@ -1,0 +1,68 @@
+//! What is seen, as a log that everything here reads.
+
+use std::fmt::Display;
+
+use recording::csv::Decimals;
+use recording::{Provenance, Recording, Signal, TimeBase, TimeBaseId};
+
+use super::courses::Range;
+use crate::refusal::Refusal;
+use crate::session::Session;
+
+pub(super) fn csv(session: &Session, number: u32, range: Range) -> Result<Vec<u8>, Refusal> {
+    let (recording, time_base) = visible(session, number, range)?;
+    recording::csv::write(Vec::new(), &recording, time_base, &Decimals::shortest())
+        .map_err(not_written)
+}
+
+pub(super) fn mf4(session: &Session, number: u32, range: Range) -> Result<Vec<u8>, Refusal> {
+    let (recording, _) = visible(session, number, range)?;
+    recording::mf4::write(Vec::new(), &recording).map_err(not_written)
+}
+
+fn not_written(error: impl Display) -> Refusal {
+    Refusal::value(error.to_string())
+}
+
+/// Measured, modelled and residual of every signal on the log's first time base, in `range`.
+fn visible(
+    session: &Session,
+    number: u32,
+    range: Range,
+) -> Result<(Recording, TimeBaseId), Refusal> {
+    let log = session.log(number)?;
+    let log = log.as_ref().as_ref().map_err(Clone::clone)?;
+    let recording = &log.recording;
+    let Some((id, base)) = recording.time_bases().next() else {
+        return Err(Refusal::not_found("time base"));
+    };
+    let (within, _) = range.of(base)?;
+    if within.is_empty() {
+        return Err(Refusal::value("there is no sample in this range; zoom out"));
+    }
+    let provenance = Provenance::from_source(recording.provenance().source.clone())
+        .with_note("producer", concat!("retarder ", env!("CARGO_PKG_VERSION")));
+    let mut out = Recording::new(provenance);
+    let times_s = base.times_s()[within.clone()].to_vec();
+    let out_id = out.add_time_base(TimeBase::new(times_s).map_err(not_written)?);
+    let mut add = |name: &str, signal: &Signal| {
+        let samples = signal.values_or_nan()[within.clone()].to_vec();
+        out.add_signal(name, signal.unit(), out_id, samples)
+            .map(drop)
+            .map_err(not_written)
+    };
+    let compared = session.comparison(number);
+    let on_base = |signal: &&Signal| signal.time_base() == id;
+    for signal in recording.signals().iter().filter(on_base) {
+        add(signal.name(), signal)?;
+        let Some(compared) = &compared else { continue };
+        let traces = &compared.comparison.traces;
+        if let Some(errors) = traces.free_run_residual.signal(signal.name()) {
+            if let Some(model) = traces.free_run.signal(signal.name()) {
+                add(&format!("{}_model", signal.name()), model)?;
+            }
+            add(&format!("{}_residual", signal.name()), errors)?;
+        }
+    }
+    Ok((out, out_id))
+}

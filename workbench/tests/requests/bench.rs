@@ -1,0 +1,265 @@
+//! A server of its own for each test, and a client that sends exactly what it is told.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use serde_json::Value;
+use tempfile::TempDir;
+use workbench::{Options, Server, Stopper};
+
+/// A running server with an open session.
+pub(crate) struct Bench {
+    pub(crate) port: u16,
+    pub(crate) token: String,
+    pub(crate) folder: TempDir,
+    running: Option<(Stopper, JoinHandle<()>)>,
+}
+
+/// What came back.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    pub(crate) status: u16,
+    /// Header lines in lower case.
+    pub(crate) head: String,
+    pub(crate) body: Vec<u8>,
+}
+
+impl Answer {
+    pub(crate) fn text(&self) -> String {
+        String::from_utf8_lossy(&self.body).into_owned()
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_slice(&self.body)
+            .unwrap_or_else(|error| panic!("{error}: {}", self.text()))
+    }
+
+    pub(crate) fn header(&self, name: &str) -> Option<&str> {
+        let lines = self.head.lines();
+        let mut pairs = lines.filter_map(|line| line.split_once(": "));
+        pairs.find(|(key, _)| *key == name).map(|(_, value)| value)
+    }
+
+    /// The code of the first problem.
+    pub(crate) fn code(&self) -> String {
+        self.json()["problems"][0]["code"]
+            .as_str()
+            .unwrap_or_default()
+            .to_owned()
+    }
+}
+
+impl Bench {
+    pub(crate) fn start() -> Self {
+        Self::start_in(tempfile::tempdir().unwrap())
+    }
+
+    pub(crate) fn start_in(folder: TempDir) -> Self {
+        let server = serve(folder.path());
+        let address = server.address();
+        let (base, token) = address.split_once("/?token=").unwrap();
+        let port = base.rsplit(':').next().unwrap().parse().unwrap();
+        let token = token.to_owned();
+        let stopper = server.stopper();
+        let thread = std::thread::spawn(move || server.run().unwrap());
+        Self {
+            port,
+            token,
+            folder,
+            running: Some((stopper, thread)),
+        }
+    }
+
+    /// Ends the server and starts another one on its folder.
+    pub(crate) fn restart(mut self) -> Self {
+        self.stop();
+        let folder = std::mem::replace(&mut self.folder, tempfile::tempdir().unwrap());
+        Self::start_in(folder)
+    }
+
+    fn stop(&mut self) {
+        if let Some((stopper, thread)) = self.running.take() {
+            stopper.stop();
+            thread.join().unwrap();
+        }
+    }
+
+    /// Sends these bytes, and reads until the server closes or says that all is said.
+    pub(crate) fn raw(&self, request: &[u8]) -> Answer {
+        let mut stream = self.connect();
+        // A server that refuses early closes while the rest is still on its way.
+        let _ = stream.write_all(request);
+        read_answer(&mut stream)
+    }
+
+    pub(crate) fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream
+            .set_read_timeout(Some(Duration::from_secs(60)))
+            .unwrap();
+        stream
+    }
+
+    pub(crate) fn host(&self) -> String {
+        format!("127.0.0.1:{}", self.port)
+    }
+
+    /// A request with these header lines and no others than `Connection: close`.
+    pub(crate) fn send(&self, method: &str, path: &str, headers: &[&str], body: &[u8]) -> Answer {
+        let mut request = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\n");
+        for header in headers {
+            request += header;
+            request += "\r\n";
+        }
+        if !body.is_empty() || !matches!(method, "GET" | "HEAD" | "OPTIONS") {
+            request += &format!("Content-Length: {}\r\n", body.len());
+        }
+        request += "\r\n";
+        self.raw(&[request.as_bytes(), body].concat())
+    }
+
+    /// The cookie that the token is exchanged for.
+    pub(crate) fn cookie(&self) -> String {
+        let host = format!("Host: {}", self.host());
+        let path = format!("/?token={}", self.token);
+        let answer = self.send("GET", &path, &[&host], b"");
+        assert_eq!(answer.status, 303, "{answer:?}");
+        let cookie = answer.header("set-cookie").unwrap();
+        cookie.split(';').next().unwrap().to_owned()
+    }
+
+    /// A browser that has the cookie.
+    pub(crate) fn browser(&self) -> Browser<'_> {
+        Browser {
+            bench: self,
+            cookie: self.cookie(),
+        }
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        if let Some((stopper, _)) = self.running.take() {
+            stopper.stop();
+        }
+    }
+}
+
+/// A server on a free port: tests run side by side.
+pub(crate) fn serve(folder: &Path) -> Server {
+    let options = Options {
+        project: folder.to_path_buf(),
+        port: Some(0),
+    };
+    Server::bind(&options).unwrap()
+}
+
+/// Requests as the page of the server sends them.
+pub(crate) struct Browser<'a> {
+    pub(crate) bench: &'a Bench,
+    pub(crate) cookie: String,
+}
+
+impl Browser<'_> {
+    pub(crate) fn send(&self, method: &str, path: &str, kind: &str, body: &[u8]) -> Answer {
+        let headers = [
+            format!("Host: {}", self.bench.host()),
+            format!("Cookie: {}", self.cookie),
+            "Sec-Fetch-Site: same-origin".to_owned(),
+            format!("Content-Type: {kind}"),
+        ];
+        let headers: Vec<&str> = headers.iter().map(String::as_str).collect();
+        self.bench.send(method, path, &headers, body)
+    }
+
+    pub(crate) fn get(&self, path: &str) -> Answer {
+        self.send("GET", path, "application/json", b"")
+    }
+
+    pub(crate) fn post(&self, path: &str, body: &Value) -> Answer {
+        self.send(
+            "POST",
+            path,
+            "application/json",
+            body.to_string().as_bytes(),
+        )
+    }
+
+    pub(crate) fn put(&self, path: &str, body: &Value) -> Answer {
+        self.send("PUT", path, "application/json", body.to_string().as_bytes())
+    }
+
+    /// Opens a session as a tab does, and gives its path.
+    pub(crate) fn session(&self, project: Option<&str>) -> String {
+        let opened = self.post("/api/sessions", &serde_json::json!({ "project": project }));
+        assert_eq!(opened.status, 200, "{opened:?}");
+        format!(
+            "/api/sessions/{}",
+            opened.json()["session"].as_str().unwrap()
+        )
+    }
+
+    pub(crate) fn upload(&self, session: &str, name: &str, bytes: &[u8]) -> Answer {
+        let path = format!("{session}/logs?name={name}");
+        self.send("POST", &path, "application/octet-stream", bytes)
+    }
+
+    /// Compares a log and waits for the end; gives the last event.
+    pub(crate) fn compare(&self, session: &str, log: u64) -> Value {
+        let begun = self.post(
+            &format!("{session}/logs/{log}/compare"),
+            &serde_json::json!({}),
+        );
+        assert_eq!(begun.status, 200, "{begun:?}");
+        let job = &begun.json()["job"];
+        let events = self.get(&format!("{session}/jobs/{job}")).text();
+        let last = events
+            .lines()
+            .filter_map(|line| line.strip_prefix("data: "))
+            .next_back();
+        serde_json::from_str(last.unwrap()).unwrap()
+    }
+}
+
+pub(crate) fn read_answer(stream: &mut TcpStream) -> Answer {
+    let mut bytes = Vec::new();
+    let _ = stream.read_to_end(&mut bytes);
+    let end = bytes
+        .windows(4)
+        .position(|window| window == b"\r\n\r\n")
+        .unwrap_or(bytes.len());
+    let head = String::from_utf8_lossy(&bytes[..end]).into_owned();
+    let status = head.split(' ').nth(1).and_then(|word| word.parse().ok());
+    let body = bytes.get(end + 4..).unwrap_or_default();
+    let head = head.to_lowercase();
+    let is_chunked = head.contains("transfer-encoding: chunked");
+    Answer {
+        status: status.unwrap_or(0),
+        body: if is_chunked {
+            unchunked(body)
+        } else {
+            body.to_vec()
+        },
+        head,
+    }
+}
+
+fn unchunked(mut rest: &[u8]) -> Vec<u8> {
+    let mut body = Vec::new();
+    while let Some(end) = rest.windows(2).position(|window| window == b"\r\n") {
+        let size = std::str::from_utf8(&rest[..end]).ok();
+        let size = size
+            .and_then(|text| usize::from_str_radix(text, 16).ok())
+            .unwrap_or(0);
+        let from = end + 2;
+        let Some(chunk) = rest.get(from..from + size).filter(|_| size > 0) else {
+            break;
+        };
+        body.extend_from_slice(chunk);
+        rest = &rest[from + size + 2..];
+    }
+    body
+}

@@ -1,0 +1,375 @@
+//! Who is let in, and what every answer carries. The numbers are those of the rules in the project's threat list.
+
+use crate::bench::Bench;
+
+/// Rule 1: 127.0.0.1 alone. Every address of this machine that is not loopback refuses the port.
+#[test]
+fn the_server_listens_on_the_loopback_address_only() {
+    let bench = Bench::start();
+    let listening = std::fs::read_to_string("/proc/net/tcp").unwrap_or_default();
+    let port = format!(":{:04X}", bench.port);
+    let addresses: Vec<&str> = listening
+        .lines()
+        .filter_map(|line| line.split_whitespace().nth(1))
+        .filter(|address| address.ends_with(&port))
+        .collect();
+    for address in &addresses {
+        assert!(address.starts_with("0100007F"), "{address}");
+    }
+    let listening = std::fs::read_to_string("/proc/net/tcp6").unwrap_or_default();
+    let is_open = |line: &&str| {
+        line.split_whitespace()
+            .nth(1)
+            .is_some_and(|one| one.ends_with(&port))
+    };
+    assert_eq!(listening.lines().find(is_open), None);
+}
+
+/// Rule 2: a name that points at this machine is not this server, whatever the method and the path.
+#[test]
+fn another_host_is_refused_before_anything_else() {
+    let bench = Bench::start();
+    let cookie = format!("Cookie: {}", bench.cookie());
+    let port = bench.port;
+    let foreign = [
+        "evil.example".to_owned(),
+        format!("evil.example:{port}"),
+        format!("127.0.0.1.evil.example:{port}"),
+        format!("localhost.:{port}"),
+        format!("127.0.0.1:{}", port ^ 1),
+        "127.0.0.1".to_owned(),
+        "localhost".to_owned(),
+        format!("0.0.0.0:{port}"),
+        format!("127.1:{port}"),
+        format!("127.0.0.2:{port}"),
+        format!("[::1]:{port}"),
+        format!("user@127.0.0.1:{port}"),
+        format!("127.0.0.1:{port}@evil.example"),
+        format!("127.0.0.1:0{port}"),
+        format!("LOCALHOST.evil:{port}"),
+        String::new(),
+    ];
+    for host in &foreign {
+        for (method, path) in [
+            ("GET", "/"),
+            ("POST", "/api/sessions"),
+            ("OPTIONS", "/api/examples"),
+            ("GET", "/nothing"),
+        ] {
+            let host = format!("Host: {host}");
+            let answer = bench.send(
+                method,
+                path,
+                &[&host, &cookie, "Sec-Fetch-Site: same-origin"],
+                b"",
+            );
+            assert_eq!(answer.status, 421, "{method} {path} {host}: {answer:?}");
+        }
+    }
+    let ours = format!("Host: 127.0.0.1:{port}");
+    for hosts in [
+        vec![],
+        vec![&ours[..], &ours[..]],
+        vec![&ours[..], "Host: evil.example"],
+    ] {
+        let headers: Vec<&str> = hosts.into_iter().chain([&cookie[..]]).collect();
+        let answer = bench.send("GET", "/", &headers, b"");
+        assert!(
+            matches!(answer.status, 400 | 421),
+            "{headers:?}: {answer:?}"
+        );
+    }
+    for host in [
+        format!("Host: 127.0.0.1:{port}"),
+        format!("Host: localhost:{port}"),
+    ] {
+        assert_eq!(
+            bench.send("GET", "/", &[&host, &cookie], b"").status,
+            200,
+            "{host}"
+        );
+    }
+}
+
+/// Rule 3: a page of another origin can send requests to this machine; none of them is carried out.
+#[test]
+fn requests_of_other_pages_are_refused_and_nobody_gets_cross_origin_headers() {
+    let bench = Bench::start();
+    let cookie = format!("Cookie: {}", bench.cookie());
+    let host = format!("Host: {}", bench.host());
+    let own = format!("Origin: http://{}", bench.host());
+    let other_port = format!("Origin: http://127.0.0.1:{}", bench.port ^ 1);
+    let secure = format!("Origin: https://{}", bench.host());
+    let refused: [&[&str]; 12] = [
+        &["Sec-Fetch-Site: cross-site"],
+        &["Sec-Fetch-Site: same-site"],
+        &["Sec-Fetch-Site: none"],
+        &["Sec-Fetch-Site: Same-Origin"],
+        &["Sec-Fetch-Site: same-origin", "Sec-Fetch-Site: cross-site"],
+        &["Origin: null"],
+        &["Origin: http://evil.example"],
+        &[&other_port],
+        &[&secure],
+        &[&own, "Origin: http://evil.example"],
+        &["Sec-Fetch-Site: same-origin", "Origin: http://evil.example"],
+        &[],
+    ];
+    for headers in refused {
+        for (kind, body) in [
+            (
+                "Content-Type: application/json",
+                &br#"{"project":null}"#[..],
+            ),
+            ("Content-Type: text/plain", br#"{"project":null}"#),
+            (
+                "Content-Type: application/x-www-form-urlencoded",
+                b"project=",
+            ),
+        ] {
+            let all: Vec<&str> = [&host[..], &cookie[..], kind]
+                .into_iter()
+                .chain(headers.iter().copied())
+                .collect();
+            let answer = bench.send("POST", "/api/sessions", &all, body);
+            assert_eq!(answer.status, 403, "{all:?}: {answer:?}");
+            assert!(!answer.head.contains("access-control"), "{answer:?}");
+        }
+    }
+    for headers in [
+        &["Sec-Fetch-Site: same-origin"][..],
+        &[&own[..]],
+        &[&own[..], "Sec-Fetch-Site: same-origin"],
+    ] {
+        let all: Vec<&str> = [&host[..], &cookie[..], "Content-Type: application/json"]
+            .into_iter()
+            .chain(headers.iter().copied())
+            .collect();
+        let answer = bench.send("POST", "/api/sessions", &all, br#"{"project":null}"#);
+        assert_eq!(answer.status, 200, "{all:?}: {answer:?}");
+    }
+    // Even reading is refused, where another page does it and not a person who followed a link.
+    let asked = |headers: &[&str]| {
+        let all: Vec<&str> = [&host[..], &cookie[..]]
+            .into_iter()
+            .chain(headers.iter().copied())
+            .collect();
+        bench.send("GET", "/api/examples", &all, b"").status
+    };
+    assert_eq!(
+        asked(&["Sec-Fetch-Site: cross-site", "Sec-Fetch-Mode: no-cors"]),
+        403
+    );
+    assert_eq!(
+        asked(&[
+            "Sec-Fetch-Site: cross-site",
+            "Sec-Fetch-Mode: cors",
+            "Origin: http://evil.example"
+        ]),
+        403
+    );
+    assert_eq!(asked(&["Sec-Fetch-Site: same-origin"]), 200);
+    let preflight = bench.send(
+        "OPTIONS",
+        "/api/sessions",
+        &[
+            &host,
+            "Origin: http://evil.example",
+            "Access-Control-Request-Method: POST",
+        ],
+        b"",
+    );
+    assert_eq!(preflight.status, 403);
+    assert!(!preflight.head.contains("access-control"), "{preflight:?}");
+}
+
+/// Rule 4: without the secret of this start there is nothing, and the secret of the address is good for one exchange.
+#[test]
+fn the_token_opens_the_page_once_and_only_the_cookie_opens_it_again() {
+    let bench = Bench::start();
+    let host = format!("Host: {}", bench.host());
+    for path in [
+        "/",
+        "/assets/main.js",
+        "/assets/plotly.js",
+        "/api/examples",
+        "/nothing",
+        "/?token=",
+        "/?token=0",
+    ] {
+        assert_eq!(bench.send("GET", path, &[&host], b"").status, 401, "{path}");
+    }
+    let almost = format!("/?token={}x", &bench.token[..31]);
+    assert_eq!(bench.send("GET", &almost, &[&host], b"").status, 401);
+    // The token is no secret for any other path, and no cookie.
+    let elsewhere = format!("/api/examples?token={}", bench.token);
+    assert_eq!(bench.send("GET", &elsewhere, &[&host], b"").status, 401);
+    let name = format!("retarder-{}", bench.port);
+    for cookie in [
+        format!("Cookie: {name}={}", bench.token),
+        format!("Cookie: {name}="),
+        format!("Cookie: x={name}"),
+    ] {
+        assert_eq!(
+            bench.send("GET", "/", &[&host, &cookie], b"").status,
+            401,
+            "{cookie}"
+        );
+    }
+
+    let with_token = format!("/?token={}", bench.token);
+    let exchanged = bench.send("GET", &with_token, &[&host], b"");
+    assert_eq!(
+        (exchanged.status, exchanged.header("location")),
+        (303, Some("/"))
+    );
+    let set = exchanged.header("set-cookie").unwrap().to_owned();
+    for part in ["httponly", "samesite=strict", "path=/"] {
+        assert!(set.contains(part), "{set}");
+    }
+    assert!(
+        !set.contains(&bench.token),
+        "the cookie is another secret: {set}"
+    );
+    assert_eq!(
+        bench.send("GET", &with_token, &[&host], b"").status,
+        401,
+        "a second time"
+    );
+    let cookie = format!("Cookie: a=b; {}", set.split(';').next().unwrap());
+    assert_eq!(bench.send("GET", "/", &[&host, &cookie], b"").status, 200);
+    // The person opens the printed address again: the page comes, and the address bar is clean.
+    let again = bench.send("GET", &with_token, &[&host, &cookie], b"");
+    assert_eq!((again.status, again.header("location")), (303, Some("/")));
+}
+
+/// Rules 7 and 10: the headers of every answer, refusals included, and what a stranger is told.
+#[test]
+fn every_answer_forbids_what_the_page_does_not_need_and_tells_nothing_of_the_machine() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let host = format!("Host: {}", bench.host());
+    let session = browser.session(None);
+    let answers = [
+        bench.send("GET", "/", &["Host: evil.example"], b""),
+        bench.send("GET", "/", &[&host], b""),
+        bench.send("POST", "/api/sessions", &[&host, "Origin: null"], b"{}"),
+        browser.get("/"),
+        browser.get("/assets/main.js"),
+        browser.get("/assets/plotly.js"),
+        browser.get("/assets/style.css"),
+        browser.get("/assets/nothing"),
+        browser.get("/nothing"),
+        browser.get("/api/nothing"),
+        browser.get(&format!("{session}/project")),
+        browser.get(&format!("{session}/logs/9/preview")),
+        browser.get(&format!("{session}/logs/x/preview")),
+        browser.post("/api/sessions", &serde_json::json!([])),
+        browser.post(
+            &format!("{session}/examples/nothing"),
+            &serde_json::json!({"keep": false}),
+        ),
+        browser.send("DELETE", "/", "text/plain", b""),
+    ];
+    let folder = bench.folder.path().to_str().unwrap();
+    for answer in &answers {
+        let policy = answer.header("content-security-policy").unwrap();
+        for part in [
+            "default-src 'none'",
+            "script-src 'self';",
+            "style-src 'self';",
+            "frame-ancestors 'none'",
+            "require-trusted-types-for 'script'",
+        ] {
+            assert!(policy.contains(part), "{policy}");
+        }
+        assert!(
+            !policy.contains("unsafe") && !policy.contains("http"),
+            "{policy}"
+        );
+        for (name, value) in [
+            ("x-content-type-options", "nosniff"),
+            ("referrer-policy", "no-referrer"),
+            ("cache-control", "no-store"),
+            ("cross-origin-opener-policy", "same-origin"),
+            ("cross-origin-resource-policy", "same-origin"),
+        ] {
+            assert_eq!(answer.header(name), Some(value), "{}", answer.head);
+        }
+        let text = answer.text();
+        // The library has its own examples of addresses; it is not ours to search.
+        if answer.body.len() < 100_000 {
+            for secret in [folder, "src/", ".rs:", "panicked", "/root", "/home"] {
+                assert!(!text.contains(secret), "{secret}: {text}");
+            }
+        }
+    }
+}
+
+/// Rule 5: what looks like a path is looked up in a list of names, and nothing of it reaches the disk.
+#[test]
+fn no_path_of_a_request_reaches_the_disk() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    std::fs::write(bench.folder.path().join("secret"), "SECRET").unwrap();
+    let session = browser.session(None);
+    let outside = [
+        "../secret",
+        "../../secret",
+        "%2e%2e%2fsecret",
+        "%252e%252e%252fsecret",
+        "..%5csecret",
+        "..\\secret",
+        "....//secret",
+        "/etc/passwd",
+        "//etc/passwd",
+        "%2fetc%2fpasswd",
+        "C:%5cWindows",
+        "CON",
+        "%00",
+        "main.js%00",
+        "main.js/",
+        "./main.js",
+        "pages/../main.js",
+        "%5c%5cserver%5cshare",
+        "logs/../../secret",
+        "Main.js",
+    ];
+    let nothing = browser.get("/assets/nothing");
+    for path in outside {
+        let answer = browser.get(&format!("/assets/{path}"));
+        assert!(matches!(answer.status, 400 | 404), "{path}: {answer:?}");
+        if answer.status == 404 && answer.header("content-type") == nothing.header("content-type") {
+            assert_eq!(answer.body, nothing.body, "{path}");
+        }
+        let answer = browser.get(&format!("/api/sessions/{path}/project"));
+        assert!(matches!(answer.status, 400 | 404), "{path}: {answer:?}");
+        let answer = browser.post(
+            &format!("{session}/examples/{path}"),
+            &serde_json::json!({"keep": true}),
+        );
+        assert!(
+            matches!(answer.status, 400 | 404 | 405),
+            "{path}: {answer:?}"
+        );
+        let answer = browser.post("/api/sessions", &serde_json::json!({"project": path}));
+        assert_eq!(
+            answer.status, 200,
+            "a project that is not there is a new one: {answer:?}"
+        );
+        let answer = browser.upload(&session, path, b"time_s,p_ch_bar_gauge\n0,1\n1,2\n");
+        assert!(
+            matches!(answer.status, 200 | 400 | 409),
+            "{path}: {answer:?}"
+        );
+    }
+    let mut found: Vec<String> = Vec::new();
+    for folder in ["logs", "projects", "incoming"] {
+        for entry in std::fs::read_dir(bench.folder.path().join(folder)).unwrap() {
+            found.push(entry.unwrap().file_name().into_string().unwrap());
+        }
+    }
+    for name in &found {
+        let stem = name.strip_suffix(".json").unwrap_or(name);
+        assert!(stem.bytes().all(|byte| byte.is_ascii_hexdigit()), "{name}");
+    }
+}

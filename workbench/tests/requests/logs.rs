@@ -1,0 +1,366 @@
+//! Logs as text, logs that are wrong, and what of a comparison the page can ask for.
+
+use serde_json::{Value, json};
+
+use crate::bench::{Bench, Browser};
+
+/// What people and attackers call their signals and files.
+const HOSTILE: [&str; 12] = [
+    "\"><img src=x onerror=alert(1)>",
+    "</script><script>alert(1)</script>",
+    "<svg/onload=alert(1)>",
+    "javascript:alert(1)",
+    "{{7*7}}${7*7}",
+    "'; DROP TABLE logs; --",
+    "=cmd|' /C calc'!A0",
+    "%3Cscript%3E",
+    "&lt;b&gt;",
+    "<!--",
+    "\\u003cscript\\u003e",
+    "__proto__",
+];
+
+fn escaped(text: &str) -> String {
+    text.bytes().map(|byte| format!("%{byte:02x}")).collect()
+}
+
+fn project(browser: &Browser<'_>, session: &str) -> Value {
+    browser.get(&format!("{session}/project")).json()
+}
+
+/// Rule 8: a name comes back as it is, as JSON; no answer is markup but the one page.
+#[test]
+fn names_come_back_as_text_and_never_as_markup() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    for name in HOSTILE {
+        let quoted = name.replace('"', "\"\"");
+        let log = format!(
+            "time_s,\"{quoted} [bar gauge]\",duty_fill_pct,duty_vent_pct\n0,1,0,0\n1,2,0,0\n"
+        );
+        let added = browser.upload(&session, &escaped(name), log.as_bytes());
+        assert_eq!(added.status, 200, "{added:?}");
+        assert_eq!(added.header("content-type"), Some("application/json"));
+        let number = &added.json()["log"];
+        let logs = added.json()["project"]["logs"].clone();
+        let log = logs
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|log| log["number"] == *number)
+            .unwrap();
+        let shown = name.rsplit(['/', '\\']).next().unwrap();
+        assert_eq!(log["name"], shown);
+        if log["problem"] == Value::Null {
+            assert_eq!(log["summary"]["signals"][0]["name"], name);
+        }
+        for path in [
+            "preview",
+            "courses?points=100",
+            "values?time_s=0",
+            "comparison",
+            "csv",
+        ] {
+            let answer = browser.get(&format!("{session}/logs/{number}/{path}"));
+            let kind = answer.header("content-type").unwrap();
+            assert!(
+                kind.starts_with("application/json") || kind.starts_with("text/csv"),
+                "{path}: {kind}"
+            );
+        }
+        // A spreadsheet would run a name that begins like a formula.
+        let csv = browser.get(&format!("{session}/logs/{number}/csv")).text();
+        assert!(
+            !csv.lines()
+                .flat_map(|line| line.split(','))
+                .any(|cell| cell.starts_with(['=', '@'])),
+            "{csv}"
+        );
+        browser.send(
+            "DELETE",
+            &format!("{session}/logs/{number}"),
+            "text/plain",
+            b"",
+        );
+    }
+}
+
+#[test]
+fn a_wrong_log_stays_with_its_line_and_is_read_once_its_columns_are_explained() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let wrong = b"time_s,p_ch_bar_gauge\n0.00,1.5\n0.00,1.6\n";
+    let added = browser.upload(&session, "wrong.csv", wrong).json();
+    let problem = &added["project"]["logs"][0]["problem"];
+    assert_eq!(
+        (&problem["code"], &problem["line"]),
+        (&json!("E-CSV-TIME-ORDER"), &json!(3))
+    );
+
+    let wild = b"Zeit;Druck;Rest\n0,0;1,5;x\n0,5;1,6;y\n";
+    let added = browser.upload(&session, "wild.csv", wild).json();
+    assert_ne!(added["project"]["logs"][1]["problem"], Value::Null);
+    let preview = browser.get(&format!("{session}/logs/2/preview")).json();
+    assert_eq!(
+        preview["head"]["lines"][0]["cells"],
+        json!(["Zeit", "Druck", "Rest"])
+    );
+    let form = json!({
+        "columns": [
+            {"number": 1, "role": "time", "unit": "s"},
+            {"number": 2, "role": "signal", "name": "p_ch", "unit": "bar_gauge"},
+            {"number": 3, "role": "ignore"},
+        ],
+        "delimiter": "semicolon",
+    });
+    let mapped = browser
+        .put(&format!("{session}/logs/2/mapping"), &form)
+        .json();
+    assert_eq!(mapped["logs"][1]["problem"], Value::Null, "{mapped}");
+    assert_eq!(
+        mapped["logs"][1]["summary"]["signals"][0]["reference"],
+        "gauge"
+    );
+    // The next log of this logger needs no second explanation.
+    let again = browser
+        .upload(
+            &session,
+            "next.csv",
+            b"Zeit;Druck;Rest\n0,0;2,5;x\n0,5;2,6;y\n",
+        )
+        .json();
+    assert_eq!(
+        again["project"]["logs"][2]["problem"],
+        Value::Null,
+        "{again}"
+    );
+    assert_eq!(again["project"]["logs"][2]["is_mapped"], true);
+
+    let refused = browser.put(
+        &format!("{session}/logs/2/mapping"),
+        &json!({"toml": "schema = 1\n[time]\ncolumn = 0\nunit = \"s\"\n"}),
+    );
+    assert_eq!(
+        (
+            refused.status,
+            refused.json()["problems"][0]["line"].clone()
+        ),
+        (422, json!(3))
+    );
+}
+
+#[test]
+fn a_wrong_plant_is_refused_with_every_line_and_the_old_one_stays() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let before = browser.get(&format!("{session}/plant")).text();
+    let toml = before
+        .replace("volume_m3", "volume_litre")
+        .replace("[coil]", "[coils]");
+    let refused = browser.put(
+        &format!("{session}/plant"),
+        &json!({"name": "wrong.toml", "toml": toml}),
+    );
+    assert_eq!(refused.status, 422);
+    let problems = refused.json()["problems"].clone();
+    assert!(problems.as_array().unwrap().len() >= 2, "{problems}");
+    assert!(problems[0]["line"].is_u64(), "{problems}");
+    assert_eq!(browser.get(&format!("{session}/plant")).text(), before);
+}
+
+#[test]
+fn a_comparison_is_that_of_the_command_and_can_be_looked_at_from_all_sides() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let opened = browser.post(
+        &format!("{session}/examples/practice-01"),
+        &json!({"keep": false}),
+    );
+    assert_eq!(opened.json()["logs"][0]["name"], "practice-01-id.csv");
+    for path in [
+        "comparison",
+        "scatter?signal=p_ch&over=p_ch",
+        "fold?signal=i_fill",
+    ] {
+        let early = browser.get(&format!("{session}/logs/1/{path}"));
+        assert_eq!(
+            (early.status, early.code()),
+            (409, "E-WEB-TOO-EARLY".to_owned()),
+            "{path}"
+        );
+    }
+    assert_eq!(browser.compare(&session, 1)["state"], "done");
+    let comparison = browser.get(&format!("{session}/logs/1/comparison")).json();
+    assert_eq!(comparison["schema"], "retarder.comparison/1");
+    assert_eq!(comparison["verdict"]["holds"], false);
+
+    let courses = browser
+        .get(&format!(
+            "{session}/logs/1/courses?points=500&from_s=10&to_s=20&select=p_ch/valve_state/filling"
+        ))
+        .json();
+    let pressure = courses["signals"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|one| one["name"] == "p_ch")
+        .unwrap();
+    for course in [
+        &pressure["measured"],
+        &pressure["model"],
+        &pressure["residual"]["course"],
+    ] {
+        let times: Vec<f64> = course["t"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(Value::as_f64)
+            .collect();
+        assert!((100..=600).contains(&times.len()), "{}", times.len());
+        assert!(times[0] >= 9.99 - 1e-9 && times[times.len() - 1] <= 20.01 + 1e-9);
+    }
+    assert_eq!(pressure["residual"]["metrics"]["samples"], 1001);
+    assert!(
+        courses["selection"]["samples"].as_u64().unwrap() > 100,
+        "{}",
+        courses["selection"]
+    );
+
+    let values = browser
+        .get(&format!("{session}/logs/1/values?time_s=20.004"))
+        .json();
+    let pressure = values["signals"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|one| one["name"] == "p_ch")
+        .unwrap();
+    let of = |key: &str| pressure[key].as_f64().unwrap();
+    assert_eq!(of("time_s"), 20.0);
+    assert!((of("measured") - of("model") - of("residual")).abs() < 1e-9);
+
+    let cell = &comparison["signals"][0]["error_map"];
+    let (row, column) = (
+        &cell["cells"][3]["duty_band"],
+        &cell["cells"][3]["pressure_band"],
+    );
+    let label = |list: &str, at: &Value| {
+        cell[list][at.as_u64().unwrap() as usize]
+            .as_str()
+            .unwrap()
+            .to_owned()
+    };
+    let select = format!(
+        "p_ch/error_map/{}, {}",
+        label("duty_bands", row),
+        label("pressure_bands", column)
+    );
+    let marked = browser
+        .get(&format!(
+            "{session}/logs/1/scatter?signal=p_ch&over=i_fill_model&select={}",
+            escaped(&select)
+        ))
+        .json();
+    assert!(!marked["selected"]["x"].as_array().unwrap().is_empty());
+    assert!(!marked["points"]["x"].as_array().unwrap().is_empty());
+    let fold = browser
+        .get(&format!("{session}/logs/1/fold?signal=p_ch&period_ms=1000"))
+        .json();
+    assert_eq!(fold["samples"], 6000);
+
+    let csv = browser
+        .get(&format!("{session}/logs/1/csv?from_s=1&to_s=2"))
+        .text();
+    let rows: Vec<&str> = csv.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(rows.len(), 102, "{}", rows[0]);
+    for column in [
+        "time_s",
+        "p_ch_bar_gauge",
+        "p_ch_model_bar_gauge",
+        "p_ch_residual_bar_diff",
+    ] {
+        assert!(rows[0].split(',').any(|cell| cell == column), "{}", rows[0]);
+    }
+
+    let aligned = browser
+        .get(&format!("{session}/logs/2/alignment?with=1&signal=p_ch"))
+        .json();
+    assert!(
+        aligned["correlation"].as_f64().unwrap().abs() <= 1.0,
+        "{aligned}"
+    );
+
+    // Another plant, and there is no comparison any more.
+    browser.put(
+        &format!("{session}/strictness"),
+        &json!({"allowed_noise_multiples": 1000.0, "tolerances": {}}),
+    );
+    assert_eq!(
+        browser.get(&format!("{session}/logs/1/comparison")).status,
+        409
+    );
+    assert_eq!(browser.compare(&session, 1)["state"], "done");
+    assert_eq!(
+        browser.get(&format!("{session}/logs/1/comparison")).json()["verdict"]["holds"],
+        true
+    );
+}
+
+#[test]
+fn values_out_of_range_are_refused_with_what_is_allowed() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    browser.post(
+        &format!("{session}/examples/leakdown-aluminium"),
+        &json!({"keep": false}),
+    );
+    assert_eq!(browser.compare(&session, 1)["state"], "done");
+    for path in [
+        "courses?points=100&from_s=9&to_s=3",
+        "courses?points=100&from_s=nan&to_s=3",
+        "courses?points=many",
+        "courses",
+        "courses?points=100&select=p_ch/nothing/x",
+        "courses?points=100&select=",
+        "values",
+        "scatter?signal=nothing&over=time",
+        "scatter?signal=p_ch&over=nothing",
+        "fold?signal=p_ch&period_ms=0",
+        "fold?signal=p_ch&period_ms=-1",
+        "alignment?with=9&signal=p_ch",
+        "csv?from_s=1e9&to_s=2e9",
+    ] {
+        let answer = browser.get(&format!("{session}/logs/1/{path}"));
+        assert!(matches!(answer.status, 400 | 404), "{path}: {answer:?}");
+    }
+    for (path, body) in [
+        ("logs/1/offset", json!({"offset_s": 1e9})),
+        ("logs/1/offset", json!({"offset_s": null})),
+        ("logs/9/offset", json!({"offset_s": 1})),
+        (
+            "strictness",
+            json!({"allowed_noise_multiples": 0, "tolerances": {}}),
+        ),
+        (
+            "strictness",
+            json!({"allowed_noise_multiples": 1, "tolerances": {"p_ch": -1}}),
+        ),
+        (
+            "strictness",
+            json!({"allowed_noise_multiples": 1, "tolerances": {}, "more": 1}),
+        ),
+    ] {
+        let answer = browser.put(&format!("{session}/{path}"), &body);
+        assert!(
+            matches!(answer.status, 400 | 404 | 422),
+            "{path}: {answer:?}"
+        );
+    }
+    let project = project(&browser, &session);
+    assert_eq!(project["logs"][0]["offset_s"], 0.0);
+}

@@ -1,0 +1,7 @@
+//! The rules of the local server, each as requests that a hostile page, a neighbour or a broken client would send.
+
+mod bench;
+mod guard;
+mod loads;
+mod logs;
+mod sessions;
