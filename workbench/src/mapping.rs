@@ -29,8 +29,7 @@ pub(crate) struct Form {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Column {
-    /// From 1.
-    number: u32,
+    column: Key,
     role: Role,
     #[serde(default)]
     name: String,
@@ -40,6 +39,25 @@ struct Column {
     scale: Option<f64>,
     offset: Option<f64>,
     thousands_separator: Option<Word>,
+}
+
+/// Which column.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Key {
+    /// By its place in a CSV file, from 1.
+    Number(u32),
+    /// By the name of a channel.
+    Name(String),
+}
+
+impl Key {
+    fn toml(&self) -> String {
+        match self {
+            Self::Number(number) => number.to_string(),
+            Self::Name(name) => quoted(name),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -69,7 +87,7 @@ impl Form {
                 .filter(move |column| column.role == role)
         };
         let ignored: Vec<String> = of_role(Role::Ignore)
-            .map(|column| column.number.to_string())
+            .map(|column| column.column.toml())
             .collect();
         if !ignored.is_empty() {
             let _ = writeln!(toml, "ignore = [{}]", ignored.join(", "));
@@ -109,13 +127,13 @@ impl Form {
 
 impl Column {
     fn lines(&self) -> Result<String, Refusal> {
-        let mut lines = format!("column = {}\nunit = {}\n", self.number, quoted(&self.unit));
+        let column = self.column.toml();
+        let mut lines = format!("column = {column}\nunit = {}\n", quoted(&self.unit));
         for (key, value) in [("scale", self.scale), ("offset", self.offset)] {
             if let Some(value) = value {
                 if !value.is_finite() {
                     return Err(Refusal::value(format!(
-                        "the {key} of column {} is no finite number",
-                        self.number
+                        "the {key} of column {column} is no finite number"
                     )));
                 }
                 let _ = writeln!(lines, "{key} = {value:?}");
@@ -162,9 +180,9 @@ mod tests {
     fn a_form_reads_a_log_that_does_not_explain_itself() {
         let form = form(json!({
             "columns": [
-                {"number": 1, "role": "time", "unit": "us", "thousands_separator": "."},
-                {"number": 2, "role": "signal", "name": "p_ch", "unit": "bar_gauge", "scale": 0.5, "offset": -0.25},
-                {"number": 3, "role": "ignore"},
+                {"column": 1, "role": "time", "unit": "us", "thousands_separator": "."},
+                {"column": 2, "role": "signal", "name": "p_ch", "unit": "bar_gauge", "scale": 0.5, "offset": -0.25},
+                {"column": 3, "role": "ignore"},
             ],
             "delimiter": "semicolon",
             "header": false,
@@ -188,7 +206,7 @@ mod tests {
     fn a_name_cannot_leave_its_quotes() {
         let name = "p\"]\nignore = [1]\n[signal.\"q\\";
         let form = form(json!({
-            "columns": [{"number": 1, "role": "signal", "name": name, "unit": "bar_gauge"}]
+            "columns": [{"column": 1, "role": "signal", "name": name, "unit": "bar_gauge"}]
         }));
         let toml = form.toml().unwrap().unwrap();
         assert!(
@@ -198,6 +216,20 @@ mod tests {
         // A name with a line break is refused by the reader, as a name and not as broken TOML.
         let error = Mapping::parse("mapping", &toml).unwrap_err();
         assert_eq!(error.code(), "E-MAP-NAME", "{error}");
+    }
+
+    #[test]
+    fn a_channel_is_named_as_it_is_in_its_file() {
+        let form = form(json!({
+            "columns": [
+                {"column": "2/Druck \"A\"", "role": "signal", "name": "p_ch", "unit": "bar_gauge"},
+                {"column": "Text", "role": "ignore"},
+            ]
+        }));
+        let toml = form.toml().unwrap().unwrap();
+        assert!(toml.contains("ignore = [\"Text\"]"), "{toml}");
+        assert!(toml.contains(r#"column = "2/Druck \"A\"""#), "{toml}");
+        assert!(Mapping::parse("mapping", &toml).is_ok(), "{toml}");
     }
 
     #[test]

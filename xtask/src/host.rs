@@ -6,9 +6,9 @@ use std::process::Command;
 use std::time::Duration;
 
 use crate::failure::Failure;
-use crate::process;
 use crate::report::Report;
 use crate::workspace::{cargo, entries, find_program, root, target_dir};
+use crate::{packages, process};
 
 /// Longest wait for one cargo command. A cold build of everything takes some minutes on two cores.
 const DEADLINE: Duration = Duration::from_secs(1500);
@@ -23,6 +23,7 @@ pub(crate) fn setup(report: &mut Report) {
         component("rustfmt", "fmt")?;
         component("clippy", "clippy")
     });
+    report.step("Chromium and its driver", browser_ready);
 }
 
 /// Formats every file.
@@ -74,7 +75,32 @@ pub(crate) fn test(report: &mut Report) {
     report.step("tests in the documentation", || {
         run(&["test", "--workspace", "--doc", "--no-fail-fast"])
     });
+    report.step("the page in a browser", || {
+        browser_ready()?;
+        // The features of the whole workspace, so that nothing but the page is built again.
+        let what = [
+            "--workspace",
+            "--features",
+            "workbench/browser",
+            "--test",
+            "browser",
+        ];
+        if find_program("cargo-nextest").is_some() {
+            run(&[&["nextest", "run", "--no-fail-fast"], &what[..]].concat())
+        } else {
+            run(&[&["test", "--no-fail-fast"], &what[..]].concat())
+        }
+    });
     report.step("examples", examples);
+}
+
+/// Installs Chromium and its driver if they are not there.
+fn browser_ready() -> Result<(), Failure> {
+    let is_there = |program| find_program(program).is_some();
+    if is_there("chromedriver") && is_there("chromium") {
+        return Ok(());
+    }
+    packages::install("Chromium and its driver", &["chromium", "chromium-driver"])
 }
 
 /// Runs each example of each crate: it needs no arguments, asserts what it tells, and ends.

@@ -10,6 +10,7 @@ mod mf4;
 mod mistakes;
 mod runner;
 mod schemas;
+mod serve;
 mod simulate;
 mod thesis;
 mod tour;

@@ -10,6 +10,9 @@ export function number(value, digits = 4) {
   return value.toFixed(Math.min(decimals, 8)).replace("-", "−");
 }
 
+/** A number for a narrow table: four digits, no more than four of them behind the point. */
+export const brief = (value) => typeof value === "number" && Math.abs(value) < 1 ? String(+value.toFixed(4)).replace("-", "−") : number(value);
+
 /** A number with its sign. */
 export const signed = (value, digits = 4) => (value > 0 ? "+" : "") + number(value, digits);
 
@@ -32,14 +35,12 @@ export function duration(seconds) {
 /** Groups of three digits. */
 export const count = (value) => value.toLocaleString("en").replaceAll(",", "\u202f");
 
-const WORDS = {
-  p_ch: "chamber pressure", i_fill: "current of the fill coil", i_vent: "current of the vent coil",
-  duty_fill: "duty cycle of the fill valve", duty_vent: "duty cycle of the vent valve", u_bat: "supply voltage",
-  x_fill: "stroke of the fill valve", x_vent: "stroke of the vent valve", x_plunger: "stroke of the plunger", t_gas: "gas temperature",
-};
-
-/** What a signal is, in words, if its name is one of the model's. */
-export const words = (name) => WORDS[name] ?? "";
+// A map, because a log may call its signals as an object calls its own parts.
+const WORDS = new Map([
+  ["p_ch", "chamber pressure"], ["i_fill", "current of the fill coil"], ["i_vent", "current of the vent coil"],
+  ["duty_fill", "duty cycle of the fill valve"], ["duty_vent", "duty cycle of the vent valve"], ["u_bat", "supply voltage"],
+  ["x_fill", "stroke of the fill valve"], ["x_vent", "stroke of the vent valve"], ["x_plunger", "stroke of the plunger"], ["t_gas", "gas temperature"],
+]);
 
 /** A signal for a label: words and name, or the name alone. */
-export const titled = (name) => WORDS[name] ? `${WORDS[name]} ${name}` : name;
+export const titled = (name) => WORDS.has(name) ? `${WORDS.get(name)} ${name}` : name;

@@ -26,7 +26,7 @@ async function show() {
   const wanted = view.text("project");
   if (wanted && wanted !== sessionStorage.getItem(KEY)) await begin();
   shown?.leave?.();
-  const page = PAGES[view.page()] ?? logs;
+  const page = Object.hasOwn(PAGES, view.page()) ? PAGES[view.page()] : logs;
   tabs();
   document.title = `${page.title} – Retarder workbench`;
   delete document.body.dataset.ready;

@@ -109,9 +109,9 @@ fn a_wrong_log_stays_with_its_line_and_is_read_once_its_columns_are_explained() 
     );
     let form = json!({
         "columns": [
-            {"number": 1, "role": "time", "unit": "s"},
-            {"number": 2, "role": "signal", "name": "p_ch", "unit": "bar_gauge"},
-            {"number": 3, "role": "ignore"},
+            {"column": 1, "role": "time", "unit": "s"},
+            {"column": 2, "role": "signal", "name": "p_ch", "unit": "bar_gauge"},
+            {"column": 3, "role": "ignore"},
         ],
         "delimiter": "semicolon",
     });

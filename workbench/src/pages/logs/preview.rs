@@ -5,9 +5,10 @@ use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
 use recording::csv::Delimiter;
-use recording::{Recording, Unit};
+use recording::{Recording, Unit, mf4};
 use serde::Serialize;
 
+use crate::log_reader;
 use crate::refusal::Refusal;
 use crate::session::Session;
 
@@ -17,6 +18,8 @@ const ROWS: usize = 12;
 const AROUND: u64 = 2;
 /// Of a line, no more bytes than this are shown.
 const LINE_BYTES_MAX: u64 = 4096;
+/// Channels of a file that are listed.
+const CHANNELS_MAX: usize = 500;
 /// Cells of a line that are shown.
 const CELLS_MAX: usize = 64;
 
@@ -25,8 +28,9 @@ pub(in crate::pages) struct Preview {
     /// Rows of values, with the time first; empty where the log cannot be read.
     columns: Vec<ColumnView>,
     rows: Vec<Vec<Option<f64>>>,
-    /// The text of the file's head.
+    /// The text of the file's head; of a file that is no text, what it has is in the channels.
     head: Text,
+    channels: Vec<ChannelView>,
     /// The text around the line that is wrong.
     around: Option<Text>,
     /// The mapping that is in use, TOML.
@@ -41,6 +45,16 @@ pub(in crate::pages) struct Preview {
 struct ColumnView {
     name: String,
     unit: String,
+}
+
+/// A channel of an MF4 file.
+#[derive(Serialize)]
+struct ChannelView {
+    /// As a mapping names it.
+    key: String,
+    unit: String,
+    /// Why it is no signal by itself.
+    obstacle: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -68,7 +82,11 @@ impl Preview {
         let entry = project.log(number)?;
         let path = session.store.log_path(&entry.file);
         let log = session.log(number)?;
-        let head = lines(&path, 1, ROWS as u64)?;
+        let (head, channels) = if log_reader::is_mf4(&path) {
+            (Vec::new(), channels(&path))
+        } else {
+            (lines(&path, 1, ROWS as u64)?, Vec::new())
+        };
         let delimiter = delimiter(&head);
         let (columns, rows) = log
             .as_ref()
@@ -87,6 +105,7 @@ impl Preview {
             columns,
             rows,
             head: text(head, delimiter),
+            channels,
             around,
             mapping: entry.mapping.clone(),
             known: plant_sim::replay::ROW_SIGNALS
@@ -99,6 +118,23 @@ impl Preview {
             units: Unit::all().map(Unit::token).collect(),
         })
     }
+}
+
+/// What an MF4 file has; nothing where it is broken, which its problem tells.
+fn channels(path: &Path) -> Vec<ChannelView> {
+    let Ok(listing) = mf4::list_file(path, mf4::Limits::default()) else {
+        return Vec::new();
+    };
+    let of_group = |(index, group): (usize, &mf4::Group)| {
+        let view = |channel: &mf4::Channel| ChannelView {
+            key: format!("{}/{}", index + 1, channel.name),
+            unit: channel.unit.clone(),
+            obstacle: channel.obstacle.clone(),
+        };
+        group.channels.iter().map(view).collect::<Vec<_>>()
+    };
+    let channels = listing.groups.iter().enumerate().flat_map(of_group);
+    channels.take(CHANNELS_MAX).collect()
 }
 
 /// First rows of the first time base.
@@ -133,6 +169,11 @@ fn values(log: &Recording) -> (Vec<ColumnView>, Vec<Vec<Option<f64>>>) {
 
 /// What tells one kind of file from another: its first line.
 pub(in crate::pages) fn head_key(path: &Path) -> Option<String> {
+    if log_reader::is_mf4(path) {
+        let channels = channels(path);
+        let names: Vec<&str> = channels.iter().map(|channel| &channel.key[..]).collect();
+        return Some(names.join("\n"));
+    }
     let first = lines(path, 1, 1).ok()?.pop()?.1;
     // Without a header, the first line is data and the number of columns has to do.
     let separator = delimiter(&[(1, first.clone())]);
@@ -173,18 +214,21 @@ fn lines(path: &Path, from: u64, count: u64) -> Result<Vec<(u64, String)>, Refus
     Ok(found)
 }
 
-/// The separator that most lines have most often.
+/// The separator that every line has equally often; among several such, or none, the one that is there most often.
 fn delimiter(lines: &[(u64, String)]) -> Delimiter {
-    let count = |delimiter: &Delimiter| {
-        lines
+    let judged = |delimiter: &Delimiter| {
+        let counts = lines
             .iter()
-            .map(|(_, line)| line.matches(symbol(*delimiter)).count())
-            .sum::<usize>()
+            .map(|(_, line)| line.matches(symbol(*delimiter)).count());
+        let counts: Vec<usize> = counts.collect();
+        let is_even = counts.windows(2).all(|pair| pair[0] == pair[1]);
+        let sum: usize = counts.iter().sum();
+        (is_even && sum > 0, sum)
     };
     // The last of equals wins, and a comma may be a decimal one.
     [Delimiter::Comma, Delimiter::Tab, Delimiter::Semicolon]
         .into_iter()
-        .max_by_key(count)
+        .max_by_key(judged)
         .unwrap_or(Delimiter::Comma)
 }
 
@@ -234,6 +278,17 @@ mod tests {
         assert_eq!(found[1].1.len() as u64, LINE_BYTES_MAX);
         assert_eq!(found[2], (3, "1;2".to_owned()));
         assert_eq!(lines(&path, 3, 9).unwrap(), found[2..]);
+    }
+
+    #[test]
+    fn a_decimal_comma_is_no_separator() {
+        let found = |text: &str| {
+            let lines: Vec<_> = (1..).zip(text.lines().map(str::to_owned)).collect();
+            delimiter(&lines)
+        };
+        assert_eq!(found("0;1,5\n0,5;1,6\n1;1,7"), Delimiter::Semicolon);
+        assert_eq!(found("t,p\n0.5,1\n1.5,2"), Delimiter::Comma);
+        assert_eq!(found("t\tp\n0,5\t1\n1\t2"), Delimiter::Tab);
     }
 
     #[test]

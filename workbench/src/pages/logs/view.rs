@@ -38,6 +38,14 @@ struct Summary {
     is_uneven: bool,
     sha256: Option<String>,
     signals: Vec<SignalView>,
+    /// What the file has and the log has not, each with the reason.
+    left_out: Vec<LeftOutView>,
+}
+
+#[derive(Serialize)]
+struct LeftOutView {
+    name: String,
+    reason: String,
 }
 
 #[derive(Serialize)]
@@ -121,6 +129,14 @@ fn summary(log: &Recording) -> Summary {
         is_uneven: sampling.is_some_and(|sampling| sampling.uneven),
         sha256: input.map(|input| input.sha256_hex()),
         signals: log.signals().iter().map(signal_view).collect(),
+        left_out: log
+            .left_out()
+            .iter()
+            .map(|left_out| LeftOutView {
+                name: left_out.name.clone(),
+                reason: left_out.reason.clone(),
+            })
+            .collect(),
     }
 }
 

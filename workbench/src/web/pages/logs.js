@@ -123,7 +123,9 @@ class Page {
       element("p", { class: "facts" }, facts.filter(Boolean).join(" · ")),
       element("ul", { class: "signals" }, summary.signals.map((signal) => element("li", { class: "chip", title: `${signal.quantity}; ${number(signal.lowest)} to ${number(signal.highest)} ${signal.unit}` },
         element("b", {}, signal.name), ` ${signal.unit}`,
-        signal.missing > 0 && element("em", {}, ` ${count(signal.missing)} missing`)))));
+        signal.missing > 0 && element("em", {}, ` ${count(signal.missing)} missing`)))),
+      summary.left_out.length > 0 && element("details", {}, element("summary", {}, `${summary.left_out.length} left out`),
+        element("ul", { class: "plain" }, summary.left_out.map((one) => element("li", {}, element("b", {}, one.name), ` ${one.reason}`)))));
   }
 
   async toggle(log, details, toggle) {
@@ -142,7 +144,7 @@ class Page {
       fill(details,
         preview.around && [element("h3", {}, "Around the line that is wrong"), rawTable(preview.around, log.problem)],
         preview.rows.length > 0 && [element("h3", {}, "First rows, as signals"), valueTable(preview)],
-        element("h3", {}, "The file's first lines"), rawTable(preview.head, log.problem),
+        preview.head.lines.length > 0 && [element("h3", {}, "The file's first lines"), rawTable(preview.head, log.problem)],
         mappingForm(log, preview, async (form) => {
           try {
             const project = await api.put(`/logs/${log.number}/mapping`, form);

@@ -4,12 +4,15 @@ import { button, element } from "../dom.js";
 
 /** The form for a log; `apply` gets what a person says. */
 export function mappingForm(log, preview, apply) {
+  const isText = preview.channels.length === 0;
   const width = Math.max(...preview.head.lines.map((line) => line.cells.length), 0);
   const first = preview.head.lines[0]?.cells ?? [];
   const hasHeader = first.some((cell) => /[a-z]/i.test(cell));
   const header = element("input", { type: "checkbox", checked: hasHeader });
   const skip = element("input", { type: "number", min: 0, value: 0, class: "short" });
-  const rows = Array.from({ length: width }, (_, index) => columnRow(index, hasHeader ? first[index] : "", preview));
+  const rows = isText
+    ? Array.from({ length: width }, (_, index) => columnRow(index + 1, `${index + 1}${hasHeader ? ` ${first[index]}` : ""}`, hasHeader ? guess(first[index]) : OPEN, preview))
+    : preview.channels.map((channel) => columnRow(channel.key, `${channel.key} [${channel.unit}]`, OPEN, preview, channel.obstacle));
   const names = element("datalist", { id: `names-${log.number}` }, preview.known.map((known) => element("option", { value: known.name })));
   const units = element("datalist", { id: `units-${log.number}` }, preview.units.map((unit) => element("option", { value: unit })));
   for (const row of rows) {
@@ -17,14 +20,12 @@ export function mappingForm(log, preview, apply) {
     row.unit.setAttribute("list", units.id);
   }
   const toml = element("textarea", { rows: 8, spellcheck: false, value: preview.mapping ?? "", placeholder: "schema = 1" });
-  const send = () => apply({
-    columns: rows.map((row) => row.value()).filter(Boolean), header: header.checked, skip_lines: Number(skip.value) || 0,
-    delimiter: preview.head.delimiter,
-  });
+  const dialect = () => ({ header: header.checked, skip_lines: Number(skip.value) || 0, delimiter: preview.head.delimiter });
+  const send = () => apply({ columns: rows.map((row) => row.value()).filter(Boolean), ...(isText ? dialect() : {}) });
   return element("details", { class: "mapping", open: Boolean(log.problem) && !preview.mapping },
     element("summary", {}, "Say what the columns are"),
     element("p", { class: "quiet" }, "A column that is left at “by its header” has to explain itself, such as p_ch_bar_gauge. A pressure says whether it is gauge or absolute."),
-    element("p", { class: "row" },
+    isText && element("p", { class: "row" },
       element("label", {}, header, " the first line names the columns"),
       element("label", {}, "lines before it ", skip)),
     element("div", { class: "scroll" }, element("table", { class: "form" },
@@ -40,19 +41,20 @@ export function mappingForm(log, preview, apply) {
       element("p", {}, button("Read it with this TOML", () => apply({ toml: toml.value })))));
 }
 
+const OPEN = { role: "by_header", unit: "" };
+
 /** Guesses from a header; a person sees each guess before it counts. */
 function guess(text) {
   const plain = text.toLowerCase();
-  if (/^(time|zeit|t)\b|^time_|^t_s$|timestamp/.test(plain)) return { role: "time", name: "", unit: /us|µs/.test(plain) ? "us" : /ms/.test(plain) ? "ms" : "s" };
-  return { role: "by_header", name: "", unit: "" };
+  if (/^(time|zeit|t)\b|^time_|^t_s$|timestamp/.test(plain)) return { role: "time", unit: /us|µs/.test(plain) ? "us" : /ms/.test(plain) ? "ms" : "s" };
+  return OPEN;
 }
 
-function columnRow(index, heading, preview) {
-  const guessed = guess(heading);
-  const role = element("select", { "aria-label": `column ${index + 1} is` },
+function columnRow(column, heading, guessed, preview, obstacle) {
+  const role = element("select", { "aria-label": `column ${column} is` },
     [["by_header", "by its header"], ["time", "time"], ["signal", "a signal"], ["ignore", "left out"]].map(([value, text]) => element("option", { value, selected: value === guessed.role }, text)));
-  const field = (label, properties) => element("input", { "aria-label": `${label} of column ${index + 1}`, class: "short", ...properties });
-  const name = field("signal", { value: guessed.name, placeholder: "p_ch" });
+  const field = (label, properties) => element("input", { "aria-label": `${label} of column ${column}`, class: "short", ...properties });
+  const name = field("signal", { placeholder: "p_ch" });
   const unit = field("unit", { value: guessed.unit, placeholder: "bar_gauge" });
   const scale = field("factor", { type: "number", step: "any", placeholder: "1" });
   const offset = field("offset", { type: "number", step: "any", placeholder: "0" });
@@ -69,9 +71,9 @@ function columnRow(index, heading, preview) {
   });
   enable();
   const value = () => role.value === "by_header" ? null : {
-    number: index + 1, role: role.value, name: name.value.trim(), unit: unit.value.trim(),
+    column, role: role.value, name: name.value.trim(), unit: unit.value.trim(),
     scale: scale.value === "" ? null : Number(scale.value), offset: offset.value === "" ? null : Number(offset.value),
   };
-  const line = element("tr", {}, element("th", { scope: "row" }, `${index + 1}${heading ? ` ${heading}` : ""}`), [role, name, unit, scale, offset].map((control) => element("td", {}, control)));
+  const line = element("tr", {}, element("th", { scope: "row", title: obstacle }, heading, obstacle && element("span", { class: "unit" }, obstacle)), [role, name, unit, scale, offset].map((control) => element("td", {}, control)));
   return { line, name, unit, value };
 }

@@ -10,6 +10,8 @@ import * as view from "../../view.js";
 /** Heights (px): a signal, its residual, an input, the room between, the room for the title above each. */
 const HEIGHT = { signal: 150, residual: 84, input: 78, gap: 30 };
 const MARGIN = { l: 64, r: 14, t: 30, b: 44 };
+/** Until a person rests for so long (ms), only the axes follow; then the points, and then the looks below. */
+const REST = { points: 120, looks: 400 };
 /** A view is fetched with so much of its width on either side, so that moving shows no empty edge. */
 const BESIDE = 0.5;
 
@@ -21,14 +23,14 @@ export class TimePlots {
     this.choices = element("div", { class: "row choices" });
     this.metrics = element("div", { class: "scroll" });
     this.element = element("section", { class: "card", "aria-label": "Courses" },
-      element("div", { class: "row tools" }, this.legend(), element("span", { class: "space" }),
+      element("div", { class: "row tools" }, element("h2", {}, "Measured and modelled"), element("span", { class: "space" }),
         button("−", () => this.zoom(2), { title: "Zoom out (−)", "aria-label": "Zoom out" }),
         button("+", () => this.zoom(0.5), { title: "Zoom in (+)", "aria-label": "Zoom in" }),
         button("◀", () => this.move(-0.25), { title: "Earlier (←)", "aria-label": "Earlier" }),
         button("▶", () => this.move(0.25), { title: "Later (→)", "aria-label": "Later" }),
         button("Whole log", () => this.look(null, null), { title: "Home", id: "whole" }),
         this.exportMenu()),
-      this.choices,
+      this.legend(), this.choices,
       element("div", { class: "over" }, this.chart, this.pointer),
       element("p", { class: "quiet hint" }, "Drag to zoom, drag with Shift to move, Ctrl and the wheel to zoom, double-click for the whole log. A click sets cursor A, with Alt cursor B."),
       element("h3", {}, "Residual within the visible range"), this.metrics);
@@ -62,7 +64,10 @@ export class TimePlots {
   }
 
   leave() {
+    this.ending.abort();
     this.fetching?.abort();
+    clearTimeout(this.waiting);
+    clearTimeout(this.resting);
     clear(this.chart);
   }
 
@@ -74,7 +79,7 @@ export class TimePlots {
   async refresh() {
     this.fetching?.abort();
     const fetching = this.fetching = new AbortController();
-    const points = Math.max(400, Math.min(2400, Math.round(this.chart.clientWidth || 900)));
+    const points = Math.max(400, Math.min(2400, Math.round(0.8 * (this.chart.clientWidth || 900))));
     const fetch = (log, from, to, more) => {
       const query = new URLSearchParams({ points: Math.round(points * (1 + 2 * BESIDE)), ...more });
       if (from !== null) query.set("from_s", from);
@@ -99,7 +104,8 @@ export class TimePlots {
     this.showChoices();
     this.showMetrics();
     this.cursors.refresh(this.courses);
-    this.onView();
+    clearTimeout(this.resting);
+    this.resting = setTimeout(() => this.onView(), REST.looks);
   }
 
   overlaid() {
@@ -112,11 +118,13 @@ export class TimePlots {
       const [begin, end] = this.courses.whole_s;
       const least = 1e-6 * (end - begin);
       if (to - from < least) to = from + least;
+      // Beyond twice the log there is nothing to see.
+      if (to - from > 2 * (end - begin)) [from, to] = [null, null];
     }
     view.set({ from, to });
     this.showRange();
     clearTimeout(this.waiting);
-    this.waiting = setTimeout(() => this.refresh().catch((error) => tellProblems(error, "View")), 40);
+    this.waiting = setTimeout(() => this.refresh().catch((error) => tellProblems(error, "View")), REST.points);
   }
 
   /** Moves the axes at once, with the points that are there. */
@@ -159,10 +167,11 @@ export class TimePlots {
       view.set({ with: (now.includes(log.number) ? now.filter((one) => one !== log.number) : [...now, log.number]).join(",") });
       this.refresh();
     };
-    const check = (text, checked, act, data) => element("label", { class: "choice" }, element("input", { type: "checkbox", checked, data, on: { change: act } }), ` ${text}`);
+    const check = (text, checked, act, data, role = "") => element("label", { class: "choice" }, element("input", { type: "checkbox", checked, data, on: { change: act } }), element("span", { class: role && `key ${role}` }, ` ${text}`));
+    const hue = (log) => { const place = this.overlays.findIndex((one) => one.log === log); return place < 0 ? "" : `overlay-${place % 2}`; };
     fill(this.choices,
       element("span", { class: "quiet" }, "Signals"), signals.map((name) => check(name, !this.hidden.has(name), choose(name), { signal: name })),
-      others.length > 0 && element("span", { class: "quiet" }, "and beside it"), others.map((log) => check(log.name, this.overlaid().includes(log.number), overlay(log), { overlay: log.number })));
+      others.length > 0 && element("span", { class: "quiet" }, "and beside it"), others.map((log) => check(log.name, this.overlaid().includes(log.number), overlay(log), { overlay: log.number }, hue(log))));
   }
 
   showMetrics() {
@@ -215,7 +224,6 @@ export class TimePlots {
     wished.shapes.push(...this.selection(), ...this.cursors.shapes());
     wished.annotations.push(...this.cursors.labels());
     this.basis = { annotations: wished.annotations.length - this.cursors.labels().length, shapes: wished.shapes.length - this.cursors.shapes().length };
-    this.chart.style.height = `${wished.height}px`;
     await draw(this.chart, traces, wished);
     this.watchLibrary();
   }
@@ -237,8 +245,8 @@ export class TimePlots {
       return { traces, range: padded(values) };
     }
     if (panel.kind === "input") {
-      const roles = { duty_fill: "fill", duty_vent: "vent" };
-      const traces = panel.signals.map((one) => line(one.measured, roles[one.name] ?? "measured", { shape: one.name.startsWith("duty_") ? "hv" : "linear" }));
+      const role = (name) => name === "duty_fill" ? "fill" : name === "duty_vent" ? "vent" : "measured";
+      const traces = panel.signals.map((one) => line(one.measured, role(one.name), { shape: one.name.startsWith("duty_") ? "hv" : "linear" }));
       return { traces, range: panel.signals[0].name.startsWith("duty_") ? [-6, 106] : padded(values) };
     }
     const overlays = this.overlays.flatMap(({ courses, shift }, index) => courses.signals.filter((one) => one.name === signal.name && one.unit === signal.unit)
@@ -290,14 +298,16 @@ export class TimePlots {
 
   listen() {
     const { chart } = this;
+    const { signal } = this.ending = new AbortController();
     let pressed = null;
     chart.addEventListener("pointerdown", (event) => { pressed = { x: event.clientX, y: event.clientY }; }, true);
-    chart.addEventListener("pointerup", (event) => {
+    // The library covers the whole window while a button is down.
+    addEventListener("pointerup", (event) => {
       const moved = pressed ? Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) : 99;
       const at = this.timeAt(event);
-      if (moved < 4 && at && event.detail < 2) this.cursors.set(event.altKey ? "b" : "a", at.time);
+      if (moved < 4 && at) this.cursors.set(event.altKey ? "b" : "a", at.time);
       pressed = null;
-    }, true);
+    }, { capture: true, signal });
     chart.addEventListener("dblclick", () => this.look(null, null));
     chart.addEventListener("wheel", (event) => {
       if (!event.ctrlKey) return;
@@ -319,7 +329,7 @@ export class TimePlots {
         "+": () => this.zoom(0.5), "=": () => this.zoom(0.5), "-": () => this.zoom(2), ArrowLeft: () => this.move(-0.1), ArrowRight: () => this.move(0.1),
         Home: () => this.look(null, null), a: () => this.cursors.set("a", (from + to) / 2), b: () => this.cursors.set("b", (from + to) / 2),
       };
-      const act = acts[event.key];
+      const act = Object.hasOwn(acts, event.key) && acts[event.key];
       if (!act || event.ctrlKey || event.metaKey) return;
       event.preventDefault();
       act();

@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { element, fill, tellProblems } from "../../dom.js";
-import { number, signed } from "../../format.js";
+import { brief, number, signed } from "../../format.js";
 import { colour } from "../../theme.js";
 import * as view from "../../view.js";
 
@@ -69,8 +69,8 @@ export class Cursors {
       const row = (title, key, role) => {
         const [x, y] = [left?.[key] ?? null, right?.[key] ?? null];
         rows.push(element("tr", { class: key === "measured" ? "first" : undefined }, element("th", { scope: "row" }, element("span", { class: `key ${role}` }, title)),
-          element("td", {}, number(pointer?.[key])), element("td", {}, number(x)), element("td", {}, number(y)),
-          element("td", {}, x !== null && y !== null ? signed(y - x) : "–")));
+          element("td", {}, brief(pointer?.[key])), element("td", {}, brief(x)), element("td", {}, brief(y)),
+          element("td", {}, x !== null && y !== null ? `${y > x ? "+" : ""}${brief(y - x)}` : "–")));
       };
       row(`${signal.name} [${signal.unit}]`, "measured", signal.is_input ? "input" : "measured");
       if (signal.model) row("modelled", "model", "model");

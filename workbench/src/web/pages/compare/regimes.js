@@ -43,7 +43,8 @@ export class Regimes {
 
   show() {
     const signal = this.signal();
-    const shown = SHOWN[view.text("cell")] ?? (signal.error_map.cells.some((cell) => cell.error.excess_share !== null) ? SHOWN.excess_share : SHOWN.bias);
+    const wished = view.text("cell");
+    const shown = Object.hasOwn(SHOWN, wished ?? "") ? SHOWN[wished] : (signal.error_map.cells.some((cell) => cell.error.excess_share !== null) ? SHOWN.excess_share : SHOWN.bias);
     const choose = (name, entries, value) => element("select", { "aria-label": name, on: { change: (event) => { view.set({ [name]: event.target.value }); this.show(); } } },
       entries.map(([key, text]) => element("option", { value: key, selected: key === value }, text)));
     fill(this.head,

@@ -1,0 +1,48 @@
+//! `serve`: the address, and nobody gets in without it.
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
+use std::process::Stdio;
+
+use crate::runner::{Bench, assert_contains};
+
+#[test]
+fn the_page_has_an_address_with_a_token_and_refuses_those_without() {
+    let bench = Bench::new();
+    let mut running = bench
+        .command(&["serve", "--project", "kept"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(running.stdout.take().unwrap()).lines();
+    let line = lines.next().unwrap().unwrap();
+    let address = line.strip_prefix("Open http://").unwrap().to_owned();
+    let (host, token) = address.split_once("/?token=").unwrap();
+    let ask = |path: &str| {
+        let mut stream = TcpStream::connect(host).unwrap();
+        let request = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    };
+    assert_contains(&ask("/"), &["401 Unauthorized", "retarder serve"]);
+    assert_contains(&ask(&format!("/?token={token}")), &["303 See Other"]);
+    running.kill().unwrap();
+    running.wait().unwrap();
+    assert!(bench.path("kept/logs").is_dir());
+}
+
+#[test]
+fn a_port_that_is_taken_and_a_folder_that_is_a_file_are_told_with_what_to_do() {
+    let bench = Bench::new();
+    let taken = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    let ran = bench.run(&["serve", "--port", &port]);
+    assert_eq!(ran.status, 2);
+    assert_contains(&ran.err, &[&port, "--port"]);
+    bench.file("file", "");
+    let ran = bench.run(&["serve", "--project", "file"]);
+    assert_eq!(ran.status, 2);
+    assert_contains(&ran.err, &["file", "--project"]);
+}

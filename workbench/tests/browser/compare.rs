@@ -1,0 +1,182 @@
+//! The way of a new user: a log is dropped, compared, looked at closely, marked, exported, and shared as a link.
+
+use serde_json::json;
+
+use crate::driver::{Person, with_browser};
+
+const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
+const CHECK: &str = include_str!("../../../data/synthetic/practice-01-check.csv");
+
+/// What the chart shows on its time axis (s).
+async fn range(person: &Person) -> (f64, f64) {
+    let range = person
+        .run("return document.getElementById('time-plots').layout.xaxis.range")
+        .await;
+    (range[0].as_f64().unwrap(), range[1].as_f64().unwrap())
+}
+
+#[test]
+fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
+    with_browser(async |person| {
+        person
+            .drop_files(&[("practice-01-id.csv", ID), ("practice-01-check.csv", CHECK)])
+            .await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.picture("logs").await;
+        person.compare("practice-01-id.csv").await;
+        let verdict = person.text("#verdict").await;
+        assert!(
+            verdict.contains("does not hold") && verdict.contains("p_ch"),
+            "{verdict}"
+        );
+        person.picture("compare").await;
+
+        // Keys zoom and move; the chart follows at once and the numbers after it.
+        let (from, to) = range(person).await;
+        person.press("#time-plots", "+").await;
+        person
+            .until(&format!(
+                "document.getElementById('time-plots').layout.xaxis.range[1] < {to}"
+            ))
+            .await;
+        let (zoomed_from, zoomed_to) = range(person).await;
+        assert!(((zoomed_to - zoomed_from) / (to - from) - 0.5).abs() < 1e-6);
+        person.until("document.querySelector('#metrics td').textContent.length < 6 && !document.querySelector('#metrics td').textContent.startsWith('6')").await;
+
+        // Two cursors, with the difference of time and of every signal.
+        person.fill("#cursor-a", "20").await;
+        person.fill("#cursor-b", "22.5").await;
+        person.until("document.getElementById('cursors-title').parentElement.textContent.includes('+2.5')").await;
+        person.until("[...document.querySelectorAll('#values tbody tr')].every((row) => row.cells[2].textContent !== '–' && row.cells[4].textContent !== '–')").await;
+
+        // A click on a regime marks its samples in the plots; a click on a cell of the map does the same.
+        person
+            .click("[data-select='p_ch/valve_state/filling']")
+            .await;
+        person.until("document.getElementById('time-plots').layout.shapes.some((shape) => shape.type === 'path')").await;
+        person
+            .until("document.getElementById('scatter').data[1].x.length > 0")
+            .await;
+        person.picture("compare-marked").await;
+
+        // The address is the view: a second tab that opens it shows the same.
+        let link = person.client.current_url().await.unwrap().to_string();
+        for part in ["log=1", "from=", "a=20", "select=p_ch"] {
+            assert!(link.contains(part), "{link}");
+        }
+        let seen = range(person).await;
+        let tab = person.client.new_window(true).await.unwrap();
+        person.client.switch_to_window(tab.handle).await.unwrap();
+        person.client.goto(&link).await.unwrap();
+        person
+            .until("document.body.dataset.ready === 'compare'")
+            .await;
+        assert_eq!(range(person).await, seen);
+        person
+            .until("document.getElementById('cursor-b').value === '22.5'")
+            .await;
+        person.watch_the_policy().await;
+
+        // Every chart as a picture, in the page's own content policy, and the data as two kinds of log.
+        person
+            .run(
+                "window.saved = []; \
+                 HTMLAnchorElement.prototype.click = function () { saved.push([this.download, this.href]); }; \
+                 for (const button of document.querySelectorAll('button')) if (/^(PNG|SVG|CSV of.*|MF4 of.*)$/.test(button.textContent)) button.click();",
+            )
+            .await;
+        person.until("saved.length === 8").await;
+        let saved: Vec<(String, String)> =
+            serde_json::from_value(person.run("return saved").await).unwrap();
+        for (name, url) in saved {
+            let begin = match name.rsplit('.').next().unwrap() {
+                "png" => "data:image/png;base64,",
+                "svg" => "data:image/svg+xml,",
+                _ => "http://127.0.0.1:",
+            };
+            assert!(url.starts_with(begin), "{name}: {url:.80}");
+            assert!(
+                !url.starts_with("data:") || url.len() > 5000,
+                "{name}: {} bytes",
+                url.len()
+            );
+        }
+
+        person.click("#theme").await;
+        person
+            .until("document.documentElement.dataset.theme === 'dark'")
+            .await;
+        person.picture("compare-dark").await;
+        person.assert_nothing_was_refused().await;
+    });
+}
+
+#[test]
+fn a_log_without_header_is_explained_in_the_form_and_read() {
+    with_browser(async |person| {
+        person
+            .drop_files(&[("wild.csv", "0;1,5\n0,5;1,6\n1;1,7\n")])
+            .await;
+        person.until("document.querySelector('.mapping')").await;
+        person.picture("mapping").await;
+        person
+            .run(
+                "const rows = document.querySelectorAll('.form tbody tr'); \
+                 const say = (row, role, name, unit) => { \
+                   const [select, nameField, unitField] = row.querySelectorAll('select, input'); \
+                   select.value = role; select.dispatchEvent(new Event('change')); \
+                   nameField.value = name; unitField.value = unit; }; \
+                 say(rows[0], 'time', '', 's'); say(rows[1], 'signal', 'p_ch', 'bar_gauge');",
+            )
+            .await;
+        person.click(".apply-mapping").await;
+        person
+            .until("document.querySelector('.log .signals')")
+            .await;
+        let chips = person.text(".log .signals").await;
+        assert!(
+            chips.contains("p_ch") && chips.contains("bar gauge"),
+            "{chips}"
+        );
+        person.assert_nothing_was_refused().await;
+    });
+}
+
+#[test]
+fn other_logs_lie_beside_and_are_brought_onto_this_one() {
+    with_browser(async |person| {
+        let late: String = ID
+            .lines()
+            .map(|line| match line.split_once(',') {
+                Some((time, rest)) => match time.parse::<f64>() {
+                    Ok(time) => format!("{:.2},{rest}\n", time + 3.0),
+                    Err(_) => format!("{line}\n"),
+                },
+                None => String::new(),
+            })
+            .collect();
+        person
+            .drop_files(&[("now.csv", ID), ("late.csv", &late)])
+            .await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.compare("now.csv").await;
+        let traces = person
+            .run("return document.getElementById('time-plots').data.length")
+            .await;
+        person.click("[data-overlay='2']").await;
+        person
+            .until(&format!(
+                "document.getElementById('time-plots').data.length > {traces}"
+            ))
+            .await;
+        person.run("[...document.querySelectorAll('button')].find((one) => one.textContent === 'Align').click()").await;
+        let offset = "Math.abs(Number(document.querySelector('[aria-label=\"offset of late.csv\"]').value) + 3)";
+        person.until(&format!("{offset} < 0.01")).await;
+        person.picture("compare-overlay").await;
+        assert_eq!(person.run("return window.refused").await, json!([]));
+    });
+}

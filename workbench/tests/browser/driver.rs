@@ -1,0 +1,230 @@
+//! A browser, a server, and what a person does with both.
+
+use std::net::TcpListener;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use fantoccini::{Client, ClientBuilder, Locator};
+use hyper_util::client::legacy::connect::HttpConnector;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use workbench::{Options, Server, Stopper};
+
+/// Longest wait for anything on the page: the machine may be busy.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A browser with one window on a page of a server of its own.
+pub(crate) struct Person {
+    pub(crate) client: Client,
+    pub(crate) address: String,
+    _driver: DriverProcess,
+    _server: Running,
+    _folders: [TempDir; 2],
+}
+
+/// Ends with its browser, whatever a test does.
+struct DriverProcess(Child);
+
+impl Drop for DriverProcess {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+struct Running(Stopper);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.0.stop();
+    }
+}
+
+/// Runs `test` in front of a fresh browser, which is closed afterwards.
+pub(crate) fn with_browser(test: impl AsyncFnOnce(&Person)) {
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()
+        .unwrap();
+    runtime.block_on(async {
+        let person = Person::sit_down().await;
+        test(&person).await;
+        person.client.clone().close().await.unwrap();
+    });
+}
+
+impl Person {
+    async fn sit_down() -> Self {
+        let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+        let server = Server::bind(&Options {
+            project: folders[0].path().to_path_buf(),
+            port: Some(0),
+        })
+        .unwrap();
+        let address = server.address();
+        let running = Running(server.stopper());
+        std::thread::spawn(move || server.run());
+        let port = TcpListener::bind(("127.0.0.1", 0))
+            .unwrap()
+            .local_addr()
+            .unwrap()
+            .port();
+        let driver = Command::new("chromedriver")
+            .args([&format!("--port={port}"), "--allowed-ips=127.0.0.1"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap_or_else(|error| {
+                panic!("chromedriver: {error}; sudo apt-get install -y chromium chromium-driver")
+            });
+        let driver = DriverProcess(driver);
+        let client = connect(port, &folders[1]).await;
+        let person = Self {
+            client,
+            address,
+            _driver: driver,
+            _server: running,
+            _folders: folders,
+        };
+        person.client.set_window_size(1280, 1000).await.unwrap();
+        person.client.goto(&person.address).await.unwrap();
+        person.until("document.body.dataset.ready === 'logs'").await;
+        person.watch_the_policy().await;
+        person
+    }
+
+    /// Counts what the content policy refuses, and every dialogue.
+    pub(crate) async fn watch_the_policy(&self) {
+        self.run(
+            "window.refused = []; \
+             document.addEventListener('securitypolicyviolation', (event) => refused.push(event.violatedDirective + ' ' + event.sourceFile)); \
+             window.alert = () => refused.push('a dialogue');",
+        )
+        .await;
+    }
+
+    pub(crate) async fn assert_nothing_was_refused(&self) {
+        assert_eq!(self.run("return window.refused").await, json!([]));
+    }
+
+    pub(crate) async fn run(&self, script: &str) -> Value {
+        self.run_with(script, vec![]).await
+    }
+
+    pub(crate) async fn run_with(&self, script: &str, arguments: Vec<Value>) -> Value {
+        let ran = self.client.execute(script, arguments).await;
+        ran.unwrap_or_else(|error| panic!("{script}: {error}"))
+    }
+
+    /// Waits until an expression is true.
+    pub(crate) async fn until(&self, expression: &str) {
+        let begin = Instant::now();
+        while self.run(&format!("return Boolean({expression})")).await != json!(true) {
+            if begin.elapsed() > PATIENCE {
+                let text = self.text("body").await;
+                panic!("{expression} did not become true; the page says: {text}");
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+
+    pub(crate) async fn click(&self, selector: &str) {
+        let found = self.client.find(Locator::Css(selector)).await;
+        let found = found.unwrap_or_else(|error| panic!("{selector}: {error}"));
+        found
+            .click()
+            .await
+            .unwrap_or_else(|error| panic!("{selector}: {error}"));
+    }
+
+    pub(crate) async fn text(&self, selector: &str) -> String {
+        let found = self.client.find(Locator::Css(selector)).await.unwrap();
+        found.text().await.unwrap()
+    }
+
+    /// Types into a field and leaves it.
+    pub(crate) async fn fill(&self, selector: &str, text: &str) {
+        self.run_with(
+            "const field = document.querySelector(arguments[0]); field.value = arguments[1]; \
+             field.dispatchEvent(new Event('change', { bubbles: true }));",
+            vec![json!(selector), json!(text)],
+        )
+        .await;
+    }
+
+    pub(crate) async fn press(&self, selector: &str, key: &str) {
+        self.run_with(
+            "document.querySelector(arguments[0]).dispatchEvent(new KeyboardEvent('keydown', { key: arguments[1], bubbles: true }));",
+            vec![json!(selector), json!(key)],
+        )
+        .await;
+    }
+
+    /// Drops files onto the page, as a file manager does.
+    pub(crate) async fn drop_files(&self, files: &[(&str, &str)]) {
+        let files: Vec<Value> = files
+            .iter()
+            .map(|(name, text)| json!([name, text]))
+            .collect();
+        self.run_with(
+            "const data = new DataTransfer(); \
+             for (const [name, text] of arguments[0]) data.items.add(new File([text], name)); \
+             document.getElementById('drop').dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));",
+            vec![json!(files)],
+        )
+        .await;
+    }
+
+    /// Opens the page of a log's comparison, and waits for its end.
+    pub(crate) async fn compare(&self, log: &str) {
+        self.click(&format!("[data-name=\"{log}\"] .compare")).await;
+        self.until("document.body.dataset.ready === 'compare'")
+            .await;
+    }
+
+    /// Leaves a picture of the whole page.
+    pub(crate) async fn picture(&self, name: &str) {
+        let height = self
+            .run("return document.documentElement.scrollHeight")
+            .await;
+        let height = height.as_u64().unwrap().clamp(600, 4000) as u32;
+        self.client
+            .set_window_size(1280, height + 150)
+            .await
+            .unwrap();
+        tokio::time::sleep(Duration::from_millis(300)).await;
+        let png = self.client.screenshot().await.unwrap();
+        self.client.set_window_size(1280, 1000).await.unwrap();
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+        std::fs::write(folder.join(format!("{name}.png")), png).unwrap();
+    }
+}
+
+async fn connect(port: u16, profile: &TempDir) -> Client {
+    let capabilities = json!({
+        "browserName": "chrome",
+        "goog:chromeOptions": {
+            "args": [
+                "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
+                "--disable-component-update", "--disable-quic", "--disable-sync", "--no-first-run",
+                format!("--user-data-dir={}", profile.path().display()),
+            ]
+        }
+    });
+    let Value::Object(capabilities) = capabilities else {
+        unreachable!("it is written as an object above")
+    };
+    let begin = Instant::now();
+    loop {
+        let mut builder = ClientBuilder::new(HttpConnector::new());
+        builder.capabilities(capabilities.clone());
+        match builder.connect(&format!("http://127.0.0.1:{port}")).await {
+            Ok(client) => return client,
+            Err(error) if begin.elapsed() > PATIENCE => {
+                panic!("{error}; sudo apt-get install -y chromium chromium-driver")
+            }
+            Err(_) => tokio::time::sleep(Duration::from_millis(50)).await,
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! The page in a real browser, as a person has it: Debian's `chromium` and `chromium-driver`.
+//!
+//! Pictures of what was seen are left in the target folder, under `tmp/`.
+
+mod compare;
+mod driver;
+mod hostile;
+mod long_log;
+mod tabs;
