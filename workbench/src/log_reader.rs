@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use recording::csv::{self, Mapping};
-use recording::{Recording, mf4};
+use recording::{LogFormat, LogOptions, Recording, read_log};
 
 use crate::refusal::Problem;
 use crate::store::UPLOAD_BYTES_MAX;
@@ -30,25 +30,23 @@ fn read_any(name: &str, path: &Path, mapping: Option<&str>) -> Result<Recording,
         Some(text) => Mapping::parse("mapping", text).map_err(|error| Problem::from(&error))?,
         None => Mapping::default(),
     };
-    let file = File::open(path).map_err(|error| not_stored(&error))?;
-    if is_mf4(path) {
-        let limits = mf4::Limits::default();
-        let options = mf4::Options { mapping, limits };
-        return mf4::read(name, file, &options).map_err(|error| Problem::from(&error));
-    }
-    let limits = csv::Limits {
-        file_bytes: UPLOAD_BYTES_MAX,
-        ..csv::Limits::default()
+    let options = LogOptions {
+        mapping,
+        csv_limits: csv::Limits {
+            file_bytes: UPLOAD_BYTES_MAX,
+            ..csv::Limits::default()
+        },
+        ..LogOptions::default()
     };
-    let options = csv::Options { mapping, limits };
-    csv::read(name, file, &options).map_err(|error| Problem::from(&error))
+    let file = File::open(path).map_err(|error| not_stored(&error))?;
+    read_log(name, file, &options).map_err(|error| Problem::from(&error))
 }
 
-/// Whether the file begins as MF4 does, closed by its logger or not.
+/// Whether the file is MF4, by how it begins.
 pub(crate) fn is_mf4(path: &Path) -> bool {
-    let mut begin = [0; 8];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
-    read.is_ok() && matches!(&begin, b"MDF     " | b"UnFinMF ")
+    let mut begin = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(8).read_to_end(&mut begin));
+    read.is_ok() && LogFormat::of_beginning(&begin) == LogFormat::Mf4
 }
 
 fn not_stored(error: &io::Error) -> Problem {

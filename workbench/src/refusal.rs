@@ -5,6 +5,7 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use model_lab::CompareError;
 use plant_sim::ParameterError;
+use recording::LogError;
 use recording::csv::{CsvError, MappingError};
 use recording::mf4::Mf4Error;
 use serde::Serialize;
@@ -75,6 +76,17 @@ impl Refusal {
 impl From<Problem> for Refusal {
     fn from(problem: Problem) -> Self {
         Self::of(vec![problem])
+    }
+}
+
+impl From<&LogError> for Problem {
+    fn from(error: &LogError) -> Self {
+        match error {
+            LogError::Csv(error) => error.into(),
+            LogError::Mf4(error) => error.into(),
+            // A format that this page does not know yet.
+            other => Self::new(other.code(), other.to_string()),
+        }
     }
 }
 

@@ -364,3 +364,67 @@ fn values_out_of_range_are_refused_with_what_is_allowed() {
     let project = project(&browser, &session);
     assert_eq!(project["logs"][0]["offset_s"], 0.0);
 }
+
+/// The reader's own corpus of wrong files and its MF4 files, whole and cut: each is told by its code, and nothing stops the server.
+#[test]
+fn every_file_is_read_or_told_and_the_server_goes_on() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let tests = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../recording/tests");
+    let mut refused = 0;
+    for folder in ["corpus/wrong", "corpus/good", "fixtures/mf4"] {
+        for entry in std::fs::read_dir(tests.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            let bytes = std::fs::read(&path).unwrap();
+            for part in [&bytes[..], &bytes[..bytes.len() / 2]] {
+                let added = browser.upload(&session, "log", part);
+                assert_eq!(added.status, 200, "{}", path.display());
+                let problem = added.json()["project"]["logs"][0]["problem"].clone();
+                if problem != Value::Null {
+                    refused += 1;
+                    let code = problem["code"].as_str().unwrap();
+                    assert!(
+                        code.starts_with("E-CSV-") || code.starts_with("E-MF4-"),
+                        "{code}"
+                    );
+                } else if folder == "corpus/wrong" {
+                    assert!(part.len() < bytes.len(), "{} was read", path.display());
+                }
+                let number = &added.json()["log"];
+                let preview = browser.get(&format!("{session}/logs/{number}/preview"));
+                assert_eq!(preview.status, 200, "{}", path.display());
+                let removed = browser.send(
+                    "DELETE",
+                    &format!("{session}/logs/{number}"),
+                    "text/plain",
+                    b"",
+                );
+                assert_eq!(removed.status, 200);
+            }
+        }
+    }
+    assert!(refused > 60, "{refused}");
+}
+
+#[test]
+fn an_mf4_log_is_a_log_and_its_channels_can_be_chosen() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../recording/tests/fixtures/mf4/rates-transposed.mf4");
+    let added = browser
+        .upload(&session, "rates.mf4", &std::fs::read(path).unwrap())
+        .json();
+    let log = &added["project"]["logs"][0];
+    assert_eq!(log["problem"], Value::Null, "{log}");
+    assert!(!log["summary"]["signals"].as_array().unwrap().is_empty());
+    let preview = browser.get(&format!("{session}/logs/1/preview")).json();
+    let key = preview["channels"][0]["key"].as_str().unwrap();
+    assert!(key.starts_with("1/"), "{key}");
+    let courses = browser.get(&format!("{session}/logs/1/courses?points=300"));
+    assert_eq!(courses.status, 200, "{courses:?}");
+    let mf4 = browser.get(&format!("{session}/logs/1/mf4"));
+    assert!(mf4.body.starts_with(b"MDF "), "{:?}", mf4.head);
+}

@@ -107,7 +107,8 @@ class Page {
         element("p", {}, signal.finding.sentence),
         element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, worst ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
           button("Go there", () => this.plots.goTo(signal.free_run.worst_time_s), { class: "link" })),
-        signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))));
+        signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))),
+      this.comparison.not_compared.map((one) => element("p", { class: "quiet" }, element("b", {}, one.name), ` is not compared: ${one.reason}`)));
   }
 
   /** When a signal holds: multiples of its noise, or a tolerance of its own. */

@@ -44,7 +44,7 @@ class Page {
   dropZone() {
     const input = element("input", { type: "file", multiple: true, id: "files", accept: ".csv,.tsv,.txt,.toml,.mf4,.dat", on: { change: () => this.take([...input.files]) } });
     const zone = element("section", { class: "drop", id: "drop", "aria-label": "Open files" },
-      element("p", {}, element("strong", {}, "Drop logs here"), ", several at once if you like – CSV with units in the header – or a plant file (TOML)."),
+      element("p", {}, element("strong", {}, "Drop logs here"), ", several at once if you like – CSV with units in the header, MF4 – or a plant file (TOML)."),
       element("p", {}, element("label", { class: "button primary", for: "files" }, "Choose files …"), input),
       this.progress = element("p", { class: "quiet", role: "status" }));
     const over = (event) => { event.preventDefault(); zone.classList.add("over"); };
