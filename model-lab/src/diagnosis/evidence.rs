@@ -18,8 +18,8 @@ use crate::measured::{Measured, PRESSURE, measured_signals, start};
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
 const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
 /// A simulation that takes more steps than this per row, and so many more at the start, is given up.
-const STEPS_PER_ROW: u64 = 400;
-const STEPS_AT_START: u64 = 100_000;
+const WORK_PER_ROW: u64 = 400;
+const WORK_AT_START: u64 = 100_000;
 /// A correction leaves at least this pressure (Pa abs).
 const LEAST_PRESSURE: f64 = 1e3;
 
@@ -190,9 +190,14 @@ impl Log {
             replay.begin_showing(pressure);
         }
         let pressure = self.pressure().filter(|_| run == Run::Predicted);
-        let mut budget = STEPS_AT_START;
+        let mut work = WORK_AT_START;
         for (index, &input) in self.inputs.iter().enumerate() {
+            work += WORK_PER_ROW;
+            replay.simulator().set_work_limit(work);
             let row = replay.row(input);
+            if replay.simulator().is_given_up() {
+                return None;
+            }
             see(index, &row, replay.simulator());
             if let Some(channel) = pressure {
                 let error = channel.values[index] - row[channel.column];
@@ -202,10 +207,6 @@ impl Log {
                     let corrected = simulator.state().pressure + gain * error * PA_PER_BAR;
                     simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
                 }
-            }
-            budget += STEPS_PER_ROW;
-            if replay.simulator().statistics().steps > budget {
-                return None;
             }
         }
         Some(())
