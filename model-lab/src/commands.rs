@@ -23,7 +23,7 @@ pub(crate) struct Commands {
     /// Time from a command to its effect [s].
     delay_s: f64,
     /// Time for which a command may still be in force after the next one took over [s].
-    pwm_period_s: f64,
+    pub(crate) pwm_period_s: f64,
 }
 
 impl Commands {
@@ -63,13 +63,14 @@ impl Commands {
         self.times_s.len()
     }
 
+    /// Whether the command of a row opens `valve`.
+    pub(crate) fn opens(&self, valve: usize, row: usize) -> bool {
+        self.duty_pct[valve][row] != self.shut_pct[valve]
+    }
+
     /// Stretches of samples at which both valves are shut, `settle_s` after the last command acted.
     pub(crate) fn holds(&self, settle_s: f64) -> Vec<Range<usize>> {
-        let acts = |row: usize| {
-            [FILL, VENT]
-                .iter()
-                .any(|&v| self.duty_pct[v][row] != self.shut_pct[v])
-        };
+        let acts = |row: usize| self.opens(FILL, row) || self.opens(VENT, row);
         self.stretches_without(acts, settle_s)
     }
 

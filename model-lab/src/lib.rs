@@ -8,6 +8,7 @@ pub mod diagnosis;
 mod error;
 mod measured;
 mod metrics;
+mod noise;
 mod noise_floor;
 mod offset;
 mod options;

@@ -209,7 +209,8 @@ fn quantisation_step(values: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::{Noise, quantise, shut_for};
+    use crate::bench::{quantise, shut_for};
+    use crate::noise::Noise;
 
     fn floor(values: &[f64]) -> Floor {
         noise_floor(values, "bar", Quiet::Hold, &shut_for(values.len(), 0.01))

@@ -181,7 +181,7 @@ fn vertex(points: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::Noise;
+    use crate::noise::Noise;
 
     /// A course with ramps, late by `lag_s`, with noise and a gain error.
     fn found_lag_ms(lag_s: f64, gain: f64, drift: f64) -> f64 {

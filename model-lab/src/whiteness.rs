@@ -140,7 +140,7 @@ fn chance_bound(a: &Centred, b: &Centred, lags: usize) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::Noise;
+    use crate::noise::Noise;
 
     fn white(seed: u64, count: usize) -> Vec<f64> {
         let mut noise = Noise::new(seed);

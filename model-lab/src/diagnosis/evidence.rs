@@ -43,7 +43,7 @@ pub(crate) struct Log {
 pub(crate) struct Channel {
     pub(crate) signal: &'static str,
     /// Where it stands in a row of the model.
-    column: usize,
+    pub(super) column: usize,
     /// In the unit of the model; NaN where missing.
     pub(crate) values: Vec<f64>,
     /// Standard deviation of the measurement noise.
@@ -124,7 +124,7 @@ impl Log {
         Ok(log)
     }
 
-    fn pressure(&self) -> Option<&Channel> {
+    pub(super) fn pressure(&self) -> Option<&Channel> {
         self.channels
             .iter()
             .find(|channel| channel.signal == PRESSURE)
@@ -210,6 +210,13 @@ impl Log {
             }
         }
         Some(())
+    }
+
+    /// The rows of the model, corrected by the measured pressure; none where the simulation was given up.
+    pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
+        let mut rows = Vec::with_capacity(self.inputs.len());
+        self.run(parameters, Run::Predicted, |_, row, _| rows.push(*row))?;
+        Some(rows)
     }
 
     /// Appends the residuals of `parameters`; none where the simulation was given up.

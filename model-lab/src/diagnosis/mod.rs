@@ -15,6 +15,7 @@ mod interval;
 mod ladder;
 mod nuisance;
 mod predictor;
+mod remaining;
 pub mod result;
 mod search;
 mod trial;
@@ -30,6 +31,7 @@ use rayon::prelude::*;
 use recording::Recording;
 
 pub use error::DiagnoseError;
+pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 
@@ -102,6 +104,9 @@ pub fn diagnose_with(
     } else {
         before.clone()
     };
+    let unfitted = if check.is_empty() { &[] } else { &checking.logs[..] };
+    let logs_seen: Vec<_> = fitting.logs.iter().chain(unfitted).collect();
+    let remaining = remaining::remaining(&last.plant(), &logs_seen, last.is_material());
     let ladder = assemble::ladder(&bench, &found)?;
     let (equivalents, distinguishability) = assemble::equivalents(&found);
     let elapsed_s = begin.elapsed().as_secs_f64();
@@ -132,7 +137,7 @@ pub fn diagnose_with(
         ladder,
         candidates,
         location: Location { before, after },
-        remaining: Remaining::default(),
+        remaining,
         cost: Cost {
             simulations,
             log_s: fitting.duration_s(),
@@ -140,4 +145,24 @@ pub fn diagnose_with(
             per_simulation_ms: fitting.computing_s() / fitting.simulations().max(1) as f64 * 1e3,
         },
     })
+}
+
+/// What remains of the errors of `plant` on `logs` when its nuisance parameters and the effects that it has are fitted,
+/// without a search for missing effects.
+///
+/// # Errors
+/// [`DiagnoseError`]: a log cannot be used.
+pub fn remaining(plant: &PlantParameters, logs: &[Recording]) -> Result<Remaining, DiagnoseError> {
+    let first = logs.first().ok_or(DiagnoseError::NoLog)?;
+    let fitting = Evidence::new(plant, logs)?;
+    let bench = Bench {
+        plant,
+        fitting: &fitting,
+        checking: &fitting,
+    };
+    let plain = bench.plain().ok_or_else(|| DiagnoseError::NotSimulated {
+        log: first.provenance().source.clone(),
+    })?;
+    let logs: Vec<_> = fitting.logs.iter().collect();
+    Ok(remaining::remaining(&plain.plant(), &logs, plain.is_material()))
 }

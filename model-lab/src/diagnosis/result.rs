@@ -270,10 +270,14 @@ pub struct FlowPoint {
 pub struct SpectralLine {
     /// The signal.
     pub signal: String,
+    /// When it was looked at: `filling`, `venting`, `both valves shut`, `always`.
+    pub condition: String,
     /// Its frequency (Hz).
     pub frequency_hz: f64,
-    /// Amplitude of the residual there, in the unit of the signal's errors.
+    /// Amplitude of what would have to swing to make it, about.
     pub amplitude: f64,
+    /// What that is: `bar of supply pressure`, `of the flow`, `bar/s` of missing flow, `mA` of a coil current.
+    pub unit: String,
     /// Probability of such a line in noise.
     pub p_value: f64,
 }

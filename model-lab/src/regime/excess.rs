@@ -118,7 +118,7 @@ impl<'a> Excess<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::Noise;
+    use crate::noise::Noise;
 
     #[test]
     fn shares_sum_to_one_and_an_innocent_bin_has_next_to_none() {

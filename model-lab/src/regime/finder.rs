@@ -208,7 +208,7 @@ fn percent(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::Noise;
+    use crate::noise::Noise;
 
     const SHUT: usize = 0;
     const FILLING: usize = 1;

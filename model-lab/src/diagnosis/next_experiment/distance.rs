@@ -1,0 +1,115 @@
+//! How far apart two fitted plants are on a log that was not yet made.
+
+use nalgebra::{DMatrix, DVector};
+use plant_sim::effects::EffectSetting;
+use plant_sim::replay::replay;
+use plant_sim::{PlantParameters, Tolerance};
+use recording::{Recording, Unit};
+
+use super::super::evidence::{Evidence, Run};
+use super::super::fit::{Difference, Fitter, dot, square};
+use super::super::trial::{Bench, Trial};
+use super::super::unknowns::Unknowns;
+use super::manoeuvre::Sequence;
+use crate::noise::Noise;
+
+/// A plant as the logs have it.
+pub(super) struct Rival {
+    /// Id and form of the effect; none is the plain model.
+    pub(super) effect: Option<(String, String)>,
+    pub(super) plant: PlantParameters,
+    unknowns: Unknowns,
+    z: Vec<f64>,
+    /// What the logs and the datasheet say of the unknowns: the curvature of the fit's cost.
+    information: DMatrix<f64>,
+    cost: f64,
+    correlation_samples: f64,
+}
+
+impl Rival {
+    pub(super) fn of_trial(bench: &Bench, trial: Trial, id: Option<&str>) -> Self {
+        let (information, _) = Fitter::new(bench.fitting, &trial.unknowns).normal(&trial.fit);
+        let variant = trial.effects.last().map_or("", |effect| effect.variant().name);
+        Self {
+            effect: id.map(|id| (id.to_owned(), variant.to_owned())),
+            plant: trial.plant(),
+            cost: trial.fit.cost,
+            z: trial.fit.z,
+            unknowns: trial.unknowns,
+            information,
+            correlation_samples: trial.correlation_samples,
+        }
+    }
+
+    /// The same plant with an effect as it is; nothing new is known of it.
+    pub(super) fn with(&self, setting: EffectSetting) -> Self {
+        Self {
+            effect: Some((setting.id().to_owned(), setting.variant().name.to_owned())),
+            plant: self.plant.with_effect(setting),
+            unknowns: self.unknowns.clone(),
+            z: self.z.clone(),
+            information: self.information.clone(),
+            ..*self
+        }
+    }
+}
+
+/// Noise of the signals that the logs have.
+pub(super) struct Noises(Vec<(&'static str, f64)>);
+
+impl Noises {
+    pub(super) fn of(evidence: &Evidence) -> Self {
+        let mut noises: Vec<(&'static str, f64)> = Vec::new();
+        for (_, channel, _) in evidence.channels() {
+            if noises.iter().all(|(signal, _)| *signal != channel.signal) {
+                noises.push((channel.signal, channel.sigma));
+            }
+        }
+        Self(noises)
+    }
+}
+
+/// Distance of two rivals on the logs that both were fitted to, in standard deviations of the noise.
+pub(super) fn on_the_logs(a: &Rival, b: &Rival) -> f64 {
+    let remembered = a.correlation_samples.min(b.correlation_samples);
+    ((a.cost - b.cost).abs() / remembered).sqrt()
+}
+
+/// Distance at which `model` sees a log of `sequence` that `truth` made; none where that cannot be simulated.
+pub(super) fn distance(truth: &Rival, model: &Rival, sequence: &Sequence, noises: &Noises) -> Option<f64> {
+    let log = made(&truth.plant, sequence, noises)?;
+    let evidence = Evidence::new(&truth.plant, &[log]).ok()?;
+    let noise = evidence.residuals(&truth.plant, Run::Predicted)?;
+    let mut fitter = Fitter::new(&evidence, &model.unknowns);
+    let mut fit = fitter.at(model.z.clone())?;
+    fitter.differentiate(&mut fit, 0, Difference::Forward)?;
+    let columns = &fit.jacobian;
+    let mut change: Vec<f64> = fit.residuals.iter().zip(&noise).map(|(seen, noise)| seen - noise).collect();
+    let count = columns.len();
+    let curvature = DMatrix::from_fn(count, count, |a, b| dot(&columns[a], &columns[b]));
+    let pull = DVector::from_iterator(count, columns.iter().map(|column| -dot(column, &change)));
+    let moved = (curvature + &model.information).cholesky()?.solve(&pull);
+    for (column, moved) in columns.iter().zip(moved.iter()) {
+        for (change, column) in change.iter_mut().zip(column) {
+            *change += moved * column;
+        }
+    }
+    let resisted = moved.dot(&(&model.information * &moved));
+    let remembered = truth.correlation_samples.min(model.correlation_samples);
+    Some(((square(&change) + resisted) / remembered).sqrt())
+}
+
+/// The log that `plant` would give.
+pub(super) fn made(plant: &PlantParameters, sequence: &Sequence, noises: &Noises) -> Option<Recording> {
+    let mut log = sequence.recording();
+    let run = replay(plant, &log, Tolerance::default(), |_, _| {}).ok()?.recording;
+    let base = log.signals().first()?.time_base();
+    let mut noise = Noise::new(1);
+    for (name, sigma) in &noises.0 {
+        let signal = run.signal(name)?;
+        let values = signal.values_or_nan().iter().map(|value| value + sigma * noise.normal());
+        let unit: Unit = signal.unit();
+        log.add_signal(name, unit, base, values.collect()).ok()?;
+    }
+    Some(log)
+}

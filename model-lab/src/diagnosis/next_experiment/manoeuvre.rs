@@ -1,0 +1,334 @@
+//! What a rig can be told to do: manoeuvres as duty cycles, within limits.
+
+use plant_sim::plant::{FILL, VENT};
+use plant_sim::{Command, PlantParameters, Simulator};
+use recording::{Provenance, Recording, TimeBase, Unit};
+
+use super::distance::Rival;
+use super::result::Limits;
+
+/// Interval of the commands (s), as an ECU's.
+pub(super) const INTERVAL_S: f64 = 0.01;
+/// A run that leaves the limits is ended this long (s) before, and emptied for as long.
+const EARLIER_S: f64 = 0.1;
+const EMPTYING_S: f64 = 1.0;
+/// A shorter run than this (s) tells nothing.
+const SHORTEST_S: f64 = 2.0;
+/// No wait for a pressure is longer than this (s).
+const LONGEST_WAIT_S: f64 = 4.0;
+
+/// Duty cycles (%) of fill and vent valve, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Sequence {
+    pub(super) name: &'static str,
+    pub(super) about: &'static str,
+    pub(super) duties: Vec<[f64; 2]>,
+    /// Highest chamber pressure in any rival's model (bar gauge).
+    pub(super) highest_bar: f64,
+}
+
+impl Sequence {
+    pub(super) fn recording(&self) -> Recording {
+        let mut log = Recording::new(Provenance::from_source(self.name));
+        let base = TimeBase::uniform(0.0, INTERVAL_S, self.duties.len());
+        let base = log.add_time_base(base.expect("a sequence has rows"));
+        for (valve, name) in crate::commands::DUTIES.into_iter().enumerate() {
+            let duty = self.duties.iter().map(|duties| duties[valve]).collect();
+            log.add_signal(name, Unit::Percent, base, duty).expect("two names");
+        }
+        log
+    }
+}
+
+/// A manoeuvre: its name, what it shows, and one round of it.
+struct Plan {
+    name: &'static str,
+    about: &'static str,
+    round: fn(&mut Driver, usize),
+}
+
+static PLANS: [Plan; 9] = [
+    Plan {
+        name: "hold at two pressures",
+        about: "leaks and offsets: what moves while nothing is commanded, high and low",
+        round: |driver, _| {
+            driver.fill_to(100.0, HIGH);
+            driver.hold(4.0);
+            driver.vent_to(100.0, LOW);
+            driver.hold(4.0);
+            driver.vent_to(100.0, 0.0);
+            driver.hold(1.0);
+        },
+    },
+    Plan {
+        name: "pulse-width staircase",
+        about: "delays, saturation and friction: single pulses from too short to long",
+        round: |driver, _| {
+            for step in 0..16 {
+                let duty = 20.0 + 5.0 * f64::from(step);
+                driver.fill(duty, 0.02);
+                driver.hold(0.2);
+                driver.vent_above(HIGH, 0.3);
+            }
+            driver.fill_to(100.0, HIGH);
+            for step in 0..16 {
+                driver.vent(20.0 + 5.0 * f64::from(step), 0.02);
+                driver.hold(0.2);
+            }
+            driver.vent_to(100.0, 0.0);
+        },
+    },
+    Plan {
+        name: "one long fill, many short ones",
+        about: "supply line and series restriction: the same pressure at once and in pulses",
+        round: |driver, _| {
+            driver.fill_to(100.0, HIGH);
+            driver.hold(0.7);
+            driver.vent_to(100.0, 0.0);
+            driver.hold(0.3);
+            for _ in 0..40 {
+                if driver.is_above(HIGH) {
+                    break;
+                }
+                driver.fill(80.0, 0.02);
+                driver.hold(0.15);
+            }
+            driver.hold(0.7);
+            driver.vent_to(100.0, 0.0);
+        },
+    },
+    Plan {
+        name: "vent to atmosphere",
+        about: "drain back pressure and the law of flow below the critical ratio",
+        round: |driver, _| {
+            driver.fill_to(100.0, HIGH);
+            driver.hold(0.3);
+            driver.vent(100.0, 1.2);
+            driver.hold(0.3);
+            driver.fill_to(60.0, LOW);
+            driver.vent(60.0, 1.0);
+            driver.hold(0.3);
+        },
+    },
+    Plan {
+        name: "the same pulses cold and hot",
+        about: "coil temperature and supply voltage: pulses, a long constant duty of the vent valve, the same pulses",
+        round: |driver, round| {
+            for duty in [40.0, 55.0, 70.0, 85.0] {
+                driver.fill(duty, 0.1);
+                driver.hold(0.2);
+                driver.vent(duty, 0.1);
+                driver.hold(0.2);
+                driver.vent_above(HIGH, 0.3);
+            }
+            let share = if round == 0 { 0.5 } else { 0.1 };
+            driver.vent(100.0, share * driver.limits.duration_s);
+            driver.hold(0.2);
+        },
+    },
+    Plan {
+        name: "slow and fast fill",
+        about: "heat of the gas: the faster it is compressed, the more the pressure falls afterwards",
+        round: |driver, _| {
+            for duty in [100.0, 50.0] {
+                driver.fill_to(duty, HIGH);
+                driver.hold(1.5);
+                driver.vent_to(duty, LOW);
+                driver.hold(1.0);
+            }
+            driver.vent_to(100.0, 0.0);
+        },
+    },
+    Plan {
+        name: "near the supply pressure",
+        about: "supply pressure and the law of flow below the critical ratio: long fills to the end",
+        round: |driver, _| {
+            driver.fill(100.0, 1.5);
+            driver.hold(0.3);
+            driver.vent(100.0, 0.05);
+            driver.hold(0.2);
+            driver.fill(60.0, 0.5);
+            driver.hold(0.3);
+            driver.vent_to(100.0, 0.0);
+        },
+    },
+    Plan {
+        name: "the same pulse at every pressure",
+        about: "what depends on the pressure difference: flow forces, seats, the chamber's law",
+        round: |driver, _| {
+            for valve in [FILL, VENT] {
+                for _ in 0..60 {
+                    if if valve == FILL { driver.is_above(HIGH) } else { !driver.is_above(0.05) } {
+                        break;
+                    }
+                    driver.go(valve, 60.0, 0.03);
+                    driver.hold(0.25);
+                }
+            }
+        },
+    },
+    Plan {
+        name: "quick alternation",
+        about: "lags and dead volumes: filling and venting in turn, faster and faster",
+        round: |driver, _| {
+            driver.fill_to(100.0, MIDDLE);
+            for periods in [12, 8, 6, 4, 3, 2] {
+                let span_s = f64::from(periods) * INTERVAL_S;
+                for _ in 0..4 {
+                    driver.fill(70.0, span_s);
+                    driver.vent(70.0, span_s);
+                }
+                driver.hold(0.1);
+                driver.vent_above(HIGH, 0.2);
+            }
+            driver.vent_to(100.0, 0.0);
+            driver.hold(0.2);
+        },
+    },
+];
+
+/// Pressures that are sought, over the highest allowed.
+const HIGH: f64 = 0.85;
+const MIDDLE: f64 = 0.5;
+const LOW: f64 = 0.3;
+
+/// All manoeuvres that keep `limits` in the model of every rival.
+pub(super) fn sequences(rivals: &[Rival], limits: &Limits) -> Vec<Sequence> {
+    let plants: Vec<&PlantParameters> = rivals.iter().map(|rival| &rival.plant).collect();
+    PLANS.iter().filter_map(|plan| within(plan, &plants, limits)).collect()
+}
+
+fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<Sequence> {
+    let mut driver = Driver::new(plants[0], limits);
+    let mut round = 0;
+    while !driver.is_over() {
+        let before = driver.duties.len();
+        (plan.round)(&mut driver, round);
+        if driver.duties.len() == before {
+            return None;
+        }
+        round += 1;
+    }
+    let mut duties = driver.duties;
+    // Each cut leaves a shorter run; the emptying at its end may leave the limits no more.
+    let rows = |span_s: f64| (span_s / INTERVAL_S).round() as usize;
+    for _ in 0..3 {
+        let courses: Vec<Vec<f64>> = plants.iter().map(|plant| pressures_bar(plant, &duties)).collect();
+        let highest_bar = courses.iter().flatten().copied().fold(0.0, f64::max);
+        if highest_bar <= limits.max_bar {
+            let (name, about) = (plan.name, plan.about);
+            return Some(Sequence { name, about, duties, highest_bar });
+        }
+        let leaves = |course: &Vec<f64>| course.iter().position(|bar| *bar > limits.max_bar);
+        let row = courses.iter().filter_map(leaves).min()?;
+        duties.truncate(row.saturating_sub(rows(EARLIER_S)));
+        if duties.len() < rows(SHORTEST_S) {
+            return None;
+        }
+        duties.extend(core::iter::repeat_n([0.0, limits.max_duty_pct], rows(EMPTYING_S)));
+        duties.truncate(rows(limits.duration_s));
+    }
+    None
+}
+
+fn pressures_bar(plant: &PlantParameters, duties: &[[f64; 2]]) -> Vec<f64> {
+    let mut simulator = Simulator::new(plant);
+    let mut end_ns = 0;
+    duties
+        .iter()
+        .map(|&[duty_fill_pct, duty_vent_pct]| {
+            simulator.command(Command { duty_fill_pct, duty_vent_pct });
+            end_ns += (INTERVAL_S * 1e9) as u64;
+            simulator.advance_to_ns(end_ns);
+            (simulator.state().pressure - plant.gas.ambient_pressure_pa) * 1e-5
+        })
+        .collect()
+}
+
+/// Drives a plant by a plan, and writes down what it commands.
+struct Driver<'a> {
+    simulator: Simulator,
+    ambient_pa: f64,
+    limits: &'a Limits,
+    duties: Vec<[f64; 2]>,
+}
+
+impl<'a> Driver<'a> {
+    fn new(plant: &PlantParameters, limits: &'a Limits) -> Self {
+        let mut driver = Self {
+            simulator: Simulator::new(plant),
+            ambient_pa: plant.gas.ambient_pressure_pa,
+            limits,
+            duties: Vec::new(),
+        };
+        // Rest first: the noise of every signal can be seen.
+        driver.hold(0.5);
+        driver
+    }
+
+    fn is_over(&self) -> bool {
+        self.duties.len() as f64 * INTERVAL_S >= self.limits.duration_s - 1e-9
+    }
+
+    /// Whether the pressure is above this share of the highest allowed.
+    fn is_above(&self, share: f64) -> bool {
+        self.simulator.state().pressure - self.ambient_pa > share * self.limits.max_bar * 1e5
+    }
+
+    fn row(&mut self, duties: [f64; 2]) {
+        if self.is_over() {
+            return;
+        }
+        let duties = duties.map(|duty| duty.min(self.limits.max_duty_pct));
+        let [duty_fill_pct, duty_vent_pct] = duties;
+        self.duties.push(duties);
+        self.simulator.command(Command { duty_fill_pct, duty_vent_pct });
+        self.simulator.advance_to_ns((self.duties.len() as f64 * INTERVAL_S * 1e9).round() as u64);
+    }
+
+    fn rows(&mut self, duties: [f64; 2], span_s: f64) {
+        for _ in 0..(span_s / INTERVAL_S).round() as usize {
+            self.row(duties);
+        }
+    }
+
+    fn go(&mut self, valve: usize, duty: f64, span_s: f64) {
+        let mut duties = [0.0; 2];
+        duties[valve] = duty;
+        self.rows(duties, span_s);
+    }
+
+    fn hold(&mut self, span_s: f64) {
+        self.rows([0.0; 2], span_s);
+    }
+
+    fn fill(&mut self, duty: f64, span_s: f64) {
+        self.go(FILL, duty, span_s);
+    }
+
+    fn vent(&mut self, duty: f64, span_s: f64) {
+        self.go(VENT, duty, span_s);
+    }
+
+    fn fill_to(&mut self, duty: f64, share: f64) {
+        let most = self.duties.len() + (LONGEST_WAIT_S / INTERVAL_S) as usize;
+        while !self.is_above(share) && self.duties.len() < most && !self.is_over() {
+            self.row([duty, 0.0]);
+        }
+    }
+
+    fn vent_to(&mut self, duty: f64, share: f64) {
+        let most = self.duties.len() + (LONGEST_WAIT_S / INTERVAL_S) as usize;
+        while self.is_above(share.max(0.01)) && self.duties.len() < most && !self.is_over() {
+            self.row([0.0, duty]);
+        }
+    }
+
+    /// Makes room again.
+    fn vent_above(&mut self, share: f64, span_s: f64) {
+        if self.is_above(share) {
+            self.vent(100.0, span_s);
+            self.hold(0.2);
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! The cheapest next experiment: which duty cycles tell rival effects apart, and if none do, which sensor would.
+//!
+//! Every rival is fitted to the logs. Each manoeuvre is simulated with one rival as the truth and seen by the other, which
+//! may move all that it may move, as far as the old logs let it: what then remains, in standard deviations of the
+//! noise, is the distance (W. G. Hunter, A. M. Reiner 1965). The smaller of both directions counts.
+
+mod distance;
+mod manoeuvre;
+mod result;
+mod sensors;
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::{EffectSetting, by_id};
+use rayon::prelude::*;
+use recording::Recording;
+
+use super::error::DiagnoseError;
+use super::evidence::Evidence;
+use super::search::{Watch, report};
+use super::trial::{Bench, Trial};
+use super::verdict::DISTINGUISHABLE;
+use distance::{Noises, Rival, distance};
+use manoeuvre::Sequence;
+
+pub use result::{
+    Limits, Manoeuvre, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor,
+};
+
+/// What the experiment is for.
+#[derive(Debug, Clone, Copy)]
+pub enum Question<'a> {
+    /// To tell two or more effects apart, by their ids.
+    Between(&'a [&'a str]),
+    /// To show an effect of typical size, where there is one.
+    For(&'a str),
+}
+
+/// Ranks manoeuvres within `limits` by how well they answer `question`, after what `logs` of `plant` already tell.
+///
+/// # Errors
+/// [`DiagnoseError`]: a log cannot be used, there is no such effect, no manoeuvre keeps the limits, or `watch` stopped it.
+pub fn next_experiment(
+    plant: &PlantParameters,
+    logs: &[Recording],
+    question: Question,
+    limits: Limits,
+    watch: Watch,
+) -> Result<NextExperiment, DiagnoseError> {
+    let first = logs.first().ok_or(DiagnoseError::NoLog)?;
+    let fitting = Evidence::new(plant, logs)?;
+    let bench = Bench {
+        plant,
+        fitting: &fitting,
+        checking: &fitting,
+    };
+    report(watch, "the plain model", 0.0)?;
+    let plain = bench.plain().ok_or_else(|| DiagnoseError::NotSimulated {
+        log: first.provenance().source.clone(),
+    })?;
+    let rivals = match question {
+        Question::Between(ids) => fitted(&bench, &plain, ids, watch)?,
+        Question::For(id) => typical(&bench, &plain, id)?,
+    };
+    let now = match question {
+        Question::Between(_) => closest(&rivals, distance::on_the_logs),
+        Question::For(_) => 0.0,
+    };
+    let noises = Noises::of(&fitting);
+    let sequences = manoeuvre::sequences(&rivals, &limits);
+    if sequences.is_empty() {
+        return Err(DiagnoseError::NoManoeuvre {
+            duration_s: limits.duration_s,
+            max_bar: limits.max_bar,
+            max_duty_pct: limits.max_duty_pct,
+        });
+    }
+    report(watch, "manoeuvres", 0.0)?;
+    let mut ranked = sequences
+        .into_par_iter()
+        .map(|sequence| {
+            let between = |a: &Rival, b: &Rival| distance(a, b, &sequence, &noises).unwrap_or(0.0);
+            let distance = match question {
+                Question::Between(_) => closest(&rivals, |a, b| between(a, b).min(between(b, a))),
+                Question::For(_) => between(&rivals[1], &rivals[0]),
+            };
+            report(watch, "manoeuvres", 0.5)?;
+            Ok((sequence, distance))
+        })
+        .collect::<Result<Vec<(Sequence, f64)>, DiagnoseError>>()?;
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let sensors = sensors::sensors(&rivals, &ranked[0].0, &fitting);
+    Ok(result::assemble(fitting.sources(), &rivals, limits, now, ranked, sensors))
+}
+
+/// The least of all pairs.
+fn closest(rivals: &[Rival], distance: impl Fn(&Rival, &Rival) -> f64) -> f64 {
+    let pairs = rivals.iter().enumerate().flat_map(|(n, a)| rivals[..n].iter().map(move |b| (a, b)));
+    pairs.map(|(a, b)| distance(a, b)).fold(f64::INFINITY, f64::min)
+}
+
+fn settings(id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {
+    let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect {
+        id: id.to_owned(),
+        nearest: None,
+    })?;
+    let variants = effect.about().variants.iter();
+    Ok(variants.map(|variant| EffectSetting::typical_variant(effect, variant)).collect())
+}
+
+/// Each effect on top of the plain model, in the form that fits best.
+fn fitted(bench: &Bench, plain: &Trial, ids: &[&str], watch: Watch) -> Result<Vec<Rival>, DiagnoseError> {
+    let mut rivals = Vec::new();
+    for id in ids {
+        report(watch, "the rival effects", rivals.len() as f64 / ids.len() as f64)?;
+        let trials: Vec<Trial> = settings(id)?
+            .into_par_iter()
+            .filter_map(|setting| bench.finish(bench.open(plain, setting)?))
+            .collect();
+        let mut best = trials
+            .into_iter()
+            .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))
+            .ok_or_else(|| DiagnoseError::NotFitted { id: (*id).to_owned() })?;
+        best.refresh(bench).ok_or_else(|| DiagnoseError::NotFitted { id: (*id).to_owned() })?;
+        rivals.push(Rival::of_trial(bench, best, Some(id)));
+    }
+    Ok(rivals)
+}
+
+/// The plain model, and with it the effect at its typical size.
+fn typical(bench: &Bench, plain: &Trial, id: &str) -> Result<Vec<Rival>, DiagnoseError> {
+    let setting = settings(id)?.swap_remove(0);
+    let without = Rival::of_trial(bench, plain.clone(), None);
+    let with = without.with(setting);
+    Ok(vec![without, with])
+}

@@ -1,0 +1,208 @@
+//! The next experiment, as it stands in its JSON.
+
+use core::fmt::Write as _;
+
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+
+use super::DISTINGUISHABLE;
+use super::distance::Rival;
+use super::manoeuvre::{INTERVAL_S, Sequence};
+
+/// Name and version of the JSON format.
+pub const NEXT_EXPERIMENT_SCHEMA: &str = "retarder.next-experiment/1";
+
+/// What the rig may be told to do.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Longest time (s).
+    pub duration_s: f64,
+    /// Highest chamber pressure (bar gauge), in the model of every rival.
+    pub max_bar: f64,
+    /// Highest duty cycle (%).
+    pub max_duty_pct: f64,
+}
+
+/// The experiment that tells rival effects apart, or that shows one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NextExperiment {
+    /// Name and version of this format, `retarder.next-experiment/1`.
+    pub schema: String,
+    /// Sources of the logs that the rivals were fitted to.
+    pub logs: Vec<String>,
+    /// What is to be told apart.
+    pub rivals: Vec<RivalEffect>,
+    /// The limits that every manoeuvre keeps.
+    pub limits: Limits,
+    /// Distance of the closest two rivals on the logs, in standard deviations of the noise.
+    pub distance_now: f64,
+    /// Distance from which on two effects are swapped in less than one of twenty logs.
+    pub distinguishable_from: f64,
+    /// The answer in words.
+    pub sentence: String,
+    /// Manoeuvres, the best first.
+    pub ranking: Vec<Manoeuvre>,
+    /// Duty cycles of the best one.
+    pub sequence: Vec<Phase>,
+    /// Sensors that the logs do not have and that would tell the rivals apart, the best first.
+    pub sensors: Vec<Sensor>,
+}
+
+/// An effect to be told from others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RivalEffect {
+    /// Its id; null for the plain model.
+    pub effect: Option<String>,
+    /// Form of its law; null for the plain model.
+    pub variant: Option<String>,
+}
+
+/// What the rig could do.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Manoeuvre {
+    /// Its name.
+    pub name: String,
+    /// What it shows.
+    pub about: String,
+    /// Its length (s).
+    pub duration_s: f64,
+    /// Highest chamber pressure in the model of any rival (bar gauge).
+    pub highest_bar: f64,
+    /// Predicted distance of the closest two rivals, in standard deviations of the noise, when all that can be refitted
+    /// has been.
+    pub distance: f64,
+}
+
+/// Constant commands for a while.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Phase {
+    /// Time at which it begins (s).
+    pub time_s: f64,
+    /// Duty cycle of the fill valve (%).
+    pub duty_fill_pct: f64,
+    /// Duty cycle of the vent valve (%).
+    pub duty_vent_pct: f64,
+}
+
+/// A sensor that is not there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sensor {
+    /// What it would measure.
+    pub quantity: String,
+    /// Its unit.
+    pub unit: String,
+    /// Rms difference of the closest two rivals on the best manoeuvre, in that unit.
+    pub difference_rms: f64,
+    /// The same over the noise of a usual sensor.
+    pub in_noise: f64,
+}
+
+impl NextExperiment {
+    /// The JSON Schema of a next experiment.
+    pub fn json_schema() -> Schema {
+        schemars::schema_for!(Self)
+    }
+
+    /// Whether the best manoeuvre tells the rivals apart.
+    pub fn tells_apart(&self) -> bool {
+        self.ranking.first().is_some_and(|best| best.distance >= self.distinguishable_from)
+    }
+
+    /// The best manoeuvre as a log of commands, one row per ECU sample: `time_s,duty_fill_pct,duty_vent_pct`.
+    pub fn csv(&self) -> String {
+        let mut csv = String::from("time_s,duty_fill_pct,duty_vent_pct\n");
+        let end_s = self.ranking.first().map_or(0.0, |best| best.duration_s);
+        let rows = (end_s / INTERVAL_S).round() as usize;
+        let mut phases = self.sequence.iter().peekable();
+        let mut duties = (0.0, 0.0);
+        for row in 0..rows {
+            let time_s = row as f64 * INTERVAL_S;
+            while let Some(phase) = phases.next_if(|phase| phase.time_s < time_s + 0.5 * INTERVAL_S) {
+                duties = (phase.duty_fill_pct, phase.duty_vent_pct);
+            }
+            writeln!(csv, "{time_s:.2},{:.1},{:.1}", duties.0, duties.1).expect("a string takes all");
+        }
+        csv
+    }
+}
+
+pub(super) fn assemble(
+    logs: Vec<String>,
+    rivals: &[Rival],
+    limits: Limits,
+    distance_now: f64,
+    ranked: Vec<(Sequence, f64)>,
+    sensors: Vec<Sensor>,
+) -> NextExperiment {
+    let rivals: Vec<RivalEffect> = rivals
+        .iter()
+        .map(|rival| {
+            let (effect, variant) = rival.effect.clone().unzip();
+            RivalEffect { effect, variant }
+        })
+        .collect();
+    let best = &ranked[0];
+    NextExperiment {
+        schema: NEXT_EXPERIMENT_SCHEMA.to_owned(),
+        logs,
+        sentence: sentence(&rivals, best, &sensors),
+        rivals,
+        limits,
+        distance_now,
+        distinguishable_from: DISTINGUISHABLE,
+        sequence: phases(&best.0),
+        ranking: ranked
+            .iter()
+            .map(|(sequence, distance)| Manoeuvre {
+                name: sequence.name.to_owned(),
+                about: sequence.about.to_owned(),
+                duration_s: sequence.duties.len() as f64 * INTERVAL_S,
+                highest_bar: sequence.highest_bar,
+                distance: *distance,
+            })
+            .collect(),
+        sensors,
+    }
+}
+
+fn phases(sequence: &Sequence) -> Vec<Phase> {
+    let mut phases: Vec<Phase> = Vec::new();
+    for (row, &[duty_fill_pct, duty_vent_pct]) in sequence.duties.iter().enumerate() {
+        let is_same = |last: &Phase| last.duty_fill_pct == duty_fill_pct && last.duty_vent_pct == duty_vent_pct;
+        if !phases.last().is_some_and(is_same) {
+            let time_s = row as f64 * INTERVAL_S;
+            phases.push(Phase { time_s, duty_fill_pct, duty_vent_pct });
+        }
+    }
+    phases
+}
+
+fn sentence(rivals: &[RivalEffect], (best, distance): &(Sequence, f64), sensors: &[Sensor]) -> String {
+    let name = |rival: &RivalEffect| {
+        rival.effect.as_deref().map_or_else(|| "the plain model".to_owned(), |id| id.replace('_', " "))
+    };
+    let names: Vec<String> = rivals.iter().map(name).collect();
+    let names = names.join(" and ");
+    if *distance >= DISTINGUISHABLE {
+        format!(
+            "\"{}\" tells {names} apart: {distance:.1} standard deviations of the noise, {DISTINGUISHABLE} are enough",
+            best.name
+        )
+    } else {
+        let sensor = sensors.first().map_or_else(
+            || "nor would a sensor that is usual on such rigs".to_owned(),
+            |sensor| format!("a sensor would: {}, {:.0} times its noise apart", sensor.quantity, sensor.in_noise),
+        );
+        format!(
+            "no manoeuvre within the limits tells {names} apart; the best, \"{}\", gives {distance:.1} standard deviations \
+             of the noise, {DISTINGUISHABLE} are needed; {sensor}",
+            best.name
+        )
+    }
+}

@@ -1,0 +1,160 @@
+//! A log seen through the predictor: the pressure that is missing in the model, and what the valves did.
+//!
+//! After row k the model takes on the share g of its error e, so that an error does not show how much was missing, only
+//! how much of it was not yet corrected. With the corrections put back, the missing pressure is
+//!
+//! ```text
+//! m[k] = e[k] + Σ g[j] e[j] over j < k
+//! ```
+//!
+//! which is exact where the flow does not depend on the chamber pressure (valves shut, choked flow), and close to it
+//! elsewhere, for the corrections are small. The measured pressure stands in it as it is, never differentiated: the
+//! missing rate over a stretch is the slope of a line through m, and the sensor's noise averages out.
+
+use plant_sim::PlantParameters;
+use plant_sim::plant::{FILL, VENT};
+use plant_sim::replay::Row;
+
+use super::super::evidence::{Channel, Log};
+use crate::commands::Commands;
+
+/// What the valves did in the interval before a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Regime {
+    Shut,
+    Filling,
+    Venting,
+    /// Both valves at once, or the last of a pulse.
+    Mixed,
+}
+
+impl Regime {
+    /// For people.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Shut => "both valves shut",
+            Self::Filling => "filling",
+            Self::Venting => "venting",
+            Self::Mixed => "both valves open",
+        }
+    }
+}
+
+/// A log whose pressure was measured, seen through the predictor.
+pub(super) struct Course<'a> {
+    pub(super) log: &'a Log,
+    pub(super) channel: &'a Channel,
+    /// Measured less predicted (bar); NaN where missing.
+    pub(super) errors_bar: Vec<f64>,
+    /// What a perfect model would have of it (bar).
+    pub(super) floors_bar: Vec<f64>,
+    /// The missing pressure (bar), since the start; NaN where the measurement is missing.
+    pub(super) missing_bar: Vec<f64>,
+    pub(super) regimes: Vec<Regime>,
+    /// Row whose command is in force at each row; none before the first.
+    pub(super) in_force: Vec<Option<usize>>,
+}
+
+impl<'a> Course<'a> {
+    /// None where no chamber pressure was logged.
+    pub(super) fn new(log: &'a Log, rows: &[Row]) -> Option<Self> {
+        let channel = log.pressure()?;
+        let errors_bar: Vec<f64> = channel
+            .values
+            .iter()
+            .zip(rows)
+            .map(|(measured, row)| measured - row[channel.column])
+            .collect();
+        let mut taken_on = 0.0;
+        let missing_bar = errors_bar
+            .iter()
+            .zip(&log.predictor.gains)
+            .map(|(error, gain)| {
+                let missing = error + taken_on;
+                if error.is_finite() {
+                    taken_on += gain * error;
+                }
+                missing
+            })
+            .collect();
+        let in_force = in_force(&log.commands);
+        Some(Self {
+            channel,
+            errors_bar,
+            floors_bar: log
+                .predictor
+                .floors
+                .iter()
+                .map(|floor| channel.sigma * floor)
+                .collect(),
+            missing_bar,
+            regimes: regimes(&log.commands, &in_force),
+            in_force,
+            log,
+        })
+    }
+
+    pub(super) fn times_s(&self) -> &[f64] {
+        &self.log.commands.times_s
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.errors_bar.len()
+    }
+
+    /// Duty cycle of a valve in the interval before a row (%).
+    pub(super) fn duty_pct(&self, valve: usize, row: usize) -> f64 {
+        self.in_force[row].map_or(0.0, |row| self.log.commands.duty_pct[valve][row])
+    }
+
+    /// Slope of the missing pressure over some rows (bar/s), with the variance that the sensor's noise gives it; none
+    /// for too few rows.
+    pub(super) fn rate(&self, rows: core::ops::Range<usize>) -> Option<(f64, f64)> {
+        let points: Vec<(f64, f64)> = rows
+            .map(|row| (self.times_s()[row], self.missing_bar[row]))
+            .filter(|(_, missing)| missing.is_finite())
+            .collect();
+        let count = points.len() as f64;
+        if count < 2.0 {
+            return None;
+        }
+        let mean_s = points.iter().map(|(time, _)| time).sum::<f64>() / count;
+        let spread: f64 = points.iter().map(|(time, _)| (time - mean_s).powi(2)).sum();
+        let slope = points
+            .iter()
+            .map(|(time, missing)| (time - mean_s) * missing)
+            .sum::<f64>()
+            / spread;
+        (spread > 0.0).then(|| (slope, self.channel.sigma.powi(2) / spread))
+    }
+}
+
+/// Row whose command is in force at each row.
+pub(super) fn in_force(commands: &Commands) -> Vec<Option<usize>> {
+    commands
+        .times_s
+        .iter()
+        .map(|&time_s| commands.row_in_force(time_s))
+        .collect()
+}
+
+fn regimes(commands: &Commands, in_force: &[Option<usize>]) -> Vec<Regime> {
+    let opens =
+        |valve: usize, row: usize| in_force[row].is_some_and(|row| commands.opens(valve, row));
+    let mut regimes: Vec<Regime> = (0..commands.len())
+        .map(|row| match (opens(FILL, row), opens(VENT, row)) {
+            (true, false) => Regime::Filling,
+            (false, true) => Regime::Venting,
+            _ => Regime::Mixed,
+        })
+        .collect();
+    for hold in commands.holds(0.0) {
+        regimes[hold].fill(Regime::Shut);
+    }
+    regimes
+}
+
+/// The rows of the model with `plant`, for each log; none where one was given up.
+pub(super) fn predicted(logs: &[&Log], plant: &PlantParameters) -> Option<Vec<Vec<Row>>> {
+    logs.iter().map(|log| log.predicted(plant)).collect()
+}

@@ -1,0 +1,337 @@
+//! Sharp lines in what remains: something swings by itself, whatever the commands.
+//!
+//! A periodogram for uneven sampling with a constant of its own (M. Zechmeister, M. Kürster 2009), for a valve is
+//! open now and then only. It is taken of what a cause would have to do, not of the error: while the fill valve works,
+//! by how much the supply pressure would have to differ; while the vent valve works, by which share the flow; while
+//! both are shut, at which rate air leaks. A smooth law of the commands is taken off first. The height of a line is judged by its neighbours, so that a coloured
+//! background makes none; and a line that the commands tell is no line, for a cycle of commands makes every error
+//! periodic.
+
+use core::f64::consts::{LN_2, TAU};
+
+use plant_sim::PlantParameters;
+use rayon::prelude::*;
+
+use super::super::evidence::{Channel, Log};
+use super::super::result::SpectralLine;
+use super::alike::{Usual, usual, without_smooth_law};
+use super::course::{Course, Regime};
+
+/// A line in noise alone is less probable than this; fixed before any log was looked at.
+const CHANCE: f64 = 1e-4;
+/// Lines of one signal at most.
+const LINES: usize = 3;
+/// A line has so many periods in the log at least.
+const PERIODS: f64 = 3.0;
+/// Frequencies are so many times finer than the length of the log resolves.
+const OVERSAMPLING: usize = 2;
+/// Neighbours on either side whose median is the background, without those nearest, into which a line leaks.
+const NEIGHBOURS: usize = 40;
+const LEAKAGE: usize = 3;
+/// Highest frequency over that of rows and of PWM periods; above it nothing is resolved.
+const HIGHEST: f64 = 1.0 / 3.0;
+/// Rows below this share of the largest sensitivity say little, and are left out.
+const LEAST_SENSITIVITY: f64 = 0.1;
+/// A line that explains less of what is beyond the noise belongs to something else.
+const LEAST_SHARE: f64 = 0.25;
+/// Without what is usual, a line at this one frequency is still less probable than this.
+const UNUSUAL: f64 = 0.01;
+/// Rows that a spectrum needs.
+const FEWEST: usize = 100;
+
+/// What would have to swing, row by row.
+#[derive(Clone)]
+pub(super) struct Swing<'a> {
+    log: &'a Log,
+    signal: &'static str,
+    condition: &'static str,
+    unit: &'static str,
+    rows: Vec<usize>,
+    times_s: Vec<f64>,
+    values: Vec<f64>,
+    /// One over the variance of each value.
+    weights: Vec<f64>,
+    /// What the weighted sum of squares is where there is only noise.
+    noise: f64,
+    highest_hz: f64,
+}
+
+/// By how much a cause moves the predicted pressure, row by row.
+pub(super) struct Sensitivity {
+    pub(super) regime: Regime,
+    /// Unit of the cause.
+    pub(super) unit: &'static str,
+    /// In bar per unit of the cause.
+    pub(super) bar: Vec<f64>,
+}
+
+impl<'a> Swing<'a> {
+    /// What has to swing in `regime`.
+    pub(super) fn of_pressure(
+        course: &Course<'a>,
+        sensitivity: &Sensitivity,
+        plant: &PlantParameters,
+    ) -> Option<Self> {
+        let in_noise = |row: usize| sensitivity.bar[row] / course.floors_bar[row];
+        let is_there = |row: usize| {
+            course.regimes[row] == sensitivity.regime && course.errors_bar[row].is_finite()
+        };
+        let rows: Vec<usize> = (0..course.len()).filter(|&row| is_there(row)).collect();
+        let most = rows
+            .iter()
+            .map(|&row| in_noise(row).abs())
+            .fold(0.0, f64::max);
+        let rows: Vec<usize> = rows
+            .into_iter()
+            .filter(|&row| in_noise(row).abs() > LEAST_SENSITIVITY * most)
+            .collect();
+        let values = rows.iter().map(|&row| {
+            (
+                row,
+                course.errors_bar[row] / sensitivity.bar[row],
+                in_noise(row).powi(2),
+            )
+        });
+        let (condition, unit) = (sensitivity.regime.name(), sensitivity.unit);
+        Self::new((course.channel, condition, unit), values, course.log, plant)
+    }
+
+    /// What remains of a coil current, whatever the valves do.
+    pub(super) fn of_current(
+        log: &'a Log,
+        channel: &Channel,
+        errors: &[f64],
+        plant: &PlantParameters,
+    ) -> Option<Self> {
+        let rows = errors
+            .iter()
+            .enumerate()
+            .filter(|(_, error)| error.is_finite());
+        let values = rows.map(|(row, &error)| (row, error, channel.sigma.powi(-2)));
+        Self::new((channel, "always", "mA"), values, log, plant)
+    }
+
+    fn new(
+        (channel, condition, unit): (&Channel, &'static str, &'static str),
+        each: impl Iterator<Item = (usize, f64, f64)>,
+        log: &'a Log,
+        plant: &PlantParameters,
+    ) -> Option<Self> {
+        let (mut rows, mut times_s, mut values, mut weights) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (row, value, weight) in each {
+            rows.push(row);
+            times_s.push(log.commands.times_s[row]);
+            values.push(value);
+            weights.push(weight);
+        }
+        // What a cause does beside swinging varies as well: no row may count for many.
+        let mut sizes: Vec<f64> = values.iter().copied().map(f64::abs).collect();
+        let usual = super::median(&mut sizes)?.powi(2);
+        let mut noise = 0.0;
+        for weight in &mut weights {
+            let variance = 1.0 / *weight;
+            *weight = 1.0 / (variance + usual);
+            noise += variance * *weight;
+        }
+        without_smooth_law(log, &rows, &mut values, &weights);
+        let span_s = log.commands.times_s.last()? - log.commands.times_s.first()?;
+        let rows_hz = (log.commands.len() - 1) as f64 / span_s;
+        let highest_hz = HIGHEST * rows_hz.min(plant.ecu.pwm_frequency_hz);
+        (values.len() >= FEWEST).then_some(Self {
+            log,
+            signal: channel.signal,
+            condition,
+            unit,
+            rows,
+            times_s,
+            values,
+            weights,
+            noise,
+            highest_hz,
+        })
+    }
+
+    fn span_s(&self) -> f64 {
+        self.times_s[self.times_s.len() - 1] - self.times_s[0]
+    }
+
+    /// Frequencies to look at (Hz).
+    fn frequencies_hz(&self) -> Vec<f64> {
+        let step_hz = 1.0 / (OVERSAMPLING as f64 * self.span_s());
+        let first = (PERIODS * OVERSAMPLING as f64).ceil() as usize;
+        (first..)
+            .map(|n| n as f64 * step_hz)
+            .take_while(|&hz| hz < self.highest_hz)
+            .collect()
+    }
+
+    /// Independent frequencies that are looked at.
+    pub(super) fn trials(&self) -> f64 {
+        self.frequencies_hz().len() as f64 / OVERSAMPLING as f64
+    }
+
+    /// Its lines, the strongest first, where `trials` independent frequencies are looked at in all.
+    pub(super) fn lines(mut self, trials: f64) -> Vec<SpectralLine> {
+        let mut lines = Vec::new();
+        let mut tried = 0;
+        let square = |(value, weight): (&f64, &f64)| weight * value * value;
+        let excess = self
+            .values
+            .iter()
+            .zip(&self.weights)
+            .map(square)
+            .sum::<f64>()
+            - self.noise;
+        while tried < LINES
+            && let Some((line, wave)) = self.strongest(trials)
+        {
+            let is_own = 2.0 * wave.power > LEAST_SHARE * excess && !self.is_commanded(&wave);
+            for (time_s, value) in self.times_s.iter().zip(&mut self.values) {
+                *value -= wave.at(*time_s);
+            }
+            if is_own {
+                lines.push(line);
+            }
+            tried += 1;
+        }
+        lines
+    }
+
+    /// Whether the commands tell the wave: without what is usual at like instants nothing of it stands out.
+    fn is_commanded(&self, wave: &Wave) -> bool {
+        let mut values = vec![0.0; self.log.commands.len()];
+        for (&row, value) in self.rows.iter().zip(&self.values) {
+            values[row] = *value;
+        }
+        let usual = usual(self.log, &values, &self.rows, &self.rows);
+        let without =
+            |(value, usual): (&f64, Option<Usual>)| value - usual.map_or(0.0, |usual| usual.mean);
+        let unusual = Self {
+            values: self.values.iter().zip(usual).map(without).collect(),
+            ..self.clone()
+        };
+        let frequencies_hz = self.frequencies_hz();
+        let n = frequencies_hz.partition_point(|&hz| hz < wave.frequency_hz);
+        let near = n.saturating_sub(1)..(n + 1).min(frequencies_hz.len());
+        let powers = unusual.powers(&frequencies_hz);
+        !near
+            .clone()
+            .filter_map(|n| chance(&powers, n))
+            .any(|p_value| p_value < UNUSUAL)
+    }
+
+    fn powers(&self, frequencies_hz: &[f64]) -> Vec<f64> {
+        frequencies_hz
+            .par_iter()
+            .map(|&hz| self.wave(hz).power)
+            .collect()
+    }
+
+    fn strongest(&self, trials: f64) -> Option<(SpectralLine, Wave)> {
+        let frequencies_hz = self.frequencies_hz();
+        let powers = self.powers(&frequencies_hz);
+        // A strong line lifts the background of its own neighbours; among those that stand out, the strongest is it.
+        let (n, p_value) = (0..powers.len())
+            .filter_map(|n| Some((n, corrected(chance(&powers, n)?, trials))))
+            .filter(|(_, p_value)| *p_value < CHANCE)
+            .max_by(|a, b| powers[a.0].total_cmp(&powers[b.0]))?;
+        // Between the frequencies that were looked at.
+        let step_hz = frequencies_hz[1] - frequencies_hz[0];
+        let finer = (-10..=10).map(|k| self.wave(frequencies_hz[n] + 0.1 * f64::from(k) * step_hz));
+        let wave = finer.max_by(|a, b| a.power.total_cmp(&b.power))?;
+        let line = SpectralLine {
+            signal: self.signal.to_owned(),
+            condition: self.condition.to_owned(),
+            frequency_hz: wave.frequency_hz,
+            amplitude: f64::hypot(wave.cosine, wave.sine),
+            unit: self.unit.to_owned(),
+            p_value: p_value.max(f64::MIN_POSITIVE),
+        };
+        Some((line, wave))
+    }
+
+    /// The wave of this frequency that fits best, beside a constant.
+    fn wave(&self, frequency_hz: f64) -> Wave {
+        // Weighted sums of 1, c, s, y and their products.
+        let [
+            mut w,
+            mut c,
+            mut s,
+            mut y,
+            mut cc,
+            mut cs,
+            mut ss,
+            mut yc,
+            mut ys,
+        ] = [0.0; 9];
+        for ((time_s, value), weight) in self.times_s.iter().zip(&self.values).zip(&self.weights) {
+            let (sine, cosine) = (TAU * frequency_hz * time_s).sin_cos();
+            w += weight;
+            c += weight * cosine;
+            s += weight * sine;
+            y += weight * value;
+            cc += weight * cosine * cosine;
+            cs += weight * cosine * sine;
+            ss += weight * sine * sine;
+            yc += weight * value * cosine;
+            ys += weight * value * sine;
+        }
+        let (cc, cs, ss) = (cc - c * c / w, cs - c * s / w, ss - s * s / w);
+        let (yc, ys) = (yc - y * c / w, ys - y * s / w);
+        let determinant = cc * ss - cs * cs;
+        if determinant <= 1e-9 * cc * ss {
+            return Wave {
+                frequency_hz,
+                cosine: 0.0,
+                sine: 0.0,
+                power: 0.0,
+            };
+        }
+        let cosine = (yc * ss - ys * cs) / determinant;
+        let sine = (ys * cc - yc * cs) / determinant;
+        Wave {
+            frequency_hz,
+            cosine,
+            sine,
+            power: 0.5 * (cosine * yc + sine * ys),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Wave {
+    frequency_hz: f64,
+    cosine: f64,
+    sine: f64,
+    /// Half of what it takes off the sum of squares; in white noise exponential with mean 1.
+    power: f64,
+}
+
+impl Wave {
+    fn at(&self, time_s: f64) -> f64 {
+        let (sine, cosine) = (TAU * self.frequency_hz * time_s).sin_cos();
+        self.cosine * cosine + self.sine * sine
+    }
+}
+
+/// Probability of such a line in any of `trials` places.
+fn corrected(p_value: f64, trials: f64) -> f64 {
+    -f64::exp_m1(trials * f64::ln_1p(-p_value.min(1.0 - f64::EPSILON)))
+}
+
+/// Probability of a power as high as that at `n` in noise of the neighbours' level, which is known as well as their
+/// median is.
+fn chance(powers: &[f64], n: usize) -> Option<f64> {
+    let side = OVERSAMPLING * NEIGHBOURS;
+    let gap = OVERSAMPLING * LEAKAGE;
+    let below = n.saturating_sub(side)..n.saturating_sub(gap);
+    let above = (n + gap + 1).min(powers.len())..(n + side + 1).min(powers.len());
+    let mut neighbours = [&powers[below], &powers[above]].concat();
+    let independent = neighbours.len() as f64 / OVERSAMPLING as f64;
+    // The median of an exponential is ln 2 of its mean, and has half the efficiency of the mean.
+    let level = super::median(&mut neighbours)? / LN_2;
+    let known = 0.5 * independent;
+    (independent >= NEIGHBOURS as f64 / 2.0 && level > 0.0)
+        .then(|| (1.0 + powers[n] / (level * known)).powf(-known))
+}
