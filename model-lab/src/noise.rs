@@ -18,7 +18,6 @@ impl Noise {
     }
 
     /// Mean 0, standard deviation 1.
-    #[cfg(test)]
     pub(crate) fn normal(&mut self) -> f64 {
         (-2.0 * self.uniform().ln()).sqrt() * (core::f64::consts::TAU * self.uniform()).cos()
     }

@@ -47,6 +47,24 @@ pub enum DiagnoseError {
         /// What there is.
         forms: String,
     },
+    /// The effect cannot be fitted to the logs.
+    #[error("`{id}` gains nothing on these logs at any size, so that there is nothing to tell it from; use `--for {id}`")]
+    NotFitted {
+        /// The effect.
+        id: String,
+    },
+    /// The limits leave nothing to do.
+    #[error(
+        "no manoeuvre of at most {duration_s} s keeps below {max_bar} bar with duty cycles up to {max_duty_pct} %; allow more"
+    )]
+    NoManoeuvre {
+        /// Longest time (s).
+        duration_s: f64,
+        /// Highest chamber pressure (bar gauge).
+        max_bar: f64,
+        /// Highest duty cycle (%).
+        max_duty_pct: f64,
+    },
     /// Somebody stopped it.
     #[error("stopped; nothing was written")]
     Interrupted,

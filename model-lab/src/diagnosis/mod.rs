@@ -13,6 +13,7 @@ mod evidence;
 mod fit;
 mod interval;
 mod ladder;
+pub mod next_experiment;
 mod nuisance;
 mod predictor;
 mod remaining;

@@ -22,14 +22,17 @@ pub(super) struct Rival {
     z: Vec<f64>,
     /// What the logs and the datasheet say of the unknowns: the curvature of the fit's cost.
     information: DMatrix<f64>,
-    cost: f64,
+    pub(super) cost: f64,
     correlation_samples: f64,
 }
 
 impl Rival {
     pub(super) fn of_trial(bench: &Bench, trial: Trial, id: Option<&str>) -> Self {
         let (information, _) = Fitter::new(bench.fitting, &trial.unknowns).normal(&trial.fit);
-        let variant = trial.effects.last().map_or("", |effect| effect.variant().name);
+        let variant = trial
+            .effects
+            .last()
+            .map_or("", |effect| effect.variant().name);
         Self {
             effect: id.map(|id| (id.to_owned(), variant.to_owned())),
             plant: trial.plant(),
@@ -76,7 +79,12 @@ pub(super) fn on_the_logs(a: &Rival, b: &Rival) -> f64 {
 }
 
 /// Distance at which `model` sees a log of `sequence` that `truth` made; none where that cannot be simulated.
-pub(super) fn distance(truth: &Rival, model: &Rival, sequence: &Sequence, noises: &Noises) -> Option<f64> {
+pub(super) fn distance(
+    truth: &Rival,
+    model: &Rival,
+    sequence: &Sequence,
+    noises: &Noises,
+) -> Option<f64> {
     let log = made(&truth.plant, sequence, noises)?;
     let evidence = Evidence::new(&truth.plant, &[log]).ok()?;
     let noise = evidence.residuals(&truth.plant, Run::Predicted)?;
@@ -84,7 +92,12 @@ pub(super) fn distance(truth: &Rival, model: &Rival, sequence: &Sequence, noises
     let mut fit = fitter.at(model.z.clone())?;
     fitter.differentiate(&mut fit, 0, Difference::Forward)?;
     let columns = &fit.jacobian;
-    let mut change: Vec<f64> = fit.residuals.iter().zip(&noise).map(|(seen, noise)| seen - noise).collect();
+    let mut change: Vec<f64> = fit
+        .residuals
+        .iter()
+        .zip(&noise)
+        .map(|(seen, noise)| seen - noise)
+        .collect();
     let count = columns.len();
     let curvature = DMatrix::from_fn(count, count, |a, b| dot(&columns[a], &columns[b]));
     let pull = DVector::from_iterator(count, columns.iter().map(|column| -dot(column, &change)));
@@ -100,16 +113,25 @@ pub(super) fn distance(truth: &Rival, model: &Rival, sequence: &Sequence, noises
 }
 
 /// The log that `plant` would give.
-pub(super) fn made(plant: &PlantParameters, sequence: &Sequence, noises: &Noises) -> Option<Recording> {
+pub(super) fn made(
+    plant: &PlantParameters,
+    sequence: &Sequence,
+    noises: &Noises,
+) -> Option<Recording> {
     let mut log = sequence.recording();
-    let run = replay(plant, &log, Tolerance::default(), |_, _| {}).ok()?.recording;
+    let run = replay(plant, &log, Tolerance::default(), |_, _| {})
+        .ok()?
+        .recording;
     let base = log.signals().first()?.time_base();
     let mut noise = Noise::new(1);
     for (name, sigma) in &noises.0 {
         let signal = run.signal(name)?;
-        let values = signal.values_or_nan().iter().map(|value| value + sigma * noise.normal());
+        let values = signal
+            .values_or_nan()
+            .iter()
+            .map(|value| value + sigma * noise.normal());
         let unit: Unit = signal.unit();
-        log.add_signal(name, unit, base, values.collect()).ok()?;
+        log.add_signal(*name, unit, base, values.collect()).ok()?;
     }
     Some(log)
 }

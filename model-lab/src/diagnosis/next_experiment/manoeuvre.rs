@@ -14,6 +14,8 @@ const EARLIER_S: f64 = 0.1;
 const EMPTYING_S: f64 = 1.0;
 /// A shorter run than this (s) tells nothing.
 const SHORTEST_S: f64 = 2.0;
+/// A command goes on to act for about so many rows.
+const DELAY_ROWS: f64 = 3.0;
 /// No wait for a pressure is longer than this (s).
 const LONGEST_WAIT_S: f64 = 4.0;
 
@@ -34,7 +36,8 @@ impl Sequence {
         let base = log.add_time_base(base.expect("a sequence has rows"));
         for (valve, name) in crate::commands::DUTIES.into_iter().enumerate() {
             let duty = self.duties.iter().map(|duties| duties[valve]).collect();
-            log.add_signal(name, Unit::Percent, base, duty).expect("two names");
+            log.add_signal(name, Unit::Percent, base, duty)
+                .expect("two names");
         }
         log
     }
@@ -158,7 +161,11 @@ static PLANS: [Plan; 9] = [
         round: |driver, _| {
             for valve in [FILL, VENT] {
                 for _ in 0..60 {
-                    if if valve == FILL { driver.is_above(HIGH) } else { !driver.is_above(0.05) } {
+                    if if valve == FILL {
+                        driver.is_above(HIGH)
+                    } else {
+                        !driver.is_above(0.05)
+                    } {
                         break;
                     }
                     driver.go(valve, 60.0, 0.03);
@@ -195,7 +202,10 @@ const LOW: f64 = 0.3;
 /// All manoeuvres that keep `limits` in the model of every rival.
 pub(super) fn sequences(rivals: &[Rival], limits: &Limits) -> Vec<Sequence> {
     let plants: Vec<&PlantParameters> = rivals.iter().map(|rival| &rival.plant).collect();
-    PLANS.iter().filter_map(|plan| within(plan, &plants, limits)).collect()
+    PLANS
+        .iter()
+        .filter_map(|plan| within(plan, &plants, limits))
+        .collect()
 }
 
 fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<Sequence> {
@@ -213,19 +223,31 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
     // Each cut leaves a shorter run; the emptying at its end may leave the limits no more.
     let rows = |span_s: f64| (span_s / INTERVAL_S).round() as usize;
     for _ in 0..3 {
-        let courses: Vec<Vec<f64>> = plants.iter().map(|plant| pressures_bar(plant, &duties)).collect();
+        let does_something = duties.iter().flatten().any(|duty| *duty > 0.0);
+        if duties.len() < rows(SHORTEST_S) || !does_something {
+            return None;
+        }
+        let courses: Vec<Vec<f64>> = plants
+            .iter()
+            .map(|plant| pressures_bar(plant, &duties))
+            .collect();
         let highest_bar = courses.iter().flatten().copied().fold(0.0, f64::max);
         if highest_bar <= limits.max_bar {
             let (name, about) = (plan.name, plan.about);
-            return Some(Sequence { name, about, duties, highest_bar });
+            return Some(Sequence {
+                name,
+                about,
+                duties,
+                highest_bar,
+            });
         }
         let leaves = |course: &Vec<f64>| course.iter().position(|bar| *bar > limits.max_bar);
         let row = courses.iter().filter_map(leaves).min()?;
         duties.truncate(row.saturating_sub(rows(EARLIER_S)));
-        if duties.len() < rows(SHORTEST_S) {
-            return None;
-        }
-        duties.extend(core::iter::repeat_n([0.0, limits.max_duty_pct], rows(EMPTYING_S)));
+        duties.extend(core::iter::repeat_n(
+            [0.0, limits.max_duty_pct],
+            rows(EMPTYING_S),
+        ));
         duties.truncate(rows(limits.duration_s));
     }
     None
@@ -237,7 +259,10 @@ fn pressures_bar(plant: &PlantParameters, duties: &[[f64; 2]]) -> Vec<f64> {
     duties
         .iter()
         .map(|&[duty_fill_pct, duty_vent_pct]| {
-            simulator.command(Command { duty_fill_pct, duty_vent_pct });
+            simulator.command(Command {
+                duty_fill_pct,
+                duty_vent_pct,
+            });
             end_ns += (INTERVAL_S * 1e9) as u64;
             simulator.advance_to_ns(end_ns);
             (simulator.state().pressure - plant.gas.ambient_pressure_pa) * 1e-5
@@ -251,6 +276,8 @@ struct Driver<'a> {
     ambient_pa: f64,
     limits: &'a Limits,
     duties: Vec<[f64; 2]>,
+    /// Pressure a row ago (Pa abs).
+    before: f64,
 }
 
 impl<'a> Driver<'a> {
@@ -260,6 +287,7 @@ impl<'a> Driver<'a> {
             ambient_pa: plant.gas.ambient_pressure_pa,
             limits,
             duties: Vec::new(),
+            before: plant.gas.ambient_pressure_pa,
         };
         // Rest first: the noise of every signal can be seen.
         driver.hold(0.5);
@@ -268,6 +296,12 @@ impl<'a> Driver<'a> {
 
     fn is_over(&self) -> bool {
         self.duties.len() as f64 * INTERVAL_S >= self.limits.duration_s - 1e-9
+    }
+
+    /// Where the pressure is going (Pa gauge) when the command ends now.
+    fn coming(&self) -> f64 {
+        let pressure = self.simulator.state().pressure;
+        pressure + DELAY_ROWS * (pressure - self.before) - self.ambient_pa
     }
 
     /// Whether the pressure is above this share of the highest allowed.
@@ -282,8 +316,13 @@ impl<'a> Driver<'a> {
         let duties = duties.map(|duty| duty.min(self.limits.max_duty_pct));
         let [duty_fill_pct, duty_vent_pct] = duties;
         self.duties.push(duties);
-        self.simulator.command(Command { duty_fill_pct, duty_vent_pct });
-        self.simulator.advance_to_ns((self.duties.len() as f64 * INTERVAL_S * 1e9).round() as u64);
+        self.before = self.simulator.state().pressure;
+        self.simulator.command(Command {
+            duty_fill_pct,
+            duty_vent_pct,
+        });
+        self.simulator
+            .advance_to_ns((self.duties.len() as f64 * INTERVAL_S * 1e9).round() as u64);
     }
 
     fn rows(&mut self, duties: [f64; 2], span_s: f64) {
@@ -312,14 +351,16 @@ impl<'a> Driver<'a> {
 
     fn fill_to(&mut self, duty: f64, share: f64) {
         let most = self.duties.len() + (LONGEST_WAIT_S / INTERVAL_S) as usize;
-        while !self.is_above(share) && self.duties.len() < most && !self.is_over() {
+        let sought = share * self.limits.max_bar * 1e5;
+        while self.coming() < sought && self.duties.len() < most && !self.is_over() {
             self.row([duty, 0.0]);
         }
     }
 
     fn vent_to(&mut self, duty: f64, share: f64) {
         let most = self.duties.len() + (LONGEST_WAIT_S / INTERVAL_S) as usize;
-        while self.is_above(share.max(0.01)) && self.duties.len() < most && !self.is_over() {
+        let sought = share.max(0.01) * self.limits.max_bar * 1e5;
+        while self.coming() > sought && self.duties.len() < most && !self.is_over() {
             self.row([0.0, duty]);
         }
     }

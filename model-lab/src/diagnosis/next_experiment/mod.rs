@@ -8,6 +8,8 @@ mod distance;
 mod manoeuvre;
 mod result;
 mod sensors;
+#[cfg(test)]
+mod tests;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
@@ -89,13 +91,25 @@ pub fn next_experiment(
         .collect::<Result<Vec<(Sequence, f64)>, DiagnoseError>>()?;
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
     let sensors = sensors::sensors(&rivals, &ranked[0].0, &fitting);
-    Ok(result::assemble(fitting.sources(), &rivals, limits, now, ranked, sensors))
+    Ok(result::assemble(
+        fitting.sources(),
+        &rivals,
+        limits,
+        now,
+        ranked,
+        sensors,
+    ))
 }
 
 /// The least of all pairs.
 fn closest(rivals: &[Rival], distance: impl Fn(&Rival, &Rival) -> f64) -> f64 {
-    let pairs = rivals.iter().enumerate().flat_map(|(n, a)| rivals[..n].iter().map(move |b| (a, b)));
-    pairs.map(|(a, b)| distance(a, b)).fold(f64::INFINITY, f64::min)
+    let pairs = rivals
+        .iter()
+        .enumerate()
+        .flat_map(|(n, a)| rivals[..n].iter().map(move |b| (a, b)));
+    pairs
+        .map(|(a, b)| distance(a, b))
+        .fold(f64::INFINITY, f64::min)
 }
 
 fn settings(id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {
@@ -104,14 +118,25 @@ fn settings(id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {
         nearest: None,
     })?;
     let variants = effect.about().variants.iter();
-    Ok(variants.map(|variant| EffectSetting::typical_variant(effect, variant)).collect())
+    Ok(variants
+        .map(|variant| EffectSetting::typical_variant(effect, variant))
+        .collect())
 }
 
 /// Each effect on top of the plain model, in the form that fits best.
-fn fitted(bench: &Bench, plain: &Trial, ids: &[&str], watch: Watch) -> Result<Vec<Rival>, DiagnoseError> {
+fn fitted(
+    bench: &Bench,
+    plain: &Trial,
+    ids: &[&str],
+    watch: Watch,
+) -> Result<Vec<Rival>, DiagnoseError> {
     let mut rivals = Vec::new();
     for id in ids {
-        report(watch, "the rival effects", rivals.len() as f64 / ids.len() as f64)?;
+        report(
+            watch,
+            "the rival effects",
+            rivals.len() as f64 / ids.len() as f64,
+        )?;
         let trials: Vec<Trial> = settings(id)?
             .into_par_iter()
             .filter_map(|setting| bench.finish(bench.open(plain, setting)?))
@@ -119,8 +144,13 @@ fn fitted(bench: &Bench, plain: &Trial, ids: &[&str], watch: Watch) -> Result<Ve
         let mut best = trials
             .into_iter()
             .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))
-            .ok_or_else(|| DiagnoseError::NotFitted { id: (*id).to_owned() })?;
-        best.refresh(bench).ok_or_else(|| DiagnoseError::NotFitted { id: (*id).to_owned() })?;
+            .ok_or_else(|| DiagnoseError::NotFitted {
+                id: (*id).to_owned(),
+            })?;
+        best.refresh(bench)
+            .ok_or_else(|| DiagnoseError::NotFitted {
+                id: (*id).to_owned(),
+            })?;
         rivals.push(Rival::of_trial(bench, best, Some(id)));
     }
     Ok(rivals)

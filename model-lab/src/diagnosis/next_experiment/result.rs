@@ -111,7 +111,9 @@ impl NextExperiment {
 
     /// Whether the best manoeuvre tells the rivals apart.
     pub fn tells_apart(&self) -> bool {
-        self.ranking.first().is_some_and(|best| best.distance >= self.distinguishable_from)
+        self.ranking
+            .first()
+            .is_some_and(|best| best.distance >= self.distinguishable_from)
     }
 
     /// The best manoeuvre as a log of commands, one row per ECU sample: `time_s,duty_fill_pct,duty_vent_pct`.
@@ -123,10 +125,12 @@ impl NextExperiment {
         let mut duties = (0.0, 0.0);
         for row in 0..rows {
             let time_s = row as f64 * INTERVAL_S;
-            while let Some(phase) = phases.next_if(|phase| phase.time_s < time_s + 0.5 * INTERVAL_S) {
+            while let Some(phase) = phases.next_if(|phase| phase.time_s < time_s + 0.5 * INTERVAL_S)
+            {
                 duties = (phase.duty_fill_pct, phase.duty_vent_pct);
             }
-            writeln!(csv, "{time_s:.2},{:.1},{:.1}", duties.0, duties.1).expect("a string takes all");
+            writeln!(csv, "{time_s:.2},{:.1},{:.1}", duties.0, duties.1)
+                .expect("a string takes all");
         }
         csv
     }
@@ -174,18 +178,31 @@ pub(super) fn assemble(
 fn phases(sequence: &Sequence) -> Vec<Phase> {
     let mut phases: Vec<Phase> = Vec::new();
     for (row, &[duty_fill_pct, duty_vent_pct]) in sequence.duties.iter().enumerate() {
-        let is_same = |last: &Phase| last.duty_fill_pct == duty_fill_pct && last.duty_vent_pct == duty_vent_pct;
+        let is_same = |last: &Phase| {
+            last.duty_fill_pct == duty_fill_pct && last.duty_vent_pct == duty_vent_pct
+        };
         if !phases.last().is_some_and(is_same) {
             let time_s = row as f64 * INTERVAL_S;
-            phases.push(Phase { time_s, duty_fill_pct, duty_vent_pct });
+            phases.push(Phase {
+                time_s,
+                duty_fill_pct,
+                duty_vent_pct,
+            });
         }
     }
     phases
 }
 
-fn sentence(rivals: &[RivalEffect], (best, distance): &(Sequence, f64), sensors: &[Sensor]) -> String {
+fn sentence(
+    rivals: &[RivalEffect],
+    (best, distance): &(Sequence, f64),
+    sensors: &[Sensor],
+) -> String {
     let name = |rival: &RivalEffect| {
-        rival.effect.as_deref().map_or_else(|| "the plain model".to_owned(), |id| id.replace('_', " "))
+        rival
+            .effect
+            .as_deref()
+            .map_or_else(|| "the plain model".to_owned(), |id| id.replace('_', " "))
     };
     let names: Vec<String> = rivals.iter().map(name).collect();
     let names = names.join(" and ");
@@ -197,7 +214,12 @@ fn sentence(rivals: &[RivalEffect], (best, distance): &(Sequence, f64), sensors:
     } else {
         let sensor = sensors.first().map_or_else(
             || "nor would a sensor that is usual on such rigs".to_owned(),
-            |sensor| format!("a sensor would: {}, {:.0} times its noise apart", sensor.quantity, sensor.in_noise),
+            |sensor| {
+                format!(
+                    "a sensor would: {}, {:.0} times its noise apart",
+                    sensor.quantity, sensor.in_noise
+                )
+            },
         );
         format!(
             "no manoeuvre within the limits tells {names} apart; the best, \"{}\", gives {distance:.1} standard deviations \

@@ -20,7 +20,10 @@ struct Quantity {
 }
 
 fn state(simulator: &Simulator, name: &str) -> Option<f64> {
-    simulator.effect_states().find(|state| state.name == name).map(|state| state.value)
+    simulator
+        .effect_states()
+        .find(|state| state.name == name)
+        .map(|state| state.value)
 }
 
 static QUANTITIES: [Quantity; 8] = [
@@ -42,13 +45,13 @@ static QUANTITIES: [Quantity; 8] = [
         },
     },
     Quantity {
-        name: "second pressure, at the far end of the tube",
+        name: "second pressure, at the far end of the tube, beside the chamber's",
         unit: "bar",
         noise: 0.005,
         signal: None,
         value: |simulator, _| {
             let chamber = simulator.state().pressure;
-            state(simulator, "p_cavity").unwrap_or(chamber) * 1e-5
+            (state(simulator, "p_cavity").unwrap_or(chamber) - chamber) * 1e-5
         },
     },
     Quantity {
@@ -77,14 +80,14 @@ static QUANTITIES: [Quantity; 8] = [
         unit: "mA",
         noise: 1.0,
         signal: Some("i_fill"),
-        value: |simulator, _| simulator.state().current[0] * 1e3,
+        value: |simulator, _| simulator.sample().current[0] * 1e3,
     },
     Quantity {
         name: "coil current of the vent valve",
         unit: "mA",
         noise: 1.0,
         signal: Some("i_vent"),
-        value: |simulator, _| simulator.state().current[1] * 1e3,
+        value: |simulator, _| simulator.sample().current[1] * 1e3,
     },
 ];
 
@@ -93,14 +96,23 @@ const REFERENCE_K: f64 = 293.15;
 
 /// Sensors that the logs do not have, the one that tells most first; by their rms difference on `sequence`.
 pub(super) fn sensors(rivals: &[Rival], sequence: &Sequence, logged: &Evidence) -> Vec<Sensor> {
-    let is_logged = |signal: &str| logged.channels().any(|(_, channel, _)| channel.signal == signal);
+    let is_logged = |signal: &str| {
+        logged
+            .channels()
+            .any(|(_, channel, _)| channel.signal == signal)
+    };
     let mut sensors: Vec<Sensor> = QUANTITIES
         .iter()
         .filter(|quantity| !quantity.signal.is_some_and(is_logged))
         .map(|quantity| {
-            let courses: Vec<Vec<f64>> =
-                rivals.iter().map(|rival| course(&rival.plant, sequence, quantity)).collect();
-            let pairs = courses.iter().enumerate().flat_map(|(n, a)| courses[..n].iter().map(move |b| (a, b)));
+            let courses: Vec<Vec<f64>> = rivals
+                .iter()
+                .map(|rival| course(&rival.plant, sequence, quantity))
+                .collect();
+            let pairs = courses
+                .iter()
+                .enumerate()
+                .flat_map(|(n, a)| courses[..n].iter().map(move |b| (a, b)));
             let rms = |(a, b): (&Vec<f64>, &Vec<f64>)| {
                 let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
                 (square / a.len() as f64).sqrt()
@@ -126,7 +138,10 @@ fn course(plant: &PlantParameters, sequence: &Sequence, quantity: &Quantity) -> 
         .duties
         .iter()
         .map(|&[duty_fill_pct, duty_vent_pct]| {
-            simulator.command(Command { duty_fill_pct, duty_vent_pct });
+            simulator.command(Command {
+                duty_fill_pct,
+                duty_vent_pct,
+            });
             end_ns += (INTERVAL_S * 1e9) as u64;
             simulator.advance_to_ns(end_ns);
             (quantity.value)(&mut simulator, plant)

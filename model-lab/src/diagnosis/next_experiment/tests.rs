@@ -1,0 +1,168 @@
+use core::ops::ControlFlow;
+
+use recording::csv;
+
+use super::distance::made;
+use super::manoeuvre::INTERVAL_S;
+use super::*;
+use crate::bench::Bench as Rig;
+
+const RIVALS: [&str; 2] = ["series_restriction", "supply_line_droop"];
+const LIMITS: Limits = Limits {
+    duration_s: 8.0,
+    max_bar: 6.0,
+    max_duty_pct: 100.0,
+};
+
+fn go_on(_: super::super::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn rig(hidden: &str) -> PlantParameters {
+    PlantParameters::nominal().with_effect(settings(hidden).unwrap().swap_remove(0))
+}
+
+/// One fill at full duty: it is too slow, but for which reason?
+fn poor_log(hidden: &str) -> Recording {
+    let phases = vec![(1.0, 0.0, 0.0), (0.2, 100.0, 0.0), (0.4, 0.0, 0.0)];
+    Rig {
+        plant: rig(hidden),
+        phases,
+        ..Rig::default()
+    }
+    .measure()
+}
+
+fn asked(question: Question, limits: Limits) -> Result<NextExperiment, DiagnoseError> {
+    next_experiment(
+        &PlantParameters::nominal(),
+        &[poor_log(RIVALS[0])],
+        question,
+        limits,
+        &go_on,
+    )
+}
+
+#[test]
+fn the_best_manoeuvre_tells_what_the_log_could_not() {
+    let next = asked(Question::Between(&RIVALS), LIMITS).unwrap();
+    assert!(next.distance_now < DISTINGUISHABLE, "{}", next.distance_now);
+    assert!(next.tells_apart(), "{next:?}");
+    assert!(next.ranking.is_sorted_by(|a, b| a.distance >= b.distance));
+
+    // The rig does it, and both rivals are fitted to both logs.
+    let plant = PlantParameters::nominal();
+    let log = poor_log(RIVALS[0]);
+    let noises = Noises::of(&Evidence::new(&plant, core::slice::from_ref(&log)).unwrap());
+    let sequence = Sequence {
+        name: "next",
+        about: "",
+        duties: expanded(&next),
+        highest_bar: 0.0,
+    };
+    let second = made(&rig(RIVALS[0]), &sequence, &noises).unwrap();
+    let fitting = Evidence::new(&plant, &[log, second]).unwrap();
+    let bench = Bench {
+        plant: &plant,
+        fitting: &fitting,
+        checking: &fitting,
+    };
+    let plain = bench.plain().unwrap();
+    let rivals = fitted(&bench, &plain, &RIVALS, &go_on).unwrap();
+    let seen = distance::on_the_logs(&rivals[0], &rivals[1]);
+    assert!(rivals[0].cost < rivals[1].cost);
+    assert!(
+        seen > DISTINGUISHABLE,
+        "{seen}, predicted {}",
+        next.ranking[0].distance
+    );
+}
+
+/// Rows of the CSV, as a reader sees them.
+fn expanded(next: &NextExperiment) -> Vec<[f64; 2]> {
+    let log = csv::read("next.csv", next.csv().as_bytes(), &csv::Options::default()).unwrap();
+    let [fill, vent] =
+        crate::commands::DUTIES.map(|name| log.signal(name).unwrap().values_or_nan().to_vec());
+    fill.into_iter()
+        .zip(vent)
+        .map(|(fill, vent)| [fill, vent])
+        .collect()
+}
+
+#[test]
+fn every_manoeuvre_keeps_the_limits() {
+    let limits = Limits {
+        duration_s: 5.0,
+        max_bar: 3.0,
+        max_duty_pct: 60.0,
+    };
+    let next = asked(Question::For("gas_temperature"), limits).unwrap();
+    assert!(next.ranking.len() >= 4);
+    for manoeuvre in &next.ranking {
+        assert!(
+            manoeuvre.duration_s <= 5.0 && manoeuvre.highest_bar <= 3.0,
+            "{manoeuvre:?}"
+        );
+    }
+    let duties = expanded(&next);
+    assert_eq!(duties.len() as f64 * INTERVAL_S, next.ranking[0].duration_s);
+    assert!(
+        duties
+            .iter()
+            .flatten()
+            .all(|duty| (0.0..=60.0).contains(duty))
+    );
+}
+
+#[test]
+fn an_effect_that_was_not_excited_gets_a_manoeuvre() {
+    let next = asked(Question::For("chamber_leak"), LIMITS).unwrap();
+    assert_eq!(next.rivals[0].effect, None);
+    assert_eq!(next.rivals[1].effect.as_deref(), Some("chamber_leak"));
+    assert_eq!(
+        next.ranking[0].name, "hold at two pressures",
+        "{:?}",
+        next.ranking
+    );
+}
+
+#[test]
+fn limits_that_leave_nothing_and_unknown_effects_are_refused() {
+    let nothing = Limits {
+        duration_s: 1.0,
+        max_bar: 3.0,
+        max_duty_pct: 100.0,
+    };
+    let error = asked(Question::For("chamber_leak"), nothing).unwrap_err();
+    assert!(
+        matches!(error, DiagnoseError::NoManoeuvre { .. }),
+        "{error}"
+    );
+    let error = asked(Question::Between(&["chamber_leak", "chamber_leek"]), LIMITS).unwrap_err();
+    assert!(error.to_string().contains("chamber_leek"), "{error}");
+}
+
+#[test]
+fn where_no_manoeuvre_tells_them_apart_a_sensor_is_asked_for() {
+    let log = poor_log("dead_volume");
+    let question = Question::Between(&["dead_volume", "sensor_lag"]);
+    let next = next_experiment(
+        &PlantParameters::nominal(),
+        &[log],
+        question,
+        LIMITS,
+        &go_on,
+    )
+    .unwrap();
+    assert!(!next.tells_apart(), "{:?}", next.ranking);
+    assert!(
+        next.sentence.starts_with("no manoeuvre"),
+        "{}",
+        next.sentence
+    );
+    assert!(
+        next.sensors[0].quantity.starts_with("second pressure"),
+        "{:?}",
+        next.sensors
+    );
+}
