@@ -48,7 +48,9 @@ pub enum DiagnoseError {
         forms: String,
     },
     /// The effect cannot be fitted to the logs.
-    #[error("`{id}` gains nothing on these logs at any size, so that there is nothing to tell it from; use `--for {id}`")]
+    #[error(
+        "`{id}` gains nothing on these logs at any size, so that there is nothing to tell it from; use `--for {id}`"
+    )]
     NotFitted {
         /// The effect.
         id: String,

@@ -105,7 +105,11 @@ pub fn diagnose_with(
     } else {
         before.clone()
     };
-    let unfitted = if check.is_empty() { &[] } else { &checking.logs[..] };
+    let unfitted = if check.is_empty() {
+        &[]
+    } else {
+        &checking.logs[..]
+    };
     let logs_seen: Vec<_> = fitting.logs.iter().chain(unfitted).collect();
     let remaining = remaining::remaining(&last.plant(), &logs_seen, last.is_material());
     let ladder = assemble::ladder(&bench, &found)?;
@@ -157,6 +161,7 @@ pub fn remaining(plant: &PlantParameters, logs: &[Recording]) -> Result<Remainin
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
     let fitting = Evidence::new(plant, logs)?;
     let bench = Bench {
+        library: &[],
         plant,
         fitting: &fitting,
         checking: &fitting,
@@ -165,5 +170,9 @@ pub fn remaining(plant: &PlantParameters, logs: &[Recording]) -> Result<Remainin
         log: first.provenance().source.clone(),
     })?;
     let logs: Vec<_> = fitting.logs.iter().collect();
-    Ok(remaining::remaining(&plain.plant(), &logs, plain.is_material()))
+    Ok(remaining::remaining(
+        &plain.plant(),
+        &logs,
+        plain.is_material(),
+    ))
 }

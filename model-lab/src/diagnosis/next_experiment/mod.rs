@@ -51,6 +51,7 @@ pub fn next_experiment(
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
     let fitting = Evidence::new(plant, logs)?;
     let bench = Bench {
+        library: &[],
         plant,
         fitting: &fitting,
         checking: &fitting,

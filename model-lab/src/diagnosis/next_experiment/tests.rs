@@ -65,6 +65,7 @@ fn the_best_manoeuvre_tells_what_the_log_could_not() {
     let second = made(&rig(RIVALS[0]), &sequence, &noises).unwrap();
     let fitting = Evidence::new(&plant, &[log, second]).unwrap();
     let bench = Bench {
+        library: &[],
         plant: &plant,
         fitting: &fitting,
         checking: &fitting,
