@@ -7,9 +7,10 @@ use plant_sim::{PlantParameters, Tolerance};
 use recording::{Recording, Unit};
 
 use super::super::evidence::{Evidence, Run};
-use super::super::fit::{Difference, Fitter, dot, square};
+use super::super::fit::{Difference, Fitter};
 use super::super::trial::{Bench, Trial};
 use super::super::unknowns::Unknowns;
+use super::super::vector::{dot, square};
 use super::manoeuvre::Sequence;
 use crate::noise::Noise;
 

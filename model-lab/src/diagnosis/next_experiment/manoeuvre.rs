@@ -4,11 +4,8 @@ use plant_sim::plant::{FILL, VENT};
 use plant_sim::{Command, PlantParameters, Simulator};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
-use super::distance::Rival;
-use super::result::Limits;
+use super::result::{INTERVAL_S, Limits};
 
-/// Interval of the commands (s), as an ECU's.
-pub(super) const INTERVAL_S: f64 = 0.01;
 /// A run that leaves the limits is ended this long (s) before, and emptied for as long.
 const EARLIER_S: f64 = 0.1;
 const EMPTYING_S: f64 = 1.0;
@@ -199,12 +196,11 @@ const HIGH: f64 = 0.85;
 const MIDDLE: f64 = 0.5;
 const LOW: f64 = 0.3;
 
-/// All manoeuvres that keep `limits` in the model of every rival.
-pub(super) fn sequences(rivals: &[Rival], limits: &Limits) -> Vec<Sequence> {
-    let plants: Vec<&PlantParameters> = rivals.iter().map(|rival| &rival.plant).collect();
+/// All manoeuvres that keep `limits` with every plant.
+pub(super) fn sequences(plants: &[&PlantParameters], limits: &Limits) -> Vec<Sequence> {
     PLANS
         .iter()
-        .filter_map(|plan| within(plan, &plants, limits))
+        .filter_map(|plan| within(plan, plants, limits))
         .collect()
 }
 

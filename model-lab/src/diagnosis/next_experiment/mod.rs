@@ -4,6 +4,7 @@
 //! may move all that it may move, as far as the old logs let it: what then remains, in standard deviations of the
 //! noise, is the distance (W. G. Hunter, A. M. Reiner 1965). The smaller of both directions counts.
 
+mod assemble;
 mod distance;
 mod manoeuvre;
 mod result;
@@ -20,7 +21,6 @@ use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::search::{Watch, report};
 use super::trial::{Bench, Trial};
-use super::verdict::DISTINGUISHABLE;
 use distance::{Noises, Rival, distance};
 use manoeuvre::Sequence;
 
@@ -69,7 +69,8 @@ pub fn next_experiment(
         Question::For(_) => 0.0,
     };
     let noises = Noises::of(&fitting);
-    let sequences = manoeuvre::sequences(&rivals, &limits);
+    let plants: Vec<_> = rivals.iter().map(|rival| &rival.plant).collect();
+    let sequences = manoeuvre::sequences(&plants, &limits);
     if sequences.is_empty() {
         return Err(DiagnoseError::NoManoeuvre {
             duration_s: limits.duration_s,
@@ -92,7 +93,7 @@ pub fn next_experiment(
         .collect::<Result<Vec<(Sequence, f64)>, DiagnoseError>>()?;
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
     let sensors = sensors::sensors(&rivals, &ranked[0].0, &fitting);
-    Ok(result::assemble(
+    Ok(assemble::assemble(
         fitting.sources(),
         &rivals,
         limits,

@@ -5,9 +5,8 @@ use core::fmt::Write as _;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use super::DISTINGUISHABLE;
-use super::distance::Rival;
-use super::manoeuvre::{INTERVAL_S, Sequence};
+/// Interval of the commands (s), as an ECU's.
+pub(super) const INTERVAL_S: f64 = 0.01;
 
 /// Name and version of the JSON format.
 pub const NEXT_EXPERIMENT_SCHEMA: &str = "retarder.next-experiment/1";
@@ -133,98 +132,5 @@ impl NextExperiment {
                 .expect("a string takes all");
         }
         csv
-    }
-}
-
-pub(super) fn assemble(
-    logs: Vec<String>,
-    rivals: &[Rival],
-    limits: Limits,
-    distance_now: f64,
-    ranked: Vec<(Sequence, f64)>,
-    sensors: Vec<Sensor>,
-) -> NextExperiment {
-    let rivals: Vec<RivalEffect> = rivals
-        .iter()
-        .map(|rival| {
-            let (effect, variant) = rival.effect.clone().unzip();
-            RivalEffect { effect, variant }
-        })
-        .collect();
-    let best = &ranked[0];
-    NextExperiment {
-        schema: NEXT_EXPERIMENT_SCHEMA.to_owned(),
-        logs,
-        sentence: sentence(&rivals, best, &sensors),
-        rivals,
-        limits,
-        distance_now,
-        distinguishable_from: DISTINGUISHABLE,
-        sequence: phases(&best.0),
-        ranking: ranked
-            .iter()
-            .map(|(sequence, distance)| Manoeuvre {
-                name: sequence.name.to_owned(),
-                about: sequence.about.to_owned(),
-                duration_s: sequence.duties.len() as f64 * INTERVAL_S,
-                highest_bar: sequence.highest_bar,
-                distance: *distance,
-            })
-            .collect(),
-        sensors,
-    }
-}
-
-fn phases(sequence: &Sequence) -> Vec<Phase> {
-    let mut phases: Vec<Phase> = Vec::new();
-    for (row, &[duty_fill_pct, duty_vent_pct]) in sequence.duties.iter().enumerate() {
-        let is_same = |last: &Phase| {
-            last.duty_fill_pct == duty_fill_pct && last.duty_vent_pct == duty_vent_pct
-        };
-        if !phases.last().is_some_and(is_same) {
-            let time_s = row as f64 * INTERVAL_S;
-            phases.push(Phase {
-                time_s,
-                duty_fill_pct,
-                duty_vent_pct,
-            });
-        }
-    }
-    phases
-}
-
-fn sentence(
-    rivals: &[RivalEffect],
-    (best, distance): &(Sequence, f64),
-    sensors: &[Sensor],
-) -> String {
-    let name = |rival: &RivalEffect| {
-        rival
-            .effect
-            .as_deref()
-            .map_or_else(|| "the plain model".to_owned(), |id| id.replace('_', " "))
-    };
-    let names: Vec<String> = rivals.iter().map(name).collect();
-    let names = names.join(" and ");
-    if *distance >= DISTINGUISHABLE {
-        format!(
-            "\"{}\" tells {names} apart: {distance:.1} standard deviations of the noise, {DISTINGUISHABLE} are enough",
-            best.name
-        )
-    } else {
-        let sensor = sensors.first().map_or_else(
-            || "nor would a sensor that is usual on such rigs".to_owned(),
-            |sensor| {
-                format!(
-                    "a sensor would: {}, {:.0} times its noise apart",
-                    sensor.quantity, sensor.in_noise
-                )
-            },
-        );
-        format!(
-            "no manoeuvre within the limits tells {names} apart; the best, \"{}\", gives {distance:.1} standard deviations \
-             of the noise, {DISTINGUISHABLE} are needed; {sensor}",
-            best.name
-        )
     }
 }

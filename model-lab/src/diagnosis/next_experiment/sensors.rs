@@ -4,8 +4,8 @@ use plant_sim::{Command, PlantParameters, Simulator};
 
 use super::super::evidence::Evidence;
 use super::distance::Rival;
-use super::manoeuvre::{INTERVAL_S, Sequence};
-use super::result::Sensor;
+use super::manoeuvre::Sequence;
+use super::result::{INTERVAL_S, Sensor};
 use crate::measured::PRESSURE;
 
 /// A quantity that could be logged as well.

@@ -2,8 +2,9 @@ use core::ops::ControlFlow;
 
 use recording::csv;
 
+use super::super::verdict::DISTINGUISHABLE;
 use super::distance::made;
-use super::manoeuvre::INTERVAL_S;
+use super::result::INTERVAL_S;
 use super::*;
 use crate::bench::Bench as Rig;
 

@@ -8,6 +8,7 @@ use plant_sim::plant::{FILL, VENT};
 use rayon::prelude::*;
 
 use super::super::evidence::Log;
+use super::super::vector::median;
 use super::course::in_force;
 
 /// Instants that are compared.
@@ -68,14 +69,14 @@ pub(super) fn usual(
             let is_near = nearest[LIKE - 1].0 < FARTHEST;
             let mut like: Vec<f64> = nearest[..LIKE].iter().map(|(_, value)| *value).collect();
             let mean = like.iter().sum::<f64>() / LIKE as f64;
-            let median = super::median(&mut like)?;
+            let middle = median(&mut like)?;
             let mut deviations: Vec<f64> =
-                like.iter().map(|value| (value - median).abs()).collect();
+                like.iter().map(|value| (value - middle).abs()).collect();
             // A normal magnitude has its median at 0.6745 standard deviations.
-            let scatter = super::median(&mut deviations)? / 0.6745;
+            let scatter = median(&mut deviations)? / 0.6745;
             Some(Usual {
                 mean,
-                median,
+                median: middle,
                 scatter,
                 is_near,
             })

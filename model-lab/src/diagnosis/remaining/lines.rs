@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::super::evidence::{Channel, Log};
 use super::super::result::SpectralLine;
+use super::super::vector::median;
 use super::alike::{Usual, usual, without_smooth_law};
 use super::course::{Course, Regime};
 
@@ -127,7 +128,7 @@ impl<'a> Swing<'a> {
         }
         // What a cause does beside swinging varies as well: no row may count for many.
         let mut sizes: Vec<f64> = values.iter().copied().map(f64::abs).collect();
-        let usual = super::median(&mut sizes)?.powi(2);
+        let usual = median(&mut sizes)?.powi(2);
         let mut noise = 0.0;
         for weight in &mut weights {
             let variance = 1.0 / *weight;
@@ -330,7 +331,7 @@ fn chance(powers: &[f64], n: usize) -> Option<f64> {
     let mut neighbours = [&powers[below], &powers[above]].concat();
     let independent = neighbours.len() as f64 / OVERSAMPLING as f64;
     // The median of an exponential is ln 2 of its mean, and has half the efficiency of the mean.
-    let level = super::median(&mut neighbours)? / LN_2;
+    let level = median(&mut neighbours)? / LN_2;
     let known = 0.5 * independent;
     (independent >= NEIGHBOURS as f64 / 2.0 && level > 0.0)
         .then(|| (1.0 + powers[n] / (level * known)).powf(-known))

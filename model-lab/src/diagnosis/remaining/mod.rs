@@ -167,12 +167,6 @@ fn leak(course: &Course) -> Sensitivity {
     }
 }
 
-/// The median; none of nothing.
-fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
-}
-
 #[cfg(test)]
 mod tests {
     use plant_sim::effects::{About, Effect, EffectSetting, EntryPoint, Variant};

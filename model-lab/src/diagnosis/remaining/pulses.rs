@@ -1,9 +1,9 @@
 //! Single instants at which far more or less air came than a pulse delivers.
 
 use super::super::result::LostPulse;
+use super::super::vector::median;
 use super::alike::usual;
 use super::course::{Course, Regime};
-use super::median;
 
 /// An error this many times the usual one is a jump.
 const JUMP: f64 = 6.0;
