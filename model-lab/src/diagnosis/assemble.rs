@@ -110,7 +110,7 @@ fn fitted_parameters(bench: &Bench, trial: &Trial, id: &str) -> Vec<FittedParame
 
 fn plausibility(parameters: &[FittedParameter]) -> String {
     if parameters.is_empty() {
-        return "explains nothing at any size".to_owned();
+        return "explains nothing at any size that was tried".to_owned();
     }
     let odd = |parameter: &&FittedParameter| {
         parameter.at_bound

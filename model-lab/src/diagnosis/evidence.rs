@@ -4,13 +4,13 @@ use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use plant_sim::parameters::PA_PER_BAR;
-use plant_sim::plant::FILL;
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
 use plant_sim::{PlantParameters, Simulator, Tolerance};
 use recording::Recording;
 
 use super::error::DiagnoseError;
 use super::predictor::Predictor;
+use super::supply::find_supply;
 use crate::commands::Commands;
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, measured_signals, start};
@@ -36,7 +36,7 @@ pub(crate) struct Log {
     /// Rows that count.
     pub(crate) counted: Vec<bool>,
     /// Whether the supply was shut off: nothing in the log tells, and it explains the currents better.
-    is_without_supply: bool,
+    pub(crate) is_without_supply: bool,
 }
 
 /// One signal of a log.
@@ -120,7 +120,6 @@ impl Log {
             is_without_supply: false,
         };
         log.find_predictor(parameters);
-        log.find_supply(parameters);
         Ok(log)
     }
 
@@ -154,21 +153,6 @@ impl Log {
             largest,
             self.start_pressure.is_some(),
         );
-    }
-
-    /// A bench log without chamber pressure was often made with the supply shut off.
-    fn find_supply(&mut self, parameters: &PlantParameters) {
-        if self.pressure().is_some() || !parameters.functions[FILL].has_coil() {
-            return;
-        }
-        let error = |log: &Self| {
-            let mut all = Residuals::new();
-            log.residuals_into(parameters, Run::Free, &mut all)
-                .map_or(f64::INFINITY, |()| super::vector::square(&all))
-        };
-        let with = error(self);
-        self.is_without_supply = true;
-        self.is_without_supply = error(self) < with;
     }
 
     /// Runs the model; `row` sees index, values and simulator. None where the simulation was given up.
@@ -281,15 +265,21 @@ impl Evidence {
         parameters: &PlantParameters,
         logs: &[Recording],
     ) -> Result<Self, DiagnoseError> {
-        let logs = logs
-            .iter()
-            .map(|log| Log::new(parameters, log))
-            .collect::<Result<_, DiagnoseError>>()?;
-        Ok(Self {
+        let logs = logs.iter().map(|log| {
+            let mut alone = Self::of(vec![Log::new(parameters, log)?]);
+            find_supply(parameters, &mut alone);
+            Ok(alone.logs)
+        });
+        let logs: Vec<_> = logs.collect::<Result<_, DiagnoseError>>()?;
+        Ok(Self::of(logs.into_iter().flatten().collect()))
+    }
+
+    fn of(logs: Vec<Log>) -> Self {
+        Self {
             logs,
             simulations: AtomicUsize::new(0),
             computing_ns: AtomicU64::new(0),
-        })
+        }
     }
 
     /// Leaves blocks out, and gives them as evidence of their own.

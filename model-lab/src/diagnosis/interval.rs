@@ -8,6 +8,8 @@ use super::trial::Trial;
 
 /// Samples of a block within which errors may hang together.
 const BLOCK: usize = 100;
+/// Curvature that everything has: a standard deviation of a thousand typical sizes.
+const UNSEEN: f64 = 1e-6;
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.96;
 
@@ -17,9 +19,13 @@ const NORMAL_95: f64 = 1.96;
 /// gradient's scatter over blocks (P. J. Huber 1967), which sees errors that are neither equal nor independent.
 pub(crate) fn half_widths(evidence: &Evidence, trial: &Trial) -> Vec<f64> {
     let fitter = Fitter::new(evidence, &trial.unknowns);
-    let (hessian, _) = fitter.normal(&trial.fit);
+    let (mut hessian, _) = fitter.normal(&trial.fit);
     let count = trial.unknowns.len();
-    let Some(inverse) = hessian.clone().try_inverse() else {
+    for n in 0..count {
+        // What the logs do not show at all must not hide what they show of the rest.
+        hessian[(n, n)] += UNSEEN;
+    }
+    let Some(inverse) = hessian.try_inverse() else {
         return vec![f64::INFINITY; count];
     };
     let size = 1.0 + trial.fitted.total_excess();

@@ -19,6 +19,7 @@ mod predictor;
 mod remaining;
 pub mod result;
 mod search;
+mod supply;
 mod trial;
 mod unknowns;
 mod vector;

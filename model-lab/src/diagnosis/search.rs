@@ -3,7 +3,7 @@
 use core::ops::{ControlFlow, Range};
 use core::sync::atomic::{AtomicUsize, Ordering};
 
-use plant_sim::effects::EffectSetting;
+use plant_sim::effects::{Effect, EffectSetting, EntryPoint};
 use rayon::prelude::*;
 
 use super::error::DiagnoseError;
@@ -43,12 +43,15 @@ pub(crate) fn try_all(
     stage: &'static str,
     watch: Watch,
 ) -> Result<Vec<Tried>, DiagnoseError> {
-    let effects: Vec<_> = bench
+    let effects: Vec<&'static dyn Effect> = bench
         .library
         .iter()
         .copied()
         .filter(|effect| !base.has(effect.about().id))
         .collect();
+    let (effects, unseen): (Vec<_>, Vec<_>) = effects
+        .into_iter()
+        .partition(|&effect| bench.fitting.has_pressure() || shows_in_currents(effect));
     let first_forms = effects
         .iter()
         .map(|&effect| EffectSetting::typical(effect))
@@ -95,7 +98,11 @@ pub(crate) fn try_all(
             })
         })
         .collect::<Result<Vec<_>, DiagnoseError>>()?;
-    Ok(best_forms(tried))
+    let unseen = unseen.into_iter().map(|effect| Tried {
+        setting: EffectSetting::typical(effect),
+        trial: None,
+    });
+    Ok(best_forms(tried.into_iter().chain(unseen).collect()))
 }
 
 /// An effect whose fit was begun.
@@ -137,6 +144,14 @@ fn open_all(
             })
         })
         .collect()
+}
+
+/// Whether coil currents show an effect without the pressure.
+pub(crate) fn shows_in_currents(effect: &dyn Effect) -> bool {
+    matches!(
+        effect.about().acts_on,
+        EntryPoint::Coil | EntryPoint::Armature | EntryPoint::ElectricSupply
+    )
 }
 
 /// Tells `watch` how far it is.
