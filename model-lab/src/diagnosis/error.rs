@@ -30,7 +30,7 @@ pub enum DiagnoseError {
         log: String,
     },
     /// No such effect.
-    #[error("there is no effect `{id}`{}; `retarder plant --effects` lists the library", hint(.nearest))]
+    #[error("there is no effect `{id}`{}; `retarder parameters` lists the library", hint(.nearest))]
     NoSuchEffect {
         /// What was asked for.
         id: String,

@@ -16,6 +16,7 @@ mod ladder;
 pub mod next_experiment;
 mod nuisance;
 mod predictor;
+mod refine;
 mod remaining;
 pub mod result;
 mod search;
@@ -24,6 +25,7 @@ mod trial;
 mod unknowns;
 mod vector;
 mod verdict;
+mod view;
 
 use std::time::Instant;
 
@@ -33,6 +35,7 @@ use rayon::prelude::*;
 use recording::Recording;
 
 pub use error::DiagnoseError;
+pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement, refine};
 pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};

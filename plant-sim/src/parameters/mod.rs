@@ -25,8 +25,9 @@ pub use parts::Part;
 pub use table::PARAMETERS;
 
 use crate::description::{Effect, EffectSetting};
-use crate::effects::by_id;
+use crate::effects::{LIBRARY, by_id};
 use consistency::inconsistency;
+use nearest::nearest;
 use units::in_other_unit;
 
 /// The plant file shipped with the crate: the thesis model.
@@ -170,6 +171,11 @@ impl PlantParameters {
         *self = changed;
         Ok(())
     }
+}
+
+/// The id of the effect of the library that `word` probably means; none where it looks like no id.
+pub fn nearest_effect(word: &str) -> Option<&'static str> {
+    nearest(word, LIBRARY.iter().map(|effect| effect.about().id))
 }
 
 /// What to write for a `section.key` whose key has another unit.

@@ -1,0 +1,318 @@
+//! Puts chosen effects into a plant, with the values that the logs say.
+
+use std::time::Instant;
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::{EffectSetting, by_id};
+use plant_sim::parameters::{ParameterSpec, nearest_effect};
+use rayon::prelude::*;
+use recording::Recording;
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+
+use super::assemble;
+use super::error::DiagnoseError;
+use super::evidence::{self, Evidence};
+use super::ladder::Ladder;
+use super::result::{Cost, FittedParameter, NuisanceValue, Step, Verdict};
+use super::search::{Tried, Watch, report};
+use super::trial::{Bench, Trial};
+use super::unknowns::Unknown;
+
+/// Name and version of the JSON format.
+pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/1";
+
+/// A fitted plant, and what the fit is worth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refined {
+    /// The plant as given, with the effects and the fitted values, each with its provenance.
+    pub plant: PlantParameters,
+    /// What the fit says.
+    pub refinement: Refinement,
+}
+
+/// How the error fell when effects were added.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Refinement {
+    /// Name and version of this format, `retarder.refinement/1`.
+    pub schema: String,
+    /// Sources of the logs that were fitted.
+    pub logs: Vec<String>,
+    /// Sources of the logs that judged; empty where blocks of the fitted logs were held out.
+    pub check: Vec<String>,
+    /// What judged, in words.
+    pub held_out: String,
+    /// The result in words.
+    pub sentence: String,
+    /// The error, from the plant without the asked effects on; one row per added effect.
+    pub ladder: Vec<Step>,
+    /// Every effect of the refined plant.
+    pub effects: Vec<FittedEffect>,
+    /// What may differ from rig to rig without any physics missing.
+    pub nuisance: Vec<NuisanceValue>,
+    /// What the answer cost.
+    pub cost: Cost,
+}
+
+impl Refinement {
+    /// The JSON Schema of a refinement.
+    pub fn json_schema() -> Schema {
+        schemars::schema_for!(Self)
+    }
+}
+
+/// An effect of the refined plant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FittedEffect {
+    /// Its id.
+    pub effect: String,
+    /// The form of its law.
+    pub variant: String,
+    /// Its parameters.
+    pub parameters: Vec<FittedParameter>,
+    /// Whether the fitted size is one that is met in practice, in words.
+    pub plausibility: String,
+    /// One sentence for the workshop.
+    pub physics: String,
+}
+
+/// `plant` with the effects of `add` (id, and the form of the law or none for the one that fits best), fitted to
+/// `logs` together with the nuisance parameters. What is held out judges: `check`, or without it, blocks of the logs.
+///
+/// An effect that the plant has already is fitted anew.
+///
+/// # Errors
+/// [`DiagnoseError`]: an effect or a form that there is not, a log that cannot be used, or `watch` stopped it.
+pub fn refine(
+    plant: &PlantParameters,
+    logs: &[Recording],
+    check: &[Recording],
+    add: &[(String, Option<String>)],
+    watch: Watch,
+) -> Result<Refined, DiagnoseError> {
+    let begin = Instant::now();
+    let first = logs.first().ok_or(DiagnoseError::NoLog)?;
+    let forms = add
+        .iter()
+        .map(|(id, variant)| forms(id, variant.as_deref()))
+        .collect::<Result<Vec<_>, _>>()?;
+    let without = add
+        .iter()
+        .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
+    let mut fitting = Evidence::new(&without, logs)?;
+    let checking = if check.is_empty() {
+        fitting.hold_out(&without, logs)?
+    } else {
+        Evidence::new(&without, check)?
+    };
+    let bench = Bench {
+        plant: &without,
+        library: &[],
+        fitting: &fitting,
+        checking: &checking,
+    };
+    let not_simulated = || DiagnoseError::NotSimulated {
+        log: first.provenance().source.clone(),
+    };
+    report(watch, "the plain model", 0.0)?;
+    let mut steps = vec![bench.plain().ok_or_else(not_simulated)?];
+    for (index, forms) in forms.into_iter().enumerate() {
+        report(watch, "adding effects", index as f64 / add.len() as f64)?;
+        let base = &steps[steps.len() - 1];
+        let mut next = best_form(&bench, base, forms).ok_or_else(not_simulated)?;
+        next.refresh(&bench).ok_or_else(not_simulated)?;
+        steps.push(next);
+    }
+    report(watch, "the final fit", 0.0)?;
+    if let [_, .., last] = steps.as_mut_slice() {
+        last.polish(&bench).ok_or_else(not_simulated)?;
+    }
+    let found = Ladder {
+        steps,
+        singles: Vec::new(),
+        rivals: Vec::new(),
+        verdict: Verdict::Found,
+        unexplained: false,
+    };
+    let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
+    let ladder = assemble::ladder(&bench, &found)?;
+    let effects = last
+        .effects
+        .iter()
+        .map(|setting| fitted_effect(&bench, plain, last, setting));
+    let refinement = Refinement {
+        schema: REFINEMENT_SCHEMA.to_owned(),
+        logs: fitting.sources(),
+        check: check
+            .iter()
+            .map(|log| log.provenance().source.clone())
+            .collect(),
+        held_out: if check.is_empty() {
+            evidence::HELD_OUT_BLOCKS.to_owned()
+        } else {
+            "the logs given for checking, which were not fitted".to_owned()
+        },
+        sentence: sentence(&ladder),
+        effects: effects.collect(),
+        nuisance: assemble::nuisance(&bench, plain, last),
+        ladder,
+        cost: Cost {
+            simulations: bench.fitting.simulations() + bench.checking.simulations(),
+            log_s: fitting.duration_s(),
+            elapsed_s: begin.elapsed().as_secs_f64(),
+            per_simulation_ms: fitting.computing_s() / fitting.simulations().max(1) as f64 * 1e3,
+        },
+    };
+    Ok(Refined {
+        plant: with_provenance(last, &refinement.logs),
+        refinement,
+    })
+}
+
+/// The effect `id` in its form `variant`, or in all of its forms.
+fn forms(id: &str, variant: Option<&str>) -> Result<Vec<EffectSetting>, DiagnoseError> {
+    let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect {
+        id: id.to_owned(),
+        nearest: nearest_effect(id).map(str::to_owned),
+    })?;
+    let about = effect.about();
+    let forms: Vec<EffectSetting> = about
+        .variants
+        .iter()
+        .filter(|form| variant.is_none_or(|wanted| wanted == form.name))
+        .map(|form| EffectSetting::typical_variant(effect, form))
+        .collect();
+    if forms.is_empty() {
+        let names: Vec<&str> = about.variants.iter().map(|form| form.name).collect();
+        return Err(DiagnoseError::NoSuchVariant {
+            id: id.to_owned(),
+            variant: variant.unwrap_or_default().to_owned(),
+            forms: names.join(", "),
+        });
+    }
+    Ok(forms)
+}
+
+/// The form that leaves least; none where no form can be simulated.
+fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) -> Option<Trial> {
+    forms
+        .into_par_iter()
+        .filter_map(|form| bench.finish(bench.open(base, form)?))
+        .min_by(|a, b| a.total_square().total_cmp(&b.total_square()))
+}
+
+fn fitted_effect(
+    bench: &Bench,
+    plain: &Trial,
+    last: &Trial,
+    setting: &EffectSetting,
+) -> FittedEffect {
+    let tried = Tried {
+        setting: setting.clone(),
+        trial: None,
+    };
+    let candidate = assemble::candidate(bench, plain, last, &tried);
+    FittedEffect {
+        effect: candidate.effect,
+        variant: candidate.variant,
+        parameters: candidate.parameters,
+        plausibility: candidate.plausibility,
+        physics: candidate.physics,
+    }
+}
+
+fn sentence(ladder: &[Step]) -> String {
+    let last = &ladder[ladder.len() - 1];
+    let added: Vec<String> = ladder
+        .iter()
+        .filter_map(|step| step.added.as_ref())
+        .map(|id| id.replace('_', " "))
+        .collect();
+    format!(
+        "with {} {:.0} % of the excess error is explained",
+        added.join(" and "),
+        100.0 * last.explained_share.max(0.0)
+    )
+}
+
+/// The fitted plant; each fitted value says which logs it comes from.
+fn with_provenance(trial: &Trial, logs: &[String]) -> PlantParameters {
+    let mut plant = trial.plant();
+    let origin = format!("fitted by retarder refine to {}", logs.join(", "));
+    for unknown in trial.unknowns.list() {
+        match unknown {
+            Unknown::Effect { spec, .. } => say(&mut plant, &spec.name(), &origin),
+            Unknown::Nuisance {
+                nuisance,
+                datasheet,
+                ..
+            } => {
+                let origin = format!("{origin}; was {datasheet}");
+                say(&mut plant, nuisance.name, &origin);
+                for name in nuisance.together_with {
+                    say(
+                        &mut plant,
+                        name,
+                        &format!("in proportion with {}", nuisance.name),
+                    );
+                }
+            }
+        }
+    }
+    plant
+}
+
+/// More digits than any log can show, fewer than a file should have.
+const DIGITS: usize = 7;
+
+/// Rounds a value to what a file should have, and says where it comes from.
+fn say(plant: &mut PlantParameters, name: &str, origin: &str) {
+    let (Some(spec), Some(value)) = (ParameterSpec::by_name(name), plant.get(name)) else {
+        return;
+    };
+    if let Ok(rounded) = format!("{value:.*e}", DIGITS - 1).parse() {
+        spec.put(plant, rounded);
+    }
+    plant.provenance.insert(name.to_owned(), origin.to_owned());
+}
+
+#[cfg(test)]
+mod tests {
+    use core::ops::ControlFlow;
+
+    use super::*;
+
+    fn refused(id: &str, variant: Option<&str>) -> String {
+        forms(id, variant).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn an_effect_is_taken_in_the_form_asked_for_or_in_all() {
+        assert_eq!(forms("chamber_leak", Some("laminar")).unwrap().len(), 1);
+        assert_eq!(forms("chamber_leak", None).unwrap().len(), 4);
+        assert!(refused("chamber_leek", None).contains("did you mean `chamber_leak`"));
+        assert!(refused("chamber_leak", Some("square")).contains("orifice, laminar, mixed, power"));
+    }
+
+    /// Goal: the file says what was fitted, to what, and what stood there before. Method: a leak on a made-up rig.
+    #[test]
+    fn fitted_values_carry_their_provenance_and_are_near_the_truth() {
+        let leak = EffectSetting::typical(by_id("chamber_leak").unwrap()).with("area_m2", 3e-8);
+        let mut bench = crate::bench::Bench::default();
+        bench.plant = bench.plant.with_effect(leak);
+        let log = bench.measure();
+        let add = [("chamber_leak".to_owned(), Some("orifice".to_owned()))];
+        let nominal = PlantParameters::nominal();
+        let refined = refine(&nominal, &[log], &[], &add, &|_| ControlFlow::Continue(())).unwrap();
+        let area = refined.plant.get("effects.chamber_leak.area_m2").unwrap();
+        assert!((area / 3e-8 - 1.0).abs() < 0.1, "{area}");
+        let origin = &refined.plant.provenance["flow.discharge_fill"];
+        assert!(
+            origin.starts_with("fitted by retarder refine to ") && origin.ends_with("; was 0.95")
+        );
+        let read = PlantParameters::from_toml(&refined.plant.to_toml(), "refined").unwrap();
+        assert_eq!(read.effects, refined.plant.effects);
+    }
+}

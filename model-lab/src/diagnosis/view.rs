@@ -1,0 +1,77 @@
+//! What readers of a diagnosis ask it for.
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::{EffectSetting, by_id};
+use plant_sim::parameters::ParameterSpec;
+
+use super::nuisance::NUISANCES;
+use super::result::{Candidate, DetectionLimit, Diagnosis};
+
+/// A share of the excess error that is worth figures.
+const WORTH_SHOWING: f64 = 0.05;
+/// So many candidates are contenders in any case.
+const FEWEST: usize = 3;
+
+impl Diagnosis {
+    /// The plants behind the first and the last row of the ladder: `plant` with its nuisance parameters refitted, and the
+    /// same with the named effects. `plant` is the one that was diagnosed.
+    pub fn plain_and_refined(&self, plant: &PlantParameters) -> [PlantParameters; 2] {
+        let [mut plain, mut refined] = [plant.clone(), plant.clone()];
+        for value in &self.nuisance {
+            if let Some(nuisance) = NUISANCES
+                .iter()
+                .find(|nuisance| nuisance.name == value.name)
+            {
+                nuisance.set(&mut plain, plant, value.plain);
+                nuisance.set(&mut refined, plant, value.fitted);
+            }
+        }
+        for candidate in self
+            .candidates
+            .iter()
+            .filter(|one| self.effects.contains(&one.effect))
+        {
+            let Some(effect) = by_id(&candidate.effect) else {
+                continue;
+            };
+            let Some(variant) = effect.about().variant(&candidate.variant) else {
+                continue;
+            };
+            refined = refined.with_effect(EffectSetting::typical_variant(effect, variant));
+            for spec in variant.parameters {
+                let fitted = candidate
+                    .parameters
+                    .iter()
+                    .find(|fitted| fitted.key == spec.key);
+                if let Some(fitted) = fitted {
+                    spec.put(&mut refined, fitted.value);
+                }
+            }
+        }
+        [plain, refined]
+    }
+
+    /// The candidates that explain something, the named ones among them, and the best ones in any case.
+    pub fn contenders(&self) -> impl Iterator<Item = &Candidate> {
+        let candidates = self.candidates.iter().enumerate();
+        let counts = |(index, candidate): &(usize, &Candidate)| {
+            *index < FEWEST
+                || candidate.explained_share >= WORTH_SHOWING
+                || self.effects.contains(&candidate.effect)
+        };
+        candidates.filter(counts).map(|(_, candidate)| candidate)
+    }
+}
+
+impl Candidate {
+    /// Whether the effect is the stronger, the smaller the parameter of its detection limit is, as the area of a narrow
+    /// place.
+    pub fn is_stronger_below(&self) -> bool {
+        let DetectionLimit::Size { key, value, .. } = &self.detection_limit else {
+            return false;
+        };
+        let spec = ParameterSpec::by_name(&format!("effects.{}.{key}", self.effect));
+        let off = spec.and_then(|spec| spec.size?.off);
+        off.is_some_and(|off| off > *value)
+    }
+}
