@@ -3,9 +3,15 @@
 //! Where the plain model cannot reach a figure, the row says so and by how much: that is the starting point
 //! for a missing effect.
 
+mod explain;
+mod explanation;
 mod measurements;
 mod table;
 
+pub use explain::explain;
+pub use explanation::{
+    EXPLANATION_SCHEMA, Explained, ExplainedFigure, ExplainedParameter, Explanation,
+};
 pub use measurements::{
     CoilMeasurements, DutyLimits, FillingAndVenting, Measurements, MeasurementsError, Requirement,
 };

@@ -17,7 +17,7 @@ const TIME_LIMIT_SAMPLES: f64 = 1.0;
 /// A current holds within this (%).
 const CURRENT_LIMIT_PCT: f64 = 1.0;
 /// The bore of the valve itself (mm); smaller orifices were inserted into the housing before it.
-const VALVE_BORE_MM: f64 = 1.9;
+pub(super) const VALVE_BORE_MM: f64 = 1.9;
 
 /// All rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -201,10 +201,7 @@ fn filling_and_venting(
     };
     let row = |source: &str, quantity: &str, measured: f64, seconds: Option<f64>| Row {
         source: source.to_owned(),
-        rig: Some(format!(
-            "prototype {}, {} cm³, {} mm",
-            rig.prototype, rig.volume_cm3, rig.orifice_mm
-        )),
+        rig: Some(rig_name(rig)),
         quantity: quantity.to_owned(),
         unit: "T_req".to_owned(),
         measured,
@@ -268,8 +265,18 @@ fn filling_and_venting(
     rows
 }
 
+pub(super) fn rig_name(rig: &FillingAndVenting) -> String {
+    format!(
+        "prototype {}, {} cm³, {} mm",
+        rig.prototype, rig.volume_cm3, rig.orifice_mm
+    )
+}
+
 /// The plant as it stood on the bench for tables 4.3 and 4.4.
-fn rig_parameters(parameters: &PlantParameters, rig: &FillingAndVenting) -> PlantParameters {
+pub(super) fn rig_parameters(
+    parameters: &PlantParameters,
+    rig: &FillingAndVenting,
+) -> PlantParameters {
     let mut plant = parameters.clone();
     plant.chamber.volume_m3 = rig.volume_cm3 * 1e-6;
     plant.flow.orifice_fill_m = rig.orifice_mm * 1e-3;
