@@ -1,6 +1,7 @@
 //! Commands and options: what a person can type. Each option is defined once.
 
 mod device;
+mod diagnosis;
 
 use std::path::PathBuf;
 
@@ -14,6 +15,7 @@ use crate::dut::Dut;
 pub(crate) use device::{
     BlackBoxArgs, CalibrateArgs, CalibrateCommand, MeasureArgs, ReadArgs, WriteArgs,
 };
+pub(crate) use diagnosis::{DiagnoseArgs, LogsArgs, RefineArgs};
 
 /// Model-based control of two on/off solenoid valves: simulate the plant, hold the model against a bench log, close
 /// the loop.
@@ -32,6 +34,7 @@ Examples:
   retarder compare --log bench.csv                           does the nominal model hold?
   retarder parameters --toml > my-plant.toml                 a plant file to start from
   retarder compare --plant my-plant.toml --log bench.csv
+  retarder diagnose --plant my-plant.toml --log bench.csv    which physical effect is missing?
   retarder control --plant my-plant.toml                     does the loop keep its promises?
   retarder serve                                             all of it in your browser
 
@@ -44,6 +47,10 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Hold the model against a measurement: how large is the error, and where
     Compare(CompareArgs),
+    /// Find the physical effect that the model lacks to explain a bench log
+    Diagnose(DiagnoseArgs),
+    /// Put effects into a plant file, fitted to a bench log
+    Refine(RefineArgs),
     /// Run the closed loop on the model and judge it by the thesis' requirements
     Control(ControlArgs),
     /// Read the black box of a device: its last seconds before the first fault
@@ -190,11 +197,16 @@ fn scenario_names() -> impl TypedValueParser<Value = String> {
 Examples:
   retarder thesis
   retarder thesis --plant my-plant.toml --html thesis.html --json thesis.json
+  retarder thesis --explain                  which effects bring the filling times in?
 
-Exit status: 0 every figure that the plain model is held to is reached, 1 one is not, 2 could not run.")]
+Exit status: 0 every figure that the plain model is held to is reached (with --explain: some effect brings the times in),
+1 one is not (none does), 2 could not run.")]
 pub(crate) struct ThesisArgs {
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
+    /// Fit series_restriction, supply_line_droop and critical_ratio to the full filling times of the large orifices
+    #[arg(long, conflicts_with = "html")]
+    pub(crate) explain: bool,
     #[command(flatten)]
     pub(crate) html: HtmlArg,
     #[command(flatten)]
@@ -308,12 +320,18 @@ pub(crate) enum SchemaName {
     Control,
     /// retarder.device/1, of `control --dut`
     Device,
+    /// retarder.diagnosis/1, of `diagnose`
+    Diagnosis,
+    /// retarder.refinement/1, of `refine`
+    Refinement,
     /// retarder.rigs/1, of `control --rigs`
     Rigs,
     /// retarder.simulation/1, of `simulate`
     Simulation,
     /// retarder.thesis/1, of `thesis`
     Thesis,
+    /// retarder.thesis-explanation/1, of `thesis --explain`
+    ThesisExplanation,
 }
 
 /// `name=number`.

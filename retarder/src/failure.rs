@@ -17,6 +17,7 @@ use hil_harness::rigs::RigError;
 use hil_harness::signals;
 use hil_protocol::MEASURED_MAX;
 use model_lab::CompareError;
+use model_lab::diagnosis::DiagnoseError;
 use plant_sim::ParameterError;
 use plant_sim::parameters::Part;
 use plant_sim::replay::ReplayError;
@@ -64,6 +65,20 @@ pub(crate) enum Failure {
     Replay { path: PathBuf, error: ReplayError },
     #[error(transparent)]
     Compare(#[from] CompareError),
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
+    #[error(
+        "--add {id} is there more than once; an effect is in a plant once, with one form of its law"
+    )]
+    AddedTwice { id: String },
+    #[error(
+        "{plant}: the plant has no {part}, on which the effect `{id}` acts; leave out --add {id}"
+    )]
+    EffectOnNothing {
+        plant: String,
+        part: Part,
+        id: String,
+    },
     #[error("there is no compared signal `{name}`; compared are {compared}")]
     NoSuchSignal { name: String, compared: String },
     #[error(transparent)]

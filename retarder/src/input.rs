@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hil_harness::{ReferenceProfile, Scenario, controller_file};
 use plant_sim::PlantParameters;
@@ -14,7 +14,7 @@ use recording::{
 };
 use sha2::{Digest as _, Sha256};
 
-use crate::cli::{ControlArgs, ControllerArg, LogArgs, PlantArgs};
+use crate::cli::{ControlArgs, ControllerArg, LogArgs, LogsArgs, PlantArgs};
 use crate::failure::{Failure, SourceLines};
 use crate::report::Input;
 
@@ -118,8 +118,12 @@ fn identity(text: &str) -> InputFile {
 
 /// How the log is to be read.
 pub(crate) fn log_options(args: &LogArgs) -> Result<LogOptions, Failure> {
+    mapped_by(args.mapping.as_deref())
+}
+
+fn mapped_by(mapping: Option<&Path>) -> Result<LogOptions, Failure> {
     Ok(LogOptions {
-        mapping: match &args.mapping {
+        mapping: match mapping {
             Some(path) => Mapping::read_file(path)?,
             None => Mapping::default(),
         },
@@ -129,10 +133,19 @@ pub(crate) fn log_options(args: &LogArgs) -> Result<LogOptions, Failure> {
 
 /// The whole log.
 pub(crate) fn log(args: &LogArgs) -> Result<Recording, Failure> {
-    let options = log_options(args)?;
-    Ok(match is_standard_input(&args.log) {
-        true => read_log(STANDARD_INPUT, io::stdin().lock(), &options)?,
-        false => read_log_file(&args.log, &options)?,
+    whole_log(&args.log, &log_options(args)?)
+}
+
+/// The whole of several logs, all mapped alike.
+pub(crate) fn logs(paths: &[PathBuf], args: &LogsArgs) -> Result<Vec<Recording>, Failure> {
+    let options = mapped_by(args.mapping.as_deref())?;
+    paths.iter().map(|path| whole_log(path, &options)).collect()
+}
+
+fn whole_log(path: &Path, options: &LogOptions) -> Result<Recording, Failure> {
+    Ok(match is_standard_input(path) {
+        true => read_log(STANDARD_INPUT, io::stdin().lock(), options)?,
+        false => read_log_file(path, options)?,
     })
 }
 

@@ -22,12 +22,10 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
         write_recording(path, &controlled.run.recording)?;
     }
     if let (Some(path), Some(csv)) = (&targets.recording, csv(&outcome)) {
-        if is_standard_output(path) {
-            is_taken = true;
-            write_standard_output(&csv)?;
-        } else {
-            write_text(path, &csv)?;
-        }
+        is_taken |= write(path, &csv)?;
+    }
+    if let (Some(path), Outcome::Refinement(refined)) = (&targets.plant, &outcome) {
+        is_taken |= write(path, &refined.refined.plant.to_toml())?;
     }
     if let Some(path) = &targets.html
         && let Some(html) = page::html(&outcome)
@@ -37,12 +35,7 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
     if let Some(path) = &targets.json
         && let Some(json) = json(&outcome)
     {
-        if is_standard_output(path) {
-            is_taken = true;
-            write_standard_output(&json)?;
-        } else {
-            write_text(path, &json)?;
-        }
+        is_taken |= write(path, &json)?;
     }
     if let Outcome::Measurement(measurement) = &outcome
         && (is_taken || targets.recording.is_none())
@@ -96,6 +89,8 @@ fn json(outcome: &Outcome) -> Option<String> {
     let json = match outcome {
         Outcome::Simulation(simulation) => serde_json::to_string_pretty(simulation),
         Outcome::Comparison(compared) => serde_json::to_string_pretty(&compared.comparison),
+        Outcome::Diagnosis(diagnosed) => serde_json::to_string_pretty(&diagnosed.diagnosis),
+        Outcome::Refinement(refined) => serde_json::to_string_pretty(&refined.refined.refinement),
         Outcome::Control(controlled) => match &controlled.device {
             Some(report) => serde_json::to_string_pretty(&controlled.on_device(report)),
             None if controlled.rigs.is_empty() => serde_json::to_string_pretty(&controlled.verdict),
@@ -103,6 +98,9 @@ fn json(outcome: &Outcome) -> Option<String> {
         },
         Outcome::BlackBox(black_box) => serde_json::to_string_pretty(black_box),
         Outcome::Thesis(figures) => serde_json::to_string_pretty(&figures.table),
+        Outcome::ThesisExplanation(explained) => {
+            serde_json::to_string_pretty(&explained.explanation)
+        }
         Outcome::Tour(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
@@ -139,6 +137,16 @@ fn write_recording(path: &Path, recording: &Recording) -> Result<(), Failure> {
     };
     written
         .map_err(|error| Failure::write(Some(path).filter(|path| !is_standard_output(path)), error))
+}
+
+/// Writes to the file or to the standard output; whether it was the latter.
+fn write(path: &Path, text: &str) -> Result<bool, Failure> {
+    if is_standard_output(path) {
+        write_standard_output(text)?;
+        return Ok(true);
+    }
+    write_text(path, text)?;
+    Ok(false)
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), Failure> {

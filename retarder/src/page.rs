@@ -1,11 +1,16 @@
 //! Outcomes become contents of the HTML report.
 
 use hil_harness::Requirement;
+use model_lab::{CompareOptions, Comparison, compare};
+use recording::Recording;
 
-use crate::report::{self, Contents, ControlPart, Input, ModelPart, Origin};
+use crate::report::{
+    self, BeforeAndAfter, Contents, ControlPart, DiagnosisPart, Input, ModelPart, Origin,
+};
 use crate::run::Outcome;
 use crate::run::compare::Compared;
 use crate::run::control::Controlled;
+use crate::run::diagnose::Diagnosed;
 use crate::run::thesis::Figures;
 
 /// What to try after the tour, with the reason.
@@ -56,6 +61,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
             page(&Page {
                 title: "A tour: model, bench and loop",
                 compared: Some(&tour.compared),
+                diagnosis: None,
                 loops: &tour.loops,
                 figures: Some(&tour.figures),
                 next_steps: &next_steps,
@@ -89,7 +95,10 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
             inputs: &[figures.plant.input()],
             ..Page::default()
         }),
+        Outcome::Diagnosis(diagnosed) => diagnosis(diagnosed),
         Outcome::Simulation(_)
+        | Outcome::Refinement(_)
+        | Outcome::ThesisExplanation(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
         | Outcome::BlackBox(_)
@@ -100,10 +109,76 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
     })
 }
 
+fn diagnosis(diagnosed: &Diagnosed) -> String {
+    let task = &diagnosed.task;
+    let inputs_of = |role: &'static str, logs: &[Recording]| -> Vec<Input> {
+        logs.iter()
+            .map(|log| Input::of_recording(role, log.provenance()))
+            .collect()
+    };
+    let plant = vec![task.plant.input()];
+    let inputs = [
+        inputs_of("log", &task.logs),
+        inputs_of("check", &task.check),
+        plant,
+    ]
+    .concat();
+    let sources: Vec<&str> = task
+        .logs
+        .iter()
+        .map(|log| log.provenance().source.as_str())
+        .collect();
+    page(&Page {
+        title: &format!(
+            "{} against {}: what is missing?",
+            task.plant.name,
+            sources.join(", ")
+        ),
+        diagnosis: Some(DiagnosisPart {
+            diagnosis: &diagnosed.diagnosis,
+            runs: before_and_after(diagnosed).as_ref(),
+            next_command: diagnosed.next_command().as_deref(),
+        }),
+        inputs: &inputs,
+        ..Page::default()
+    })
+}
+
+/// The log on which the plain model is furthest off, with both models; those for checking where there are such.
+fn before_and_after(diagnosed: &Diagnosed) -> Option<BeforeAndAfter<'_>> {
+    let Diagnosed { task, diagnosis } = diagnosed;
+    if diagnosis.effects.is_empty() {
+        return None;
+    }
+    let [plain, refined] = diagnosis.plain_and_refined(&task.plant.parameters);
+    let logs = if task.check.is_empty() {
+        &task.logs
+    } else {
+        &task.check
+    };
+    let against = |plant, log| compare(plant, log, &CompareOptions::default()).ok();
+    let runs = logs
+        .iter()
+        .filter_map(|log| Some((log, against(&plain, log)?)));
+    let (log, before) = runs.max_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
+    let after = against(&refined, log)?;
+    Some(BeforeAndAfter { log, before, after })
+}
+
+/// How far off the worst signal is, in multiples of its noise.
+fn distance(comparison: &Comparison) -> f64 {
+    let multiples = comparison
+        .signals
+        .iter()
+        .filter_map(|signal| signal.free_run.rms_in_noise);
+    multiples.fold(0.0, f64::max)
+}
+
 #[derive(Default)]
 struct Page<'a> {
     title: &'a str,
     compared: Option<&'a Compared>,
+    diagnosis: Option<DiagnosisPart<'a>>,
     loops: &'a [Controlled],
     figures: Option<&'a Figures>,
     next_steps: &'a [String],
@@ -129,6 +204,7 @@ fn page(page: &Page<'_>) -> String {
             log: &compared.log,
             comparison: &compared.comparison,
         }),
+        diagnosis: page.diagnosis,
         control: &control,
         thesis: page.figures.map(|figures| &figures.table),
         next_steps: page.next_steps,
@@ -140,19 +216,23 @@ fn page(page: &Page<'_>) -> String {
     })
 }
 
+/// An argument as a shell takes it.
+pub(crate) fn quoted(argument: &str) -> String {
+    let is_plain = argument
+        .chars()
+        .all(|character| character.is_alphanumeric() || "-_./=,:+".contains(character));
+    if is_plain && !argument.is_empty() {
+        argument.to_owned()
+    } else {
+        format!("'{}'", argument.replace('\'', "'\\''"))
+    }
+}
+
 /// The command as it was typed, without the folder of the program.
 fn command_line() -> String {
-    let arguments = std::env::args_os().skip(1).map(|argument| {
-        let argument = argument.to_string_lossy().into_owned();
-        let is_plain = argument
-            .chars()
-            .all(|character| character.is_alphanumeric() || "-_./=,:+".contains(character));
-        if is_plain && !argument.is_empty() {
-            argument
-        } else {
-            format!("'{}'", argument.replace('\'', "'\\''"))
-        }
-    });
+    let arguments = std::env::args_os()
+        .skip(1)
+        .map(|argument| quoted(&argument.to_string_lossy()));
     let words: Vec<String> = std::iter::once("retarder".to_owned())
         .chain(arguments)
         .collect();

@@ -4,6 +4,7 @@ mod chart;
 mod comparison;
 mod control;
 mod device;
+mod diagnosis;
 mod live;
 mod number;
 mod parameters;
@@ -122,6 +123,8 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::Tour(tour) => tour::tour(tour, targets, terminal),
         Outcome::Simulation(result) => simulation(result, terminal),
         Outcome::Comparison(compared) => comparison::comparison(compared, terminal),
+        Outcome::Diagnosis(diagnosed) => diagnosis::diagnosis(diagnosed, terminal),
+        Outcome::Refinement(refined) => diagnosis::refinement(refined, terminal),
         Outcome::Control(controlled) => control::control(controlled, terminal),
         Outcome::BlackBox(black_box) => device::black_box(black_box, terminal),
         Outcome::DeviceSettings(settings) => device::settings(settings, terminal),
@@ -129,12 +132,18 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::Measurement(result) if targets.recording.is_none() => result.csv.clone(),
         Outcome::Measurement(result) => device::measured(result, terminal),
         Outcome::Thesis(figures) => thesis::thesis(figures, terminal),
+        Outcome::ThesisExplanation(explained) => thesis::explanation(explained, terminal),
         Outcome::Parameters(plant) => parameters::parameters(plant, terminal),
         Outcome::Settings(controller) => parameters::settings(controller, terminal),
         Outcome::Text(text) => text.clone(),
     };
     if !matches!(outcome, Outcome::Tour(_)) {
-        let files = [&targets.recording, &targets.html, &targets.json];
+        let files = [
+            &targets.recording,
+            &targets.plant,
+            &targets.html,
+            &targets.json,
+        ];
         for path in files.into_iter().flatten() {
             text += &format!("\nWritten: {}", path.display());
         }

@@ -8,6 +8,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// A bar or a spinner that vanishes when it is dropped.
 pub(crate) struct Progress(ProgressBar);
 
+/// Steps of a bar that shows a share.
+const STAGE: u64 = 1000;
 const TICK: Duration = Duration::from_millis(100);
 
 impl Progress {
@@ -20,6 +22,15 @@ impl Progress {
     pub(crate) fn of_count(what: &'static str, count: u64) -> Self {
         let template = "{spinner} {msg} {wide_bar} {pos}/{len}, {eta} left";
         Self::new(Some(count), what, template)
+    }
+
+    /// Stages of unequal length, each with a share that is done.
+    pub(crate) fn of_stages() -> Self {
+        let template =
+            "{spinner} {msg} {wide_bar} {percent} %, {eta} left of this step, {elapsed} in all";
+        let progress = Self::new(Some(STAGE), "reading the logs", template);
+        progress.0.set_position(0);
+        progress
     }
 
     /// Input of `size` bytes to read, where that is known.
@@ -46,6 +57,15 @@ impl Progress {
     /// One more is done.
     pub(crate) fn step(&self) {
         self.0.inc(1);
+    }
+
+    /// The share `done` of `stage`, 0 to 1.
+    pub(crate) fn reach(&self, stage: &'static str, done: f64) {
+        if self.0.message() != stage {
+            self.0.set_message(stage);
+            self.0.reset_eta();
+        }
+        self.0.set_position((done * STAGE as f64) as u64);
     }
 
     /// Counts what is read.

@@ -6,6 +6,7 @@ pub(crate) mod compare;
 pub(crate) mod control;
 pub(crate) mod device;
 pub(crate) mod device_report;
+pub(crate) mod diagnose;
 pub(crate) mod measurement;
 mod row_output;
 pub(crate) mod schema;
@@ -21,6 +22,8 @@ pub(crate) enum Outcome {
     Tour(Box<tour::Tour>),
     Simulation(simulate::Simulation),
     Comparison(Box<compare::Compared>),
+    Diagnosis(Box<diagnose::Diagnosed>),
+    Refinement(Box<diagnose::RefinedPlant>),
     Control(Box<control::Controlled>),
     BlackBox(black_box::BlackBox),
     DeviceSettings(calibrate::Settings),
@@ -29,6 +32,7 @@ pub(crate) enum Outcome {
     /// Signals of a device.
     Measurement(measurement::Measurement),
     Thesis(thesis::Figures),
+    ThesisExplanation(thesis::Explained),
     Parameters(NamedPlant),
     Settings(NamedController),
     /// Text that is the result as it stands.
@@ -59,11 +63,14 @@ impl Outcome {
     pub(crate) fn answer(&self) -> Answer {
         match self {
             Self::Comparison(compared) => compared.answer(),
+            Self::Diagnosis(diagnosed) => diagnosed.answer(),
             Self::Control(controlled) => Answer::of(controlled.holds()),
             Self::Measurement(measurement) => measurement.answer(),
             Self::Thesis(figures) => Answer::of(figures.table.holds),
+            Self::ThesisExplanation(explained) => Answer::of(explained.explanation.brings_in()),
             Self::Tour(_)
             | Self::Simulation(_)
+            | Self::Refinement(_)
             | Self::BlackBox(_)
             | Self::DeviceSettings(_)
             | Self::DeviceSignals

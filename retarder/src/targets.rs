@@ -8,6 +8,8 @@ pub(crate) struct Targets {
     pub(crate) json: Option<PathBuf>,
     pub(crate) html: Option<PathBuf>,
     pub(crate) recording: Option<PathBuf>,
+    /// The refined plant file.
+    pub(crate) plant: Option<PathBuf>,
 }
 
 /// Whether a target is the standard output.

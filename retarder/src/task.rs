@@ -5,15 +5,19 @@ use std::path::PathBuf;
 
 use clap::CommandFactory as _;
 use model_lab::CompareOptions;
+use plant_sim::effects::by_id;
+use plant_sim::parameters::Part;
 use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
-    BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs, SchemaName,
-    SimulateArgs,
+    Assignment, BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs,
+    DiagnoseArgs, LogsArgs, PlantArgs, RefineArgs, SchemaName, SimulateArgs,
 };
 use crate::failure::Failure;
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
+use crate::page::quoted;
 use crate::print::{self, Live, Terminal};
+use crate::run::diagnose::Asked;
 use crate::run::{self, Outcome, schema};
 use crate::targets::{Targets, is_standard_output};
 
@@ -32,6 +36,8 @@ enum Work {
         options: CompareOptions,
         focus: Option<String>,
     },
+    Diagnose(run::diagnose::Task),
+    Refine(run::diagnose::Task, Vec<Asked>),
     Control {
         scenario: Box<NamedScenario>,
         rigs: u32,
@@ -40,6 +46,7 @@ enum Work {
     BlackBox(BlackBoxArgs),
     Calibrate(CalibrateCommand),
     Thesis(NamedPlant),
+    ExplainThesis(NamedPlant),
     Parameters(NamedPlant),
     Settings(NamedController),
     Serve(workbench::Options),
@@ -60,6 +67,8 @@ impl Task {
             }
             Some(Command::Simulate(args)) => simulate(args, &mut targets)?,
             Some(Command::Compare(args)) => compare(args, &mut targets)?,
+            Some(Command::Diagnose(args)) => diagnose(args, &mut targets)?,
+            Some(Command::Refine(args)) => refine(args, &mut targets)?,
             Some(Command::Control(args)) => control(args, &mut targets)?,
             Some(Command::BlackBox(mut args)) => {
                 if goes_to_standard_output(&args.out.out)
@@ -81,7 +90,12 @@ impl Task {
             Some(Command::Thesis(args)) => {
                 (targets.json, targets.html) = (args.json.json, args.html.html);
                 let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
-                Work::Thesis(plant.whole()?)
+                let plant = plant.whole()?;
+                if args.explain {
+                    Work::ExplainThesis(plant)
+                } else {
+                    Work::Thesis(plant)
+                }
             }
             Some(Command::Parameters(args)) => {
                 let is_untouched = args.plant.plant.is_none() && args.plant.set.is_empty();
@@ -126,6 +140,10 @@ impl Task {
                 let compared = run::compare::run(plant, log, &options, focus.as_deref())?;
                 Outcome::Comparison(Box::new(compared))
             }
+            Work::Diagnose(task) => Outcome::Diagnosis(Box::new(run::diagnose::run(task)?)),
+            Work::Refine(task, add) => {
+                Outcome::Refinement(Box::new(run::diagnose::refine(task, &add)?))
+            }
             Work::Control { scenario, rigs } => {
                 Outcome::Control(Box::new(run::control::run(*scenario, rigs)?))
             }
@@ -148,6 +166,7 @@ impl Task {
                 }
             },
             Work::Thesis(plant) => Outcome::Thesis(run::thesis::run(plant)),
+            Work::ExplainThesis(plant) => Outcome::ThesisExplanation(run::thesis::explain(plant)),
             Work::Parameters(plant) => Outcome::Parameters(plant),
             Work::Settings(controller) => Outcome::Settings(controller),
             Work::Serve(options) => Outcome::Text(run::serve::run(&options, &mut |address| {
@@ -200,6 +219,71 @@ fn compare(args: CompareArgs, targets: &mut Targets) -> Result<Work, Failure> {
     })
 }
 
+fn diagnose(args: DiagnoseArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    (targets.json, targets.html) = (args.json.json, args.html.html);
+    Ok(Work::Diagnose(to_explain(&args.logs, &args.plant)?))
+}
+
+fn refine(args: RefineArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    if is_standard_output(&args.out) && goes_to_standard_output(&args.json.json) {
+        return Err(Failure::TwoOnStandardOutput { option: "--out" });
+    }
+    let mut asked: Vec<Asked> = Vec::new();
+    for text in args.add {
+        let (id, variant) = match text.split_once(':') {
+            Some((id, variant)) => (id.to_owned(), Some(variant.to_owned())),
+            None => (text, None),
+        };
+        if asked.iter().any(|(there, _)| *there == id) {
+            return Err(Failure::AddedTwice { id });
+        }
+        asked.push((id, variant));
+    }
+    let task = to_explain(&args.logs, &args.plant)?;
+    for (id, _) in &asked {
+        let part = by_id(id).map_or(Part::Any, Part::of_effect);
+        if !part.is_in(&task.plant.parameters) {
+            return Err(Failure::EffectOnNothing {
+                plant: task.plant.name,
+                part,
+                id: id.clone(),
+            });
+        }
+    }
+    (targets.json, targets.plant) = (args.json.json, Some(args.out));
+    Ok(Work::Refine(task, asked))
+}
+
+fn to_explain(logs: &LogsArgs, plant: &PlantArgs) -> Result<run::diagnose::Task, Failure> {
+    Ok(run::diagnose::Task {
+        plant: NamedPlant::from_args(plant, NamedPlant::nominal())?,
+        logs: input::logs(&logs.log, logs)?,
+        check: input::logs(&logs.check, logs)?,
+        options: options(logs, plant),
+    })
+}
+
+/// The options that name plant and logs, as a person would type them.
+fn options(logs: &LogsArgs, plant: &PlantArgs) -> String {
+    let mut text = String::new();
+    let mut add = |option: &str, value: &str| text += &format!(" {option} {}", quoted(value));
+    let files = [
+        ("--plant", plant.plant.as_slice()),
+        ("--log", &logs.log),
+        ("--check", &logs.check),
+        ("--mapping", logs.mapping.as_slice()),
+    ];
+    for (option, paths) in files {
+        for path in paths {
+            add(option, &path.to_string_lossy());
+        }
+    }
+    for Assignment { name, value } in &plant.set {
+        add("--set", &format!("{name}={value}"));
+    }
+    text
+}
+
 fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
     if goes_to_standard_output(&args.out.out) && goes_to_standard_output(&args.json.json) {
         return Err(Failure::TwoOnStandardOutput { option: "--out" });
@@ -209,6 +293,7 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
         json: args.json.json,
         html: args.html.html,
         recording: args.out.out,
+        plant: None,
     };
     Ok(match args.dut {
         None => Work::Control {

@@ -1,5 +1,7 @@
 //! Words and units of the signals.
 
+use model_lab::diagnosis::result::BySignal;
+
 /// A unit in which errors are pleasant to read: `0.012 bar` is `12 mbar`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SmallUnit<'a> {
@@ -27,6 +29,24 @@ impl<'a> SmallUnit<'a> {
             },
         }
     }
+}
+
+/// The unit in which a diagnosis gives the figures of a signal.
+pub(crate) fn unit_of(signal: &str) -> &'static str {
+    if signal.starts_with("i_") {
+        "mA"
+    } else {
+        "bar"
+    }
+}
+
+/// Figures by signal, the chamber pressure first.
+pub(crate) fn pressure_first(figures: &BySignal) -> impl Iterator<Item = (&str, f64)> {
+    let (pressure, rest): (Vec<_>, Vec<_>) = figures
+        .iter()
+        .map(|(signal, figure)| (signal.as_str(), *figure))
+        .partition(|(signal, _)| unit_of(signal) == "bar");
+    pressure.into_iter().chain(rest)
 }
 
 /// What a signal is, for people; the name itself where it is none of ours.

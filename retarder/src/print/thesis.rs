@@ -1,11 +1,12 @@
 //! The figures of the thesis.
 
-use model_lab::thesis::Row;
+use model_lab::thesis::{Explained, Row};
 
-use super::number::{or_dash, signed};
+use super::number::{or_dash, signed, significant};
 use super::table::{Align, Table, verdict};
-use super::{Colour, Terminal, paragraph, title};
-use crate::run::thesis::Figures;
+use super::{Colour, Terminal, painted_paragraph, paragraph, title};
+use crate::plot::capitalised;
+use crate::run::thesis::{self, Figures};
 
 /// All figures, one group per rig.
 pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
@@ -112,4 +113,112 @@ fn note_mark<'a>(row: &'a Row, notes: &mut Vec<&'a str>) -> String {
             notes.len() - 1
         });
     format!(" ({})", index + 1)
+}
+
+/// So many explanations are shown figure by figure.
+const SHOWN: usize = 3;
+
+/// What brings the filling times in, the answer first.
+pub(super) fn explanation(explained: &thesis::Explained, terminal: &Terminal) -> String {
+    let found = &explained.explanation;
+    let head = format!(
+        "The filling times of tables 4.3 and 4.4, {}",
+        explained.plant.name
+    );
+    let colour = if found.brings_in() {
+        Colour::Good
+    } else {
+        Colour::Bad
+    };
+    let mut text = title(&head, terminal);
+    text += &painted_paragraph(colour, &(capitalised(&found.sentence) + "."), terminal);
+    text += "\n";
+    let mut table = Table::new(
+        [
+            ("with", Align::Left),
+            ("1.9 mm rms", Align::Right),
+            ("others", Align::Right),
+            ("unit", Align::Left),
+            ("brings in", Align::Left),
+            ("fitted", Align::Left),
+        ],
+        terminal,
+    );
+    for row in &found.rows {
+        let word = if row.brings_in {
+            super::table::painted(Colour::Good, "yes")
+        } else {
+            "no".into()
+        };
+        table.row([
+            with(row).into(),
+            significant(row.fit_rms_samples, 2).into(),
+            significant(row.check_rms_samples, 2).into(),
+            "samples".into(),
+            word,
+            fitted(row).into(),
+        ]);
+    }
+    text += &table.to_string();
+    text += "\n";
+    let shown = found.rows[1..]
+        .iter()
+        .take_while(|row| row.brings_in || !found.brings_in());
+    for row in shown.take(SHOWN) {
+        text += &figures(&found.rows[0], row, terminal);
+    }
+    text += "\n";
+    text + &painted_paragraph(Colour::Faint, &(capitalised(&found.rule) + "."), terminal)
+}
+
+fn with(row: &Explained) -> String {
+    if row.effects.is_empty() {
+        "nothing: the plain model".to_owned()
+    } else {
+        row.effects.join("\n")
+    }
+}
+
+fn fitted(row: &Explained) -> String {
+    let line = |parameter: &model_lab::thesis::ExplainedParameter| {
+        let key = parameter.name.rsplit('.').next().unwrap_or_default();
+        let end = if parameter.at_bound {
+            " (end of range)"
+        } else {
+            ""
+        };
+        format!("{key} = {}{end}", significant(parameter.value, 3))
+    };
+    row.parameters
+        .iter()
+        .map(line)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// Every filling time before and after.
+fn figures(plain: &Explained, row: &Explained, terminal: &Terminal) -> String {
+    let mut table = Table::new(
+        [
+            ("filling [T_req]", Align::Left),
+            ("measured", Align::Right),
+            ("plain", Align::Right),
+            ("now", Align::Right),
+            ("off by", Align::Right),
+        ],
+        terminal,
+    );
+    table.heading(&row.effects.join(" with "));
+    for (before, after) in plain.figures.iter().zip(&row.figures) {
+        let time = |simulated: Option<f64>| or_dash(simulated, |time| format!("{time:.3}"));
+        let judged = if after.is_fitted { "" } else { ", not fitted" };
+        table.row([
+            format!("  {}, {}{judged}", after.rig, after.quantity).into(),
+            format!("{:.3}", after.measured).into(),
+            time(before.simulated).into(),
+            time(after.simulated).into(),
+            format!("{} samples", signed(after.error_samples, 2)).into(),
+        ]);
+    }
+    table.to_string()
 }

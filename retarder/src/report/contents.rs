@@ -3,6 +3,7 @@
 use hil_harness::rigs::RigVerdict;
 use hil_harness::{Requirement, Verdict};
 use model_lab::Comparison;
+use model_lab::diagnosis::Diagnosis;
 use model_lab::thesis::ThesisTable;
 use recording::{Provenance, Recording};
 
@@ -13,6 +14,8 @@ pub(crate) struct Contents<'a> {
     pub(crate) title: &'a str,
     /// Model against measurement.
     pub(crate) model: Option<ModelPart<'a>>,
+    /// Which physical effect is missing.
+    pub(crate) diagnosis: Option<DiagnosisPart<'a>>,
     /// The closed loop on the model, one part per scenario.
     pub(crate) control: &'a [ControlPart<'a>],
     /// The thesis' own figures.
@@ -30,6 +33,28 @@ pub(crate) struct ModelPart<'a> {
     pub(crate) log: &'a Recording,
     /// The result, with its traces.
     pub(crate) comparison: &'a Comparison,
+}
+
+/// What the model lacks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DiagnosisPart<'a> {
+    /// The result.
+    pub(crate) diagnosis: &'a Diagnosis,
+    /// The worst log with the plain and with the refined model; none where no effect is named.
+    pub(crate) runs: Option<&'a BeforeAndAfter<'a>>,
+    /// The command that adds what is named.
+    pub(crate) next_command: Option<&'a str>,
+}
+
+/// A log, with two models.
+#[derive(Clone, Debug)]
+pub(crate) struct BeforeAndAfter<'a> {
+    /// What was measured and commanded.
+    pub(crate) log: &'a Recording,
+    /// With the plain model, refitted.
+    pub(crate) before: Comparison,
+    /// With the named effects.
+    pub(crate) after: Comparison,
 }
 
 /// A run of the closed loop, and how it was judged.

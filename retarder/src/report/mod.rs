@@ -5,6 +5,7 @@
 
 mod contents;
 mod control;
+mod diagnosis;
 mod element;
 mod model;
 mod number;
@@ -12,7 +13,9 @@ mod origin;
 mod page;
 mod thesis;
 
-pub(crate) use contents::{Contents, ControlPart, Input, ModelPart, Origin};
+pub(crate) use contents::{
+    BeforeAndAfter, Contents, ControlPart, DiagnosisPart, Input, ModelPart, Origin,
+};
 pub(crate) use page::html;
 
 #[cfg(test)]

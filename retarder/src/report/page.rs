@@ -4,7 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
 use super::contents::Contents;
 use super::element::{Standing, foreign, printable};
-use super::{control, model, origin, thesis};
+use super::{control, diagnosis, model, origin, thesis};
 use crate::plot::palette::DARK;
 
 /// Nothing may be loaded and nothing may run; the style stands in the page.
@@ -34,6 +34,7 @@ pub(crate) fn html(contents: &Contents<'_>) -> String {
                         (navigation(contents))
                     }
                     @if let Some(part) = &contents.model { (model::section(part)) }
+                    @if let Some(part) = &contents.diagnosis { (diagnosis::section(part)) }
                     @if !contents.control.is_empty() { (control::section(contents.control)) }
                     @if let Some(table) = contents.thesis { (thesis::section(table)) }
                     @if !contents.next_steps.is_empty() { (next_steps(contents.next_steps)) }
@@ -49,22 +50,25 @@ fn summary(contents: &Contents<'_>) -> Markup {
     markup! {
         div.summary {
             @if let Some(part) = &contents.model {
-                (statement("Model", model::standing(part.comparison), &model::headline(part.comparison)))
+                (statement("Model", &model::standing(part.comparison).badge(), &model::headline(part.comparison)))
+            }
+            @if let Some(part) = &contents.diagnosis {
+                (statement("Diagnosis", &diagnosis::badge(part.diagnosis), &diagnosis::headline(part.diagnosis)))
             }
             @if !contents.control.is_empty() {
-                (statement("Control loop", control::standing(contents.control), &control::headline(contents.control)))
+                (statement("Control loop", &control::standing(contents.control).badge(), &control::headline(contents.control)))
             }
             @if let Some(table) = contents.thesis {
-                (statement("Thesis", Standing::of(table.holds), &thesis::headline(table)))
+                (statement("Thesis", &Standing::of(table.holds).badge(), &thesis::headline(table)))
             }
         }
     }
 }
 
-fn statement(what: &str, standing: Standing, sentence: &str) -> Markup {
+fn statement(what: &str, badge: &Markup, sentence: &str) -> Markup {
     markup! {
         div.statement {
-            p.badge-line { span.what { (what) } " " (standing.badge()) }
+            p.badge-line { span.what { (what) } " " (badge) }
             p.finding { (foreign(sentence)) }
         }
     }
@@ -77,6 +81,11 @@ fn navigation(contents: &Contents<'_>) -> Markup {
             contents.model.is_some(),
             "#model",
             "Model against measurement",
+        ),
+        (
+            contents.diagnosis.is_some(),
+            "#diagnosis",
+            "Which effect is missing?",
         ),
         (!contents.control.is_empty(), "#control", "Control loop"),
         (contents.thesis.is_some(), "#thesis", "Thesis"),

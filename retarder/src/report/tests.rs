@@ -1,6 +1,7 @@
 //! Claims about whole reports: nothing gets in from a log but text, nothing goes out, and the same comes out again.
 
 use hil_harness::{Requirement, Run, Scenario, Verdict, run_in_process};
+use model_lab::diagnosis::Diagnosis;
 use model_lab::thesis::{Measurements, ThesisTable, compare_with_model};
 use model_lab::{CompareOptions, Comparison, compare};
 use plant_sim::PlantParameters;
@@ -11,6 +12,7 @@ use crate::plot;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const LOG: &str = "practice-01-id.csv";
+const DIAGNOSIS: &str = include_str!("../../../docs/schema/diagnosis.example.json");
 
 /// What a log or a file name might try.
 const HOSTILE: &str = "</title></svg><script>alert(1)</script><img src=x onerror='alert(2)'>\" onload=\"x &lt; \u{0}\u{1b}[31m\u{202e}";
@@ -59,6 +61,7 @@ impl Bench {
                 log: &self.log,
                 comparison: &self.comparison,
             }),
+            diagnosis: None,
             control: &[control],
             thesis: Some(&self.thesis),
             next_steps: &[text.to_owned()],
@@ -98,7 +101,53 @@ fn hostile_text_stays_text() {
         (row.quantity, row.unit, row.source) = (hostile(), hostile(), hostile());
         (row.rig, row.note) = (Some(hostile()), Some(hostile()));
     }
-    let report = bench.report(HOSTILE);
+    assert_harmless(&bench.report(HOSTILE));
+}
+
+/// The same of a diagnosis. Method: the published example, every text of it hostile.
+#[test]
+fn hostile_text_in_a_diagnosis_stays_text() {
+    let bench = Bench::new();
+    let mut diagnosis: Diagnosis = serde_json::from_str(DIAGNOSIS).unwrap();
+    let hostile = || HOSTILE.to_owned();
+    diagnosis.sentence = hostile();
+    diagnosis.held_out = hostile();
+    diagnosis.remaining.sentences = vec![hostile()];
+    for candidate in &mut diagnosis.candidates {
+        (candidate.variant, candidate.physics) = (hostile(), hostile());
+        candidate.plausibility = hostile();
+    }
+    for step in &mut diagnosis.ladder {
+        step.variant = Some(hostile());
+    }
+    for regime in &mut diagnosis.location.before {
+        (regime.log, regime.sentence) = (hostile(), hostile());
+    }
+    for value in &mut diagnosis.nuisance {
+        (value.name, value.alarm) = (hostile(), Some(hostile()));
+    }
+    let runs = BeforeAndAfter {
+        log: &bench.log,
+        before: bench.comparison.clone(),
+        after: bench.comparison.clone(),
+    };
+    let report = html(&Contents {
+        title: HOSTILE,
+        model: None,
+        diagnosis: Some(DiagnosisPart {
+            diagnosis: &diagnosis,
+            runs: Some(&runs),
+            next_command: Some(HOSTILE),
+        }),
+        control: &[],
+        thesis: None,
+        next_steps: &[],
+        origin: Origin::default(),
+    });
+    assert_harmless(&report);
+}
+
+fn assert_harmless(report: &str) {
     for forbidden in [
         "<script",
         "<img",
@@ -110,7 +159,7 @@ fn hostile_text_stays_text() {
         assert!(!report.contains(forbidden), "{forbidden:?} got through");
     }
     assert!(report.contains("&lt;script&gt;alert(1)&lt;/script&gt;"));
-    assert_well_formed(&report);
+    assert_well_formed(report);
 }
 
 #[test]
@@ -165,6 +214,7 @@ fn a_report_of_nothing_is_still_a_page() {
     let report = html(&Contents {
         title: "empty",
         model: None,
+        diagnosis: None,
         control: &[],
         thesis: None,
         next_steps: &[],

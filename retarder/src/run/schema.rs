@@ -2,7 +2,8 @@
 
 use hil_harness::checks::Verdict;
 use model_lab::Comparison;
-use model_lab::thesis::ThesisTable;
+use model_lab::diagnosis::{Diagnosis, Refinement};
+use model_lab::thesis::{Explanation, ThesisTable};
 use schemars::{Schema, schema_for};
 
 use super::black_box::BlackBox;
@@ -18,8 +19,11 @@ pub(crate) fn of(result: SchemaName) -> Schema {
         SchemaName::Comparison => Comparison::json_schema(),
         SchemaName::Control => schema_for!(Verdict),
         SchemaName::Device => schema_for!(Device),
+        SchemaName::Diagnosis => Diagnosis::json_schema(),
+        SchemaName::Refinement => Refinement::json_schema(),
         SchemaName::Rigs => schema_for!(Rigs),
         SchemaName::Simulation => schema_for!(Simulation),
         SchemaName::Thesis => schema_for!(ThesisTable),
+        SchemaName::ThesisExplanation => Explanation::json_schema(),
     }
 }

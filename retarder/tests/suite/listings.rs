@@ -62,6 +62,8 @@ fn every_command_has_help_with_an_example_and_completions_name_every_command() {
     let commands = [
         "simulate",
         "compare",
+        "diagnose",
+        "refine",
         "control",
         "blackbox",
         "calibrate",
@@ -93,6 +95,8 @@ fn every_command_that_the_tour_and_the_help_propose_is_understood() {
         "",
         "simulate",
         "compare",
+        "diagnose",
+        "refine",
         "control",
         "blackbox",
         "calibrate",

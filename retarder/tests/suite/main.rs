@@ -3,6 +3,7 @@
 mod compare;
 mod control;
 mod device;
+mod diagnose;
 #[cfg(feature = "image-in-the-loop")]
 mod image;
 mod listings;

@@ -275,6 +275,64 @@ fn options() {
 }
 
 #[test]
+fn effects_that_cannot_be_added() {
+    let bench = bench();
+    let log = data("synthetic/practice-01-check.csv");
+    for (added, expected) in [
+        (
+            &["chamber_leek"][..],
+            &["no effect `chamber_leek`, did you mean `chamber_leak`?"][..],
+        ),
+        (
+            &["leaks"],
+            &["no effect `leaks`; `retarder parameters` lists"],
+        ),
+        (
+            &["chamber_leak:square"],
+            &["has no form `square`", "orifice, laminar, mixed, power"],
+        ),
+        (
+            &["chamber_leak", "chamber_leak:laminar"],
+            &["--add chamber_leak is there more than once"],
+        ),
+    ] {
+        let adds = added.iter().flat_map(|effect| ["--add", effect]);
+        let arguments: Vec<&str> = ["refine", "--log", &log, "--out", "p.toml"]
+            .into_iter()
+            .chain(adds)
+            .collect();
+        check(&bench, &arguments, expected);
+    }
+    let vessel = data("plants/air-vessel-790kPa.toml");
+    check(
+        &bench,
+        &[
+            "refine",
+            "--plant",
+            &vessel,
+            "--log",
+            &log,
+            "--add",
+            "coil_heating",
+            "--out",
+            "p.toml",
+        ],
+        &["the plant has no coil", "leave out --add coil_heating"],
+    );
+    check(
+        &bench,
+        &["diagnose", "--log", "absent.csv"],
+        &["absent.csv", "check that the file exists"],
+    );
+    check(&bench, &["diagnose", "--log", "log.csv"], &["log.csv"]);
+    check(
+        &bench,
+        &["refine", "--log", &log, "--add", "chamber_leak"],
+        &["--out <FILE>"],
+    );
+}
+
+#[test]
 fn a_plant_without_valves_where_both_are_needed() {
     let bench = bench();
     let vessel = data("plants/air-vessel-790kPa.toml");

@@ -88,6 +88,19 @@ pub(crate) fn data(name: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
+/// The first seconds of a bundled log.
+pub(crate) fn beginning_of(name: &str, seconds: f64) -> String {
+    let text = fs::read_to_string(data(name)).unwrap();
+    let is_early = |line: &&str| {
+        let time_s: Option<f64> = line.split(',').next().and_then(|time| time.parse().ok());
+        time_s.is_none_or(|time_s| time_s < seconds)
+    };
+    text.lines()
+        .take_while(is_early)
+        .map(|line| format!("{line}\n"))
+        .collect()
+}
+
 /// A log of one second: shut, filling from 0.2 s, shut from 0.4 s.
 pub(crate) fn short_log() -> String {
     (0..100).fold(

@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use crate::runner::{Bench, data};
 
-const RESULTS: [&str; 7] = [
+/// Those of the commands that are run here first.
+const RESULTS: [&str; 10] = [
     "black-box",
     "comparison",
     "control",
@@ -15,6 +16,9 @@ const RESULTS: [&str; 7] = [
     "rigs",
     "simulation",
     "thesis",
+    "thesis-explanation",
+    "diagnosis",
+    "refinement",
 ];
 
 fn published(result: &str) -> PathBuf {
@@ -39,12 +43,23 @@ fn the_published_schemas_are_those_of_the_types() {
     }
 }
 
+/// Keeps `json`, a result that takes long, as the example of its schema where `BLESS=1` is set.
+pub(crate) fn keep_example(result: &str, json: &Value) {
+    if std::env::var_os("BLESS").is_some() {
+        fs::write(
+            published(result).with_extension("example.json"),
+            format!("{json:#}\n"),
+        )
+        .unwrap();
+    }
+}
+
 /// Real results are valid; with one more field at any depth, or one less, they are not.
 #[test]
 fn results_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
     let log = data("synthetic/practice-01-check.csv");
-    let runs: [&[&str]; 7] = [
+    let runs: [&[&str]; 8] = [
         &["blackbox", "--dut", "in-process", "--json"],
         &["compare", "--log", &log, "--json"],
         &["control", "--json"],
@@ -52,33 +67,48 @@ fn results_keep_to_their_schemas_and_nothing_else_does() {
         &["control", "--rigs", "1", "--json"],
         &["simulate", "--log", &log, "--out", "model.csv", "--json"],
         &["thesis", "--json"],
+        &["thesis", "--explain", "--json"],
     ];
     for (result, arguments) in RESULTS.into_iter().zip(runs) {
-        let json: Value = serde_json::from_str(&bench.run(arguments).out).unwrap();
-        let schema: Value = serde_json::from_str(&bench.run(&["schema", result]).out).unwrap();
-        let validator = jsonschema::validator_for(&schema).unwrap();
-        let problems: Vec<String> = validator
-            .iter_errors(&json)
-            .map(|error| format!("{}: {error}", error.instance_path()))
-            .collect();
-        assert!(problems.is_empty(), "{result}: {problems:?}");
-        assert_eq!(json["schema"], format!("retarder.{result}/1"));
-
-        let objects = pointers_to_objects(&json, String::new());
-        assert!(!objects.is_empty());
-        for pointer in objects {
-            let mut more = json.clone();
-            let object = more.pointer_mut(&pointer).unwrap().as_object_mut().unwrap();
-            object.insert("surprise".to_owned(), Value::Null);
-            assert!(
-                !validator.is_valid(&more),
-                "{result}: a surprise at `{pointer}` is accepted"
-            );
-        }
-        let mut less = json.clone();
-        less.as_object_mut().unwrap().remove("schema");
-        assert!(!validator.is_valid(&less), "{result}: no schema");
+        let json = serde_json::from_str(&bench.run(arguments).out).unwrap();
+        check(&bench, result, &json);
     }
+}
+
+#[test]
+fn examples_keep_to_their_schemas_and_nothing_else_does() {
+    let bench = Bench::new();
+    for result in &RESULTS[8..] {
+        let path = published(result).with_extension("example.json");
+        let json = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
+        check(&bench, result, &json);
+    }
+}
+
+fn check(bench: &Bench, result: &str, json: &Value) {
+    let schema: Value = serde_json::from_str(&bench.run(&["schema", result]).out).unwrap();
+    let validator = jsonschema::validator_for(&schema).unwrap();
+    let problems: Vec<String> = validator
+        .iter_errors(json)
+        .map(|error| format!("{}: {error}", error.instance_path()))
+        .collect();
+    assert!(problems.is_empty(), "{result}: {problems:?}");
+    assert_eq!(json["schema"], format!("retarder.{result}/1"));
+
+    let objects = pointers_to_objects(json, String::new());
+    assert!(!objects.is_empty());
+    for pointer in objects {
+        let mut more = json.clone();
+        let object = more.pointer_mut(&pointer).unwrap().as_object_mut().unwrap();
+        object.insert("surprise".to_owned(), Value::Null);
+        assert!(
+            !validator.is_valid(&more),
+            "{result}: a surprise at `{pointer}` is accepted"
+        );
+    }
+    let mut less = json.clone();
+    less.as_object_mut().unwrap().remove("schema");
+    assert!(!validator.is_valid(&less), "{result}: no schema");
 }
 
 /// Every object of the value, the first of each array.

@@ -29,3 +29,18 @@ fn a_wrong_plant_does_not() {
         .ended_with(1);
     assert_contains(&out, &["FAILS", "preload_fill_n = 4.5"]);
 }
+
+#[test]
+fn the_supply_line_explains_the_filling_times() {
+    let bench = Bench::new();
+    let out = bench.run(&["thesis", "--explain"]).ended_with(0);
+    assert_contains(
+        &out,
+        &[
+            "The times come in",
+            "line_volume_m3 = ",
+            "0.740",
+            "not fitted",
+        ],
+    );
+}

@@ -1,0 +1,298 @@
+//! The error that falls, the effects that compete, and the model before and after.
+
+use std::ops::Range;
+
+use model_lab::diagnosis::result::{Diagnosis, Step};
+use model_lab::result::{Comparison, SignalComparison};
+use plotters::style::RGBColor;
+use recording::Recording;
+
+use super::canvas::{
+    Align, Chart, LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, figure, union, with_room,
+};
+use super::comparison::{DUTIES_PX, duties, span};
+use super::course::Course;
+use super::figure::{Figure, PlotError};
+use super::palette;
+use super::quantity::{SmallUnit, capitalised, pressure_first, short, signal_words, unit_of};
+
+const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
+const OVERLAY_PX: i32 = 210;
+const RESIDUAL_PX: i32 = 130;
+/// Between two panels: the caption of the next one \[px\].
+const BETWEEN_PX: i32 = 44;
+const FIRST_TOP_PX: i32 = 62;
+
+/// Names left of the bars \[px\].
+const NAMES_PX: i32 = 236;
+/// Figures right of the bars \[px\].
+const FIGURES_PX: i32 = 190;
+const BARS_PX: i32 = WIDTH_PX - NAMES_PX - FIGURES_PX;
+const TOP_PX: i32 = 54;
+const ROW_PX: i32 = 22;
+const GROUP_PX: i32 = 14;
+
+/// The error of each signal over its noise floor, from the plain model to the last added effect.
+///
+/// # Errors
+/// The drawing itself fails.
+pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
+    let multiple = |step: &Step, signal: &str| step.check_rms[signal] / step.noise_floor[signal];
+    let longest = steps
+        .iter()
+        .flat_map(|step| {
+            step.check_rms
+                .keys()
+                .map(move |signal| multiple(step, signal))
+        })
+        .fold(1.0, f64::max);
+    let rows: i32 = steps.iter().map(|step| step.check_rms.len() as i32).sum();
+    let bottom = TOP_PX + rows * ROW_PX + steps.len() as i32 * (ROW_PX + GROUP_PX);
+    let title = "How the error falls: rms on what was held out, in multiples of the noise floor";
+    let place = |times: f64| NAMES_PX + (f64::from(BARS_PX) * times / longest).round() as i32;
+    figure(WIDTH_PX, bottom + 36, title, |sheet| {
+        sheet.title(title)?;
+        let mut top_px = TOP_PX - GROUP_PX;
+        for (index, step) in steps.iter().enumerate() {
+            top_px += GROUP_PX;
+            sheet.bold_text(&step_name(step), (8, top_px + ROW_PX / 2), Align::Left)?;
+            top_px += ROW_PX;
+            for (signal, rms) in pressure_first(&step.check_rms) {
+                let middle = top_px + ROW_PX / 2;
+                let times = multiple(step, signal);
+                let end = place(times);
+                let words = capitalised(signal_words(signal));
+                sheet.text(
+                    &words,
+                    (NAMES_PX - 10, middle),
+                    Align::Right,
+                    palette::LABEL,
+                )?;
+                let colour = if index == 0 {
+                    palette::MODEL
+                } else {
+                    palette::SHORT_HORIZON
+                };
+                sheet.rectangle([(NAMES_PX, middle - 7), (end, middle + 7)], colour)?;
+                let unit = SmallUnit::of_errors_in(unit_of(signal));
+                let figures = format!(
+                    "{} × noise, {} {}",
+                    short(times),
+                    short(rms * unit.per_unit),
+                    unit.symbol
+                );
+                sheet.text(&figures, (end + 8, middle), Align::Left, palette::INK)?;
+                top_px += ROW_PX;
+            }
+        }
+        let floor = place(1.0);
+        sheet.line([(floor, TOP_PX), (floor, bottom)], palette::LIMIT, 1.0)?;
+        sheet.small_text(
+            "noise floor",
+            (floor, bottom + 12),
+            Align::Centre,
+            palette::LIMIT,
+        )?;
+        sheet.line([(NAMES_PX, TOP_PX), (NAMES_PX, bottom)], palette::AXIS, 1.0)
+    })
+}
+
+/// What a row of the ladder is called.
+fn step_name(step: &Step) -> String {
+    match (&step.added, &step.variant) {
+        (Some(id), Some(variant)) => format!("+ {} ({variant})", id.replace('_', " ")),
+        _ => "Plain model".to_owned(),
+    }
+}
+
+/// The share of the excess error that each effect explains by itself.
+///
+/// # Errors
+/// The drawing itself fails.
+pub(crate) fn candidates(diagnosis: &Diagnosis) -> Result<Figure, PlotError> {
+    let bottom = TOP_PX + diagnosis.candidates.len() as i32 * ROW_PX;
+    let title = "What each effect explains by itself, everything refitted [% of the excess error]";
+    figure(WIDTH_PX, bottom + 30, title, |sheet| {
+        sheet.title(title)?;
+        for percent in [0, 25, 50, 75, 100] {
+            let x = NAMES_PX + BARS_PX * percent / 100;
+            sheet.line([(x, TOP_PX), (x, bottom)], palette::GRID, 1.0)?;
+            let label = percent.to_string();
+            sheet.small_text(&label, (x, bottom + 12), Align::Centre, palette::LABEL)?;
+        }
+        for (row, candidate) in diagnosis.candidates.iter().enumerate() {
+            let middle = TOP_PX + row as i32 * ROW_PX + ROW_PX / 2;
+            let is_named = diagnosis.effects.contains(&candidate.effect);
+            let name = candidate.effect.replace('_', " ");
+            let (colour, ink) = if is_named {
+                (palette::SHORT_HORIZON, palette::INK)
+            } else {
+                (palette::AXIS, palette::LABEL)
+            };
+            sheet.text(&name, (NAMES_PX - 10, middle), Align::Right, ink)?;
+            let share = candidate.explained_share.clamp(0.0, 1.0);
+            let end = NAMES_PX + (f64::from(BARS_PX) * share).round() as i32;
+            sheet.rectangle([(NAMES_PX, middle - 7), (end, middle + 7)], colour)?;
+            let mark = if is_named { "   named" } else { "" };
+            let figures = format!("{:.0}{mark}", 100.0 * share);
+            sheet.text(&figures, (end + 8, middle), Align::Left, ink)?;
+        }
+        sheet.line([(NAMES_PX, TOP_PX), (NAMES_PX, bottom)], palette::AXIS, 1.0)
+    })
+}
+
+/// One signal of a log with the plain and the refined model, both driven by the commands alone, and both residuals.
+///
+/// # Errors
+/// The drawing itself fails.
+pub(crate) fn before_and_after(
+    log: &Recording,
+    [before, after]: [&Comparison; 2],
+    signal: &SignalComparison,
+    window_s: Option<Range<f64>>,
+) -> Result<Figure, PlotError> {
+    let runs = [
+        Run::of(before, signal, "plain model", palette::MODEL),
+        Run::of(after, signal, "refined model", palette::SHORT_HORIZON),
+    ];
+    let window_s = window_s
+        .or_else(|| runs[0].modelled.as_ref().map(Course::window_s))
+        .unwrap_or(0.0..1.0);
+    let height_px = FIRST_TOP_PX + OVERLAY_PX + RESIDUAL_PX + 2 * BETWEEN_PX + DUTIES_PX + 46;
+    let words = signal_words(&signal.name);
+    let title = format!("{}, {}", capitalised(words), span(&window_s));
+    figure(WIDTH_PX, height_px, title.clone(), |sheet| {
+        sheet.title(&title)?;
+        let free_run = &before.traces.free_run;
+        let unit = free_run
+            .signal(&signal.name)
+            .map_or("", |signal| signal.unit().symbol());
+        let caption = format!("{} [{unit}]", capitalised(words));
+        draw_overlay(sheet, &caption, &runs, &window_s)?;
+        let top_px = FIRST_TOP_PX + OVERLAY_PX + BETWEEN_PX;
+        draw_residuals(sheet, top_px, signal, &runs, &window_s)?;
+        let top_px = top_px + RESIDUAL_PX + BETWEEN_PX;
+        duties(sheet, (LABELS_PX, top_px), PLOT_PX, log, &window_s)
+    })
+}
+
+/// One of the two models on the log.
+struct Run<'a> {
+    name: &'static str,
+    colour: RGBColor,
+    modelled: Option<Course<'a>>,
+    residual: Option<Course<'a>>,
+}
+
+impl<'a> Run<'a> {
+    fn of(
+        comparison: &'a Comparison,
+        signal: &SignalComparison,
+        name: &'static str,
+        colour: RGBColor,
+    ) -> Self {
+        let traces = &comparison.traces;
+        Self {
+            name,
+            colour,
+            modelled: Course::of(&traces.free_run, &signal.name),
+            residual: Course::of(&traces.free_run_residual, &signal.name),
+        }
+    }
+}
+
+fn draw_overlay(
+    sheet: &Sheet<'_>,
+    caption: &str,
+    runs: &[Run<'_>; 2],
+    window_s: &Range<f64>,
+) -> Result<(), PlotError> {
+    // Residuals are measured minus modelled, on the same instants.
+    let measured = runs[0]
+        .modelled
+        .as_ref()
+        .zip(runs[0].residual.as_ref())
+        .and_then(|(modelled, residual)| modelled.plus(residual));
+    let curves = [
+        (measured.as_ref(), palette::INK, 2.0),
+        (runs[0].modelled.as_ref(), runs[0].colour, 1.25),
+        (runs[1].modelled.as_ref(), runs[1].colour, 1.25),
+    ];
+    let extents = curves
+        .iter()
+        .filter_map(|(course, ..)| course.and_then(|course| course.extent(window_s)));
+    let mut chart = sheet.panel(&Panel {
+        corner: (LABELS_PX, FIRST_TOP_PX),
+        size: (PLOT_PX, OVERLAY_PX),
+        x: window_s.clone(),
+        y: with_room(extents.reduce(union).unwrap_or(0.0..1.0)),
+        x_caption: None,
+        y_caption: caption,
+    })?;
+    let legend = [
+        ("measured", palette::INK),
+        (runs[0].name, runs[0].colour),
+        (runs[1].name, runs[1].colour),
+    ];
+    sheet.legend((LABELS_PX + PLOT_PX, FIRST_TOP_PX - 16), &legend)?;
+    for (course, colour, width_px) in curves {
+        draw(&mut chart, course, colour, width_px, window_s)?;
+    }
+    Ok(())
+}
+
+fn draw_residuals(
+    sheet: &Sheet<'_>,
+    top_px: i32,
+    signal: &SignalComparison,
+    runs: &[Run<'_>; 2],
+    window_s: &Range<f64>,
+) -> Result<(), PlotError> {
+    let unit = SmallUnit::of_errors_in(&signal.unit);
+    let courses = runs.each_ref().map(|run| {
+        let course = run.residual.clone();
+        course.map(|course| course.times(unit.per_unit))
+    });
+    let sigma = signal.noise_floor.value.unwrap_or(0.0) * unit.per_unit;
+    let extents = courses
+        .iter()
+        .flatten()
+        .filter_map(|course| course.extent(window_s));
+    let extent = extents.fold(-3.5 * sigma..3.5 * sigma, union);
+    let mut chart = sheet.panel(&Panel {
+        corner: (LABELS_PX, top_px),
+        size: (PLOT_PX, RESIDUAL_PX),
+        x: window_s.clone(),
+        y: with_room(extent),
+        x_caption: None,
+        y_caption: &format!(
+            "Measured − modelled [{}], driven by the commands alone",
+            unit.symbol
+        ),
+    })?;
+    chart.band(-3.0 * sigma..3.0 * sigma, palette::BAND_OUTER)?;
+    let legend = [
+        ("noise ±3 σ", palette::BAND_OUTER),
+        (runs[0].name, runs[0].colour),
+        (runs[1].name, runs[1].colour),
+    ];
+    sheet.legend((LABELS_PX + PLOT_PX, top_px - 16), &legend)?;
+    chart.level(0.0, palette::AXIS)?;
+    for (run, course) in runs.iter().zip(&courses) {
+        draw(&mut chart, course.as_ref(), run.colour, 1.0, window_s)?;
+    }
+    Ok(())
+}
+
+fn draw(
+    chart: &mut Chart<'_>,
+    course: Option<&Course<'_>>,
+    colour: RGBColor,
+    width_px: f64,
+    window_s: &Range<f64>,
+) -> Result<(), PlotError> {
+    match course {
+        Some(course) => chart.curve(&course.lines(window_s, PLOT_PX as usize), colour, width_px),
+        None => Ok(()),
+    }
+}

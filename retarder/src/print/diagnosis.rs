@@ -1,0 +1,392 @@
+//! Which physical effect is missing, and how the error falls with it.
+
+use model_lab::diagnosis::result::{
+    Candidate, Cost, DetectionLimit, Diagnosis, FittedParameter, NuisanceValue, Regime, Step,
+    Verdict,
+};
+
+use super::number::{percent, significant};
+use super::table::{Align, Entry, Table, bar, painted};
+use super::{Colour, Terminal, painted_paragraph, paragraph, title};
+use crate::plot::{SmallUnit, pressure_first, unit_of};
+use crate::run::diagnose::{Diagnosed, RefinedPlant};
+
+/// Width of the longest bar of the ladder in characters.
+const BAR: usize = 24;
+/// So many neighbours of a named effect are listed.
+const NEIGHBOURS: usize = 4;
+
+/// The whole diagnosis, the answer first.
+pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
+    let found = &diagnosed.diagnosis;
+    let plant = &diagnosed.task.plant.name;
+    let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
+    text += &painted_paragraph(
+        colour_of(found.verdict),
+        &capital(&found.sentence),
+        terminal,
+    );
+    for candidate in named(found) {
+        text += &paragraph(
+            &format!("{}: {}", candidate.effect, candidate.physics),
+            terminal,
+        );
+    }
+    text += "\n";
+    text += &ladder(&found.ladder, terminal);
+    text += "\n";
+    text += &candidates(found, terminal);
+    text += "\n";
+    text += &limits(found, terminal);
+    text += "\n";
+    text += &neighbours(found, terminal);
+    text += &nuisance(&found.nuisance, terminal);
+    text += &location(found, terminal);
+    for sentence in &found.remaining.sentences {
+        text += &paragraph(&format!("Remaining: {sentence}."), terminal);
+    }
+    text += "\n";
+    text += &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal);
+    if let Some(command) = diagnosed.next_command() {
+        text += &format!("\nNext:\n  {command}\n");
+    }
+    text
+}
+
+/// What became of the plant.
+pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String {
+    let found = &refined.refined.refinement;
+    let plant = &refined.task.plant.name;
+    let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
+    text += &paragraph(&(capital(&found.sentence) + "."), terminal);
+    text += "\n";
+    text += &ladder(&found.ladder, terminal);
+    text += "\n";
+    let mut table = Table::new(
+        [
+            ("effect", Align::Left),
+            ("fitted", Align::Right),
+            ("95 % interval", Align::Left),
+            ("unit", Align::Left),
+            ("", Align::Left),
+        ],
+        terminal,
+    );
+    for effect in &found.effects {
+        table.heading(&format!("{}, {}", effect.effect, effect.variant));
+        for parameter in &effect.parameters {
+            table.row([
+                format!("  {}", parameter.key).into(),
+                significant(parameter.value, 4).into(),
+                interval(parameter).into(),
+                parameter.unit.as_str().into(),
+                bound(parameter),
+            ]);
+        }
+        table.remark(&format!("{}.", capital(&effect.plausibility)));
+    }
+    text += &table.to_string();
+    text += "\n";
+    text += &nuisance(&found.nuisance, terminal);
+    text + &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal)
+}
+
+fn headline(plant: &str, logs: &[String], check: &[String]) -> String {
+    let judged = if check.is_empty() {
+        "blocks of the log, held out".to_owned()
+    } else {
+        check.join(", ")
+    };
+    format!("{plant} against {}; judged on {judged}", logs.join(", "))
+}
+
+fn colour_of(verdict: Verdict) -> Colour {
+    match verdict {
+        Verdict::Adequate | Verdict::Found => Colour::Good,
+        Verdict::FormWrong => Colour::Notice,
+        Verdict::NotInLibrary => Colour::Bad,
+    }
+}
+
+fn named(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
+    found
+        .effects
+        .iter()
+        .filter_map(|id| found.candidates.iter().find(|one| one.effect == *id))
+}
+
+/// Falling bars, one per signal and step.
+fn ladder(steps: &[Step], terminal: &Terminal) -> String {
+    let mut table = Table::new(
+        [
+            ("How the error falls", Align::Left),
+            ("×noise", Align::Right),
+            ("", Align::Left),
+            ("rms", Align::Right),
+            ("floor", Align::Right),
+            ("unit", Align::Left),
+            ("free run", Align::Right),
+        ],
+        terminal,
+    );
+    let multiple = |step: &Step, signal: &str| step.check_rms[signal] / step.noise_floor[signal];
+    let longest = steps
+        .iter()
+        .flat_map(|step| {
+            step.check_rms
+                .keys()
+                .map(move |signal| multiple(step, signal))
+        })
+        .fold(1.0, f64::max);
+    for step in steps {
+        table.heading(&step_name(step));
+        for (signal, rms) in pressure_first(&step.check_rms) {
+            let unit = SmallUnit::of_errors_in(unit_of(signal));
+            let scaled = |value: f64| significant(value * unit.per_unit, 3);
+            let times = multiple(step, signal);
+            let colour = if times > 1.5 {
+                Colour::Notice
+            } else {
+                Colour::Good
+            };
+            let free = step.free_run_check_rms.get(signal).copied();
+            table.row([
+                format!("  {signal}").into(),
+                format!("{times:.2}").into(),
+                painted(colour, bar(times / longest, BAR)),
+                scaled(rms).into(),
+                scaled(step.noise_floor[signal]).into(),
+                unit.symbol.into(),
+                free.map_or_else(String::new, scaled).into(),
+            ]);
+        }
+    }
+    let explanation = "On what was held out. ×noise: the error over what a perfect model would leave, so that 1 is the \
+        end of the stairs. rms: predicted from sample to sample; free run: driven by the commands alone.";
+    table.to_string() + &painted_paragraph(Colour::Faint, explanation, terminal)
+}
+
+/// What a row of the ladder is called.
+fn step_name(step: &Step) -> String {
+    match (&step.added, &step.variant) {
+        (Some(id), Some(variant)) => format!(
+            "+ {id} ({variant}): {} explained",
+            percent(step.explained_share)
+        ),
+        _ => "the plain model, refitted within its tolerances".to_owned(),
+    }
+}
+
+/// The effects that explain something, ranked.
+fn candidates(found: &Diagnosis, terminal: &Terminal) -> String {
+    let mut table = Table::new(
+        [
+            ("candidate", Align::Left),
+            ("explains", Align::Right),
+            ("fitted (95 % interval)", Align::Left),
+            ("", Align::Left),
+        ],
+        terminal,
+    );
+    for candidate in found.contenders() {
+        let name = format!("{} ({})", candidate.effect, candidate.variant);
+        let name: Entry = if found.effects.contains(&candidate.effect) {
+            painted(Colour::Title, name)
+        } else {
+            name.into()
+        };
+        let fitted: Vec<String> = candidate.parameters.iter().map(fitted).collect();
+        table.row([
+            name,
+            percent(candidate.explained_share.max(0.0)).into(),
+            fitted.join("\n").into(),
+            plausibility(candidate),
+        ]);
+    }
+    let left_out = found.candidates.len() - found.contenders().count();
+    let explanation = format!(
+        "explains: share of the plain model's excess error, each effect alone, everything refitted. \
+         The other {left_out} effects of the library explain less than 5 %."
+    );
+    table.to_string() + &painted_paragraph(Colour::Faint, &explanation, terminal)
+}
+
+/// The size at which each effect would have been named.
+fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
+    let mut table = Table::new(
+        [
+            ("would have shown", Align::Left),
+            ("at", Align::Right),
+            ("", Align::Left),
+        ],
+        terminal,
+    );
+    let mut not_excited = Vec::new();
+    for candidate in &found.candidates {
+        match &candidate.detection_limit {
+            DetectionLimit::Size { key, value, .. } => table.row([
+                candidate.effect.as_str().into(),
+                format!("{} {}", beyond(candidate), significant(*value, 2)).into(),
+                painted(Colour::Faint, key),
+            ]),
+            DetectionLimit::NotExcited { manoeuvre } => {
+                not_excited.push((candidate.effect.as_str(), manoeuvre));
+            }
+        }
+    }
+    let mut text = table.to_string();
+    for (id, manoeuvre) in not_excited {
+        let sentence = format!("Not excited: {id}. To see it: {manoeuvre}.");
+        text += &painted_paragraph(Colour::Notice, &sentence, terminal);
+    }
+    text
+}
+
+/// On which side of its detection limit an effect shows.
+fn beyond(candidate: &Candidate) -> char {
+    if candidate.is_stronger_below() {
+        '≤'
+    } else {
+        '≥'
+    }
+}
+
+fn fitted(parameter: &FittedParameter) -> String {
+    format!(
+        "{} = {} ({})",
+        parameter.key,
+        significant(parameter.value, 3),
+        interval(parameter)
+    )
+}
+
+fn interval(parameter: &FittedParameter) -> String {
+    format!(
+        "{} to {}",
+        significant(parameter.low, 3),
+        significant(parameter.high, 3)
+    )
+}
+
+fn bound(parameter: &FittedParameter) -> Entry {
+    if parameter.at_bound {
+        painted(Colour::Notice, "at the end of its range")
+    } else {
+        String::new().into()
+    }
+}
+
+/// The first word of the plausibility: the rest is in the JSON and in the report.
+fn plausibility(candidate: &Candidate) -> Entry {
+    let word = candidate.plausibility.split(':').next().unwrap_or_default();
+    let colour = match word {
+        "plausible" => Colour::Good,
+        _ => Colour::Notice,
+    };
+    painted(colour, word)
+}
+
+/// What can be mistaken for the named effects.
+fn neighbours(found: &Diagnosis, terminal: &Terminal) -> String {
+    let mut text = String::new();
+    for (id, distances) in &found.distinguishability {
+        let alike = found.equivalents.get(id).map_or(&[][..], Vec::as_slice);
+        let mut nearest: Vec<(&String, f64)> =
+            distances.iter().map(|(id, far)| (id, *far)).collect();
+        nearest.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let listed: Vec<String> = nearest
+            .iter()
+            .take(NEIGHBOURS)
+            .map(|(id, far)| format!("{id} {}", significant(*far, 2)))
+            .collect();
+        let others: Vec<&str> = alike
+            .iter()
+            .filter(|one| *one != id)
+            .map(String::as_str)
+            .collect();
+        let beginning = if others.is_empty() {
+            format!("Nothing else in the library does what {id} does here.")
+        } else {
+            format!("These logs cannot tell {id} from {}.", others.join(", "))
+        };
+        text += &paragraph(
+            &format!(
+                "{beginning} Nearest, in standard deviations of the noise: {} (below 3.3 they are mistaken for each other).",
+                listed.join(", ")
+            ),
+            terminal,
+        );
+    }
+    text
+}
+
+/// What left its tolerance, or that nothing did.
+fn nuisance(values: &[NuisanceValue], terminal: &Terminal) -> String {
+    let alarms: Vec<&NuisanceValue> = values
+        .iter()
+        .filter(|value| value.alarm.is_some())
+        .collect();
+    if alarms.is_empty() {
+        let sentence = format!(
+            "{} parameters that differ from rig to rig were refitted; all stayed within their tolerances.",
+            values.len()
+        );
+        return paragraph(&sentence, terminal);
+    }
+    alarms
+        .into_iter()
+        .map(|value| {
+            let sentence = format!(
+                "{} = {} {} (plant file {}, allowed ±{}, plain model {}): {}.",
+                value.name,
+                significant(value.fitted, 3),
+                value.unit,
+                significant(value.datasheet, 3),
+                significant(value.tolerance, 2),
+                significant(value.plain, 3),
+                value.alarm.as_deref().unwrap_or_default()
+            );
+            painted_paragraph(Colour::Notice, &sentence, terminal)
+        })
+        .collect()
+}
+
+/// The regimes that hold the excess, before and after.
+fn location(found: &Diagnosis, terminal: &Terminal) -> String {
+    let placed = |regimes: &[Regime]| -> Vec<String> {
+        let placed = regimes.iter().filter(|regime| regime.regime.is_some());
+        placed
+            .map(|regime| format!("{}, {}: {}", regime.log, regime.signal, regime.sentence))
+            .collect()
+    };
+    let mut text = String::new();
+    for sentence in placed(&found.location.before) {
+        text += &paragraph(&format!("Before: {sentence}."), terminal);
+    }
+    if !found.effects.is_empty() {
+        let after = placed(&found.location.after);
+        if after.is_empty() {
+            text += &paragraph("After: no excess error is left to place.", terminal);
+        }
+        for sentence in after {
+            text += &paragraph(&format!("After: {sentence}."), terminal);
+        }
+    }
+    text
+}
+
+fn cost(cost: &Cost) -> String {
+    let real_time = cost.log_s / (1e-3 * cost.per_simulation_ms);
+    format!(
+        "{} simulations of {} s of log in {} s; one takes {} ms, {} times real time.",
+        cost.simulations,
+        significant(cost.log_s, 3),
+        significant(cost.elapsed_s, 3),
+        significant(cost.per_simulation_ms, 3),
+        significant(real_time, 2),
+    )
+}
+
+fn capital(sentence: &str) -> String {
+    crate::plot::capitalised(sentence)
+}

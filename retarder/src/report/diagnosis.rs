@@ -1,0 +1,283 @@
+//! Which physical effect is missing.
+
+use maud::{Markup, html};
+use model_lab::diagnosis::result::{
+    Candidate, DetectionLimit, Diagnosis, NuisanceValue, Regime, Step, Verdict,
+};
+use model_lab::result::SignalComparison;
+
+use super::contents::DiagnosisPart;
+use super::element::{figure, foreign};
+use super::number::{number, percent};
+use crate::plot::{self, SmallUnit, capitalised, pressure_first, signal_words, unit_of};
+
+/// Length of the excerpts \[s\].
+const EXCERPT_S: f64 = 10.0;
+
+/// The verdict in a few words.
+pub(super) fn badge(diagnosis: &Diagnosis) -> Markup {
+    let (class, words) = match diagnosis.verdict {
+        Verdict::Adequate => ("badge holds", "✓ nothing is missing"),
+        Verdict::Found => ("badge holds", "✓ found"),
+        Verdict::FormWrong => ("badge open", "? found in part"),
+        Verdict::NotInLibrary => ("badge fails", "✗ not in the library"),
+    };
+    html! { span class=(class) { (words) } }
+}
+
+pub(super) fn headline(diagnosis: &Diagnosis) -> String {
+    capitalised(&diagnosis.sentence) + "."
+}
+
+pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
+    let diagnosis = part.diagnosis;
+    let named = |candidate: &&Candidate| diagnosis.effects.contains(&candidate.effect);
+    html! {
+        section #diagnosis {
+            h2 { "Which effect is missing? " (badge(diagnosis)) }
+            p.rule { "Judged on " (foreign(&diagnosis.held_out)) "; " (foreign(&diagnosis.predictor)) "." }
+            @for candidate in diagnosis.candidates.iter().filter(named) {
+                p.finding { strong { (foreign(&title(&candidate.effect))) } ": " (foreign(&candidate.physics)) }
+            }
+            @if let Some(command) = part.next_command {
+                p.lead { "Put it into the plant file:" }
+                pre { code { (foreign(command)) } }
+            }
+            (figure(plot::ladder(&diagnosis.ladder)))
+            details { summary { "The same in numbers" } (ladder_table(&diagnosis.ladder)) }
+            (before_and_after(part))
+            h3 { "The candidates" }
+            (figure(plot::candidates(diagnosis)))
+            (candidate_table(diagnosis))
+            (neighbours(diagnosis))
+            h3 { "What differs from rig to rig" }
+            p { "Refitted within the tolerance of the datasheet, with every candidate. A value at the end of its tolerance says that physics is missing." }
+            (nuisance_table(&diagnosis.nuisance))
+            (location(diagnosis))
+            @if !diagnosis.remaining.sentences.is_empty() {
+                h3 { "What remains" }
+                ul { @for sentence in &diagnosis.remaining.sentences { li { (foreign(sentence)) } } }
+            }
+            p.note {
+                (diagnosis.cost.simulations) " simulations of " (number(diagnosis.cost.log_s)) " s of log in "
+                (number(diagnosis.cost.elapsed_s)) " s; one takes " (number(diagnosis.cost.per_simulation_ms)) " ms."
+            }
+        }
+    }
+}
+
+fn title(id: &str) -> String {
+    capitalised(&id.replace('_', " "))
+}
+
+fn ladder_table(steps: &[Step]) -> Markup {
+    html! {
+        div.table {
+            table {
+                thead {
+                    tr {
+                        th { "Step" } th { "Signal" } th { "Unit" } th.number { "Rms, fitted logs" } th.number { "Rms, held out" }
+                        th.number { "Noise floor" } th.number { "Rms, free run" } th.number { "Explained" } th.number { "Fitted parameters" }
+                    }
+                }
+                tbody {
+                    @for step in steps {
+                        @for (index, (signal, rms)) in pressure_first(&step.check_rms).enumerate() {
+                            @let unit = SmallUnit::of_errors_in(unit_of(signal));
+                            @let scaled = |value: Option<&f64>| value.map_or(String::new(), |value| number(value * unit.per_unit));
+                            tr {
+                                th scope="row" { @if index == 0 { (foreign(step.added.as_deref().unwrap_or("plain model"))) } }
+                                td { (foreign(&capitalised(signal_words(signal)))) }
+                                td.unit { (unit.symbol) }
+                                td.number { (scaled(step.fit_rms.get(signal))) }
+                                td.number { (scaled(Some(&rms))) }
+                                td.number { (scaled(step.noise_floor.get(signal))) }
+                                td.number { (scaled(step.free_run_check_rms.get(signal))) }
+                                td.number { @if index == 0 { (percent(step.explained_share)) } }
+                                td.number { @if index == 0 { (step.free_parameters) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn before_and_after(part: &DiagnosisPart<'_>) -> Markup {
+    let Some(runs) = &part.runs else {
+        return html! {};
+    };
+    let both = [&runs.before, &runs.after];
+    let caption = |signal: &SignalComparison, after: Option<&SignalComparison>| {
+        let unit = SmallUnit::of_errors_in(&signal.unit);
+        let of = |signal: &SignalComparison| number(signal.free_run.rms * unit.per_unit);
+        let after = after.map_or(String::new(), |after| {
+            format!(" → {} {}", of(after), unit.symbol)
+        });
+        format!("Free run: {} {}{after} rms.", of(signal), unit.symbol)
+    };
+    html! {
+        h3 { "Before and after, " (foreign(&runs.before.log)) }
+        @for signal in &runs.before.signals {
+            @let after = runs.after.signals.iter().find(|one| one.name == signal.name);
+            @let excerpt_s = plot::excerpt(&runs.before, &signal.name, EXCERPT_S);
+            article {
+                h3 { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }
+                p.finding { (caption(signal, after)) }
+                @if let Some(excerpt_s) = excerpt_s {
+                    p.lead { "Where the plain model is furthest off:" }
+                    (figure(plot::before_and_after(runs.log, both, signal, Some(excerpt_s))))
+                    details {
+                        summary { "The whole log" }
+                        (figure(plot::before_and_after(runs.log, both, signal, None)))
+                    }
+                } @else {
+                    (figure(plot::before_and_after(runs.log, both, signal, None)))
+                }
+            }
+        }
+    }
+}
+
+fn candidate_table(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        div.table {
+            table {
+                caption { "Each effect alone on top of the plain model; a named one with all named ones. Evidence: difference of Schwarz's criterion, above 10 it is strong." }
+                thead {
+                    tr {
+                        th { "Effect" } th.number { "Explained" } th.number { "Evidence" } th { "Fitted, 95 % interval" } th { "Size" }
+                        th { "Would show at" }
+                    }
+                }
+                tbody {
+                    @for candidate in &diagnosis.candidates {
+                        (candidate_row(candidate, diagnosis.contenders().any(|one| one == candidate)))
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn candidate_row(candidate: &Candidate, is_contender: bool) -> Markup {
+    html! {
+        tr {
+            th scope="row" { (foreign(&title(&candidate.effect))) br; span.note { (foreign(&candidate.variant)) } }
+            td.number { @if candidate.explained_share < 0.0 { "none" } @else { (percent(candidate.explained_share)) } }
+            td.number { (format!("{:.0}", candidate.evidence).replace('-', "\u{2212}")) }
+            td {
+                @for parameter in candidate.parameters.iter().filter(|_| is_contender) {
+                    div {
+                        code { (foreign(&parameter.key)) } " " (engineering(parameter.value)) " "
+                        span.note { "(" (engineering(parameter.low)) " to " (engineering(parameter.high)) ")" } " " (foreign(&parameter.unit))
+                    }
+                }
+            }
+            td { @if is_contender { (foreign(&candidate.plausibility)) } }
+            td {
+                @match &candidate.detection_limit {
+                    DetectionLimit::Size { key, value, .. } => {
+                        @if candidate.is_stronger_below() { "≤ " } @else { "≥ " } (engineering(*value)) br; code { (foreign(key)) }
+                    }
+                    DetectionLimit::NotExcited { manoeuvre } => {
+                        "not excited" br; span.note { (foreign(manoeuvre)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Values of any size: three digits, with a power of ten where digits would be many zeros.
+fn engineering(value: f64) -> String {
+    let text = if value != 0.0 && !(0.1..1e5).contains(&value.abs()) {
+        format!("{value:.2e}")
+    } else {
+        number(value)
+    };
+    text.replace('-', "\u{2212}")
+}
+
+fn neighbours(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @for (id, distances) in &diagnosis.distinguishability {
+            @let alike = diagnosis.equivalents.get(id).map_or(0, Vec::len);
+            @let nearest = nearest(distances);
+            p {
+                @if alike > 1 {
+                    "These logs cannot tell " strong { (foreign(&title(id))) } " from "
+                    (foreign(&diagnosis.equivalents[id].iter().filter(|one| *one != id).cloned().collect::<Vec<_>>().join(", "))) ". "
+                } @else {
+                    "Nothing else in the library does what " strong { (foreign(&title(id))) } " does in these logs. "
+                }
+                "Nearest, in standard deviations of the noise: "
+                @for (index, (other, far)) in nearest.iter().enumerate() {
+                    @if index > 0 { ", " } (foreign(other)) " " (number(*far))
+                }
+                ". Below 3.3 they are mistaken for each other in more than one of twenty logs."
+            }
+        }
+    }
+}
+
+fn nearest(distances: &model_lab::diagnosis::result::BySignal) -> Vec<(&str, f64)> {
+    let mut nearest: Vec<(&str, f64)> = distances
+        .iter()
+        .map(|(id, far)| (id.as_str(), *far))
+        .collect();
+    nearest.sort_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.truncate(4);
+    nearest
+}
+
+fn nuisance_table(values: &[NuisanceValue]) -> Markup {
+    html! {
+        div.table {
+            table {
+                thead {
+                    tr {
+                        th { "Parameter" } th { "Unit" } th.number { "Plant file" } th.number { "Tolerance" } th.number { "Plain model" }
+                        th.number { "With the effects" } th.number { "95 % interval" } th { "Alarm" }
+                    }
+                }
+                tbody {
+                    @for value in values {
+                        tr {
+                            th scope="row" { code { (foreign(&value.name)) } }
+                            td.unit { (foreign(&value.unit)) }
+                            td.number { (engineering(value.datasheet)) }
+                            td.number { "± " (engineering(value.tolerance)) }
+                            td.number { (engineering(value.plain)) }
+                            td.number { (engineering(value.fitted)) }
+                            td.number { (engineering(value.low)) " to " (engineering(value.high)) }
+                            td { @if let Some(alarm) = &value.alarm { (foreign(alarm)) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn location(diagnosis: &Diagnosis) -> Markup {
+    let list = |regimes: &[Regime]| {
+        html! {
+            ul {
+                @for regime in regimes {
+                    li { (foreign(&regime.log)) ", " code { (foreign(&regime.signal)) } ": " (foreign(&regime.sentence)) "." }
+                }
+            }
+        }
+    };
+    html! {
+        h3 { "Where the excess error is" }
+        p.lead { "With the plain model:" }
+        (list(&diagnosis.location.before))
+        @if !diagnosis.effects.is_empty() {
+            p.lead { "With the named effects:" }
+            (list(&diagnosis.location.after))
+        }
+    }
+}

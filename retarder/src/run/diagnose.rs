@@ -1,0 +1,98 @@
+//! Which physical effect is missing, and the plant with it.
+
+use core::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use model_lab::diagnosis::result::Verdict;
+use model_lab::diagnosis::{Diagnosis, Progress as Stage, Refined, diagnose, refine as fit};
+use recording::Recording;
+
+use super::Answer;
+use crate::failure::Failure;
+use crate::input::NamedPlant;
+use crate::interrupt;
+use crate::progress::Progress;
+
+/// What is to be explained.
+pub(crate) struct Task {
+    pub(crate) plant: NamedPlant,
+    pub(crate) logs: Vec<Recording>,
+    pub(crate) check: Vec<Recording>,
+    /// The options that name all of it, as a person would type them.
+    pub(crate) options: String,
+}
+
+/// An effect that is asked for: its id, and the form of its law.
+pub(crate) type Asked = (String, Option<String>);
+
+/// A diagnosis with what was diagnosed.
+pub(crate) struct Diagnosed {
+    pub(crate) task: Task,
+    pub(crate) diagnosis: Diagnosis,
+}
+
+/// A refined plant with what it was fitted to.
+pub(crate) struct RefinedPlant {
+    pub(crate) task: Task,
+    pub(crate) refined: Refined,
+}
+
+/// Tries the library.
+pub(crate) fn run(task: Task) -> Result<Diagnosed, Failure> {
+    let diagnosis =
+        watched(|watch| diagnose(&task.plant.parameters, &task.logs, &task.check, watch))?;
+    Ok(Diagnosed { task, diagnosis })
+}
+
+/// Adds the effects of `add` and fits.
+pub(crate) fn refine(task: Task, add: &[Asked]) -> Result<RefinedPlant, Failure> {
+    let refined =
+        watched(|watch| fit(&task.plant.parameters, &task.logs, &task.check, add, watch))?;
+    Ok(RefinedPlant { task, refined })
+}
+
+/// Does long work that shows how far it is, and that Ctrl-C stops.
+fn watched<T, E>(
+    work: impl FnOnce(&(dyn Fn(Stage) -> ControlFlow<()> + Sync)) -> Result<T, E>,
+) -> Result<T, Failure>
+where
+    Failure: From<E>,
+{
+    let is_interrupted = interrupt::flag()?;
+    let progress = Progress::of_stages();
+    Ok(work(&|stage| see(&progress, stage, &is_interrupted))?)
+}
+
+fn see(progress: &Progress, stage: Stage, is_interrupted: &AtomicBool) -> ControlFlow<()> {
+    progress.reach(stage.stage, stage.done);
+    if is_interrupted.load(Ordering::Relaxed) {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
+}
+
+/// File that the proposed command writes.
+const REFINED_FILE: &str = "refined.toml";
+
+impl Diagnosed {
+    pub(crate) fn answer(&self) -> Answer {
+        Answer::of(self.diagnosis.verdict == Verdict::Adequate)
+    }
+
+    /// The command that adds the named effects; none where none is named.
+    pub(crate) fn next_command(&self) -> Option<String> {
+        if self.diagnosis.effects.is_empty() {
+            return None;
+        }
+        let steps = self.diagnosis.ladder.iter();
+        let added: String = steps
+            .filter_map(|step| Some((step.added.as_ref()?, step.variant.as_ref()?)))
+            .map(|(id, variant)| format!(" --add {id}:{variant}"))
+            .collect();
+        Some(format!(
+            "retarder refine{}{added} --out {REFINED_FILE}",
+            self.task.options
+        ))
+    }
+}
