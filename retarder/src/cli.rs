@@ -2,6 +2,7 @@
 
 mod device;
 mod diagnosis;
+mod next_experiment;
 
 use std::path::PathBuf;
 
@@ -16,6 +17,7 @@ pub(crate) use device::{
     BlackBoxArgs, CalibrateArgs, CalibrateCommand, MeasureArgs, ReadArgs, WriteArgs,
 };
 pub(crate) use diagnosis::{DiagnoseArgs, LogsArgs, RefineArgs};
+pub(crate) use next_experiment::NextExperimentArgs;
 
 /// Model-based control of two on/off solenoid valves: simulate the plant, hold the model against a bench log, close
 /// the loop.
@@ -51,6 +53,8 @@ pub(crate) enum Command {
     Diagnose(DiagnoseArgs),
     /// Put effects into a plant file, fitted to a bench log
     Refine(RefineArgs),
+    /// Plan the experiment that tells rival effects apart
+    NextExperiment(NextExperimentArgs),
     /// Run the closed loop on the model and judge it by the thesis' requirements
     Control(ControlArgs),
     /// Read the black box of a device: its last seconds before the first fault
@@ -324,6 +328,8 @@ pub(crate) enum SchemaName {
     Diagnosis,
     /// retarder.refinement/1, of `refine`
     Refinement,
+    /// retarder.next-experiment/1, of `next-experiment`
+    NextExperiment,
     /// retarder.rigs/1, of `control --rigs`
     Rigs,
     /// retarder.simulation/1, of `simulate`

@@ -81,6 +81,7 @@ fn csv(outcome: &Outcome) -> Option<String> {
     match outcome {
         Outcome::BlackBox(black_box) => Some(black_box.csv()),
         Outcome::Measurement(measurement) => Some(measurement.csv.clone()),
+        Outcome::NextExperiment(planned) => Some(planned.next.csv()),
         _ => None,
     }
 }
@@ -91,6 +92,7 @@ fn json(outcome: &Outcome) -> Option<String> {
         Outcome::Comparison(compared) => serde_json::to_string_pretty(&compared.comparison),
         Outcome::Diagnosis(diagnosed) => serde_json::to_string_pretty(&diagnosed.diagnosis),
         Outcome::Refinement(refined) => serde_json::to_string_pretty(&refined.refined.refinement),
+        Outcome::NextExperiment(planned) => serde_json::to_string_pretty(&planned.next),
         Outcome::Control(controlled) => match &controlled.device {
             Some(report) => serde_json::to_string_pretty(&controlled.on_device(report)),
             None if controlled.rigs.is_empty() => serde_json::to_string_pretty(&controlled.verdict),

@@ -99,6 +99,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
         Outcome::Simulation(_)
         | Outcome::Refinement(_)
         | Outcome::ThesisExplanation(_)
+        | Outcome::NextExperiment(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
         | Outcome::BlackBox(_)

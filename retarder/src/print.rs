@@ -6,6 +6,7 @@ mod control;
 mod device;
 mod diagnosis;
 mod live;
+mod next_experiment;
 mod number;
 mod parameters;
 mod serve;
@@ -125,6 +126,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::Comparison(compared) => comparison::comparison(compared, terminal),
         Outcome::Diagnosis(diagnosed) => diagnosis::diagnosis(diagnosed, terminal),
         Outcome::Refinement(refined) => diagnosis::refinement(refined, terminal),
+        Outcome::NextExperiment(planned) => next_experiment::next_experiment(planned, terminal),
         Outcome::Control(controlled) => control::control(controlled, terminal),
         Outcome::BlackBox(black_box) => device::black_box(black_box, terminal),
         Outcome::DeviceSettings(settings) => device::settings(settings, terminal),

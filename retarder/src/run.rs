@@ -8,6 +8,7 @@ pub(crate) mod device;
 pub(crate) mod device_report;
 pub(crate) mod diagnose;
 pub(crate) mod measurement;
+pub(crate) mod next_experiment;
 mod row_output;
 pub(crate) mod schema;
 pub(crate) mod serve;
@@ -24,6 +25,7 @@ pub(crate) enum Outcome {
     Comparison(Box<compare::Compared>),
     Diagnosis(Box<diagnose::Diagnosed>),
     Refinement(Box<diagnose::RefinedPlant>),
+    NextExperiment(Box<next_experiment::Planned>),
     Control(Box<control::Controlled>),
     BlackBox(black_box::BlackBox),
     DeviceSettings(calibrate::Settings),
@@ -64,6 +66,7 @@ impl Outcome {
         match self {
             Self::Comparison(compared) => compared.answer(),
             Self::Diagnosis(diagnosed) => diagnosed.answer(),
+            Self::NextExperiment(planned) => planned.answer(),
             Self::Control(controlled) => Answer::of(controlled.holds()),
             Self::Measurement(measurement) => measurement.answer(),
             Self::Thesis(figures) => Answer::of(figures.table.holds),

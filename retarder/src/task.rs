@@ -5,13 +5,14 @@ use std::path::PathBuf;
 
 use clap::CommandFactory as _;
 use model_lab::CompareOptions;
+use model_lab::diagnosis::next_experiment::Limits;
 use plant_sim::effects::by_id;
 use plant_sim::parameters::Part;
 use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
     Assignment, BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs,
-    DiagnoseArgs, LogsArgs, PlantArgs, RefineArgs, SchemaName, SimulateArgs,
+    DiagnoseArgs, LogsArgs, NextExperimentArgs, PlantArgs, RefineArgs, SchemaName, SimulateArgs,
 };
 use crate::failure::Failure;
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
@@ -42,6 +43,7 @@ enum Work {
         scenario: Box<NamedScenario>,
         rigs: u32,
     },
+    NextExperiment(Box<run::next_experiment::Task>),
     OnDevice(Box<run::device::Task>),
     BlackBox(BlackBoxArgs),
     Calibrate(CalibrateCommand),
@@ -69,6 +71,7 @@ impl Task {
             Some(Command::Compare(args)) => compare(args, &mut targets)?,
             Some(Command::Diagnose(args)) => diagnose(args, &mut targets)?,
             Some(Command::Refine(args)) => refine(args, &mut targets)?,
+            Some(Command::NextExperiment(args)) => next_experiment(args, &mut targets)?,
             Some(Command::Control(args)) => control(args, &mut targets)?,
             Some(Command::BlackBox(mut args)) => {
                 if goes_to_standard_output(&args.out.out)
@@ -146,6 +149,9 @@ impl Task {
             }
             Work::Control { scenario, rigs } => {
                 Outcome::Control(Box::new(run::control::run(*scenario, rigs)?))
+            }
+            Work::NextExperiment(task) => {
+                Outcome::NextExperiment(Box::new(run::next_experiment::run(*task)?))
             }
             Work::OnDevice(task) => {
                 let mut live = Live::new(&task.scenario.scenario, task.pace);
@@ -282,6 +288,37 @@ fn options(logs: &LogsArgs, plant: &PlantArgs) -> String {
         add("--set", &format!("{name}={value}"));
     }
     text
+}
+
+/// Highest pressure of an experiment that sets no limit of its own, over the supply pressure.
+const OF_SUPPLY: f64 = 0.9;
+
+fn next_experiment(args: NextExperimentArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    if goes_to_standard_output(&args.out) && goes_to_standard_output(&args.json.json) {
+        return Err(Failure::TwoOnStandardOutput { option: "--out" });
+    }
+    (targets.json, targets.recording) = (args.json.json, args.out);
+    let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?.whole()?;
+    let log = input::log(&args.log)?;
+    tell_notes(&log);
+    let supply_bar = plant.parameters.gas.supply_pressure_bar_gauge;
+    let limits = Limits {
+        duration_s: args.duration,
+        max_bar: args.max_bar.unwrap_or(OF_SUPPLY * supply_bar),
+        max_duty_pct: args.max_duty,
+    };
+    let effects = args
+        .for_effect
+        .into_iter()
+        .chain(args.between)
+        .chain(args.and)
+        .collect();
+    Ok(Work::NextExperiment(Box::new(run::next_experiment::Task {
+        plant,
+        log,
+        effects,
+        limits,
+    })))
 }
 
 fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {

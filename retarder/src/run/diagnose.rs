@@ -52,7 +52,7 @@ pub(crate) fn refine(task: Task, add: &[Asked]) -> Result<RefinedPlant, Failure>
 }
 
 /// Does long work that shows how far it is, and that Ctrl-C stops.
-fn watched<T, E>(
+pub(super) fn watched<T, E>(
     work: impl FnOnce(&(dyn Fn(Stage) -> ControlFlow<()> + Sync)) -> Result<T, E>,
 ) -> Result<T, Failure>
 where

@@ -2,6 +2,7 @@
 
 use hil_harness::checks::Verdict;
 use model_lab::Comparison;
+use model_lab::diagnosis::next_experiment::NextExperiment;
 use model_lab::diagnosis::{Diagnosis, Refinement};
 use model_lab::thesis::{Explanation, ThesisTable};
 use schemars::{Schema, schema_for};
@@ -21,6 +22,7 @@ pub(crate) fn of(result: SchemaName) -> Schema {
         SchemaName::Device => schema_for!(Device),
         SchemaName::Diagnosis => Diagnosis::json_schema(),
         SchemaName::Refinement => Refinement::json_schema(),
+        SchemaName::NextExperiment => NextExperiment::json_schema(),
         SchemaName::Rigs => schema_for!(Rigs),
         SchemaName::Simulation => schema_for!(Simulation),
         SchemaName::Thesis => schema_for!(ThesisTable),

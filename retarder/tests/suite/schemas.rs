@@ -8,11 +8,12 @@ use serde_json::Value;
 use crate::runner::{Bench, data};
 
 /// Those of the commands that are run here first.
-const RESULTS: [&str; 10] = [
+const RESULTS: [&str; 11] = [
     "black-box",
     "comparison",
     "control",
     "device",
+    "next-experiment",
     "rigs",
     "simulation",
     "thesis",
@@ -59,11 +60,21 @@ pub(crate) fn keep_example(result: &str, json: &Value) {
 fn results_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
     let log = data("synthetic/practice-01-check.csv");
-    let runs: [&[&str]; 8] = [
+    let runs: [&[&str]; 9] = [
         &["blackbox", "--dut", "in-process", "--json"],
         &["compare", "--log", &log, "--json"],
         &["control", "--json"],
         &["control", "--dut", "in-process", "--json"],
+        &[
+            "next-experiment",
+            "--log",
+            &log,
+            "--for",
+            "chamber_leak",
+            "--duration",
+            "5",
+            "--json",
+        ],
         &["control", "--rigs", "1", "--json"],
         &["simulate", "--log", &log, "--out", "model.csv", "--json"],
         &["thesis", "--json"],
@@ -78,7 +89,7 @@ fn results_keep_to_their_schemas_and_nothing_else_does() {
 #[test]
 fn examples_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
-    for result in &RESULTS[8..] {
+    for result in &RESULTS[9..] {
         let path = published(result).with_extension("example.json");
         let json = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
         check(&bench, result, &json);

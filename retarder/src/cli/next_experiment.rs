@@ -1,0 +1,72 @@
+//! The command that plans the next experiment.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
+
+use super::{JsonArg, LogArgs, PlantArgs};
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder next-experiment --log bench.csv --between chamber_leak --and supply_seat_leak --out next.csv
+  retarder next-experiment --log bench.csv --for drain_back_pressure --max-bar 6 --duration 15 --out next.csv
+  retarder simulate --log next.csv --out model.csv
+
+Each effect is fitted to the log; manoeuvres within the limits are ranked by how far apart they would take the effects, when
+all that can be refitted has been. The best one is written as duty cycles, which `simulate` and a rig take at once.
+Exit status: 0 the best manoeuvre tells them apart, 1 none within the limits does, 2 could not run.")]
+pub(crate) struct NextExperimentArgs {
+    #[command(flatten)]
+    pub(crate) log: LogArgs,
+    #[command(flatten)]
+    pub(crate) plant: PlantArgs,
+    /// Effect of the library that may be what is missing
+    #[arg(
+        long,
+        value_name = "EFFECT",
+        requires = "and",
+        required_unless_present = "for_effect"
+    )]
+    pub(crate) between: Option<String>,
+    /// Effect that may be it as well; may be repeated
+    #[arg(long, value_name = "EFFECT", requires = "between")]
+    pub(crate) and: Vec<String>,
+    /// Effect of typical size that the log would not have shown
+    #[arg(long = "for", value_name = "EFFECT", conflicts_with = "between")]
+    pub(crate) for_effect: Option<String>,
+    /// Longest time, s
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
+    pub(crate) duration: f64,
+    /// Highest chamber pressure, bar gauge; without it nine tenths of the supply pressure
+    #[arg(long, value_name = "BAR", value_parser = positive)]
+    pub(crate) max_bar: Option<f64>,
+    /// Highest duty cycle, %
+    #[arg(long, value_name = "PCT", default_value_t = 100.0, value_parser = percent)]
+    pub(crate) max_duty: f64,
+    /// Write the duty cycles of the best manoeuvre to this CSV file; - is the standard output
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+}
+
+/// The longest experiment that is planned (s).
+const LONGEST_S: f64 = 600.0;
+
+fn positive(text: &str) -> Result<f64, String> {
+    within(text, LONGEST_S)
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    within(text, 100.0)
+}
+
+fn within(text: &str, most: f64) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value > 0.0 && value <= most {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not above 0 and at most {most}"))
+    }
+}
