@@ -138,13 +138,17 @@ impl Log {
         let mut last = f64::NAN;
         let column = pressure.column;
         let mut last_s = 0.0;
-        self.run(parameters, Run::Free, |row, values, _| {
-            let span_s = self.commands.times_s[row] - last_s;
-            let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
-            largest = largest.max((values[column] - last).abs() / periods);
-            last = values[column];
-            last_s = self.commands.times_s[row];
-        });
+        self.run(
+            parameters,
+            (Run::Free, Tolerance::default()),
+            |row, values, _| {
+                let span_s = self.commands.times_s[row] - last_s;
+                let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
+                largest = largest.max((values[column] - last).abs() / periods);
+                last = values[column];
+                last_s = self.commands.times_s[row];
+            },
+        );
         self.predictor = Predictor::new(
             parameters,
             &self.commands,
@@ -159,7 +163,7 @@ impl Log {
     fn run(
         &self,
         parameters: &PlantParameters,
-        run: Run,
+        (run, tolerance): (Run, Tolerance),
         mut see: impl FnMut(usize, &Row, &mut Simulator),
     ) -> Option<()> {
         let without_supply;
@@ -169,7 +173,7 @@ impl Log {
         } else {
             parameters
         };
-        let mut replay = Replay::new(parameters, self.sampling, Tolerance::default());
+        let mut replay = Replay::new(parameters, self.sampling, tolerance);
         if let Some(pressure) = self.start_pressure {
             replay.begin_showing(pressure);
         }
@@ -199,7 +203,8 @@ impl Log {
     /// The rows of the model, corrected by the measured pressure; none where the simulation was given up.
     pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
         let mut rows = Vec::with_capacity(self.inputs.len());
-        self.run(parameters, Run::Predicted, |_, row, _| rows.push(*row))?;
+        let run = (Run::Predicted, Tolerance::default());
+        self.run(parameters, run, |_, row, _| rows.push(*row))?;
         Some(rows)
     }
 
@@ -207,13 +212,13 @@ impl Log {
     fn residuals_into(
         &self,
         parameters: &PlantParameters,
-        run: Run,
+        (run, tolerance): (Run, Tolerance),
         all: &mut Residuals,
     ) -> Option<()> {
         let rows = self.inputs.len();
         let begin = all.len();
         all.resize(begin + rows * self.channels.len(), 0.0);
-        self.run(parameters, run, |index, row, _| {
+        self.run(parameters, (run, tolerance), |index, row, _| {
             for (n, channel) in self.channels.iter().enumerate() {
                 let error = channel.values[index] - row[channel.column];
                 if error.is_finite() && self.counted[index] {
@@ -341,12 +346,22 @@ impl Evidence {
 
     /// The residuals of `parameters`; none where the simulation was given up.
     pub(crate) fn residuals(&self, parameters: &PlantParameters, run: Run) -> Option<Residuals> {
+        self.residuals_within(parameters, run, Tolerance::default())
+    }
+
+    /// As [`Self::residuals`], simulated as accurately as told.
+    pub(crate) fn residuals_within(
+        &self,
+        parameters: &PlantParameters,
+        run: Run,
+        tolerance: Tolerance,
+    ) -> Option<Residuals> {
         let begin = Instant::now();
         let mut all = Residuals::new();
         let done = self
             .logs
             .iter()
-            .try_for_each(|log| log.residuals_into(parameters, run, &mut all));
+            .try_for_each(|log| log.residuals_into(parameters, (run, tolerance), &mut all));
         self.simulations.fetch_add(1, Ordering::Relaxed);
         let elapsed_ns = begin.elapsed().as_nanos() as u64;
         self.computing_ns.fetch_add(elapsed_ns, Ordering::Relaxed);

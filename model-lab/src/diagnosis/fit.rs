@@ -6,6 +6,7 @@
 //! and an end as soon as a candidate has no chance.
 
 use nalgebra::{DMatrix, DVector};
+use plant_sim::Tolerance;
 
 use super::evidence::{Evidence, Residuals, Run};
 use super::unknowns::Unknowns;
@@ -13,6 +14,8 @@ use super::vector::{dot, square};
 
 /// Iterations at most.
 const ITERATIONS: usize = 12;
+/// Tolerance of simulations for intervals, over the default one.
+const ACCURATE: f64 = 0.02;
 /// An expected or reached decrease of the cost below this is none, nor is one below this share of the cost.
 const CONVERGED: f64 = 0.5;
 const CONVERGED_SHARE: f64 = 1e-4;
@@ -46,6 +49,7 @@ pub(crate) struct Fitter<'a> {
     pub(crate) evidence: &'a Evidence,
     pub(crate) unknowns: &'a Unknowns,
     pub(crate) simulations: usize,
+    tolerance: Tolerance,
 }
 
 impl<'a> Fitter<'a> {
@@ -54,6 +58,15 @@ impl<'a> Fitter<'a> {
             evidence,
             unknowns,
             simulations: 0,
+            tolerance: Tolerance::default(),
+        }
+    }
+
+    /// One that simulates so accurately that the solver's error is nothing beside a difference.
+    pub(crate) fn accurate(evidence: &'a Evidence, unknowns: &'a Unknowns) -> Self {
+        Self {
+            tolerance: Tolerance::scaled(ACCURATE),
+            ..Self::new(evidence, unknowns)
         }
     }
 
@@ -61,7 +74,8 @@ impl<'a> Fitter<'a> {
         self.simulations += 1;
         let plant = self.unknowns.plant(z);
         plant.check().ok()?;
-        self.evidence.residuals(&plant, Run::Predicted)
+        self.evidence
+            .residuals_within(&plant, Run::Predicted, self.tolerance)
     }
 
     fn cost(&self, z: &[f64], residuals: &Residuals) -> f64 {
