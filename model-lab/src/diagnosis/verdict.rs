@@ -1,6 +1,7 @@
 //! The thresholds of the answer, all of them, and the rule that uses them.
 //!
-//! They were fixed on development rigs of the blind benchmark, before its scored rigs were drawn.
+//! They come from the noise and from how far two correct programs of one plant differ, not from the bundled rigs, and
+//! are frozen before the scored rigs of the blind benchmark are drawn.
 
 /// A channel whose rms excess over the noise is below this many noise sigmas is as good as the model can be: two
 /// correct programs of the same plant differ by a third of the noise.
