@@ -1,7 +1,7 @@
 //! MF4 (ASAM MDF 4) as loggers write it in, and one clean form of it out.
 //!
 //! [`read_file`] makes a [`Recording`](crate::Recording) with one time base for each rate; [`list_file`] tells what
-//! there is to choose from. [`write`] and [`Writer`] write sorted files of 64-bit floats.
+//! there is to choose from. [`write()`] and [`Writer`] write sorted files of 64-bit floats.
 
 mod blocks;
 mod candidates;
