@@ -2,13 +2,21 @@
 
 mod refusal;
 
+use std::thread;
+use std::time::Duration;
+
 use ecu::calibration::{SETTING_COUNT, Setting, SettingId, SettingValues};
 use hil_harness::ecu_under_test::{carry_out, set};
 use hil_harness::link::{Link, LinkError};
-use hil_protocol::{Reply, Request, SettingsSource};
+use hil_protocol::{Refusal, Reply, Request, SettingsSource};
 
 use crate::cli::{ReadArgs, WriteArgs};
 use crate::failure::Failure;
+
+/// A save is asked for again this often while the valves are in use, ...
+const SAVES_REFUSED: usize = 100;
+/// ... with so much time between.
+const BETWEEN_SAVES: Duration = Duration::from_millis(20);
 
 /// Settings as they are in effect, those that a person wants to see.
 pub(crate) struct Settings {
@@ -78,7 +86,7 @@ pub(crate) fn write(args: &WriteArgs) -> Result<Settings, Failure> {
     }
     set(link, &values).map_err(refusal::named)?;
     if args.save {
-        carry_out(link, &Request::Save)?;
+        save(link)?;
     }
     let changed: Vec<SettingId> = changes.iter().map(|(id, _)| *id).collect();
     Ok(Settings {
@@ -89,6 +97,21 @@ pub(crate) fn write(args: &WriteArgs) -> Result<Settings, Failure> {
         },
         rows: rows(&changed, &in_effect(session.as_mut())?),
     })
+}
+
+/// Saves, and waits a while for the valves to come to rest: a device that has just started may still be emptying the
+/// chamber.
+fn save(link: &mut (impl Link + ?Sized)) -> Result<(), LinkError> {
+    for _ in 0..SAVES_REFUSED {
+        match carry_out(link, &Request::Save) {
+            Err(LinkError::Refused {
+                refusal: Refusal::ValvesInUse,
+                ..
+            }) => thread::sleep(BETWEEN_SAVES),
+            other => return other,
+        }
+    }
+    carry_out(link, &Request::Save)
 }
 
 fn in_effect(link: &mut (impl Link + ?Sized)) -> Result<SettingValues, LinkError> {
