@@ -2,6 +2,7 @@
 //! simulator. The laws here know nothing of effects; several effects may share one.
 
 mod cavity;
+mod flow_force;
 mod heating;
 mod leak;
 mod plunger;
@@ -11,6 +12,7 @@ mod wall_heat;
 
 pub use cavity::Cavity;
 pub(crate) use cavity::Tube;
+pub use flow_force::FlowForce;
 pub use heating::Heating;
 pub(crate) use heating::resistance;
 pub use leak::Leak;
@@ -53,8 +55,8 @@ pub struct Additions {
     pub friction: Option<Friction>,
     /// Share of the velocity that an armature keeps at an end stop (-).
     pub restitution: f64,
-    /// Share of the pressure force that is lost at full lift (-).
-    pub flow_force: f64,
+    /// What an open valve loses of the pressure force.
+    pub flow_force: FlowForce,
     /// Time constant of the pressure sensor (s).
     pub sensor_lag: f64,
     /// What the sensor shows too much (Pa).

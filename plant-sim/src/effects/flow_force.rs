@@ -1,5 +1,6 @@
 //! The pressure force on the armature falls with the lift.
 
+use crate::additions;
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
 };
@@ -8,6 +9,8 @@ use crate::plant::Plant;
 effect_parameters! { "effects.flow_force":
     LOST = lost_share [""] 0.001 ..= 2.0, Linear 0.5, off 0.0,
         "share of the pressure force that is lost at full lift (E58); beyond 1 the flow pulls the valve shut";
+    KNEE = knee_lift_share [""] 0.01 ..= 10.0, Log 0.2,
+        "share of the stroke that makes the loss steep near the seat (E58): there half of it has come, if it is small";
 }
 
 static ABOUT: About = About {
@@ -15,11 +18,18 @@ static ABOUT: About = About {
     sentence: "Once air flows past the seat, the pressure no longer pushes on the armature as it did on the closed seat, so an open valve needs more current to stay open.",
     source: "E58: thesis, section 5.1.4; Merritt, Hydraulic Control Systems, section 5.6, for the force of the flow",
     acts_on: EntryPoint::Armature,
-    variants: &[Variant {
-        name: "linear",
-        about: "in proportion to the lift",
-        parameters: &[&LOST],
-    }],
+    variants: &[
+        Variant {
+            name: "linear",
+            about: "in proportion to the lift",
+            parameters: &[&LOST],
+        },
+        Variant {
+            name: "steep",
+            about: "most of it near the seat, where the gap is still narrower than the bore",
+            parameters: &[&LOST, &KNEE],
+        },
+    ],
     excited_by: "duty cycles between opening and holding duty with full supply pressure across the valve",
     confused_with: &["static_friction", "end_stop_bounce"],
 };
@@ -34,7 +44,13 @@ impl Effect for FlowForce {
     }
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
-        plant.additions.flow_force = setting.value("lost_share");
+        plant.additions.flow_force = additions::FlowForce {
+            at_full_lift: setting.value("lost_share"),
+            steepness: match setting.variant().name {
+                "steep" => 1.0 / setting.value("knee_lift_share"),
+                _ => 0.0,
+            },
+        };
     }
 }
 
@@ -97,5 +113,27 @@ mod tests {
         let spring = plant.armature.preload_fill_n + plant.armature.spring_n_per_m * x;
         let net = magnet + pressure - spring;
         assert!(net.abs() < 1e-3, "{net} N at {x}");
+    }
+
+    /// By hand: at ξ = 0.1 with ρ = 0.1, (1 + 0.1) 0.1/0.2 = 0.55; at full lift the share itself; far knees are linear.
+    #[test]
+    fn a_steep_loss_comes_near_the_seat_and_ends_at_the_same_share() {
+        let steep = |knee: f64| additions::FlowForce {
+            at_full_lift: 0.4,
+            steepness: 1.0 / knee,
+        };
+        for (knee, lift, expected) in [
+            (0.1, 0.1, 0.4 * 0.55),
+            (0.1, 1.0, 0.4),
+            (0.1, 0.0, 0.0),
+            (1e9, 0.3, 0.4 * 0.3),
+        ] {
+            let share = steep(knee).lost_share(lift);
+            assert!((share - expected).abs() < 1e-9, "{share} at {lift}");
+        }
+        let variant = &ABOUT.variants[1];
+        let setting = EffectSetting::typical_variant(&FlowForce, variant);
+        let plant = PlantParameters::nominal().with_effect(setting.with("knee_lift_share", 0.25));
+        assert_eq!(plant.plant().additions.flow_force.steepness, 4.0);
     }
 }

@@ -17,7 +17,7 @@ impl Extended {
         let valve = &self.plant.valves[index];
         let additions = &self.plant.additions;
         let lift = valve.lift(x) / valve.armature.stroke;
-        let drop = pressure_drop * (1.0 - additions.flow_force * lift);
+        let drop = pressure_drop * (1.0 - additions.flow_force.lost_share(lift));
         let own = now.map_or(0.0, |now| hooks::sum(&additions.hooks.force[index], now));
         valve.magnet.force(pulling_current, x) + valve.armature.static_force(x, drop)
             - valve.armature.viscous_friction * v
