@@ -7,6 +7,7 @@ use super::errors::Errors;
 use super::evidence::{Evidence, Run};
 use super::fit::{Difference, Fit, Fitter};
 use super::unknowns::{Unknown, Unknowns};
+use super::vector::{dot, square};
 use crate::whiteness::autocorrelation_time_samples;
 
 /// Sizes at which the search for the best one begins, over the typical one.
@@ -14,6 +15,8 @@ const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
 /// The same for effects that have a sign.
 const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
 
+/// A size is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
+const WEAKENED: core::ops::RangeInclusive<f64> = 1e-3..=0.5;
 /// Steps after which a fit without prospects is left.
 const FIRST_STEPS: usize = 3;
 
@@ -71,25 +74,22 @@ impl Bench<'_> {
         let mut effects = base.effects.clone();
         effects.push(effect);
         let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
+        let own = &unknowns.list()[base.unknowns.len()..];
         let mut fitter = Fitter::new(self.fitting, &unknowns);
-        let mut best: Option<(f64, Fit)> = None;
-        for start in starts(&unknowns.list()[base.unknowns.len()..]) {
-            let mut z = base.fit.z.clone();
-            z.extend(start);
-            let Some(mut fit) = fitter.at(z) else {
-                continue;
-            };
-            fit.jacobian.clone_from(&base.fit.jacobian);
-            // The nuisance parameters make room for the effect before anything else moves.
-            let (z, promised) = fitter.step(&fit, 0.0);
-            let cost = fit.cost - promised.max(0.0);
-            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-                best = Some((cost, Fit { z, ..fit }));
-            }
-        }
-        let (_, promising) = best?;
-        let mut start = fitter.at(promising.z)?;
-        start.jacobian = promising.jacobian;
+        let mut starts: Vec<Start> = sizes(own)
+            .iter()
+            .filter_map(|&size| Start::new(&mut fitter, base, own, size))
+            .collect();
+        let by_cost = |a: &Start, b: &Start| a.promised.total_cmp(&b.promised);
+        let weakened = starts
+            .iter()
+            .filter_map(|start| start.weakened(base))
+            .min_by(|(a, _), (b, _)| a.total_cmp(b))
+            .and_then(|(_, size)| Start::new(&mut fitter, base, own, size));
+        starts.extend(weakened);
+        let best = starts.into_iter().min_by(by_cost)?;
+        let mut start = fitter.at(best.moved)?;
+        start.jacobian = best.fit.jacobian;
         let fit = fitter.descend(start, FIRST_STEPS)?;
         let simulations = fitter.simulations;
         Some(Opened {
@@ -208,14 +208,49 @@ fn correlation_samples(evidence: &Evidence, residuals: &[f64]) -> f64 {
         .fold(1.0, f64::max)
 }
 
-/// Coordinates of an effect's parameters to begin with: its strengths at several sizes, the rest typical.
-fn starts(own: &[Unknown]) -> impl Iterator<Item = Vec<f64>> {
-    let sizes: &[f64] = if own.iter().any(Unknown::is_signed) {
+/// Sizes of an effect to begin with, over the typical one.
+fn sizes(own: &[Unknown]) -> &'static [f64] {
+    if own.iter().any(Unknown::is_signed) {
         &SIGNED_SIZES
     } else {
         &SIZES
-    };
-    sizes
-        .iter()
-        .map(|&size| own.iter().map(|unknown| unknown.of_size(size)).collect())
+    }
+}
+
+/// An effect on top of a fitted plant, before anything of it is fitted.
+struct Start {
+    size: f64,
+    /// With the nuisance parameters of the plant without it.
+    fit: Fit,
+    /// Where the nuisance parameters have made room for it, ...
+    moved: Vec<f64>,
+    /// ... and the cost that a linear model promises there.
+    promised: f64,
+}
+
+impl Start {
+    /// The strengths of the effect at `size`, the rest of it typical.
+    fn new(fitter: &mut Fitter, base: &Trial, own: &[Unknown], size: f64) -> Option<Self> {
+        let mut z = base.fit.z.clone();
+        z.extend(own.iter().map(|unknown| unknown.of_size(size)));
+        let mut fit = fitter.at(z)?;
+        fit.jacobian.clone_from(&base.fit.jacobian);
+        let (moved, decrease) = fitter.step(&fit, 0.0);
+        Some(Self {
+            size,
+            promised: fit.cost - decrease.max(0.0),
+            fit,
+            moved,
+        })
+    }
+
+    /// A smaller size which promises more, if what the effect adds were in proportion to its size, and the cost that it
+    /// promises: an effect may be far weaker than is typical and still show.
+    fn weakened(&self, base: &Trial) -> Option<(f64, f64)> {
+        let pairs = self.fit.residuals.iter().zip(&base.fit.residuals);
+        let added: Vec<f64> = pairs.map(|(with, without)| with - without).collect();
+        let share = -dot(&added, &base.fit.residuals) / square(&added);
+        let cost = base.fit.cost - share * share * square(&added);
+        (WEAKENED.contains(&share) && cost < self.promised).then_some((cost, share * self.size))
+    }
 }
