@@ -19,7 +19,7 @@ pub use leak::Leak;
 pub(crate) use leak::LeakLaw;
 pub use plunger::Plunger;
 pub use saturation::Saturation;
-pub(crate) use sensor_lag::lagged;
+pub use sensor_lag::SensorLag;
 pub(crate) use wall_heat::Balance;
 pub use wall_heat::WallHeat;
 
@@ -57,8 +57,8 @@ pub struct Additions {
     pub restitution: f64,
     /// What an open valve loses of the pressure force.
     pub flow_force: FlowForce,
-    /// Time constant of the pressure sensor (s).
-    pub sensor_lag: f64,
+    /// Lag of the pressure sensor.
+    pub sensor_lag: Option<SensorLag>,
     /// What the sensor shows too much (Pa).
     pub sensor_offset: f64,
     /// What the sensor shows too much per gauge pressure (-).

@@ -7,9 +7,9 @@ use crate::description::{
 use crate::plant::Plant;
 
 effect_parameters! { "effects.gas_temperature":
-    CONDUCTANCE = wall_heat_transfer_w_per_k ["W/K"] 1e-4 ..= 50.0, Log 0.1, off f64::INFINITY,
+    CONDUCTANCE = wall_heat_transfer_w_per_k ["W/K"] 1e-4 ..= 1000.0, Log 0.1, off f64::INFINITY,
         "heat between gas and wall per kelvin (E52); infinite keeps the gas at its temperature, as the plain model does";
-    CONVECTION = convection_w_per_k ["W/K"] 1e-4 ..= 50.0, Log 0.3, off f64::INFINITY,
+    CONVECTION = convection_w_per_k ["W/K"] 1e-4 ..= 1000.0, Log 0.3, off f64::INFINITY,
         "heat between gas and wall per kelvin at full supply pressure and 30 K difference (E52)";
     CAPACITY = wall_heat_capacity_j_per_k ["J/K"] 1e-3 ..= 1e4, Log 5.0,
         "heat capacity of the layer of the wall that follows the gas (E52)";

@@ -1,6 +1,6 @@
 //! What the pressure sensor shows.
 
-use crate::additions::{Additions, lagged};
+use crate::additions::{Additions, SensorLag};
 use crate::hooks::{self, Now};
 
 /// The sensor's state.
@@ -8,39 +8,46 @@ use crate::hooks::{self, Now};
 pub(super) struct Sensor {
     /// What it follows (Pa abs): the chamber's pressure or the cavity's.
     sensed: f64,
-    /// What its lag lets through (Pa abs).
-    lagged: f64,
+    /// What the stages of its lag let through (Pa abs).
+    lagged: [f64; 2],
 }
 
 impl Sensor {
     pub(super) fn new(pressure: f64) -> Self {
         Self {
             sensed: pressure,
-            lagged: pressure,
+            lagged: [pressure; 2],
         }
     }
 
     /// The pressure went on over `h` (s), from and to a value with its slope.
     #[inline]
-    pub(super) fn follow(&mut self, time_constant: f64, h: f64, start: [f64; 2], end: [f64; 2]) {
+    pub(super) fn follow(
+        &mut self,
+        lag: Option<SensorLag>,
+        h: f64,
+        start: [f64; 2],
+        end: [f64; 2],
+    ) {
         self.sensed = end[0];
-        if time_constant > 0.0 && h > 0.0 {
-            self.lagged = lagged(self.lagged, time_constant, h, start, end);
+        if let Some(lag) = lag
+            && h > 0.0
+        {
+            self.lagged = lag.follow(self.lagged, h, start, end);
         }
     }
 
     /// All pressures are moved by `shift` (Pa).
     pub(super) fn shift(&mut self, shift: f64) {
         self.sensed += shift;
-        self.lagged += shift;
+        self.lagged = self.lagged.map(|lagged| lagged + shift);
     }
 
     /// What it shows (Pa abs).
     pub(super) fn shown(&self, additions: &Additions, now: &Now) -> f64 {
-        let through = if additions.sensor_lag > 0.0 {
-            self.lagged
-        } else {
-            self.sensed
+        let through = match additions.sensor_lag {
+            Some(_) => self.lagged[1],
+            None => self.sensed,
         };
         let gauge = through - now.ambient_pressure;
         through
