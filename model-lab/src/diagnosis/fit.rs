@@ -44,11 +44,10 @@ pub(crate) enum Difference {
     Central,
 }
 
-/// Evaluates and counts.
+/// Evaluates and goes down.
 pub(crate) struct Fitter<'a> {
     pub(crate) evidence: &'a Evidence,
     pub(crate) unknowns: &'a Unknowns,
-    pub(crate) simulations: usize,
     tolerance: Tolerance,
 }
 
@@ -57,7 +56,6 @@ impl<'a> Fitter<'a> {
         Self {
             evidence,
             unknowns,
-            simulations: 0,
             tolerance: Tolerance::default(),
         }
     }
@@ -71,7 +69,6 @@ impl<'a> Fitter<'a> {
     }
 
     fn residuals(&mut self, z: &[f64]) -> Option<Residuals> {
-        self.simulations += 1;
         let plant = self.unknowns.plant(z);
         plant.check().ok()?;
         self.evidence

@@ -6,7 +6,8 @@ use super::result::Verdict;
 use super::search::{Tried, Watch, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
-    FOUND_SHARE, FURTHER_DROP, FURTHER_SHARE, MATERIAL_EXCESS, NAMED_EVIDENCE, NAMED_SHARE,
+    ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_SHARE, MATERIAL_EXCESS,
+    NAMED_EVIDENCE, NAMED_SHARE,
 };
 
 /// So many first effects are tried with every second one, ...
@@ -42,7 +43,7 @@ pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder,
         return Ok(ladder);
     }
     let plain = &ladder.steps[0];
-    let single = ladder.singles.first().and_then(|tried| tried.trial.clone());
+    let single = best_sound(bench, plain, &ladder.singles);
     let single = single.filter(|single| single.is_evident_over(plain));
     let pair = match &single {
         Some(single) if !single.is_material() => None,
@@ -80,6 +81,15 @@ pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder,
     Ok(ladder)
 }
 
+/// The best trial, or one as good, whose effects on top of `plain` are sound.
+fn best_sound(bench: &Bench, plain: &Trial, tried: &[Tried]) -> Option<Trial> {
+    let trials = || tried.iter().filter_map(|tried| tried.trial.as_ref());
+    let least = trials().next()?.mean_excess();
+    let margin = ALIKE_EXCESS + ALIKE_SHARE * (plain.mean_excess() - least);
+    let mut alike = trials().filter(|trial| trial.mean_excess() <= least + margin);
+    alike.find(|trial| trial.is_sound(bench, plain)).cloned()
+}
+
 /// Two effects together.
 struct Pair {
     first: Trial,
@@ -110,7 +120,7 @@ fn best_pair(
             continue;
         }
         let tried = try_all(bench, &first, true, "pairs of effects", watch)?;
-        let Some(last) = tried.first().and_then(|tried| tried.trial.clone()) else {
+        let Some(last) = best_sound(bench, plain, &tried) else {
             continue;
         };
         let second = last.effects.last().expect("one was added").id();

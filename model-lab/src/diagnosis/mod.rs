@@ -20,6 +20,8 @@ mod refine;
 mod remaining;
 pub mod result;
 mod search;
+mod soundness;
+mod start;
 mod supply;
 mod trial;
 mod unknowns;

@@ -6,17 +6,10 @@ use plant_sim::effects::{Effect, EffectSetting};
 use super::errors::Errors;
 use super::evidence::{Evidence, Run};
 use super::fit::{Difference, Fit, Fitter};
-use super::unknowns::{Unknown, Unknowns};
-use super::vector::{dot, square};
+use super::start::most_promising;
+use super::unknowns::Unknowns;
 use crate::whiteness::autocorrelation_time_samples;
 
-/// Sizes at which the search for the best one begins, over the typical one.
-const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
-/// The same for effects that have a sign.
-const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
-
-/// A size is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
-const WEAKENED: core::ops::RangeInclusive<f64> = 1e-3..=0.5;
 /// Steps after which a fit without prospects is left.
 const FIRST_STEPS: usize = 3;
 
@@ -26,7 +19,6 @@ pub(crate) struct Opened {
     effects: Vec<EffectSetting>,
     unknowns: Unknowns,
     pub(crate) fit: Fit,
-    simulations: usize,
 }
 
 /// What every trial is held against.
@@ -50,8 +42,6 @@ pub(crate) struct Trial {
     pub(crate) checked: Errors,
     /// Samples over which the error remembers; at least 1.
     pub(crate) correlation_samples: f64,
-    /// Simulations of the fitted logs that it took.
-    pub(crate) simulations: usize,
 }
 
 impl Bench<'_> {
@@ -62,8 +52,7 @@ impl Bench<'_> {
         let mut fitter = Fitter::new(self.fitting, &unknowns);
         let start = fitter.at(unknowns.start())?;
         let fit = fitter.descend(start, usize::MAX)?;
-        let simulations = fitter.simulations;
-        let mut trial = self.judge(effects, unknowns, fit, simulations)?;
+        let mut trial = self.judge(effects, unknowns, fit)?;
         trial.refresh(self)?;
         Some(trial)
     }
@@ -74,29 +63,15 @@ impl Bench<'_> {
         let mut effects = base.effects.clone();
         effects.push(effect);
         let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
-        let own = &unknowns.list()[base.unknowns.len()..];
         let mut fitter = Fitter::new(self.fitting, &unknowns);
-        let mut starts: Vec<Start> = sizes(own)
-            .iter()
-            .filter_map(|&size| Start::new(&mut fitter, base, own, size))
-            .collect();
-        let by_cost = |a: &Start, b: &Start| a.promised.total_cmp(&b.promised);
-        let weakened = starts
-            .iter()
-            .filter_map(|start| start.weakened(base))
-            .min_by(|(a, _), (b, _)| a.total_cmp(b))
-            .and_then(|(_, size)| Start::new(&mut fitter, base, own, size));
-        starts.extend(weakened);
-        let best = starts.into_iter().min_by(by_cost)?;
+        let best = most_promising(&mut fitter, base)?;
         let mut start = fitter.at(best.moved)?;
         start.jacobian = best.fit.jacobian;
         let fit = fitter.descend(start, FIRST_STEPS)?;
-        let simulations = fitter.simulations;
         Some(Opened {
             effects,
             unknowns,
             fit,
-            simulations,
         })
     }
 
@@ -106,31 +81,18 @@ impl Bench<'_> {
             effects,
             unknowns,
             fit,
-            simulations,
         } = opened;
         let mut fitter = Fitter::new(self.fitting, &unknowns);
         let fit = fitter.descend(fit, usize::MAX)?;
-        let simulations = simulations + fitter.simulations;
-        self.judge(effects, unknowns, fit, simulations)
+        self.judge(effects, unknowns, fit)
     }
 
     /// Judges what was begun as it is.
     pub(crate) fn leave(&self, opened: Opened) -> Option<Trial> {
-        self.judge(
-            opened.effects,
-            opened.unknowns,
-            opened.fit,
-            opened.simulations,
-        )
+        self.judge(opened.effects, opened.unknowns, opened.fit)
     }
 
-    fn judge(
-        &self,
-        effects: Vec<EffectSetting>,
-        unknowns: Unknowns,
-        fit: Fit,
-        simulations: usize,
-    ) -> Option<Trial> {
+    fn judge(&self, effects: Vec<EffectSetting>, unknowns: Unknowns, fit: Fit) -> Option<Trial> {
         let plant = unknowns.plant(&fit.z);
         let residuals = self.checking.residuals(&plant, Run::Predicted)?;
         Some(Trial {
@@ -140,7 +102,6 @@ impl Bench<'_> {
             effects,
             unknowns,
             fit,
-            simulations,
         })
     }
 }
@@ -158,14 +119,17 @@ impl Trial {
             effects: self.effects.clone(),
             unknowns: self.unknowns.clone(),
             fit: self.fit.clone(),
-            simulations: self.simulations,
         };
         *self = bench.finish(opened)?;
+        self.sharpen(bench)
+    }
+
+    /// Takes the Jacobian at the fit so accurately that directions which the logs leave open stay open.
+    pub(crate) fn sharpen(&mut self, bench: &Bench) -> Option<()> {
         let mut fitter = Fitter::accurate(bench.fitting, &self.unknowns);
         let mut accurate = fitter.at(self.fit.z.clone())?;
         fitter.differentiate(&mut accurate, 0, Difference::Central)?;
         self.fit = accurate;
-        self.simulations += fitter.simulations;
         Some(())
     }
 
@@ -173,7 +137,6 @@ impl Trial {
     pub(crate) fn refresh(&mut self, bench: &Bench) -> Option<()> {
         let mut fitter = Fitter::new(bench.fitting, &self.unknowns);
         fitter.differentiate(&mut self.fit, 0, Difference::Central)?;
-        self.simulations += fitter.simulations;
         Some(())
     }
 
@@ -206,51 +169,4 @@ fn correlation_samples(evidence: &Evidence, residuals: &[f64]) -> f64 {
         .channels()
         .filter_map(|(_, _, range)| autocorrelation_time_samples(&residuals[range]))
         .fold(1.0, f64::max)
-}
-
-/// Sizes of an effect to begin with, over the typical one.
-fn sizes(own: &[Unknown]) -> &'static [f64] {
-    if own.iter().any(Unknown::is_signed) {
-        &SIGNED_SIZES
-    } else {
-        &SIZES
-    }
-}
-
-/// An effect on top of a fitted plant, before anything of it is fitted.
-struct Start {
-    size: f64,
-    /// With the nuisance parameters of the plant without it.
-    fit: Fit,
-    /// Where the nuisance parameters have made room for it, ...
-    moved: Vec<f64>,
-    /// ... and the cost that a linear model promises there.
-    promised: f64,
-}
-
-impl Start {
-    /// The strengths of the effect at `size`, the rest of it typical.
-    fn new(fitter: &mut Fitter, base: &Trial, own: &[Unknown], size: f64) -> Option<Self> {
-        let mut z = base.fit.z.clone();
-        z.extend(own.iter().map(|unknown| unknown.of_size(size)));
-        let mut fit = fitter.at(z)?;
-        fit.jacobian.clone_from(&base.fit.jacobian);
-        let (moved, decrease) = fitter.step(&fit, 0.0);
-        Some(Self {
-            size,
-            promised: fit.cost - decrease.max(0.0),
-            fit,
-            moved,
-        })
-    }
-
-    /// A smaller size which promises more, if what the effect adds were in proportion to its size, and the cost that it
-    /// promises: an effect may be far weaker than is typical and still show.
-    fn weakened(&self, base: &Trial) -> Option<(f64, f64)> {
-        let pairs = self.fit.residuals.iter().zip(&base.fit.residuals);
-        let added: Vec<f64> = pairs.map(|(with, without)| with - without).collect();
-        let share = -dot(&added, &base.fit.residuals) / square(&added);
-        let cost = base.fit.cost - share * share * square(&added);
-        (WEAKENED.contains(&share) && cost < self.promised).then_some((cost, share * self.size))
-    }
 }

@@ -15,6 +15,9 @@ const NUISANCE_STEP: f64 = 0.04;
 /// ... or this change of an effect's coordinate. Both are far above the solver's error.
 const EFFECT_STEP: f64 = 0.04;
 
+/// So near to the end of its range in its coordinate, a strength ran to it.
+const NEAR_END: f64 = 0.01;
+
 /// A plant with the list of what may be moved in it.
 #[derive(Debug, Clone)]
 pub(crate) struct Unknowns {
@@ -129,6 +132,21 @@ impl Unknown {
     /// Whether it is the strength of an effect.
     pub(crate) fn is_strength(&self) -> bool {
         matches!(self, Self::Effect { spec, .. } if spec.size.is_some_and(|size| size.off.is_some()))
+    }
+
+    /// Whether its coordinate is a logarithm.
+    pub(crate) fn is_logarithmic(&self) -> bool {
+        matches!(self, Self::Effect { spec, .. } if Self::is_log(spec))
+    }
+
+    /// Whether a strength at `z` cannot get stronger.
+    pub(crate) fn is_at_strong_end(&self, z: f64) -> bool {
+        let end = match self.bounds() {
+            _ if self.is_logarithmic() => self.of_size(f64::INFINITY),
+            (least, _) if z < 0.0 => least,
+            (_, most) => most,
+        };
+        (z - end).abs() < NEAR_END
     }
 
     /// The coordinate at `size` times the typical strength: the larger, the stronger the effect. What is no strength

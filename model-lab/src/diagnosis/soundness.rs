@@ -1,0 +1,36 @@
+//! Whether a fit found an effect, or only bent a law until it fits.
+
+use super::interval::half_widths;
+use super::trial::{Bench, Trial};
+
+/// A strength on a logarithmic scale is known if its 95 % interval reaches less far than this: a factor of ten.
+const LOOSEST: f64 = 2.3;
+
+impl Trial {
+    /// Whether the logs determine how strong each effect is that it adds to `base`, and none ran to the strong end of
+    /// its range: such a law stands for another one.
+    pub(crate) fn is_sound(&self, bench: &Bench, base: &Self) -> bool {
+        let mut sharp = self.clone();
+        if sharp.sharpen(bench).is_none() {
+            return false;
+        }
+        let widths = half_widths(bench.fitting, &sharp);
+        let list = self.unknowns.list();
+        let mut first = base.unknowns.len();
+        self.effects[base.effects.len()..].iter().all(|effect| {
+            let own = first..first + effect.parameters().len();
+            first = own.end;
+            let strengths: Vec<usize> = own.filter(|&n| list[n].is_strength()).collect();
+            let known = |&n: &usize| {
+                let width = widths[n];
+                if list[n].is_logarithmic() {
+                    width < LOOSEST
+                } else {
+                    width < self.fit.z[n].abs()
+                }
+            };
+            let too_strong = |&n: &usize| list[n].is_at_strong_end(self.fit.z[n]);
+            strengths.iter().any(known) && !strengths.iter().any(too_strong)
+        })
+    }
+}

@@ -1,0 +1,117 @@
+//! Where the fit of an effect begins.
+
+use core::ops::RangeInclusive;
+
+use nalgebra::DVector;
+
+use super::fit::{Fit, Fitter};
+use super::trial::Trial;
+use super::unknowns::Unknown;
+use super::vector::{dot, square};
+
+/// Sizes at which the search for the best one begins, over the typical one.
+const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
+/// The same for effects that have a sign.
+const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
+/// What an effect adds is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
+const WEAKENED: RangeInclusive<f64> = 1e-3..=0.5;
+/// A neighbouring size, to see with which power of its size an effect grows, ...
+const NEIGHBOUR: f64 = 0.8;
+/// ... within these powers.
+const POWERS: [f64; 2] = [0.5, 10.0];
+
+/// An effect on top of a fitted plant, before anything of it is fitted.
+pub(crate) struct Start {
+    size: f64,
+    /// With the nuisance parameters of the plant without it.
+    pub(crate) fit: Fit,
+    /// Where the nuisance parameters have made room for it, ...
+    pub(crate) moved: Vec<f64>,
+    /// ... and the cost that a linear model promises there.
+    promised: f64,
+}
+
+/// The most promising start of the effect whose unknowns are the last ones, on top of `base`.
+///
+/// An effect may be far weaker than is typical and still show. So each size also says how much of what it adds would be
+/// best, and where that promises more than the sizes themselves, one of that strength is tried as well.
+pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start> {
+    let own = &fitter.unknowns.list()[base.unknowns.len()..];
+    let is_signed = own.iter().any(Unknown::is_signed);
+    let sizes = if is_signed { &SIGNED_SIZES } else { &SIZES };
+    let mut starts: Vec<Start> = sizes
+        .iter()
+        .filter_map(|&size| Start::new(fitter, base, own, size))
+        .collect();
+    let least = starts
+        .iter()
+        .map(|start| start.promised)
+        .fold(f64::INFINITY, f64::min);
+    let weakened = starts
+        .iter()
+        .filter_map(|start| Some((start, start.best_share(fitter, base)?)))
+        .filter(|(_, best)| WEAKENED.contains(&best.share) && best.cost < least)
+        .min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+    if let Some((start, best)) = weakened {
+        let power = start.power(fitter, base, own).unwrap_or(1.0);
+        let size = start.size * best.share.powf(1.0 / power);
+        starts.extend(Start::new(fitter, base, own, size));
+    }
+    let by_promise = |a: &Start, b: &Start| a.promised.total_cmp(&b.promised);
+    starts.into_iter().min_by(by_promise)
+}
+
+/// The share of what a start adds that is best, and the cost that it promises.
+struct BestShare {
+    share: f64,
+    cost: f64,
+}
+
+impl Start {
+    /// The strengths of the effect at `size`, the rest of it typical.
+    fn new(fitter: &mut Fitter, base: &Trial, own: &[Unknown], size: f64) -> Option<Self> {
+        let mut z = base.fit.z.clone();
+        z.extend(own.iter().map(|unknown| unknown.of_size(size)));
+        let mut fit = fitter.at(z)?;
+        fit.jacobian.clone_from(&base.fit.jacobian);
+        let (moved, decrease) = fitter.step(&fit, 0.0);
+        Some(Self {
+            size,
+            promised: fit.cost - decrease.max(0.0),
+            fit,
+            moved,
+        })
+    }
+
+    /// What the effect adds to the residuals of `base`.
+    fn added(&self, base: &Trial) -> Vec<f64> {
+        let pairs = self.fit.residuals.iter().zip(&base.fit.residuals);
+        pairs.map(|(with, without)| with - without).collect()
+    }
+
+    /// As if the residuals were linear in what is added and in the nuisance parameters, whose part is taken out first.
+    fn best_share(&self, fitter: &Fitter, base: &Trial) -> Option<BestShare> {
+        let added = self.added(base);
+        let (hessian, gradient) = fitter.normal(&base.fit);
+        let columns = base.fit.jacobian.iter();
+        let shared = DVector::from_iterator(
+            base.fit.jacobian.len(),
+            columns.map(|column| dot(column, &added)),
+        );
+        let room = hessian.cholesky()?.solve(&shared);
+        let along = dot(&added, &base.fit.residuals) - room.dot(&gradient);
+        let across = square(&added) - room.dot(&shared);
+        (across > 0.0).then(|| BestShare {
+            share: -along / across,
+            cost: base.fit.cost - along * along / across,
+        })
+    }
+
+    /// The power of its size with which the effect grows.
+    fn power(&self, fitter: &mut Fitter, base: &Trial, own: &[Unknown]) -> Option<f64> {
+        let near = Self::new(fitter, base, own, NEIGHBOUR * self.size)?;
+        let [here, there] = [self, &near].map(|start| square(&start.added(base)).sqrt());
+        let power = (there / here).ln() / NEIGHBOUR.ln();
+        power.is_finite().then(|| power.clamp(POWERS[0], POWERS[1]))
+    }
+}
