@@ -113,7 +113,9 @@ fn best_pair(
         .iter()
         .filter_map(|tried| tried.trial.as_ref())
         .filter(|trial| trial.fitted.total_excess() <= (1.0 - FIRST_SHARE) * excess)
-        .take(FIRSTS);
+        .take(FIRSTS)
+        // What is bent until it fits leaves nothing true for a second effect.
+        .filter(|trial| trial.is_sound(bench, plain));
     for first in firsts {
         let mut first = first.clone();
         if first.refresh(bench).is_none() {

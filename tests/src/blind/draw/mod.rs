@@ -113,7 +113,11 @@ impl Draw {
 }
 
 impl Drawn {
-    fn write(&self, folders: &Folders) -> Result<(), DrawError> {
+    /// Writes logs and answer into `folders`, whose folders are there.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write(&self, folders: &Folders) -> Result<(), DrawError> {
         let rig = &self.answer.rig;
         let answer = serde_json::to_string_pretty(&self.answer).expect("an answer is plain data");
         let [id, check] = &self.logs;

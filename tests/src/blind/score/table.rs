@@ -20,6 +20,8 @@ const CLOSE_TO_THE_FLOOR: f64 = 1.5;
 pub struct Report {
     /// Rigs, and those whose diagnosis came to an end.
     pub rigs: Share,
+    /// The shares that the promises are about.
+    pub quality: Quality,
     /// The promises.
     pub gates: Vec<Gate>,
     /// By class and excess.
@@ -96,6 +98,7 @@ impl Report {
         Self {
             rigs: Share::of(rigs, |rig| rig.finding.is_some()),
             gates: quality.gates().to_vec(),
+            quality,
             strata: strata(rigs),
             poor: Poor::ALL
                 .iter()
