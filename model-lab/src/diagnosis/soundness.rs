@@ -2,9 +2,7 @@
 
 use super::interval::half_widths;
 use super::trial::{Bench, Trial};
-
-/// A strength on a logarithmic scale is known if its 95 % interval reaches less far than this: a factor of ten.
-const LOOSEST: f64 = 2.3;
+use super::verdict::LOOSEST_STRENGTH;
 
 impl Trial {
     /// Whether the logs determine how strong each effect is that it adds to `base`, and none ran to the strong end of
@@ -24,7 +22,7 @@ impl Trial {
             let known = |&n: &usize| {
                 let width = widths[n];
                 if list[n].is_logarithmic() {
-                    width < LOOSEST
+                    width < LOOSEST_STRENGTH
                 } else {
                     width < self.fit.z[n].abs()
                 }

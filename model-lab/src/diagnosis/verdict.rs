@@ -16,6 +16,9 @@ pub(crate) const FURTHER_SHARE: f64 = 0.50;
 pub(crate) const FURTHER_DROP: f64 = 0.08;
 /// Evidence (difference of Schwarz's criterion, corrected for correlated errors) that a name needs.
 pub(crate) const NAMED_EVIDENCE: f64 = 10.0;
+/// A strength on a logarithmic scale is known if its 95 % interval reaches less far than this to either side: a factor
+/// of ten.
+pub(crate) const LOOSEST_STRENGTH: f64 = 2.3;
 /// An effect shows from this non-centrality on: power 0.9 at 1 % over the whole library.
 pub(crate) const DETECTABLE: f64 = 20.0;
 /// Effects which are nearer than this to each other, in standard deviations of the noise, are swapped in more than one of
