@@ -2,8 +2,10 @@
 
 mod align;
 mod assets;
+mod effects;
 mod examples;
 mod guard;
+mod history;
 mod job;
 mod log_reader;
 mod mapping;
