@@ -40,6 +40,7 @@ class Page {
   }
 
   async begin() {
+    delete document.body.dataset.diagnosed;
     let found = null;
     try {
       found = await api.get("/diagnosis");
