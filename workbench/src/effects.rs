@@ -42,6 +42,8 @@ struct ParameterView {
     typical: Option<f64>,
     /// Whether its values are spread over decades.
     is_log: bool,
+    /// Whether the effect is the stronger, the smaller the value is, as the area of a narrow place.
+    is_stronger_below: bool,
 }
 
 impl EffectView {
@@ -61,7 +63,11 @@ impl EffectView {
                 .map(|variant| FormView {
                     name: variant.name,
                     about: variant.about,
-                    parameters: variant.parameters.iter().map(|spec| parameter(spec)).collect(),
+                    parameters: variant
+                        .parameters
+                        .iter()
+                        .map(|spec| parameter(spec))
+                        .collect(),
                 })
                 .collect(),
         }
@@ -86,6 +92,9 @@ fn parameter(spec: &'static ParameterSpec) -> ParameterView {
         highest,
         typical: spec.size.map(|size| size.typical),
         is_log: spec.size.is_some_and(|size| size.scale == Scale::Log) && lowest > 0.0,
+        is_stronger_below: spec
+            .size
+            .is_some_and(|size| size.off == Some(f64::INFINITY)),
     }
 }
 
@@ -127,6 +136,9 @@ mod tests {
             }
         }
         let leak = equation(LIBRARY[0].about()).unwrap();
-        assert!(leak.starts_with("orifice") && leak.ends_with("^n"), "{leak}");
+        assert!(
+            leak.starts_with("orifice") && leak.ends_with("^n"),
+            "{leak}"
+        );
     }
 }

@@ -179,9 +179,9 @@ impl Step {
     pub(crate) fn plant_with_first(&self, count: usize) -> Result<PlantParameters, Refusal> {
         let plant = self.plant.parameters()?;
         let on = self.effects.iter().filter(|effect| effect.is_on);
-        Ok(on.skip(count).fold(plant, |plant, effect| {
-            plant.without_effect(&effect.effect)
-        }))
+        Ok(on
+            .skip(count)
+            .fold(plant, |plant, effect| plant.without_effect(&effect.effect)))
     }
 }
 

@@ -99,10 +99,9 @@ async fn begin(
 }
 
 fn diagnosed(session: &Session) -> Result<Arc<Diagnosed>, Refusal> {
-    session
-        .diagnosed
-        .get()
-        .ok_or_else(|| Refusal::too_early("there is no diagnosis of these logs yet; diagnose first"))
+    session.diagnosed.get().ok_or_else(|| {
+        Refusal::too_early("there is no diagnosis of these logs yet; diagnose first")
+    })
 }
 
 #[derive(Serialize)]

@@ -37,7 +37,7 @@ fn history(session: &Session) -> Result<History, Refusal> {
     if project.history.is_of(&project.plant) {
         return Ok(project.history);
     }
-    session.change(|project| Ok(of_plant(project)?.clone()))
+    History::begin(&project.plant)
 }
 
 fn of_plant(project: &mut Project) -> Result<&mut History, Refusal> {
@@ -45,6 +45,19 @@ fn of_plant(project: &mut Project) -> Result<&mut History, Refusal> {
         project.history = History::begin(&project.plant)?;
     }
     Ok(&mut project.history)
+}
+
+/// Notes what the step that holds is off on a log.
+fn note_errors(session: &Session, log: u32) -> Result<(), Refusal> {
+    let mut measured = history(session)?;
+    simulation::measure(session, log, &mut measured)?;
+    session.change(|project| {
+        // Another request may have changed the plant meanwhile.
+        if measured.is_of(&project.plant) {
+            project.history = measured;
+        }
+        Ok(())
+    })
 }
 
 #[derive(Serialize)]
@@ -100,10 +113,9 @@ async fn show(
 ) -> Result<Json<RefineView>, Refusal> {
     let session = session(&sessions, id)?;
     blocking(move || {
-        if history(&session)?.now().errors.is_empty() {
-            simulation::measure(&session, on.log)?;
-        }
-        history(&session).map(RefineView::of).map(Json)
+        let mut history = history(&session)?;
+        simulation::measure(&session, on.log, &mut history)?;
+        Ok(Json(RefineView::of(history)))
     })
     .await
 }
@@ -124,17 +136,15 @@ async fn change_plant(
     blocking(move || {
         session.project().log(wish.log)?;
         let diagnosed = session.diagnosed.get();
-        let diagnosis = diagnosed.as_ref().map(|found| &found.diagnosis);
+        note_errors(&session, wish.log)?;
         session.change(|project| {
             let history = of_plant(project)?;
-            wish.change.apply(history, diagnosis)?;
+            wish.change.apply(history, diagnosed.as_deref())?;
             project.plant = project.history.now().plant.clone();
             Ok(())
         })?;
         session.forget_comparisons();
-        if history(&session)?.now().errors.is_empty() {
-            simulation::measure(&session, wish.log)?;
-        }
+        note_errors(&session, wish.log)?;
         history(&session).map(RefineView::of).map(Json)
     })
     .await
@@ -184,13 +194,14 @@ async fn fit(
             .collect();
         let logs = session.recordings(&wish.chosen.logs)?;
         let check = session.recordings(&wish.chosen.check)?;
+        note_errors(session, wish.log)?;
         let refined = refine(&opened, &logs, &check, &add, &|seen| job.watch(seen))?;
         let step = fitted_step(now, refined)?;
         if job.is_cancelled() {
             return Ok(());
         }
         session.change(|project| {
-            if !project.history.is_of(&now.plant) {
+            if project.plant != now.plant {
                 return Err(Refusal::too_early(
                     "the plant was changed while it was fitted; fit again",
                 ));
@@ -200,15 +211,12 @@ async fn fit(
             Ok(())
         })?;
         session.clear_comparisons();
-        simulation::measure(session, wish.log)
+        note_errors(session, wish.log)
     }))
 }
 
 /// Ids of effects that the plant had when it was opened and has no longer.
-fn now_gone<'a>(
-    effects: &'a [StepEffect],
-    history: &'a History,
-) -> impl Iterator<Item = &'a str> {
+fn now_gone<'a>(effects: &'a [StepEffect], history: &'a History) -> impl Iterator<Item = &'a str> {
     let first = history.first().effects.iter();
     first
         .map(|effect| &effect.effect[..])
@@ -227,9 +235,15 @@ fn fitted_step(before: &Step, refined: Refined) -> Result<Step, Refusal> {
         }
     });
     let names = before.effects.iter().filter(|effect| effect.is_on);
-    let names: Vec<_> = names.map(|effect| effect.effect.replace('_', " ")).collect();
+    let names: Vec<_> = names
+        .map(|effect| effect.effect.replace('_', " "))
+        .collect();
     Ok(Step {
-        done: format!("fitted {} to {}", names.join(" and "), refinement.logs.join(", ")),
+        done: format!(
+            "fitted {} to {}",
+            names.join(" and "),
+            refinement.logs.join(", ")
+        ),
         effects: effects.collect(),
         plant: PlantFile {
             name: REFINED.to_owned(),

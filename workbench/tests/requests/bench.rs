@@ -220,7 +220,9 @@ impl Browser<'_> {
         assert_eq!(begun.status, 200, "{begun:?}");
         let job = &begun.json()["job"];
         let events = self.get(&format!("{session}/jobs/{job}")).text();
-        let events = events.lines().filter_map(|line| line.strip_prefix("data: "));
+        let events = events
+            .lines()
+            .filter_map(|line| line.strip_prefix("data: "));
         events
             .map(|event| serde_json::from_str(event).unwrap())
             .collect()

@@ -11,7 +11,10 @@ const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
 /// The first seconds of the rig with a leak: enough to name it, and quick.
 pub(crate) fn leaking(seconds: f64) -> String {
     let is_early = |line: &&str| {
-        let time = line.split(',').next().and_then(|time| time.parse::<f64>().ok());
+        let time = line
+            .split(',')
+            .next()
+            .and_then(|time| time.parse::<f64>().ok());
         time.is_none_or(|time| time < seconds)
     };
     ID.lines()
@@ -41,7 +44,10 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
         &json!({"logs": [1], "check": []}),
     );
     assert_eq!(events.last().unwrap()["state"], "done");
-    let stages: Vec<_> = events.iter().filter_map(|event| event["stage"].as_str()).collect();
+    let stages: Vec<_> = events
+        .iter()
+        .filter_map(|event| event["stage"].as_str())
+        .collect();
     assert!(stages.contains(&"single effects"), "{stages:?}");
 
     let view = browser.get(&format!("{session}/diagnosis")).json();
@@ -51,8 +57,16 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     assert_eq!(diagnosis["verdict"], "found");
     assert_eq!(diagnosis["effects"], json!(["chamber_leak"]));
     let file = browser.get(&format!("{session}/diagnosis/json"));
-    assert!(file.header("content-disposition").unwrap().contains("diagnosis.json"));
-    assert!(file.text().starts_with("{\n  \"schema\": \"retarder.diagnosis/1\"") && file.text().ends_with("}\n"));
+    assert!(
+        file.header("content-disposition")
+            .unwrap()
+            .contains("diagnosis.json")
+    );
+    assert!(
+        file.text()
+            .starts_with("{\n  \"schema\": \"retarder.diagnosis/1\"")
+            && file.text().ends_with("}\n")
+    );
     assert_eq!(&file.json(), diagnosis);
 
     let wish = json!({"effects": ["chamber_leak"], "duration_s": 8.0, "max_bar": null, "max_duty_pct": 100.0});
@@ -60,13 +74,23 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let next = browser.get(&format!("{session}/next-experiment")).json();
     assert_eq!(next["schema"], "retarder.next-experiment/1");
-    let csv = browser.get(&format!("{session}/next-experiment/csv")).text();
-    assert!(csv.starts_with("time_s,duty_fill_pct,duty_vent_pct\n0.00,"), "{csv:.80}");
+    let csv = browser
+        .get(&format!("{session}/next-experiment/csv"))
+        .text();
+    assert!(
+        csv.starts_with("time_s,duty_fill_pct,duty_vent_pct\n0.00,"),
+        "{csv:.80}"
+    );
 
     let change = json!({"log": 1, "do": "add", "effect": "chamber_leak"});
-    let refine = browser.post(&format!("{session}/refine/change"), &change).json();
+    let refine = browser
+        .post(&format!("{session}/refine/change"), &change)
+        .json();
     let candidates = diagnosis["candidates"].as_array().unwrap();
-    let named = candidates.iter().find(|one| one["effect"] == "chamber_leak").unwrap();
+    let named = candidates
+        .iter()
+        .find(|one| one["effect"] == "chamber_leak")
+        .unwrap();
     let added = &refine["effects"][0]["parameters"][0];
     let fitted = &named["parameters"][0];
     assert_eq!(refine["effects"][0]["variant"], named["variant"]);
@@ -74,6 +98,18 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     for end in ["value", "low", "high"] {
         assert_eq!(added["fitted"][end], fitted[end]);
     }
+    // What differs from rig to rig is as it was fitted with the effect.
+    let toml = browser.get(&format!("{session}/refine/plant")).text();
+    assert!(
+        toml.contains("fitted by retarder diagnose to bench.csv; was "),
+        "{toml}"
+    );
+    let pressure_rms = |step: usize| refine["steps"][step]["errors"][0]["rms"].as_f64().unwrap();
+    assert!(
+        pressure_rms(1) < 0.3 * pressure_rms(0),
+        "{}",
+        refine["steps"]
+    );
     let view = browser.get(&format!("{session}/diagnosis")).json();
     assert_eq!(view["is_of_plant"], false, "the plant is another one now");
 }
@@ -85,11 +121,17 @@ fn the_library_is_told_with_equations_bounds_and_units() {
     let effects = browser.get("/api/effects").json();
     let effects = effects.as_array().unwrap();
     assert_eq!(effects.len(), 20);
-    let leak = effects.iter().find(|effect| effect["id"] == "chamber_leak").unwrap();
+    let leak = effects
+        .iter()
+        .find(|effect| effect["id"] == "chamber_leak")
+        .unwrap();
     assert_eq!(leak["title"], "Chamber leak");
     assert!(leak["equation"].as_str().unwrap().contains("orifice"));
     let area = &leak["forms"][0]["parameters"][0];
-    assert_eq!((&area["key"], &area["unit"], &area["is_log"]), (&json!("area_m2"), &json!("m2"), &json!(true)));
+    assert_eq!(
+        (&area["key"], &area["unit"], &area["is_log"]),
+        (&json!("area_m2"), &json!("m2"), &json!(true))
+    );
 }
 
 #[test]
@@ -104,20 +146,43 @@ fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
         (json!({"logs": [7], "check": []}), 404, "E-WEB-NOT-FOUND"),
     ] {
         let refused = browser.post(&diagnose, &wish);
-        assert_eq!((refused.status, refused.code().as_str()), (status, code), "{wish}");
+        assert_eq!(
+            (refused.status, refused.code().as_str()),
+            (status, code),
+            "{wish}"
+        );
     }
     let wish = json!({"effects": ["chamber_leak"], "duration_s": 8.0, "max_bar": null, "max_duty_pct": 100.0});
     let early = browser.post(&format!("{session}/next-experiment"), &wish);
-    assert_eq!((early.status, early.code().as_str()), (409, "E-WEB-TOO-EARLY"));
-    for path in ["diagnosis", "diagnosis/json", "next-experiment", "next-experiment/csv"] {
-        assert_eq!(browser.get(&format!("{session}/{path}")).status, 409, "{path}");
+    assert_eq!(
+        (early.status, early.code().as_str()),
+        (409, "E-WEB-TOO-EARLY")
+    );
+    for path in [
+        "diagnosis",
+        "diagnosis/json",
+        "next-experiment",
+        "next-experiment/csv",
+    ] {
+        assert_eq!(
+            browser.get(&format!("{session}/{path}")).status,
+            409,
+            "{path}"
+        );
     }
 
     // A log that cannot drive the model says so when it is tried.
-    browser.upload(&session, "still.csv", b"time_s,p_ch_bar_gauge\n0,1\n1,1\n2,1\n");
+    browser.upload(
+        &session,
+        "still.csv",
+        b"time_s,p_ch_bar_gauge\n0,1\n1,1\n2,1\n",
+    );
     let events = browser.work(&session, &diagnose, &json!({"logs": [2], "check": []}));
     let last = events.last().unwrap();
-    assert_eq!((&last["state"], &last["problems"][0]["code"]), (&json!("failed"), &json!("E-DIAGNOSE")));
+    assert_eq!(
+        (&last["state"], &last["problems"][0]["code"]),
+        (&json!("failed"), &json!("E-DIAGNOSE"))
+    );
 }
 
 /// Rule 11: nobody waits for it any more, whether the page was closed or only stopped to listen.
@@ -126,7 +191,10 @@ fn a_diagnosis_ends_with_whoever_listens() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 30.0);
-    let begun = browser.post(&format!("{session}/diagnose"), &json!({"logs": [1], "check": []}));
+    let begun = browser.post(
+        &format!("{session}/diagnose"),
+        &json!({"logs": [1], "check": []}),
+    );
     let job = begun.json()["job"].as_u64().unwrap();
     let mut events = bench.connect();
     let request = format!(
@@ -140,7 +208,13 @@ fn a_diagnosis_ends_with_whoever_listens() {
     drop(events);
     // Its end is told to whoever asks for the job later.
     let told = browser.get(&format!("{session}/jobs/{job}")).text();
-    let last: Value = serde_json::from_str(told.lines().rfind(|line| line.starts_with("data: ")).unwrap().trim_start_matches("data: ")).unwrap();
+    let last: Value = serde_json::from_str(
+        told.lines()
+            .rfind(|line| line.starts_with("data: "))
+            .unwrap()
+            .trim_start_matches("data: "),
+    )
+    .unwrap();
     assert_eq!(last["state"], "cancelled", "{told}");
     assert_eq!(browser.get(&format!("{session}/diagnosis")).status, 409);
 }

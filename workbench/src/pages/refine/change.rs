@@ -1,6 +1,5 @@
 //! Changes of a plant's effects, each a step that can be undone.
 
-use model_lab::diagnosis::Diagnosis;
 use model_lab::diagnosis::result::FittedParameter;
 use plant_sim::PlantParameters;
 use plant_sim::effects::{Effect, EffectSetting, by_id};
@@ -8,6 +7,7 @@ use plant_sim::parameters::ParameterSpec;
 use serde::Deserialize;
 
 use crate::history::{History, Step, StepEffect};
+use crate::pages::diagnose::Diagnosed;
 use crate::project::PlantFile;
 use crate::refusal::Refusal;
 
@@ -50,7 +50,7 @@ impl Change {
     pub(super) fn apply(
         &self,
         history: &mut History,
-        diagnosis: Option<&Diagnosis>,
+        diagnosed: Option<&Diagnosed>,
     ) -> Result<(), Refusal> {
         match self {
             Self::Undo => {
@@ -68,7 +68,7 @@ impl Change {
                 history.go_to(history.at() + 1)
             }
             other => {
-                let step = other.step(history.now(), history.first(), diagnosis)?;
+                let step = other.step(history.now(), history.first(), diagnosed)?;
                 history.push(step);
                 Ok(())
             }
@@ -80,11 +80,11 @@ impl Change {
         &self,
         now: &Step,
         first: &Step,
-        diagnosis: Option<&Diagnosis>,
+        diagnosed: Option<&Diagnosed>,
     ) -> Result<Step, Refusal> {
         let mut draft = Draft::of(now)?;
         let done = match self {
-            Self::Add { effect, form } => draft.add(effect, form.as_deref(), diagnosis)?,
+            Self::Add { effect, form } => draft.add(effect, form.as_deref(), diagnosed)?,
             Self::Remove { effect } => draft.remove(effect)?,
             Self::Switch { effect, is_on } => draft.switch(effect, *is_on)?,
             Self::Form { effect, form } => draft.form(effect, form)?,
@@ -112,6 +112,13 @@ fn library(id: &str) -> Result<&'static dyn Effect, Refusal> {
     by_id(id).ok_or_else(|| Refusal::not_found("effect"))
 }
 
+fn origin(found: &Diagnosed) -> String {
+    format!(
+        "fitted by retarder diagnose to {}",
+        found.diagnosis.logs.join(", ")
+    )
+}
+
 fn title(id: &str) -> String {
     id.replace('_', " ")
 }
@@ -134,7 +141,7 @@ impl Draft {
         &mut self,
         id: &str,
         form: Option<&str>,
-        diagnosis: Option<&Diagnosis>,
+        diagnosed: Option<&Diagnosed>,
     ) -> Result<String, Refusal> {
         let about = library(id)?.about();
         if self.effect(id).is_ok() {
@@ -142,8 +149,14 @@ impl Draft {
                 "the plant has the effect {id} already; switch it on or move its parameters"
             )));
         }
-        let candidate = diagnosis
-            .and_then(|diagnosis| diagnosis.candidates.iter().find(|one| one.effect == id))
+        let candidate = diagnosed
+            .and_then(|found| {
+                found
+                    .diagnosis
+                    .candidates
+                    .iter()
+                    .find(|one| one.effect == id)
+            })
             .filter(|candidate| form.is_none_or(|form| form == candidate.variant));
         let form = form.or(candidate.map(|candidate| &candidate.variant[..]));
         let variant = match form {
@@ -159,16 +172,37 @@ impl Draft {
                 setting = setting.with(&found.key, found.value);
             }
         }
-        let origin = match (fitted, diagnosis) {
-            ([_, ..], Some(diagnosis)) => {
-                format!("fitted by retarder diagnose to {}", diagnosis.logs.join(", "))
-            }
-            _ => "a size that is met in practice".to_owned(),
-        };
         let words = format!("added {} ({})", title(id), variant.name);
         self.effects.push(StepEffect::of(&setting, fitted));
-        self.install(&setting, &origin)?;
+        match diagnosed {
+            Some(found) if !fitted.is_empty() => {
+                self.take_what_was_fitted_with(id, found)?;
+                self.install(&setting, &origin(found))?;
+            }
+            _ => self.install(&setting, "a size that is met in practice")?,
+        }
         Ok(words)
+    }
+
+    /// What differs from rig to rig, as it was fitted with a named effect of the plant that was diagnosed: with the
+    /// datasheet's values beside it the effect would explain less than it does.
+    fn take_what_was_fitted_with(&mut self, id: &str, found: &Diagnosed) -> Result<(), Refusal> {
+        let before = found.plant.parameters()?;
+        if self.plant != before || !found.diagnosis.effects.iter().any(|named| named == id) {
+            return Ok(());
+        }
+        let [_, refined] = found.diagnosis.plain_and_refined(&before);
+        for spec in before.specs().filter(|spec| spec.effect_id().is_none()) {
+            let (Some(was), Some(fitted)) = (spec.value(&before), spec.value(&refined)) else {
+                continue;
+            };
+            if was != fitted {
+                spec.put(&mut self.plant, fitted);
+                let words = format!("{}; was {was}", origin(found));
+                self.plant.provenance.insert(spec.name(), words);
+            }
+        }
+        Ok(())
     }
 
     /// Puts an effect into the plant.
@@ -317,7 +351,11 @@ mod tests {
             change(&mut history, json).unwrap();
             assert_eq!(area(&history), expected, "{json}");
         }
-        assert_eq!(history.now().plant, PlantFile::nominal(), "as it was opened");
+        assert_eq!(
+            history.now().plant,
+            PlantFile::nominal(),
+            "as it was opened"
+        );
     }
 
     #[test]

@@ -141,7 +141,9 @@ fn ladder(
             errors.to_vec()
         } else {
             let plant = step.plant_with_first(index + 1)?;
-            errors_of((session, number, log), &plant.to_toml(), || Ok(plant.clone()))?
+            errors_of((session, number, log), &plant.to_toml(), || {
+                Ok(plant.clone())
+            })?
         };
         rungs.push(Rung {
             added: Some(effect.effect.clone()),
@@ -179,19 +181,21 @@ fn errors_of(
     Ok(errors)
 }
 
-/// Notes what the step that holds is off on a log; a plant that cannot be simulated there has no errors.
-pub(super) fn measure(session: &Session, number: u32) -> Result<(), Refusal> {
-    let plant = history(session)?.now().plant.clone();
+/// Fills in what the step that holds is off on a log; a plant that cannot be simulated there has no errors.
+pub(super) fn measure(
+    session: &Session,
+    number: u32,
+    history: &mut History,
+) -> Result<(), Refusal> {
     let name = session.project().log(number)?.name.clone();
+    if !history.now().errors.is_empty() {
+        return Ok(());
+    }
+    let plant = history.now().plant.clone();
     let log = session.log(number)?;
     let Ok(log) = log.as_ref() else { return Ok(()) };
-    let Ok(errors) = errors_of((session, number, log), &plant.toml, || plant.parameters()) else {
-        return Ok(());
-    };
-    session.change(|project| {
-        if project.history.is_of(&plant) {
-            project.history.measure(&name, errors);
-        }
-        Ok(())
-    })
+    if let Ok(errors) = errors_of((session, number, log), &plant.toml, || plant.parameters()) {
+        history.measure(&name, errors);
+    }
+    Ok(())
 }

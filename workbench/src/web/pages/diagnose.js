@@ -62,9 +62,9 @@ class Page {
   }
 
   async diagnose() {
-    this.start.disabled = true;
+    this.start.hidden = true;
     const isDone = await this.work.run("/diagnose", this.roles.chosen);
-    this.start.disabled = false;
+    this.start.hidden = false;
     if (!isDone) return;
     try {
       this.take(await api.get("/diagnosis"));
@@ -109,7 +109,7 @@ class Page {
       element("div", { class: "row" }, element("span", { class: `chip ${mark}` }, words), element("span", { class: "space" }),
         element("a", { class: "button", href: api.address("/diagnosis/json"), download: "diagnosis.json", id: "diagnosis-json" }, "Diagnosis as JSON")),
       element("p", { class: "sentence" }, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`),
-      !is_of_plant && element("p", { class: "problem" }, `This was found for ${plant}; the plant is another one now. Diagnose again to see what that one lacks.`),
+      !is_of_plant && element("p", { class: "stale" }, element("span", { class: "chip open" }, "another plant"), ` This was found for ${plant}. The plant has changed since; diagnose again to see what it still lacks.`),
       element("p", { class: "quiet" }, `Fitted: ${diagnosis.logs.join(", ")}. Judged on ${diagnosis.check.length > 0 ? diagnosis.check.join(", ") : diagnosis.held_out}. ${cost.simulations} simulations of ${duration(cost.log_s)} in ${duration(cost.elapsed_s)}.`));
   }
 
@@ -132,13 +132,13 @@ class Page {
     const list = (regimes) => element("ul", { class: "plain" }, regimes.map((regime) => element("li", {},
       element("b", {}, regime.log), ` ${regime.signal}: ${regime.sentence}. `, this.toCompare(regime))));
     return element("section", { class: "card" }, element("h2", {}, "Where the excess error is"),
-      element("h3", {}, "With the plain model"), list(diagnosis.location.before),
-      diagnosis.effects.length > 0 && [element("h3", {}, "With the named effects"), list(diagnosis.location.after)]);
+      element("h3", {}, "With the plain model"), list(diagnosis.where.before),
+      diagnosis.effects.length > 0 && [element("h3", {}, "With the named effects"), list(diagnosis.where.after)]);
   }
 
   toCompare(regime) {
     const log = this.logs.find((one) => one.name === regime.log);
-    return log && button("Show it", () => view.go("compare", { log: log.number }), { class: "link" });
+    return log && regime.regime && button("Show it", () => view.go("compare", { log: log.number }), { class: "link" });
   }
 
   nuisance({ nuisance }) {

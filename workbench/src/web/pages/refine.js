@@ -27,7 +27,7 @@ export async function show(place) {
 
 class Page {
   constructor(place, project, logs, effects) {
-    Object.assign(this, { place, project, logs, state: null, queue: Promise.resolve(), moving: null, isMoving: false });
+    Object.assign(this, { place, project, logs, state: null, queue: Promise.resolve(), moving: null, isMoving: false, asked: 0, drawn: 0 });
     this.library = new Map(effects.map((effect) => [effect.id, effect]));
     this.roles = new Roles(logs);
     this.log = logs.find((log) => log.number === view.numberOf("log")) ?? logs.find((log) => log.number === this.roles.chosen.logs[0]) ?? logs[0];
@@ -60,8 +60,8 @@ class Page {
         element("div", { class: "stack" },
           element("section", { class: "card", id: "ladder" },
             element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms on ${this.log.name}, the model driven by the commands alone as in Compare, in multiples of the noise floor (the line).`),
-            this.rungs),
+            element("p", { class: "quiet" }, `Rms on ${this.log.name}, the model driven by the commands alone as in Compare, in multiples of the noise floor (the line); below the first row with the values that the plant has now.`),
+            this.rungs, this.cost),
           this.plots.element, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,
           element("section", { class: "card" }, element("h2", {}, "What a fit takes"), this.roles.element),
@@ -99,6 +99,7 @@ class Page {
 
   /** Changes the plant; one after the other, however fast a person is. */
   change(change) {
+    this.moving = null;
     this.queue = this.queue.then(async () => {
       try {
         this.take(await api.post("/refine/change", { log: this.log.number, ...change }));
@@ -150,10 +151,13 @@ class Page {
 
   async simulate(moved) {
     const begin = performance.now();
+    const turn = ++this.asked;
     try {
       const query = new URLSearchParams({ log: this.log.number, ...this.plots.query(), ...moved });
       const run = await api.get(`/refine/simulation?${query}`, this.ending.signal);
-      fill(this.rungs, ladder(run.ladder), this.cost);
+      if (turn < this.drawn) return;
+      this.drawn = turn;
+      this.showLadder(run.ladder);
       await this.plots.take(run.signals);
       this.cost.textContent = `${number(run.log_s, 3)} s of log simulated in ${number(run.simulation_ms, 3)} ms, on the screen after ${number(performance.now() - begin, 3)} ms.`;
       Object.assign(this.cost.dataset, { simulation: run.simulation_ms, screen: performance.now() - begin });
@@ -162,10 +166,24 @@ class Page {
     }
   }
 
+  /** Bars go on from where they were; those of a new rung fall from where the plant as opened has its own. */
+  showLadder(rungs) {
+    const before = [...this.rungs.querySelectorAll(".rung")].map(widths);
+    fill(this.rungs, ladder(rungs));
+    [...this.rungs.querySelectorAll(".rung")].forEach((rung, index) => {
+      const from = before[index] ?? before[0] ?? [];
+      rung.querySelectorAll(".fill").forEach((bar, signal) => {
+        const to = bar.style.width;
+        bar.style.width = from[signal] ?? to;
+        requestAnimationFrame(() => { bar.style.width = to; });
+      });
+    });
+  }
+
   async fit() {
-    this.fitButton.disabled = true;
+    this.fitButton.hidden = true;
     const isDone = await this.work.run("/refine/fit", { log: this.log.number, ...this.roles.chosen });
-    this.fitButton.disabled = false;
+    this.fitButton.hidden = false;
     if (!isDone) return;
     try {
       this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
@@ -175,3 +193,5 @@ class Page {
     }
   }
 }
+
+const widths = (rung) => [...rung.querySelectorAll(".fill")].map((bar) => bar.style.width);

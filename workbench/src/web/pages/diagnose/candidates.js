@@ -50,8 +50,8 @@ export class Candidates {
         fact("Evidence", `${number(candidate.evidence, 3)} (strong above 10, against it below 0)`),
         about && fact("Shows in", about.excited_by),
         about && fact("Acts on", about.acts_on),
-        isNamed && fact("Where, without it", list(diagnosis.location.before) || "nowhere in particular"),
-        isNamed && fact("Where, with it", list(diagnosis.location.after) || "no excess is left"),
+        isNamed && fact("Where, without it", list(diagnosis.where.before) || "nowhere in particular"),
+        isNamed && fact("Where, with it", list(diagnosis.where.after) || "no excess is left"),
         about?.confused_with.length > 0 && fact("Confused with", about.confused_with.map(title).join(", ")),
         fact("Source", candidate.source)),
       about && element("pre", { class: "equation", tabIndex: 0, "aria-label": "Equation" }, about.equation),
@@ -59,9 +59,11 @@ export class Candidates {
   }
 
   /** What size would have been seen. */
-  limit({ detection_limit: limit }, isShort) {
+  limit({ effect, detection_limit: limit }, isShort) {
     if (limit.not_excited) return isShort ? "not excited" : `not excited: these logs would not show any size that is met in practice. ${limit.not_excited.manoeuvre} would`;
     const { key, value, unit } = limit.size;
-    return isShort ? `seen from ${number(value, 2)} ${unitText(unit)}` : `${key} of ${number(value, 3)} ${unitText(unit)} and beyond would have been named`;
+    const specs = this.effects.get(effect)?.forms.flatMap((form) => form.parameters) ?? [];
+    const sign = value < 0 || specs.find((spec) => spec.key === key)?.is_stronger_below ? "≤" : "≥";
+    return isShort ? `seen if ${sign} ${number(value, 2)} ${unitText(unit)}` : `${key} ${sign} ${number(value, 3)} ${unitText(unit)} would have been named`;
   }
 }
