@@ -7,7 +7,7 @@ use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use serde::{Deserialize, Serialize};
 
-use crate::project::PlantFile;
+use crate::plant_file::PlantFile;
 use crate::refusal::Refusal;
 
 /// Steps that are kept; beyond them the oldest is forgotten, but not the beginning.

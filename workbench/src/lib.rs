@@ -10,6 +10,7 @@ mod job;
 mod log_reader;
 mod mapping;
 mod pages;
+mod plant_file;
 mod project;
 mod pyramid;
 mod refusal;

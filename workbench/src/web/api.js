@@ -63,6 +63,7 @@ export function follow(job, onProgress, signal) {
     const events = new EventSource(address(`/jobs/${job}`));
     const end = (act) => { events.close(); act(); };
     signal?.addEventListener("abort", () => end(() => reject(new DOMException("cancelled", "AbortError"))));
+    if (signal?.aborted) end(() => reject(new DOMException("cancelled", "AbortError")));
     events.onerror = () => end(() => reject(new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer" }])));
     events.onmessage = (event) => {
       const progress = JSON.parse(event.data);

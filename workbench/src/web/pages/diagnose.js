@@ -146,14 +146,13 @@ class Page {
     const rows = nuisance.map((value) => element("tr", { class: value.alarm ? "picked" : undefined },
       element("th", { scope: "row" }, value.name),
       [value.datasheet, value.tolerance, value.plain, value.fitted].map((one, index) => element("td", {}, `${index === 1 ? "± " : ""}${number(one)}`)),
-      element("td", {}, `${number(value.low)} to ${number(value.high)}`), element("td", {}, unitText(value.unit)),
-      element("td", { class: "words" }, value.alarm ?? "")));
+      element("td", {}, `${number(value.low)} to ${number(value.high)}`), element("td", {}, unitText(value.unit))));
     return element("section", { class: "card" }, element("h2", {}, "What differs from rig to rig"),
       element("p", { class: "quiet" }, "Refitted within the tolerance of the datasheet, with every candidate. A value at the end of its tolerance says that physics is missing."),
       alarms.map((value) => element("p", {}, element("span", { class: "chip bad" }, value.name), ` ${value.alarm}`)),
       element("details", { open: alarms.length > 0 }, element("summary", {}, `${nuisance.length} parameters`),
         element("div", { class: "scroll" }, element("table", { class: "numbers" },
-          element("thead", {}, element("tr", {}, ["parameter", "plant file", "tolerance", "plain", "with effects", "95 % interval", "unit", "alarm"].map((cell) => element("th", { scope: "col" }, cell)))),
+          element("thead", {}, element("tr", {}, ["parameter", "plant file", "tolerance", "plain", "with effects", "95 % interval", "unit"].map((cell) => element("th", { scope: "col" }, cell)))),
           element("tbody", {}, rows)))));
   }
 

@@ -33,7 +33,7 @@ export class Experiment {
     this.second = list(other, "nothing: show it");
     const field = (value, more) => element("input", { type: "number", min: 0, step: "any", class: "short", value, ...more });
     this.duration = field(20);
-    this.pressure = field("", { placeholder: "0.9 supply" });
+    this.pressure = field("", { placeholder: "auto", title: "Without a wish, nine tenths of the supply pressure" });
     this.duty = field(100);
     this.element = element("section", { class: "card", id: "next" }, element("h2", {}, "The next experiment"),
       element("p", { class: "quiet" }, "Manoeuvres within the limits are simulated with each effect as the truth and seen by the other, which may refit all that it may move."),

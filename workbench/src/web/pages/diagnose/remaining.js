@@ -69,7 +69,7 @@ function linePlots(lines) {
 
 function pulsePlots(pulses) {
   return [...Map.groupBy(pulses, (pulse) => pulse.log)].map(([log, group]) => ({
-    title: `Jumps beside the model, ${log}`, axes: ["time in the log [s]", "bar"],
+    title: `Jumps beside the model, ${log}`, axes: ["time in the log [s]", "bar"], x: { rangemode: "tozero" },
     note: group.map((pulse) => `${number(pulse.jump_bar, 2)} bar at ${number(pulse.time_s, 4)} s`).join("; "),
     traces: () => stems(group.map((pulse) => pulse.time_s), group.map((pulse) => pulse.jump_bar), "limit"),
   }));
