@@ -227,8 +227,8 @@ fn fitted_step(before: &Step, refined: Refined) -> Result<Step, Refusal> {
     let Refined { plant, refinement } = refined;
     let effects = before.effects.iter().map(|effect| {
         let setting = plant.effect(&effect.effect).filter(|_| effect.is_on);
-        let found = refinement.effects.iter();
-        let found = found.clone().find(|one| one.effect == effect.effect);
+        let mut fitted = refinement.effects.iter();
+        let found = fitted.find(|one| one.effect == effect.effect);
         match (setting, found) {
             (Some(setting), Some(found)) => StepEffect::of(setting, &found.parameters),
             _ => effect.clone(),

@@ -53,6 +53,15 @@ impl Change {
         diagnosed: Option<&Diagnosed>,
     ) -> Result<(), Refusal> {
         match self {
+            Self::Add { effect, form } => edit(history, |draft| {
+                draft.add(effect, form.as_deref(), diagnosed)
+            }),
+            Self::Remove { effect } => edit(history, |draft| draft.remove(effect)),
+            Self::Switch { effect, is_on } => edit(history, |draft| draft.switch(effect, *is_on)),
+            Self::Form { effect, form } => edit(history, |draft| draft.form(effect, form)),
+            Self::Set { effect, key, value } => {
+                edit(history, |draft| draft.set(effect, key, *value))
+            }
             Self::Undo => {
                 let before = history.at().checked_sub(1);
                 history.go_to(before.ok_or_else(|| {
@@ -67,32 +76,20 @@ impl Change {
                 }
                 history.go_to(history.at() + 1)
             }
-            other => {
-                let step = other.step(history.now(), history.first(), diagnosed)?;
-                history.push(step);
-                Ok(())
-            }
         }
     }
+}
 
-    /// `now` with the change; `first` is the plant as opened.
-    fn step(
-        &self,
-        now: &Step,
-        first: &Step,
-        diagnosed: Option<&Diagnosed>,
-    ) -> Result<Step, Refusal> {
-        let mut draft = Draft::of(now)?;
-        let done = match self {
-            Self::Add { effect, form } => draft.add(effect, form.as_deref(), diagnosed)?,
-            Self::Remove { effect } => draft.remove(effect)?,
-            Self::Switch { effect, is_on } => draft.switch(effect, *is_on)?,
-            Self::Form { effect, form } => draft.form(effect, form)?,
-            Self::Set { effect, key, value } => draft.set(effect, key, *value)?,
-            Self::Undo | Self::Redo => unreachable!("they move within the history"),
-        };
-        draft.step(done, first)
-    }
+/// Makes a change of the plant a step, called as `change` says what it did.
+fn edit(
+    history: &mut History,
+    change: impl FnOnce(&mut Draft) -> Result<String, Refusal>,
+) -> Result<(), Refusal> {
+    let mut draft = Draft::of(history.now())?;
+    let done = change(&mut draft)?;
+    let step = draft.step(done, history.first())?;
+    history.push(step);
+    Ok(())
 }
 
 /// The plant at `now` with a parameter moved, without a step.
