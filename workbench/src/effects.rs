@@ -98,11 +98,14 @@ fn parameter(spec: &'static ParameterSpec) -> ParameterView {
     }
 }
 
-/// The first block of formulas below the heading of the effect's number.
+/// The first block of formulas below the heading that names the effect.
 fn equation(about: &About) -> Option<&'static str> {
-    let number = about.source.split(':').next()?;
-    let (_, section) = EQUATIONS.split_once(&format!("\n### {number} "))?;
-    let section = section.split("\n### ").next()?;
+    let name = format!("`{}`", about.id);
+    let mut sections = EQUATIONS.split("\n### ");
+    let section = sections.find(|section| {
+        let heading = section.lines().next();
+        heading.is_some_and(|heading| heading.contains(&name))
+    })?;
     let (_, block) = section.split_once("```text\n")?;
     block.split("\n```").next()
 }

@@ -265,7 +265,7 @@ mod tests {
         let plant = PlantFile {
             name: "infinite.toml".to_owned(),
             toml: format!(
-                "{}\n[effects.coil_heating]\nheat_capacity_j_per_k = inf\ncooling_w_per_k = 0.1\n",
+                "{}\n[effects.coil_heating]\nheat_capacity_j_per_k = inf\n",
                 PlantFile::nominal().toml
             ),
         };
