@@ -6,6 +6,7 @@ mod commands;
 mod compare;
 pub mod diagnosis;
 mod error;
+mod free_run;
 mod measured;
 mod metrics;
 mod noise;
@@ -21,5 +22,6 @@ mod whiteness;
 
 pub use compare::{compare, compare_watched};
 pub use error::CompareError;
+pub use free_run::{FreeRun, SignalError, free_run};
 pub use options::CompareOptions;
 pub use result::Comparison;

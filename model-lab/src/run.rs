@@ -16,6 +16,10 @@ use crate::metrics::present;
 /// Within a sample interval the valves are looked at this often [ns].
 const LOOK_NS: u64 = 1_000_000;
 
+/// A simulation that takes more steps than this per row, and so many more at the start, is given up.
+pub(crate) const WORK_PER_ROW: u64 = 400;
+pub(crate) const WORK_AT_START: u64 = 100_000;
+
 /// What every run of one comparison shares.
 pub(crate) struct Setup<'a> {
     pub(crate) parameters: &'a PlantParameters,
@@ -117,6 +121,25 @@ impl<'a> Setup<'a> {
         for &input in &self.inputs {
             self.count_row()?;
             columns.push(replay.row(input));
+        }
+        Ok(columns)
+    }
+
+    /// As [`Self::free_run`], in a bounded number of steps whatever the parameters are.
+    pub(crate) fn bounded_free_run(&self) -> Result<Columns, CompareError> {
+        let mut replay = self.begin();
+        let mut columns = Columns::with_capacity(self);
+        let mut work = WORK_AT_START;
+        for &input in &self.inputs {
+            work += WORK_PER_ROW;
+            replay.simulator().set_work_limit(work);
+            let row = replay.row(input);
+            if replay.simulator().is_given_up() {
+                return Err(CompareError::GivenUp {
+                    time_s: input.time_ns as f64 * 1e-9,
+                });
+            }
+            columns.push(row);
         }
         Ok(columns)
     }

@@ -32,8 +32,18 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/compare/closer.js",
     "pages/compare/cursors.js",
     "pages/compare/regimes.js",
+    "pages/diagnose.js",
+    "pages/diagnose/candidates.js",
+    "pages/diagnose/experiment.js",
+    "pages/diagnose/remaining.js",
+    "pages/ladder.js",
     "pages/logs.js",
     "pages/mapping.js",
+    "pages/refine.js",
+    "pages/refine/effects.js",
+    "pages/refine/plots.js",
+    "pages/roles.js",
+    "pages/work.js",
     "pages/compare.js",
 ];
 

@@ -1,6 +1,7 @@
 //! Work that takes longer than a request: one job at a time for each session, watched by events, ended with its page.
 
 use std::convert::Infallible;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -8,20 +9,23 @@ use std::time::Duration;
 use axum::response::Sse;
 use axum::response::sse::{Event, KeepAlive};
 use futures_util::{Stream, stream};
+use model_lab::diagnosis;
 use serde::Serialize;
 use tokio::sync::{Semaphore, watch};
 
 use crate::refusal::{Problem, Refusal};
 
 /// Steps of progress that are told.
-const STEPS: u64 = 1000;
+const STEPS: f64 = 1000.0;
 
 /// How far a job is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "state", rename_all = "snake_case")]
 pub(crate) enum Progress {
     Running {
-        /// Share that is done, 0 to 1.
+        /// What is done just now; none where the job is one piece.
+        stage: Option<&'static str>,
+        /// Share of it that is done, 0 to 1.
         share: f64,
     },
     Done,
@@ -35,7 +39,6 @@ pub(crate) enum Progress {
 pub(crate) struct Job {
     pub(crate) number: u64,
     is_cancelled: AtomicBool,
-    told: AtomicU64,
     progress: watch::Sender<Progress>,
 }
 
@@ -45,8 +48,10 @@ impl Job {
         Self {
             number: NUMBERS.fetch_add(1, Ordering::Relaxed),
             is_cancelled: AtomicBool::new(false),
-            told: AtomicU64::new(0),
-            progress: watch::Sender::new(Progress::Running { share: 0.0 }),
+            progress: watch::Sender::new(Progress::Running {
+                stage: None,
+                share: 0.0,
+            }),
         }
     }
 
@@ -95,11 +100,36 @@ impl Job {
 
     /// Tells how far the job is (0 to 1), and says whether it is to go on.
     pub(crate) fn goes_on(&self, share: f64) -> bool {
-        let step = (share * STEPS as f64) as u64;
-        if self.told.swap(step, Ordering::Relaxed) != step {
-            self.progress.send_replace(Progress::Running { share });
-        }
+        self.tell(None, share);
         !self.is_cancelled()
+    }
+
+    /// The same for a diagnosis, which has stages and reports from several threads.
+    pub(crate) fn watch(&self, seen: diagnosis::Progress) -> ControlFlow<()> {
+        self.tell(Some(seen.stage), seen.done);
+        if self.is_cancelled() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    fn tell(&self, stage: Option<&'static str>, share: f64) {
+        let step = |share: f64| (share * STEPS) as u64;
+        self.progress.send_if_modified(|told| {
+            let Progress::Running {
+                stage: last,
+                share: before,
+            } = told
+            else {
+                return false;
+            };
+            let is_news = *last != stage || step(*before) != step(share);
+            if is_news {
+                *told = Progress::Running { stage, share };
+            }
+            is_news
+        });
     }
 
     /// Its progress as events, the last one its end. Whoever stops listening before that ends the job.

@@ -2,12 +2,15 @@
 
 mod align;
 mod assets;
+mod effects;
 mod examples;
 mod guard;
+mod history;
 mod job;
 mod log_reader;
 mod mapping;
 mod pages;
+mod plant_file;
 mod project;
 mod pyramid;
 mod refusal;

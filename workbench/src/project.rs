@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use model_lab::CompareOptions;
-use plant_sim::PlantParameters;
-use plant_sim::parameters::NOMINAL_PLANT_TOML;
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
+use crate::history::History;
+pub(crate) use crate::plant_file::PlantFile;
 use crate::refusal::Refusal;
 use crate::store::LogHash;
 
@@ -27,6 +27,9 @@ pub(crate) struct Project {
     pub(crate) strictness: Strictness,
     /// Mappings by the header that they were made for, to be offered again.
     pub(crate) mappings: BTreeMap<String, String>,
+    /// How the plant became what it is; absent in files of earlier versions.
+    #[serde(default)]
+    pub(crate) history: History,
 }
 
 /// A log of the project.
@@ -42,27 +45,6 @@ pub(crate) struct LogEntry {
     pub(crate) mapping: Option<String>,
     /// Added to the times of the log (s) where it is shown beside others.
     pub(crate) offset_s: f64,
-}
-
-/// A plant file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct PlantFile {
-    pub(crate) name: String,
-    pub(crate) toml: String,
-}
-
-impl PlantFile {
-    pub(crate) fn nominal() -> Self {
-        Self {
-            name: "nominal-plant.toml".to_owned(),
-            toml: NOMINAL_PLANT_TOML.to_owned(),
-        }
-    }
-
-    pub(crate) fn parameters(&self) -> Result<PlantParameters, Refusal> {
-        Ok(PlantParameters::from_toml(&self.toml, &self.name)?)
-    }
 }
 
 /// When a signal holds; see [`CompareOptions`].
@@ -106,6 +88,7 @@ impl Default for Project {
             plant: PlantFile::nominal(),
             strictness: Strictness::default(),
             mappings: BTreeMap::new(),
+            history: History::default(),
         }
     }
 }

@@ -4,6 +4,7 @@ use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use model_lab::CompareError;
+use model_lab::diagnosis::DiagnoseError;
 use plant_sim::ParameterError;
 use recording::LogError;
 use recording::csv::{CsvError, MappingError};
@@ -146,6 +147,12 @@ impl From<ParameterError> for Refusal {
 impl From<CompareError> for Refusal {
     fn from(error: CompareError) -> Self {
         Problem::new("E-COMPARE", error.to_string()).into()
+    }
+}
+
+impl From<DiagnoseError> for Refusal {
+    fn from(error: DiagnoseError) -> Self {
+        Problem::new("E-DIAGNOSE", error.to_string()).into()
     }
 }
 

@@ -3,12 +3,15 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use model_lab::diagnosis::next_experiment::NextExperiment;
 use recording::Recording;
 use tokio::sync::Semaphore;
 
 use crate::job::Job;
 use crate::log_reader;
 use crate::pages::compare::Compared;
+use crate::pages::diagnose::Diagnosed;
+use crate::pages::refine::ErrorsOfPlants;
 use crate::project::Project;
 use crate::pyramid::Pyramid;
 use crate::refusal::{Problem, Refusal};
@@ -37,7 +40,35 @@ pub(crate) struct Session {
     project: Mutex<Project>,
     logs: Mutex<BTreeMap<u32, Arc<OpenLog>>>,
     comparisons: Mutex<BTreeMap<u32, Arc<Compared>>>,
+    /// The last diagnosis, and the last experiment that was planned after it.
+    pub(crate) diagnosed: Kept<Diagnosed>,
+    pub(crate) next: Kept<NextExperiment>,
+    /// Errors of plants that were simulated lately.
+    pub(crate) errors: Mutex<ErrorsOfPlants>,
     job: Mutex<Option<Arc<Job>>>,
+}
+
+/// A result that stays until there is another one.
+pub(crate) struct Kept<T>(Mutex<Option<Arc<T>>>);
+
+impl<T> Default for Kept<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T> Kept<T> {
+    pub(crate) fn get(&self) -> Option<Arc<T>> {
+        lock(&self.0).clone()
+    }
+
+    pub(crate) fn keep(&self, result: T) {
+        *lock(&self.0) = Some(Arc::new(result));
+    }
+
+    pub(crate) fn forget(&self) {
+        *lock(&self.0) = None;
+    }
 }
 
 /// A log in memory, or why it is not.
@@ -97,6 +128,9 @@ impl Sessions {
             project: Mutex::new(project.unwrap_or_default()),
             logs: Mutex::default(),
             comparisons: Mutex::default(),
+            diagnosed: Kept::default(),
+            next: Kept::default(),
+            errors: Mutex::default(),
             job: Mutex::default(),
         });
         let mut open = lock(&self.open);
@@ -159,11 +193,28 @@ impl Session {
     pub(crate) fn forget_log(&self, number: u32) {
         lock(&self.logs).remove(&number);
         lock(&self.comparisons).remove(&number);
+        lock(&self.errors).clear();
+        self.diagnosed.forget();
+        self.next.forget();
+    }
+
+    /// Recordings of the logs `numbers`, or what is wrong with the first that cannot be read.
+    pub(crate) fn recordings(&self, numbers: &[u32]) -> Result<Vec<Recording>, Refusal> {
+        let recording = |number: &u32| match &*self.log(*number)? {
+            Ok(log) => Ok(log.recording.clone()),
+            Err(problem) => Err(problem.clone().into()),
+        };
+        numbers.iter().map(recording).collect()
     }
 
     /// Forgets all comparisons, because the plant or the strictness is another.
     pub(crate) fn forget_comparisons(&self) {
         self.cancel();
+        self.clear_comparisons();
+    }
+
+    /// The same for a job that has changed the plant itself.
+    pub(crate) fn clear_comparisons(&self) {
         lock(&self.comparisons).clear();
     }
 

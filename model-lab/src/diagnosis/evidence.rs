@@ -14,12 +14,10 @@ use super::supply::find_supply;
 use crate::commands::Commands;
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, measured_signals, start};
+use crate::run::{WORK_AT_START, WORK_PER_ROW};
 
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
 const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
-/// A simulation that takes more steps than this per row, and so many more at the start, is given up.
-const WORK_PER_ROW: u64 = 400;
-const WORK_AT_START: u64 = 100_000;
 /// A correction leaves at least this pressure (Pa abs).
 const LEAST_PRESSURE: f64 = 1e3;
 

@@ -1,6 +1,6 @@
 //! Page "Compare": measured and modelled side by side, and where they part.
 
-mod courses;
+pub(super) mod courses;
 mod details;
 mod export;
 mod selection;
@@ -14,9 +14,9 @@ use axum::routing::{get, post};
 use axum::{Json, Router};
 use model_lab::{Comparison, compare_watched};
 use plant_sim::PlantParameters;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::{Shared, session};
+use super::{Begun, Shared, begin_job, session};
 use crate::align;
 use crate::job::Job;
 use crate::pages::blocking;
@@ -76,11 +76,6 @@ impl Compared {
     }
 }
 
-#[derive(Serialize)]
-struct Begun {
-    job: u64,
-}
-
 /// Begins the comparison of a log with the plant; one that is under way in the same tab ends.
 async fn begin(
     State(sessions): Shared,
@@ -88,12 +83,9 @@ async fn begin(
 ) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
     session.project().log(log)?;
-    let worker = Arc::clone(&session);
-    let places = Arc::clone(&sessions.workers);
-    let job = Job::start(places, move |job| work(&worker, log, job));
-    let number = job.number;
-    session.begin(job);
-    Ok(Json(Begun { job: number }))
+    Ok(begin_job(&sessions, &session, move |session, job| {
+        work(session, log, job)
+    }))
 }
 
 fn work(session: &Session, number: u32, job: &Job) -> Result<(), Refusal> {

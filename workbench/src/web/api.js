@@ -51,21 +51,23 @@ export const post = (path, body) => request("POST", inSession(path), body ?? {})
 export const put = (path, body) => request("PUT", inSession(path), body);
 export const remove = (path) => request("DELETE", inSession(path));
 export const examples = () => request("GET", "/examples");
+export const effects = () => request("GET", "/effects");
 export const address = (path) => `/api${inSession(path)}`;
 
 /** Sends a file; the server names it by its content. */
 export const upload = (file) => request("POST", inSession(`/logs?${new URLSearchParams({ name: file.name })}`), file);
 
-/** Follows a job to its end. `onProgress` is told shares from 0 to 1; aborting the signal ends the job. */
+/** Follows a job to its end. `onProgress` is told shares from 0 to 1, and of what if the job has stages; aborting the signal ends the job. */
 export function follow(job, onProgress, signal) {
   return new Promise((resolve, reject) => {
     const events = new EventSource(address(`/jobs/${job}`));
     const end = (act) => { events.close(); act(); };
     signal?.addEventListener("abort", () => end(() => reject(new DOMException("cancelled", "AbortError"))));
+    if (signal?.aborted) end(() => reject(new DOMException("cancelled", "AbortError")));
     events.onerror = () => end(() => reject(new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer" }])));
     events.onmessage = (event) => {
       const progress = JSON.parse(event.data);
-      if (progress.state === "running") onProgress(progress.share);
+      if (progress.state === "running") onProgress(progress.share, progress.stage);
       else if (progress.state === "done") end(resolve);
       else if (progress.state === "cancelled") end(() => reject(new DOMException("cancelled", "AbortError")));
       else end(() => reject(new Refusal(422, progress.problems)));

@@ -32,6 +32,9 @@ export function duration(seconds) {
   return `${number(seconds / 60, 4)} min`;
 }
 
+/** A unit as it is printed: m² for m2. */
+export const unitText = (unit) => unit.replace(/(?<=m)[23]/g, (digit) => digit === "2" ? "²" : "³").replace("ohm", "Ω");
+
 /** Groups of three digits. */
 export const count = (value) => value.toLocaleString("en").replaceAll(",", "\u202f");
 

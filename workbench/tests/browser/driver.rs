@@ -119,9 +119,14 @@ impl Person {
 
     /// Waits until an expression is true.
     pub(crate) async fn until(&self, expression: &str) {
+        self.until_within(PATIENCE, expression).await;
+    }
+
+    /// The same for what takes longer than a page does.
+    pub(crate) async fn until_within(&self, patience: Duration, expression: &str) {
         let begin = Instant::now();
         while self.run(&format!("return Boolean({expression})")).await != json!(true) {
-            if begin.elapsed() > PATIENCE {
+            if begin.elapsed() > patience {
                 let text = self.text("body").await;
                 panic!("{expression} did not become true; the page says: {text}");
             }

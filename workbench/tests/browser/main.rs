@@ -6,4 +6,5 @@ mod compare;
 mod driver;
 mod hostile;
 mod long_log;
+mod refine;
 mod tabs;

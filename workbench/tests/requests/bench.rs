@@ -209,18 +209,23 @@ impl Browser<'_> {
 
     /// Compares a log and waits for the end; gives the last event.
     pub(crate) fn compare(&self, session: &str, log: u64) -> Value {
-        let begun = self.post(
-            &format!("{session}/logs/{log}/compare"),
-            &serde_json::json!({}),
-        );
+        let path = format!("{session}/logs/{log}/compare");
+        let mut events = self.work(session, &path, &serde_json::json!({}));
+        events.pop().unwrap()
+    }
+
+    /// Begins a job and waits for its end; gives all events.
+    pub(crate) fn work(&self, session: &str, path: &str, wish: &Value) -> Vec<Value> {
+        let begun = self.post(path, wish);
         assert_eq!(begun.status, 200, "{begun:?}");
         let job = &begun.json()["job"];
         let events = self.get(&format!("{session}/jobs/{job}")).text();
-        let last = events
+        let events = events
             .lines()
-            .filter_map(|line| line.strip_prefix("data: "))
-            .next_back();
-        serde_json::from_str(last.unwrap()).unwrap()
+            .filter_map(|line| line.strip_prefix("data: "));
+        events
+            .map(|event| serde_json::from_str(event).unwrap())
+            .collect()
     }
 }
 

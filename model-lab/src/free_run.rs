@@ -1,0 +1,85 @@
+//! One run of the model on a log and the size of its error: for somebody who turns a parameter and wants to see at once.
+
+use plant_sim::{PlantParameters, Tolerance};
+use recording::Recording;
+
+use crate::commands::Commands;
+use crate::error::CompareError;
+use crate::measured::{PRESSURE, measured_signals, start};
+use crate::metrics::{residual, rms};
+use crate::run::Setup;
+
+/// The model driven by the commands of a log alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FreeRun {
+    /// The model's signals, at the instants of the log.
+    pub model: Recording,
+    /// How far it is off, for each signal that is on both sides.
+    pub errors: Vec<SignalError>,
+}
+
+/// How far the model is off in one signal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalError {
+    /// The signal.
+    pub name: &'static str,
+    /// Unit of the error.
+    pub unit: &'static str,
+    /// Root mean square of measured minus modelled; none without samples.
+    pub rms: Option<f64>,
+    /// Standard deviation of the measurement noise; none where the log does not show it.
+    pub noise_floor: Option<f64>,
+}
+
+/// The free run of [`compare`](crate::compare()), bit for bit, at the cost of one simulation and in a bounded number of
+/// steps, whatever the parameters are.
+///
+/// # Errors
+/// [`CompareError`]: the log cannot drive the model or has no signal of it, or the simulation was given up.
+pub fn free_run(parameters: &PlantParameters, log: &Recording) -> Result<FreeRun, CompareError> {
+    let commands = Commands::new(parameters, log)?;
+    let mut setup = Setup::new(parameters, log, Tolerance::default())?;
+    let (measured, _) = measured_signals(parameters, (log, setup.base), &commands)?;
+    let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
+    (_, setup.start_pressure) = start(parameters, pressure, &commands);
+    let run = setup.bounded_free_run()?;
+    let errors = measured.iter().map(|signal| SignalError {
+        name: signal.name,
+        unit: signal.error_unit.symbol(),
+        rms: run
+            .get(signal.name)
+            .and_then(|modelled| rms(&residual(&signal.values, modelled))),
+        noise_floor: signal.floor.summary.value,
+    });
+    Ok(FreeRun {
+        errors: errors.collect(),
+        model: run.into_recording(
+            format!("free run of the model of {}", log.provenance().source),
+            setup.base,
+        )?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::Bench;
+    use crate::{CompareOptions, compare};
+
+    #[test]
+    fn a_free_run_is_the_one_of_the_comparison_bit_for_bit() {
+        let log = Bench::default().measure();
+        let plant = PlantParameters::nominal();
+        let compared = compare(&plant, &log, &CompareOptions::default()).unwrap();
+        let found = free_run(&plant, &log).unwrap();
+        assert_eq!(found.errors.len(), compared.signals.len());
+        for (error, expected) in found.errors.iter().zip(&compared.signals) {
+            assert_eq!(error.name, expected.name);
+            assert_eq!(error.unit, expected.unit);
+            assert_eq!(error.rms, Some(expected.free_run.rms));
+            assert_eq!(error.noise_floor, expected.noise_floor.value);
+        }
+        let courses = |model: &Recording| model.signal("p_ch").unwrap().values_or_nan().to_vec();
+        assert_eq!(courses(&found.model), courses(&compared.traces.free_run));
+    }
+}

@@ -1,0 +1,241 @@
+//! Page "Diagnose": which physical effect does the plant lack, and which experiment would tell more?
+
+use std::sync::Arc;
+
+use axum::extract::{Path, State};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::IntoResponse;
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use model_lab::diagnosis::next_experiment::{Limits, NextExperiment, Question, next_experiment};
+use model_lab::diagnosis::{Diagnosis, diagnose};
+use serde::{Deserialize, Serialize};
+
+use super::{Begun, Shared, begin_job, session};
+use crate::effects::{self, EffectView};
+use crate::project::PlantFile;
+use crate::refusal::Refusal;
+use crate::session::{Session, Sessions};
+
+/// Longest experiment that is planned (s).
+const LONGEST_S: f64 = 600.0;
+/// Without a wish, an experiment stays below this share of the supply pressure.
+const OF_SUPPLY: f64 = 0.9;
+
+pub(super) fn routes() -> Router<Arc<Sessions>> {
+    Router::new()
+        .route("/effects", get(list_effects))
+        .route("/sessions/{session}/diagnose", post(begin))
+        .route("/sessions/{session}/diagnosis", get(result))
+        .route("/sessions/{session}/diagnosis/json", get(export_json))
+        .route("/sessions/{session}/next-experiment", post(plan))
+        .route("/sessions/{session}/next-experiment", get(planned))
+        .route("/sessions/{session}/next-experiment/csv", get(export_csv))
+}
+
+/// A diagnosis with what was diagnosed.
+pub(crate) struct Diagnosed {
+    pub(crate) diagnosis: Diagnosis,
+    pub(crate) plant: PlantFile,
+    pub(crate) chosen: Chosen,
+}
+
+/// Numbers of the logs that are fitted, and of those that judge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Chosen {
+    pub(crate) logs: Vec<u32>,
+    pub(crate) check: Vec<u32>,
+}
+
+impl Chosen {
+    /// Refuses a choice that cannot be fitted.
+    pub(crate) fn check(&self, session: &Session) -> Result<(), Refusal> {
+        if self.logs.is_empty() {
+            return Err(Refusal::value(
+                "no log is chosen for fitting; choose at least one",
+            ));
+        }
+        let project = session.project();
+        for number in self.logs.iter().chain(&self.check) {
+            project.log(*number)?;
+        }
+        match self.logs.iter().find(|log| self.check.contains(log)) {
+            Some(number) => Err(Refusal::value(format!(
+                "log {number} is chosen for fitting and for checking; choose one of the two"
+            ))),
+            None => Ok(()),
+        }
+    }
+}
+
+async fn list_effects() -> Json<Vec<EffectView>> {
+    Json(effects::all())
+}
+
+/// Begins a diagnosis; what is under way in the same tab ends.
+async fn begin(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Json(chosen): Json<Chosen>,
+) -> Result<Json<Begun>, Refusal> {
+    let session = session(&sessions, id)?;
+    chosen.check(&session)?;
+    let plant = session.project().plant;
+    let parameters = plant.parameters()?;
+    Ok(begin_job(&sessions, &session, move |session, job| {
+        let logs = session.recordings(&chosen.logs)?;
+        let check = session.recordings(&chosen.check)?;
+        let diagnosis = diagnose(&parameters, &logs, &check, &|seen| job.watch(seen))?;
+        if !job.is_cancelled() {
+            session.next.forget();
+            session.diagnosed.keep(Diagnosed {
+                diagnosis,
+                plant,
+                chosen,
+            });
+        }
+        Ok(())
+    }))
+}
+
+fn diagnosed(session: &Session) -> Result<Arc<Diagnosed>, Refusal> {
+    session.diagnosed.get().ok_or_else(|| {
+        Refusal::too_early("there is no diagnosis of these logs yet; diagnose first")
+    })
+}
+
+#[derive(Serialize)]
+struct DiagnosisView {
+    /// Name of the plant that was diagnosed.
+    plant: String,
+    /// Whether the session's plant is still that one.
+    is_of_plant: bool,
+    chosen: Chosen,
+    diagnosis: Diagnosis,
+}
+
+async fn result(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<Json<DiagnosisView>, Refusal> {
+    let session = session(&sessions, id)?;
+    let found = diagnosed(&session)?;
+    Ok(Json(DiagnosisView {
+        plant: found.plant.name.clone(),
+        is_of_plant: found.plant == session.project().plant,
+        chosen: found.chosen.clone(),
+        diagnosis: found.diagnosis.clone(),
+    }))
+}
+
+/// The very JSON that `retarder diagnose --json` writes.
+async fn export_json(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<impl IntoResponse, Refusal> {
+    let session = session(&sessions, id)?;
+    let found = diagnosed(&session)?;
+    let json = serde_json::to_string_pretty(&found.diagnosis)
+        .map_err(|error| Refusal::value(error.to_string()))?;
+    let headers = [
+        (CONTENT_TYPE, "application/json"),
+        (
+            CONTENT_DISPOSITION,
+            "attachment; filename=\"diagnosis.json\"",
+        ),
+    ];
+    Ok((headers, json + "\n"))
+}
+
+/// What an experiment is asked for.
+#[derive(Deserialize)]
+struct Wish {
+    /// One effect to be shown, or several to be told apart.
+    effects: Vec<String>,
+    duration_s: f64,
+    /// Highest chamber pressure (bar gauge); none stays below nine tenths of the supply's.
+    max_bar: Option<f64>,
+    max_duty_pct: f64,
+}
+
+impl Wish {
+    fn limits(&self, supply_bar: f64) -> Result<Limits, Refusal> {
+        let within = |what: &str, value: f64, most: f64, unit: &str| {
+            if value > 0.0 && value <= most {
+                Ok(value)
+            } else {
+                Err(Refusal::value(format!(
+                    "{what} is above 0 and at most {most} {unit}; {value} is not"
+                )))
+            }
+        };
+        let max_bar = self.max_bar.unwrap_or(OF_SUPPLY * supply_bar);
+        Ok(Limits {
+            duration_s: within("the time of an experiment", self.duration_s, LONGEST_S, "s")?,
+            max_bar: within("the highest pressure", max_bar, 1000.0, "bar")?,
+            max_duty_pct: within("the highest duty cycle", self.max_duty_pct, 100.0, "%")?,
+        })
+    }
+}
+
+/// Begins to plan an experiment for the plant and the logs of the diagnosis.
+async fn plan(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Json(wish): Json<Wish>,
+) -> Result<Json<Begun>, Refusal> {
+    let session = session(&sessions, id)?;
+    let found = diagnosed(&session)?;
+    let parameters = found.plant.parameters()?;
+    let limits = wish.limits(parameters.gas.supply_pressure_bar_gauge)?;
+    if wish.effects.is_empty() {
+        return Err(Refusal::value(
+            "an experiment shows one effect, or tells two or more apart; name at least one",
+        ));
+    }
+    Ok(begin_job(&sessions, &session, move |session, job| {
+        let logs = session.recordings(&found.chosen.logs)?;
+        let ids: Vec<&str> = wish.effects.iter().map(String::as_str).collect();
+        let question = match ids[..] {
+            [id] => Question::For(id),
+            _ => Question::Between(&ids),
+        };
+        let watch = |seen| job.watch(seen);
+        let next = next_experiment(&parameters, &logs, question, limits, &watch)?;
+        if !job.is_cancelled() {
+            session.next.keep(next);
+        }
+        Ok(())
+    }))
+}
+
+fn next(session: &Session) -> Result<Arc<NextExperiment>, Refusal> {
+    session
+        .next
+        .get()
+        .ok_or_else(|| Refusal::too_early("no experiment is planned yet; plan one first"))
+}
+
+async fn planned(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<Json<NextExperiment>, Refusal> {
+    let session = session(&sessions, id)?;
+    Ok(Json(next(&session)?.as_ref().clone()))
+}
+
+/// The duty cycles that a rig takes.
+async fn export_csv(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<impl IntoResponse, Refusal> {
+    let session = session(&sessions, id)?;
+    let headers = [
+        (CONTENT_TYPE, "text/csv; charset=utf-8"),
+        (
+            CONTENT_DISPOSITION,
+            "attachment; filename=\"next-experiment.csv\"",
+        ),
+    ];
+    Ok((headers, next(&session)?.csv()))
+}

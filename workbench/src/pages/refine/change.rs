@@ -1,0 +1,394 @@
+//! Changes of a plant's effects, each a step that can be undone.
+
+use model_lab::diagnosis::result::FittedParameter;
+use plant_sim::PlantParameters;
+use plant_sim::effects::{Effect, EffectSetting, by_id};
+use plant_sim::parameters::ParameterSpec;
+use serde::Deserialize;
+
+use crate::history::{History, Step, StepEffect};
+use crate::pages::diagnose::Diagnosed;
+use crate::project::PlantFile;
+use crate::refusal::Refusal;
+
+/// File name of a plant that was changed here.
+pub(super) const REFINED: &str = "refined.toml";
+/// Where a value comes from that a person chose.
+const BY_HAND: &str = "set by hand in the workbench";
+
+/// What a person does to the plant.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case")]
+pub(super) enum Change {
+    /// Adds an effect as the diagnosis fitted it, or else at its typical size.
+    Add {
+        effect: String,
+        /// Form of its law; none takes the one of the diagnosis, or the first.
+        form: Option<String>,
+    },
+    Remove {
+        effect: String,
+    },
+    Switch {
+        effect: String,
+        is_on: bool,
+    },
+    Form {
+        effect: String,
+        form: String,
+    },
+    Set {
+        effect: String,
+        key: String,
+        value: f64,
+    },
+    Undo,
+    Redo,
+}
+
+impl Change {
+    pub(super) fn apply(
+        &self,
+        history: &mut History,
+        diagnosed: Option<&Diagnosed>,
+    ) -> Result<(), Refusal> {
+        match self {
+            Self::Add { effect, form } => edit(history, |draft| {
+                draft.add(effect, form.as_deref(), diagnosed)
+            }),
+            Self::Remove { effect } => edit(history, |draft| draft.remove(effect)),
+            Self::Switch { effect, is_on } => edit(history, |draft| draft.switch(effect, *is_on)),
+            Self::Form { effect, form } => edit(history, |draft| draft.form(effect, form)),
+            Self::Set { effect, key, value } => {
+                edit(history, |draft| draft.set(effect, key, *value))
+            }
+            Self::Undo => {
+                let before = history.at().checked_sub(1);
+                history.go_to(before.ok_or_else(|| {
+                    Refusal::too_early("there is nothing to undo; this is the plant as opened")
+                })?)
+            }
+            Self::Redo => {
+                if history.at() + 1 == history.steps().len() {
+                    return Err(Refusal::too_early(
+                        "there is nothing to redo; this is the last step",
+                    ));
+                }
+                history.go_to(history.at() + 1)
+            }
+        }
+    }
+}
+
+/// Makes a change of the plant a step, called as `change` says what it did.
+fn edit(
+    history: &mut History,
+    change: impl FnOnce(&mut Draft) -> Result<String, Refusal>,
+) -> Result<(), Refusal> {
+    let mut draft = Draft::of(history.now())?;
+    let done = change(&mut draft)?;
+    let step = draft.step(done, history.first())?;
+    history.push(step);
+    Ok(())
+}
+
+/// The plant at `now` with a parameter moved, without a step.
+pub(super) fn moved(now: &Step, effect: &str, key: &str, value: f64) -> Result<Step, Refusal> {
+    let mut draft = Draft::of(now)?;
+    let done = draft.set(effect, key, value)?;
+    draft.step(done, now)
+}
+
+/// A step in the making.
+struct Draft {
+    plant: PlantParameters,
+    effects: Vec<StepEffect>,
+}
+
+fn library(id: &str) -> Result<&'static dyn Effect, Refusal> {
+    by_id(id).ok_or_else(|| Refusal::not_found("effect"))
+}
+
+fn origin(found: &Diagnosed) -> String {
+    format!(
+        "fitted by retarder diagnose to {}",
+        found.diagnosis.logs.join(", ")
+    )
+}
+
+fn title(id: &str) -> String {
+    id.replace('_', " ")
+}
+
+impl Draft {
+    fn of(step: &Step) -> Result<Self, Refusal> {
+        Ok(Self {
+            plant: step.plant.parameters()?,
+            effects: step.effects.clone(),
+        })
+    }
+
+    fn effect(&mut self, id: &str) -> Result<&mut StepEffect, Refusal> {
+        let mut effects = self.effects.iter_mut();
+        let found = effects.find(|effect| effect.effect == id);
+        found.ok_or_else(|| Refusal::not_found("effect in this plant"))
+    }
+
+    fn add(
+        &mut self,
+        id: &str,
+        form: Option<&str>,
+        diagnosed: Option<&Diagnosed>,
+    ) -> Result<String, Refusal> {
+        let about = library(id)?.about();
+        if self.effect(id).is_ok() {
+            return Err(Refusal::value(format!(
+                "the plant has the effect {id} already; switch it on or move its parameters"
+            )));
+        }
+        let candidate = diagnosed
+            .and_then(|found| {
+                found
+                    .diagnosis
+                    .candidates
+                    .iter()
+                    .find(|one| one.effect == id)
+            })
+            .filter(|candidate| form.is_none_or(|form| form == candidate.variant));
+        let form = form.or(candidate.map(|candidate| &candidate.variant[..]));
+        let variant = match form {
+            Some(form) => about
+                .variant(form)
+                .ok_or_else(|| Refusal::not_found("form of the effect"))?,
+            None => &about.variants[0],
+        };
+        let mut setting = EffectSetting::typical_variant(library(id)?, variant);
+        let fitted = candidate.map_or(&[][..], |candidate| &candidate.parameters);
+        for found in fitted {
+            if variant.parameters.iter().any(|spec| spec.key == found.key) {
+                setting = setting.with(&found.key, found.value);
+            }
+        }
+        let words = format!("added {} ({})", title(id), variant.name);
+        self.effects.push(StepEffect::of(&setting, fitted));
+        match diagnosed {
+            Some(found) if !fitted.is_empty() => {
+                self.take_what_was_fitted_with(id, found)?;
+                self.install(&setting, &origin(found))?;
+            }
+            _ => self.install(&setting, "a size that is met in practice")?,
+        }
+        Ok(words)
+    }
+
+    /// What differs from rig to rig, as it was fitted with a named effect of the plant that was diagnosed: with the
+    /// datasheet's values beside it the effect would explain less than it does.
+    fn take_what_was_fitted_with(&mut self, id: &str, found: &Diagnosed) -> Result<(), Refusal> {
+        let before = found.plant.parameters()?;
+        if self.plant != before || !found.diagnosis.effects.iter().any(|named| named == id) {
+            return Ok(());
+        }
+        let [_, refined] = found.diagnosis.plain_and_refined(&before);
+        for spec in before.specs().filter(|spec| spec.effect_id().is_none()) {
+            let (Some(was), Some(fitted)) = (spec.value(&before), spec.value(&refined)) else {
+                continue;
+            };
+            if was != fitted {
+                spec.put(&mut self.plant, fitted);
+                let words = format!("{}; was {was}", origin(found));
+                self.plant.provenance.insert(spec.name(), words);
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts an effect into the plant.
+    fn install(&mut self, setting: &EffectSetting, origin: &str) -> Result<(), Refusal> {
+        self.plant = self.plant.with_effect(setting.clone());
+        for spec in setting.parameters() {
+            let provenance = &mut self.plant.provenance;
+            provenance.insert(spec.name(), origin.to_owned());
+        }
+        Ok(self.plant.check()?)
+    }
+
+    fn remove(&mut self, id: &str) -> Result<String, Refusal> {
+        self.effect(id)?;
+        self.effects.retain(|effect| effect.effect != id);
+        self.plant = self.plant.without_effect(id);
+        Ok(format!("removed {}", title(id)))
+    }
+
+    fn switch(&mut self, id: &str, is_on: bool) -> Result<String, Refusal> {
+        let effect = self.effect(id)?;
+        effect.is_on = is_on;
+        let setting = effect.setting()?;
+        if is_on {
+            self.install(&setting, BY_HAND)?;
+        } else {
+            self.plant = self.plant.without_effect(id);
+        }
+        Ok(format!(
+            "switched {} {}",
+            title(id),
+            if is_on { "on" } else { "off" }
+        ))
+    }
+
+    /// Another form of the law; parameters that both have keep their values.
+    fn form(&mut self, id: &str, form: &str) -> Result<String, Refusal> {
+        let library_effect = library(id)?;
+        let variant = library_effect.about().variant(form);
+        let variant = variant.ok_or_else(|| Refusal::not_found("form of the effect"))?;
+        let effect = self.effect(id)?;
+        let before = effect.setting()?;
+        let mut setting = EffectSetting::typical_variant(library_effect, variant);
+        for spec in variant.parameters {
+            if let Some(value) = before.get(spec.key) {
+                setting = setting.with(spec.key, value);
+            }
+        }
+        let is_on = effect.is_on;
+        *effect = StepEffect {
+            is_on,
+            ..StepEffect::of(&setting, &[] as &[FittedParameter])
+        };
+        if is_on {
+            self.install(&setting, BY_HAND)?;
+        }
+        Ok(format!("{}: law {form}", title(id)))
+    }
+
+    fn set(&mut self, id: &str, key: &str, value: f64) -> Result<String, Refusal> {
+        let name = format!("effects.{id}.{key}");
+        let spec = ParameterSpec::by_name(&name)
+            .ok_or_else(|| Refusal::not_found("parameter of the effect"))?;
+        if !spec.contains(value) || !value.is_finite() {
+            let (lowest, highest) = spec.range;
+            return Err(Refusal::value(format!(
+                "{name} lies between {lowest} and {highest} {}; {value} does not",
+                spec.unit
+            )));
+        }
+        let effect = self.effect(id)?;
+        let is_on = effect.is_on;
+        let mut parameters = effect.parameters.iter_mut();
+        parameters
+            .find(|parameter| parameter.key == key)
+            .ok_or_else(|| Refusal::not_found("parameter of this form"))?
+            .value = Some(value);
+        if is_on {
+            self.plant.set(&name, value, BY_HAND)?;
+        }
+        Ok(format!("{}: {key} = {value:.3e} {}", title(id), spec.unit)
+            .trim_end()
+            .to_owned())
+    }
+
+    fn step(self, done: String, first: &Step) -> Result<Step, Refusal> {
+        let plant = if self.plant == first.plant.parameters()? {
+            first.plant.clone()
+        } else {
+            PlantFile {
+                name: REFINED.to_owned(),
+                toml: self.plant.to_toml(),
+            }
+        };
+        Ok(Step {
+            done,
+            plant,
+            effects: self.effects,
+            log: String::new(),
+            errors: Vec::new(),
+            fit: None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history() -> History {
+        History::begin(&PlantFile::nominal()).unwrap()
+    }
+
+    fn change(history: &mut History, json: &str) -> Result<(), Refusal> {
+        let change: Change = serde_json::from_str(json).unwrap();
+        change.apply(history, None)
+    }
+
+    fn area(history: &History) -> Option<f64> {
+        let plant = history.now().plant.parameters().unwrap();
+        plant.get("effects.chamber_leak.area_m2")
+    }
+
+    #[test]
+    fn an_effect_is_added_moved_switched_and_undone() {
+        let mut history = history();
+        for (json, expected) in [
+            (r#"{"do":"add","effect":"chamber_leak"}"#, Some(2e-8)),
+            (
+                r#"{"do":"set","effect":"chamber_leak","key":"area_m2","value":3e-8}"#,
+                Some(3e-8),
+            ),
+            (
+                r#"{"do":"switch","effect":"chamber_leak","is_on":false}"#,
+                None,
+            ),
+            (
+                r#"{"do":"switch","effect":"chamber_leak","is_on":true}"#,
+                Some(3e-8),
+            ),
+            (r#"{"do":"undo"}"#, None),
+            (r#"{"do":"undo"}"#, Some(3e-8)),
+            (r#"{"do":"redo"}"#, None),
+            (r#"{"do":"remove","effect":"chamber_leak"}"#, None),
+        ] {
+            change(&mut history, json).unwrap();
+            assert_eq!(area(&history), expected, "{json}");
+        }
+        assert_eq!(
+            history.now().plant,
+            PlantFile::nominal(),
+            "as it was opened"
+        );
+    }
+
+    #[test]
+    fn another_form_keeps_the_values_that_it_has_too() {
+        let mut history = history();
+        change(&mut history, r#"{"do":"add","effect":"chamber_leak"}"#).unwrap();
+        change(
+            &mut history,
+            r#"{"do":"set","effect":"chamber_leak","key":"area_m2","value":7e-8}"#,
+        )
+        .unwrap();
+        change(
+            &mut history,
+            r#"{"do":"form","effect":"chamber_leak","form":"mixed"}"#,
+        )
+        .unwrap();
+        assert_eq!(area(&history), Some(7e-8));
+        let toml = &history.now().plant.toml;
+        assert!(toml.contains("variant = \"mixed\"") && toml.contains("laminar_share = 0.5"));
+    }
+
+    #[test]
+    fn what_is_not_there_or_out_of_range_changes_nothing() {
+        let mut history = history();
+        change(&mut history, r#"{"do":"add","effect":"chamber_leak"}"#).unwrap();
+        for json in [
+            r#"{"do":"add","effect":"chamber_leek"}"#,
+            r#"{"do":"add","effect":"chamber_leak"}"#,
+            r#"{"do":"add","effect":"sensor_lag","form":"none"}"#,
+            r#"{"do":"remove","effect":"sensor_lag"}"#,
+            r#"{"do":"set","effect":"chamber_leak","key":"area_m2","value":1.0}"#,
+            r#"{"do":"set","effect":"chamber_leak","key":"laminar_share","value":0.5}"#,
+            r#"{"do":"redo"}"#,
+        ] {
+            assert!(change(&mut history, json).is_err(), "{json}");
+            assert_eq!(history.at(), 1, "{json}");
+        }
+    }
+}

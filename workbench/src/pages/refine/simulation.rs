@@ -1,0 +1,201 @@
+//! The plant on a log, simulated anew whenever a slider moves.
+
+use std::collections::HashMap;
+use std::time::Instant;
+
+use model_lab::free_run;
+use plant_sim::PlantParameters;
+use plant_sim::replay::ROW_SIGNALS;
+use serde::{Deserialize, Serialize};
+
+use super::change::moved;
+use super::history;
+use crate::history::{History, Step, StepError};
+use crate::pages::compare::courses::{Course, Range};
+use crate::pyramid::Pyramid;
+use crate::refusal::Refusal;
+use crate::session::{LoadedLog, Session, lock};
+
+/// Errors of plants by log and plant file: rungs of the ladder that a slider does not touch are not simulated again.
+pub(crate) type ErrorsOfPlants = HashMap<(u32, String), Vec<StepError>>;
+
+/// So many are remembered; then all are forgotten.
+const REMEMBERED_MAX: usize = 256;
+
+/// What is to be simulated, and what is seen of it.
+#[derive(Debug, Deserialize)]
+pub(super) struct View {
+    log: u32,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    /// Points for each course.
+    points: usize,
+    /// A parameter that is being moved; all three or none.
+    effect: Option<String>,
+    key: Option<String>,
+    value: Option<f64>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Simulation {
+    /// Simulated time (s).
+    log_s: f64,
+    /// What the simulation of the log took (ms).
+    simulation_ms: f64,
+    signals: Vec<SignalRun>,
+    /// From the plant as opened to the last effect that is on.
+    ladder: Vec<Rung>,
+}
+
+/// The model's course of a signal that is also measured.
+#[derive(Serialize)]
+struct SignalRun {
+    name: String,
+    unit: &'static str,
+    error: StepError,
+    model: Course,
+}
+
+/// One row of the ladder.
+#[derive(Serialize)]
+struct Rung {
+    /// Id of the effect that this row adds; none for the plant as opened.
+    added: Option<String>,
+    title: String,
+    errors: Vec<StepError>,
+}
+
+pub(super) fn simulate(session: &Session, view: &View) -> Result<Simulation, Refusal> {
+    let history = history(session)?;
+    let step = match (&view.effect, &view.key, view.value) {
+        (Some(effect), Some(key), Some(value)) => moved(history.now(), effect, key, value)?,
+        _ => history.now().clone(),
+    };
+    let log = session.log(view.log)?;
+    let log = log.as_ref().as_ref().map_err(Clone::clone)?;
+    let plant = step.plant.parameters()?;
+    let begin = Instant::now();
+    let run = free_run(&plant, &log.recording)?;
+    let simulation_ms = begin.elapsed().as_secs_f64() * 1e3;
+    let errors: Vec<StepError> = run.errors.iter().map(StepError::from).collect();
+    let Some((_, base)) = run.model.time_bases().next() else {
+        return Err(Refusal::not_found("time base"));
+    };
+    let range = Range {
+        from_s: view.from_s,
+        to_s: view.to_s,
+    };
+    let signals = errors.iter().filter_map(|error| {
+        let signal = run.model.signal(&error.signal)?;
+        let values = signal.values_or_nan();
+        let model = Course::of((base, values, &Pyramid::new(values)), range, view.points);
+        Some(model.map(|model| SignalRun {
+            name: error.signal.clone(),
+            unit: unit_of(&error.signal),
+            error: error.clone(),
+            model,
+        }))
+    });
+    Ok(Simulation {
+        log_s: base.end_s() - base.start_s(),
+        simulation_ms,
+        signals: signals.collect::<Result<_, _>>()?,
+        ladder: ladder((session, view.log, log), &history, &step, &errors)?,
+    })
+}
+
+fn unit_of(name: &str) -> &'static str {
+    let mut signals = ROW_SIGNALS.iter();
+    let signal = signals.find(|(signal, _)| *signal == name);
+    signal.map_or("", |(_, unit)| unit.symbol())
+}
+
+/// The plant as opened, then one effect after the other with the values that they have at `step`, whose own errors are
+/// known.
+fn ladder(
+    (session, number, log): (&Session, u32, &LoadedLog),
+    history: &History,
+    step: &Step,
+    errors: &[StepError],
+) -> Result<Vec<Rung>, Refusal> {
+    let first = history.first();
+    let opened = Rung {
+        added: None,
+        title: format!("as opened: {}", first.plant.name),
+        errors: errors_of((session, number, log), &first.plant.toml, || {
+            first.plant.parameters()
+        })?,
+    };
+    if step.plant == first.plant {
+        return Ok(vec![opened]);
+    }
+    let on = || step.effects.iter().filter(|effect| effect.is_on);
+    let is_new = |id: &str| !first.effect(id).is_some_and(|effect| effect.is_on);
+    let mut rungs = vec![opened];
+    let all = on().count();
+    for (index, effect) in on().enumerate() {
+        if !is_new(&effect.effect) {
+            continue;
+        }
+        let errors = if index + 1 == all {
+            errors.to_vec()
+        } else {
+            let plant = step.plant_with_first(index + 1)?;
+            errors_of((session, number, log), &plant.to_toml(), || {
+                Ok(plant.clone())
+            })?
+        };
+        rungs.push(Rung {
+            added: Some(effect.effect.clone()),
+            title: format!("+ {} ({})", effect.effect.replace('_', " "), effect.variant),
+            errors,
+        });
+    }
+    if rungs.len() == 1 {
+        rungs.push(Rung {
+            added: None,
+            title: "with other values".to_owned(),
+            errors: errors.to_vec(),
+        });
+    }
+    Ok(rungs)
+}
+
+/// The errors of a plant on a log, simulated if they are not known.
+fn errors_of(
+    (session, number, log): (&Session, u32, &LoadedLog),
+    toml: &str,
+    plant: impl FnOnce() -> Result<PlantParameters, Refusal>,
+) -> Result<Vec<StepError>, Refusal> {
+    let key = (number, toml.to_owned());
+    if let Some(errors) = lock(&session.errors).get(&key) {
+        return Ok(errors.clone());
+    }
+    let run = free_run(&plant()?, &log.recording)?;
+    let errors: Vec<StepError> = run.errors.iter().map(StepError::from).collect();
+    let mut known = lock(&session.errors);
+    if known.len() >= REMEMBERED_MAX {
+        known.clear();
+    }
+    known.insert(key, errors.clone());
+    Ok(errors)
+}
+
+/// Fills in what the step that holds is off on a log; a plant that cannot be simulated there has no errors.
+pub(super) fn measure(
+    session: &Session,
+    number: u32,
+    history: &mut History,
+) -> Result<(), Refusal> {
+    let name = session.project().log(number)?.name.clone();
+    if !history.now().errors.is_empty() {
+        return Ok(());
+    }
+    let plant = history.now().plant.clone();
+    let log = session.log(number)?;
+    let Ok(log) = log.as_ref() else { return Ok(()) };
+    if let Ok(errors) = errors_of((session, number, log), &plant.toml, || plant.parameters()) {
+        history.measure(&name, errors);
+    }
+    Ok(())
+}

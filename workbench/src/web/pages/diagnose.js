@@ -1,0 +1,162 @@
+// Page "Diagnose": which physical effect the plant lacks, how large it is, and what else it could be.
+
+import * as api from "../api.js";
+import { button, element, fill, tellProblems } from "../dom.js";
+import { duration, number, unitText } from "../format.js";
+import * as view from "../view.js";
+import { Candidates } from "./diagnose/candidates.js";
+import { Experiment } from "./diagnose/experiment.js";
+import { Remaining } from "./diagnose/remaining.js";
+import { ladder, rungsOf } from "./ladder.js";
+import { Roles } from "./roles.js";
+import { Work } from "./work.js";
+
+export const title = "Diagnose";
+
+export async function show(place) {
+  const [project, effects] = await Promise.all([api.get("/project"), api.effects()]);
+  const logs = project.logs.filter((log) => !log.problem);
+  if (logs.length === 0) {
+    fill(place, element("p", {}, "There is no log to explain yet. ", button("Open one", () => view.go("logs"), { class: "primary" })));
+    document.body.dataset.ready = "diagnose";
+    return {};
+  }
+  const page = new Page(place, project, logs, new Map(effects.map((effect) => [effect.id, effect])));
+  await page.begin();
+  return page;
+}
+
+/** The verdicts in few words, and how they are marked. */
+const VERDICTS = {
+  adequate: ["good", "Nothing is missing"], found: ["good", "Found"],
+  form_wrong: ["open", "Found in part"], not_in_library: ["bad", "Not in the library"],
+};
+
+class Page {
+  constructor(place, project, logs, effects) {
+    Object.assign(this, { place, project, logs, effects, parts: [] });
+    this.work = new Work("Diagnosing");
+    this.answer = element("div", { class: "stack" });
+  }
+
+  async begin() {
+    delete document.body.dataset.diagnosed;
+    let found = null;
+    try {
+      found = await api.get("/diagnosis");
+    } catch (refusal) {
+      if (refusal.status !== 409) throw refusal;
+    }
+    this.roles = new Roles(this.logs, found?.chosen);
+    this.start = button("Diagnose", () => this.diagnose(), { class: "primary", id: "diagnose" });
+    fill(this.place,
+      element("section", { class: "bar row" },
+        this.roles.element, element("span", {}, "against ", element("strong", {}, this.project.plant.name)),
+        element("span", { class: "space" }), this.work.element, this.start),
+      this.answer);
+    if (found) this.take(found);
+    else fill(this.answer, element("section", { class: "card" },
+      element("p", {}, "Every effect of the library is put into the plant, each form of its law, and fitted together with what differs from rig to rig. What explains the error on logs that were not fitted is named; half a minute for a minute of log."),
+      element("p", { class: "quiet" }, this.roles.words())));
+    document.body.dataset.ready = "diagnose";
+  }
+
+  async diagnose() {
+    this.start.hidden = true;
+    const isDone = await this.work.run("/diagnose", this.roles.chosen);
+    this.start.hidden = false;
+    if (!isDone) return;
+    try {
+      this.take(await api.get("/diagnosis"));
+    } catch (refusal) {
+      tellProblems(refusal, "Diagnosis");
+    }
+  }
+
+  leave() {
+    this.work.leave();
+    for (const part of this.parts) part.leave?.();
+  }
+
+  redraw() {
+    for (const part of this.parts) part.redraw?.();
+  }
+
+  take(found) {
+    for (const part of this.parts) part.leave?.();
+    const { diagnosis } = found;
+    const remaining = new Remaining(diagnosis.remaining);
+    const experiment = new Experiment(diagnosis, this.effects);
+    this.parts = [remaining, experiment];
+    fill(this.answer,
+      this.verdict(found),
+      element("div", { class: "columns" },
+        new Candidates(diagnosis, this.effects, (effect) => this.add(effect)).element,
+        element("div", { class: "stack" },
+          element("section", { class: "card" }, element("h2", {}, "How the error falls"),
+            element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, in multiples of the noise floor (the line).`),
+            ladder(rungsOf(diagnosis.ladder))),
+          this.neighbours(diagnosis), this.location(diagnosis))),
+      remaining.element, experiment.element, this.nuisance(diagnosis));
+    remaining.redraw();
+    document.body.dataset.diagnosed = diagnosis.verdict;
+  }
+
+  verdict({ diagnosis, plant, is_of_plant }) {
+    const [mark, words] = VERDICTS[diagnosis.verdict];
+    const { sentence, cost } = diagnosis;
+    return element("section", { class: "card", id: "verdict", "aria-label": "Verdict" },
+      element("div", { class: "row" }, element("span", { class: `chip ${mark}` }, words), element("span", { class: "space" }),
+        element("a", { class: "button", href: api.address("/diagnosis/json"), download: "diagnosis.json", id: "diagnosis-json" }, "Diagnosis as JSON")),
+      element("p", { class: "sentence" }, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`),
+      !is_of_plant && element("p", { class: "stale" }, element("span", { class: "chip open" }, "another plant"), ` This was found for ${plant}. The plant has changed since; diagnose again to see what it still lacks.`),
+      element("p", { class: "quiet" }, `Fitted: ${diagnosis.logs.join(", ")}. Judged on ${diagnosis.check.length > 0 ? diagnosis.check.join(", ") : diagnosis.held_out}. ${cost.simulations} simulations of ${duration(cost.log_s)} in ${duration(cost.elapsed_s)}.`));
+  }
+
+  /** What these logs cannot tell apart. */
+  neighbours(diagnosis) {
+    const title = (id) => this.effects.get(id)?.title ?? id;
+    const paragraphs = Object.entries(diagnosis.distinguishability).map(([id, distances]) => {
+      const alike = (diagnosis.equivalents[id] ?? []).filter((other) => other !== id);
+      const nearest = Object.entries(distances).sort((a, b) => a[1] - b[1]).slice(0, 4);
+      return element("p", {},
+        alike.length > 0
+          ? ["These logs cannot tell ", element("b", {}, title(id)), ` from ${alike.map(title).join(", ")}. `]
+          : ["Nothing else in the library does what ", element("b", {}, title(id)), " does in these logs. "],
+        nearest.length > 0 && `Nearest, in standard deviations of the noise: ${nearest.map(([other, far]) => `${title(other)} ${number(far, 3)}`).join(", ")}. Below 3.3 two effects are mistaken for each other in more than one of twenty logs.`);
+    });
+    return paragraphs.length > 0 && element("section", { class: "card" }, element("h2", {}, "What else it could be"), paragraphs);
+  }
+
+  location(diagnosis) {
+    const list = (regimes) => element("ul", { class: "plain" }, regimes.map((regime) => element("li", {},
+      element("b", {}, regime.log), ` ${regime.signal}: ${regime.sentence}. `, this.toCompare(regime))));
+    return element("section", { class: "card" }, element("h2", {}, "Where the excess error is"),
+      element("h3", {}, "With the plain model"), list(diagnosis.where.before),
+      diagnosis.effects.length > 0 && [element("h3", {}, "With the named effects"), list(diagnosis.where.after)]);
+  }
+
+  toCompare(regime) {
+    const log = this.logs.find((one) => one.name === regime.log);
+    return log && regime.regime && button("Show it", () => view.go("compare", { log: log.number }), { class: "link" });
+  }
+
+  nuisance({ nuisance }) {
+    const alarms = nuisance.filter((value) => value.alarm);
+    const rows = nuisance.map((value) => element("tr", { class: value.alarm ? "picked" : undefined },
+      element("th", { scope: "row" }, value.name),
+      [value.datasheet, value.tolerance, value.plain, value.fitted].map((one, index) => element("td", {}, `${index === 1 ? "± " : ""}${number(one)}`)),
+      element("td", {}, `${number(value.low)} to ${number(value.high)}`), element("td", {}, unitText(value.unit))));
+    return element("section", { class: "card" }, element("h2", {}, "What differs from rig to rig"),
+      element("p", { class: "quiet" }, "Refitted within the tolerance of the datasheet, with every candidate. A value at the end of its tolerance says that physics is missing."),
+      alarms.map((value) => element("p", {}, element("span", { class: "chip bad" }, value.name), ` ${value.alarm}`)),
+      element("details", { open: alarms.length > 0 }, element("summary", {}, `${nuisance.length} parameters`),
+        element("div", { class: "scroll" }, element("table", { class: "numbers" },
+          element("thead", {}, element("tr", {}, ["parameter", "plant file", "tolerance", "plain", "with effects", "95 % interval", "unit"].map((cell) => element("th", { scope: "col" }, cell)))),
+          element("tbody", {}, rows)))));
+  }
+
+  add(effect) {
+    view.go("refine", { add: effect, fit: view.text("fit"), check: view.text("check") });
+  }
+}

@@ -1,0 +1,69 @@
+// The ranking of the effects: what each explains by itself, how large it is, and what it is.
+
+import { button, element } from "../../dom.js";
+import { number, unitText } from "../../format.js";
+
+export class Candidates {
+  constructor(diagnosis, effects, onAdd) {
+    Object.assign(this, { diagnosis, effects, onAdd });
+    this.element = element("section", { class: "card", id: "candidates", "aria-label": "Candidates" },
+      element("h2", {}, "The candidates"),
+      element("p", { class: "quiet" }, "Share of the excess error that each effect explains by itself, everything refitted; a named one is in colour. Each opens."),
+      element("div", { class: "ranking" }, diagnosis.candidates.map((candidate, index) => this.row(candidate, index))));
+  }
+
+  row(candidate, index) {
+    const isNamed = this.diagnosis.effects.includes(candidate.effect);
+    const about = this.effects.get(candidate.effect);
+    const share = Math.max(0, Math.min(1, candidate.explained_share));
+    const size = candidate.parameters[0];
+    return element("details", { class: `candidate${isNamed ? " named" : ""}`, data: { effect: candidate.effect }, open: isNamed && index === 0 },
+      element("summary", {},
+        element("span", { class: "name" }, about?.title ?? candidate.effect),
+        element("span", { class: "course", "aria-hidden": "true" }, element("span", { class: "fill", style: { width: `${100 * share}%` } })),
+        element("span", { class: "share" }, `${(100 * share).toFixed(0)} %`),
+        element("span", { class: "size" }, share < 0.005 || !size ? this.limit(candidate, true) : `${number(size.value, 3)} ${unitText(size.unit)}`),
+        isNamed && element("span", { class: "chip good" }, "named")),
+      this.body(candidate, about));
+  }
+
+  body(candidate, about) {
+    const title = (id) => this.effects.get(id)?.title ?? id;
+    const form = about?.forms.find((one) => one.name === candidate.variant);
+    const { diagnosis } = this;
+    const isNamed = diagnosis.effects.includes(candidate.effect);
+    const fact = (name, ...text) => [element("dt", {}, name), element("dd", {}, ...text)];
+    const list = (regimes) => regimes.filter((regime) => regime.regime).map((regime) => `${regime.log}, ${regime.signal}: ${regime.sentence}`).join("; ");
+    return element("div", { class: "body stack" },
+      element("p", {}, candidate.physics),
+      candidate.parameters.length > 0 && element("table", { class: "numbers" },
+        element("thead", {}, element("tr", {}, ["parameter", "fitted", "95 % interval", "typical", "unit", ""].map((cell) => element("th", { scope: "col" }, cell)))),
+        element("tbody", {}, candidate.parameters.map((parameter) => element("tr", {},
+          element("th", { scope: "row" }, parameter.key), element("td", {}, number(parameter.value, 3)),
+          element("td", {}, `${number(parameter.low, 3)} to ${number(parameter.high, 3)}`),
+          element("td", {}, number(parameter.typical, 3)), element("td", {}, unitText(parameter.unit)),
+          element("td", {}, parameter.at_bound && element("span", { class: "chip bad" }, "at its bound")))))),
+      element("dl", { class: "facts" },
+        fact("Form of the law", form && form.name !== "only" ? `${form.name}: ${form.about}` : "it has one"),
+        candidate.plausibility && fact("Plausible?", candidate.plausibility),
+        fact("Detection limit", this.limit(candidate, false)),
+        fact("Evidence", `${number(candidate.evidence, 3)} (strong above 10, against it below 0)`),
+        about && fact("Shows in", about.excited_by),
+        about && fact("Acts on", about.acts_on),
+        isNamed && fact("Where, without it", list(diagnosis.where.before) || "nowhere in particular"),
+        isNamed && fact("Where, with it", list(diagnosis.where.after) || "no excess is left"),
+        about?.confused_with.length > 0 && fact("Confused with", about.confused_with.map(title).join(", ")),
+        fact("Source", candidate.source)),
+      about && element("pre", { class: "equation", tabIndex: 0, "aria-label": "Equation" }, about.equation),
+      element("p", { class: "row" }, button("Add this effect", () => this.onAdd(candidate.effect), { class: isNamed ? "primary add" : "add" })));
+  }
+
+  /** What size would have been seen. */
+  limit({ effect, detection_limit: limit }, isShort) {
+    if (limit.not_excited) return isShort ? "not excited" : `not excited: these logs would not show any size that is met in practice. ${limit.not_excited.manoeuvre} would`;
+    const { key, value, unit } = limit.size;
+    const specs = this.effects.get(effect)?.forms.flatMap((form) => form.parameters) ?? [];
+    const sign = value < 0 || specs.find((spec) => spec.key === key)?.is_stronger_below ? "≤" : "≥";
+    return isShort ? `seen if ${sign} ${number(value, 2)} ${unitText(unit)}` : `${key} ${sign} ${number(value, 3)} ${unitText(unit)} would have been named`;
+  }
+}

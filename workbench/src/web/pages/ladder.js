@@ -1,0 +1,38 @@
+// How the error falls, effect by effect: bars in multiples of the noise of each signal.
+
+import { element } from "../dom.js";
+import { number, titled } from "../format.js";
+
+const multiple = (error) => error.rms !== null && error.noise_floor ? error.rms / error.noise_floor : null;
+
+/** Rungs of `{ title, errors: [{ signal, unit, rms, noise_floor }] }`, the first at the top. */
+export function ladder(rungs) {
+  const most = Math.max(1.5, ...rungs.flatMap((rung) => rung.errors.map(multiple)).filter((times) => times !== null));
+  const place = (times) => `${100 * Math.min(1, times / most)}%`;
+  return element("div", { class: "ladder", role: "list" }, rungs.map((rung, index) => element("div", { class: "rung", role: "listitem", data: { rung: index } },
+    element("h3", {}, rung.title),
+    rung.errors.map((error) => bar(error, multiple(error), place, index === 0)))));
+}
+
+function bar(error, times, place, isFirst) {
+  const figures = times === null ? "no noise floor" : `${number(times, 3)} × noise`;
+  const course = element("span", { class: "course", "aria-hidden": "true" });
+  if (times !== null) {
+    course.append(
+      element("span", { class: `fill${isFirst ? " first" : ""}`, style: { width: place(times) } }),
+      element("span", { class: "floor", style: { left: place(1) }, title: "noise floor" }));
+  }
+  return element("div", { class: "bar-row", data: { signal: error.signal, times: times === null ? "" : String(times) } },
+    element("span", { class: "name", title: titled(error.signal) }, error.signal), course,
+    element("span", { class: "figures" }, figures, element("span", { class: "unit" }, ` ${number(error.rms, 3)} ${error.unit}`)));
+}
+
+/** The rungs of a diagnosis or a fit. */
+export function rungsOf(steps) {
+  return steps.map((step) => ({
+    title: step.added ? `+ ${step.added.replaceAll("_", " ")} (${step.variant})` : "plain model",
+    errors: Object.keys(step.check_rms).sort((a, b) => (b === "p_ch") - (a === "p_ch")).map((signal) => ({
+      signal, unit: signal.startsWith("i_") ? "mA" : "bar", rms: step.check_rms[signal], noise_floor: step.noise_floor[signal],
+    })),
+  }));
+}

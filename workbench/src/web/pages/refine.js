@@ -1,0 +1,197 @@
+// Page "Refine": effects join the plant, are moved by hand or fitted, and every change can be taken back.
+
+import * as api from "../api.js";
+import { button, element, fill, tellProblems } from "../dom.js";
+import { number } from "../format.js";
+import * as view from "../view.js";
+import { ladder, rungsOf } from "./ladder.js";
+import { Effects } from "./refine/effects.js";
+import { Plots } from "./refine/plots.js";
+import { Roles } from "./roles.js";
+import { Work } from "./work.js";
+
+export const title = "Refine";
+
+export async function show(place) {
+  const [project, effects] = await Promise.all([api.get("/project"), api.effects()]);
+  const logs = project.logs.filter((log) => !log.problem);
+  if (logs.length === 0) {
+    fill(place, element("p", {}, "There is no log to refine the plant on yet. ", button("Open one", () => view.go("logs"), { class: "primary" })));
+    document.body.dataset.ready = "refine";
+    return {};
+  }
+  const page = new Page(place, project, logs, effects);
+  await page.begin();
+  return page;
+}
+
+class Page {
+  constructor(place, project, logs, effects) {
+    Object.assign(this, { place, project, logs, state: null, queue: Promise.resolve(), moving: null, isMoving: false, asked: 0, drawn: 0 });
+    this.library = new Map(effects.map((effect) => [effect.id, effect]));
+    this.roles = new Roles(logs);
+    this.log = logs.find((log) => log.number === view.numberOf("log")) ?? logs.find((log) => log.number === this.roles.chosen.logs[0]) ?? logs[0];
+    view.set({ log: this.log.number });
+    this.work = new Work("Fitting");
+    this.plots = new Plots(this.log, () => this.simulate());
+    this.effects = new Effects(this.library, (change) => this.change(change), (moved) => this.move(moved));
+    this.undo = button("Undo", () => this.change({ do: "undo" }), { id: "undo", title: "Ctrl+Z" });
+    this.redo = button("Redo", () => this.change({ do: "redo" }), { id: "redo", title: "Ctrl+Shift+Z" });
+    this.fitButton = button("Fit", () => this.fit(), { class: "primary", id: "fit", title: "Fits the effects that are on, and what differs from rig to rig, from the plant as opened" });
+    this.plant = element("strong", { id: "plant-name" });
+    this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
+    this.rungs = element("div", {});
+    this.fitted = element("section", { class: "card", hidden: true });
+    this.steps = element("ol", { class: "steps", id: "steps" });
+    this.ending = new AbortController();
+    addEventListener("keydown", (event) => this.key(event), { signal: this.ending.signal });
+  }
+
+  async begin() {
+    const choice = element("select", { id: "log", on: { change: () => view.go("refine", { log: Number(choice.value) }) } },
+      this.logs.map((log) => element("option", { value: log.number, selected: log === this.log }, log.name)));
+    fill(this.place,
+      element("section", { class: "bar row" },
+        element("label", {}, "Log ", choice), element("span", {}, "with ", this.plant), element("span", { class: "space" }),
+        this.work.element, this.undo, this.redo, this.fitButton,
+        element("a", { class: "button", href: api.address("/refine/plant"), download: "refined.toml", id: "download-plant" }, "Download the plant"),
+        button("Compare", () => view.go("compare", { log: this.log.number }), { id: "to-compare" })),
+      element("div", { class: "columns plots" },
+        element("div", { class: "stack" },
+          element("section", { class: "card", id: "ladder" },
+            element("h2", {}, "How the error falls"),
+            element("p", { class: "quiet" }, `Rms on ${this.log.name}, the model driven by the commands alone as in Compare, in multiples of the noise floor (the line); below the first row with the values that the plant has now.`),
+            this.rungs, this.cost),
+          this.plots.element, this.fitted),
+        element("aside", { class: "stack" }, this.effects.element,
+          element("section", { class: "card" }, element("h2", {}, "What a fit takes"), this.roles.element),
+          element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))));
+    try {
+      this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
+      const add = view.text("add");
+      view.set({ add: null });
+      if (add && !this.state.effects.some((effect) => effect.effect === add)) await this.change({ do: "add", effect: add });
+      else await this.simulate();
+      document.body.dataset.ready = "refine";
+    } catch (refusal) {
+      tellProblems(refusal, "Refine");
+      document.body.dataset.ready = "failed";
+    }
+  }
+
+  leave() {
+    this.ending.abort();
+    this.work.leave();
+    this.plots.leave();
+  }
+
+  redraw() {
+    this.plots.redraw();
+  }
+
+  key(event) {
+    const isText = event.target instanceof HTMLInputElement && event.target.type !== "range" && event.target.type !== "checkbox";
+    if (isText || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    event.preventDefault();
+    const act = event.shiftKey ? this.redo : this.undo;
+    if (!act.disabled) act.click();
+  }
+
+  /** Changes the plant; one after the other, however fast a person is. */
+  change(change) {
+    this.moving = null;
+    this.queue = this.queue.then(async () => {
+      try {
+        this.take(await api.post("/refine/change", { log: this.log.number, ...change }));
+        await this.simulate();
+      } catch (refusal) {
+        tellProblems(refusal, "Change");
+        if (this.state) this.effects.take(this.state.effects);
+      }
+    });
+    return this.queue;
+  }
+
+  take(state) {
+    this.state = state;
+    this.plant.textContent = state.plant;
+    this.undo.disabled = state.at === 0;
+    this.redo.disabled = state.at + 1 === state.steps.length;
+    this.fitButton.disabled = !state.effects.some((effect) => effect.is_on);
+    this.effects.take(state.effects);
+    this.showSteps(state);
+    this.fitted.hidden = !state.fit;
+    if (state.fit) {
+      fill(this.fitted, element("h2", {}, "The last fit"),
+        element("p", {}, `${state.fit.sentence[0].toUpperCase()}${state.fit.sentence.slice(1)}.`),
+        element("p", { class: "quiet" }, `Everything refitted at each row; judged on ${state.fit.held_out}, the model corrected by the measured pressure as in Diagnose.`),
+        ladder(rungsOf(state.fit.ladder)));
+    }
+  }
+
+  showSteps({ steps, at }) {
+    fill(this.steps, steps.map((step, index) => element("li", { class: index > at ? "undone" : undefined, "aria-current": index === at ? "step" : undefined },
+      step.done,
+      element("span", { class: "quiet" }, step.errors.filter((error) => error.rms !== null && error.noise_floor).map((error) => ` ${error.signal} ${number(error.rms / error.noise_floor, 3)}×`).join(",")))));
+    this.steps.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest" });
+  }
+
+  /** A slider is on its way: the newest place is simulated as soon as the last one is drawn. */
+  async move(moved) {
+    this.moving = moved;
+    if (this.isMoving) return;
+    this.isMoving = true;
+    while (this.moving) {
+      const now = this.moving;
+      this.moving = null;
+      await this.simulate(now);
+    }
+    this.isMoving = false;
+  }
+
+  async simulate(moved) {
+    const begin = performance.now();
+    const turn = ++this.asked;
+    try {
+      const query = new URLSearchParams({ log: this.log.number, ...this.plots.query(), ...moved });
+      const run = await api.get(`/refine/simulation?${query}`, this.ending.signal);
+      if (turn < this.drawn) return;
+      this.drawn = turn;
+      this.showLadder(run.ladder);
+      await this.plots.take(run.signals);
+      this.cost.textContent = `${number(run.log_s, 3)} s of log simulated in ${number(run.simulation_ms, 3)} ms, on the screen after ${number(performance.now() - begin, 3)} ms.`;
+      Object.assign(this.cost.dataset, { simulation: run.simulation_ms, screen: performance.now() - begin });
+    } catch (refusal) {
+      if (refusal.name !== "AbortError") tellProblems(refusal, "Simulation");
+    }
+  }
+
+  /** Bars go on from where they were; those of a new rung fall from where the plant as opened has its own. */
+  showLadder(rungs) {
+    const before = [...this.rungs.querySelectorAll(".rung")].map(widths);
+    fill(this.rungs, ladder(rungs));
+    [...this.rungs.querySelectorAll(".rung")].forEach((rung, index) => {
+      const from = before[index] ?? before[0] ?? [];
+      rung.querySelectorAll(".fill").forEach((bar, signal) => {
+        const to = bar.style.width;
+        bar.style.width = from[signal] ?? to;
+        requestAnimationFrame(() => { bar.style.width = to; });
+      });
+    });
+  }
+
+  async fit() {
+    this.fitButton.hidden = true;
+    const isDone = await this.work.run("/refine/fit", { log: this.log.number, ...this.roles.chosen });
+    this.fitButton.hidden = false;
+    if (!isDone) return;
+    try {
+      this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
+      await this.simulate();
+    } catch (refusal) {
+      tellProblems(refusal, "Fit");
+    }
+  }
+}
+
+const widths = (rung) => [...rung.querySelectorAll(".fill")].map((bar) => bar.style.width);

@@ -1,0 +1,95 @@
+// Measured and modelled over time; the model's courses follow the sliders.
+
+import * as api from "../../api.js";
+import { axis, clear, draw, label, layout } from "../../chart.js";
+import { button, element, tellProblems } from "../../dom.js";
+import { number, titled } from "../../format.js";
+import { colour } from "../../theme.js";
+import * as view from "../../view.js";
+
+const HEIGHT = { signal: 150, gap: 32 };
+const MARGIN = { l: 64, r: 14, t: 30, b: 44 };
+
+export class Plots {
+  /** `onView` is called when another piece of the log is to be seen. */
+  constructor(log, onView) {
+    Object.assign(this, { log, onView, courses: null, model: [], seen: "" });
+    this.chart = element("div", { class: "chart", id: "refine-plots", role: "img", "aria-label": "Measured and modelled courses" });
+    this.element = element("section", { class: "card", "aria-label": "Courses" },
+      element("div", { class: "row" }, element("h2", {}, "Measured and modelled"),
+        element("span", { class: "row legend" }, element("span", { class: "key measured" }, "measured"), element("span", { class: "key model" }, "modelled")),
+        element("span", { class: "space" }), button("Whole log", () => this.look(null, null))),
+      this.chart, element("p", { class: "quiet hint" }, "Drag to zoom, double-click for the whole log."));
+    this.chart.addEventListener("dblclick", () => this.look(null, null));
+  }
+
+  /** What is to be simulated for the view. */
+  query() {
+    const query = { points: Math.max(400, Math.min(2400, Math.round(0.8 * (this.chart.clientWidth || 900)))) };
+    for (const end of ["from", "to"]) if (view.numberOf(end) !== null) query[`${end}_s`] = view.numberOf(end);
+    return query;
+  }
+
+  look(from, to) {
+    view.set({ from, to });
+    this.onView();
+  }
+
+  /** The model's courses as they are now; what is measured is fetched once for each view. */
+  async take(signals) {
+    this.model = signals;
+    const query = new URLSearchParams(this.query()).toString();
+    if (query !== this.seen) {
+      this.courses = await api.get(`/logs/${this.log.number}/courses?${query}`);
+      this.seen = query;
+    }
+    await this.redraw();
+  }
+
+  leave() {
+    clear(this.chart);
+  }
+
+  async redraw() {
+    if (!this.courses) return;
+    const panels = this.model;
+    const plotted = panels.length * HEIGHT.signal + HEIGHT.gap * Math.max(0, panels.length - 1);
+    const [begin, end] = this.courses.whole_s;
+    const wished = layout({
+      height: plotted + MARGIN.t + MARGIN.b, margin: MARGIN, hovermode: false, annotations: [],
+      xaxis: axis({ range: [view.numberOf("from") ?? begin, view.numberOf("to") ?? end], title: { text: "time in the log [s]", standoff: 6 }, anchor: "free", position: 0 }),
+    });
+    const traces = panels.flatMap((panel, index) => {
+      const name = index === 0 ? "y" : `y${index + 1}`;
+      const top = 1 - index * (HEIGHT.signal + HEIGHT.gap) / plotted;
+      const domain = [Math.max(0, top - HEIGHT.signal / plotted), top];
+      const measured = this.courses.signals.find((signal) => signal.name === panel.name)?.measured;
+      wished[`yaxis${index === 0 ? "" : index + 1}`] = axis({ domain, fixedrange: true, nticks: 6, anchor: "x", range: rangeOf(measured, panel.model) });
+      const { rms, noise_floor: floor, unit } = panel.error;
+      const times = rms !== null && floor ? ` = ${number(rms / floor, 3)} × noise` : "";
+      wished.annotations.push({ xref: "paper", yref: "paper", x: 0, y: domain[1], xanchor: "left", yanchor: "bottom", showarrow: false, font: { size: 12 }, text: label(`${titled(panel.name)} [${panel.unit}]: rms of the error ${number(rms, 3)} ${unit}${times}`) });
+      const line = (course, role, width) => ({ x: course.t, y: course.y, xaxis: "x", yaxis: name, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width } });
+      return [...(measured ? [line(measured, "measured", 2)] : []), line(panel.model, "model", 1.2)];
+    });
+    await draw(this.chart, traces, wished).catch((error) => tellProblems(error, "Plot"));
+    this.watchLibrary();
+  }
+
+  /** What a person did with the library's own hands. */
+  watchLibrary() {
+    if (this.isWatched) return;
+    this.isWatched = true;
+    this.chart.on("plotly_relayout", (change) => {
+      const [from, to] = [change["xaxis.range[0]"], change["xaxis.range[1]"]];
+      if (Number.isFinite(from) && Number.isFinite(to)) this.look(from, to);
+    });
+  }
+}
+
+/** A range around both courses, with some air. */
+function rangeOf(...courses) {
+  let low = Infinity, high = -Infinity;
+  for (const course of courses) for (const value of course?.y ?? []) if (value !== null) { low = Math.min(low, value); high = Math.max(high, value); }
+  const air = 0.06 * (high - low) || 1;
+  return low > high ? [0, 1] : [low - air, high + air];
+}

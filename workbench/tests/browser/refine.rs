@@ -1,0 +1,168 @@
+//! The loop of a new user: an example is opened, what is missing is named and added, moved, taken back and fitted.
+
+use std::time::Duration;
+
+use serde_json::json;
+
+use crate::driver::{Person, with_browser};
+
+/// A diagnosis is a thousand simulations, in the tests' profile and beside other tests.
+const DIAGNOSIS: Duration = Duration::from_secs(600);
+
+/// The last bar of the pressure: its error in multiples of the noise.
+const LAST_BAR: &str = "Number([...document.querySelectorAll('#ladder .bar-row[data-signal=p_ch]')].at(-1).dataset.times)";
+
+async fn last_bar(person: &Person) -> f64 {
+    person
+        .run(&format!("return {LAST_BAR}"))
+        .await
+        .as_f64()
+        .unwrap()
+}
+
+/// Moves a slider as a hand does, and lets it go if `rests`.
+async fn slide(person: &Person, key: &str, place: f64, rests: bool) {
+    person
+        .run_with(
+            "const slider = document.querySelector(`[data-key=${arguments[0]}]`); slider.value = arguments[1] * slider.max; \
+             slider.dispatchEvent(new Event('input', { bubbles: true })); \
+             if (arguments[2]) slider.dispatchEvent(new Event('change', { bubbles: true }));",
+            vec![json!(key), json!(place), json!(rests)],
+        )
+        .await;
+}
+
+#[test]
+fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.click("nav a[href^='#/diagnose']").await;
+        person
+            .until("document.body.dataset.ready === 'diagnose'")
+            .await;
+        let roles = "[...document.querySelectorAll('[data-role]')].map((one) => one.value).join()";
+        assert_eq!(
+            person.run(&format!("return {roles}")).await,
+            json!("logs,check")
+        );
+
+        // Begun, cancelled, and begun again.
+        person.click("#diagnose").await;
+        person
+            .until("document.querySelector('.work:not([hidden]) progress')")
+            .await;
+        person.click(".work .cancel").await;
+        person.until("document.querySelector('.work[hidden]') && !document.getElementById('diagnose').hidden").await;
+        person.click("#diagnose").await;
+        person
+            .until_within(DIAGNOSIS, "document.body.dataset.diagnosed === 'found'")
+            .await;
+        let verdict = person.text("#verdict").await;
+        assert!(verdict.contains("chamber leak"), "{verdict}");
+        let named = person.text(".candidate.named[open]").await;
+        for part in [
+            "Chamber leak",
+            "95 % interval",
+            "m²",
+            "Confused with",
+            "ISO 6358",
+            "both valves shut",
+        ] {
+            assert!(named.contains(part), "{part}: {named}");
+        }
+        person.picture("diagnose").await;
+
+        person.click("[data-effect='chamber_leak'] .add").await;
+        person.until("document.body.dataset.ready === 'refine' && document.querySelectorAll('#ladder .rung').length === 2").await;
+        let plain = person.run("return Number(document.querySelector('#ladder .bar-row[data-signal=p_ch]').dataset.times)").await;
+        let (plain, added) = (plain.as_f64().unwrap(), last_bar(person).await);
+        assert!(added < 0.3 * plain, "{plain} {added}");
+
+        // A slider on its way moves the bars and no step; at rest it is one.
+        let steps = "document.querySelectorAll('#steps li').length";
+        slide(person, "area_m2", 0.9, false).await;
+        person.until(&format!("{LAST_BAR} > {}", 2.0 * added)).await;
+        assert_eq!(person.run(&format!("return {steps}")).await, json!(2));
+        slide(person, "area_m2", 0.7, true).await;
+        person.until(&format!("{steps} === 3")).await;
+        person.press("body", "z").await;
+        assert_eq!(person.run(&format!("return {steps}")).await, json!(3));
+        let undo = |shift: bool| {
+            format!(
+                "document.body.dispatchEvent(new KeyboardEvent('keydown', {{ key: 'z', ctrlKey: true, shiftKey: {shift}, bubbles: true }}))"
+            )
+        };
+        person.run(&undo(false)).await;
+        person
+            .until(&format!("Math.abs({LAST_BAR} - {added}) < 1e-9"))
+            .await;
+        person.run(&undo(true)).await;
+        person.until(&format!("{LAST_BAR} > {added} + 1e-6")).await;
+        person.click("#undo").await;
+        person
+            .until(&format!("Math.abs({LAST_BAR} - {added}) < 1e-9"))
+            .await;
+
+        // Off, the air is lost that the model keeps; on again it is as it was.
+        person.click("[data-switch='chamber_leak']").await;
+        person.until(&format!("{LAST_BAR} > {}", 2.0 * added)).await;
+        person.click("[data-switch='chamber_leak']").await;
+        person
+            .until(&format!("Math.abs({LAST_BAR} - {added}) < 1e-9"))
+            .await;
+
+        person.click("#fit").await;
+        person.until_within(DIAGNOSIS, "document.querySelector('#steps [aria-current]').textContent.startsWith('fitted chamber leak')").await;
+        person
+            .until("document.querySelector('.track .interval:not([hidden])')")
+            .await;
+        let fitted = last_bar(person).await;
+        assert!(fitted < plain, "{plain} {fitted}");
+        person.picture("refine").await;
+        println!("a slider of 60 s of log: {}", person.text("#cost").await);
+
+        let toml = person
+            .client
+            .execute_async(
+                "const done = arguments[0]; const link = document.getElementById('download-plant'); \
+                 fetch(link.href).then((answer) => answer.text()).then((text) => done([link.download, text]));",
+                vec![],
+            )
+            .await
+            .unwrap();
+        assert_eq!(toml[0], "refined.toml");
+        let toml = toml[1].as_str().unwrap();
+        assert!(
+            toml.contains("[effects.chamber_leak]")
+                && toml.contains("fitted by retarder refine to practice-01-id.csv")
+        );
+
+        // The refined plant is the one that Compare has.
+        person.click("#to-compare").await;
+        person
+            .until("document.body.dataset.ready === 'compare'")
+            .await;
+        let bar = person.text(".bar").await;
+        assert!(bar.contains("refined.toml"), "{bar}");
+        person
+            .run("location.hash = location.hash.replace('compare', 'refine')")
+            .await;
+        person
+            .until("document.body.dataset.ready === 'refine'")
+            .await;
+        person.click("#theme").await;
+        person
+            .until("document.documentElement.dataset.theme === 'dark'")
+            .await;
+        person.picture("refine-dark").await;
+        person.click("nav a[href^='#/diagnose']").await;
+        person
+            .until("document.querySelector('#verdict .stale')")
+            .await;
+        person.picture("diagnose-dark").await;
+        person.assert_nothing_was_refused().await;
+    });
+}

@@ -1,0 +1,220 @@
+//! Page "Diagnose": from a log to the missing effect, and what happens to work that nobody waits for.
+
+use std::io::{Read, Write};
+
+use serde_json::{Value, json};
+
+use crate::bench::{Bench, Browser};
+
+const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
+
+/// The first seconds of the rig with a leak: enough to name it, and quick.
+pub(crate) fn leaking(seconds: f64) -> String {
+    let is_early = |line: &&str| {
+        let time = line
+            .split(',')
+            .next()
+            .and_then(|time| time.parse::<f64>().ok());
+        time.is_none_or(|time| time < seconds)
+    };
+    ID.lines()
+        .take_while(is_early)
+        .map(|line| format!("{line}\n"))
+        .collect()
+}
+
+/// A session with the beginning of that log.
+pub(crate) fn with_leaking_log(browser: &Browser<'_>, seconds: f64) -> String {
+    let session = browser.session(None);
+    let added = browser.upload(&session, "bench.csv", leaking(seconds).as_bytes());
+    assert_eq!(added.status, 200, "{added:?}");
+    session
+}
+
+/// Goal: the way of the page. Method: diagnose ten seconds of the rig with a leak, plan what would tell more, add what
+/// was named.
+#[test]
+fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 10.0);
+    let events = browser.work(
+        &session,
+        &format!("{session}/diagnose"),
+        &json!({"logs": [1], "check": []}),
+    );
+    assert_eq!(events.last().unwrap()["state"], "done");
+    let stages: Vec<_> = events
+        .iter()
+        .filter_map(|event| event["stage"].as_str())
+        .collect();
+    assert!(stages.contains(&"single effects"), "{stages:?}");
+
+    let view = browser.get(&format!("{session}/diagnosis")).json();
+    assert_eq!(view["is_of_plant"], true);
+    assert_eq!(view["chosen"], json!({"logs": [1], "check": []}));
+    let diagnosis = &view["diagnosis"];
+    assert_eq!(diagnosis["verdict"], "found");
+    assert_eq!(diagnosis["effects"], json!(["chamber_leak"]));
+    let file = browser.get(&format!("{session}/diagnosis/json"));
+    assert!(
+        file.header("content-disposition")
+            .unwrap()
+            .contains("diagnosis.json")
+    );
+    assert!(
+        file.text()
+            .starts_with("{\n  \"schema\": \"retarder.diagnosis/1\"")
+            && file.text().ends_with("}\n")
+    );
+    assert_eq!(&file.json(), diagnosis);
+
+    let wish = json!({"effects": ["chamber_leak"], "duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0});
+    let events = browser.work(&session, &format!("{session}/next-experiment"), &wish);
+    assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
+    let next = browser.get(&format!("{session}/next-experiment")).json();
+    assert_eq!(next["schema"], "retarder.next-experiment/1");
+    let csv = browser
+        .get(&format!("{session}/next-experiment/csv"))
+        .text();
+    assert!(
+        csv.starts_with("time_s,duty_fill_pct,duty_vent_pct\n0.00,"),
+        "{csv:.80}"
+    );
+
+    let change = json!({"log": 1, "do": "add", "effect": "chamber_leak"});
+    let refine = browser
+        .post(&format!("{session}/refine/change"), &change)
+        .json();
+    let candidates = diagnosis["candidates"].as_array().unwrap();
+    let named = candidates
+        .iter()
+        .find(|one| one["effect"] == "chamber_leak")
+        .unwrap();
+    let added = &refine["effects"][0]["parameters"][0];
+    let fitted = &named["parameters"][0];
+    assert_eq!(refine["effects"][0]["variant"], named["variant"]);
+    assert_eq!(added["value"], fitted["value"]);
+    for end in ["value", "low", "high"] {
+        assert_eq!(added["fitted"][end], fitted[end]);
+    }
+    // What differs from rig to rig is as it was fitted with the effect.
+    let toml = browser.get(&format!("{session}/refine/plant")).text();
+    assert!(
+        toml.contains("fitted by retarder diagnose to bench.csv; was "),
+        "{toml}"
+    );
+    let pressure_rms = |step: usize| refine["steps"][step]["errors"][0]["rms"].as_f64().unwrap();
+    assert!(
+        pressure_rms(1) < 0.3 * pressure_rms(0),
+        "{}",
+        refine["steps"]
+    );
+    let view = browser.get(&format!("{session}/diagnosis")).json();
+    assert_eq!(view["is_of_plant"], false, "the plant is another one now");
+}
+
+#[test]
+fn the_library_is_told_with_equations_bounds_and_units() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let effects = browser.get("/api/effects").json();
+    let effects = effects.as_array().unwrap();
+    assert_eq!(effects.len(), 20);
+    let leak = effects
+        .iter()
+        .find(|effect| effect["id"] == "chamber_leak")
+        .unwrap();
+    assert_eq!(leak["title"], "Chamber leak");
+    assert!(leak["equation"].as_str().unwrap().contains("orifice"));
+    let area = &leak["forms"][0]["parameters"][0];
+    assert_eq!(
+        (&area["key"], &area["unit"], &area["is_log"]),
+        (&json!("area_m2"), &json!("m2"), &json!(true))
+    );
+}
+
+#[test]
+fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 2.0);
+    let diagnose = format!("{session}/diagnose");
+    for (wish, status, code) in [
+        (json!({"logs": [], "check": [1]}), 400, "E-WEB-VALUE"),
+        (json!({"logs": [1], "check": [1]}), 400, "E-WEB-VALUE"),
+        (json!({"logs": [7], "check": []}), 404, "E-WEB-NOT-FOUND"),
+    ] {
+        let refused = browser.post(&diagnose, &wish);
+        assert_eq!(
+            (refused.status, refused.code().as_str()),
+            (status, code),
+            "{wish}"
+        );
+    }
+    let wish = json!({"effects": ["chamber_leak"], "duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0});
+    let early = browser.post(&format!("{session}/next-experiment"), &wish);
+    assert_eq!(
+        (early.status, early.code().as_str()),
+        (409, "E-WEB-TOO-EARLY")
+    );
+    for path in [
+        "diagnosis",
+        "diagnosis/json",
+        "next-experiment",
+        "next-experiment/csv",
+    ] {
+        assert_eq!(
+            browser.get(&format!("{session}/{path}")).status,
+            409,
+            "{path}"
+        );
+    }
+
+    // A log that cannot drive the model says so when it is tried.
+    browser.upload(
+        &session,
+        "still.csv",
+        b"time_s,p_ch_bar_gauge\n0,1\n1,1\n2,1\n",
+    );
+    let events = browser.work(&session, &diagnose, &json!({"logs": [2], "check": []}));
+    let last = events.last().unwrap();
+    assert_eq!(
+        (&last["state"], &last["problems"][0]["code"]),
+        (&json!("failed"), &json!("E-DIAGNOSE"))
+    );
+}
+
+/// Rule 11: nobody waits for it any more, whether the page was closed or only stopped to listen.
+#[test]
+fn a_diagnosis_ends_with_whoever_listens() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 30.0);
+    let begun = browser.post(
+        &format!("{session}/diagnose"),
+        &json!({"logs": [1], "check": []}),
+    );
+    let job = begun.json()["job"].as_u64().unwrap();
+    let mut events = bench.connect();
+    let request = format!(
+        "GET {session}/jobs/{job} HTTP/1.1\r\nHost: {}\r\nCookie: {}\r\nConnection: close\r\n\r\n",
+        bench.host(),
+        browser.cookie
+    );
+    events.write_all(request.as_bytes()).unwrap();
+    let mut first = [0; 64];
+    events.read_exact(&mut first).unwrap();
+    drop(events);
+    // Its end is told to whoever asks for the job later.
+    let told = browser.get(&format!("{session}/jobs/{job}")).text();
+    let last: Value = serde_json::from_str(
+        told.lines()
+            .rfind(|line| line.starts_with("data: "))
+            .unwrap()
+            .trim_start_matches("data: "),
+    )
+    .unwrap();
+    assert_eq!(last["state"], "cancelled", "{told}");
+    assert_eq!(browser.get(&format!("{session}/diagnosis")).status, 409);
+}

@@ -1,0 +1,267 @@
+//! Page "Refine": effects are added, moved, fitted and taken back, and the plant of the session follows.
+
+use serde_json::{Value, json};
+
+use crate::bench::{Bench, Browser};
+use crate::diagnose::with_leaking_log;
+
+fn change(browser: &Browser<'_>, session: &str, mut wish: Value) -> Value {
+    wish["log"] = json!(1);
+    let answer = browser.post(&format!("{session}/refine/change"), &wish);
+    assert_eq!(answer.status, 200, "{wish}: {answer:?}");
+    answer.json()
+}
+
+/// Rms of the pressure over its noise, of an entry with errors.
+fn pressure_in_noise(errors: &Value) -> f64 {
+    let errors = errors.as_array().unwrap();
+    let pressure = errors
+        .iter()
+        .find(|error| error["signal"] == "p_ch")
+        .unwrap();
+    pressure["rms"].as_f64().unwrap() / pressure["noise_floor"].as_f64().unwrap()
+}
+
+fn plant(browser: &Browser<'_>, session: &str) -> String {
+    browser.get(&format!("{session}/refine/plant")).text()
+}
+
+#[test]
+fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
+    let bench = Bench::start();
+    let (session, toml) = {
+        let browser = bench.browser();
+        let session = with_leaking_log(&browser, 10.0);
+        let opened = browser.get(&format!("{session}/refine?log=1")).json();
+        assert_eq!(opened["plant"], "nominal-plant.toml");
+        let nominal = plant(&browser, &session);
+        let before = pressure_in_noise(&opened["steps"][0]["errors"]);
+
+        let added = change(
+            &browser,
+            &session,
+            json!({"do": "add", "effect": "chamber_leak"}),
+        );
+        assert_eq!(added["plant"], "refined.toml");
+        assert_eq!(added["at"], 1);
+        let after = pressure_in_noise(&added["steps"][1]["errors"]);
+        assert!(after < before, "{before} {after}");
+        assert!(plant(&browser, &session).contains("[effects.chamber_leak]"));
+
+        change(
+            &browser,
+            &session,
+            json!({"do": "set", "effect": "chamber_leak", "key": "area_m2", "value": 5e-8}),
+        );
+        assert!(
+            plant(&browser, &session).contains("area_m2 = 5e-8   # set by hand in the workbench")
+        );
+        change(&browser, &session, json!({"do": "undo"}));
+        let undone = change(&browser, &session, json!({"do": "undo"}));
+        assert_eq!(
+            (&undone["at"], &undone["plant"]),
+            (&json!(0), &json!("nominal-plant.toml"))
+        );
+        assert_eq!(plant(&browser, &session), nominal, "byte for byte");
+        let nothing = browser.post(
+            &format!("{session}/refine/change"),
+            &json!({"log": 1, "do": "undo"}),
+        );
+        assert_eq!(nothing.code(), "E-WEB-TOO-EARLY");
+        change(&browser, &session, json!({"do": "redo"}));
+        change(&browser, &session, json!({"do": "redo"}));
+        assert_eq!(
+            browser.get(&format!("{session}/project")).json()["plant"]["effects"],
+            json!(["chamber_leak"])
+        );
+        let toml = plant(&browser, &session);
+        (session, toml)
+    };
+
+    // The steps outlive the server.
+    let bench = bench.restart();
+    let browser = bench.browser();
+    let again = browser.session(Some(session.rsplit('/').next().unwrap()));
+    assert_eq!(plant(&browser, &again), toml);
+    let undone = change(&browser, &again, json!({"do": "undo"}));
+    assert_eq!(
+        (&undone["at"], undone["steps"].as_array().unwrap().len()),
+        (&json!(1), 3)
+    );
+
+    // Another plant begins another history.
+    browser.put(&format!("{again}/plant"), &json!({"name": ""}));
+    let anew = browser.get(&format!("{again}/refine?log=1")).json();
+    assert_eq!(anew["steps"].as_array().unwrap().len(), 1);
+}
+
+/// Goal: a slider on its way changes nothing, and shows what Compare would say. Method: the same plant both ways.
+#[test]
+fn a_moved_slider_is_simulated_and_nothing_else() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 10.0);
+    change(
+        &browser,
+        &session,
+        json!({"do": "add", "effect": "chamber_leak"}),
+    );
+    let before = plant(&browser, &session);
+    let moved = browser
+        .get(&format!(
+            "{session}/refine/simulation?log=1&points=200&from_s=2&to_s=5&effect=chamber_leak&key=area_m2&value=4e-8"
+        ))
+        .json();
+    assert_eq!(plant(&browser, &session), before);
+    let ladder = moved["ladder"].as_array().unwrap();
+    assert_eq!(ladder.len(), 2);
+    assert_eq!(
+        (&ladder[0]["added"], &ladder[1]["added"]),
+        (&Value::Null, &json!("chamber_leak"))
+    );
+    let pressure = &moved["signals"][0];
+    assert_eq!(
+        (&pressure["name"], &pressure["unit"]),
+        (&json!("p_ch"), &json!("bar gauge"))
+    );
+    let times = pressure["model"]["t"].as_array().unwrap();
+    assert!(
+        times.len() <= 450
+            && times
+                .iter()
+                .all(|time| (1.9..=5.1).contains(&time.as_f64().unwrap()))
+    );
+
+    change(
+        &browser,
+        &session,
+        json!({"do": "set", "effect": "chamber_leak", "key": "area_m2", "value": 4e-8}),
+    );
+    assert_eq!(browser.compare(&session, 1)["state"], "done");
+    let compared = browser.get(&format!("{session}/logs/1/comparison")).json();
+    assert_eq!(
+        compared["signals"][0]["free_run"]["rms"],
+        pressure["error"]["rms"]
+    );
+}
+
+#[test]
+fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 10.0);
+    let fit = format!("{session}/refine/fit");
+    let wish = json!({"log": 1, "logs": [1], "check": []});
+    assert_eq!(
+        browser.post(&fit, &wish).code(),
+        "E-WEB-TOO-EARLY",
+        "nothing to fit"
+    );
+    change(
+        &browser,
+        &session,
+        json!({"do": "add", "effect": "chamber_leak", "form": "orifice"}),
+    );
+    change(
+        &browser,
+        &session,
+        json!({"do": "add", "effect": "sensor_lag"}),
+    );
+    change(
+        &browser,
+        &session,
+        json!({"do": "switch", "effect": "sensor_lag", "is_on": false}),
+    );
+    let events = browser.work(&session, &fit, &wish);
+    assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
+
+    let fitted = browser.get(&format!("{session}/refine?log=1")).json();
+    assert_eq!(
+        fitted["steps"][4]["done"],
+        "fitted chamber leak to bench.csv"
+    );
+    let area = &fitted["effects"][0]["parameters"][0];
+    let [value, low, high] =
+        ["value", "low", "high"].map(|end| area["fitted"][end].as_f64().unwrap());
+    assert!(low < value && value < high, "{area}");
+    // The file has seven digits of it.
+    assert!(
+        (area["value"].as_f64().unwrap() / value - 1.0).abs() < 1e-6,
+        "{area}"
+    );
+    assert_eq!(
+        (
+            &fitted["effects"][1]["effect"],
+            &fitted["effects"][1]["is_on"]
+        ),
+        (&json!("sensor_lag"), &json!(false))
+    );
+    let ladder = fitted["fit"]["ladder"].as_array().unwrap();
+    let rms = |step: &Value| step["check_rms"]["p_ch"].as_f64().unwrap();
+    assert!(rms(&ladder[1]) < 0.5 * rms(&ladder[0]), "{ladder:?}");
+    let toml = plant(&browser, &session);
+    assert!(
+        toml.contains("fitted by retarder refine to bench.csv") && !toml.contains("sensor_lag")
+    );
+
+    // It can be taken back, with what it said.
+    let undone = change(&browser, &session, json!({"do": "undo"}));
+    assert_eq!(
+        (
+            &undone["fit"],
+            &undone["effects"][0]["parameters"][0]["fitted"]
+        ),
+        (&Value::Null, &Value::Null)
+    );
+}
+
+#[test]
+fn what_there_is_not_cannot_be_changed() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 2.0);
+    for (wish, status) in [
+        (json!({"log": 1, "do": "add", "effect": "nothing"}), 404),
+        (
+            json!({"log": 9, "do": "add", "effect": "chamber_leak"}),
+            404,
+        ),
+        (
+            json!({"log": 1, "do": "remove", "effect": "chamber_leak"}),
+            404,
+        ),
+        (json!({"log": 1, "do": "explode"}), 422),
+        (
+            json!({"log": 1, "do": "set", "effect": "chamber_leak", "key": "area_m2", "value": "much"}),
+            422,
+        ),
+    ] {
+        let refused = browser.post(&format!("{session}/refine/change"), &wish);
+        assert_eq!(refused.status, status, "{wish}: {refused:?}");
+    }
+    change(
+        &browser,
+        &session,
+        json!({"do": "add", "effect": "chamber_leak"}),
+    );
+    let beyond = browser.post(
+        &format!("{session}/refine/change"),
+        &json!({"log": 1, "do": "set", "effect": "chamber_leak", "key": "area_m2", "value": 1.0}),
+    );
+    assert_eq!(
+        (beyond.status, beyond.code().as_str()),
+        (400, "E-WEB-VALUE")
+    );
+    assert!(
+        beyond
+            .text()
+            .contains("between 0.00000000001 and 0.00001 m2")
+            || beyond.text().contains("1e-11"),
+        "{}",
+        beyond.text()
+    );
+    assert_eq!(
+        browser.get(&format!("{session}/refine?log=1")).json()["at"],
+        1
+    );
+}
