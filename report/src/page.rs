@@ -124,7 +124,8 @@ fn next_steps(steps: &[String]) -> Markup {
     }
 }
 
-fn style() -> String {
+/// The text of the one style element of every report.
+pub fn style() -> String {
     let dark: String = DARK
         .iter()
         .map(|pair| {

@@ -2,6 +2,7 @@
 
 mod align;
 mod assets;
+mod closed_loop;
 mod examples;
 mod guard;
 mod job;
@@ -13,6 +14,7 @@ mod pyramid;
 mod refusal;
 mod server;
 mod session;
+mod shelf;
 mod store;
 mod token;
 

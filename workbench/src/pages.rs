@@ -1,7 +1,9 @@
 //! The pages: each is one file of routes here and one module in `web/pages/`.
 
 pub(crate) mod compare;
+pub(crate) mod control;
 mod logs;
+mod report;
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -15,6 +17,7 @@ use axum::{Json, Router};
 use futures_util::Stream;
 use serde::{Deserialize, Serialize};
 
+use crate::job::Job;
 use crate::refusal::Refusal;
 use crate::session::{Session, Sessions};
 use crate::store::ProjectId;
@@ -30,6 +33,8 @@ pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
         .route("/sessions/{session}/jobs/{job}", get(events))
         .merge(logs::routes())
         .merge(compare::routes())
+        .merge(control::routes())
+        .merge(report::routes())
         .with_state(sessions)
 }
 
@@ -51,6 +56,25 @@ pub(crate) async fn blocking<T: Send + 'static>(
             "this is a mistake of the program, not of the data; please report it with the log",
         ))
     })
+}
+
+/// The number of a job, by which its events are asked for.
+#[derive(Serialize)]
+pub(crate) struct Begun {
+    job: u64,
+}
+
+/// Begins work of a session, watched and ended by its page; what is under way in the same tab ends.
+pub(crate) fn begin_job(
+    sessions: &Sessions,
+    session: &Arc<Session>,
+    work: impl FnOnce(&Session, &Job) -> Result<(), Refusal> + Send + 'static,
+) -> Json<Begun> {
+    let worker = Arc::clone(session);
+    let job = Job::start(Arc::clone(&sessions.workers), move |job| work(&worker, job));
+    let number = job.number;
+    session.begin(job);
+    Json(Begun { job: number })
 }
 
 #[derive(Deserialize)]

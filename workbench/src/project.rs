@@ -8,6 +8,7 @@ use plant_sim::parameters::NOMINAL_PLANT_TOML;
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
+use crate::closed_loop::ClosedLoop;
 use crate::refusal::Refusal;
 use crate::store::LogHash;
 
@@ -27,6 +28,9 @@ pub(crate) struct Project {
     pub(crate) strictness: Strictness,
     /// Mappings by the header that they were made for, to be offered again.
     pub(crate) mappings: BTreeMap<String, String>,
+    /// What the closed loop is asked to do; absent in files of earlier versions.
+    #[serde(default)]
+    pub(crate) closed_loop: ClosedLoop,
 }
 
 /// A log of the project.
@@ -106,6 +110,7 @@ impl Default for Project {
             plant: PlantFile::nominal(),
             strictness: Strictness::default(),
             mappings: BTreeMap::new(),
+            closed_loop: ClosedLoop::default(),
         }
     }
 }

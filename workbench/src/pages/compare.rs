@@ -1,6 +1,6 @@
 //! Page "Compare": measured and modelled side by side, and where they part.
 
-mod courses;
+pub(super) mod courses;
 mod details;
 mod export;
 mod selection;
@@ -16,13 +16,13 @@ use model_lab::{Comparison, compare_watched};
 use plant_sim::PlantParameters;
 use serde::{Deserialize, Serialize};
 
-use super::{Shared, session};
+use super::{Begun, Shared, begin_job, session};
 use crate::align;
 use crate::job::Job;
 use crate::pages::blocking;
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
-use crate::session::{Session, Sessions};
+use crate::session::{Session, Sessions, values_of};
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
@@ -55,7 +55,19 @@ struct Pyramids {
 }
 
 impl Compared {
-    fn new(comparison: Comparison, parameters: PlantParameters) -> Self {
+    /// Values that it keeps in memory.
+    pub(crate) fn values(&self) -> usize {
+        let traces = &self.comparison.traces;
+        let all = [
+            &traces.free_run,
+            &traces.free_run_residual,
+            &traces.short_horizon,
+            &traces.short_horizon_residual,
+        ];
+        all.into_iter().map(values_of).sum()
+    }
+
+    pub(crate) fn new(comparison: Comparison, parameters: PlantParameters) -> Self {
         let traces = &comparison.traces;
         let pyramid = |recording: &recording::Recording, name: &str| {
             recording
@@ -76,11 +88,6 @@ impl Compared {
     }
 }
 
-#[derive(Serialize)]
-struct Begun {
-    job: u64,
-}
-
 /// Begins the comparison of a log with the plant; one that is under way in the same tab ends.
 async fn begin(
     State(sessions): Shared,
@@ -88,12 +95,9 @@ async fn begin(
 ) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
     session.project().log(log)?;
-    let worker = Arc::clone(&session);
-    let places = Arc::clone(&sessions.workers);
-    let job = Job::start(places, move |job| work(&worker, log, job));
-    let number = job.number;
-    session.begin(job);
-    Ok(Json(Begun { job: number }))
+    Ok(begin_job(&sessions, &session, move |session, job| {
+        work(session, log, job)
+    }))
 }
 
 fn work(session: &Session, number: u32, job: &Job) -> Result<(), Refusal> {

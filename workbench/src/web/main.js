@@ -6,9 +6,11 @@ import * as theme from "./theme.js";
 import * as view from "./view.js";
 import * as logs from "./pages/logs.js";
 import * as compare from "./pages/compare.js";
+import * as control from "./pages/control.js";
+import * as report from "./pages/report.js";
 
 /** A page has a title and `show(place)`, which returns what it has to be told: `leave` and `redraw`. */
-const PAGES = { logs, compare };
+const PAGES = { logs, compare, control, report };
 const KEY = "project";
 
 const place = document.getElementById("page");

@@ -214,7 +214,11 @@ impl Browser<'_> {
             &serde_json::json!({}),
         );
         assert_eq!(begun.status, 200, "{begun:?}");
-        let job = &begun.json()["job"];
+        self.follow(session, begun.json()["job"].as_u64().unwrap())
+    }
+
+    /// Follows a job to its end; gives the last event.
+    pub(crate) fn follow(&self, session: &str, job: u64) -> Value {
         let events = self.get(&format!("{session}/jobs/{job}")).text();
         let last = events
             .lines()

@@ -16,9 +16,9 @@ const POINTS_MAX: usize = 8000;
 
 /// A piece of a log's time (s).
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub(super) struct Range {
-    pub(super) from_s: Option<f64>,
-    pub(super) to_s: Option<f64>,
+pub(in crate::pages) struct Range {
+    pub(in crate::pages) from_s: Option<f64>,
+    pub(in crate::pages) to_s: Option<f64>,
 }
 
 /// What the page shows.
@@ -67,7 +67,7 @@ struct Residual {
 
 /// Points of a course; null is a gap.
 #[derive(Serialize)]
-struct Course {
+pub(in crate::pages) struct Course {
     t: Vec<Option<f64>>,
     y: Vec<Option<f64>>,
 }
@@ -160,7 +160,7 @@ pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Cou
         parameters: &parameters,
         compared: compared.as_deref(),
         range,
-        points: view.points.clamp(2, POINTS_MAX),
+        points: view.points,
     };
     let signals = (0..log.recording.signals().len()).map(|index| drawer.signal(index));
     let signals = signals.collect::<Result<_, _>>()?;
@@ -256,21 +256,7 @@ impl Drawer<'_> {
         values: &[f64],
         pyramid: &Pyramid,
     ) -> Result<Course, Refusal> {
-        let (_, view_s) = self.range.of(base)?;
-        let times_s = base.times_s();
-        // Two instants at least: the interval of a whole log may not be known.
-        let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
-        let shown = pyramid.thin((times_s, values), view_s, self.points, gap_s);
-        Ok(Course {
-            t: shown
-                .iter()
-                .map(|index| index.map(|index| times_s[index]))
-                .collect(),
-            y: shown
-                .iter()
-                .map(|index| index.map(|index| values[index]))
-                .collect(),
-        })
+        Course::of((base, values, pyramid), self.range, self.points)
     }
 }
 
@@ -280,6 +266,30 @@ fn mean_step_s(base: &TimeBase) -> f64 {
 }
 
 impl Course {
+    /// What is seen of `values` in `range` in about so many points.
+    pub(in crate::pages) fn of(
+        (base, values, pyramid): (&TimeBase, &[f64], &Pyramid),
+        range: Range,
+        points: usize,
+    ) -> Result<Self, Refusal> {
+        let (_, view_s) = range.of(base)?;
+        let times_s = base.times_s();
+        // Two instants at least: the interval of a whole log may not be known.
+        let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
+        let points = points.clamp(2, POINTS_MAX);
+        let shown = pyramid.thin((times_s, values), view_s, points, gap_s);
+        let at = |values: &[f64]| {
+            shown
+                .iter()
+                .map(|index| index.map(|index| values[index]))
+                .collect()
+        };
+        Ok(Self {
+            t: at(times_s),
+            y: at(values),
+        })
+    }
+
     fn map(mut self, change: impl Fn(f64) -> f64) -> Self {
         for value in self.y.iter_mut().flatten() {
             *value = change(*value);
