@@ -33,7 +33,7 @@ fn row(log: &LogPart<'_>) -> Markup {
             th scope="row" { (foreign(log.name)) }
             td.number { @if let Some(extent) = &extent { (extent.samples) } }
             td.number { @if let Some(extent) = &extent { (number(extent.duration_s)) } }
-            td.number { @if let Some(step_s) = extent.and_then(|extent| extent.step_s) { (number(1e3 * step_s)) } }
+            td.number { @if let Some(step_s) = extent.and_then(|extent| extent.step_s) { (number((1e6 * step_s).round() / 1e3)) } }
             td { @if let Some(recording) = log.recording { (signals(recording)) } }
             td {
                 @for problem in log.problems { div { (foreign(problem)) } }

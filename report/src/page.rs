@@ -53,7 +53,7 @@ fn summary(contents: &Contents<'_>) -> Markup {
     markup! {
         div.summary {
             @for part in contents.models {
-                (statement(&model_title(contents, part), &model::standing(part.comparison).badge(), &model::headline(part.comparison)))
+                (statement("Model", &model::standing(part.comparison).badge(), &model_sentence(contents, part)))
             }
             @if let Some(part) = &contents.diagnosis {
                 (statement("Diagnosis", &diagnosis::badge(part.diagnosis), &diagnosis::headline(part.diagnosis)))
@@ -68,18 +68,19 @@ fn summary(contents: &Contents<'_>) -> Markup {
     }
 }
 
-/// Which model; where there are several, against which log.
-fn model_title(contents: &Contents<'_>, part: &ModelPart<'_>) -> String {
+/// How far off the model is; where there are several logs, against which one.
+fn model_sentence(contents: &Contents<'_>, part: &ModelPart<'_>) -> String {
+    let headline = model::headline(part.comparison);
     match contents.models {
-        [_] => "Model".to_owned(),
-        _ => format!("Model, {}", part.comparison.log),
+        [_] => headline,
+        _ => format!("{}: {headline}", part.comparison.log),
     }
 }
 
 fn statement(what: &str, badge: &Markup, sentence: &str) -> Markup {
     markup! {
         div.statement {
-            p.badge-line { span.what { (foreign(what)) } " " (badge) }
+            p.badge-line { span.what { (what) } " " (badge) }
             p.finding { (foreign(sentence)) }
         }
     }

@@ -1,4 +1,4 @@
-use crate::runner::{Bench, assert_contains, beginning_of};
+use crate::runner::{Bench, assert_contains, beginning_of, data};
 
 /// A log of the rig with a leak; seconds of it.
 const LEAKING: (&str, f64) = ("synthetic/practice-01-id.csv", 10.0);
@@ -47,9 +47,30 @@ fn a_report_has_comparison_diagnosis_and_the_loop_on_both_plants() {
     }
 }
 
-/// What a rig has not is left out with the reason, and so is what a person does not want.
 #[test]
-fn parts_that_cannot_or_shall_not_be_run_are_left_out() {
+fn a_loop_that_cannot_be_closed_is_left_out_with_the_reason() {
+    let bench = Bench::new();
+    let plant = data("plants/leakdown-chamber.toml");
+    let log = data("real/leakdown-aluminium.csv");
+    let arguments = [
+        "report",
+        "--plant",
+        &plant,
+        "--log",
+        &log,
+        "--without",
+        "diagnosis",
+    ];
+    let out = bench.run(&arguments).ended_with(1);
+    assert_contains(&out, &["The closed loop was left out", "needs both valves"]);
+    assert_contains(
+        &bench.read("report.html"),
+        &["the closed loop was left out"],
+    );
+}
+
+#[test]
+fn parts_that_a_person_does_not_want_are_left_out() {
     let bench = Bench::new();
     bench.file("bench.csv", &beginning_of(LEAKING.0, 4.0));
     let arguments = [

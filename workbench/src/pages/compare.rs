@@ -14,7 +14,7 @@ use axum::routing::{get, post};
 use axum::{Json, Router};
 use model_lab::{Comparison, compare_watched};
 use plant_sim::PlantParameters;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::{Begun, Shared, begin_job, session};
 use crate::align;

@@ -22,7 +22,6 @@ use serde::Deserialize;
 
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::closed_loop::{ClosedLoop, ControllerFile, NamedPlant, Profile};
-use crate::job::Job;
 use crate::pages::compare::courses::Range;
 use crate::refusal::{Problem, Refusal};
 use crate::session::{Session, Sessions};
@@ -300,7 +299,7 @@ async fn show_courses(
     Path(id): Path<String>,
     Query(view): Query<courses::View>,
 ) -> Result<Json<courses::Courses>, Refusal> {
-    let controlled = controlled(&session(&sessions, id)?)?;
+    let controlled = controlled(session(&sessions, id)?.as_ref())?;
     blocking(move || courses::courses(&controlled, &view).map(Json)).await
 }
 
@@ -316,7 +315,7 @@ async fn export_csv(
     Path(id): Path<String>,
     Query(which): Query<Which>,
 ) -> Result<impl IntoResponse, Refusal> {
-    let controlled = controlled(&session(&sessions, id)?)?;
+    let controlled = controlled(session(&sessions, id)?.as_ref())?;
     let csv = blocking(move || {
         let judged = controlled.runs.get(which.run);
         let judged = judged.ok_or_else(|| Refusal::not_found("run"))?;

@@ -277,7 +277,7 @@ async fn preview(
     State(sessions): Shared,
     Path(id): Path<String>,
 ) -> Result<impl IntoResponse, Refusal> {
-    let html = written(&session(&sessions, id)?)?;
+    let html = written(session(&sessions, id)?.as_ref())?;
     let headers = [
         (CONTENT_TYPE, "text/html; charset=utf-8"),
         (CONTENT_SECURITY_POLICY, POLICY.as_str()),
@@ -290,7 +290,7 @@ async fn file(
     State(sessions): Shared,
     Path(id): Path<String>,
 ) -> Result<impl IntoResponse, Refusal> {
-    let html = written(&session(&sessions, id)?)?;
+    let html = written(session(&sessions, id)?.as_ref())?;
     let headers = [
         (CONTENT_TYPE, "text/html; charset=utf-8"),
         (CONTENT_SECURITY_POLICY, POLICY.as_str()),

@@ -15,14 +15,14 @@ export async function show(place) {
 class Page {
   constructor(place) {
     this.ending = new AbortController();
-    this.contents = element("ul", { class: "plain" });
+    this.contents = element("ul", { class: "signals" });
     this.status = element("div", { class: "verdict", role: "status", id: "report-status" });
     this.file = element("a", { class: "button", id: "download-report", download: "report.html", href: api.address("/report/file"), hidden: true }, "Download report.html");
     this.frame = element("div", { class: "paper", hidden: true });
     fill(place,
       element("section", { class: "card", "aria-label": "Contents of the report" },
         element("h2", {}, "One file of this session"),
-        element("p", { class: "quiet" }, "Figures and tables for a screen, a printer or an e-mail. It loads nothing and needs no other file. `retarder report` writes the same from a command line."),
+        element("p", { class: "quiet" }, "Figures and tables for a screen, a printer or an e-mail. It loads nothing and needs no other file. ", element("code", {}, "retarder report"), " writes the same from a command line."),
         this.contents,
         element("div", { class: "row" }, button("Write the report", () => this.write(), { class: "primary", id: "write-report" }), this.file, this.status)),
       this.frame);

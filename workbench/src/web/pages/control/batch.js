@@ -3,7 +3,7 @@
 import * as api from "../../api.js";
 import { axis, clear, draw, layout } from "../../chart.js";
 import { button, element, fill, tellProblems } from "../../dom.js";
-import { number, percent } from "../../format.js";
+import { count, percent } from "../../format.js";
 import { colour } from "../../theme.js";
 import { roleOf } from "./charts.js";
 
@@ -19,7 +19,7 @@ export class BatchCard {
       element("h2", {}, "On rigs that differ"),
       element("p", { class: "quiet" }, "Each rig is drawn about the plant within the scatter of the bench: flows, preloads, coils, volume, spring, delay, supply."),
       element("div", { class: "row" }, element("label", {}, "rigs ", this.rigs), element("label", {}, "seed ", this.seed), button("Run the batch", () => this.run(), { class: "primary", id: "run-batch" }), this.status),
-      this.chart, this.numbers);
+      this.chart, this.key = element("p", { class: "quiet", hidden: true }, "Solid: the slowest step of each rig. Dotted: all steps. Where a curve ends below 100 %, the rest never settled."), this.numbers);
   }
 
   showWish(wish) {
@@ -71,7 +71,7 @@ export class BatchCard {
   table() {
     const limit = this.batch.requirement.t_req_samples;
     const row = (plant, what, times) => element("tr", {}, element("th", { scope: "row" }, plant.role === "plant" ? what : `${plant.role}, ${what}`),
-      [times.count, times.median_samples, times.within_95_samples].map((cell) => element("td", {}, cell === null ? "never" : number(cell, 4))),
+      [times.count, times.median_samples, times.within_95_samples].map((cell) => element("td", {}, cell === null ? "never" : count(cell))),
       element("td", {}, percent(times.share_within_limit)), element("td", {}, String(times.never)));
     return element("div", { class: "scroll" }, element("table", { class: "numbers", id: "settling-times" },
       element("thead", {}, element("tr", {}, ["settling times", "count", "median [samples]", "95 % [samples]", `within ${limit} samples`, "never settled"].map((cell) => element("th", { scope: "col" }, cell)))),
@@ -79,7 +79,7 @@ export class BatchCard {
   }
 
   async paint() {
-    this.chart.hidden = false;
+    this.chart.hidden = this.key.hidden = false;
     const limit = this.batch.requirement.t_req_samples;
     const last = Math.max(limit, ...this.batch.plants.flatMap(({ steps, slowest }) => [...steps.points, ...slowest.points].map(([samples]) => samples)));
     const end = Math.ceil(1.08 * last);
@@ -96,10 +96,7 @@ export class BatchCard {
       xaxis: axis({ range: [0, end], title: { text: "settling time [samples]", standoff: 6 }, fixedrange: true }),
       yaxis: axis({ range: [0, 104], title: { text: "settled by then [%]", standoff: 6 }, fixedrange: true }),
       shapes: [{ type: "line", xref: "x", yref: "paper", x0: limit, x1: limit, y0: 0, y1: 1, line: { color: colour("limit"), width: 1.5, dash: "dot" } }],
-      annotations: [
-        { xref: "x", yref: "paper", x: limit, y: 1, xanchor: "right", yanchor: "bottom", showarrow: false, text: `T_req = ${limit} samples`, font: { color: colour("limit") } },
-        { xref: "paper", yref: "paper", x: 0, y: 1, xanchor: "left", yanchor: "bottom", showarrow: false, text: "solid: slowest step of each rig; dotted: all steps", font: { color: colour("label") } },
-      ],
+      annotations: [{ xref: "x", yref: "paper", x: limit, y: 1, xanchor: "right", yanchor: "bottom", showarrow: false, text: `T_req = ${limit} samples`, font: { color: colour("limit") } }],
     }));
   }
 }

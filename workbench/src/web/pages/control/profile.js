@@ -8,15 +8,15 @@ const ROWS_MAX = 60;
 /** A form that gives the edited profile to `apply`, or a file to `open`. Both refuse by throwing. */
 export function profileForm(wish, apply, open) {
   const { profile } = wish;
-  const field = (value, name, least) => element("input", { type: "number", step: "any", min: least, value, class: "short", "aria-label": name, required: true });
+  const field = (value, name, least, role = "short") => element("input", { type: "number", step: "any", min: least, value, class: role, "aria-label": name, required: true });
   const start = field(profile.start_bar, "reference at the start");
   const pressure = field(profile.start_pressure_bar, "pressure at the start", 0);
   const end = field(profile.end_s, "end of the profile", 0);
   const body = element("tbody");
   const row = (step) => {
     const line = element("tr", { class: "profile-step" },
-      element("td", {}, field(step.time_s, "time of the change", 0)), element("td", {}, field(step.to_bar, "reference from then on")), element("td", {}, field(step.within_s, "duration of the ramp", 0)),
-      element("td", {}, button("×", () => line.remove(), { "aria-label": "Remove this change", class: "close" })));
+      element("td", {}, field(step.time_s, "time of the change", 0, "cell")), element("td", {}, field(step.to_bar, "reference from then on", undefined, "cell")), element("td", {}, field(step.within_s, "duration of the ramp", 0, "cell")),
+      element("td", {}, button("×", () => line.remove(), { "aria-label": "Remove this change", class: "link close" })));
     return line;
   };
   fill(body, profile.changes.slice(0, ROWS_MAX).map(row));

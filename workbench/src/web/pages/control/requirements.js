@@ -24,12 +24,15 @@ export function requirements(result, goTo) {
 function row(id, checks) {
   const known = checks.find(Boolean);
   const cells = checks.flatMap((check) => check
-    ? [element("td", { class: "number", title: check.evidence }, check.reached === null ? "never" : number(check.reached, 3)), element("td", {}, chip(check))]
+    ? [element("td", { class: "number", title: check.evidence }, check.reached === null ? "never" : short(check.reached)), element("td", {}, chip(check))]
     : [element("td", { class: "quiet" }, "not asked"), element("td")]);
   return element("tr", { data: { check: id }, class: known.binding ? undefined : "quiet" },
     element("th", { scope: "row" }, known.requirement, !known.binding && element("span", { class: "unit" }, "not binding")),
-    element("td", { class: "number" }, `${BOUND[known.bound]} ${number(known.limit, 3)} `, element("span", { class: "unit" }, known.unit)), cells);
+    element("td", { class: "number" }, `${BOUND[known.bound]} ${short(known.limit)} `, element("span", { class: "unit" }, known.unit)), cells);
 }
+
+/** Counts stay counts. */
+const short = (value) => Number.isInteger(value) ? String(value) : number(value, 3);
 
 function chip(check) {
   if (check.holds) return element("span", { class: "chip good" }, "kept");
