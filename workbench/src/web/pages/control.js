@@ -68,12 +68,12 @@ class Page {
     await this.change(() => api.put("/control", wish), "Profile", runs);
   }
 
-  /** Does a change and runs the loop with it. A refusal is told and thrown, so that a form can show where. */
+  /** Does a change and runs the loop with it. A refusal is thrown, so that a form can show where, and told if `what` is said. */
   async change(act, what, runs = true) {
     try {
       this.wish = await act();
     } catch (refusal) {
-      tellProblems(refusal, what);
+      if (what) tellProblems(refusal, what);
       throw refusal;
     }
     this.showWish();
@@ -86,7 +86,7 @@ class Page {
     fill(this.plants, "on ", wish.plants.map((plant) => element("span", { class: `key run-${plant.role === "plain" ? "plain" : "refined"}`, title: plant.effects.join(", ") }, plant.name)));
     fill(this.profile, profileForm(wish, (profile) => this.choose({ profile }),
       (file) => this.change(() => api.put("/control/reference", file), file.name)));
-    fill(this.controller, controllerForm(wish.controller, (settings) => this.change(() => api.put("/control/controller", settings), "Controller")));
+    fill(this.controller, controllerForm(wish.controller, (settings) => this.change(() => api.put("/control/controller", settings), null)));
     this.batch.showWish(wish);
   }
 

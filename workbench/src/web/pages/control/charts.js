@@ -182,10 +182,10 @@ export class RunPlots {
       if (index === -2) index = course.t.length - 1;
       return index < 0 ? null : course.y[index];
     };
-    const cells = this.courses.signals.map((signal) => element("td", {}, signal.name === "p_ref" ? number(at(signal.runs[0]), 4) : signal.runs.map((course) => number(at(course), 4)).join(" | ")));
+    const row = ({ plant }, run) => element("tr", {}, element("th", { scope: "row" }, plant.role), this.courses.signals.map((signal) => element("td", {}, number(at(signal.runs[run]), 4))));
     fill(this.values, element("table", { class: "numbers" },
-      element("thead", {}, element("tr", {}, element("th", {}, "time"), this.courses.signals.map((signal) => element("th", {}, signal.name, element("span", { class: "unit" }, signal.unit))))),
-      element("tbody", {}, element("tr", {}, element("th", { scope: "row" }, `${number(time, 5)} s`), cells))));
+      element("thead", {}, element("tr", {}, element("th", {}, `at ${number(time, 5)} s`), this.courses.signals.map((signal) => element("th", {}, signal.name, element("span", { class: "unit" }, signal.unit))))),
+      element("tbody", {}, this.result.runs.map(row))));
   }
 
   timeAt(event) {

@@ -24,7 +24,8 @@ export function controllerForm(controller, apply) {
     try {
       await apply(settings);
     } catch (refusal) {
-      for (const { path, input } of fields) input.classList.toggle("wrong", (refusal.problems ?? []).some((problem) => problem.message.includes(path)));
+      const isNamed = (path, name) => (refusal.problems ?? []).some(({ message }) => message.includes(path) || message.startsWith(`\`${name}\` is missing`));
+      for (const { setting, path, input } of fields) input.classList.toggle("wrong", isNamed(path, setting.name));
       wrong.append(...(refusal.problems ?? []).map((problem) => element("p", {}, problem.message)));
       for (const { input } of fields) if (input.classList.contains("wrong")) input.closest("details").open = true;
     }
