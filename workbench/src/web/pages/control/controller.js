@@ -54,6 +54,6 @@ export function controllerForm(controller, apply) {
 function field(setting) {
   const words = [...setting.about.matchAll(/"(\w+)"/g)].map((match) => match[1]);
   const id = `words-${setting.table}-${setting.name}`;
-  const input = element("input", { value: setting.value ?? "", class: words.length > 0 ? "word" : "short", placeholder: "absent", autocomplete: "off", spellcheck: false, list: words.length > 0 ? id : undefined });
+  const input = element("input", { value: setting.value ?? "", class: words.length > 1 ? "word" : "short", placeholder: "absent", autocomplete: "off", spellcheck: false, list: words.length > 0 ? id : undefined });
   return { input, words: words.length > 0 && element("datalist", { id }, words.map((word) => element("option", { value: word }))) };
 }
