@@ -27,6 +27,17 @@ struct Knot {
     reference_bar: f64,
 }
 
+/// A change of the reference: a step, or a ramp where it takes time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// When it begins \[ns\].
+    pub time_ns: u64,
+    /// What it leads to [bar gauge].
+    pub to_bar: f64,
+    /// How long it takes \[ns\].
+    pub within_ns: u64,
+}
+
 /// Lowest and highest reference [bar gauge]: vacuum, and the largest supply pressure that a controller can be set to.
 pub const REFERENCE_RANGE_BAR: [f64; 2] = [-1.0, 15.0];
 
@@ -98,6 +109,58 @@ impl ReferenceProfile {
         Ok(profile)
     }
 
+    /// A profile from its reference at time 0 [bar gauge], its changes in the order of time, and its end \[ns\].
+    ///
+    /// # Errors
+    /// A change begins before the one before it has ended, or ends after the end; a reference is out of range.
+    pub fn from_changes(
+        start_bar: f64,
+        changes: &[Change],
+        end_ns: u64,
+    ) -> Result<Self, ProfileError> {
+        let mut profile = Self::starting_at(start_bar);
+        let ends = changes.iter().map(|change| {
+            let end_ns = change.time_ns.saturating_add(change.within_ns);
+            (change.time_ns, end_ns, Some(change.to_bar))
+        });
+        for (time_ns, until_ns, to_bar) in ends.chain([(end_ns, end_ns, None)]) {
+            let before = profile.last();
+            if time_ns < before.time_ns {
+                return Err(ProfileError::Order {
+                    time_s: time_ns as f64 / 1e9,
+                    before_s: before.time_ns as f64 / 1e9,
+                });
+            }
+            profile.knots.push(Knot { time_ns, ..before });
+            if let Some(reference_bar) = to_bar {
+                profile.knots.push(Knot {
+                    time_ns: until_ns,
+                    reference_bar,
+                });
+            }
+        }
+        profile.check()?;
+        Ok(profile)
+    }
+
+    /// What changes after time 0, in the order of time; see [`Self::from_changes`].
+    pub fn changes(&self) -> Vec<Change> {
+        self.knots
+            .windows(2)
+            .filter(|pair| pair[0].reference_bar != pair[1].reference_bar)
+            .map(|pair| Change {
+                time_ns: pair[0].time_ns,
+                to_bar: pair[1].reference_bar,
+                within_ns: pair[1].time_ns - pair[0].time_ns,
+            })
+            .collect()
+    }
+
+    /// The reference before anything changes [bar gauge].
+    pub fn start_bar(&self) -> f64 {
+        self.knots.first().map_or(0.0, |knot| knot.reference_bar)
+    }
+
     /// The reference at an instant [bar gauge]; the last one holds for ever.
     pub fn at_ns(&self, time_ns: u64) -> f64 {
         let after = self.knots.partition_point(|knot| knot.time_ns <= time_ns);
@@ -148,8 +211,7 @@ impl ReferenceProfile {
 impl fmt::Display for ReferenceProfile {
     /// `0 s: 2 bar, 0.5 s: step to 3 bar, 1.7 s: ramp to 1 bar`, in gauge.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let first = self.knots.first().map_or(0.0, |knot| knot.reference_bar);
-        write!(f, "0 s: {first} bar")?;
+        write!(f, "0 s: {} bar", self.start_bar())?;
         for pair in self.knots.windows(2) {
             if pair[0].reference_bar == pair[1].reference_bar {
                 continue;
@@ -185,6 +247,17 @@ pub enum ProfileError {
         index: usize,
         /// Its time \[s\].
         time_s: f64,
+    },
+    /// The profile does not go on in time.
+    #[error(
+        "what comes at {time_s} s begins before {before_s} s, where the change before it ends; bring the changes and the \
+         end into the order of time"
+    )]
+    Order {
+        /// When it begins \[s\].
+        time_s: f64,
+        /// When the change before it ends \[s\].
+        before_s: f64,
     },
     /// A reference is no pressure that a chamber could be asked for.
     #[error(
@@ -267,6 +340,44 @@ mod tests {
                 "{error:?} does not say {expected:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_profile_and_its_changes_are_the_same() {
+        let profile = ReferenceProfile::starting_at(2.0)
+            .hold_ms(500)
+            .step_to(3.0)
+            .hold_ms(1000)
+            .ramp_to(1.0, 200)
+            .hold_ms(300);
+        let changes = profile.changes();
+        assert_eq!(changes.len(), 2);
+        let again = ReferenceProfile::from_changes(profile.start_bar(), &changes, profile.end_ns())
+            .unwrap();
+        for time_ms in 0..2500 {
+            let time_ns = time_ms * NS_PER_MS;
+            assert_eq!(again.at_ns(time_ns), profile.at_ns(time_ns), "{time_ms} ms");
+        }
+        assert_eq!(again.end_ns(), profile.end_ns());
+        assert_eq!(again.changes(), changes);
+    }
+
+    #[test]
+    fn changes_out_of_order_or_range_are_refused() {
+        let change = |time_ns, to_bar, within_ns| Change {
+            time_ns,
+            to_bar,
+            within_ns,
+        };
+        let of = |changes: &[Change], end_ns| {
+            ReferenceProfile::from_changes(0.0, changes, end_ns)
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(of(&[change(2, 1.0, 0), change(1, 2.0, 0)], 9).contains("order of time"));
+        assert!(of(&[change(0, 1.0, 5), change(4, 2.0, 0)], 9).contains("order of time"));
+        assert!(of(&[change(0, 1.0, 5)], 4).contains("order of time"));
+        assert!(of(&[change(0, 16.0, 0)], 4).contains("out of range"));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod device;
 mod diagnosis;
 mod next_experiment;
+mod report;
 
 use std::path::PathBuf;
 
@@ -18,6 +19,7 @@ pub(crate) use device::{
 };
 pub(crate) use diagnosis::{DiagnoseArgs, LogsArgs, RefineArgs};
 pub(crate) use next_experiment::NextExperimentArgs;
+pub(crate) use report::{ReportArgs, ReportPart};
 
 /// Model-based control of two on/off solenoid valves: simulate the plant, hold the model against a bench log, close
 /// the loop.
@@ -57,6 +59,8 @@ pub(crate) enum Command {
     NextExperiment(NextExperimentArgs),
     /// Run the closed loop on the model and judge it by the thesis' requirements
     Control(ControlArgs),
+    /// One HTML file of all of it: comparison, diagnosis and closed loop
+    Report(ReportArgs),
     /// Read the black box of a device: its last seconds before the first fault
     #[command(name = "blackbox")]
     BlackBox(BlackBoxArgs),

@@ -16,7 +16,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::cli::{ControlArgs, ControllerArg, LogArgs, LogsArgs, PlantArgs};
 use crate::failure::{Failure, SourceLines};
-use crate::report::Input;
+use report::Input;
 
 /// The tour's bench log, as it lies in the data folder.
 const TOUR_LOG: &str = include_str!("../../data/synthetic/practice-01-id.csv");
@@ -236,6 +236,11 @@ impl NamedController {
             file,
         })
     }
+
+    /// What a report says of it.
+    pub(crate) fn input(&self) -> Input {
+        named_input("controller", &self.name, self.file)
+    }
 }
 
 /// A scenario, and what its plant and its controller are called.
@@ -268,19 +273,10 @@ impl NamedScenario {
                 let (profile, input) = reference(path)?;
                 (Scenario::new(file_stem(path), profile), Some(input))
             }
-            None => {
-                let scenario = Scenario::built_in(&args.scenario);
-                let scenario = scenario.unwrap_or_else(|| {
-                    unreachable!("clap lets only the names of built-in scenarios pass")
-                });
-                (scenario, None)
-            }
+            None => (built_in_scenario(&args.scenario), None),
         };
         let plant = NamedPlant::from_args(&args.plant, built_in_plant(&scenario))?.whole()?;
-        let mut inputs = vec![
-            plant.input(),
-            named_input("controller", &controller.name, controller.file),
-        ];
+        let mut inputs = vec![plant.input(), controller.input()];
         inputs.extend(profile);
         Ok(Self {
             scenario: scenario
@@ -292,6 +288,12 @@ impl NamedScenario {
             inputs,
         })
     }
+}
+
+/// The built-in scenario of a checked argument.
+pub(crate) fn built_in_scenario(name: &str) -> Scenario {
+    Scenario::built_in(name)
+        .unwrap_or_else(|| unreachable!("clap lets only the names of built-in scenarios pass"))
 }
 
 fn built_in_plant(scenario: &Scenario) -> NamedPlant {

@@ -104,6 +104,7 @@ fn json(outcome: &Outcome) -> Option<String> {
             serde_json::to_string_pretty(&explained.explanation)
         }
         Outcome::Tour(_)
+        | Outcome::Report(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
         | Outcome::DeviceSettings(_)

@@ -1,16 +1,17 @@
 //! Outcomes become contents of the HTML report.
 
 use hil_harness::Requirement;
-use model_lab::{CompareOptions, Comparison, compare};
 use recording::Recording;
-
-use crate::report::{
-    self, BeforeAndAfter, Contents, ControlPart, DiagnosisPart, Input, ModelPart, Origin,
+use report::{
+    BeforeAndAfter, Contents, ControlPart, DiagnosisPart, Input, LogPart, ModelPart, Origin,
+    PlantPart,
 };
+
 use crate::run::Outcome;
 use crate::run::compare::Compared;
 use crate::run::control::Controlled;
 use crate::run::diagnose::Diagnosed;
+use crate::run::session::Reported;
 use crate::run::thesis::Figures;
 
 /// What to try after the tour, with the reason.
@@ -60,12 +61,12 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
             .concat();
             page(&Page {
                 title: "A tour: model, bench and loop",
-                compared: Some(&tour.compared),
-                diagnosis: None,
+                compared: std::slice::from_ref(&tour.compared),
                 loops: &tour.loops,
                 figures: Some(&tour.figures),
                 next_steps: &next_steps,
                 inputs: &inputs,
+                ..Page::default()
             })
         }
         Outcome::Comparison(compared) => page(&Page {
@@ -73,7 +74,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
                 "{} against {}",
                 compared.plant.name, compared.comparison.log
             ),
-            compared: Some(compared),
+            compared: std::slice::from_ref(compared),
             inputs: &[
                 Input::of_recording("log", compared.log.provenance()),
                 compared.plant.input(),
@@ -96,6 +97,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
             ..Page::default()
         }),
         Outcome::Diagnosis(diagnosed) => diagnosis(diagnosed),
+        Outcome::Report(reported) => session(reported),
         Outcome::Simulation(_)
         | Outcome::Refinement(_)
         | Outcome::ThesisExplanation(_)
@@ -112,18 +114,6 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
 
 fn diagnosis(diagnosed: &Diagnosed) -> String {
     let task = &diagnosed.task;
-    let inputs_of = |role: &'static str, logs: &[Recording]| -> Vec<Input> {
-        logs.iter()
-            .map(|log| Input::of_recording(role, log.provenance()))
-            .collect()
-    };
-    let plant = vec![task.plant.input()];
-    let inputs = [
-        inputs_of("log", &task.logs),
-        inputs_of("check", &task.check),
-        plant,
-    ]
-    .concat();
     let sources: Vec<&str> = task
         .logs
         .iter()
@@ -135,51 +125,59 @@ fn diagnosis(diagnosed: &Diagnosed) -> String {
             task.plant.name,
             sources.join(", ")
         ),
-        diagnosis: Some(DiagnosisPart {
-            diagnosis: &diagnosed.diagnosis,
-            runs: before_and_after(diagnosed).as_ref(),
-            next_command: diagnosed.next_command().as_deref(),
-        }),
-        inputs: &inputs,
+        diagnosis: Some(diagnosed),
+        inputs: &inputs_of(diagnosed),
         ..Page::default()
     })
 }
 
-/// The log on which the plain model is furthest off, with both models; those for checking where there are such.
-fn before_and_after(diagnosed: &Diagnosed) -> Option<BeforeAndAfter<'_>> {
-    let Diagnosed { task, diagnosis } = diagnosed;
-    if diagnosis.effects.is_empty() {
-        return None;
-    }
-    let [plain, refined] = diagnosis.plain_and_refined(&task.plant.parameters);
-    let logs = if task.check.is_empty() {
-        &task.logs
-    } else {
-        &task.check
+/// Every file that a diagnosis reads.
+fn inputs_of(diagnosed: &Diagnosed) -> Vec<Input> {
+    let task = &diagnosed.task;
+    let of = |role: &'static str, logs: &[Recording]| -> Vec<Input> {
+        logs.iter()
+            .map(|log| Input::of_recording(role, log.provenance()))
+            .collect()
     };
-    let against = |plant, log| compare(plant, log, &CompareOptions::default()).ok();
-    let runs = logs
-        .iter()
-        .filter_map(|log| Some((log, against(&plain, log)?)));
-    let (log, before) = runs.max_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
-    let after = against(&refined, log)?;
-    Some(BeforeAndAfter { log, before, after })
+    let plant = vec![task.plant.input()];
+    [of("log", &task.logs), of("check", &task.check), plant].concat()
 }
 
-/// How far off the worst signal is, in multiples of its noise.
-fn distance(comparison: &Comparison) -> f64 {
-    let multiples = comparison
-        .signals
+/// All of it in one file.
+fn session(reported: &Reported) -> String {
+    let logs: Vec<LogPart<'_>> = reported
+        .compared
         .iter()
-        .filter_map(|signal| signal.free_run.rms_in_noise);
-    multiples.fold(0.0, f64::max)
+        .map(|compared| LogPart {
+            name: &compared.comparison.log,
+            recording: Some(&compared.log),
+            problems: &[],
+        })
+        .collect();
+    let names: Vec<&str> = logs.iter().map(|log| log.name).collect();
+    page(&Page {
+        title: &format!("{} and {}", reported.plant.name, names.join(", ")),
+        logs: &logs,
+        plant: Some(PlantPart {
+            name: &reported.plant.name,
+            parameters: &reported.plant.parameters,
+        }),
+        compared: &reported.compared,
+        diagnosis: reported.diagnosed.as_ref(),
+        loops: &reported.loops,
+        next_steps: &reported.not_run,
+        inputs: &reported.inputs,
+        ..Page::default()
+    })
 }
 
 #[derive(Default)]
 struct Page<'a> {
     title: &'a str,
-    compared: Option<&'a Compared>,
-    diagnosis: Option<DiagnosisPart<'a>>,
+    logs: &'a [LogPart<'a>],
+    plant: Option<PlantPart<'a>>,
+    compared: &'a [Compared],
+    diagnosis: Option<&'a Diagnosed>,
     loops: &'a [Controlled],
     figures: Option<&'a Figures>,
     next_steps: &'a [String],
@@ -199,13 +197,27 @@ fn page(page: &Page<'_>) -> String {
             rigs: &run.rigs,
         })
         .collect();
-    report::html(&Contents {
-        title: page.title,
-        model: page.compared.map(|compared| ModelPart {
+    let models: Vec<ModelPart<'_>> = page
+        .compared
+        .iter()
+        .map(|compared| ModelPart {
             log: &compared.log,
             comparison: &compared.comparison,
+        })
+        .collect();
+    let runs = page.diagnosis.and_then(before_and_after);
+    let next_command = page.diagnosis.and_then(Diagnosed::next_command);
+    report::html(&Contents {
+        title: page.title,
+        logs: page.logs,
+        plant: page.plant,
+        models: &models,
+        diagnosis: page.diagnosis.map(|diagnosed| DiagnosisPart {
+            diagnosis: &diagnosed.diagnosis,
+            runs: runs.as_ref(),
+            next_command: next_command.as_deref(),
         }),
-        diagnosis: page.diagnosis,
+        history: None,
         control: &control,
         thesis: page.figures.map(|figures| &figures.table),
         next_steps: page.next_steps,
@@ -215,6 +227,18 @@ fn page(page: &Page<'_>) -> String {
             versions: &[("retarder".to_owned(), env!("CARGO_PKG_VERSION").to_owned())],
         },
     })
+}
+
+/// The log on which the plain model is furthest off, with both models; those for checking where there are such.
+fn before_and_after(diagnosed: &Diagnosed) -> Option<BeforeAndAfter<'_>> {
+    let task = &diagnosed.task;
+    let logs = if task.check.is_empty() {
+        &task.logs
+    } else {
+        &task.check
+    };
+    let logs: Vec<&Recording> = logs.iter().collect();
+    BeforeAndAfter::worst(&diagnosed.diagnosis, &task.plant.parameters, &logs)
 }
 
 /// An argument as a shell takes it.

@@ -9,6 +9,7 @@ mod live;
 mod next_experiment;
 mod number;
 mod parameters;
+mod report;
 mod serve;
 mod simulation;
 mod table;
@@ -128,6 +129,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::Refinement(refined) => diagnosis::refinement(refined, terminal),
         Outcome::NextExperiment(planned) => next_experiment::next_experiment(planned, terminal),
         Outcome::Control(controlled) => control::control(controlled, terminal),
+        Outcome::Report(reported) => report::report(reported, terminal),
         Outcome::BlackBox(black_box) => device::black_box(black_box, terminal),
         Outcome::DeviceSettings(settings) => device::settings(settings, terminal),
         Outcome::DeviceSignals => device::signals(terminal),

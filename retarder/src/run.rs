@@ -12,6 +12,7 @@ pub(crate) mod next_experiment;
 mod row_output;
 pub(crate) mod schema;
 pub(crate) mod serve;
+pub(crate) mod session;
 pub(crate) mod simulate;
 pub(crate) mod thesis;
 pub(crate) mod tour;
@@ -27,6 +28,7 @@ pub(crate) enum Outcome {
     Refinement(Box<diagnose::RefinedPlant>),
     NextExperiment(Box<next_experiment::Planned>),
     Control(Box<control::Controlled>),
+    Report(Box<session::Reported>),
     BlackBox(black_box::BlackBox),
     DeviceSettings(calibrate::Settings),
     /// All signals that a device has.
@@ -68,6 +70,7 @@ impl Outcome {
             Self::Diagnosis(diagnosed) => diagnosed.answer(),
             Self::NextExperiment(planned) => planned.answer(),
             Self::Control(controlled) => Answer::of(controlled.holds()),
+            Self::Report(reported) => reported.answer(),
             Self::Measurement(measurement) => measurement.answer(),
             Self::Thesis(figures) => Answer::of(figures.table.holds),
             Self::ThesisExplanation(explained) => Answer::of(explained.explanation.brings_in()),

@@ -12,7 +12,8 @@ use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
     Assignment, BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs,
-    DiagnoseArgs, LogsArgs, NextExperimentArgs, PlantArgs, RefineArgs, SchemaName, SimulateArgs,
+    DiagnoseArgs, LogsArgs, NextExperimentArgs, PlantArgs, RefineArgs, ReportArgs, SchemaName,
+    SimulateArgs,
 };
 use crate::failure::Failure;
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
@@ -44,6 +45,7 @@ enum Work {
         rigs: u32,
     },
     NextExperiment(Box<run::next_experiment::Task>),
+    Report(Box<run::session::Task>),
     OnDevice(Box<run::device::Task>),
     BlackBox(BlackBoxArgs),
     Calibrate(CalibrateCommand),
@@ -73,6 +75,7 @@ impl Task {
             Some(Command::Refine(args)) => refine(args, &mut targets)?,
             Some(Command::NextExperiment(args)) => next_experiment(args, &mut targets)?,
             Some(Command::Control(args)) => control(args, &mut targets)?,
+            Some(Command::Report(args)) => report(args, &mut targets)?,
             Some(Command::BlackBox(mut args)) => {
                 if goes_to_standard_output(&args.out.out)
                     && goes_to_standard_output(&args.json.json)
@@ -153,6 +156,7 @@ impl Task {
             Work::NextExperiment(task) => {
                 Outcome::NextExperiment(Box::new(run::next_experiment::run(*task)?))
             }
+            Work::Report(task) => Outcome::Report(Box::new(run::session::run(*task)?)),
             Work::OnDevice(task) => {
                 let mut live = Live::new(&task.scenario.scenario, task.pace);
                 let controlled = run::device::run(*task, &mut |moment| live.see(moment))?;
@@ -344,6 +348,21 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
             pace: args.pace,
         })),
     })
+}
+
+fn report(args: ReportArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    let subject = to_explain(&args.logs, &args.plant)?;
+    for log in subject.logs.iter().chain(&subject.check) {
+        tell_notes(log);
+    }
+    targets.html = Some(args.out);
+    Ok(Work::Report(Box::new(run::session::Task {
+        subject,
+        controller: NamedController::from_args(&args.controller)?,
+        scenario: input::built_in_scenario(&args.scenario),
+        rigs: args.rigs,
+        without: args.without,
+    })))
 }
 
 /// Tells what was made of the log, before anything is done with it.

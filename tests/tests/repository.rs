@@ -77,6 +77,7 @@ fn modules_of_a_crate_use_each_other_one_way() {
         "plant-sim",
         "model-lab",
         "hil-harness",
+        "report",
         "retarder",
     ] {
         let source = repository().join(crate_name).join("src");

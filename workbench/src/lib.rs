@@ -2,6 +2,7 @@
 
 mod align;
 mod assets;
+mod closed_loop;
 mod effects;
 mod examples;
 mod guard;
@@ -16,6 +17,7 @@ mod pyramid;
 mod refusal;
 mod server;
 mod session;
+mod shelf;
 mod store;
 mod token;
 

@@ -1,9 +1,11 @@
 //! The pages: each is one file of routes here and one module in `web/pages/`.
 
 pub(crate) mod compare;
+pub(crate) mod control;
 pub(crate) mod diagnose;
 mod logs;
 pub(crate) mod refine;
+mod report;
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -35,6 +37,8 @@ pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
         .merge(compare::routes())
         .merge(diagnose::routes())
         .merge(refine::routes())
+        .merge(control::routes())
+        .merge(report::routes())
         .with_state(sessions)
 }
 

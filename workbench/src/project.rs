@@ -6,6 +6,7 @@ use model_lab::CompareOptions;
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
+use crate::closed_loop::ClosedLoop;
 use crate::history::History;
 pub(crate) use crate::plant_file::PlantFile;
 use crate::refusal::Refusal;
@@ -30,6 +31,9 @@ pub(crate) struct Project {
     /// How the plant became what it is; absent in files of earlier versions.
     #[serde(default)]
     pub(crate) history: History,
+    /// What the closed loop is asked to do; absent in files of earlier versions.
+    #[serde(default)]
+    pub(crate) closed_loop: ClosedLoop,
 }
 
 /// A log of the project.
@@ -89,6 +93,7 @@ impl Default for Project {
             strictness: Strictness::default(),
             mappings: BTreeMap::new(),
             history: History::default(),
+            closed_loop: ClosedLoop::default(),
         }
     }
 }

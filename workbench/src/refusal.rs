@@ -3,6 +3,12 @@
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
+use hil_harness::RunError;
+use hil_harness::checks::JudgeError;
+use hil_harness::controller_file::ControllerFileError;
+use hil_harness::reference_profile::ProfileError;
+use hil_harness::rigs::RigError;
+use hil_harness::scenario::ScenarioError;
 use model_lab::CompareError;
 use model_lab::diagnosis::DiagnoseError;
 use plant_sim::ParameterError;
@@ -154,6 +160,34 @@ impl From<DiagnoseError> for Refusal {
     fn from(error: DiagnoseError) -> Self {
         Problem::new("E-DIAGNOSE", error.to_string()).into()
     }
+}
+
+impl From<ControllerFileError> for Refusal {
+    fn from(error: ControllerFileError) -> Self {
+        let problem = |problem: &hil_harness::controller_file::Problem| Problem {
+            line: problem.line().map(|line| line as u64),
+            ..Problem::new("E-CONTROLLER", problem.to_string())
+        };
+        Self::of(error.problems().iter().map(problem).collect())
+    }
+}
+
+macro_rules! refusals {
+    ($($error:ty => $code:literal),* $(,)?) => {
+        $(impl From<$error> for Refusal {
+            fn from(error: $error) -> Self {
+                Problem::new($code, error.to_string()).into()
+            }
+        })*
+    };
+}
+
+refusals! {
+    ProfileError => "E-REFERENCE",
+    ScenarioError => "E-SCENARIO",
+    RunError => "E-LOOP",
+    RigError => "E-LOOP",
+    JudgeError => "E-LOOP",
 }
 
 impl From<std::io::Error> for Refusal {

@@ -12,6 +12,7 @@ use axum::routing::get;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::sync::{Notify, Semaphore};
 
 use crate::assets;
@@ -159,21 +160,60 @@ impl Server {
                     }
                 },
             };
-            let service = TowerToHyperService::new(router.clone());
+            let router = router.clone();
             tokio::spawn(async move {
                 let _place = place;
                 let _ = stream.set_nodelay(true);
-                // A connection that breaks off concerns its page alone.
-                let _ = http1::Builder::new()
-                    .timer(TokioTimer::new())
-                    .header_read_timeout(HEADERS_DEADLINE)
-                    .serve_connection(TokioIo::new(stream), service)
-                    .await;
+                serve_connection(stream, router).await;
             });
         }
     }
 }
 
+/// Answers the requests of one connection. One that breaks off concerns its page alone.
+async fn serve_connection(stream: impl AsyncRead + AsyncWrite + Unpin + Send, router: Router) {
+    let _ = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEADERS_DEADLINE)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
+        .await;
+}
+
 fn listen(port: u16) -> io::Result<TcpListener> {
     TcpListener::bind(SocketAddrV4::new(Ipv4Addr::LOCALHOST, port))
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+    use tokio::time::Instant;
+
+    use super::*;
+
+    /// Rule 6: whoever does not finish the headers is let go, and no earlier than the deadline says. The clock is the test's.
+    #[test]
+    fn headers_that_do_not_end_are_waited_for_until_the_deadline() {
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_time()
+            .start_paused(true)
+            .build()
+            .unwrap();
+        runtime.block_on(async {
+            let (mut client, server) = tokio::io::duplex(1024);
+            let serving = tokio::spawn(serve_connection(server, Router::new()));
+            let begin = Instant::now();
+            client
+                .write_all(b"GET / HTTP/1.1\r\nHost: x")
+                .await
+                .unwrap();
+            let mut answer = Vec::new();
+            client.read_to_end(&mut answer).await.unwrap();
+            serving.await.unwrap();
+            let waited = begin.elapsed();
+            assert!(
+                (HEADERS_DEADLINE..2 * HEADERS_DEADLINE).contains(&waited),
+                "{waited:?}"
+            );
+        });
+    }
 }

@@ -1,6 +1,6 @@
 //! One session for each tab: its project, and what was computed for it. Sessions share nothing but stored logs.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use model_lab::diagnosis::next_experiment::NextExperiment;
@@ -10,11 +10,13 @@ use tokio::sync::Semaphore;
 use crate::job::Job;
 use crate::log_reader;
 use crate::pages::compare::Compared;
+use crate::pages::control::{Batch, Controlled};
 use crate::pages::diagnose::Diagnosed;
 use crate::pages::refine::ErrorsOfPlants;
 use crate::project::Project;
 use crate::pyramid::Pyramid;
 use crate::refusal::{Problem, Refusal};
+use crate::shelf::{Room, Shelf, VALUES_MAX};
 use crate::store::{ProjectId, Store};
 
 /// Sessions at one time; beyond them, the one that was opened first is forgotten. Its project is kept.
@@ -27,6 +29,8 @@ pub(crate) struct Sessions {
     pub(crate) uploads: Semaphore,
     /// Jobs at one time, of all tabs together; others wait.
     pub(crate) workers: Arc<Semaphore>,
+    /// Memory of all tabs together.
+    room: Arc<Room>,
     open: Mutex<HashMap<ProjectId, (u64, Arc<Session>)>>,
 }
 
@@ -38,13 +42,18 @@ pub(crate) struct Session {
     pub(crate) id: ProjectId,
     pub(crate) store: Arc<Store>,
     project: Mutex<Project>,
-    logs: Mutex<BTreeMap<u32, Arc<OpenLog>>>,
-    comparisons: Mutex<BTreeMap<u32, Arc<Compared>>>,
+    logs: Shelf<OpenLog>,
+    comparisons: Shelf<Compared>,
     /// The last diagnosis, and the last experiment that was planned after it.
     pub(crate) diagnosed: Kept<Diagnosed>,
     pub(crate) next: Kept<NextExperiment>,
     /// Errors of plants that were simulated lately.
     pub(crate) errors: Mutex<ErrorsOfPlants>,
+    /// The last run of the closed loop, and the last batch of rigs.
+    pub(crate) controlled: Kept<Controlled>,
+    pub(crate) batch: Kept<Batch>,
+    /// The last report, HTML.
+    pub(crate) report: Kept<String>,
     job: Mutex<Option<Arc<Job>>>,
 }
 
@@ -91,6 +100,16 @@ impl LoadedLog {
     }
 }
 
+/// Values of all signals and time bases.
+pub(crate) fn values_of(recording: &Recording) -> usize {
+    let of_signals = recording
+        .signals()
+        .iter()
+        .map(|signal| signal.values_or_nan().len());
+    let of_bases = recording.time_bases().map(|(_, base)| base.len());
+    of_signals.chain(of_bases).sum()
+}
+
 /// A panic while a lock is held leaves whole values: they are replaced, not changed in steps.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -102,6 +121,7 @@ impl Sessions {
             store,
             uploads: Semaphore::new(UPLOADS),
             workers: Arc::new(Semaphore::new(WORKERS)),
+            room: Arc::new(Room::new(VALUES_MAX)),
             open: Mutex::default(),
         }
     }
@@ -126,11 +146,14 @@ impl Sessions {
             id: id.clone(),
             store: Arc::clone(&self.store),
             project: Mutex::new(project.unwrap_or_default()),
-            logs: Mutex::default(),
-            comparisons: Mutex::default(),
+            logs: Shelf::in_room(&self.room),
+            comparisons: Shelf::in_room(&self.room),
             diagnosed: Kept::default(),
             next: Kept::default(),
             errors: Mutex::default(),
+            controlled: Kept::default(),
+            batch: Kept::default(),
+            report: Kept::default(),
             job: Mutex::default(),
         });
         let mut open = lock(&self.open);
@@ -178,21 +201,25 @@ impl Session {
 
     /// The log, read when it is first asked for.
     pub(crate) fn log(&self, number: u32) -> Result<Arc<OpenLog>, Refusal> {
-        if let Some(log) = lock(&self.logs).get(&number) {
-            return Ok(Arc::clone(log));
+        if let Some(log) = self.logs.get(number) {
+            return Ok(log);
         }
         let entry = self.project().log(number)?.clone();
         let path = self.store.log_path(&entry.file);
         let read = log_reader::read(&entry.name, &path, entry.mapping.as_deref());
         let log = Arc::new(read.map(LoadedLog::new));
-        lock(&self.logs).insert(number, Arc::clone(&log));
+        let values = log
+            .as_ref()
+            .as_ref()
+            .map_or(0, |log| values_of(&log.recording));
+        self.logs.put(number, values, Arc::clone(&log));
         Ok(log)
     }
 
     /// Forgets what was read and computed of a log.
     pub(crate) fn forget_log(&self, number: u32) {
-        lock(&self.logs).remove(&number);
-        lock(&self.comparisons).remove(&number);
+        self.logs.remove(number);
+        self.comparisons.remove(number);
         lock(&self.errors).clear();
         self.diagnosed.forget();
         self.next.forget();
@@ -215,15 +242,16 @@ impl Session {
 
     /// The same for a job that has changed the plant itself.
     pub(crate) fn clear_comparisons(&self) {
-        lock(&self.comparisons).clear();
+        self.comparisons.clear();
     }
 
     pub(crate) fn comparison(&self, log: u32) -> Option<Arc<Compared>> {
-        lock(&self.comparisons).get(&log).map(Arc::clone)
+        self.comparisons.get(log)
     }
 
     pub(crate) fn keep_comparison(&self, log: u32, compared: Compared) {
-        lock(&self.comparisons).insert(log, Arc::new(compared));
+        let values = compared.values();
+        self.comparisons.put(log, values, Arc::new(compared));
     }
 
     /// The job of this number, if it is the last one.

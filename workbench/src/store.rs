@@ -263,3 +263,58 @@ fn broken_off() -> Refusal {
         "the upload broke off; drop the file again",
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use axum::body::Bytes;
+    use futures_util::stream;
+
+    use super::*;
+
+    /// Rule 6: an upload may be slow, but not silent. The clock is the test's.
+    #[test]
+    fn an_upload_that_falls_silent_is_refused_and_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_time()
+            .start_paused(true)
+            .build()
+            .unwrap();
+        // Ten chunks, each within the deadline, and then nothing any more.
+        let chunks = stream::unfold(0, |sent| async move {
+            let pause = if sent < 10 {
+                SILENCE_MAX / 2
+            } else {
+                2 * SILENCE_MAX
+            };
+            tokio::time::sleep(pause).await;
+            Some((Ok::<_, io::Error>(Bytes::from_static(b"1\n")), sent + 1))
+        });
+        let (refusal, waited) = runtime.block_on(async {
+            let begin = tokio::time::Instant::now();
+            let received = store.receive(Body::from_stream(chunks)).await;
+            (received.unwrap_err(), begin.elapsed())
+        });
+        assert_eq!(refusal.problems[0].code, "E-WEB-SLOW");
+        assert_eq!(waited.as_secs(), (5 * SILENCE_MAX + SILENCE_MAX).as_secs());
+        assert_eq!(fs::read_dir(&store.incoming).unwrap().count(), 0);
+    }
+
+    /// Rule 6: what an earlier start left half-way is gone, and nobody else on the machine may look.
+    #[test]
+    fn the_folder_is_for_its_owner_and_begins_without_leavings() {
+        let folder = tempfile::tempdir().unwrap();
+        let project = folder.path().join("project");
+        let store = Store::open(&project).unwrap();
+        fs::write(store.incoming.join("half"), "x").unwrap();
+        let store = Store::open(&project).unwrap();
+        assert_eq!(fs::read_dir(&store.incoming).unwrap().count(), 0);
+        #[cfg(unix)]
+        for part in [&project, &store.logs, &store.projects, &store.incoming] {
+            let mode =
+                std::os::unix::fs::PermissionsExt::mode(&fs::metadata(part).unwrap().permissions());
+            assert_eq!(mode & 0o777, 0o700, "{}", part.display());
+        }
+    }
+}

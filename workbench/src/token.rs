@@ -22,6 +22,24 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
     })
 }
 
+/// Base64 with padding (RFC 4648), as content policies write hashes.
+pub(crate) fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let quartet = |chunk: &[u8]| {
+        let byte = |place: usize| u32::from(chunk.get(place).copied().unwrap_or(0));
+        let word = (byte(0) << 16) | (byte(1) << 8) | byte(2);
+        [18, 12, 6, 0]
+            .into_iter()
+            .enumerate()
+            .map(move |(place, shift)| match place <= chunk.len() {
+                true => char::from(DIGITS[((word >> shift) & 63) as usize]),
+                false => '=',
+            })
+            .collect::<String>()
+    };
+    bytes.chunks(3).map(quartet).collect()
+}
+
 /// The secrets of one start.
 pub(crate) struct Secrets {
     token: String,
@@ -68,6 +86,22 @@ fn is_equal(one: &str, other: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The examples of RFC 4648, section 10.
+    #[test]
+    fn base64_is_that_of_the_standard() {
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("fooba", "Zm9vYmE="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
 
     #[test]
     fn a_token_is_exchanged_once_and_only_the_right_one() {

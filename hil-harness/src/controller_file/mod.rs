@@ -4,6 +4,7 @@
 //! more than 1 % is refused. The ranges are the controller's own: this module knows keys and words, not bounds.
 
 mod error;
+mod form;
 mod keys;
 mod read;
 #[cfg(test)]
@@ -11,6 +12,7 @@ mod tests;
 mod write;
 
 pub use error::{ControllerFileError, Problem};
+pub use form::{values, with_values};
 pub use keys::{KEYS, Key};
 
 use controller::Settings;

@@ -8,8 +8,8 @@ use model_lab::diagnosis::result::{
 use super::number::{percent, significant};
 use super::table::{Align, Entry, Table, bar, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
-use crate::plot::{SmallUnit, pressure_first, unit_of};
 use crate::run::diagnose::{Diagnosed, RefinedPlant};
+use report::{SmallUnit, pressure_first, unit_of};
 
 /// Width of the longest bar of the ladder in characters.
 const BAR: usize = 24;
@@ -388,5 +388,5 @@ fn cost(cost: &Cost) -> String {
 }
 
 fn capital(sentence: &str) -> String {
-    crate::plot::capitalised(sentence)
+    report::capitalised(sentence)
 }

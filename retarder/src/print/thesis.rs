@@ -5,8 +5,8 @@ use model_lab::thesis::{Explained, Row};
 use super::number::{or_dash, signed, significant};
 use super::table::{Align, Table, verdict};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
-use crate::plot::capitalised;
 use crate::run::thesis::{self, Figures};
+use report::capitalised;
 
 /// All figures, one group per rig.
 pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {

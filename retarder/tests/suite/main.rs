@@ -9,6 +9,7 @@ mod image;
 mod listings;
 mod mf4;
 mod mistakes;
+mod report;
 mod runner;
 mod schemas;
 mod serve;

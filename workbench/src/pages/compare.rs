@@ -22,7 +22,7 @@ use crate::job::Job;
 use crate::pages::blocking;
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
-use crate::session::{Session, Sessions};
+use crate::session::{Session, Sessions, values_of};
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
@@ -55,7 +55,19 @@ struct Pyramids {
 }
 
 impl Compared {
-    fn new(comparison: Comparison, parameters: PlantParameters) -> Self {
+    /// Values that it keeps in memory.
+    pub(crate) fn values(&self) -> usize {
+        let traces = &self.comparison.traces;
+        let all = [
+            &traces.free_run,
+            &traces.free_run_residual,
+            &traces.short_horizon,
+            &traces.short_horizon_residual,
+        ];
+        all.into_iter().map(values_of).sum()
+    }
+
+    pub(crate) fn new(comparison: Comparison, parameters: PlantParameters) -> Self {
         let traces = &comparison.traces;
         let pyramid = |recording: &recording::Recording, name: &str| {
             recording

@@ -134,7 +134,7 @@ struct Named {
 }
 
 /// A file name as it is shown: without folders, printable, not too long.
-fn shown_name(name: &str) -> String {
+pub(super) fn shown_name(name: &str) -> String {
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let printable = last.chars().filter(|character| !character.is_control());
     let short: String = printable.take(NAME_MAX).collect();

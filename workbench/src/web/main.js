@@ -8,9 +8,11 @@ import * as logs from "./pages/logs.js";
 import * as compare from "./pages/compare.js";
 import * as diagnose from "./pages/diagnose.js";
 import * as refine from "./pages/refine.js";
+import * as control from "./pages/control.js";
+import * as report from "./pages/report.js";
 
 /** A page has a title and `show(place)`, which returns what it has to be told: `leave` and `redraw`. */
-const PAGES = { logs, compare, diagnose, refine };
+const PAGES = { logs, compare, diagnose, refine, control, report };
 const KEY = "project";
 
 const place = document.getElementById("page");

@@ -3,6 +3,7 @@
 //! Pictures of what was seen are left in the target folder, under `tmp/`.
 
 mod compare;
+mod control;
 mod driver;
 mod hostile;
 mod long_log;

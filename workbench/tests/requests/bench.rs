@@ -218,7 +218,7 @@ impl Browser<'_> {
     pub(crate) fn work(&self, session: &str, path: &str, wish: &Value) -> Vec<Value> {
         let begun = self.post(path, wish);
         assert_eq!(begun.status, 200, "{begun:?}");
-        let job = &begun.json()["job"];
+        let job = begun.json()["job"].as_u64().unwrap();
         let events = self.get(&format!("{session}/jobs/{job}")).text();
         let events = events
             .lines()

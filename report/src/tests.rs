@@ -12,13 +12,14 @@ use crate::plot;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const LOG: &str = "practice-01-id.csv";
-const DIAGNOSIS: &str = include_str!("../../../docs/schema/diagnosis.example.json");
+const DIAGNOSIS: &str = include_str!("../../docs/schema/diagnosis.example.json");
 
 /// What a log or a file name might try.
 const HOSTILE: &str = "</title></svg><script>alert(1)</script><img src=x onerror='alert(2)'>\" onload=\"x &lt; \u{0}\u{1b}[31m\u{202e}";
 
 struct Bench {
     log: Recording,
+    plant: PlantParameters,
     comparison: Comparison,
     run: Run,
     verdict: Verdict,
@@ -37,6 +38,7 @@ impl Bench {
             verdict: run.verdict(&Requirement::THESIS).unwrap(),
             run,
             thesis: compare_with_model(&nominal, &Measurements::bundled()),
+            plant: nominal,
         }
     }
 
@@ -57,11 +59,33 @@ impl Bench {
         };
         html(&Contents {
             title: text,
-            model: Some(ModelPart {
+            logs: &[
+                LogPart {
+                    name: text,
+                    recording: Some(&self.log),
+                    problems: &[],
+                },
+                LogPart {
+                    name: text,
+                    recording: None,
+                    problems: &[text.to_owned()],
+                },
+            ],
+            plant: Some(PlantPart {
+                name: text,
+                parameters: &self.plant,
+            }),
+            models: &[ModelPart {
                 log: &self.log,
                 comparison: &self.comparison,
+            }],
+            history: Some(HistoryPart {
+                steps: &[HistoryStep {
+                    what: text.to_owned(),
+                    errors: vec![(text.to_owned(), 0.1, Some(0.01))],
+                }],
+                current: 0,
             }),
-            diagnosis: None,
             control: &[control],
             thesis: Some(&self.thesis),
             next_steps: &[text.to_owned()],
@@ -70,6 +94,7 @@ impl Bench {
                 inputs: &[input, Input::of_recording("log", self.log.provenance())],
                 versions: &[(text.to_owned(), text.to_owned())],
             },
+            ..Contents::default()
         })
     }
 }
@@ -133,16 +158,12 @@ fn hostile_text_in_a_diagnosis_stays_text() {
     };
     let report = html(&Contents {
         title: HOSTILE,
-        model: None,
         diagnosis: Some(DiagnosisPart {
             diagnosis: &diagnosis,
             runs: Some(&runs),
             next_command: Some(HOSTILE),
         }),
-        control: &[],
-        thesis: None,
-        next_steps: &[],
-        origin: Origin::default(),
+        ..Contents::default()
     });
     assert_harmless(&report);
 }
@@ -213,19 +234,14 @@ fn the_verdict_is_the_one_of_the_comparison_and_open_where_it_is_unknown() {
 fn a_report_of_nothing_is_still_a_page() {
     let report = html(&Contents {
         title: "empty",
-        model: None,
-        diagnosis: None,
-        control: &[],
-        thesis: None,
-        next_steps: &[],
-        origin: Origin::default(),
+        ..Contents::default()
     });
     assert_well_formed(&report);
     assert!(!report.contains("id=\"model\"") && !report.contains("id=\"next\""));
 }
 
 /// The picture of the README says what the figure says today. It is drawn by
-/// `BLESS=1 cargo nextest run -p retarder picture_of_the_readme`; look at it before it is committed.
+/// `BLESS=1 cargo nextest run -p report picture_of_the_readme`; look at it before it is committed.
 ///
 /// Only its texts are compared: a solver that moves a line by a thousandth of a bar asks for no new picture.
 #[test]

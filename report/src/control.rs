@@ -86,7 +86,10 @@ fn run(part: &ControlPart<'_>) -> Markup {
             h3 { (foreign(&capitalised(&verdict.source))) " " (Standing::of(holds(part)).badge()) }
             p.note { "Plant: " (foreign(plant)) ". Controller: " (foreign(controller)) "." }
             (check_table(verdict))
-            @if !rigs.is_empty() { (rig_line(rigs)) }
+            @if !rigs.is_empty() {
+                (rig_line(rigs))
+                (figure(plot::settling_on_rigs(rigs, requirement)))
+            }
             (figure(plot::control(recording, requirement, &title, None)))
             @if let Some((step, window_s)) = plot::step_of_interest(verdict) {
                 p.lead {

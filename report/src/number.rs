@@ -29,3 +29,13 @@ pub(super) fn known(value: Option<f64>) -> String {
 pub(super) fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share).replace('-', "\u{2212}")
 }
+
+/// Values of any size: three digits, with a power of ten where digits would be many zeros.
+pub(super) fn engineering(value: f64) -> String {
+    let text = if value != 0.0 && !(0.1..1e5).contains(&value.abs()) {
+        format!("{value:.2e}")
+    } else {
+        number(value)
+    };
+    text.replace('-', "\u{2212}")
+}

@@ -2,9 +2,9 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
-use super::contents::Contents;
+use super::contents::{Contents, ModelPart};
 use super::element::{Standing, foreign, printable};
-use super::{control, diagnosis, model, origin, thesis};
+use super::{control, diagnosis, history, logs, model, origin, plant, thesis};
 use crate::plot::palette::DARK;
 
 /// Nothing may be loaded and nothing may run; the style stands in the page.
@@ -13,7 +13,7 @@ const SECURITY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src d
 const STYLE: &str = include_str!("style.css");
 
 /// The report as one self-contained HTML file: equal contents give equal bytes.
-pub(crate) fn html(contents: &Contents<'_>) -> String {
+pub fn html(contents: &Contents<'_>) -> String {
     markup! {
         (DOCTYPE)
         html lang="en" {
@@ -33,8 +33,11 @@ pub(crate) fn html(contents: &Contents<'_>) -> String {
                         (summary(contents))
                         (navigation(contents))
                     }
-                    @if let Some(part) = &contents.model { (model::section(part)) }
+                    @if !contents.logs.is_empty() { (logs::section(contents.logs)) }
+                    @if let Some(part) = &contents.plant { (plant::section(part)) }
+                    @for (index, part) in contents.models.iter().enumerate() { (model::section(index, part)) }
                     @if let Some(part) = &contents.diagnosis { (diagnosis::section(part)) }
+                    @if let Some(part) = &contents.history { (history::section(part)) }
                     @if !contents.control.is_empty() { (control::section(contents.control)) }
                     @if let Some(table) = contents.thesis { (thesis::section(table)) }
                     @if !contents.next_steps.is_empty() { (next_steps(contents.next_steps)) }
@@ -49,8 +52,8 @@ pub(crate) fn html(contents: &Contents<'_>) -> String {
 fn summary(contents: &Contents<'_>) -> Markup {
     markup! {
         div.summary {
-            @if let Some(part) = &contents.model {
-                (statement("Model", &model::standing(part.comparison).badge(), &model::headline(part.comparison)))
+            @for part in contents.models {
+                (statement("Model", &model::standing(part.comparison).badge(), &model_sentence(contents, part)))
             }
             @if let Some(part) = &contents.diagnosis {
                 (statement("Diagnosis", &diagnosis::badge(part.diagnosis), &diagnosis::headline(part.diagnosis)))
@@ -62,6 +65,15 @@ fn summary(contents: &Contents<'_>) -> Markup {
                 (statement("Thesis", &Standing::of(table.holds).badge(), &thesis::headline(table)))
             }
         }
+    }
+}
+
+/// How far off the model is; where there are several logs, against which one.
+fn model_sentence(contents: &Contents<'_>, part: &ModelPart<'_>) -> String {
+    let headline = model::headline(part.comparison);
+    match contents.models {
+        [_] => headline,
+        _ => format!("{}: {headline}", part.comparison.log),
     }
 }
 
@@ -77,8 +89,10 @@ fn statement(what: &str, badge: &Markup, sentence: &str) -> Markup {
 fn navigation(contents: &Contents<'_>) -> Markup {
     let has_next_steps = !contents.next_steps.is_empty();
     let entries = [
+        (!contents.logs.is_empty(), "#logs", "Logs"),
+        (contents.plant.is_some(), "#plant", "Plant"),
         (
-            contents.model.is_some(),
+            !contents.models.is_empty(),
             "#model",
             "Model against measurement",
         ),
@@ -87,6 +101,7 @@ fn navigation(contents: &Contents<'_>) -> Markup {
             "#diagnosis",
             "Which effect is missing?",
         ),
+        (contents.history.is_some(), "#history", "How it was refined"),
         (!contents.control.is_empty(), "#control", "Control loop"),
         (contents.thesis.is_some(), "#thesis", "Thesis"),
         (has_next_steps, "#next", "What to try next"),
@@ -110,7 +125,8 @@ fn next_steps(steps: &[String]) -> Markup {
     }
 }
 
-fn style() -> String {
+/// The text of the one style element of every report.
+pub fn style() -> String {
     let dark: String = DARK
         .iter()
         .map(|pair| {

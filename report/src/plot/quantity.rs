@@ -4,16 +4,16 @@ use model_lab::diagnosis::result::BySignal;
 
 /// A unit in which errors are pleasant to read: `0.012 bar` is `12 mbar`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SmallUnit<'a> {
+pub struct SmallUnit<'a> {
     /// Values in the original unit times this are values in `symbol`.
-    pub(crate) per_unit: f64,
+    pub per_unit: f64,
     /// For tables and axes.
-    pub(crate) symbol: &'a str,
+    pub symbol: &'a str,
 }
 
 impl<'a> SmallUnit<'a> {
     /// For errors given in `unit`.
-    pub(crate) fn of_errors_in(unit: &'a str) -> Self {
+    pub fn of_errors_in(unit: &'a str) -> Self {
         match unit {
             "bar" => Self {
                 per_unit: 1e3,
@@ -32,7 +32,7 @@ impl<'a> SmallUnit<'a> {
 }
 
 /// The unit in which a diagnosis gives the figures of a signal.
-pub(crate) fn unit_of(signal: &str) -> &'static str {
+pub fn unit_of(signal: &str) -> &'static str {
     if signal.starts_with("i_") {
         "mA"
     } else {
@@ -41,7 +41,7 @@ pub(crate) fn unit_of(signal: &str) -> &'static str {
 }
 
 /// Figures by signal, the chamber pressure first.
-pub(crate) fn pressure_first(figures: &BySignal) -> impl Iterator<Item = (&str, f64)> {
+pub fn pressure_first(figures: &BySignal) -> impl Iterator<Item = (&str, f64)> {
     let (pressure, rest): (Vec<_>, Vec<_>) = figures
         .iter()
         .map(|(signal, figure)| (signal.as_str(), *figure))
@@ -50,7 +50,7 @@ pub(crate) fn pressure_first(figures: &BySignal) -> impl Iterator<Item = (&str, 
 }
 
 /// What a signal is, for people; the name itself where it is none of ours.
-pub(crate) fn signal_words(name: &str) -> &str {
+pub fn signal_words(name: &str) -> &str {
     match name {
         "p_ch" => "chamber pressure",
         "p_sup" => "supply pressure",
@@ -64,7 +64,7 @@ pub(crate) fn signal_words(name: &str) -> &str {
 }
 
 /// The first letter large, as at the beginning of a title.
-pub(crate) fn capitalised(words: &str) -> String {
+pub fn capitalised(words: &str) -> String {
     let mut letters = words.chars();
     letters
         .next()

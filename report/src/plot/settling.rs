@@ -1,7 +1,8 @@
 //! How long each step took.
 
-use hil_harness::Requirement;
 use hil_harness::checks::{StepResponse, Verdict};
+use hil_harness::rigs::RigVerdict;
+use hil_harness::{Requirement, SettlingTimes};
 
 use super::canvas::{Align, LABELS_PX, Panel, RIGHT_PX, WIDTH_PX, figure};
 use super::figure::{Figure, PlotError};
@@ -70,4 +71,63 @@ fn colour(step: &StepResponse) -> plotters::style::RGBColor {
     } else {
         palette::VENT
     }
+}
+
+/// What share of the steps, and of the rigs with their slowest step, has settled by which time. Where a curve ends below
+/// 100 %, the rest never settled.
+///
+/// # Errors
+/// The drawing itself fails.
+pub(crate) fn settling_on_rigs(
+    rigs: &[RigVerdict],
+    requirement: &Requirement,
+) -> Result<Figure, PlotError> {
+    let limit = f64::from(requirement.t_req_samples);
+    let curves = [
+        (SettlingTimes::of_steps(rigs), palette::FILL),
+        (SettlingTimes::of_rigs(rigs), palette::MODEL),
+    ];
+    let longest = curves
+        .iter()
+        .filter_map(|(times, _)| times.samples.last())
+        .fold(limit, |longest, &time| longest.max(f64::from(time)));
+    let end = 1.1 * longest;
+    let title = "Settling times on the scattered rigs, against the limit";
+    figure(WIDTH_PX, TOP_PX + HEIGHT_PX + 46, title, |sheet| {
+        sheet.title(title)?;
+        let mut chart = sheet.panel(&Panel {
+            corner: (LABELS_PX, TOP_PX),
+            size: (PLOT_PX, HEIGHT_PX),
+            x: 0.0..end,
+            y: 0.0..105.0,
+            x_caption: Some("settling time [samples]"),
+            y_caption: "Settled by then [%]",
+        })?;
+        sheet.legend(
+            (LABELS_PX + PLOT_PX, TOP_PX - 16),
+            &[
+                ("steps", palette::FILL),
+                ("rigs, slowest step", palette::MODEL),
+                ("limit", palette::LIMIT),
+            ],
+        )?;
+        chart.curve(&[vec![(limit, 0.0), (limit, 105.0)]], palette::LIMIT, 1.25)?;
+        for (times, colour) in &curves {
+            chart.curve(&[stairs(times, end)], *colour, 1.75)?;
+        }
+        Ok(())
+    })
+}
+
+/// The distribution as a course of percent over samples.
+fn stairs(times: &SettlingTimes, end: f64) -> Vec<(f64, f64)> {
+    let mut course = vec![(0.0, 0.0)];
+    let mut percent = 0.0;
+    for (samples, share) in times.distribution() {
+        course.push((f64::from(samples), percent));
+        percent = 100.0 * share;
+        course.push((f64::from(samples), percent));
+    }
+    course.push((end, percent));
+    course
 }

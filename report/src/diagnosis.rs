@@ -8,7 +8,7 @@ use model_lab::result::SignalComparison;
 
 use super::contents::DiagnosisPart;
 use super::element::{figure, foreign};
-use super::number::{number, percent};
+use super::number::{engineering, number, percent};
 use crate::plot::{self, SmallUnit, capitalised, pressure_first, signal_words, unit_of};
 
 /// Length of the excerpts \[s\].
@@ -188,16 +188,6 @@ fn candidate_row(candidate: &Candidate, is_contender: bool) -> Markup {
             }
         }
     }
-}
-
-/// Values of any size: three digits, with a power of ten where digits would be many zeros.
-fn engineering(value: f64) -> String {
-    let text = if value != 0.0 && !(0.1..1e5).contains(&value.abs()) {
-        format!("{value:.2e}")
-    } else {
-        number(value)
-    };
-    text.replace('-', "\u{2212}")
 }
 
 fn neighbours(diagnosis: &Diagnosis) -> Markup {

@@ -47,11 +47,17 @@ pub(super) fn headline(comparison: &Comparison) -> String {
     }
 }
 
-pub(super) fn section(part: &ModelPart<'_>) -> Markup {
+/// The section of the part with this index; links go to the first one.
+pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
     let comparison = part.comparison;
+    let id = if index == 0 {
+        "model".to_owned()
+    } else {
+        format!("model-{}", index + 1)
+    };
     html! {
-        section #model {
-            h2 { "Model against measurement " (standing(comparison).badge()) }
+        section id=(id) {
+            h2 { "Model against measurement, " (foreign(&comparison.log)) " " (standing(comparison).badge()) }
             p.rule { "The rule: " (foreign(&comparison.verdict.rule)) "." }
             (signal_table(comparison))
             (how_to_read(comparison))

@@ -1,0 +1,25 @@
+#![doc = include_str!("../README.md")]
+
+mod contents;
+mod control;
+mod diagnosis;
+mod element;
+mod history;
+mod logs;
+mod model;
+mod number;
+mod origin;
+mod page;
+mod plant;
+mod plot;
+mod thesis;
+
+pub use contents::{
+    BeforeAndAfter, Contents, ControlPart, DiagnosisPart, HistoryPart, HistoryStep, Input, LogPart,
+    ModelPart, Origin, PlantPart,
+};
+pub use page::{html, style};
+pub use plot::{SmallUnit, capitalised, pressure_first, signal_words, unit_of};
+
+#[cfg(test)]
+mod tests;

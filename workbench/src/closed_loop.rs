@@ -1,0 +1,301 @@
+//! What the closed loop of a project is asked to do: profile, controller, chance.
+
+use std::time::Duration;
+
+use hil_harness::reference_profile::Change;
+use hil_harness::{ReferenceProfile, Scenario, controller_file};
+use plant_sim::PlantParameters;
+use plant_sim::parameters::Part;
+use plant_sim::plant::{FILL, VENT};
+use serde::{Deserialize, Serialize};
+
+use crate::project::Project;
+use crate::refusal::Refusal;
+
+/// Changes of the reference in a profile of the page.
+const CHANGES_MAX: usize = 1000;
+/// Longest profile of the page: a run of it fits into memory a hundred times.
+const LONGEST: Duration = Duration::from_secs(600);
+/// Rigs in one batch of the page.
+const RIGS_MAX: u32 = 1000;
+
+/// The wish, as it is kept with the project.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ClosedLoop {
+    /// The built-in scenario whose profile is run, or was edited.
+    pub(crate) scenario: String,
+    /// The profile where it was edited or read.
+    pub(crate) profile: Option<Profile>,
+    pub(crate) controller: ControllerFile,
+    /// Seed of sensor noise and rigs.
+    pub(crate) seed: u64,
+    /// Rigs of a batch.
+    pub(crate) rigs: u32,
+}
+
+/// A controller file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ControllerFile {
+    pub(crate) name: String,
+    pub(crate) toml: String,
+}
+
+/// A reference profile as a table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Profile {
+    pub(crate) name: String,
+    /// Chamber pressure at time 0 (bar gauge).
+    pub(crate) start_pressure_bar: f64,
+    /// Reference at time 0 (bar gauge).
+    pub(crate) start_bar: f64,
+    pub(crate) changes: Vec<Step>,
+    pub(crate) end_s: f64,
+}
+
+/// A change of the reference: a step, or a ramp where it takes time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Step {
+    pub(crate) time_s: f64,
+    pub(crate) to_bar: f64,
+    pub(crate) within_s: f64,
+}
+
+impl ControllerFile {
+    pub(crate) fn recommended() -> Self {
+        Self {
+            name: "recommended controller".to_owned(),
+            toml: controller_file::RECOMMENDED_TOML.to_owned(),
+        }
+    }
+
+    pub(crate) fn thesis() -> Self {
+        Self {
+            name: "thesis controller".to_owned(),
+            toml: controller_file::THESIS_TOML.to_owned(),
+        }
+    }
+}
+
+impl Default for ClosedLoop {
+    fn default() -> Self {
+        Self {
+            scenario: "figure-6.5".to_owned(),
+            profile: None,
+            controller: ControllerFile::recommended(),
+            seed: 1,
+            rigs: 50,
+        }
+    }
+}
+
+impl Profile {
+    /// The profile of a scenario.
+    pub(crate) fn of(scenario: &Scenario) -> Self {
+        let seconds = |ns: u64| ns as f64 / 1e9;
+        let step = |change: &Change| Step {
+            time_s: seconds(change.time_ns),
+            to_bar: change.to_bar,
+            within_s: seconds(change.within_ns),
+        };
+        Self {
+            name: scenario.name.clone(),
+            start_pressure_bar: scenario.start_pressure_bar,
+            start_bar: scenario.reference.start_bar(),
+            changes: scenario.reference.changes().iter().map(step).collect(),
+            end_s: seconds(scenario.reference.end_ns()),
+        }
+    }
+
+    fn reference(&self) -> Result<ReferenceProfile, Refusal> {
+        if self.changes.len() > CHANGES_MAX {
+            return Err(Refusal::value(format!(
+                "a profile of the page has at most {CHANGES_MAX} changes; {} are too many: cut it, or use `retarder control`",
+                self.changes.len()
+            )));
+        }
+        let change = |step: &Step| {
+            Ok(Change {
+                time_ns: nanoseconds("the time of a change", step.time_s)?,
+                to_bar: step.to_bar,
+                within_ns: nanoseconds("the duration of a ramp", step.within_s)?,
+            })
+        };
+        let changes: Vec<Change> = self
+            .changes
+            .iter()
+            .map(change)
+            .collect::<Result<_, Refusal>>()?;
+        let end_ns = nanoseconds("the end of a profile", self.end_s)?;
+        Ok(ReferenceProfile::from_changes(
+            self.start_bar,
+            &changes,
+            end_ns,
+        )?)
+    }
+}
+
+fn nanoseconds(what: &str, seconds: f64) -> Result<u64, Refusal> {
+    let most_s = LONGEST.as_secs();
+    if (0.0..=most_s as f64).contains(&seconds) {
+        Ok((seconds * 1e9).round() as u64)
+    } else {
+        Err(Refusal::value(format!(
+            "{what} lies between 0 and {most_s} s on this page; {seconds} s does not"
+        )))
+    }
+}
+
+impl ClosedLoop {
+    /// The scenario on a plant.
+    pub(crate) fn scenario_on(&self, plant: &NamedPlant) -> Result<Scenario, Refusal> {
+        let base = self.base()?;
+        let mut scenario = match &self.profile {
+            None => base,
+            Some(profile) => Scenario {
+                start_pressure_bar: profile.start_pressure_bar,
+                ..Scenario::new(profile.name.clone(), profile.reference()?)
+            },
+        };
+        if !(1..=RIGS_MAX).contains(&self.rigs) {
+            return Err(Refusal::value(format!(
+                "a batch of the page has 1 to {RIGS_MAX} rigs; {} is out of range: `retarder control --rigs` takes more",
+                self.rigs
+            )));
+        }
+        scenario = scenario
+            .on(plant.parameters.clone())
+            .controlled_by(controller_file::read(
+                &self.controller.toml,
+                &self.controller.name,
+            )?)
+            .seeded(self.seed);
+        scenario.check()?;
+        Ok(scenario)
+    }
+
+    fn base(&self) -> Result<Scenario, Refusal> {
+        Scenario::built_in(&self.scenario).ok_or_else(|| Refusal::not_found("scenario"))
+    }
+
+    /// The profile that is run.
+    pub(crate) fn profile(&self) -> Result<Profile, Refusal> {
+        match &self.profile {
+            Some(profile) => Ok(profile.clone()),
+            None => Ok(Profile::of(&self.base()?)),
+        }
+    }
+}
+
+/// A plant that the loop is closed on.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct NamedPlant {
+    /// `plain` or `refined`, where there are two; else `plant`.
+    pub(crate) role: &'static str,
+    pub(crate) name: String,
+    pub(crate) parameters: PlantParameters,
+}
+
+impl NamedPlant {
+    /// The plants of a project: the one it has now, and before it the plain one, where that is another.
+    pub(crate) fn all_of(project: &Project) -> Result<Vec<Self>, Refusal> {
+        let now = &project.plant;
+        let parameters = now.parameters()?;
+        let mut plants = Vec::new();
+        if let Some((name, plain)) = plain(project, &parameters)? {
+            plants.push(Self::new("plain", name, plain)?);
+        }
+        let role = if plants.is_empty() {
+            "plant"
+        } else {
+            "refined"
+        };
+        plants.push(Self::new(role, now.name.clone(), parameters)?);
+        Ok(plants)
+    }
+
+    fn new(role: &'static str, name: String, parameters: PlantParameters) -> Result<Self, Refusal> {
+        let parts = [
+            Part::ArmatureOf(FILL),
+            Part::ArmatureOf(VENT),
+            Part::Chamber,
+        ];
+        match parts.into_iter().find(|part| !part.is_in(&parameters)) {
+            Some(part) => Err(Refusal::value(format!(
+                "{name}: the plant has no {part}; the loop needs both valves and the chamber"
+            ))),
+            None => Ok(Self {
+                role,
+                name,
+                parameters,
+            }),
+        }
+    }
+}
+
+/// The plant before it was refined: as it was opened, or without its effects if it was opened with them.
+fn plain(
+    project: &Project,
+    parameters: &PlantParameters,
+) -> Result<Option<(String, PlantParameters)>, Refusal> {
+    let (now, history) = (&project.plant, &project.history);
+    if history.is_of(now) && history.first().plant != *now {
+        let opened = &history.first().plant;
+        return Ok(Some((opened.name.clone(), opened.parameters()?)));
+    }
+    let effects = &parameters.effects;
+    if effects.is_empty() {
+        return Ok(None);
+    }
+    let without = effects.iter().fold(parameters.clone(), |plant, effect| {
+        plant.without_effect(effect.id())
+    });
+    Ok(Some((format!("{} without effects", now.name), without)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hil_harness::scenario::BUILT_IN;
+
+    #[test]
+    fn the_table_of_a_built_in_profile_runs_as_the_profile_does() {
+        let nominal = NamedPlant::all_of(&Project::default()).unwrap().remove(0);
+        for built_in in BUILT_IN {
+            let unedited = ClosedLoop {
+                scenario: built_in.name.to_owned(),
+                ..ClosedLoop::default()
+            };
+            let edited = ClosedLoop {
+                profile: Some(unedited.profile().unwrap()),
+                ..unedited.clone()
+            };
+            let [one, other] = [&unedited, &edited].map(|wish| wish.scenario_on(&nominal).unwrap());
+            assert_eq!(
+                one.duration_samples, other.duration_samples,
+                "{}",
+                built_in.name
+            );
+            assert_eq!(one.start_pressure_bar, other.start_pressure_bar);
+            for sample in 0..u64::from(one.duration_samples) {
+                let time_ns = sample * 10_000_000;
+                assert_eq!(one.reference.at_ns(time_ns), other.reference.at_ns(time_ns));
+            }
+        }
+    }
+
+    #[test]
+    fn a_plant_with_effects_is_run_beside_itself_without_them() {
+        let mut project = Project::default();
+        assert_eq!(NamedPlant::all_of(&project).unwrap().len(), 1);
+        project.plant.toml += "\n[effects.chamber_leak]\nvariant = \"orifice\"\narea_m2 = 2e-8\n";
+        let plants = NamedPlant::all_of(&project).unwrap();
+        let roles: Vec<_> = plants.iter().map(|plant| plant.role).collect();
+        assert_eq!(roles, ["plain", "refined"]);
+        assert_eq!(plants[0].parameters.effects.len(), 0);
+        assert_eq!(plants[1].parameters.effects.len(), 1);
+    }
+}

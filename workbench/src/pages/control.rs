@@ -1,0 +1,336 @@
+//! Page "Control": the loop closed on the plant, requirement by requirement, and on rigs that differ as valves do.
+
+mod batch;
+mod courses;
+mod view;
+
+use std::sync::Arc;
+
+use axum::extract::{Path, Query, State};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::IntoResponse;
+use axum::routing::{get, post, put};
+use axum::{Json, Router};
+use core::ops::ControlFlow;
+use hil_harness::controller_file::{self, KEYS};
+use hil_harness::{
+    InProcess, ReferenceProfile, Requirement, Run, RunError, Scenario, Verdict, run_watched,
+};
+use recording::LogOptions;
+use recording::csv::Decimals;
+use serde::Deserialize;
+
+use super::{Begun, Shared, begin_job, blocking, session};
+use crate::closed_loop::{ClosedLoop, ControllerFile, NamedPlant, Profile};
+use crate::pages::compare::courses::Range;
+use crate::refusal::{Problem, Refusal};
+use crate::session::{Session, Sessions};
+
+pub(crate) use batch::Batch;
+
+/// What is judged by, as in `retarder control`.
+pub(super) const REQUIREMENT: Requirement = Requirement::THESIS;
+/// Comment of a setting that was typed here.
+const TYPED: &str = "typed in the workbench";
+
+pub(super) fn routes() -> Router<Arc<Sessions>> {
+    Router::new()
+        .route("/sessions/{session}/control", get(show))
+        .route("/sessions/{session}/control", put(wish))
+        .route("/sessions/{session}/control/controller", put(settings))
+        .route("/sessions/{session}/control/controller", get(controller))
+        .route("/sessions/{session}/control/reference", put(reference))
+        .route("/sessions/{session}/control/run", post(begin))
+        .route("/sessions/{session}/control/result", get(result))
+        .route("/sessions/{session}/control/courses", get(show_courses))
+        .route("/sessions/{session}/control/csv", get(export_csv))
+        .route("/sessions/{session}/control/batch", post(batch::begin))
+        .route("/sessions/{session}/control/batch", get(batch::result))
+}
+
+/// The loop on every plant of the project, with what was asked for.
+pub(crate) struct Controlled {
+    pub(crate) wish: ClosedLoop,
+    pub(crate) runs: Vec<Judged>,
+}
+
+/// A run and its verdict.
+pub(crate) struct Judged {
+    pub(crate) plant: NamedPlant,
+    pub(crate) run: Run,
+    pub(crate) verdict: Verdict,
+}
+
+impl Controlled {
+    /// Whether a run now would be the same.
+    pub(super) fn is_of(&self, session: &Session) -> bool {
+        let project = session.project();
+        let plants = NamedPlant::all_of(&project).unwrap_or_default();
+        // The size of a batch changes no run.
+        let wish = ClosedLoop {
+            rigs: self.wish.rigs,
+            ..project.closed_loop
+        };
+        wish == self.wish && plants.iter().eq(self.runs.iter().map(|run| &run.plant))
+    }
+}
+
+async fn show(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<Json<view::ControlView>, Refusal> {
+    let session = session(&sessions, id)?;
+    view::ControlView::of(&session).map(Json)
+}
+
+/// What a person chooses besides the settings of the controller.
+#[derive(Deserialize)]
+struct Wish {
+    scenario: String,
+    /// None takes the profile of the scenario.
+    profile: Option<Profile>,
+    seed: u64,
+    rigs: u32,
+}
+
+async fn wish(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Json(wish): Json<Wish>,
+) -> Result<Json<view::ControlView>, Refusal> {
+    let session = session(&sessions, id)?;
+    change(&session, |closed_loop| {
+        *closed_loop = ClosedLoop {
+            scenario: wish.scenario,
+            profile: wish.profile,
+            seed: wish.seed,
+            rigs: wish.rigs,
+            controller: closed_loop.controller.clone(),
+        };
+        Ok(())
+    })
+}
+
+/// Keeps a wish that can be run.
+fn change(
+    session: &Session,
+    change: impl FnOnce(&mut ClosedLoop) -> Result<(), Refusal>,
+) -> Result<Json<view::ControlView>, Refusal> {
+    session.change(|project| {
+        change(&mut project.closed_loop)?;
+        for plant in NamedPlant::all_of(project)? {
+            project.closed_loop.scenario_on(&plant)?;
+        }
+        Ok(())
+    })?;
+    view::ControlView::of(session).map(Json)
+}
+
+/// How the controller becomes another one.
+#[derive(Deserialize)]
+#[serde(tag = "from", rename_all = "snake_case")]
+enum Settings {
+    /// The one that we recommend.
+    Recommended,
+    /// The one of the thesis.
+    Thesis,
+    /// A controller file.
+    File { name: String, toml: String },
+    /// The present one with other values, by `table.key`; none takes a key away.
+    Values {
+        values: Vec<(String, Option<String>)>,
+    },
+}
+
+async fn settings(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Json(settings): Json<Settings>,
+) -> Result<Json<view::ControlView>, Refusal> {
+    let session = session(&sessions, id)?;
+    change(&session, |closed_loop| {
+        closed_loop.controller = match settings {
+            Settings::Recommended => ControllerFile::recommended(),
+            Settings::Thesis => ControllerFile::thesis(),
+            Settings::File { name, toml } => ControllerFile {
+                name: super::logs::shown_name(&name),
+                toml,
+            },
+            Settings::Values { values } => with_values(&closed_loop.controller, &values)?,
+        };
+        Ok(())
+    })
+}
+
+fn with_values(
+    controller: &ControllerFile,
+    values: &[(String, Option<String>)],
+) -> Result<ControllerFile, Refusal> {
+    let change = |(path, typed): &(String, Option<String>)| {
+        let key = KEYS.iter().find(|key| key.path() == *path);
+        let key = key.ok_or_else(|| Refusal::not_found("setting of a controller"))?;
+        Ok((key, typed.clone()))
+    };
+    let changes: Vec<_> = values.iter().map(change).collect::<Result<_, Refusal>>()?;
+    let changes: Vec<_> = changes
+        .iter()
+        .map(|(key, typed)| (*key, typed.as_deref()))
+        .collect();
+    let changed = ", changed";
+    let name = controller.name.strip_suffix(changed);
+    Ok(ControllerFile {
+        name: format!("{}{changed}", name.unwrap_or(&controller.name)),
+        toml: controller_file::with_values(&controller.toml, &changes, TYPED),
+    })
+}
+
+async fn controller(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<impl IntoResponse, Refusal> {
+    let toml = session(&sessions, id)?
+        .project()
+        .closed_loop
+        .controller
+        .toml;
+    let headers = [
+        (CONTENT_TYPE, "text/plain; charset=utf-8"),
+        (
+            CONTENT_DISPOSITION,
+            "attachment; filename=\"controller.toml\"",
+        ),
+    ];
+    Ok((headers, toml))
+}
+
+#[derive(Deserialize)]
+struct Reference {
+    name: String,
+    /// The file, CSV with the columns `time_s` and `p_ref_bar_gauge`.
+    csv: String,
+}
+
+/// Takes a profile from a file, as `retarder control --reference` does.
+async fn reference(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Json(file): Json<Reference>,
+) -> Result<Json<view::ControlView>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || {
+        let name = super::logs::shown_name(&file.name);
+        let read = recording::read_log(&name, file.csv.as_bytes(), &LogOptions::default());
+        let recording = read.map_err(|error| Problem::from(&error))?;
+        let profile = ReferenceProfile::from_recording(&recording)?;
+        let profile = Profile::of(&Scenario::new(name, profile));
+        change(&session, |closed_loop| {
+            closed_loop.profile = Some(profile);
+            Ok(())
+        })
+    })
+    .await
+}
+
+async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<Begun>, Refusal> {
+    let session = session(&sessions, id)?;
+    let project = session.project();
+    let plants = NamedPlant::all_of(&project)?;
+    Ok(begin_job(&sessions, &session, move |session, job| {
+        let wish = project.closed_loop;
+        let count = plants.len();
+        let mut runs = Vec::with_capacity(count);
+        for (index, plant) in plants.into_iter().enumerate() {
+            let scenario = wish.scenario_on(&plant)?;
+            let goes_on = |share: f64| job.goes_on((index as f64 + share) / count as f64);
+            let Some(run) = run(&scenario, &goes_on)? else {
+                return Ok(());
+            };
+            let verdict = run.verdict(&REQUIREMENT)?;
+            runs.push(Judged {
+                plant,
+                run,
+                verdict,
+            });
+        }
+        if !job.is_cancelled() {
+            session.controlled.keep(Controlled { wish, runs });
+        }
+        Ok(())
+    }))
+}
+
+/// The very run of `retarder control`; none where it was stopped.
+fn run(scenario: &Scenario, goes_on: &dyn Fn(f64) -> bool) -> Result<Option<Run>, Refusal> {
+    let samples = f64::from(scenario.duration_samples);
+    let sample_s = scenario.plant.ecu.sample_time_s;
+    let mut watch = |moment: hil_harness::run::Moment<'_>| {
+        let share = (moment.time_s / sample_s / samples).clamp(0.0, 1.0);
+        if goes_on(share) {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    };
+    match run_watched(scenario, &mut InProcess::new(), &mut watch) {
+        Ok(run) => Ok(Some(run)),
+        Err(RunError::Stopped { .. }) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn controlled(session: &Session) -> Result<Arc<Controlled>, Refusal> {
+    session
+        .controlled
+        .get()
+        .ok_or_else(|| Refusal::too_early("the loop was not run yet; run it first"))
+}
+
+async fn result(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<Json<view::ResultView>, Refusal> {
+    let session = session(&sessions, id)?;
+    let controlled = controlled(&session)?;
+    Ok(Json(view::ResultView::of(&session, &controlled)))
+}
+
+async fn show_courses(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Query(view): Query<courses::View>,
+) -> Result<Json<courses::Courses>, Refusal> {
+    let controlled = controlled(session(&sessions, id)?.as_ref())?;
+    blocking(move || courses::courses(&controlled, &view).map(Json)).await
+}
+
+#[derive(Deserialize)]
+struct Which {
+    /// Index of the run.
+    run: usize,
+}
+
+/// The recording of a run, as `retarder control --out` writes it.
+async fn export_csv(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Query(which): Query<Which>,
+) -> Result<impl IntoResponse, Refusal> {
+    let controlled = controlled(session(&sessions, id)?.as_ref())?;
+    let csv = blocking(move || {
+        let judged = controlled.runs.get(which.run);
+        let judged = judged.ok_or_else(|| Refusal::not_found("run"))?;
+        let recording = &judged.run.recording;
+        let (base, _) = recording
+            .time_bases()
+            .next()
+            .ok_or_else(|| Refusal::not_found("time base"))?;
+        recording::csv::write(Vec::new(), recording, base, &Decimals::shortest())
+            .map_err(|error| Refusal::value(error.to_string()))
+    })
+    .await?;
+    let headers = [
+        (CONTENT_TYPE, "text/csv; charset=utf-8"),
+        (CONTENT_DISPOSITION, "attachment; filename=\"control.csv\""),
+    ];
+    Ok((headers, csv))
+}

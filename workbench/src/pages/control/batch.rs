@@ -1,0 +1,152 @@
+//! The loop on many rigs, scattered about each plant as valves are.
+
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::{Path, State};
+use hil_harness::rigs::{self, RigVerdict};
+use hil_harness::{SettlingTimes, Verdict};
+use serde::Serialize;
+
+use super::REQUIREMENT;
+use super::view::{DistributionView, PlantView, RequirementView};
+use crate::closed_loop::{ClosedLoop, NamedPlant};
+use crate::pages::{Begun, Shared, begin_job, session};
+use crate::refusal::Refusal;
+use crate::session::Session;
+
+/// Failing rigs that are named.
+const NAMED_MAX: usize = 20;
+
+/// The verdicts of a batch, for each plant.
+pub(crate) struct Batch {
+    wish: ClosedLoop,
+    plants: Vec<(NamedPlant, Vec<RigVerdict>)>,
+}
+
+impl Batch {
+    /// The verdicts of the rigs about a plant.
+    pub(crate) fn rigs_of(&self, plant: &NamedPlant) -> Option<&[RigVerdict]> {
+        let (_, rigs) = self.plants.iter().find(|(mine, _)| mine == plant)?;
+        Some(rigs)
+    }
+
+    /// Whether a batch now would be the same.
+    pub(crate) fn is_of(&self, session: &Session) -> bool {
+        let project = session.project();
+        let plants = NamedPlant::all_of(&project).unwrap_or_default();
+        let mine = self.plants.iter().map(|(plant, _)| plant);
+        project.closed_loop == self.wish && plants.iter().eq(mine)
+    }
+}
+
+/// Begins a batch; it can be stopped after each rig.
+pub(super) async fn begin(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<Json<Begun>, Refusal> {
+    let session = session(&sessions, id)?;
+    let project = session.project();
+    let plants = NamedPlant::all_of(&project)?;
+    Ok(begin_job(&sessions, &session, move |session, job| {
+        let wish = project.closed_loop;
+        let all = f64::from(wish.rigs) * plants.len() as f64;
+        let mut done = 0.0;
+        let mut judged = Vec::with_capacity(plants.len());
+        for plant in plants {
+            let scenario = wish.scenario_on(&plant)?;
+            let mut rigs = Vec::with_capacity(wish.rigs as usize);
+            for rig in rigs::verdicts(&scenario, &REQUIREMENT, wish.rigs) {
+                rigs.push(rig?);
+                done += 1.0;
+                if !job.goes_on(done / all) {
+                    return Ok(());
+                }
+            }
+            judged.push((plant, rigs));
+        }
+        session.batch.keep(Batch {
+            wish,
+            plants: judged,
+        });
+        Ok(())
+    }))
+}
+
+#[derive(Serialize)]
+pub(super) struct BatchView {
+    /// Whether a batch now would be the same.
+    is_current: bool,
+    requirement: RequirementView,
+    plants: Vec<RigsView>,
+}
+
+#[derive(Serialize)]
+struct RigsView {
+    plant: PlantView,
+    rigs: usize,
+    /// Rigs on which every binding requirement holds.
+    hold: usize,
+    /// The first rigs on which it does not.
+    failing: Vec<FailingView>,
+    /// Settling times of all steps in the operating range.
+    steps: DistributionView,
+    /// The same of the slowest step of each rig.
+    slowest: DistributionView,
+}
+
+#[derive(Serialize)]
+struct FailingView {
+    rig: u32,
+    seed: u64,
+    /// The binding requirements that are not kept.
+    requirements: Vec<String>,
+}
+
+fn not_kept(verdict: &Verdict) -> Vec<String> {
+    let checks = verdict.checks.iter();
+    checks
+        .filter(|check| check.binding && !check.holds)
+        .map(|check| check.requirement.clone())
+        .collect()
+}
+
+impl RigsView {
+    fn of(plant: &NamedPlant, rigs: &[RigVerdict]) -> Self {
+        let failing = || rigs.iter().filter(|rig| !rig.verdict.holds);
+        Self {
+            plant: plant.into(),
+            rigs: rigs.len(),
+            hold: rigs.len() - failing().count(),
+            failing: failing()
+                .take(NAMED_MAX)
+                .map(|rig| FailingView {
+                    rig: rig.rig,
+                    seed: rig.seed,
+                    requirements: not_kept(&rig.verdict),
+                })
+                .collect(),
+            steps: SettlingTimes::of_steps(rigs).into(),
+            slowest: SettlingTimes::of_rigs(rigs).into(),
+        }
+    }
+}
+
+pub(super) async fn result(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<Json<BatchView>, Refusal> {
+    let session = session(&sessions, id)?;
+    let batch: Arc<Batch> = session
+        .batch
+        .get()
+        .ok_or_else(|| Refusal::too_early("no batch was run yet; run one first"))?;
+    let plants = batch.plants.iter();
+    Ok(Json(BatchView {
+        is_current: batch.is_of(&session),
+        requirement: RequirementView::THESIS,
+        plants: plants
+            .map(|(plant, rigs)| RigsView::of(plant, rigs))
+            .collect(),
+    }))
+}

@@ -1,0 +1,77 @@
+//! The courses of the runs in a view.
+
+use recording::Recording;
+use serde::{Deserialize, Serialize};
+
+use super::{Controlled, Range};
+use crate::pages::compare::courses::Course;
+use crate::pyramid::Pyramid;
+use crate::refusal::Refusal;
+
+/// What is shown, in this order.
+const SIGNALS: [&str; 8] = [
+    "p_ref",
+    "p_ch",
+    "duty_fill",
+    "duty_vent",
+    "i_fill",
+    "i_vent",
+    "x_fill",
+    "x_vent",
+];
+
+/// What the page shows.
+#[derive(Debug, Deserialize)]
+pub(super) struct View {
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    /// Points for each course.
+    points: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct Courses {
+    /// From the first to the last instant of the runs (s).
+    whole_s: (f64, f64),
+    signals: Vec<SignalCourses>,
+}
+
+#[derive(Serialize)]
+struct SignalCourses {
+    name: &'static str,
+    unit: &'static str,
+    /// One for each run.
+    runs: Vec<Course>,
+}
+
+pub(super) fn courses(controlled: &Controlled, view: &View) -> Result<Courses, Refusal> {
+    let range = Range {
+        from_s: view.from_s,
+        to_s: view.to_s,
+    };
+    let recordings = || controlled.runs.iter().map(|judged| &judged.run.recording);
+    let signals = SIGNALS.iter().map(|name| {
+        let unit = recordings().find_map(|run| run.signal(name).map(|signal| signal.unit()));
+        Ok(SignalCourses {
+            name,
+            unit: unit.map_or("", recording::Unit::symbol),
+            runs: recordings()
+                .map(|run| course(run, name, range, view.points))
+                .collect::<Result<_, Refusal>>()?,
+        })
+    });
+    let base = recordings().find_map(|run| run.time_base_of("p_ch"));
+    Ok(Courses {
+        whole_s: base.map_or((0.0, 1.0), |base| (base.start_s(), base.end_s())),
+        signals: signals.collect::<Result<_, Refusal>>()?,
+    })
+}
+
+fn course(run: &Recording, name: &str, range: Range, points: usize) -> Result<Course, Refusal> {
+    let (Some(signal), Some(base)) = (run.signal(name), run.time_base_of(name)) else {
+        return Err(Refusal::not_found("signal"));
+    };
+    let values = signal.values_or_nan();
+    // A run is short: what a view needs is made when it is asked for.
+    Course::of((base, values, &Pyramid::new(values)), range, points)
+}

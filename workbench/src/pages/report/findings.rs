@@ -1,0 +1,70 @@
+//! What other pages found out about the plant.
+
+use model_lab::diagnosis::Diagnosis;
+use plant_sim::PlantParameters;
+use recording::Recording;
+use report::{BeforeAndAfter, DiagnosisPart, HistoryPart, HistoryStep};
+
+use crate::session::Session;
+
+/// The last diagnosis and the history of the plant; nothing where there is none.
+#[derive(Default)]
+pub(super) struct Findings {
+    /// A diagnosis, and the plant that was diagnosed.
+    pub(super) diagnosis: Option<(Diagnosis, PlantParameters)>,
+    /// Steps of the refinement.
+    pub(super) steps: Vec<HistoryStep>,
+    /// The step that the plant stands at.
+    current: usize,
+}
+
+impl Findings {
+    /// What `session` has.
+    pub(super) fn of(session: &Session) -> Self {
+        let history = session.project().history;
+        let steps = history.steps().iter().map(|step| HistoryStep {
+            what: step.done.clone(),
+            errors: step
+                .errors
+                .iter()
+                .filter_map(|error| Some((error.signal.clone(), error.rms?, error.noise_floor)))
+                .collect(),
+        });
+        Self {
+            diagnosis: session.diagnosed.get().and_then(|diagnosed| {
+                let plant = diagnosed.plant.parameters().ok()?;
+                Some((diagnosed.diagnosis.clone(), plant))
+            }),
+            steps: steps.collect(),
+            current: history.at(),
+        }
+    }
+
+    /// The worst of `logs` before and after the named effects.
+    pub(super) fn before_and_after<'a>(
+        &self,
+        logs: &[&'a Recording],
+    ) -> Option<BeforeAndAfter<'a>> {
+        let (diagnosis, plant) = self.diagnosis.as_ref()?;
+        BeforeAndAfter::worst(diagnosis, plant, logs)
+    }
+
+    pub(super) fn diagnosis_part<'a>(
+        &'a self,
+        runs: Option<&'a BeforeAndAfter<'a>>,
+    ) -> Option<DiagnosisPart<'a>> {
+        let (diagnosis, _) = self.diagnosis.as_ref()?;
+        Some(DiagnosisPart {
+            diagnosis,
+            runs,
+            next_command: None,
+        })
+    }
+
+    pub(super) fn history_part(&self) -> Option<HistoryPart<'_>> {
+        (!self.steps.is_empty()).then_some(HistoryPart {
+            steps: &self.steps,
+            current: self.current,
+        })
+    }
+}

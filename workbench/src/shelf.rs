@@ -1,0 +1,145 @@
+//! What is computed for the tabs stays in memory within one budget; what was used longest ago makes room. Logs are read again
+//! from the project folder, comparisons are made again, when a page asks for them.
+
+use std::sync::{Arc, Mutex};
+
+use crate::session::lock;
+
+/// Values of all tabs that stay in memory, 8 bytes each: 3 GiB.
+pub(crate) const VALUES_MAX: usize = 400_000_000;
+
+/// Room that shelves share.
+pub(crate) struct Room {
+    values_max: usize,
+    entries: Mutex<Entries>,
+}
+
+#[derive(Default)]
+struct Entries {
+    /// What was used last comes last.
+    entries: Vec<Entry>,
+    shelves: u64,
+}
+
+struct Entry {
+    shelf: u64,
+    number: u32,
+    values: usize,
+    thing: Thing,
+}
+
+type Thing = Arc<dyn std::any::Any + Send + Sync>;
+
+/// Things of one kind that one tab has, by number.
+pub(crate) struct Shelf<T> {
+    room: Arc<Room>,
+    number: u64,
+    kind: std::marker::PhantomData<fn() -> T>,
+}
+
+impl Room {
+    pub(crate) fn new(values_max: usize) -> Self {
+        Self {
+            values_max,
+            entries: Mutex::default(),
+        }
+    }
+}
+
+impl<T: Send + Sync + 'static> Shelf<T> {
+    pub(crate) fn in_room(room: &Arc<Room>) -> Self {
+        let mut entries = lock(&room.entries);
+        entries.shelves += 1;
+        Self {
+            room: Arc::clone(room),
+            number: entries.shelves,
+            kind: std::marker::PhantomData,
+        }
+    }
+
+    pub(crate) fn get(&self, number: u32) -> Option<Arc<T>> {
+        let entries = &mut lock(&self.room.entries).entries;
+        let mine = |entry: &Entry| entry.shelf == self.number && entry.number == number;
+        let entry = entries.remove(entries.iter().position(mine)?);
+        let thing = Arc::clone(&entry.thing);
+        entries.push(entry);
+        thing.downcast().ok()
+    }
+
+    /// Keeps a thing of so many values. It stays at least until the next one comes, however large it is.
+    pub(crate) fn put(&self, number: u32, values: usize, thing: Arc<T>) {
+        self.remove(number);
+        let entries = &mut lock(&self.room.entries).entries;
+        entries.push(Entry {
+            shelf: self.number,
+            number,
+            values,
+            thing,
+        });
+        let mut sum: usize = entries.iter().map(|entry| entry.values).sum();
+        while sum > self.room.values_max && entries.len() > 1 {
+            sum -= entries.remove(0).values;
+        }
+    }
+
+    pub(crate) fn remove(&self, number: u32) {
+        self.retain(|entry| entry.number != number);
+    }
+
+    pub(crate) fn clear(&self) {
+        self.retain(|_| false);
+    }
+
+    fn retain(&self, stays: impl Fn(&Entry) -> bool) {
+        let entries = &mut lock(&self.room.entries).entries;
+        entries.retain(|entry| entry.shelf != self.number || stays(entry));
+    }
+}
+
+impl<T> Drop for Shelf<T> {
+    fn drop(&mut self) {
+        let entries = &mut lock(&self.room.entries).entries;
+        entries.retain(|entry| entry.shelf != self.number);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_used_longest_ago_makes_room_whoever_has_it() {
+        let room = Arc::new(Room::new(10));
+        let [one, other] = [Shelf::in_room(&room), Shelf::in_room(&room)];
+        one.put(1, 4, Arc::new("a"));
+        other.put(1, 4, Arc::new("b"));
+        assert_eq!(one.get(1).as_deref(), Some(&"a"));
+        one.put(2, 4, Arc::new("c"));
+        assert_eq!(other.get(1), None);
+        assert!(one.get(1).is_some() && one.get(2).is_some());
+    }
+
+    #[test]
+    fn the_last_thing_stays_however_large_it_is() {
+        let room = Arc::new(Room::new(10));
+        let shelf = Shelf::in_room(&room);
+        shelf.put(1, 4, Arc::new(1));
+        shelf.put(2, 99, Arc::new(2));
+        assert_eq!((shelf.get(1), shelf.get(2).as_deref()), (None, Some(&2)));
+        shelf.put(3, 1, Arc::new(3));
+        assert_eq!((shelf.get(2), shelf.get(3).as_deref()), (None, Some(&3)));
+    }
+
+    #[test]
+    fn a_tab_that_goes_leaves_its_room() {
+        let room = Arc::new(Room::new(10));
+        let (one, other) = (Shelf::in_room(&room), Shelf::in_room(&room));
+        one.put(1, 5, Arc::new(()));
+        other.put(1, 5, Arc::new(()));
+        other.put(1, 4, Arc::new(()));
+        drop(one);
+        assert_eq!(lock(&room.entries).entries.len(), 1);
+        other.clear();
+        assert_eq!(other.get(1), None);
+    }
+}

@@ -1,0 +1,119 @@
+// Page "Control": the loop closed on the plant, what is asked of it, and how it stands on rigs that differ.
+
+import * as api from "../api.js";
+import { button, element, fill, tellProblems } from "../dom.js";
+import { BatchCard } from "./control/batch.js";
+import { RunPlots } from "./control/charts.js";
+import { controllerForm } from "./control/controller.js";
+import { profileForm } from "./control/profile.js";
+import { requirements } from "./control/requirements.js";
+
+export const title = "Control";
+
+export async function show(place) {
+  const page = new Page(place, await api.get("/control"));
+  await page.begin();
+  return page;
+}
+
+class Page {
+  constructor(place, wish) {
+    this.wish = wish;
+    this.ending = new AbortController();
+    this.verdict = element("div", { class: "verdict", role: "status", id: "control-verdict" });
+    this.plants = element("span", { class: "row" });
+    this.scenario = element("select", { id: "scenario", on: { change: () => this.choose({ scenario: this.scenario.value, profile: null }).catch(() => {}) } });
+    this.about = element("p", { class: "quiet" });
+    this.plots = new RunPlots();
+    this.table = element("section", { class: "card", hidden: true, "aria-label": "Requirements" });
+    this.batch = new BatchCard(this.ending.signal, (changes, runs) => this.choose(changes, runs));
+    this.profile = element("section", { class: "card", "aria-label": "Reference profile" });
+    this.controller = element("section", { class: "card", "aria-label": "Controller" });
+    fill(place,
+      element("section", { class: "bar row" }, element("label", {}, "Profile ", this.scenario), this.plants, this.verdict, element("span", { class: "space" }),
+        button("Run again", () => this.run(), { id: "run", class: "primary" })),
+      element("div", { class: "columns plots" },
+        element("div", { class: "stack wide" }, this.plots.element, this.table, this.batch.element),
+        element("aside", { class: "stack" }, this.profile, this.controller)));
+    this.showWish();
+  }
+
+  leave() {
+    this.ending.abort();
+    this.plots.leave();
+    this.batch.leave();
+  }
+
+  redraw() {
+    this.plots.redraw();
+    this.batch.redraw();
+  }
+
+  async begin() {
+    if (this.wish.problems.length > 0) {
+      fill(this.verdict, this.wish.problems.map((problem) => element("span", { class: "problem" }, problem.message)));
+      document.body.dataset.ready = "failed";
+      return;
+    }
+    const before = this.wish.has_result ? await api.get("/control/result") : null;
+    if (before?.is_current) await this.take(before);
+    else await this.run();
+    if (this.wish.has_batch) await this.batch.take();
+  }
+
+  /** Another profile, seed or size of the batch; what is not said stays. */
+  async choose(changes, runs = true) {
+    const { scenario, profile, is_edited, seed, rigs } = this.wish;
+    const wish = { scenario, profile: is_edited ? profile : null, seed, rigs, ...changes };
+    await this.change(() => api.put("/control", wish), "Profile", runs);
+  }
+
+  /** Does a change and runs the loop with it. A refusal is thrown, so that a form can show where, and told if `what` is said. */
+  async change(act, what, runs = true) {
+    try {
+      this.wish = await act();
+    } catch (refusal) {
+      if (what) tellProblems(refusal, what);
+      throw refusal;
+    }
+    this.showWish();
+    if (runs) await this.run();
+  }
+
+  showWish() {
+    const { wish } = this;
+    fill(this.scenario, wish.scenarios.map((one) => element("option", { value: one.name, selected: one.name === wish.scenario, title: one.about }, one.name)));
+    fill(this.plants, "on ", wish.plants.map((plant) => element("span", { class: `key run-${plant.role === "plain" ? "plain" : "refined"}`, title: plant.effects.join(", ") }, plant.name)));
+    fill(this.profile, profileForm(wish, (profile) => this.choose({ profile }),
+      (file) => this.change(() => api.put("/control/reference", file), file.name)));
+    fill(this.controller, controllerForm(wish.controller, (settings) => this.change(() => api.put("/control/controller", settings), null)));
+    this.batch.showWish(wish);
+  }
+
+  async run() {
+    document.body.dataset.ready = "running";
+    const bar = element("progress", { max: 1, value: 0, "aria-label": "running the loop" });
+    const stop = new AbortController();
+    this.ending.signal.addEventListener("abort", () => stop.abort());
+    fill(this.verdict, bar, button("Stop", () => stop.abort()));
+    try {
+      const begun = await api.post("/control/run");
+      await api.follow(begun.job, (share) => { bar.value = share; }, stop.signal);
+      await this.take(await api.get("/control/result"));
+    } catch (refusal) {
+      if (this.ending.signal.aborted) return;
+      fill(this.verdict, element("span", { class: "chip open" }, "not run"));
+      if (refusal.name !== "AbortError") tellProblems(refusal, "The loop");
+      document.body.dataset.ready = "failed";
+    }
+  }
+
+  async take(result) {
+    fill(this.verdict, result.runs.map(({ plant, verdict }) => element("span", { class: `chip ${verdict.holds ? "good" : "bad"}` },
+      `${plant.role === "plant" ? "" : `${plant.role}: `}${verdict.holds ? "keeps every binding requirement" : "does not hold"}`)));
+    this.table.hidden = false;
+    fill(this.table, requirements(result, (time) => this.plots.goTo(time)));
+    await this.plots.take(result);
+    document.body.dataset.ready = "control";
+  }
+}

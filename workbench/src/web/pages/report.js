@@ -1,0 +1,82 @@
+// Page "Report": everything of the session in one file, shown as it will be read.
+
+import * as api from "../api.js";
+import { button, element, fill, tellProblems } from "../dom.js";
+import { percent } from "../format.js";
+
+export const title = "Report";
+
+export async function show(place) {
+  const page = new Page(place);
+  await page.begin();
+  return page;
+}
+
+class Page {
+  constructor(place) {
+    this.ending = new AbortController();
+    this.contents = element("ul", { class: "signals" });
+    this.status = element("div", { class: "verdict", role: "status", id: "report-status" });
+    this.file = element("a", { class: "button", id: "download-report", download: "report.html", href: api.address("/report/file"), hidden: true }, "Download report.html");
+    this.frame = element("div", { class: "paper", hidden: true });
+    fill(place,
+      element("section", { class: "card", "aria-label": "Contents of the report" },
+        element("h2", {}, "One file of this session"),
+        element("p", { class: "quiet" }, "Figures and tables for a screen, a printer or an e-mail. It loads nothing and needs no other file. ", element("code", {}, "retarder report"), " writes the same from a command line."),
+        this.contents,
+        element("div", { class: "row" }, button("Write the report", () => this.write(), { class: "primary", id: "write-report" }), this.file, this.status)),
+      this.frame);
+  }
+
+  leave() {
+    this.ending.abort();
+  }
+
+  async begin() {
+    const state = await this.refresh();
+    if (state.has_report) this.preview();
+    document.body.dataset.ready = "report";
+  }
+
+  async refresh() {
+    const state = await api.get("/report");
+    const some = (count, one, many) => count === 1 ? `1 ${one}` : `${count} ${many}`;
+    const line = (isThere, text) => element("li", {}, element("span", { class: `chip ${isThere ? "good" : "open"}` }, text));
+    fill(this.contents,
+      line(state.logs > 0, `${some(state.logs, "log", "logs")}${state.unreadable > 0 ? `, ${state.unreadable} of them unreadable` : ""}`),
+      line(state.compared > 0, state.compared === state.logs - state.unreadable ? `${some(state.compared, "comparison", "comparisons")} with the plant` : `${state.compared} of ${some(state.logs - state.unreadable, "log", "logs")} compared; the others are compared while it is written`),
+      line(state.has_diagnosis, state.has_diagnosis ? "a diagnosis" : "no diagnosis yet"),
+      line(state.steps > 0, state.steps > 0 ? `${some(state.steps, "step", "steps")} of refinement` : "no step of refinement yet"),
+      line(state.runs > 0, state.runs > 0 ? `the closed loop on ${some(state.runs, "plant", "plants")}` : "no run of the closed loop with this plant yet: page Control"));
+    return state;
+  }
+
+  async write() {
+    const bar = element("progress", { max: 1, value: 0, "aria-label": "writing" });
+    const share = element("span", { class: "quiet" });
+    const stop = new AbortController();
+    this.ending.signal.addEventListener("abort", () => stop.abort());
+    try {
+      const begun = await api.post("/report");
+      fill(this.status, bar, share, button("Stop", () => stop.abort()));
+      await api.follow(begun.job, (done) => { bar.value = done; share.textContent = percent(done); }, stop.signal);
+      fill(this.status, element("span", { class: "chip good" }, "written"));
+      await this.refresh();
+      this.preview();
+    } catch (refusal) {
+      if (this.ending.signal.aborted) return;
+      fill(this.status, element("span", { class: "chip open" }, "not written"));
+      if (refusal.name !== "AbortError") tellProblems(refusal, "Report");
+    }
+  }
+
+  /** Shows the report as a document of its own, which may run nothing. */
+  preview() {
+    this.file.hidden = false;
+    this.frame.hidden = false;
+    const frame = element("iframe", { src: api.address("/report/preview"), title: "The report", id: "preview" });
+    frame.setAttribute("sandbox", "");
+    frame.addEventListener("load", () => { frame.dataset.loaded = "yes"; });
+    fill(this.frame, frame);
+  }
+}
