@@ -119,6 +119,7 @@ mod tests {
             Some(worst)
         );
         let steps = SettlingTimes::of_steps(&rigs);
-        assert!(steps.count() > 3 * 8 && steps.quantile(1.0) == slowest.quantile(1.0));
+        assert_eq!(steps.quantile(1.0), slowest.quantile(1.0));
+        assert!(steps.count() > slowest.count(), "{}", steps.count());
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::evidence::{Evidence, Run};
 use super::result::BySignal;
+use super::verdict::{CHANCE, MATERIAL_EXCESS};
 
 /// Sums over the samples of one signal in all logs.
 #[derive(Debug, Clone, Default)]
@@ -60,11 +61,13 @@ impl Errors {
         self.excess().values().sum()
     }
 
-    /// The rms excess of the signal that has most, in noise sigmas.
-    pub(crate) fn worst_excess(&self) -> f64 {
-        self.excess()
-            .values()
-            .fold(0.0, |most: f64, excess| most.max(excess.sqrt()))
+    /// Whether a signal has more excess than a correct model may have, and more than chance gives so few samples.
+    pub(crate) fn is_material(&self) -> bool {
+        self.0.values().any(|sums| {
+            let excess = sums.normalised_square / sums.count - 1.0;
+            let by_chance = CHANCE * (2.0 / sums.count).sqrt();
+            excess >= MATERIAL_EXCESS * MATERIAL_EXCESS + by_chance
+        })
     }
 
     /// The rms of the signal that has most, in noise sigmas.

@@ -6,8 +6,8 @@ use super::result::Verdict;
 use super::search::{Tried, Watch, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
-    ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_SHARE, MATERIAL_EXCESS,
-    NAMED_EVIDENCE, NAMED_SHARE,
+    ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_SHARE, NAMED_EVIDENCE,
+    NAMED_SHARE,
 };
 
 /// So many first effects are tried with every second one, ...
@@ -161,7 +161,7 @@ impl Trial {
 
     /// Whether a material error remains, on the fitted logs or on what was held out.
     pub(crate) fn is_material(&self) -> bool {
-        self.sets().into_iter().any(is_material)
+        self.sets().into_iter().any(Errors::is_material)
     }
 
     /// Share of the excess of `plain` that it explains: the least of the fitted logs and of what was held out, as far
@@ -176,7 +176,7 @@ impl Trial {
                 0.0
             }
         };
-        let shows = pairs().filter(|(_, plain)| is_material(plain));
+        let shows = pairs().filter(|(_, plain)| plain.is_material());
         shows
             .map(share)
             .reduce(f64::min)
@@ -202,8 +202,4 @@ impl Trial {
             .any(|(own, base)| base.total_excess() - own.total_excess() >= FURTHER_DROP);
         takes_much && drops.all(takes_most) && self.is_evident_over(base)
     }
-}
-
-fn is_material(errors: &Errors) -> bool {
-    errors.worst_excess() >= MATERIAL_EXCESS
 }

@@ -6,6 +6,8 @@
 /// A channel whose rms excess over the noise is below this many noise sigmas is as good as the model can be: two
 /// correct programs of the same plant differ by a third of the noise.
 pub(crate) const MATERIAL_EXCESS: f64 = 0.40;
+/// A mean square of white noise is beyond this many of its standard deviations once in a hundred logs.
+pub(crate) const CHANCE: f64 = 2.33;
 /// Share of the excess that names explain where nothing material remains.
 pub(crate) const FOUND_SHARE: f64 = 0.90;
 /// Share of the excess below which nothing is named.

@@ -123,7 +123,6 @@ async fn show(
 #[derive(Deserialize)]
 struct Changing {
     log: u32,
-    #[serde(flatten)]
     change: Change,
 }
 

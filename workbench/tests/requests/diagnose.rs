@@ -82,7 +82,7 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
         "{csv:.80}"
     );
 
-    let change = json!({"log": 1, "do": "add", "effect": "chamber_leak"});
+    let change = json!({"log": 1, "change": {"add": {"effect": "chamber_leak"}}});
     let refine = browser
         .post(&format!("{session}/refine/change"), &change)
         .json();

@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use crate::bench::{Bench, Browser};
 use crate::diagnose::with_leaking_log;
 
-fn change(browser: &Browser<'_>, session: &str, mut wish: Value) -> Value {
-    wish["log"] = json!(1);
+fn change(browser: &Browser<'_>, session: &str, change: Value) -> Value {
+    let wish = json!({"log": 1, "change": change});
     let answer = browser.post(&format!("{session}/refine/change"), &wish);
     assert_eq!(answer.status, 200, "{wish}: {answer:?}");
     answer.json()
@@ -40,7 +40,7 @@ fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
         let added = change(
             &browser,
             &session,
-            json!({"do": "add", "effect": "chamber_leak"}),
+            json!({"add": {"effect": "chamber_leak"}}),
         );
         assert_eq!(added["plant"], "refined.toml");
         assert_eq!(added["at"], 1);
@@ -51,13 +51,13 @@ fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
         change(
             &browser,
             &session,
-            json!({"do": "set", "effect": "chamber_leak", "key": "area_m2", "value": 5e-8}),
+            json!({"set": {"effect": "chamber_leak", "key": "area_m2", "value": 5e-8}}),
         );
         assert!(
             plant(&browser, &session).contains("area_m2 = 5e-8   # set by hand in the workbench")
         );
-        change(&browser, &session, json!({"do": "undo"}));
-        let undone = change(&browser, &session, json!({"do": "undo"}));
+        change(&browser, &session, json!("undo"));
+        let undone = change(&browser, &session, json!("undo"));
         assert_eq!(
             (&undone["at"], &undone["plant"]),
             (&json!(0), &json!("nominal-plant.toml"))
@@ -65,11 +65,11 @@ fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
         assert_eq!(plant(&browser, &session), nominal, "byte for byte");
         let nothing = browser.post(
             &format!("{session}/refine/change"),
-            &json!({"log": 1, "do": "undo"}),
+            &json!({"log": 1, "change": "undo"}),
         );
         assert_eq!(nothing.code(), "E-WEB-TOO-EARLY");
-        change(&browser, &session, json!({"do": "redo"}));
-        change(&browser, &session, json!({"do": "redo"}));
+        change(&browser, &session, json!("redo"));
+        change(&browser, &session, json!("redo"));
         assert_eq!(
             browser.get(&format!("{session}/project")).json()["plant"]["effects"],
             json!(["chamber_leak"])
@@ -83,7 +83,7 @@ fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
     let browser = bench.browser();
     let again = browser.session(Some(session.rsplit('/').next().unwrap()));
     assert_eq!(plant(&browser, &again), toml);
-    let undone = change(&browser, &again, json!({"do": "undo"}));
+    let undone = change(&browser, &again, json!("undo"));
     assert_eq!(
         (&undone["at"], undone["steps"].as_array().unwrap().len()),
         (&json!(1), 3)
@@ -104,7 +104,7 @@ fn a_moved_slider_is_simulated_and_nothing_else() {
     change(
         &browser,
         &session,
-        json!({"do": "add", "effect": "chamber_leak"}),
+        json!({"add": {"effect": "chamber_leak"}}),
     );
     let before = plant(&browser, &session);
     let moved = browser
@@ -135,7 +135,7 @@ fn a_moved_slider_is_simulated_and_nothing_else() {
     change(
         &browser,
         &session,
-        json!({"do": "set", "effect": "chamber_leak", "key": "area_m2", "value": 4e-8}),
+        json!({"set": {"effect": "chamber_leak", "key": "area_m2", "value": 4e-8}}),
     );
     assert_eq!(browser.compare(&session, 1)["state"], "done");
     let compared = browser.get(&format!("{session}/logs/1/comparison")).json();
@@ -160,17 +160,13 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
     change(
         &browser,
         &session,
-        json!({"do": "add", "effect": "chamber_leak", "form": "orifice"}),
+        json!({"add": {"effect": "chamber_leak", "form": "orifice"}}),
     );
+    change(&browser, &session, json!({"add": {"effect": "sensor_lag"}}));
     change(
         &browser,
         &session,
-        json!({"do": "add", "effect": "sensor_lag"}),
-    );
-    change(
-        &browser,
-        &session,
-        json!({"do": "switch", "effect": "sensor_lag", "is_on": false}),
+        json!({"switch": {"effect": "sensor_lag", "is_on": false}}),
     );
     let events = browser.work(&session, &fit, &wish);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
@@ -205,7 +201,7 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
     );
 
     // It can be taken back, with what it said.
-    let undone = change(&browser, &session, json!({"do": "undo"}));
+    let undone = change(&browser, &session, json!("undo"));
     assert_eq!(
         (
             &undone["fit"],
@@ -221,18 +217,21 @@ fn what_there_is_not_cannot_be_changed() {
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 2.0);
     for (wish, status) in [
-        (json!({"log": 1, "do": "add", "effect": "nothing"}), 404),
         (
-            json!({"log": 9, "do": "add", "effect": "chamber_leak"}),
+            json!({"log": 1, "change": {"add": {"effect": "nothing"}}}),
             404,
         ),
         (
-            json!({"log": 1, "do": "remove", "effect": "chamber_leak"}),
+            json!({"log": 9, "change": {"add": {"effect": "chamber_leak"}}}),
             404,
         ),
-        (json!({"log": 1, "do": "explode"}), 422),
         (
-            json!({"log": 1, "do": "set", "effect": "chamber_leak", "key": "area_m2", "value": "much"}),
+            json!({"log": 1, "change": {"remove": {"effect": "chamber_leak"}}}),
+            404,
+        ),
+        (json!({"log": 1, "change": "explode"}), 422),
+        (
+            json!({"log": 1, "change": {"set": {"effect": "chamber_leak", "key": "area_m2", "value": "much"}}}),
             422,
         ),
     ] {
@@ -242,11 +241,11 @@ fn what_there_is_not_cannot_be_changed() {
     change(
         &browser,
         &session,
-        json!({"do": "add", "effect": "chamber_leak"}),
+        json!({"add": {"effect": "chamber_leak"}}),
     );
     let beyond = browser.post(
         &format!("{session}/refine/change"),
-        &json!({"log": 1, "do": "set", "effect": "chamber_leak", "key": "area_m2", "value": 1.0}),
+        &json!({"log": 1, "change": {"set": {"effect": "chamber_leak", "key": "area_m2", "value": 1.0}}}),
     );
     assert_eq!(
         (beyond.status, beyond.code().as_str()),

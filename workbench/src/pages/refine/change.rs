@@ -16,9 +16,10 @@ pub(super) const REFINED: &str = "refined.toml";
 /// Where a value comes from that a person chose.
 const BY_HAND: &str = "set by hand in the workbench";
 
-/// What a person does to the plant.
+/// What a person does to the plant. Not with a tag inside: serde cannot read numbers that it had to set aside when any
+/// crate of the program asks for serde_json's `arbitrary_precision`, and the log's decoder does.
 #[derive(Debug, Deserialize)]
-#[serde(tag = "do", rename_all = "snake_case")]
+#[serde(rename_all = "snake_case")]
 pub(super) enum Change {
     /// Adds an effect as the diagnosis fitted it, or else at its typical size.
     Add {
@@ -327,23 +328,23 @@ mod tests {
     fn an_effect_is_added_moved_switched_and_undone() {
         let mut history = history();
         for (json, expected) in [
-            (r#"{"do":"add","effect":"chamber_leak"}"#, Some(2e-8)),
+            (r#"{"add": {"effect":"chamber_leak"}}"#, Some(2e-8)),
             (
-                r#"{"do":"set","effect":"chamber_leak","key":"area_m2","value":3e-8}"#,
+                r#"{"set": {"effect":"chamber_leak","key":"area_m2","value":3e-8}}"#,
                 Some(3e-8),
             ),
             (
-                r#"{"do":"switch","effect":"chamber_leak","is_on":false}"#,
+                r#"{"switch": {"effect":"chamber_leak","is_on":false}}"#,
                 None,
             ),
             (
-                r#"{"do":"switch","effect":"chamber_leak","is_on":true}"#,
+                r#"{"switch": {"effect":"chamber_leak","is_on":true}}"#,
                 Some(3e-8),
             ),
-            (r#"{"do":"undo"}"#, None),
-            (r#"{"do":"undo"}"#, Some(3e-8)),
-            (r#"{"do":"redo"}"#, None),
-            (r#"{"do":"remove","effect":"chamber_leak"}"#, None),
+            (r#""undo""#, None),
+            (r#""undo""#, Some(3e-8)),
+            (r#""redo""#, None),
+            (r#"{"remove": {"effect":"chamber_leak"}}"#, None),
         ] {
             change(&mut history, json).unwrap();
             assert_eq!(area(&history), expected, "{json}");
@@ -358,15 +359,15 @@ mod tests {
     #[test]
     fn another_form_keeps_the_values_that_it_has_too() {
         let mut history = history();
-        change(&mut history, r#"{"do":"add","effect":"chamber_leak"}"#).unwrap();
+        change(&mut history, r#"{"add": {"effect":"chamber_leak"}}"#).unwrap();
         change(
             &mut history,
-            r#"{"do":"set","effect":"chamber_leak","key":"area_m2","value":7e-8}"#,
+            r#"{"set": {"effect":"chamber_leak","key":"area_m2","value":7e-8}}"#,
         )
         .unwrap();
         change(
             &mut history,
-            r#"{"do":"form","effect":"chamber_leak","form":"mixed"}"#,
+            r#"{"form": {"effect":"chamber_leak","form":"mixed"}}"#,
         )
         .unwrap();
         assert_eq!(area(&history), Some(7e-8));
@@ -377,15 +378,15 @@ mod tests {
     #[test]
     fn what_is_not_there_or_out_of_range_changes_nothing() {
         let mut history = history();
-        change(&mut history, r#"{"do":"add","effect":"chamber_leak"}"#).unwrap();
+        change(&mut history, r#"{"add": {"effect":"chamber_leak"}}"#).unwrap();
         for json in [
-            r#"{"do":"add","effect":"chamber_leek"}"#,
-            r#"{"do":"add","effect":"chamber_leak"}"#,
-            r#"{"do":"add","effect":"sensor_lag","form":"none"}"#,
-            r#"{"do":"remove","effect":"sensor_lag"}"#,
-            r#"{"do":"set","effect":"chamber_leak","key":"area_m2","value":1.0}"#,
-            r#"{"do":"set","effect":"chamber_leak","key":"laminar_share","value":0.5}"#,
-            r#"{"do":"redo"}"#,
+            r#"{"add": {"effect":"chamber_leek"}}"#,
+            r#"{"add": {"effect":"chamber_leak"}}"#,
+            r#"{"add": {"effect":"sensor_lag","form":"none"}}"#,
+            r#"{"remove": {"effect":"sensor_lag"}}"#,
+            r#"{"set": {"effect":"chamber_leak","key":"area_m2","value":1.0}}"#,
+            r#"{"set": {"effect":"chamber_leak","key":"laminar_share","value":0.5}}"#,
+            r#""redo""#,
         ] {
             assert!(change(&mut history, json).is_err(), "{json}");
             assert_eq!(history.at(), 1, "{json}");

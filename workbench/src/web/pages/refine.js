@@ -35,8 +35,8 @@ class Page {
     this.work = new Work("Fitting");
     this.plots = new Plots(this.log, () => this.simulate());
     this.effects = new Effects(this.library, (change) => this.change(change), (moved) => this.move(moved));
-    this.undo = button("Undo", () => this.change({ do: "undo" }), { id: "undo", title: "Ctrl+Z" });
-    this.redo = button("Redo", () => this.change({ do: "redo" }), { id: "redo", title: "Ctrl+Shift+Z" });
+    this.undo = button("Undo", () => this.change("undo"), { id: "undo", title: "Ctrl+Z" });
+    this.redo = button("Redo", () => this.change("redo"), { id: "redo", title: "Ctrl+Shift+Z" });
     this.fitButton = button("Fit", () => this.fit(), { class: "primary", id: "fit", title: "Fits the effects that are on, and what differs from rig to rig, from the plant as opened" });
     this.plant = element("strong", { id: "plant-name" });
     this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
@@ -70,7 +70,7 @@ class Page {
       this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
       const add = view.text("add");
       view.set({ add: null });
-      if (add && !this.state.effects.some((effect) => effect.effect === add)) await this.change({ do: "add", effect: add });
+      if (add && !this.state.effects.some((effect) => effect.effect === add)) await this.change({ add: { effect: add } });
       else await this.simulate();
       document.body.dataset.ready = "refine";
     } catch (refusal) {
@@ -102,7 +102,7 @@ class Page {
     this.moving = null;
     this.queue = this.queue.then(async () => {
       try {
-        this.take(await api.post("/refine/change", { log: this.log.number, ...change }));
+        this.take(await api.post("/refine/change", { log: this.log.number, change }));
         await this.simulate();
       } catch (refusal) {
         tellProblems(refusal, "Change");

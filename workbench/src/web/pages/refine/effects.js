@@ -25,7 +25,7 @@ export class Effects {
     this.list = element("div", { class: "stack" });
     this.choice = element("select", { id: "add-effect", "aria-label": "Effect to add" });
     this.element = element("section", { class: "card", id: "effects" }, element("h2", {}, "Effects"), this.list,
-      element("p", { class: "row" }, this.choice, button("Add", () => this.onChange({ do: "add", effect: this.choice.value }), { id: "add" })));
+      element("p", { class: "row" }, this.choice, button("Add", () => this.onChange({ add: { effect: this.choice.value } }), { id: "add" })));
   }
 
   take(effects) {
@@ -54,14 +54,14 @@ class Card {
   constructor(effect, about, onChange, onMove) {
     const id = effect.effect;
     const form = about.forms.find((one) => one.name === effect.variant);
-    this.toggle = element("input", { type: "checkbox", role: "switch", data: { switch: id }, on: { change: () => onChange({ do: "switch", effect: id, is_on: this.toggle.checked }) } });
-    const forms = about.forms.length > 1 && element("select", { "aria-label": `Form of ${about.title}`, title: form.about, on: { change: (event) => onChange({ do: "form", effect: id, form: event.target.value }) } },
+    this.toggle = element("input", { type: "checkbox", role: "switch", data: { switch: id }, on: { change: () => onChange({ switch: { effect: id, is_on: this.toggle.checked } }) } });
+    const forms = about.forms.length > 1 && element("select", { "aria-label": `Form of ${about.title}`, title: form.about, on: { change: (event) => onChange({ form: { effect: id, form: event.target.value } }) } },
       about.forms.map((one) => element("option", { value: one.name, selected: one === form, title: one.about }, one.name)));
     this.sliders = form.parameters.map((spec) => new Slider(id, spec, onChange, onMove));
     this.element = element("div", { class: "effect", data: { effect: id } },
       element("div", { class: "row" },
         element("label", { class: "switch", title: about.sentence }, this.toggle, element("b", {}, ` ${about.title}`)), forms,
-        element("span", { class: "space" }), button("Remove", () => onChange({ do: "remove", effect: id }), { class: "link" })),
+        element("span", { class: "space" }), button("Remove", () => onChange({ remove: { effect: id } }), { class: "link" })),
       this.sliders.map((slider) => slider.element));
   }
 
@@ -81,10 +81,10 @@ class Slider {
       type: "range", min: 0, max: PLACES, step: 1, data: { key: spec.key }, "aria-label": `${spec.key} of ${effect}`, title: spec.about,
       on: {
         input: () => { this.show(value()); if (this.isOn) onMove(of(value())); },
-        change: () => onChange({ do: "set", ...of(value()) }),
+        change: () => onChange({ set: of(value()) }),
       },
     });
-    this.field = element("input", { type: "number", step: "any", min: spec.lowest, max: spec.highest, class: "short", "aria-label": `${spec.key} of ${effect} as a number`, data: { field: spec.key }, on: { change: () => onChange({ do: "set", ...of(Number(this.field.value)) }) } });
+    this.field = element("input", { type: "number", step: "any", min: spec.lowest, max: spec.highest, class: "short", "aria-label": `${spec.key} of ${effect} as a number`, data: { field: spec.key }, on: { change: () => onChange({ set: of(Number(this.field.value)) }) } });
     this.interval = element("span", { class: "interval", hidden: true });
     this.best = element("span", { class: "best", hidden: true });
     this.words = element("span", { class: "quiet" });
