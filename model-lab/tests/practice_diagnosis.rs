@@ -156,4 +156,9 @@ fn rig_8_lacks_something_that_the_library_has_not() {
         diagnosis.sentence
     );
     assert!(diagnosis.effects.is_empty() && diagnosis.unexplained);
+    let strongest = &diagnosis.remaining.spectral_lines[0];
+    assert!(
+        (strongest.frequency_hz - 0.45).abs() < 0.005,
+        "{strongest:?}"
+    );
 }

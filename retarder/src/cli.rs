@@ -207,8 +207,8 @@ Examples:
   retarder thesis --plant my-plant.toml --html thesis.html --json thesis.json
   retarder thesis --explain                  which effects bring the filling times in?
 
-Exit status: 0 every figure that the plain model is held to is reached (with --explain: some effect brings the times in),
-1 one is not (none does), 2 could not run.")]
+Exit status: 0 every figure that the plain model is held to is reached (with --explain: some effect
+brings the times in), 1 one is not (none does), 2 could not run.")]
 pub(crate) struct ThesisArgs {
     #[command(flatten)]
     pub(crate) plant: PlantArgs,

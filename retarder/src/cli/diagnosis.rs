@@ -13,8 +13,8 @@ Examples:
   retarder diagnose --plant my-plant.toml --log bench.csv --check other.csv --html diagnosis.html
   retarder diagnose --log cold.csv --log warm.csv --json | jq '.verdict, .effects'
 
-Pressure, coil currents or both; several logs of one rig are fitted at once. Without --check, every third of twelve
-blocks of each log is held out. Ctrl-C stops it and leaves no file behind.
+Pressure, coil currents or both; several logs of one rig are fitted at once. Without --check, every
+third of twelve blocks of each log is held out. Ctrl-C stops it and leaves no file behind.
 Exit status: 0 nothing detectable is missing, 1 something is missing, 2 could not run.")]
 pub(crate) struct DiagnoseArgs {
     #[command(flatten)]
@@ -34,7 +34,8 @@ Examples:
   retarder refine --plant my-plant.toml --log bench.csv --check other.csv --add chamber_leak:laminar --add coil_heating --out refined.toml
   retarder compare --plant refined.toml --log other.csv
 
-The effects and what differs from rig to rig are fitted together. `retarder parameters` lists the effects.
+The effects and what differs from rig to rig are fitted together. `retarder parameters` lists the
+effects.
 Exit status: 0 the plant file is written, 2 could not run.")]
 pub(crate) struct RefineArgs {
     #[command(flatten)]

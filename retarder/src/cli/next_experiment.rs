@@ -13,8 +13,9 @@ Examples:
   retarder next-experiment --log bench.csv --for drain_back_pressure --max-bar 6 --duration 15 --out next.csv
   retarder simulate --log next.csv --out model.csv
 
-Each effect is fitted to the log; manoeuvres within the limits are ranked by how far apart they would take the effects, when
-all that can be refitted has been. The best one is written as duty cycles, which `simulate` and a rig take at once.
+Each effect is fitted to the log; manoeuvres within the limits are ranked by how far apart they
+would take the effects, when all that can be refitted has been. The best one is written as duty cycles,
+which `simulate` and a rig take at once.
 Exit status: 0 the best manoeuvre tells them apart, 1 none within the limits does, 2 could not run.")]
 pub(crate) struct NextExperimentArgs {
     #[command(flatten)]

@@ -13,9 +13,10 @@ Examples:
   retarder report --plant my-plant.toml --log bench.csv --check other.csv --out week-12.html
   retarder report --log bench.csv --without diagnosis --rigs 100
 
-One file that needs no other: the logs, the plant, model against measurement for each log, which effect is missing, and the
-closed loop on the plant, with the missing effects too where some are found.
-Exit status: 0 the model holds, nothing is missing and the loop keeps its promises, 1 not all of it, 2 could not run or tell.")]
+One file that needs no other: the logs, the plant, model against measurement for each log, which
+effect is missing, and the closed loop on the plant, with the missing effects too where some are found.
+Exit status: 0 the model holds, nothing is missing and the loop keeps its promises, 1 not all of it,
+2 could not run or tell.")]
 pub(crate) struct ReportArgs {
     #[command(flatten)]
     pub(crate) logs: LogsArgs,
