@@ -27,6 +27,23 @@ fn bundled_files_are_the_ones_under_data() {
     }
 }
 
+/// The README's first command is `cargo run`: it needs exactly one program among the default members.
+#[test]
+fn cargo_run_means_one_program() {
+    let manifest: toml::Table = read("Cargo.toml").parse().unwrap();
+    let members = manifest["workspace"]["default-members"].as_array().unwrap();
+    let has_program = |member: &&str| {
+        let sources = repository().join(member).join("src");
+        sources.join("main.rs").exists() || sources.join("bin").exists()
+    };
+    let programs: Vec<&str> = members
+        .iter()
+        .filter_map(toml::Value::as_str)
+        .filter(has_program)
+        .collect();
+    assert_eq!(programs, ["retarder"]);
+}
+
 /// The dependencies between our crates, each allowed one in ARCHITECTURE.md's table and no other.
 #[test]
 fn crates_depend_on_each_other_as_the_architecture_says() {
