@@ -73,6 +73,106 @@ fn a_library_without_the_effect_names_no_other() {
     }
 }
 
+/// Effects that no rig has, with parameters that bend them: a leak that follows a clock, and a hum on a coil.
+mod nonsense {
+    use plant_sim::PlantParameters;
+    use plant_sim::effects::{About, Effect, EffectSetting, EntryPoint, Variant};
+    use plant_sim::parameters::{ParameterSpec, Size};
+    use plant_sim::plant::Plant;
+
+    static FLOW: ParameterSpec = ParameterSpec::of_effect(
+        "effects.clock_flow",
+        "flow_kg_per_s",
+        "kg/s",
+        (1e-9, 1e-2),
+        Size::strength(1e-6),
+        "flow that comes and goes with a clock",
+    );
+    static CLOCK_FLOW: About = About {
+        id: "clock_flow",
+        sentence: "Air comes and goes with a clock that nothing on the rig has.",
+        source: "nonsense",
+        acts_on: EntryPoint::Leak,
+        variants: &[Variant::only(&[&FLOW])],
+        excited_by: "nothing",
+        confused_with: &[],
+    };
+    static HUM: ParameterSpec = ParameterSpec::of_effect(
+        "effects.coil_hum",
+        "hum_v",
+        "V",
+        (1e-4, 10.0),
+        Size::strength(0.1),
+        "voltage that hums in the fill coil",
+    );
+    static COIL_HUM: About = About {
+        id: "coil_hum",
+        sentence: "The fill coil hums at a frequency that nothing on the rig has.",
+        source: "nonsense",
+        acts_on: EntryPoint::Coil,
+        variants: &[Variant::only(&[&HUM])],
+        excited_by: "nothing",
+        confused_with: &[],
+    };
+
+    #[derive(Debug)]
+    pub struct ClockFlow;
+    impl Effect for ClockFlow {
+        fn about(&self) -> &'static About {
+            &CLOCK_FLOW
+        }
+        fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
+            let flow = setting.value("flow_kg_per_s");
+            let hooks = &mut plant.additions.hooks;
+            hooks.add_inflow(move |now| flow * (4.71 * now.time).sin());
+        }
+    }
+
+    #[derive(Debug)]
+    pub struct CoilHum;
+    impl Effect for CoilHum {
+        fn about(&self) -> &'static About {
+            &COIL_HUM
+        }
+        fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
+            let hum = setting.value("hum_v");
+            let hooks = &mut plant.additions.hooks;
+            hooks.add_voltage(0, move |now| hum * (9.1 * now.time).sin());
+        }
+    }
+}
+
+/// Effects that are nonsense are never picked: not where nothing is missing, not beside the one that is, and not for want of it.
+#[test]
+fn nonsense_is_never_named() {
+    let with_nonsense = |mut library: Vec<&'static dyn Effect>| {
+        library.extend([
+            &nonsense::ClockFlow as &'static dyn Effect,
+            &nonsense::CoilHum,
+        ]);
+        library
+    };
+    let whole = with_nonsense(LIBRARY.to_vec());
+    let without_leak = with_nonsense(without("chamber_leak"));
+    for (hides, library, verdict, effects) in [
+        (0, &whole, Verdict::Adequate, vec![]),
+        (1, &whole, Verdict::Found, vec!["chamber_leak"]),
+        (1, &without_leak, Verdict::NotInLibrary, vec![]),
+    ] {
+        let diagnosis = rig(hides, library);
+        assert_eq!(
+            diagnosis.verdict, verdict,
+            "{hides}: {}",
+            diagnosis.sentence
+        );
+        assert_eq!(
+            diagnosis.effects, effects,
+            "{hides}: {}",
+            diagnosis.sentence
+        );
+    }
+}
+
 /// Commands that belong to another time explain nothing, and neither does any effect.
 #[test]
 fn duty_cycles_of_another_time_give_no_name() {

@@ -67,7 +67,7 @@ fn what_the_diagnosis_says_of_a_drawn_rig_is_scored() {
         };
         fs::write(folder.path().join("calls"), "").unwrap();
         for _ in 0..2 {
-            run(&folders, &command, 1, |_| ()).unwrap();
+            assert_eq!(run(&folders, &command, 1, |_| ()).unwrap(), 0);
         }
         let calls = fs::read_to_string(folder.path().join("calls")).unwrap();
         assert_eq!(calls.lines().count(), 1, "the second run has nothing left");
@@ -91,7 +91,7 @@ fn a_diagnosis_that_fails_leaves_what_it_said() {
         retarder: "/bin/echo".into(),
         plant: "plant.toml".into(),
     };
-    run(&folders, &command, 1, |_| ()).unwrap();
+    assert_eq!(run(&folders, &command, 1, |_| ()).unwrap(), 1);
     let said = fs::read_to_string(folders.found().join("rig-001.failed")).unwrap();
     assert!(said.contains("diagnose --plant plant.toml"), "{said}");
     let report = score(&folders).unwrap();

@@ -6,18 +6,16 @@ use std::time::Duration;
 
 use crate::digests::{Difference, Run};
 use crate::failure::Failure;
-use crate::process;
 use crate::qemu::{self, Board};
 use crate::report::Report;
+use crate::tests::Which;
 use crate::toolchain::{Choice, TARGET, Toolchain};
-use crate::workspace::{arm_target_dir, cargo, find_program, target_dir};
+use crate::workspace::{arm_target_dir, cargo, target_dir};
+use crate::{process, tests};
 
 const BUILD_DEADLINE: Duration = Duration::from_secs(900);
 /// Longest life of the self-test on the host.
 const HOST_DEADLINE: Duration = Duration::from_secs(120);
-
-/// Longest build and run of the tests of the image in the loop.
-const IN_THE_LOOP_DEADLINE: Duration = Duration::from_secs(2400);
 
 const TOOLCHAIN: &str = "ARM toolchain";
 const QEMU: &str = "QEMU";
@@ -78,7 +76,7 @@ pub(crate) fn test(report: &mut Report, choice: Choice) {
     });
     report.step("image in the loop", || {
         needed(&qemu, QEMU)?;
-        in_the_loop(needed(&image, IMAGE)?)
+        tests::run(Which::Image(needed(&image, IMAGE)?))
     });
 }
 
@@ -151,36 +149,6 @@ fn run_on_host(canary: Option<&str>) -> Result<Run, Failure> {
 fn run_in_qemu(image: &Path) -> Result<Run, Failure> {
     let said = qemu::run(image)?;
     read("the ARM image", &said)
-}
-
-/// The tests of the image in QEMU: the harness', and those of the commands.
-fn in_the_loop(image: &Path) -> Result<(), Failure> {
-    let of_harness = [
-        "--test",
-        "image_in_the_loop",
-        "--test",
-        "campaign_on_the_image",
-    ];
-    let of_commands = ["--test", "suite", "image::"];
-    let mut harness = one_at_a_time("hil-harness", &of_harness, image);
-    process::run(&mut harness, IN_THE_LOOP_DEADLINE)?;
-    let mut commands = one_at_a_time("retarder", &of_commands, image);
-    process::run(&mut commands, IN_THE_LOOP_DEADLINE)
-}
-
-/// Some tests of a package with the image in the loop, one after the other: each of them keeps two processors busy.
-fn one_at_a_time(package: &str, which: &[&str], image: &Path) -> Command {
-    let mut tests = cargo();
-    tests.env("RETARDER_IMAGE", image);
-    let (runner, one_at_a_time): (&[&str], &[&str]) = if find_program("cargo-nextest").is_some() {
-        (&["nextest", "run"], &["-j", "1"])
-    } else {
-        (&["test"], &["--", "--test-threads", "1"])
-    };
-    tests.args(runner);
-    tests.args(["--package", package, "--features", "image-in-the-loop"]);
-    tests.args(which).args(one_at_a_time);
-    tests
 }
 
 fn read(machine: &'static str, text: &str) -> Result<Run, Failure> {

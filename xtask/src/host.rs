@@ -7,8 +7,9 @@ use std::time::Duration;
 
 use crate::failure::Failure;
 use crate::report::Report;
+use crate::tests::Which;
 use crate::workspace::{cargo, entries, find_program, root, target_dir};
-use crate::{packages, process};
+use crate::{packages, process, tests};
 
 /// Longest wait for one cargo command. A cold build of everything takes some minutes on two cores.
 const DEADLINE: Duration = Duration::from_secs(1500);
@@ -43,6 +44,8 @@ pub(crate) fn lint(report: &mut Report) {
             "clippy",
             "--workspace",
             "--all-targets",
+            "--features",
+            tests::FEATURES,
             "--keep-going",
             "--",
             "-D",
@@ -58,38 +61,13 @@ pub(crate) fn lint(report: &mut Report) {
 
 /// All tests and examples.
 pub(crate) fn test(report: &mut Report) {
-    report.step("tests", || {
-        if find_program("cargo-nextest").is_some() {
-            run(&["nextest", "run", "--workspace", "--no-fail-fast"])
-        } else {
-            run(&[
-                "test",
-                "--workspace",
-                "--lib",
-                "--bins",
-                "--tests",
-                "--no-fail-fast",
-            ])
-        }
-    });
+    report.step("tests", || tests::run(Which::Alone));
     report.step("tests in the documentation", || {
         run(&["test", "--workspace", "--doc", "--no-fail-fast"])
     });
     report.step("the page in a browser", || {
         browser_ready()?;
-        // The features of the whole workspace, so that nothing but the page is built again.
-        let what = [
-            "--workspace",
-            "--features",
-            "workbench/browser",
-            "--test",
-            "browser",
-        ];
-        if find_program("cargo-nextest").is_some() {
-            run(&[&["nextest", "run", "--no-fail-fast"], &what[..]].concat())
-        } else {
-            run(&[&["test", "--no-fail-fast"], &what[..]].concat())
-        }
+        tests::run(Which::Browser)
     });
     report.step("examples", examples);
 }
@@ -105,7 +83,13 @@ fn browser_ready() -> Result<(), Failure> {
 
 /// Runs each example of each crate: it needs no arguments, asserts what it tells, and ends.
 fn examples() -> Result<(), Failure> {
-    run(&["build", "--workspace", "--examples"])?;
+    run(&[
+        "build",
+        "--workspace",
+        "--examples",
+        "--features",
+        tests::FEATURES,
+    ])?;
     let mut outcome = Ok(());
     for name in example_names()? {
         eprintln!("{}", name.display());

@@ -1,7 +1,7 @@
 //! The verbs of the workshop: `cargo xtask --help` lists them, `docs/building.md` explains them.
 //!
 //! One file per group of verbs ([`host`], [`arm`], [`publish`], [`blind`]); below them what a machine has and lacks ([`toolchain`],
-//! [`qemu`], [`packages`]), and how a step runs, ends and is told ([`process`], [`report`]).
+//! [`qemu`], [`packages`]), and how a step runs, ends and is told ([`process`], [`report`]) and the tests are called ([`tests`]).
 
 mod arm;
 mod blind;
@@ -16,6 +16,7 @@ mod process;
 mod publish;
 mod qemu;
 mod report;
+mod tests;
 mod toolchain;
 mod workspace;
 

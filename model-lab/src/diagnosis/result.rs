@@ -97,6 +97,23 @@ pub struct Step {
     pub free_parameters: usize,
 }
 
+impl Step {
+    /// Rms error on what was held out, in noise floors; the signal is one of the step's.
+    #[must_use]
+    pub fn in_noise(&self, signal: &str) -> f64 {
+        self.check_rms[signal] / self.noise_floor[signal]
+    }
+
+    /// The same of the signal in which it is largest; 0 without signals.
+    #[must_use]
+    pub fn worst_in_noise(&self) -> f64 {
+        let signals = self.check_rms.keys();
+        signals
+            .map(|signal| self.in_noise(signal))
+            .fold(0.0, f64::max)
+    }
+}
+
 /// The plain model with one effect, refitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -37,15 +37,7 @@ const GROUP_PX: i32 = 14;
 /// # Errors
 /// The drawing itself fails.
 pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
-    let multiple = |step: &Step, signal: &str| step.check_rms[signal] / step.noise_floor[signal];
-    let longest = steps
-        .iter()
-        .flat_map(|step| {
-            step.check_rms
-                .keys()
-                .map(move |signal| multiple(step, signal))
-        })
-        .fold(1.0, f64::max);
+    let longest = steps.iter().map(Step::worst_in_noise).fold(1.0, f64::max);
     let rows: i32 = steps.iter().map(|step| step.check_rms.len() as i32).sum();
     let bottom = TOP_PX + rows * ROW_PX + steps.len() as i32 * (ROW_PX + GROUP_PX);
     let title = "How the error falls: rms on what was held out, in multiples of the noise floor";
@@ -59,7 +51,7 @@ pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
             top_px += ROW_PX;
             for (signal, rms) in pressure_first(&step.check_rms) {
                 let middle = top_px + ROW_PX / 2;
-                let times = multiple(step, signal);
+                let times = step.in_noise(signal);
                 let end = place(times);
                 let words = capitalised(signal_words(signal));
                 sheet.text(

@@ -129,21 +129,13 @@ fn ladder(steps: &[Step], terminal: &Terminal) -> String {
         ],
         terminal,
     );
-    let multiple = |step: &Step, signal: &str| step.check_rms[signal] / step.noise_floor[signal];
-    let longest = steps
-        .iter()
-        .flat_map(|step| {
-            step.check_rms
-                .keys()
-                .map(move |signal| multiple(step, signal))
-        })
-        .fold(1.0, f64::max);
+    let longest = steps.iter().map(Step::worst_in_noise).fold(1.0, f64::max);
     for step in steps {
         table.heading(&step_name(step));
         for (signal, rms) in pressure_first(&step.check_rms) {
             let unit = SmallUnit::of_errors_in(unit_of(signal));
             let scaled = |value: f64| significant(value * unit.per_unit, 3);
-            let times = multiple(step, signal);
+            let times = step.in_noise(signal);
             let colour = if times > 1.5 {
                 Colour::Notice
             } else {

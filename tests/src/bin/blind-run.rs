@@ -33,15 +33,19 @@ fn main() -> ExitCode {
     let progress = |Progress { done, all, left }| {
         eprint!("\r{done} of {all} rigs, {} s left   ", left.as_secs());
     };
-    match run(
-        &Folders::new(options.draw),
-        &command,
-        options.jobs,
-        progress,
-    ) {
-        Ok(()) => {
+    let folders = Folders::new(options.draw);
+    match run(&folders, &command, options.jobs, progress) {
+        Ok(0) => {
             eprintln!();
             ExitCode::SUCCESS
+        }
+        Ok(failed) => {
+            let found = folders.found();
+            eprintln!(
+                "\n{failed} rigs have no finding; {}/*.failed say why",
+                found.display()
+            );
+            ExitCode::FAILURE
         }
         Err(error) => {
             eprintln!("\n{error}");

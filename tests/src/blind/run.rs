@@ -47,7 +47,7 @@ pub struct Progress {
 }
 
 /// Diagnoses every rig of `folders` that has no finding yet, `jobs` at a time. A rig whose diagnosis fails leaves a
-/// file with what it said instead of a finding; the next run tries it again.
+/// file with what it said instead of a finding; the next run tries it again. Gives the number of those.
 ///
 /// # Errors
 /// If files cannot be read or written, or the command does not start.
@@ -56,7 +56,7 @@ pub fn run(
     command: &Diagnose,
     jobs: usize,
     progress: impl Fn(Progress) + Sync,
-) -> Result<(), RunError> {
+) -> Result<usize, RunError> {
     let file = |path: &Path| {
         let path = path.to_owned();
         move |error| RunError::File(path, error)
@@ -94,7 +94,11 @@ pub fn run(
         workers
             .into_iter()
             .try_for_each(|worker| worker.join().expect("a worker does not panic"))
-    })
+    })?;
+    Ok(rigs
+        .iter()
+        .filter(|rig| !folders.finding(rig).exists())
+        .count())
 }
 
 /// Names of the rigs whose logs are there, in order.

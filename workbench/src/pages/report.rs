@@ -286,15 +286,7 @@ async fn preview(
 }
 
 /// The report as a file.
-async fn file(
-    State(sessions): Shared,
-    Path(id): Path<String>,
-) -> Result<impl IntoResponse, Refusal> {
-    let html = written(session(&sessions, id)?.as_ref())?;
-    let headers = [
-        (CONTENT_TYPE, "text/html; charset=utf-8"),
-        (CONTENT_SECURITY_POLICY, POLICY.as_str()),
-        (CONTENT_DISPOSITION, "attachment; filename=\"report.html\""),
-    ];
-    Ok((headers, html.as_ref().clone()))
+async fn file(sessions: Shared, id: Path<String>) -> Result<impl IntoResponse, Refusal> {
+    let name = (CONTENT_DISPOSITION, "attachment; filename=\"report.html\"");
+    Ok(([name], preview(sessions, id).await?))
 }

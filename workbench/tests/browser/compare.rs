@@ -177,6 +177,37 @@ fn other_logs_lie_beside_and_are_brought_onto_this_one() {
         let offset = "Math.abs(Number(document.querySelector('[aria-label=\"offset of late.csv\"]').value) + 3)";
         person.until(&format!("{offset} < 0.01")).await;
         person.picture("compare-overlay").await;
+
+        // A drag with Ctrl takes it elsewhere again; the view stays where it was.
+        let seen = range(person).await;
+        let aligned = person
+            .run("return Number(document.querySelector('[aria-label=\"offset of late.csv\"]').value)")
+            .await
+            .as_f64()
+            .unwrap();
+        person
+            .run(
+                "const chart = document.getElementById('time-plots'); const box = chart.getBoundingClientRect(); \
+                 const at = (type, x) => chart.dispatchEvent(new PointerEvent(type, { bubbles: true, pointerId: 1, ctrlKey: true, clientX: box.left + x, clientY: box.top + 60 })); \
+                 chart.setPointerCapture = () => {}; at('pointerdown', 300); at('pointermove', 330); at('pointermove', 360); at('pointerup', 360);",
+            )
+            .await;
+        let moved = format!(
+            "(Number(document.querySelector('[aria-label=\"offset of late.csv\"]').value) - ({aligned}))"
+        );
+        person.until(&format!("{moved} > 1")).await;
+        let share = 60.0 / person
+            .run("return document.getElementById('time-plots').getBoundingClientRect().width - 78")
+            .await
+            .as_f64()
+            .unwrap();
+        let by = person
+            .run(&format!("return {moved}"))
+            .await
+            .as_f64()
+            .unwrap();
+        assert!((by - share * (seen.1 - seen.0)).abs() < 0.01, "{by}");
+        assert_eq!(range(person).await, seen);
         assert_eq!(person.run("return window.refused").await, json!([]));
     });
 }

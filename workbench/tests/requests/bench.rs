@@ -214,6 +214,20 @@ impl Browser<'_> {
         events.pop().unwrap()
     }
 
+    /// Follows a job as a page does that may go away, once it was told that it runs.
+    pub(crate) fn follow(&self, session: &str, job: u64) -> TcpStream {
+        let mut events = self.bench.connect();
+        let request = format!(
+            "GET {session}/jobs/{job} HTTP/1.1\r\nHost: {}\r\nCookie: {}\r\nConnection: close\r\n\r\n",
+            self.bench.host(),
+            self.cookie
+        );
+        events.write_all(request.as_bytes()).unwrap();
+        let mut first = [0; 64];
+        events.read_exact(&mut first).unwrap();
+        events
+    }
+
     /// Begins a job and waits for its end; gives all events.
     pub(crate) fn work(&self, session: &str, path: &str, wish: &Value) -> Vec<Value> {
         let begun = self.post(path, wish);

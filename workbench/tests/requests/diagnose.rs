@@ -1,7 +1,5 @@
 //! Page "Diagnose": from a log to the missing effect, and what happens to work that nobody waits for.
 
-use std::io::{Read, Write};
-
 use serde_json::{Value, json};
 
 use crate::bench::{Bench, Browser};
@@ -196,16 +194,7 @@ fn a_diagnosis_ends_with_whoever_listens() {
         &json!({"logs": [1], "check": []}),
     );
     let job = begun.json()["job"].as_u64().unwrap();
-    let mut events = bench.connect();
-    let request = format!(
-        "GET {session}/jobs/{job} HTTP/1.1\r\nHost: {}\r\nCookie: {}\r\nConnection: close\r\n\r\n",
-        bench.host(),
-        browser.cookie
-    );
-    events.write_all(request.as_bytes()).unwrap();
-    let mut first = [0; 64];
-    events.read_exact(&mut first).unwrap();
-    drop(events);
+    drop(browser.follow(&session, job));
     // Its end is told to whoever asks for the job later.
     let told = browser.get(&format!("{session}/jobs/{job}")).text();
     let last: Value = serde_json::from_str(

@@ -1,6 +1,6 @@
 //! Tabs, restarts, and what happens to work whose page is gone.
 
-use std::io::{Read, Write};
+use std::io::Read;
 
 use serde_json::{Value, json};
 
@@ -121,16 +121,7 @@ fn closing_a_page_ends_its_session_and_its_work() {
     );
     let begun = browser.post(&format!("{session}/logs/1/compare"), &json!({}));
     let job = begun.json()["job"].as_u64().unwrap();
-    let mut events = bench.connect();
-    let request = format!(
-        "GET {session}/jobs/{job} HTTP/1.1\r\nHost: {}\r\nCookie: {}\r\nConnection: close\r\n\r\n",
-        bench.host(),
-        browser.cookie
-    );
-    events.write_all(request.as_bytes()).unwrap();
-    // The page is told that the job runs before it goes.
-    let mut first = [0; 64];
-    events.read_exact(&mut first).unwrap();
+    let mut events = browser.follow(&session, job);
     assert_eq!(
         browser.post(&format!("{session}/close"), &json!({})).status,
         200

@@ -1,22 +1,22 @@
 //! Sharp lines in what remains: something swings by itself, whatever the commands.
 //!
-//! A periodogram for uneven sampling with a constant of its own (M. Zechmeister, M. Kürster 2009), for a valve is
-//! open now and then only. It is taken of what a cause would have to do, not of the error: while the fill valve works,
+//! A [periodogram](Samples) for uneven samples, for a valve is open now and then only. It is taken of what a cause would have to do, not of the error: while the fill valve works,
 //! by how much the supply pressure would have to differ; while the vent valve works, by which share the flow; while
 //! both are shut, at which rate air leaks. A smooth law of the commands is taken off first. The height of a line is judged by its neighbours, so that a coloured
 //! background makes none; and a line that the commands tell is no line, for a cycle of commands makes every error
 //! periodic.
 
-use core::f64::consts::{LN_2, TAU};
+use core::f64::consts::LN_2;
+use core::ops::Range;
 
 use plant_sim::PlantParameters;
-use rayon::prelude::*;
 
 use super::super::evidence::{Channel, Log};
 use super::super::result::SpectralLine;
 use super::super::vector::median;
 use super::alike::{Usual, usual, without_smooth_law};
 use super::course::{Course, Regime};
+use super::periodogram::{Samples, Wave};
 
 /// A line in noise alone is less probable than this; fixed before any log was looked at.
 const CHANCE: f64 = 1e-4;
@@ -29,6 +29,7 @@ const OVERSAMPLING: usize = 2;
 /// Neighbours on either side whose median is the background, without those nearest, into which a line leaks.
 const NEIGHBOURS: usize = 40;
 const LEAKAGE: usize = 3;
+const SIDE: usize = OVERSAMPLING * NEIGHBOURS;
 /// Highest frequency over that of rows and of PWM periods; above it nothing is resolved.
 const HIGHEST: f64 = 1.0 / 3.0;
 /// Rows below this share of the largest sensitivity say little, and are left out.
@@ -48,10 +49,7 @@ pub(super) struct Swing<'a> {
     condition: &'static str,
     unit: &'static str,
     rows: Vec<usize>,
-    times_s: Vec<f64>,
-    values: Vec<f64>,
-    /// One over the variance of each value.
-    weights: Vec<f64>,
+    samples: Samples,
     /// What the weighted sum of squares is where there is only noise.
     noise: f64,
     highest_hz: f64,
@@ -145,31 +143,31 @@ impl<'a> Swing<'a> {
             condition,
             unit,
             rows,
-            times_s,
-            values,
-            weights,
+            samples: Samples {
+                times_s,
+                values,
+                weights,
+            },
             noise,
             highest_hz,
         })
     }
 
-    fn span_s(&self) -> f64 {
-        self.times_s[self.times_s.len() - 1] - self.times_s[0]
+    /// Frequencies to look at are multiples of this one (Hz).
+    fn step_hz(&self) -> f64 {
+        let times_s = &self.samples.times_s;
+        1.0 / (OVERSAMPLING as f64 * (times_s[times_s.len() - 1] - times_s[0]))
     }
 
-    /// Frequencies to look at (Hz).
-    fn frequencies_hz(&self) -> Vec<f64> {
-        let step_hz = 1.0 / (OVERSAMPLING as f64 * self.span_s());
+    /// Which multiples are looked at.
+    fn multiples(&self) -> Range<usize> {
         let first = (PERIODS * OVERSAMPLING as f64).ceil() as usize;
-        (first..)
-            .map(|n| n as f64 * step_hz)
-            .take_while(|&hz| hz < self.highest_hz)
-            .collect()
+        first..((self.highest_hz / self.step_hz()).ceil() as usize).max(first)
     }
 
     /// Independent frequencies that are looked at.
     pub(super) fn trials(&self) -> f64 {
-        self.frequencies_hz().len() as f64 / OVERSAMPLING as f64
+        self.multiples().len() as f64 / OVERSAMPLING as f64
     }
 
     /// Its lines, the strongest first, where `trials` independent frequencies are looked at in all.
@@ -177,18 +175,18 @@ impl<'a> Swing<'a> {
         let mut lines = Vec::new();
         let mut tried = 0;
         let square = |(value, weight): (&f64, &f64)| weight * value * value;
-        let excess = self
-            .values
-            .iter()
-            .zip(&self.weights)
-            .map(square)
-            .sum::<f64>()
-            - self.noise;
+        let Samples {
+            values, weights, ..
+        } = &self.samples;
+        let excess = values.iter().zip(weights).map(square).sum::<f64>() - self.noise;
         while tried < LINES
             && let Some((line, wave)) = self.strongest(trials)
         {
             let is_own = 2.0 * wave.power > LEAST_SHARE * excess && !self.is_commanded(&wave);
-            for (time_s, value) in self.times_s.iter().zip(&mut self.values) {
+            let Samples {
+                times_s, values, ..
+            } = &mut self.samples;
+            for (time_s, value) in times_s.iter().zip(values) {
                 *value -= wave.at(*time_s);
             }
             if is_own {
@@ -202,117 +200,52 @@ impl<'a> Swing<'a> {
     /// Whether the commands tell the wave: without what is usual at like instants nothing of it stands out.
     fn is_commanded(&self, wave: &Wave) -> bool {
         let mut values = vec![0.0; self.log.commands.len()];
-        for (&row, value) in self.rows.iter().zip(&self.values) {
+        for (&row, value) in self.rows.iter().zip(&self.samples.values) {
             values[row] = *value;
         }
         let usual = usual(self.log, &values, &self.rows, &self.rows);
         let without =
             |(value, usual): (&f64, Option<Usual>)| value - usual.map_or(0.0, |usual| usual.mean);
-        let unusual = Self {
-            values: self.values.iter().zip(usual).map(without).collect(),
-            ..self.clone()
+        let unusual = Samples {
+            values: self.samples.values.iter().zip(usual).map(without).collect(),
+            ..self.samples.clone()
         };
-        let frequencies_hz = self.frequencies_hz();
-        let n = frequencies_hz.partition_point(|&hz| hz < wave.frequency_hz);
-        let near = n.saturating_sub(1)..(n + 1).min(frequencies_hz.len());
-        let powers = unusual.powers(&frequencies_hz);
-        !near
-            .clone()
-            .filter_map(|n| chance(&powers, n))
+        let (all, step_hz) = (self.multiples(), self.step_hz());
+        let nearest = (wave.frequency_hz / step_hz).ceil() as usize;
+        // What is judged, and the neighbours that it is judged by.
+        let around = |multiples: usize| {
+            let from = nearest.saturating_sub(1 + multiples).max(all.start);
+            from..(nearest + 1 + multiples).clamp(from, all.end)
+        };
+        let seen = around(SIDE);
+        let powers = unusual.powers(seen.clone(), step_hz);
+        !around(0)
+            .filter_map(|multiple| chance(&powers, multiple - seen.start))
             .any(|p_value| p_value < UNUSUAL)
     }
 
-    fn powers(&self, frequencies_hz: &[f64]) -> Vec<f64> {
-        frequencies_hz
-            .par_iter()
-            .map(|&hz| self.wave(hz).power)
-            .collect()
-    }
-
     fn strongest(&self, trials: f64) -> Option<(SpectralLine, Wave)> {
-        let frequencies_hz = self.frequencies_hz();
-        let powers = self.powers(&frequencies_hz);
+        let (multiples, step_hz) = (self.multiples(), self.step_hz());
+        let powers = self.samples.powers(multiples.clone(), step_hz);
         // A strong line lifts the background of its own neighbours; among those that stand out, the strongest is it.
         let (n, p_value) = (0..powers.len())
             .filter_map(|n| Some((n, corrected(chance(&powers, n)?, trials))))
             .filter(|(_, p_value)| *p_value < CHANCE)
             .max_by(|a, b| powers[a.0].total_cmp(&powers[b.0]))?;
         // Between the frequencies that were looked at.
-        let step_hz = frequencies_hz[1] - frequencies_hz[0];
-        let finer = (-10..=10).map(|k| self.wave(frequencies_hz[n] + 0.1 * f64::from(k) * step_hz));
+        let multiple = (multiples.start + n) as f64;
+        let finer =
+            (-10..=10).map(|k| self.samples.wave((multiple + 0.1 * f64::from(k)) * step_hz));
         let wave = finer.max_by(|a, b| a.power.total_cmp(&b.power))?;
         let line = SpectralLine {
             signal: self.signal.to_owned(),
             condition: self.condition.to_owned(),
             frequency_hz: wave.frequency_hz,
-            amplitude: f64::hypot(wave.cosine, wave.sine),
+            amplitude: wave.amplitude(),
             unit: self.unit.to_owned(),
             p_value: p_value.max(f64::MIN_POSITIVE),
         };
         Some((line, wave))
-    }
-
-    /// The wave of this frequency that fits best, beside a constant.
-    fn wave(&self, frequency_hz: f64) -> Wave {
-        // Weighted sums of 1, c, s, y and their products.
-        let [
-            mut w,
-            mut c,
-            mut s,
-            mut y,
-            mut cc,
-            mut cs,
-            mut ss,
-            mut yc,
-            mut ys,
-        ] = [0.0; 9];
-        for ((time_s, value), weight) in self.times_s.iter().zip(&self.values).zip(&self.weights) {
-            let (sine, cosine) = (TAU * frequency_hz * time_s).sin_cos();
-            w += weight;
-            c += weight * cosine;
-            s += weight * sine;
-            y += weight * value;
-            cc += weight * cosine * cosine;
-            cs += weight * cosine * sine;
-            ss += weight * sine * sine;
-            yc += weight * value * cosine;
-            ys += weight * value * sine;
-        }
-        let (cc, cs, ss) = (cc - c * c / w, cs - c * s / w, ss - s * s / w);
-        let (yc, ys) = (yc - y * c / w, ys - y * s / w);
-        let determinant = cc * ss - cs * cs;
-        if determinant <= 1e-9 * cc * ss {
-            return Wave {
-                frequency_hz,
-                cosine: 0.0,
-                sine: 0.0,
-                power: 0.0,
-            };
-        }
-        let cosine = (yc * ss - ys * cs) / determinant;
-        let sine = (ys * cc - yc * cs) / determinant;
-        Wave {
-            frequency_hz,
-            cosine,
-            sine,
-            power: 0.5 * (cosine * yc + sine * ys),
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Wave {
-    frequency_hz: f64,
-    cosine: f64,
-    sine: f64,
-    /// Half of what it takes off the sum of squares; in white noise exponential with mean 1.
-    power: f64,
-}
-
-impl Wave {
-    fn at(&self, time_s: f64) -> f64 {
-        let (sine, cosine) = (TAU * self.frequency_hz * time_s).sin_cos();
-        self.cosine * cosine + self.sine * sine
     }
 }
 
@@ -324,10 +257,9 @@ fn corrected(p_value: f64, trials: f64) -> f64 {
 /// Probability of a power as high as that at `n` in noise of the neighbours' level, which is known as well as their
 /// median is.
 fn chance(powers: &[f64], n: usize) -> Option<f64> {
-    let side = OVERSAMPLING * NEIGHBOURS;
     let gap = OVERSAMPLING * LEAKAGE;
-    let below = n.saturating_sub(side)..n.saturating_sub(gap);
-    let above = (n + gap + 1).min(powers.len())..(n + side + 1).min(powers.len());
+    let below = n.saturating_sub(SIDE)..n.saturating_sub(gap);
+    let above = (n + gap + 1).min(powers.len())..(n + SIDE + 1).min(powers.len());
     let mut neighbours = [&powers[below], &powers[above]].concat();
     let independent = neighbours.len() as f64 / OVERSAMPLING as f64;
     // The median of an exponential is ln 2 of its mean, and has half the efficiency of the mean.

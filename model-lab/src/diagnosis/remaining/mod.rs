@@ -6,6 +6,7 @@ mod course;
 mod curves;
 mod flow_table;
 mod lines;
+mod periodogram;
 mod pulses;
 mod sentences;
 

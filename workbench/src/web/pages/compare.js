@@ -32,7 +32,7 @@ class Page {
     this.ending = new AbortController();
     this.verdict = element("div", { class: "verdict", role: "status", id: "verdict" });
     this.cursors = new Cursors(log, () => this.plots.mark());
-    this.plots = new TimePlots(log, logs, this.cursors, () => this.looks?.refresh());
+    this.plots = new TimePlots(log, logs, this.cursors, { onView: () => this.looks?.refresh(), onShift: (moved) => this.looks?.showShift(moved) });
     this.regimes = new Regimes(() => this.plots.refresh());
     this.closer = element("div", { class: "stack" });
     const choice = element("select", { id: "log", on: { change: () => view.go("compare", { log: Number(choice.value) }) } },
@@ -106,7 +106,7 @@ class Page {
         element("h3", {}, titled(signal.name)),
         element("p", {}, signal.finding.sentence),
         element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, worst ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
-          button("Go there", () => this.plots.goTo(signal.free_run.worst_time_s), { class: "link" })),
+          button("Go there", () => this.plots.goToMoment(signal.free_run.worst_time_s), { class: "link" })),
         signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))),
       this.comparison.not_compared.map((one) => element("p", { class: "quiet" }, element("b", {}, one.name), ` is not compared: ${one.reason}`)));
   }

@@ -112,7 +112,7 @@ class Page {
     fill(this.verdict, result.runs.map(({ plant, verdict }) => element("span", { class: `chip ${verdict.holds ? "good" : "bad"}` },
       `${plant.role === "plant" ? "" : `${plant.role}: `}${verdict.holds ? "keeps every binding requirement" : "does not hold"}`)));
     this.table.hidden = false;
-    fill(this.table, requirements(result, (time) => this.plots.goTo(time)));
+    fill(this.table, requirements(result, (time) => this.plots.goToStep(time)));
     await this.plots.take(result);
     document.body.dataset.ready = "control";
   }

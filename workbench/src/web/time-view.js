@@ -1,0 +1,215 @@
+// Plots one below the other over one time axis: tools, keys, wheel and pointer move what of it is visible.
+
+import { axis, clear, draw, label, layout, plotly } from "./chart.js";
+import { button, element, tellProblems } from "./dom.js";
+import { colour } from "./theme.js";
+import * as view from "./view.js";
+
+const MARGIN = { l: 64, r: 14, t: 28, b: 44 };
+const GAP = 29;
+/** Until a person rests for so long (ms), only the axes follow. */
+const REST = 120;
+
+/** A subclass has `refresh`, which fetches `courses` of the visible range, and `paint`, which draws them with `drawStack`. */
+export class TimeView {
+  /** `keys` says in words which keys of its own the view has, beside those that move it. */
+  constructor(id, keys = "") {
+    this.courses = null;
+    this.chart = element("div", { class: "chart", id, tabIndex: 0, role: "application", "aria-label": `Courses over time. Plus and minus zoom, arrows move, Home shows all${keys}.` });
+    this.pointer = element("div", { class: "pointer", hidden: true });
+    this.over = element("div", { class: "over" }, this.chart, this.pointer);
+    this.ending = new AbortController();
+    this.listen();
+  }
+
+  /** The row above the plots. */
+  tools(title, whole, exports) {
+    return element("div", { class: "row tools" }, element("h2", {}, title), element("span", { class: "space" }),
+      button("−", () => this.zoom(2), { title: "Zoom out (−)", "aria-label": "Zoom out" }),
+      button("+", () => this.zoom(0.5), { title: "Zoom in (+)", "aria-label": "Zoom in" }),
+      button("◀", () => this.move(-0.25), { title: "Earlier (←)", "aria-label": "Earlier" }),
+      button("▶", () => this.move(0.25), { title: "Later (→)", "aria-label": "Later" }),
+      button(whole, () => this.look(null, null), { title: "Home", id: "whole" }),
+      element("details", { class: "menu" }, element("summary", {}, "Export"), exports));
+  }
+
+  leave() {
+    this.ending.abort();
+    this.fetching?.abort();
+    clearTimeout(this.waiting);
+    clear(this.chart);
+  }
+
+  redraw() {
+    if (this.courses) this.paint();
+  }
+
+  /** Ends what was being fetched; the signal of what is fetched now. */
+  fetchAnew() {
+    this.fetching?.abort();
+    this.fetching = new AbortController();
+    return this.fetching.signal;
+  }
+
+  /** Points that a screen of this width can show. */
+  points(share = 1) {
+    return Math.max(400, Math.min(2400, Math.round(share * (this.chart.clientWidth || 900))));
+  }
+
+  /** What is visible (s). */
+  range() {
+    const [begin, end] = this.courses?.whole_s ?? [0, 1];
+    return { from: view.numberOf("from") ?? begin, to: view.numberOf("to") ?? end };
+  }
+
+  /** Goes to a range; none is all there is. */
+  look(from, to) {
+    if (!this.courses) return;
+    if (from !== null) {
+      const [begin, end] = this.courses.whole_s;
+      to = Math.max(to, from + 1e-6 * (end - begin));
+      // Beyond twice the whole there is nothing to see.
+      if (to - from > 2 * (end - begin)) [from, to] = [null, null];
+    }
+    view.set({ from, to });
+    this.showRange();
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.refresh().catch((error) => tellProblems(error, "View")), REST);
+  }
+
+  /** Moves the axes at once, with the points that are there. */
+  async showRange() {
+    if (!this.chart.layout) return;
+    const { from, to } = this.range();
+    await (await plotly()).relayout(this.chart, { "xaxis.range": [from, to] });
+  }
+
+  zoom(factor, share = 0.5) {
+    const { from, to } = this.range();
+    const middle = from + share * (to - from);
+    this.look(middle - share * factor * (to - from), middle + (1 - share) * factor * (to - from));
+  }
+
+  move(share) {
+    const { from, to } = this.range();
+    this.look(from + share * (to - from), to + share * (to - from));
+  }
+
+  /** Shows what lies around a time, and the plots themselves. */
+  goTo(from, to) {
+    this.look(from, to);
+    this.element.scrollIntoView({ behavior: "smooth", block: "start" });
+  }
+
+  /**
+   * Draws the panels from top to bottom. Each has a `height` (px), a `title`, the colour role of its `ink`, and `draw`, which is
+   * given the name of its axis and gives its `traces`, the `range` of its axis, and perhaps `ticks` and `shapes`.
+   */
+  async drawStack(panels, { title, shapes = [], annotations = [] }) {
+    const plotted = panels.reduce((sum, panel) => sum + panel.height, 0) + GAP * Math.max(0, panels.length - 1);
+    const { from, to } = this.range();
+    const wished = layout({
+      height: plotted + MARGIN.t + MARGIN.b, margin: MARGIN, hovermode: false, annotations: [], shapes: [],
+      xaxis: axis({ range: [from, to], title: { text: title, standoff: 6 }, anchor: "free", position: 0, domain: [0, 1] }),
+    });
+    const traces = [];
+    let above = 0;
+    panels.forEach((panel, index) => {
+      const number = index === 0 ? "" : index + 1;
+      const domain = [1 - (above + panel.height) / plotted, 1 - above / plotted].map((share) => Math.max(0, Math.min(1, share)));
+      above += panel.height + GAP;
+      const drawn = panel.draw(`y${number}`);
+      traces.push(...drawn.traces);
+      wished.shapes.push(...drawn.shapes ?? []);
+      wished[`yaxis${number}`] = axis({ domain, range: drawn.range, fixedrange: true, nticks: drawn.ticks ?? 4, anchor: "x" });
+      wished.annotations.push({ xref: "paper", yref: "paper", x: 0, y: domain[1], xanchor: "left", yanchor: "bottom", showarrow: false, text: label(panel.title), font: { size: 12, color: colour(panel.ink ?? "ink") } });
+    });
+    wished.shapes.push(...shapes);
+    wished.annotations.push(...annotations);
+    await draw(this.chart, traces, wished);
+    this.watchLibrary();
+  }
+
+  /** A course as a line. */
+  line(course, yaxis, role, more = {}) {
+    return { x: course.t, y: course.y, xaxis: "x", yaxis, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width: 1.4, ...more } };
+  }
+
+  /** A range of values around what is visible of the courses, with some air; `values` are to be seen besides. */
+  rangeOf(courses, values = []) {
+    const { from, to } = this.range();
+    let [low, high] = [Math.min(...values), Math.max(...values)];
+    for (const { t, y } of courses) {
+      for (let index = 0; index < y.length; index += 1) {
+        const value = y[index];
+        if (value === null || t[index] === null || t[index] < from || t[index] > to) continue;
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    }
+    if (low > high) return [0, 1];
+    const air = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
+    return [low - air, high + air];
+  }
+
+  /** What a person did with the library's own hands. */
+  watchLibrary() {
+    if (this.isWatched) return;
+    this.isWatched = true;
+    this.chart.on("plotly_relayout", (change) => {
+      const range = change["xaxis.range"] ?? [change["xaxis.range[0]"], change["xaxis.range[1]"]];
+      const { from, to } = this.range();
+      if (Number.isFinite(range[0]) && (range[0] !== from || range[1] !== to)) this.look(range[0], range[1]);
+    });
+  }
+
+  /** The time under a pointer; none beside the plots. */
+  timeAt(event) {
+    const { left, width } = this.chart.getBoundingClientRect();
+    const share = (event.clientX - left - MARGIN.l) / (width - MARGIN.l - MARGIN.r);
+    const { from, to } = this.range();
+    return share >= 0 && share <= 1 ? { time: from + share * (to - from), share } : null;
+  }
+
+  /** The time that lies between two places of the pointer (px). */
+  timeBetween(from, to) {
+    const visible = this.range();
+    return (to - from) * (visible.to - visible.from) / (this.chart.getBoundingClientRect().width - MARGIN.l - MARGIN.r);
+  }
+
+  /** The pointer is at a time, or beside the plots (null). */
+  hover() {}
+
+  /** What keys of its own the view has. */
+  acts() {
+    return {};
+  }
+
+  listen() {
+    const { chart } = this;
+    chart.addEventListener("dblclick", () => this.look(null, null));
+    chart.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey) return;
+      event.preventDefault();
+      const at = this.timeAt(event);
+      if (at) this.zoom(Math.exp(event.deltaY / 400), at.share);
+    }, { passive: false });
+    chart.addEventListener("pointermove", (event) => {
+      const at = this.timeAt(event);
+      this.pointer.hidden = !at;
+      if (at) this.pointer.style.left = `${event.clientX - chart.getBoundingClientRect().left}px`;
+      this.hover(at?.time ?? null);
+    });
+    chart.addEventListener("pointerleave", () => { this.pointer.hidden = true; this.hover(null); });
+    chart.addEventListener("keydown", (event) => {
+      const acts = {
+        "+": () => this.zoom(0.5), "=": () => this.zoom(0.5), "-": () => this.zoom(2), ArrowLeft: () => this.move(-0.1), ArrowRight: () => this.move(0.1),
+        Home: () => this.look(null, null), ...this.acts(),
+      };
+      const act = Object.hasOwn(acts, event.key) && acts[event.key];
+      if (!act || event.ctrlKey || event.metaKey) return;
+      event.preventDefault();
+      act();
+    });
+  }
+}

@@ -1,0 +1,83 @@
+//! The tests of this machine: built once, run in three parts, of which one needs a browser and one the image.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use crate::failure::Failure;
+use crate::process;
+use crate::workspace::{cargo, find_program};
+
+/// What the tests need that stand behind a feature. Each part is built with all of them: with others, cargo would build
+/// the dependencies once more.
+pub(crate) const FEATURES: &str =
+    "hil-harness/image-in-the-loop,retarder/image-in-the-loop,workbench/browser";
+
+/// Longest build and run of one part. A cold build of everything takes some minutes on two cores.
+const DEADLINE: Duration = Duration::from_secs(2400);
+
+/// Which tests of the workspace.
+#[derive(Clone, Copy)]
+pub(crate) enum Which<'a> {
+    /// Those that need nothing but this machine.
+    Alone,
+    /// Those of the page in a browser.
+    Browser,
+    /// Those with the image in the loop, one after the other: each keeps two processors busy.
+    Image(&'a Path),
+}
+
+/// Runs some tests of the workspace, all of them although one fails.
+pub(crate) fn run(which: Which<'_>) -> Result<(), Failure> {
+    let runs = if find_program("cargo-nextest").is_some() {
+        vec![by_nextest(which)]
+    } else {
+        by_cargo(which)
+    };
+    runs.into_iter().fold(Ok(()), |outcome, mut tests| {
+        if let Which::Image(image) = which {
+            tests.env("RETARDER_IMAGE", image);
+        }
+        outcome.and(process::run(&mut tests, DEADLINE))
+    })
+}
+
+fn by_nextest(which: Which<'_>) -> Command {
+    const BROWSER: &str = "package(workbench) & binary(browser)";
+    const IMAGE: &str =
+        "package(hil-harness) & binary(/image/) | package(retarder) & test(/^image::/)";
+    let mut tests = cargo();
+    tests.args(["nextest", "run", "--workspace", "--no-fail-fast"]);
+    tests.args(["--features", FEATURES, "--filterset"]);
+    match which {
+        Which::Alone => tests.arg(format!("not ({BROWSER} | {IMAGE})")),
+        Which::Browser => tests.arg(BROWSER),
+        Which::Image(_) => tests.arg(IMAGE).args(["--test-threads", "1"]),
+    };
+    tests
+}
+
+/// Cargo's own runner knows whole test programs only.
+fn by_cargo(which: Which<'_>) -> Vec<Command> {
+    let test = |arguments: &[&str]| {
+        let mut tests = cargo();
+        tests.args(["test", "--workspace", "--no-fail-fast"]);
+        tests.args(arguments);
+        tests
+    };
+    match which {
+        Which::Alone => vec![test(&["--lib", "--bins", "--tests"])],
+        Which::Browser => vec![test(&["--features", FEATURES, "--test", "browser"])],
+        Which::Image(_) => [
+            &["image_in_the_loop", "--"][..],
+            &["campaign_on_the_image", "--"],
+            &["suite", "image::", "--"],
+        ]
+        .map(|which| {
+            let mut tests = test(&["--features", FEATURES, "--test"]);
+            tests.args(which).args(["--test-threads", "1"]);
+            tests
+        })
+        .into(),
+    }
+}
