@@ -6,6 +6,7 @@ mod closed_loop;
 mod effects;
 mod examples;
 mod guard;
+mod histogram;
 mod history;
 mod job;
 mod log_reader;
@@ -18,7 +19,9 @@ mod refusal;
 mod server;
 mod session;
 mod shelf;
+mod spectrum;
 mod store;
 mod token;
+mod tolerance;
 
 pub use server::{Options, ServeError, Server, Stopper};

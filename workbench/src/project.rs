@@ -11,6 +11,7 @@ use crate::history::History;
 pub(crate) use crate::plant_file::PlantFile;
 use crate::refusal::Refusal;
 use crate::store::LogHash;
+use crate::tolerance::Tolerance;
 
 /// Name and version of the project file.
 pub(crate) const PROJECT_SCHEMA: &str = "retarder.project/1";
@@ -56,7 +57,11 @@ pub(crate) struct LogEntry {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Strictness {
     pub(crate) allowed_noise_multiples: f64,
+    /// Largest rms of a signal that holds.
     pub(crate) tolerances: BTreeMap<String, f64>,
+    /// Bands around single samples; absent in files of earlier versions.
+    #[serde(default)]
+    pub(crate) bands: BTreeMap<String, Tolerance>,
 }
 
 impl Default for Strictness {
@@ -65,11 +70,37 @@ impl Default for Strictness {
         Self {
             allowed_noise_multiples: options.allowed_noise_multiples,
             tolerances: options.tolerances,
+            bands: BTreeMap::new(),
         }
     }
 }
 
 impl Strictness {
+    /// Refuses what no signal can be judged by.
+    pub(crate) fn check(&self) -> Result<(), Refusal> {
+        let is_positive = |value: f64| value > 0.0 && value.is_finite();
+        if !is_positive(self.allowed_noise_multiples) {
+            return Err(Refusal::value(format!(
+                "the allowed multiple of the noise floor is positive; {} is not",
+                self.allowed_noise_multiples
+            )));
+        }
+        let mut tolerances = self.tolerances.iter();
+        if let Some((name, value)) = tolerances.find(|(_, value)| !is_positive(**value)) {
+            return Err(Refusal::value(format!(
+                "the tolerance of {name} is positive; {value} is not"
+            )));
+        }
+        let mut bands = self.bands.iter();
+        bands.try_for_each(|(name, band)| band.check(name))
+    }
+
+    /// Whether a comparison that was made with `before` says something else with this.
+    pub(crate) fn judges_otherwise(&self, before: &Self) -> bool {
+        self.allowed_noise_multiples != before.allowed_noise_multiples
+            || self.tolerances != before.tolerances
+    }
+
     /// The options for `log`; tolerances of signals that it has not are for other logs of the project.
     pub(crate) fn options_for(&self, log: &Recording) -> CompareOptions {
         let tolerances = self.tolerances.iter();

@@ -1,9 +1,12 @@
 //! Page "Compare": measured and modelled side by side, and where they part.
 
+mod band;
 pub(super) mod courses;
 mod details;
 mod export;
 mod selection;
+mod states;
+mod statistics;
 
 use std::sync::Arc;
 
@@ -32,6 +35,14 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/logs/{log}/values", get(show_values))
         .route("/sessions/{session}/logs/{log}/scatter", get(show_scatter))
         .route("/sessions/{session}/logs/{log}/fold", get(show_fold))
+        .route(
+            "/sessions/{session}/logs/{log}/distribution",
+            get(show_distribution),
+        )
+        .route(
+            "/sessions/{session}/logs/{log}/spectrum",
+            get(show_spectrum),
+        )
         .route(
             "/sessions/{session}/logs/{log}/alignment",
             get(show_alignment),
@@ -165,6 +176,24 @@ async fn show_fold(
 ) -> Result<Json<details::Fold>, Refusal> {
     let session = session(&sessions, id)?;
     blocking(move || details::fold(&session, log, &fold).map(Json)).await
+}
+
+async fn show_distribution(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(wish): Query<statistics::Wish>,
+) -> Result<Json<statistics::Distribution>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || statistics::distribution(&session, log, &wish).map(Json)).await
+}
+
+async fn show_spectrum(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(wish): Query<statistics::Wish>,
+) -> Result<Json<statistics::Spectral>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || statistics::spectrum(&session, log, &wish).map(Json)).await
 }
 
 #[derive(Deserialize)]

@@ -324,27 +324,15 @@ async fn set_strictness(
     Json(strictness): Json<Strictness>,
 ) -> Result<(), Refusal> {
     let session = session(&sessions, id)?;
-    let is_positive = |value: f64| value > 0.0 && value.is_finite();
-    if !is_positive(strictness.allowed_noise_multiples) {
-        return Err(Refusal::value(format!(
-            "the allowed multiple of the noise floor is positive; {} is not",
-            strictness.allowed_noise_multiples
-        )));
-    }
-    if let Some((name, value)) = strictness
-        .tolerances
-        .iter()
-        .find(|(_, value)| !is_positive(**value))
-    {
-        return Err(Refusal::value(format!(
-            "the tolerance of {name} is positive; {value} is not"
-        )));
-    }
-    session.change(|project| {
+    strictness.check()?;
+    let is_judged_anew = session.change(|project| {
+        let is_judged_anew = strictness.judges_otherwise(&project.strictness);
         project.strictness = strictness;
-        Ok(())
+        Ok(is_judged_anew)
     })?;
-    session.forget_comparisons();
+    if is_judged_anew {
+        session.forget_comparisons();
+    }
     Ok(())
 }
 

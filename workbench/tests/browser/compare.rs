@@ -79,6 +79,9 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
             .await;
         person.watch_the_policy().await;
 
+        person
+            .until("['scatter', 'fold', 'distribution', 'spectrum'].every((look) => document.getElementById(look).data)")
+            .await;
         // Every chart as a picture, in the page's own content policy, and the data as two kinds of log.
         person
             .run(
@@ -87,7 +90,7 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
                  for (const button of document.querySelectorAll('button')) if (/^(PNG|SVG|CSV of.*|MF4 of.*)$/.test(button.textContent)) button.click();",
             )
             .await;
-        person.until("saved.length === 8").await;
+        person.until("saved.length === 12").await;
         let saved: Vec<(String, String)> =
             serde_json::from_value(person.run("return saved").await).unwrap();
         for (name, url) in saved {

@@ -2,6 +2,7 @@
 //!
 //! Pictures of what was seen are left in the target folder, under `tmp/`.
 
+mod closer;
 mod compare;
 mod control;
 mod driver;

@@ -16,6 +16,7 @@
 //! | 12 what is linked | `deny.toml`, by hand; CONTRIBUTING.md says why |
 
 mod bench;
+mod compare;
 mod control;
 mod diagnose;
 mod guard;

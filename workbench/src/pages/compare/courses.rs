@@ -1,15 +1,21 @@
 //! The courses of a view, in as many points as it has pixels, and what can be said of them in numbers.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
 use plant_sim::parameters::PlantParameters;
 use plant_sim::replay::ROW_SIGNALS;
 use recording::{Converter, Sampling, Signal, TimeBase, Unit};
 use serde::{Deserialize, Serialize};
 
 use super::Compared;
+use super::band::Band;
 use super::selection::Selection;
+use super::states::{self, Stretch};
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::session::{LoadedLog, Session};
+use crate::tolerance::Tolerance;
 
 /// Points of a course that a page may ask for.
 const POINTS_MAX: usize = 8000;
@@ -30,6 +36,9 @@ pub(super) struct View {
     points: usize,
     /// Samples to mark; see [`Selection`].
     select: Option<String>,
+    /// Whether the states of the valves are wanted.
+    #[serde(default)]
+    states: bool,
 }
 
 #[derive(Serialize)]
@@ -38,6 +47,8 @@ pub(super) struct Courses {
     whole_s: (f64, f64),
     signals: Vec<SignalCourses>,
     selection: Option<Selection>,
+    /// What the valves are commanded to do.
+    states: Vec<Stretch>,
 }
 
 #[derive(Serialize)]
@@ -63,10 +74,12 @@ struct Residual {
     holds: Option<bool>,
     /// Of the samples in the view.
     metrics: Option<Metrics>,
+    /// Tolerance of single samples, where a person gave one.
+    band: Option<Band>,
 }
 
 /// Points of a course; null is a gap.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(in crate::pages) struct Course {
     t: Vec<Option<f64>>,
     y: Vec<Option<f64>>,
@@ -145,12 +158,22 @@ pub(super) fn shown_unit(
         .unwrap_or((signal.unit(), None))
 }
 
+/// All values of a signal in the unit in which it is shown, NaN where missing.
+pub(super) fn shown_values<'a>(signal: &'a Signal, parameters: &PlantParameters) -> Cow<'a, [f64]> {
+    let values = signal.values_or_nan();
+    match shown_unit(signal, parameters).1 {
+        Some(converter) => values.iter().map(|&value| converter.apply(value)).collect(),
+        None => Cow::Borrowed(values),
+    }
+}
+
 /// The courses of the log `number` in a view, and those of the model where it was compared.
 pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Courses, Refusal> {
     let log = session.log(number)?;
     let log = log.as_ref().as_ref().map_err(Clone::clone)?;
     let compared = session.comparison(number);
-    let parameters = session.project().plant.parameters()?;
+    let project = session.project();
+    let parameters = project.plant.parameters()?;
     let range = Range {
         from_s: view.from_s,
         to_s: view.to_s,
@@ -159,6 +182,7 @@ pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Cou
         log,
         parameters: &parameters,
         compared: compared.as_deref(),
+        tolerances: &project.strictness.bands,
         range,
         points: view.points,
     };
@@ -169,7 +193,13 @@ pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Cou
         (Some(compared), Some(select)) => Some(Selection::of(compared, select)?),
         _ => None,
     };
+    let states = if view.states {
+        states::stretches(&log.recording, range)?
+    } else {
+        Vec::new()
+    };
     Ok(Courses {
+        states,
         whole_s: (
             bases().map(TimeBase::start_s).fold(f64::INFINITY, f64::min),
             bases()
@@ -185,6 +215,7 @@ struct Drawer<'a> {
     log: &'a LoadedLog,
     parameters: &'a PlantParameters,
     compared: Option<&'a Compared>,
+    tolerances: &'a BTreeMap<String, Tolerance>,
     range: Range,
     points: usize,
 }
@@ -211,7 +242,7 @@ impl Drawer<'_> {
             if let Some(run) = traces.free_run.signal(signal.name()) {
                 model = Some(self.course(base, run.values_or_nan(), &pyramids.model)?);
             }
-            residual = self.residual(compared, place, base)?;
+            residual = self.residual(compared, place, (base, signal))?;
         }
         Ok(SignalCourses {
             name: signal.name().to_owned(),
@@ -231,7 +262,7 @@ impl Drawer<'_> {
         &self,
         compared: &Compared,
         place: usize,
-        base: &TimeBase,
+        (base, measured): (&TimeBase, &Signal),
     ) -> Result<Option<Residual>, Refusal> {
         let signal = &compared.comparison.signals[place];
         let errors = &compared.comparison.traces.free_run_residual;
@@ -247,7 +278,25 @@ impl Drawer<'_> {
             limit: signal.limit,
             holds: signal.holds,
             metrics: Metrics::of(&errors[within]),
+            band: self.band((base, measured, errors))?,
         }))
+    }
+
+    fn band(
+        &self,
+        (base, measured, errors): (&TimeBase, &Signal, &[f64]),
+    ) -> Result<Option<Band>, Refusal> {
+        let Some(tolerance) = self.tolerances.get(measured.name()) else {
+            return Ok(None);
+        };
+        let measured = shown_values(measured, self.parameters);
+        let band = Band::of(
+            tolerance,
+            (base, &measured, errors),
+            self.range,
+            self.points,
+        )?;
+        Ok(Some(band))
     }
 
     fn course(
@@ -261,7 +310,7 @@ impl Drawer<'_> {
 }
 
 /// Mean distance of two instants (s): a bound for gaps that costs nothing.
-fn mean_step_s(base: &TimeBase) -> f64 {
+pub(super) fn mean_step_s(base: &TimeBase) -> f64 {
     (base.end_s() - base.start_s()) / (base.len().max(2) - 1) as f64
 }
 

@@ -6,7 +6,7 @@ use recording::{Signal, TimeBase};
 use serde::{Deserialize, Serialize};
 
 use super::Compared;
-use super::courses::{Range, shown_unit};
+use super::courses::{Range, shown_unit, shown_values};
 use super::selection::picked;
 use crate::refusal::Refusal;
 use crate::session::Session;
@@ -169,7 +169,8 @@ pub(super) fn scatter(session: &Session, number: u32, axes: &Axes) -> Result<Sca
     })
 }
 
-fn residual_of<'a>(
+/// The residual of a compared signal with its time base.
+pub(super) fn residual_of<'a>(
     compared: &'a Compared,
     name: &str,
 ) -> Result<(&'a TimeBase, &'a Signal), Refusal> {
@@ -178,7 +179,8 @@ fn residual_of<'a>(
     found.ok_or_else(|| Refusal::not_found("compared signal"))
 }
 
-fn unit_of_errors(compared: &Compared, name: &str) -> String {
+/// The unit of its differences.
+pub(super) fn unit_of_errors(compared: &Compared, name: &str) -> String {
     let signals = &compared.comparison.signals;
     let signal = signals.iter().find(|signal| signal.name == name);
     signal.map_or_else(String::new, |signal| signal.unit.clone())
@@ -206,13 +208,9 @@ fn over(
         None => {
             let signal = log.signal(&axes.over);
             let signal = signal.ok_or_else(|| Refusal::not_found("signal"))?;
-            let (unit, converter) = shown_unit(signal, &compared.parameters);
-            let values = signal.values_or_nan().iter();
-            let converted = values.map(|&value| match converter {
-                Some(converter) => converter.apply(value),
-                None => value,
-            });
-            (converted.collect(), unit)
+            let (unit, _) = shown_unit(signal, &compared.parameters);
+            let values = shown_values(signal, &compared.parameters);
+            (values.into_owned(), unit)
         }
     };
     if values.len() != samples {

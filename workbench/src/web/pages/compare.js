@@ -6,6 +6,7 @@ import { number, percent, signed, titled } from "../format.js";
 import * as view from "../view.js";
 import { closerLooks } from "./compare/closer.js";
 import { Cursors } from "./compare/cursors.js";
+import { limitsMenu } from "./compare/limits.js";
 import { Regimes } from "./compare/regimes.js";
 import { TimePlots } from "./compare/charts.js";
 
@@ -41,7 +42,7 @@ class Page {
       element("section", { class: "bar row" },
         element("label", {}, "Log ", choice),
         element("span", {}, "against ", element("strong", {}, project.plant.name)),
-        this.verdict, element("span", { class: "space" }), this.strictness()),
+        this.verdict, element("span", { class: "space" }), limitsMenu(log, project.strictness)),
       element("div", { class: "columns plots" },
         element("div", { class: "stack wide" }, this.plots.element),
         element("aside", { class: "stack" }, this.cursors.element, this.findings = element("section", { class: "card", hidden: true }))),
@@ -109,31 +110,5 @@ class Page {
           button("Go there", () => this.plots.goToMoment(signal.free_run.worst_time_s), { class: "link" })),
         signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))),
       this.comparison.not_compared.map((one) => element("p", { class: "quiet" }, element("b", {}, one.name), ` is not compared: ${one.reason}`)));
-  }
-
-  /** When a signal holds: multiples of its noise, or a tolerance of its own. */
-  strictness() {
-    const { allowed_noise_multiples: multiples, tolerances } = this.project.strictness;
-    const allow = element("input", { type: "number", min: 0, step: "any", value: multiples, class: "short" });
-    const names = this.log.summary.signals.filter((signal) => !signal.name.startsWith("duty_") && signal.name !== "u_bat").map((signal) => signal.name);
-    const fields = names.map((name) => [name, element("input", { type: "number", min: 0, step: "any", value: tolerances[name] ?? "", class: "short", placeholder: "from noise" })]);
-    const apply = async () => {
-      const kept = { ...tolerances };
-      for (const [name, field] of fields) {
-        if (field.value === "") delete kept[name];
-        else kept[name] = Number(field.value);
-      }
-      try {
-        await api.put("/strictness", { allowed_noise_multiples: Number(allow.value), tolerances: kept });
-        view.go("compare", Object.fromEntries(["log", "from", "to", "a", "b", "select", "hide"].map((key) => [key, view.text(key)])));
-      } catch (refusal) {
-        tellProblems(refusal, "Limits");
-      }
-    };
-    return element("details", { class: "menu" }, element("summary", {}, "Limits"),
-      element("div", { class: "popup stack" },
-        element("label", {}, "a signal holds up to ", allow, " times its noise"),
-        fields.map(([name, field]) => element("label", {}, `or ${name} up to an rms of `, field)),
-        button("Compare with these", apply, { class: "primary" })));
   }
 }

@@ -1,6 +1,7 @@
 // What the columns of a log are, where its header does not say it.
 
 import { button, element } from "../dom.js";
+import { Filter } from "../filter.js";
 
 /** The form for a log; `apply` gets what a person says. */
 export function mappingForm(log, preview, apply) {
@@ -19,6 +20,8 @@ export function mappingForm(log, preview, apply) {
     row.name.setAttribute("list", names.id);
     row.unit.setAttribute("list", units.id);
   }
+  const filter = new Filter(isText ? "columns" : "channels");
+  filter.take(rows.map(({ line, heading, name }) => ({ line, get text() { return `${heading} ${name.value}`; } })));
   const toml = element("textarea", { rows: 8, spellcheck: false, value: preview.mapping ?? "", placeholder: "schema = 1" });
   const dialect = () => ({ header: header.checked, skip_lines: Number(skip.value) || 0, delimiter: preview.head.delimiter });
   const send = () => apply({ columns: rows.map((row) => row.value()).filter(Boolean), ...(isText ? dialect() : {}) });
@@ -28,6 +31,7 @@ export function mappingForm(log, preview, apply) {
     isText && element("p", { class: "row" },
       element("label", {}, header, " the first line names the columns"),
       element("label", {}, "lines before it ", skip)),
+    filter.element,
     element("div", { class: "scroll" }, element("table", { class: "form" },
       element("thead", {}, element("tr", {}, ["column", "is", "signal", "unit", "times", "plus"].map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows.map((row) => row.line)))),
@@ -75,5 +79,5 @@ function columnRow(column, heading, guessed, preview, obstacle) {
     scale: scale.value === "" ? null : Number(scale.value), offset: offset.value === "" ? null : Number(offset.value),
   };
   const line = element("tr", {}, element("th", { scope: "row", title: obstacle }, heading, obstacle && element("span", { class: "unit" }, obstacle)), [role, name, unit, scale, offset].map((control) => element("td", {}, control)));
-  return { line, name, unit, value };
+  return { line, heading, name, unit, value };
 }

@@ -3,7 +3,8 @@
 import * as api from "../../api.js";
 import { plotly, saveImage } from "../../chart.js";
 import { button, element, fill, save, tellProblems } from "../../dom.js";
-import { count, number, signed, titled } from "../../format.js";
+import { Filter } from "../../filter.js";
+import { count, number, percent, signed, titled } from "../../format.js";
 import { colour } from "../../theme.js";
 import { TimeView } from "../../time-view.js";
 import * as view from "../../view.js";
@@ -15,15 +16,35 @@ const REST = 400;
 /** A view is fetched with so much of its width on either side, so that moving shows no empty edge. */
 const BESIDE = 0.5;
 
+/** What has a ground of its own. */
+const STATES = ["filling", "venting", "both"];
+
+const showsStates = () => view.text("states") !== null;
+
+/** Pieces of time as one shape through all plots. */
+function bands(pieces, role) {
+  const path = pieces.map(([begin, end]) => `M${begin},0L${begin},1L${end},1L${end},0Z`).join("");
+  return path === "" ? [] : [{ type: "path", xref: "x", yref: "paper", path, fillcolor: colour(role), line: { width: 0 }, layer: "below" }];
+}
+
+/** The share of the visible samples that is beyond a tolerance. */
+function verdictOf(band) {
+  if (!band) return "–";
+  const word = band.holds === null ? "open" : band.holds ? "good" : "bad";
+  return element("span", { class: `chip ${word}`, title: `up to ${percent(band.beyond_max)} of the visible samples may be beyond` }, band.beyond > 0 && band.beyond < 0.0005 ? "< 0.1 %" : percent(band.beyond));
+}
+
 export class TimePlots extends TimeView {
   constructor(log, logs, cursors, { onView, onShift }) {
     super("time-plots", ", a and b set a cursor in the middle");
     Object.assign(this, { log, logs, cursors, onView, onShift, overlays: [], hidden: new Set((view.text("hide") ?? "").split(",").filter(Boolean)) });
     this.choices = element("div", { class: "row choices" });
+    this.filter = new Filter("signals");
+    this.filter.element.append(button("Show only these", () => this.chooseFound((name) => !this.isFound(name)), { id: "show-found" }), button("Hide these", () => this.chooseFound((name) => this.isFound(name) || this.hidden.has(name)), { id: "hide-found" }));
     this.metrics = element("div", { class: "scroll" });
     this.element = element("section", { class: "card", "aria-label": "Courses" },
       this.tools("Measured and modelled", "Whole log", this.exports()),
-      this.legend(), this.choices, this.over,
+      this.legend(), this.filter.element, this.choices, this.over,
       element("p", { class: "quiet hint" }, "Drag to zoom, drag with Shift to move, Ctrl and the wheel to zoom, double-click for the whole log. A click sets cursor A, with Alt cursor B.",
         logs.length > 1 && " Drag with Ctrl to shift the log that lies over this one."),
       element("h3", {}, "Residual within the visible range"), this.metrics);
@@ -33,7 +54,7 @@ export class TimePlots extends TimeView {
 
   legend() {
     const entry = (role, text) => element("span", { class: `key ${role}` }, text);
-    return element("span", { class: "row legend" }, entry("measured", "measured"), entry("model", "modelled"), entry("residual", "measured − modelled"), entry("noise", "±2 σ of the noise"), entry("limit", "limit of the rms"));
+    return element("span", { class: "row legend" }, entry("measured", "measured"), entry("model", "modelled"), entry("residual", "measured − modelled"), entry("noise", "±2 σ of the noise"), entry("limit", "limit of the rms"), entry("tolerance", "tolerance"));
   }
 
   exports() {
@@ -69,7 +90,7 @@ export class TimePlots extends TimeView {
     const [from, to] = beside(view.numberOf("from"), view.numberOf("to"));
     const select = view.text("select");
     try {
-      this.courses = await fetch(this.log.number, from, to, select ? { select } : {});
+      this.courses = await fetch(this.log.number, from, to, { ...select ? { select } : {}, states: showsStates() });
       const beyond = this.logs.filter((log) => this.overlaid().includes(log.number));
       this.overlays = await Promise.all(beyond.map(async (log) => {
         const shift = log.offset_s - this.log.offset_s;
@@ -100,12 +121,6 @@ export class TimePlots extends TimeView {
   }
 
   showChoices() {
-    const signals = this.courses.signals.map((signal) => signal.name);
-    const choose = (name) => () => {
-      if (!this.hidden.delete(name)) this.hidden.add(name);
-      view.set({ hide: [...this.hidden].join(",") });
-      this.paint();
-    };
     const others = this.logs.filter((log) => log !== this.log);
     const overlay = (log) => () => {
       const now = this.overlaid();
@@ -114,20 +129,43 @@ export class TimePlots extends TimeView {
     };
     const check = (text, checked, act, data, role = "") => element("label", { class: "choice" }, element("input", { type: "checkbox", checked, data, on: { change: act } }), element("span", { class: role && `key ${role}` }, ` ${text}`));
     const hue = (log) => { const place = this.overlays.findIndex((one) => one.log === log); return place < 0 ? "" : `overlay-${place % 2}`; };
+    const signals = this.courses.signals.map(({ name, quantity, unit }) => ({
+      name, text: `${titled(name)} ${quantity} ${unit}`, line: check(name, !this.hidden.has(name), () => this.choose((one) => this.hidden.has(one) !== (one === name)), { signal: name }),
+    }));
+    this.filter.take(signals);
+    const states = check("valve states", showsStates(), () => { view.set({ states: showsStates() ? null : "shown" }); this.refresh(); }, { states: "" });
     fill(this.choices,
-      element("span", { class: "quiet" }, "Signals"), signals.map((name) => check(name, !this.hidden.has(name), choose(name), { signal: name })),
+      element("span", { class: "quiet" }, "Signals"), signals.map((signal) => signal.line),
+      element("span", { class: "quiet" }, "behind them"), states, showsStates() && STATES.map((state) => element("span", { class: `key state-${state}` }, state)),
       others.length > 0 && element("span", { class: "quiet" }, "and beside it"), others.map((log) => check(log.name, this.overlaid().includes(log.number), overlay(log), { overlay: log.number }, hue(log))));
+  }
+
+  isFound(name) {
+    return this.filter.fitting().some((one) => one.name === name);
+  }
+
+  /** Hides the signals of which `isHidden` says so. */
+  choose(isHidden) {
+    this.hidden = new Set(this.courses.signals.map((signal) => signal.name).filter(isHidden));
+    view.set({ hide: [...this.hidden].join(",") });
+    this.paint();
+  }
+
+  chooseFound(isHidden) {
+    this.choose(isHidden);
+    this.showChoices();
   }
 
   showMetrics() {
     const rows = this.courses.signals.filter((signal) => signal.residual?.metrics).map((signal) => {
-      const { metrics, unit, limit, holds } = signal.residual;
+      const { metrics, unit, limit, holds, band } = signal.residual;
       return element("tr", {}, element("th", { scope: "row" }, signal.name),
         [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), number(limit), unit].map((cell) => element("td", {}, cell)),
-        element("td", {}, element("span", { class: `chip ${holds === null ? "open" : holds ? "good" : "bad"}`, title: "over the whole log" }, holds === null ? "no limit" : holds ? "holds" : "beyond")));
+        element("td", {}, element("span", { class: `chip ${holds === null ? "open" : holds ? "good" : "bad"}`, title: "over the whole log" }, holds === null ? "no limit" : holds ? "holds" : "beyond")),
+        element("td", { data: { band: signal.name } }, verdictOf(band)));
     });
     fill(this.metrics, rows.length === 0 ? element("p", { class: "quiet" }, "Not compared yet.") : element("table", { class: "numbers", id: "metrics" },
-      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "unit", "whole log"].map((cell) => element("th", { scope: "col" }, cell)))),
+      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "unit", "whole log", "beyond the tolerance"].map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows)));
   }
 
@@ -150,7 +188,7 @@ export class TimePlots extends TimeView {
 
   async paint() {
     const marks = { shapes: this.cursors.shapes(), annotations: this.cursors.labels() };
-    await this.drawStack(this.panels(), { title: "time in the log [s]", shapes: [...this.selection(), ...marks.shapes], annotations: marks.annotations });
+    await this.drawStack(this.panels(), { title: "time in the log [s]", shapes: [...this.states(), ...this.selection(), ...marks.shapes], annotations: marks.annotations });
     const { shapes, annotations } = this.chart.layout;
     this.unmarked = { shapes: shapes.length - marks.shapes.length, annotations: annotations.length - marks.annotations.length };
   }
@@ -167,12 +205,14 @@ export class TimePlots extends TimeView {
     };
   }
 
-  /** The residual, the band of its noise and its limit. */
-  drawResidual({ course, noise, limit }, yaxis) {
+  /** The residual, the band of its noise, its limit and its tolerance. */
+  drawResidual({ course, noise, limit, band }, yaxis) {
     const across = { xref: "paper", x0: 0, x1: 1, yref: yaxis };
     const shapes = limit ? [limit, -limit].map((at) => ({ ...across, type: "line", y0: at, y1: at, line: { color: colour("limit"), width: 1, dash: "dot" } })) : [];
     if (noise) shapes.unshift({ ...across, type: "rect", y0: -2 * noise, y1: 2 * noise, fillcolor: colour("band"), line: { width: 0 }, layer: "below" });
-    return { traces: [this.line(course, yaxis, "residual")], shapes, range: this.rangeOf([course], noise ? [2 * noise, -2 * noise] : []) };
+    const bounds = band ? [band.low, band.high] : [];
+    const traces = [...bounds.map((bound) => this.line(bound, yaxis, "tolerance", { width: 1.2 })), this.line(course, yaxis, "residual")];
+    return { traces, shapes, range: this.rangeOf([course, ...bounds], noise ? [2 * noise, -2 * noise] : []) };
   }
 
   drawInput(signals, yaxis) {
@@ -187,10 +227,15 @@ export class TimePlots extends TimeView {
   /** The picked samples as bands through all plots. */
   selection() {
     const { from, to } = this.range();
-    const pieces = this.courses.selection?.pieces_s ?? [];
     const least = (to - from) / 1500;
-    const path = pieces.map(([begin, end]) => [begin, Math.max(end, begin + least)]).map(([begin, end]) => `M${begin},0L${begin},1L${end},1L${end},0Z`).join("");
-    return path === "" ? [] : [{ type: "path", xref: "x", yref: "paper", path, fillcolor: colour("selection"), line: { width: 0 }, layer: "below" }];
+    const pieces = this.courses.selection?.pieces_s ?? [];
+    return bands(pieces.map(([begin, end]) => [begin, Math.max(end, begin + least)]), "selection");
+  }
+
+  /** What the valves are commanded to do; where both are shut, the ground stays as it is. */
+  states() {
+    const of = (state) => this.courses.states.filter((stretch) => stretch.state === state).map((stretch) => [stretch.from_s, stretch.to_s]);
+    return STATES.flatMap((state) => bands(of(state), `state-${state}`));
   }
 
   /** Moves the cursors without drawing the courses again. */

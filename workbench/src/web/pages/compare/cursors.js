@@ -60,7 +60,7 @@ export class Cursors {
     const { a, b } = this.values;
     const [from, to] = [view.numberOf("a"), view.numberOf("b")];
     this.difference.textContent = from !== null && to !== null
-      ? `B − A = ${signed(to - from, 5)} s, 1/Δt = ${number(1 / Math.abs(to - from), 4)} Hz` : "Click into a plot for A, with Alt for B.";
+      ? `B − A = ${signed(to - from, 5)} s${to === from ? "" : `, 1/Δt = ${number(1 / Math.abs(to - from), 4)} Hz`}` : "Click into a plot for A, with Alt for B.";
     const rows = [];
     for (const signal of this.courses.signals.toSorted((one, other) => one.is_input - other.is_input)) {
       const of = (values) => values?.find((one) => one.name === signal.name);

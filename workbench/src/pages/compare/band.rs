@@ -1,0 +1,105 @@
+//! The tolerance of a signal as it is drawn around its residual, and what of the residual is beyond it.
+
+use recording::TimeBase;
+use serde::Serialize;
+
+use super::courses::{Course, Range};
+use crate::pyramid::Pyramid;
+use crate::refusal::Refusal;
+use crate::tolerance::Tolerance;
+
+/// A tolerance in a view.
+#[derive(Serialize)]
+pub(super) struct Band {
+    /// Lowest residual that is within.
+    low: Course,
+    /// Highest residual that is within.
+    high: Course,
+    /// Samples in the view that have a residual.
+    samples: usize,
+    /// Share of them that is beyond the band.
+    beyond: f64,
+    /// Share that may be.
+    beyond_max: f64,
+    /// Whether no more are beyond in the view; none where there are no samples.
+    holds: Option<bool>,
+}
+
+impl Band {
+    /// The band of `tolerance` around the residual `errors` of `measured`, both on `base`.
+    pub(super) fn of(
+        tolerance: &Tolerance,
+        (base, measured, errors): (&TimeBase, &[f64], &[f64]),
+        range: Range,
+        points: usize,
+    ) -> Result<Self, Refusal> {
+        let (within, _) = range.of(base)?;
+        let times_s = base.times_s();
+        // One sample more on either side, for lines that go on to the edges.
+        let drawn = within.start.saturating_sub(1)..(within.end + 1).min(times_s.len());
+        let [low, high] = tolerance.bounds(times_s, measured, drawn.clone());
+        let judged = within.clone().map(|row| (errors[row], row - drawn.start));
+        let judged = judged.filter(|(error, _)| !error.is_nan());
+        let is_beyond = |(error, row): (f64, usize)| error < low[row] || error > high[row];
+        let (mut samples, mut beyond) = (0, 0);
+        for sample in judged {
+            samples += 1;
+            beyond += usize::from(is_beyond(sample));
+        }
+        let share = if samples > 0 {
+            beyond as f64 / samples as f64
+        } else {
+            0.0
+        };
+        let course = |bound: &[f64]| match TimeBase::new(times_s[drawn.clone()].to_vec()) {
+            Ok(base) => Course::of((&base, bound, &Pyramid::new(bound)), range, points),
+            // Nothing of the log is in the view.
+            Err(_) => Ok(Course::default()),
+        };
+        Ok(Self {
+            low: course(&low)?,
+            high: course(&high)?,
+            samples,
+            beyond: share,
+            beyond_max: tolerance.beyond_max,
+            holds: (samples > 0).then_some(share <= tolerance.beyond_max),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_beyond_the_band_are_counted_in_the_view_alone() {
+        let base = TimeBase::uniform(0.0, 0.1, 100).unwrap();
+        let measured = vec![1.0; 100];
+        let mut errors = vec![0.0; 100];
+        (errors[3], errors[10], errors[20], errors[30]) = (9.0, 0.3, -0.3, f64::NAN);
+        let mut tolerance = Tolerance {
+            absolute: 0.2,
+            relative: 0.0,
+            time_s: 0.0,
+            beyond_max: 0.0,
+        };
+        let range = Range {
+            from_s: Some(0.95),
+            to_s: Some(4.95),
+        };
+        let band = |tolerance: &Tolerance| {
+            Band::of(tolerance, (&base, &measured, &errors), range, 100).unwrap()
+        };
+        let found = band(&tolerance);
+        assert_eq!((found.samples, found.holds), (39, Some(false)));
+        assert_eq!(found.beyond, 2.0 / 39.0);
+        tolerance.beyond_max = 0.06;
+        assert_eq!(band(&tolerance).holds, Some(true));
+        let nowhere = Range {
+            from_s: Some(900.0),
+            to_s: Some(901.0),
+        };
+        let found = Band::of(&tolerance, (&base, &measured, &errors), nowhere, 100).unwrap();
+        assert_eq!((found.samples, found.holds), (0, None));
+    }
+}

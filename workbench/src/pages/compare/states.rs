@@ -1,0 +1,217 @@
+//! What the valves are commanded to do, as stretches of time: the duty cycles of a log, seen as states.
+
+use recording::{Quantity, Recording, Sampling, TimeBase};
+use serde::Serialize;
+
+use super::courses::{Range, mean_step_s};
+use crate::refusal::Refusal;
+
+/// Stretches that a view can show apart; beyond them, each piece of the view has the state that it has for longest.
+const STRETCHES_MAX: usize = 500;
+
+/// What both duty cycles together command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum State {
+    /// The fill valve alone.
+    Filling,
+    /// The vent valve alone.
+    Venting,
+    Both,
+    Shut,
+}
+
+impl State {
+    const ALL: [Self; 4] = [Self::Filling, Self::Venting, Self::Both, Self::Shut];
+
+    fn of(fill: f64, vent: f64) -> Option<Self> {
+        if fill.is_nan() || vent.is_nan() {
+            return None;
+        }
+        Some(match (fill > 0.0, vent > 0.0) {
+            (true, false) => Self::Filling,
+            (false, true) => Self::Venting,
+            (true, true) => Self::Both,
+            (false, false) => Self::Shut,
+        })
+    }
+}
+
+/// A time during which the state is the same.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(super) struct Stretch {
+    state: State,
+    from_s: f64,
+    to_s: f64,
+}
+
+impl Stretch {
+    /// Joins what follows without a break in the same state.
+    fn append(self, stretches: &mut Vec<Self>) {
+        match stretches.last_mut() {
+            Some(last) if last.state == self.state && last.to_s >= self.from_s => {
+                last.to_s = self.to_s;
+            }
+            _ => stretches.push(self),
+        }
+    }
+}
+
+/// The states in `range`; none where the log does not have both duty cycles on one time base.
+pub(super) fn stretches(log: &Recording, range: Range) -> Result<Vec<Stretch>, Refusal> {
+    let duty = |name| log.require(name, Quantity::DutyCycle).ok();
+    let Some((fill, vent)) = duty("duty_fill").zip(duty("duty_vent")) else {
+        return Ok(Vec::new());
+    };
+    let base = log.time_base(fill.time_base());
+    let Some(base) = base.filter(|_| fill.time_base() == vent.time_base()) else {
+        return Ok(Vec::new());
+    };
+    let (within, view_s) = range.of(base)?;
+    let duties = (fill.values_or_nan(), vent.values_or_nan());
+    // A command holds until the next one: what began before the view still holds in it.
+    let all = held(base, duties, within.start.saturating_sub(1)..within.end);
+    if all.len() <= STRETCHES_MAX {
+        return Ok(all);
+    }
+    let view_s = (view_s.0.max(base.start_s()), view_s.1.min(base.end_s()));
+    Ok(longest_in_each_piece(&all, view_s))
+}
+
+/// What each sample commands, until the next one; a pause of the log commands nothing.
+fn held(
+    base: &TimeBase,
+    (fill, vent): (&[f64], &[f64]),
+    rows: std::ops::Range<usize>,
+) -> Vec<Stretch> {
+    let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
+    let times_s = base.times_s();
+    let mut stretches = Vec::new();
+    for row in rows {
+        let (from_s, Some(&to_s)) = (times_s[row], times_s.get(row + 1)) else {
+            break;
+        };
+        let state = State::of(fill[row], vent[row]);
+        if let Some(state) = state.filter(|_| to_s - from_s <= gap_s) {
+            let stretch = Stretch {
+                state,
+                from_s,
+                to_s,
+            };
+            stretch.append(&mut stretches);
+        }
+    }
+    stretches
+}
+
+/// So many stretches at most: the state that lasts longest in each piece of the view.
+fn longest_in_each_piece(all: &[Stretch], (from_s, to_s): (f64, f64)) -> Vec<Stretch> {
+    let piece_s = (to_s - from_s) / STRETCHES_MAX as f64;
+    let mut shown = Vec::new();
+    let mut rest = all;
+    for piece in 0..STRETCHES_MAX {
+        let begin_s = from_s + piece as f64 * piece_s;
+        let end_s = begin_s + piece_s;
+        let gone = rest.partition_point(|stretch| stretch.to_s <= begin_s);
+        rest = &rest[gone..];
+        let here = rest.iter().take_while(|stretch| stretch.from_s < end_s);
+        let mut lasts_s = [0.0; State::ALL.len()];
+        for stretch in here {
+            lasts_s[stretch.state as usize] +=
+                stretch.to_s.min(end_s) - stretch.from_s.max(begin_s);
+        }
+        let longest = State::ALL
+            .into_iter()
+            .max_by(|&one, &other| lasts_s[one as usize].total_cmp(&lasts_s[other as usize]));
+        let longest = longest.filter(|&state| lasts_s[state as usize] > 0.0);
+        if let Some(state) = longest {
+            let stretch = Stretch {
+                state,
+                from_s: begin_s,
+                to_s: end_s,
+            };
+            stretch.append(&mut shown);
+        }
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use recording::{Provenance, Unit};
+
+    use super::*;
+
+    fn log(times_s: Vec<f64>, fill: Vec<f64>, vent: Vec<f64>) -> Recording {
+        let mut log = Recording::new(Provenance::from_source("bench"));
+        let id = log.add_time_base(TimeBase::new(times_s).unwrap());
+        log.add_signal("duty_fill", Unit::Percent, id, fill)
+            .unwrap();
+        log.add_signal("duty_vent", Unit::Percent, id, vent)
+            .unwrap();
+        log
+    }
+
+    fn all() -> Range {
+        Range {
+            from_s: None,
+            to_s: None,
+        }
+    }
+
+    #[test]
+    fn each_command_holds_until_the_next_and_a_gap_has_no_state() {
+        let times_s = (0..8).map(f64::from).chain([100.0, 101.0]).collect();
+        let fill = [0.0, 30.0, 30.0, 0.0, 10.0, f64::NAN, 0.0, 0.0, 5.0, 5.0].to_vec();
+        let vent = [0.0, 0.0, 0.0, 50.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0].to_vec();
+        // The pause of 93 s is longer than five mean steps.
+        let found = stretches(&log(times_s, fill, vent), all()).unwrap();
+        let stretch = |state, from_s, to_s| Stretch {
+            state,
+            from_s,
+            to_s,
+        };
+        assert_eq!(
+            found,
+            [
+                stretch(State::Shut, 0.0, 1.0),
+                stretch(State::Filling, 1.0, 3.0),
+                stretch(State::Venting, 3.0, 4.0),
+                stretch(State::Both, 4.0, 5.0),
+                stretch(State::Shut, 6.0, 7.0),
+                stretch(State::Filling, 100.0, 101.0),
+            ]
+        );
+    }
+
+    #[test]
+    fn what_changes_more_often_than_can_be_seen_is_what_it_is_for_longest() {
+        let count = 40_000;
+        let times_s = (0..count).map(|row| f64::from(row) * 0.01).collect();
+        let pulse = |row: i32| if row % 4 == 0 { 50.0 } else { 0.0 };
+        let second_half = |row: i32| if row >= count / 2 { 20.0 } else { 0.0 };
+        let fill = (0..count).map(pulse).collect();
+        let vent = (0..count).map(second_half).collect();
+        let log = log(times_s, fill, vent);
+        let found = stretches(&log, all()).unwrap();
+        let states: Vec<State> = found.iter().map(|stretch| stretch.state).collect();
+        assert_eq!(states, [State::Shut, State::Venting]);
+        assert!((found[0].to_s - 200.0).abs() < 1.0);
+        // Near by, each pulse is there.
+        let near = Range {
+            from_s: Some(10.0),
+            to_s: Some(10.2),
+        };
+        let found = stretches(&log, near).unwrap();
+        assert!(found.iter().any(|stretch| stretch.state == State::Filling));
+    }
+
+    #[test]
+    fn without_commands_there_are_no_states() {
+        let mut log = Recording::new(Provenance::from_source("bench"));
+        let id = log.add_time_base(TimeBase::new(vec![0.0, 1.0]).unwrap());
+        log.add_signal("p_ch", Unit::BarGauge, id, vec![1.0, 2.0])
+            .unwrap();
+        assert_eq!(stretches(&log, all()).unwrap(), []);
+    }
+}

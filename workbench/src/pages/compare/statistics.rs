@@ -1,0 +1,134 @@
+//! Closer looks at one course: how often which value occurs, and how its variance is spread over frequency.
+
+use serde::{Deserialize, Serialize};
+
+use super::courses::{Range, shown_unit};
+use super::details::{residual_of, unit_of_errors};
+use crate::histogram::Histogram;
+use crate::refusal::Refusal;
+use crate::session::Session;
+use crate::spectrum::Spectrum;
+
+/// What is looked at.
+#[derive(Deserialize)]
+pub(super) struct Wish {
+    signal: String,
+    of: Side,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+}
+
+/// Which course of a signal.
+#[derive(Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Side {
+    Measured,
+    Modelled,
+    /// Measured minus modelled.
+    Residual,
+}
+
+#[derive(Serialize)]
+pub(super) struct Distribution {
+    unit: String,
+    /// Standard deviation of the measurement noise; none where it is not known, or where there is none.
+    noise: Option<f64>,
+    /// None where nothing is in the range.
+    histogram: Option<Histogram>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Spectral {
+    unit: String,
+    /// Density of the measurement noise, if it is white (unit²/Hz).
+    noise_level: Option<f64>,
+    /// None where no stretch without a gap is long enough.
+    spectrum: Option<Spectrum>,
+}
+
+/// The values of a course in a range.
+struct Course {
+    unit: String,
+    noise: Option<f64>,
+    times_s: Vec<f64>,
+    values: Vec<f64>,
+    /// Median distance of two samples of the whole log.
+    step_s: Option<f64>,
+}
+
+/// The histogram of a course.
+pub(super) fn distribution(
+    session: &Session,
+    number: u32,
+    wish: &Wish,
+) -> Result<Distribution, Refusal> {
+    let course = Course::of(session, number, wish)?;
+    Ok(Distribution {
+        histogram: Histogram::of(&course.values),
+        unit: course.unit,
+        noise: course.noise,
+    })
+}
+
+/// The power spectral density of a course.
+pub(super) fn spectrum(session: &Session, number: u32, wish: &Wish) -> Result<Spectral, Refusal> {
+    let course = Course::of(session, number, wish)?;
+    let spectrum = course
+        .step_s
+        .and_then(|step_s| Spectrum::of(&course.times_s, &course.values, step_s));
+    let level = course.noise.zip(spectrum.as_ref());
+    Ok(Spectral {
+        unit: course.unit,
+        noise_level: level.map(|(noise, spectrum)| spectrum.of_white_noise(noise)),
+        spectrum,
+    })
+}
+
+impl Course {
+    fn of(session: &Session, number: u32, wish: &Wish) -> Result<Self, Refusal> {
+        let compared = super::compared(session, number)?;
+        let log = session.log(number)?;
+        let log = log.as_ref().as_ref().map_err(Clone::clone)?;
+        let traces = &compared.comparison.traces;
+        let found = || Refusal::not_found("signal");
+        let (base, signal, unit, converter) = match wish.of {
+            Side::Residual => {
+                let (base, errors) = residual_of(&compared, &wish.signal)?;
+                let unit = unit_of_errors(&compared, &wish.signal);
+                (base, errors, unit, None)
+            }
+            Side::Modelled => {
+                let run = &traces.free_run;
+                let model = run.signal(&wish.signal).ok_or_else(found)?;
+                let base = run.time_base_of(&wish.signal).ok_or_else(found)?;
+                (base, model, model.unit().symbol().to_owned(), None)
+            }
+            Side::Measured => {
+                let log = &log.recording;
+                let measured = log.signal(&wish.signal).ok_or_else(found)?;
+                let base = log.time_base_of(&wish.signal).ok_or_else(found)?;
+                let (unit, converter) = shown_unit(measured, &compared.parameters);
+                (base, measured, unit.symbol().to_owned(), converter)
+            }
+        };
+        let range = Range {
+            from_s: wish.from_s,
+            to_s: wish.to_s,
+        };
+        let (within, _) = range.of(base)?;
+        let signals = compared.comparison.signals.iter();
+        let noise = signals
+            .filter(|one| one.name == wish.signal && wish.of != Side::Modelled)
+            .find_map(|one| one.noise_floor.value);
+        let values = signal.values_or_nan()[within.clone()].iter();
+        Ok(Self {
+            unit,
+            noise,
+            times_s: base.times_s()[within].to_vec(),
+            values: values
+                .map(|&value| converter.map_or(value, |converter| converter.apply(value)))
+                .collect(),
+            step_s: base.sampling().median_step_s,
+        })
+    }
+}

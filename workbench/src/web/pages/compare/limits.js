@@ -1,0 +1,49 @@
+// When a signal holds: multiples of its noise, an rms of its own, and a band that its samples stay in.
+
+import * as api from "../../api.js";
+import { button, element, tellProblems } from "../../dom.js";
+import * as view from "../../view.js";
+
+/** Parts of a band: heading, key, what one of the field's unit is of the project's. */
+const BAND = [["± absolute", "absolute", 1], ["± % of the value", "relative", 0.01], ["early or late [ms]", "time_s", 0.001], ["% may be beyond", "beyond_max", 0.01]];
+/** What of the view stays when its limits are others. */
+const KEPT = ["log", "from", "to", "a", "b", "select", "hide", "states", "with"];
+
+const field = (name, value, placeholder = "") => element("input", { type: "number", min: 0, step: "any", class: "short", "aria-label": name, value, placeholder });
+
+/** The menu for the signals of a log. */
+export function limitsMenu(log, strictness) {
+  const allow = field("multiples of the noise", strictness.allowed_noise_multiples);
+  const rows = log.summary.signals.filter(({ name }) => !name.startsWith("duty_") && name !== "u_bat").map((signal) => row(signal, strictness));
+  const apply = async () => {
+    const wished = { allowed_noise_multiples: Number(allow.value), tolerances: { ...strictness.tolerances }, bands: { ...strictness.bands } };
+    for (const one of rows) one.say(wished);
+    try {
+      await api.put("/strictness", wished);
+      view.go("compare", Object.fromEntries(KEPT.map((key) => [key, view.text(key)])));
+    } catch (refusal) {
+      tellProblems(refusal, "Limits");
+    }
+  };
+  const head = (cells) => element("tr", {}, cells.map((cell) => element("th", { scope: "col" }, cell)));
+  return element("details", { class: "menu", id: "limits" }, element("summary", {}, "Limits"),
+    element("div", { class: "popup stack" },
+      element("label", {}, "a signal holds up to ", allow, " times its noise"),
+      element("div", { class: "scroll" }, element("table", { class: "form" },
+        element("thead", {}, head(["signal", "or up to an rms of", ...BAND.map(([heading]) => heading)])), element("tbody", {}, rows.map((one) => one.line)))),
+      element("p", { class: "quiet" }, "A band is as wide as the larger of both tolerances; single samples are judged by it in the visible range."),
+      button("Compare with these", apply, { class: "primary" })));
+}
+
+function row({ name, unit }, { tolerances, bands }) {
+  const rms = field(`rms of ${name}`, tolerances[name] ?? "", "from noise");
+  const band = BAND.map(([heading, key, scale]) => [key, scale, field(`${name}: ${heading}`, bands[name]?.[key] ? String(+(bands[name][key] / scale).toPrecision(8)) : "")]);
+  const say = (wished) => {
+    if (rms.value === "") delete wished.tolerances[name];
+    else wished.tolerances[name] = Number(rms.value);
+    const said = band.filter(([, , input]) => input.value !== "").map(([key, scale, input]) => [key, scale * Number(input.value)]);
+    if (said.length === 0) delete wished.bands[name];
+    else wished.bands[name] = Object.fromEntries(said);
+  };
+  return { say, line: element("tr", {}, element("th", { scope: "row" }, `${name} [${unit}]`), [rms, ...band.map(([, , input]) => input)].map((input) => element("td", {}, input))) };
+}

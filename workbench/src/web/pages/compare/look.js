@@ -1,0 +1,38 @@
+// What the closer looks of the page share.
+
+import { saveImage } from "../../chart.js";
+import { button, element, tellProblems } from "../../dom.js";
+import * as view from "../../view.js";
+
+/** The visible range for a request. */
+export function rangeQuery(query) {
+  for (const [name, key] of [["from", "from_s"], ["to", "to_s"]]) {
+    const value = view.numberOf(name);
+    if (value !== null) query.set(key, value);
+  }
+  return query;
+}
+
+/** A choice of `[key, text]`. */
+export const chooser = (name, entries, value, act) => element("select", { "aria-label": name, id: name, on: { change: (event) => act(event.target.value) } },
+  entries.map(([key, text]) => element("option", { value: key, selected: key === value }, text)));
+
+/** A card with a chart, what is chosen above it and what can be said below. A subclass has `fetch` and `paint`. */
+export class Look {
+  constructor(title, id) {
+    this.title = title;
+    this.chart = element("div", { class: "chart", id });
+    this.tools = element("div", { class: "row" });
+    this.note = element("p", { class: "quiet" });
+    this.element = element("section", { class: "card", "aria-label": title }, element("h2", {}, title), this.tools, this.chart, this.note);
+  }
+
+  /** Fetches what a person has just chosen. */
+  again() {
+    this.fetch().catch((error) => tellProblems(error, this.title));
+  }
+
+  exports(name) {
+    return ["png", "svg"].map((format) => button(format.toUpperCase(), () => saveImage(this.chart, format, name).catch((error) => tellProblems(error, format))));
+  }
+}

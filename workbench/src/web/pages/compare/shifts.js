@@ -1,0 +1,55 @@
+// The other logs on the time axis of this one.
+
+import * as api from "../../api.js";
+import { button, element, tell, tellProblems } from "../../dom.js";
+import { number, signed } from "../../format.js";
+
+/** The time offset of each other log: by number, by a slider, by cross-correlation. */
+export class Shifts {
+  constructor(log, others, onShift) {
+    Object.assign(this, { log, onShift, fields: new Map() });
+    this.element = element("section", { class: "card" }, element("h2", {}, "Other logs on this time axis"),
+      element("p", { class: "quiet" }, "Tick a log above the plots to lay it over this one; its offset moves all its signals. Dragging in the plots with Ctrl moves it too."),
+      element("div", { class: "scroll" }, element("table", {}, element("thead", {}, element("tr", {}, ["log", "offset", "drag", "by cross-correlation"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, others.map((other) => this.row(other))))));
+  }
+
+  row(other) {
+    const reach = Math.max(1, 0.1 * this.log.summary.duration_s);
+    const field = element("input", { type: "number", step: "any", class: "time", "aria-label": `offset of ${other.name}`, on: { change: () => this.apply(other, Number(field.value)) } });
+    const slider = element("input", { type: "range", min: other.offset_s - reach, max: other.offset_s + reach, step: reach / 1000, "aria-label": `drag the offset of ${other.name}`, on: { input: () => this.apply(other, Number(slider.value)) } });
+    this.fields.set(other, [field, slider]);
+    this.show(other);
+    const names = this.log.summary.signals.map((one) => one.name).filter((name) => other.summary.signals.some((one) => one.name === name));
+    const signal = element("select", { "aria-label": "signal to align by" }, names.map((name) => element("option", { value: name, selected: name === "p_ch" }, name)));
+    const note = element("span", { class: "quiet" });
+    return element("tr", {}, element("th", { scope: "row" }, other.name), element("td", {}, field, " s"), element("td", {}, slider),
+      element("td", {}, names.length > 0 && ["by ", signal, " ", button("Align", () => this.align(other, signal.value, note))], " ", note));
+  }
+
+  /** Shows the offset that a log has. */
+  show(other) {
+    for (const field of this.fields.get(other) ?? []) field.value = String(+other.offset_s.toPrecision(8));
+  }
+
+  async apply(other, offset) {
+    try {
+      await api.put(`/logs/${other.number}/offset`, { offset_s: offset });
+      other.offset_s = offset;
+      this.show(other);
+      this.onShift();
+    } catch (refusal) {
+      tellProblems(refusal, other.name);
+    }
+  }
+
+  async align(other, signal, note) {
+    try {
+      const found = await api.get(`/logs/${other.number}/alignment?${new URLSearchParams({ with: this.log.number, signal })}`);
+      await this.apply(other, found.offset_s + this.log.offset_s);
+      note.textContent = `${signed(found.offset_s, 4)} s, correlation ${number(found.correlation, 3)}`;
+      if (found.correlation < 0.8) tell(`${other.name}: the two logs hardly resemble each other (correlation ${number(found.correlation, 3)}).`);
+    } catch (refusal) {
+      tellProblems(refusal, other.name);
+    }
+  }
+}

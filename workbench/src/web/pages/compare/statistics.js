@@ -1,0 +1,107 @@
+// How often which value occurs, and how the variance of a course is spread over frequency.
+
+import * as api from "../../api.js";
+import { axis, draw, label, layout } from "../../chart.js";
+import { element, fill } from "../../dom.js";
+import { count, number, signed, unitText } from "../../format.js";
+import { colour } from "../../theme.js";
+import * as view from "../../view.js";
+import { Look, chooser, rangeQuery } from "./look.js";
+
+/** Points of the normal curve. */
+const CURVE = 160;
+/** It is drawn over so many standard deviations. */
+const CURVE_SIGMAS = 5;
+const INK = { measured: "measured", modelled: "model", residual: "residual" };
+
+/** A look at one course: the residual, the measured or the modelled values of a signal. */
+class Statistics extends Look {
+  constructor(title, id, log, compared, names) {
+    super(title, id);
+    Object.assign(this, { log, id });
+    const courses = [
+      ...compared.map((name) => [`residual/${name}`, `residual of ${name}`]), ...names.map((name) => [`measured/${name}`, name]),
+      ...compared.map((name) => [`modelled/${name}`, `${name}, modelled`]),
+    ];
+    this.course = courses.some(([key]) => key === view.text(id)) ? view.text(id) : courses[0][0];
+    fill(this.tools, element("label", {}, "Of ", chooser(`${id}-of`, courses, this.course, (course) => { this.course = course; view.set({ [id]: course }); this.again(); })),
+      element("span", { class: "space" }), this.exports(id));
+  }
+
+  get side() { return this.course.slice(0, this.course.indexOf("/")); }
+
+  get signal() { return this.course.slice(this.side.length + 1); }
+
+  get words() { return this.side === "residual" ? `${this.signal}: measured − modelled` : this.side === "modelled" ? `${this.signal}, modelled` : this.signal; }
+
+  async fetch() {
+    const query = rangeQuery(new URLSearchParams({ signal: this.signal, of: this.side }));
+    this.data = await api.get(`/logs/${this.log.number}/${this.id}?${query}`);
+    await this.paint();
+  }
+
+  /** A chart with logarithmic axes where they are said to be. */
+  show(traces, xaxis, yaxis) {
+    const hover = traces.map((trace) => ({ hoverinfo: "skip", ...trace }));
+    return draw(this.chart, hover, layout({ height: 320, bargap: 0, xaxis: axis(xaxis), yaxis: axis({ exponentformat: "power", ...yaxis }) }));
+  }
+}
+
+export class Distribution extends Statistics {
+  constructor(...of) { super("Distribution", "distribution", ...of); }
+
+  async paint() {
+    if (!this.data) return;
+    const { histogram, noise, unit } = this.data;
+    if (!histogram) {
+      this.note.textContent = "Nothing of this course is in the visible range.";
+      await this.show([], {}, {});
+      return;
+    }
+    const { from, bin_width: width, density, samples, mean, standard_deviation: deviation } = histogram;
+    const x = density.map((_, bin) => from + (bin + 0.5) * width);
+    const bars = { type: "bar", x, y: density.map((value) => value || null), width, marker: { color: colour(INK[this.side]), opacity: 0.6, line: { width: 0 } }, hoverinfo: "all", hovertemplate: "%{x:.5g}: %{y:.3g}<extra></extra>" };
+    // The residual of a model that is right is its noise alone, around zero.
+    const curve = noise ? normal(this.side === "residual" ? 0 : mean, noise) : { x: [], y: [] };
+    // A logarithmic axis shows the tails; one sample is the least that can be there.
+    const least = 0.5 / (samples * width);
+    const most = 1.6 * Math.max(...density, ...curve.y);
+    const seen = curve.x.filter((_, index) => curve.y[index] > least);
+    const ends = [from, from + density.length * width, ...seen];
+    await this.show([bars, { type: "scatter", mode: "lines", ...curve, line: { color: colour("limit"), width: 2 } }],
+      { title: { text: label(`${this.words} [${unit}]`) }, range: [Math.min(...ends), Math.max(...ends)] },
+      { title: { text: label(`share per ${unit}`) }, type: "log", range: [Math.log10(least), Math.log10(most)] });
+    this.note.textContent = `${count(samples)} samples in the visible range, mean ${signed(mean)} ${unit}, standard deviation ${number(deviation)} ${unit}. `
+      + (noise ? `Red: the measured noise, σ = ${number(noise)} ${unit}.` : "No noise is known for it.");
+  }
+}
+
+export class Spectrum extends Statistics {
+  constructor(...of) { super("Spectrum", "spectrum", ...of); }
+
+  async paint() {
+    if (!this.data) return;
+    const { spectrum, noise_level: level, unit } = this.data;
+    if (!spectrum) {
+      this.note.textContent = "No stretch without a gap is long enough for a spectrum: it takes 128 samples. Zoom out.";
+      await this.show([], {}, {});
+      return;
+    }
+    const { frequency_hz: x, density: y, segments, resolution_hz: resolution } = spectrum;
+    const line = { type: "scatter", mode: "lines", x, y: y.map((value) => value || null), line: { color: colour(INK[this.side]), width: 1.4 }, hoverinfo: "all", hovertemplate: "%{x:.4g} Hz: %{y:.3g}<extra></extra>" };
+    const noise = { type: "scatter", mode: "lines", x: level ? [x[0], x.at(-1)] : [], y: level ? [level, level] : [], line: { color: colour("limit"), width: 2, dash: "dot" } };
+    const squared = /^[A-Za-zΩ%°]+$/.test(unitText(unit)) ? `${unitText(unit)}²` : `(${unitText(unit)})²`;
+    await this.show([line, noise],
+      { title: { text: "frequency [Hz]" }, type: "log", exponentformat: "none", range: [x[0], x.at(-1)].map(Math.log10) },
+      { title: { text: label(`density of ${this.words} [${squared}/Hz]`) }, type: "log", nticks: 8 });
+    this.note.textContent = `Welch's method: ${count(segments)} Hann-windowed ${segments === 1 ? "segment" : "segments"}, a value every ${number(resolution, 3)} Hz; the area below is the variance. `
+      + (level ? "Dotted: the measured noise, if it is white." : "No noise is known for it.");
+  }
+}
+
+/** The normal distribution, where it can be seen. */
+function normal(mean, deviation) {
+  const x = Array.from({ length: CURVE + 1 }, (_, point) => mean + CURVE_SIGMAS * deviation * (2 * point / CURVE - 1));
+  const scale = 1 / (deviation * Math.sqrt(2 * Math.PI));
+  return { x, y: x.map((value) => scale * Math.exp(-0.5 * ((value - mean) / deviation) ** 2)) };
+}

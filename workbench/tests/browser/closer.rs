@@ -1,0 +1,108 @@
+//! Closer looks of the page "Compare": statistics, states behind the plots, tolerances, long lists.
+
+use crate::driver::{Person, with_browser};
+
+const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
+
+async fn compare(person: &Person) {
+    person.drop_files(&[("practice-01-id.csv", ID)]).await;
+    person
+        .until("document.querySelectorAll('.log').length === 1")
+        .await;
+    person.compare("practice-01-id.csv").await;
+}
+
+#[test]
+fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances() {
+    with_browser(async |person| {
+        compare(person).await;
+        for (look, title) in [("distribution", "share per"), ("spectrum", "density of")] {
+            person
+                .until(&format!(
+                    "document.getElementById('{look}').data?.every((trace) => trace.x.length > 1) \
+                     && document.getElementById('{look}').layout.yaxis.title.text.startsWith('{title}')"
+                ))
+                .await;
+        }
+        person.fill("#spectrum-of", "measured/duty_fill").await;
+        person
+            .until(
+                "document.getElementById('spectrum').layout.yaxis.title.text.includes('duty_fill')",
+            )
+            .await;
+
+        // The states of the valves are a part of the link.
+        let shapes = "document.getElementById('time-plots').layout.shapes.filter((shape) => shape.type === 'path').length";
+        assert_eq!(person.run(&format!("return {shapes}")).await, 0);
+        person.click("[data-states]").await;
+        person.until(&format!("{shapes} >= 2")).await;
+        let link = person.client.current_url().await.unwrap().to_string();
+        assert!(link.contains("states=shown"), "{link}");
+
+        // A tolerance of p_ch: the band is drawn, and the share beyond it is told.
+        let traces = "document.getElementById('time-plots').data.length";
+        let before = person.run(&format!("return {traces}")).await;
+        let before = before.as_u64().unwrap();
+        person.click("#limits summary").await;
+        person.fill("[aria-label='p_ch: ± absolute']", "0.05").await;
+        person
+            .fill("[aria-label='p_ch: early or late [ms]']", "20")
+            .await;
+        person.picture("compare-limits").await;
+        person.click("#limits button").await;
+        person
+            .until("document.body.dataset.ready === 'compare' && document.querySelector('[data-band=p_ch] .chip')")
+            .await;
+        person.until(&format!("{traces} === {}", before + 2)).await;
+        person.picture("compare-closer").await;
+        person.click("#theme").await;
+        person.picture("compare-closer-other-theme").await;
+        person.assert_nothing_was_refused().await;
+    });
+}
+
+#[test]
+fn a_long_list_of_signals_is_filtered() {
+    with_browser(async |person| {
+        let names: Vec<String> = (0..30)
+            .map(|index| format!("temperature_{index}_degC"))
+            .collect();
+        let row = |time_s: u32| format!("{time_s},0,0,1.5{}\n", ",20".repeat(names.len()));
+        let log = format!(
+            "time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge,{}\n{}",
+            names.join(","),
+            (0..200).map(row).collect::<String>()
+        );
+        person.drop_files(&[("wide.csv", &log)]).await;
+        person
+            .until("document.querySelectorAll('.log').length === 1")
+            .await;
+        person.run("[...document.querySelectorAll('.log button')].find((one) => one.textContent.startsWith('Preview')).click()").await;
+        let columns = "[...document.querySelectorAll('.mapping .form tbody tr')].filter((row) => !row.hidden).length";
+        person.until(&format!("{columns} === 34")).await;
+        let type_into = "const field = document.querySelector(arguments[0]); field.value = arguments[1]; field.dispatchEvent(new Event('input'));";
+        let typed = |field: &str, text: &str| vec![field.into(), text.into()];
+        person
+            .run_with(
+                type_into,
+                typed(".mapping input[type=search]", "temperature_17 DEGC"),
+            )
+            .await;
+        person.until(&format!("{columns} === 1")).await;
+
+        person.click("[data-name=\"wide.csv\"] .compare").await;
+        person
+            .until("document.querySelectorAll('[data-signal]').length === 33")
+            .await;
+        person
+            .run_with(type_into, typed("[aria-label='filter signals']", "P_CH"))
+            .await;
+        person.click("#show-found").await;
+        person
+            .until("document.getElementById('time-plots').layout.annotations.filter((one) => one.xref === 'paper').length <= 2")
+            .await;
+        let link = person.client.current_url().await.unwrap().to_string();
+        assert!(link.contains("temperature_17"), "{link}");
+        person.picture("compare-filtered").await;
+    });
+}
