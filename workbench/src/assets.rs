@@ -38,6 +38,7 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/compare/regimes.js",
     "pages/compare/shifts.js",
     "pages/compare/statistics.js",
+    "pages/calculated.js",
     "pages/diagnose.js",
     "pages/diagnose/candidates.js",
     "pages/diagnose/experiment.js",

@@ -2,9 +2,11 @@
 
 mod align;
 mod assets;
+mod calculated;
 mod closed_loop;
 mod effects;
 mod examples;
+mod formula;
 mod guard;
 mod histogram;
 mod history;

@@ -6,6 +6,7 @@ use model_lab::CompareOptions;
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
+use crate::calculated::Calculated;
 use crate::closed_loop::ClosedLoop;
 use crate::history::History;
 pub(crate) use crate::plant_file::PlantFile;
@@ -35,6 +36,9 @@ pub(crate) struct Project {
     /// What the closed loop is asked to do; absent in files of earlier versions.
     #[serde(default)]
     pub(crate) closed_loop: ClosedLoop,
+    /// Channels over the signals of the logs; absent in files of earlier versions.
+    #[serde(default)]
+    pub(crate) calculated: Vec<Calculated>,
 }
 
 /// A log of the project.
@@ -125,6 +129,7 @@ impl Default for Project {
             mappings: BTreeMap::new(),
             history: History::default(),
             closed_loop: ClosedLoop::default(),
+            calculated: Vec::new(),
         }
     }
 }

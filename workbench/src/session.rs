@@ -7,6 +7,7 @@ use model_lab::diagnosis::next_experiment::NextExperiment;
 use recording::Recording;
 use tokio::sync::Semaphore;
 
+use crate::calculated;
 use crate::job::Job;
 use crate::log_reader;
 use crate::pages::compare::Compared;
@@ -204,10 +205,14 @@ impl Session {
         if let Some(log) = self.logs.get(number) {
             return Ok(log);
         }
-        let entry = self.project().log(number)?.clone();
+        let project = self.project();
+        let entry = project.log(number)?;
         let path = self.store.log_path(&entry.file);
         let read = log_reader::read(&entry.name, &path, entry.mapping.as_deref());
-        let log = Arc::new(read.map(LoadedLog::new));
+        let log = Arc::new(read.map(|mut recording| {
+            calculated::add_to(&mut recording, &project.calculated);
+            LoadedLog::new(recording)
+        }));
         let values = log
             .as_ref()
             .as_ref()

@@ -16,6 +16,7 @@ use recording::csv::Mapping;
 use serde::{Deserialize, Serialize};
 
 use super::{Shared, blocking, session};
+use crate::calculated::{self, Calculated};
 use crate::examples::{self, Example};
 use crate::log_reader;
 use crate::mapping::Form;
@@ -41,6 +42,7 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/plant", put(set_plant))
         .route("/sessions/{session}/plant", get(plant_file))
         .route("/sessions/{session}/strictness", put(set_strictness))
+        .route("/sessions/{session}/calculated", put(set_calculated))
 }
 
 async fn list_examples() -> Json<Vec<&'static Example>> {
@@ -334,6 +336,24 @@ async fn set_strictness(
         session.forget_comparisons();
     }
     Ok(())
+}
+
+/// The calculated channels of all logs; what was computed with others before is gone.
+async fn set_calculated(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Json(channels): Json<Vec<Calculated>>,
+) -> Result<Json<ProjectView>, Refusal> {
+    let session = session(&sessions, id)?;
+    calculated::check(&channels)?;
+    blocking(move || {
+        replace_project(&session, |project| {
+            project.calculated = channels;
+            Ok(())
+        })?;
+        view(&session)
+    })
+    .await
 }
 
 #[cfg(test)]

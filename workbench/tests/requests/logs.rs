@@ -428,3 +428,98 @@ fn an_mf4_log_is_a_log_and_its_channels_can_be_chosen() {
     let mf4 = browser.get(&format!("{session}/logs/1/mf4"));
     assert!(mf4.body.starts_with(b"MDF "), "{:?}", mf4.head);
 }
+
+/// A channel over the signals of a log is a signal like others, saved with the project and exported with the data.
+#[test]
+fn calculated_channels_are_signals_of_every_log_that_has_what_they_need() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let log = b"time_s,p_a_bar_gauge,p_b_bar_gauge\n0,3,1\n1,5,1\n2,,1\n";
+    browser.upload(&session, "both.csv", log);
+    browser.upload(&session, "one.csv", b"time_s,p_a_bar_gauge\n0,3\n1,5\n");
+    let set = |channels: Value| browser.put(&format!("{session}/calculated"), &channels);
+    let dp = json!({"name": "dp <b>", "unit": "bar_diff", "formula": "p_a - p_b"});
+    let half = json!({"name": "half", "unit": "bar_diff", "formula": "\"dp <b>\" / 2"});
+    let project = set(json!([dp, half])).json();
+    assert_eq!(project["calculated"], json!([dp, half]));
+    let names = |log: usize| {
+        let signals = project["logs"][log]["summary"]["signals"]
+            .as_array()
+            .unwrap();
+        signals
+            .iter()
+            .map(|one| one["name"].as_str().unwrap().to_owned())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(names(0), ["p_a", "p_b", "dp <b>", "half"]);
+    assert_eq!(names(1), ["p_a"]);
+    let reason = &project["logs"][1]["summary"]["left_out"][0]["reason"];
+    assert!(reason.as_str().unwrap().contains("\"p_b\""), "{reason}");
+
+    let courses = browser
+        .get(&format!("{session}/logs/1/courses?points=10"))
+        .json();
+    let half = &courses["signals"][3];
+    assert_eq!(half["measured"]["y"], json!([1.0, 2.0, null]));
+    let csv = browser.get(&format!("{session}/logs/1/csv")).text();
+    assert!(
+        csv.lines().any(|line| line.starts_with("0,3,1,2,1")),
+        "{csv}"
+    );
+
+    for (wrong, line, column) in [
+        (
+            json!([dp, {"name": "x", "unit": "bar_diff", "formula": "p_a - "}]),
+            2,
+            json!(7),
+        ),
+        (
+            json!([{"name": "x", "unit": "bar_diff", "formula": "sin(p_a)"}]),
+            1,
+            json!(1),
+        ),
+        (
+            json!([{"name": "x", "unit": "nothing", "formula": "p_a"}]),
+            1,
+            Value::Null,
+        ),
+        (json!([dp, dp]), 2, Value::Null),
+        (
+            json!([{"name": "a\u{202e}", "unit": "bar_diff", "formula": "p_a"}]),
+            1,
+            Value::Null,
+        ),
+    ] {
+        let answer = set(wrong);
+        assert_eq!(answer.status, 422, "{answer:?}");
+        let problem = &answer.json()["problems"][0];
+        assert_eq!(
+            (&problem["line"], &problem["column"]),
+            (&json!(line), &column),
+            "{problem}"
+        );
+    }
+    let long = "p_a+".repeat(1000);
+    let answer = set(json!([{"name": "x", "unit": "bar_diff", "formula": long}]));
+    assert_eq!(answer.status, 422);
+    let many: Vec<Value> = (0..40)
+        .map(|index| json!({"name": format!("n{index}"), "unit": "bar_diff", "formula": "p_a"}))
+        .collect();
+    assert_eq!(set(json!(many)).status, 400);
+
+    // What was refused changed nothing, and a restart finds the channels again.
+    let id = session.rsplit('/').next().unwrap().to_owned();
+    let bench = bench.restart();
+    let browser = bench.browser();
+    let session = browser.session(Some(&id));
+    let project = browser.get(&format!("{session}/project")).json();
+    assert_eq!(project["calculated"].as_array().unwrap().len(), 2);
+    assert_eq!(
+        project["logs"][0]["summary"]["signals"]
+            .as_array()
+            .unwrap()
+            .len(),
+        4
+    );
+}

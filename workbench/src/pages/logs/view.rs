@@ -4,6 +4,7 @@ use plant_sim::PlantParameters;
 use recording::{Recording, Unit};
 use serde::Serialize;
 
+use crate::calculated::Calculated;
 use crate::project::{LogEntry, PlantFile, Strictness};
 use crate::refusal::{Problem, Refusal};
 use crate::session::Session;
@@ -13,6 +14,7 @@ pub(super) struct ProjectView {
     logs: Vec<LogView>,
     plant: PlantView,
     strictness: Strictness,
+    calculated: Vec<Calculated>,
 }
 
 #[derive(Serialize)]
@@ -52,6 +54,8 @@ struct LeftOutView {
 struct SignalView {
     name: String,
     unit: String,
+    /// The unit as a header writes it.
+    token: &'static str,
     quantity: String,
     /// `gauge`, `absolute` or none, for a pressure.
     reference: Option<&'static str>,
@@ -87,6 +91,7 @@ impl ProjectView {
             logs: logs.collect::<Result<_, _>>()?,
             plant: plant_view(&project.plant),
             strictness: project.strictness,
+            calculated: project.calculated,
         })
     }
 }
@@ -145,6 +150,7 @@ fn signal_view(signal: &recording::Signal) -> SignalView {
     SignalView {
         name: signal.name().to_owned(),
         unit: signal.unit().symbol().to_owned(),
+        token: signal.unit().token(),
         quantity: signal.quantity().to_string(),
         reference: reference(signal.unit()),
         missing: signal.missing_count(),

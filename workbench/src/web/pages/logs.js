@@ -4,6 +4,7 @@ import * as api from "../api.js";
 import { button, element, fill, tell, tellProblems } from "../dom.js";
 import { count, duration, number } from "../format.js";
 import * as view from "../view.js";
+import { CalculatedChannels } from "./calculated.js";
 import { mappingForm } from "./mapping.js";
 
 export const title = "Logs and plant";
@@ -21,10 +22,11 @@ class Page {
     this.open = new Set();
     this.logs = element("div", { class: "stack" });
     this.plant = element("section", { class: "card", "aria-labelledby": "plant-title" });
+    this.calculated = new CalculatedChannels((channels) => this.calculate(channels));
     this.examples = element("section", { class: "card", "aria-labelledby": "examples-title" });
     fill(place, element("div", { class: "columns" },
       element("div", { class: "stack wide" }, this.dropZone(), this.logs),
-      element("div", { class: "stack" }, this.plant, this.examples)));
+      element("div", { class: "stack" }, this.plant, this.calculated.element, this.examples)));
   }
 
   async refresh() {
@@ -39,6 +41,17 @@ class Page {
       project.logs.length === 0 && element("p", { class: "quiet" }, "Nothing is open yet. Drop a log, or begin with an example on the right."),
       project.logs.map((log) => this.logCard(log)));
     this.showPlant(project.plant);
+    this.calculated.take(project.calculated, project.logs.flatMap((log) => log.summary?.signals ?? []));
+  }
+
+  /** Gives every log these channels; what is wrong with them, if anything is. */
+  async calculate(channels) {
+    try {
+      this.showProject(await api.put("/calculated", channels));
+      return [];
+    } catch (refusal) {
+      return refusal.problems ?? [{ message: String(refusal) }];
+    }
   }
 
   dropZone() {

@@ -1,0 +1,414 @@
+//! Formulas over signals: numbers, names, `+ - * /`, parentheses, `abs`, `sqrt`, `min` and `max`.
+//!
+//! A name stands as it is if it consists of letters, digits, `_` and `.` and begins with a letter or `_`; any other name stands in
+//! double quotes, a quote within it doubled: `"p ch" - p_supply`.
+
+use winnow::ascii::{digit1, multispace0};
+use winnow::combinator::{
+    alt, cut_err, delimited, eof, fail, opt, preceded, repeat, separated, separated_foldl1,
+    terminated,
+};
+use winnow::error::{ContextError, StrContext, StrContextValue};
+use winnow::prelude::*;
+use winnow::token::{none_of, one_of, take_while};
+
+/// Longest formula (characters).
+pub(crate) const LENGTH_MAX: usize = 500;
+/// Parentheses within each other.
+const DEPTH_MAX: usize = 20;
+
+/// A formula that can be computed.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Formula {
+    root: Node,
+    signals: Vec<String>,
+}
+
+/// Where a formula stops to be one.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("character {position} of the formula: {problem}")]
+pub(crate) struct FormulaError {
+    /// Counted in characters, from 1.
+    pub(crate) position: usize,
+    pub(crate) problem: String,
+}
+
+#[derive(Debug, PartialEq)]
+enum Node {
+    Number(f64),
+    /// Its name, and its place among the formula's signals.
+    Signal(String, usize),
+    Negative(Box<Node>),
+    Binary(char, Box<Node>, Box<Node>),
+    Call(Function, Vec<Node>),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Function {
+    Abs,
+    Sqrt,
+    Min,
+    Max,
+}
+
+impl Function {
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "abs" => Self::Abs,
+            "sqrt" => Self::Sqrt,
+            "min" => Self::Min,
+            "max" => Self::Max,
+            _ => return None,
+        })
+    }
+
+    fn takes(self, arguments: usize) -> bool {
+        match self {
+            Self::Abs | Self::Sqrt => arguments == 1,
+            Self::Min | Self::Max => arguments >= 2,
+        }
+    }
+}
+
+impl Formula {
+    /// # Errors
+    /// [`FormulaError`]: what was expected, and where.
+    pub(crate) fn parse(text: &str) -> Result<Self, FormulaError> {
+        check_size(text)?;
+        let mut root = terminated(expression, eof.context(expected("an operator")))
+            .parse(text)
+            .map_err(|error| FormulaError {
+                position: 1 + text[..error.offset()].chars().count(),
+                problem: told(error.inner(), &text[error.offset()..]),
+            })?;
+        let mut signals = Vec::new();
+        root.place(&mut signals);
+        if signals.is_empty() {
+            return Err(FormulaError {
+                position: 1,
+                problem: "there is no signal in it; a constant is no channel".to_owned(),
+            });
+        }
+        Ok(Self { root, signals })
+    }
+
+    /// Names of the signals, each once.
+    pub(crate) fn signals(&self) -> &[String] {
+        &self.signals
+    }
+
+    /// The value in `row` of the signals' values; NaN where one is missing, or where there is no finite value.
+    pub(crate) fn value(&self, signals: &[&[f64]], row: usize) -> f64 {
+        let value = self.root.value(signals, row);
+        if value.is_finite() { value } else { f64::NAN }
+    }
+}
+
+impl Node {
+    /// Gives each signal its place.
+    fn place(&mut self, names: &mut Vec<String>) {
+        match self {
+            Self::Number(_) => {}
+            Self::Signal(name, place) => {
+                *place = names.iter().position(|one| one == name).unwrap_or_else(|| {
+                    names.push(name.clone());
+                    names.len() - 1
+                });
+            }
+            Self::Negative(node) => node.place(names),
+            Self::Binary(_, left, right) => {
+                left.place(names);
+                right.place(names);
+            }
+            Self::Call(_, arguments) => {
+                for argument in arguments {
+                    argument.place(names);
+                }
+            }
+        }
+    }
+
+    fn value(&self, signals: &[&[f64]], row: usize) -> f64 {
+        let of = |node: &Self| node.value(signals, row);
+        match self {
+            Self::Number(value) => *value,
+            Self::Signal(_, place) => signals[*place][row],
+            Self::Negative(node) => -of(node),
+            Self::Binary(operator, left, right) => {
+                let (left, right) = (of(left), of(right));
+                match operator {
+                    '+' => left + right,
+                    '-' => left - right,
+                    '*' => left * right,
+                    _ => left / right,
+                }
+            }
+            Self::Call(function, arguments) => {
+                let first = of(&arguments[0]);
+                let rest = arguments[1..].iter().map(of);
+                match function {
+                    Function::Abs => first.abs(),
+                    Function::Sqrt => first.sqrt(),
+                    Function::Min => rest.fold(first, |one, other| known(one, other, f64::min)),
+                    Function::Max => rest.fold(first, |one, other| known(one, other, f64::max)),
+                }
+            }
+        }
+    }
+}
+
+/// The extreme of two values is missing where one of them is.
+fn known(one: f64, other: f64, extreme: fn(f64, f64) -> f64) -> f64 {
+    if one.is_nan() || other.is_nan() {
+        f64::NAN
+    } else {
+        extreme(one, other)
+    }
+}
+
+/// Bounds what the parser goes into.
+fn check_size(text: &str) -> Result<(), FormulaError> {
+    let at = |position, problem: String| Err(FormulaError { position, problem });
+    let mut depth = 0_usize;
+    for (index, character) in text.chars().enumerate() {
+        if index >= LENGTH_MAX {
+            return at(
+                index + 1,
+                format!("a formula has at most {LENGTH_MAX} characters"),
+            );
+        }
+        match character {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > DEPTH_MAX {
+            let problem = format!("at most {DEPTH_MAX} parentheses may lie within each other");
+            return at(index + 1, problem);
+        }
+    }
+    Ok(())
+}
+
+/// What the parser says, in a sentence.
+fn told(error: &ContextError, rest: &str) -> String {
+    let expected = error.context().find_map(|context| match context {
+        StrContext::Expected(StrContextValue::Description(text)) => Some(*text),
+        _ => None,
+    });
+    let found = rest.chars().next().map_or_else(
+        || "its end".to_owned(),
+        |character| format!("{character:?}"),
+    );
+    format!(
+        "expected {}, found {found}",
+        expected.unwrap_or("something else")
+    )
+}
+
+const fn expected(what: &'static str) -> StrContext {
+    StrContext::Expected(StrContextValue::Description(what))
+}
+
+type Parsed<T> = ModalResult<T>;
+
+const OPERAND: &str = "a number, a signal, abs, sqrt, min, max or a parenthesis";
+
+fn expression(input: &mut &str) -> Parsed<Node> {
+    separated_foldl1(term, one_of(['+', '-']), binary).parse_next(input)
+}
+
+fn term(input: &mut &str) -> Parsed<Node> {
+    separated_foldl1(factor, one_of(['*', '/']), binary).parse_next(input)
+}
+
+fn binary(left: Node, operator: char, right: Node) -> Node {
+    Node::Binary(operator, Box::new(left), Box::new(right))
+}
+
+/// An operand with signs before and white space around it.
+fn factor(input: &mut &str) -> Parsed<Node> {
+    let sign = preceded(multispace0, one_of(['+', '-']));
+    let signs = repeat(0.., sign).fold(|| false, |is_negative, sign| is_negative != (sign == '-'));
+    let operand = delimited(
+        multispace0,
+        cut_err(operand.context(expected(OPERAND))),
+        multispace0,
+    );
+    let (is_negative, node) = (signs, operand).parse_next(input)?;
+    Ok(if is_negative {
+        Node::Negative(Box::new(node))
+    } else {
+        node
+    })
+}
+
+fn operand(input: &mut &str) -> Parsed<Node> {
+    alt((number, grouped, quoted, named)).parse_next(input)
+}
+
+fn number(input: &mut &str) -> Parsed<Node> {
+    let exponent = (one_of(['e', 'E']), opt(one_of(['+', '-'])), digit1);
+    (digit1, opt(('.', digit1)), opt(exponent))
+        .take()
+        .verify_map(|text: &str| text.parse().ok().filter(|value: &f64| value.is_finite()))
+        .map(Node::Number)
+        .parse_next(input)
+}
+
+fn grouped(input: &mut &str) -> Parsed<Node> {
+    delimited('(', expression, close).parse_next(input)
+}
+
+fn close(input: &mut &str) -> Parsed<char> {
+    cut_err(')'.context(expected("an operator or a closing parenthesis"))).parse_next(input)
+}
+
+/// A name in quotes.
+fn quoted(input: &mut &str) -> Parsed<Node> {
+    let character = alt(("\"\"".value('"'), none_of('"')));
+    let name = repeat(1.., character).fold(String::new, |mut name, character| {
+        name.push(character);
+        name
+    });
+    let end = cut_err('"'.context(expected("a closing quote")));
+    delimited('"', name, end)
+        .map(|name| Node::Signal(name, 0))
+        .parse_next(input)
+}
+
+/// A plain name, or a call if a parenthesis follows.
+fn named(input: &mut &str) -> Parsed<Node> {
+    let begin = *input;
+    let first = one_of(|character: char| character.is_alphabetic() || character == '_');
+    let more = take_while(0.., |character: char| {
+        character.is_alphanumeric() || matches!(character, '_' | '.')
+    });
+    let name = (first, more).take().parse_next(input)?;
+    let call = (multispace0, '(');
+    if opt(call).parse_next(input)?.is_none() {
+        return Ok(Node::Signal(name.to_owned(), 0));
+    }
+    let Some(function) = Function::named(name) else {
+        *input = begin;
+        return refuse(input, "abs, sqrt, min or max before a parenthesis");
+    };
+    let arguments: Vec<Node> = separated(1.., expression, ',').parse_next(input)?;
+    let end = cut_err(')'.context(expected("an operator, a comma or a closing parenthesis")));
+    terminated(multispace0, end).parse_next(input)?;
+    if function.takes(arguments.len()) {
+        Ok(Node::Call(function, arguments))
+    } else {
+        *input = begin;
+        refuse(
+            input,
+            "one value for abs and sqrt, two or more for min and max",
+        )
+    }
+}
+
+/// Ends the parser here.
+fn refuse(input: &mut &str, what: &'static str) -> Parsed<Node> {
+    cut_err(fail.context(expected(what))).parse_next(input)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The value for a = 2, b = -3 and a missing c.
+    fn value(text: &str) -> f64 {
+        let formula = Formula::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let of = |name: &String| match name.as_str() {
+            "a" => [2.0],
+            "b" | "b \"quoted\" ü" => [-3.0],
+            _ => [f64::NAN],
+        };
+        let values: Vec<[f64; 1]> = formula.signals().iter().map(of).collect();
+        let values: Vec<&[f64]> = values.iter().map(<[f64; 1]>::as_slice).collect();
+        formula.value(&values, 0)
+    }
+
+    #[test]
+    fn formulas_mean_what_they_mean_on_paper() {
+        for (text, expected) in [
+            ("a", 2.0),
+            (" 1 + a * 3 ", 7.0),
+            ("(1+a)*3", 9.0),
+            ("a - 1 - 1", 0.0),
+            ("12 / a / 3", 2.0),
+            ("-a*b", 6.0),
+            ("--a", 2.0),
+            ("a - -b", -1.0),
+            ("abs(b) + sqrt(a + 2)", 5.0),
+            ("min(a, b, 1) * max( a , b )", -6.0),
+            ("1.5e1 * a + 2E-1", 30.2),
+            ("\"b \"\"quoted\"\" ü\" * 2", -6.0),
+        ] {
+            assert!(
+                (value(text) - expected).abs() < 1e-12,
+                "{text}: {}",
+                value(text)
+            );
+        }
+    }
+
+    #[test]
+    fn what_has_no_finite_value_is_missing() {
+        for text in [
+            "c",
+            "a + c",
+            "max(a, c)",
+            "min(c, a)",
+            "a / 0",
+            "sqrt(b)",
+            "a*1e300*1e300",
+        ] {
+            assert!(value(text).is_nan(), "{text}");
+        }
+    }
+
+    #[test]
+    fn an_error_names_its_position() {
+        for (text, position) in [
+            ("", 1),
+            ("1 + 2", 1),
+            ("a +", 4),
+            ("a + * b", 5),
+            ("a b", 3),
+            ("(a + b", 7),
+            ("a)", 2),
+            ("ü + sin(a)", 5),
+            ("a + abs(a, b)", 5),
+            ("min(a)", 1),
+            ("min(a, )", 8),
+            ("abs()", 5),
+            ("\"a", 3),
+            ("a + \"\"", 5),
+            ("2a + b", 2),
+            ("a ^ 2", 3),
+            (".5*a", 1),
+            ("a + 1e999", 5),
+            ("<img src=x onerror=alert(1)>", 1),
+        ] {
+            let error = Formula::parse(text).unwrap_err();
+            assert_eq!(error.position, position, "{text}: {error}");
+            assert!(error.problem.len() > 10, "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn length_and_depth_are_bounded() {
+        let deep = |depth: usize| format!("{}a{}", "(".repeat(depth), ")".repeat(depth));
+        assert!(Formula::parse(&deep(DEPTH_MAX)).is_ok());
+        assert_eq!(
+            Formula::parse(&deep(DEPTH_MAX + 1)).unwrap_err().position,
+            DEPTH_MAX + 1
+        );
+        let long = |length: usize| format!("{}a", "-".repeat(length - 1));
+        assert!(Formula::parse(&long(LENGTH_MAX)).is_ok());
+        assert!(Formula::parse(&long(LENGTH_MAX + 1)).is_err());
+        let sum = vec!["a"; LENGTH_MAX / 2].join("+");
+        assert!((value(&sum) - LENGTH_MAX as f64).abs() < 1e-9);
+    }
+}
