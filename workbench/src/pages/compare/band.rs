@@ -26,11 +26,12 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// The band of `tolerance` around the residual `errors` of `measured`, both on `base`.
+    /// The band of `tolerance` around the residual `errors` of `measured`, both on `base`: judged where it is seen, and drawn
+    /// beside it too.
     pub(super) fn of(
         tolerance: &Tolerance,
         (base, measured, errors): (&TimeBase, &[f64], &[f64]),
-        range: Range,
+        (seen, range): (Range, Range),
         points: usize,
     ) -> Result<Self, Refusal> {
         let (within, _) = range.of(base)?;
@@ -38,7 +39,8 @@ impl Band {
         // One sample more on either side, for lines that go on to the edges.
         let drawn = within.start.saturating_sub(1)..(within.end + 1).min(times_s.len());
         let [low, high] = tolerance.bounds(times_s, measured, drawn.clone());
-        let judged = within.clone().map(|row| (errors[row], row - drawn.start));
+        let (judged, _) = seen.of(base)?;
+        let judged = judged.map(|row| (errors[row], row - drawn.start));
         let judged = judged.filter(|(error, _)| !error.is_nan());
         let is_beyond = |(error, row): (f64, usize)| error < low[row] || error > high[row];
         let (mut samples, mut beyond) = (0, 0);
@@ -88,7 +90,7 @@ mod tests {
             to_s: Some(4.95),
         };
         let band = |tolerance: &Tolerance| {
-            Band::of(tolerance, (&base, &measured, &errors), range, 100).unwrap()
+            Band::of(tolerance, (&base, &measured, &errors), (range, range), 100).unwrap()
         };
         let found = band(&tolerance);
         assert_eq!((found.samples, found.holds), (39, Some(false)));
@@ -99,7 +101,13 @@ mod tests {
             from_s: Some(900.0),
             to_s: Some(901.0),
         };
-        let found = Band::of(&tolerance, (&base, &measured, &errors), nowhere, 100).unwrap();
+        let found = Band::of(
+            &tolerance,
+            (&base, &measured, &errors),
+            (nowhere, nowhere),
+            100,
+        )
+        .unwrap();
         assert_eq!((found.samples, found.holds), (0, None));
     }
 }

@@ -32,6 +32,9 @@ pub(in crate::pages) struct Range {
 pub(super) struct View {
     from_s: Option<f64>,
     to_s: Option<f64>,
+    /// Courses go on by this share of the view on either side, so that moving shows no empty edge.
+    #[serde(default)]
+    beside: f64,
     /// Points for each course.
     points: usize,
     /// Samples to mark; see [`Selection`].
@@ -87,7 +90,7 @@ pub(in crate::pages) struct Course {
 
 /// A residual in numbers.
 #[derive(Debug, PartialEq, Serialize)]
-struct Metrics {
+pub(super) struct Metrics {
     samples: usize,
     rms: f64,
     mean_absolute: f64,
@@ -99,7 +102,7 @@ struct Metrics {
 
 impl Metrics {
     /// None where nothing was compared.
-    fn of(residual: &[f64]) -> Option<Self> {
+    pub(super) fn of(residual: &[f64]) -> Option<Self> {
         let present = || residual.iter().copied().filter(|error| !error.is_nan());
         let samples = present().count();
         if samples == 0 {
@@ -121,6 +124,23 @@ impl Metrics {
 }
 
 impl Range {
+    /// The range with so much of its width more on either side.
+    fn with_beside(self, share: f64) -> Result<Self, Refusal> {
+        if !(0.0..=1.0).contains(&share) {
+            return Err(Refusal::value(format!(
+                "what is drawn beside a view is up to as wide as the view; {share} of it is not"
+            )));
+        }
+        let (Some(from_s), Some(to_s)) = (self.from_s, self.to_s) else {
+            return Ok(self);
+        };
+        let beside_s = share * (to_s - from_s);
+        Ok(Self {
+            from_s: Some(from_s - beside_s),
+            to_s: Some(to_s + beside_s),
+        })
+    }
+
     /// Indices of the instants within, and the range in s.
     pub(super) fn of(
         self,
@@ -174,15 +194,17 @@ pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Cou
     let compared = session.comparison(number);
     let project = session.project();
     let parameters = project.plant.parameters()?;
-    let range = Range {
+    let seen = Range {
         from_s: view.from_s,
         to_s: view.to_s,
     };
+    let range = seen.with_beside(view.beside)?;
     let drawer = Drawer {
         log,
         parameters: &parameters,
         compared: compared.as_deref(),
         tolerances: &project.strictness.bands,
+        seen,
         range,
         points: view.points,
     };
@@ -216,6 +238,9 @@ struct Drawer<'a> {
     parameters: &'a PlantParameters,
     compared: Option<&'a Compared>,
     tolerances: &'a BTreeMap<String, Tolerance>,
+    /// What is seen: numbers are of it alone.
+    seen: Range,
+    /// What is drawn.
     range: Range,
     points: usize,
 }
@@ -270,7 +295,7 @@ impl Drawer<'_> {
             return Ok(None);
         };
         let errors = errors.values_or_nan();
-        let (within, _) = self.range.of(base)?;
+        let (within, _) = self.seen.of(base)?;
         Ok(Some(Residual {
             course: self.course(base, errors, &compared.pyramids[place].residual)?,
             unit: signal.unit.clone(),
@@ -293,7 +318,7 @@ impl Drawer<'_> {
         let band = Band::of(
             tolerance,
             (base, &measured, errors),
-            self.range,
+            (self.seen, self.range),
             self.points,
         )?;
         Ok(Some(band))

@@ -81,13 +81,12 @@ export class TimePlots extends TimeView {
     const signal = this.fetchAnew();
     const points = this.points(0.8);
     const fetch = (log, from, to, more) => {
-      const query = new URLSearchParams({ points: Math.round(points * (1 + 2 * BESIDE)), ...more });
+      const query = new URLSearchParams({ points: Math.round(points * (1 + 2 * BESIDE)), beside: BESIDE, ...more });
       if (from !== null) query.set("from_s", from);
       if (to !== null) query.set("to_s", to);
       return api.get(`/logs/${log}/courses?${query}`, signal);
     };
-    const beside = (from, to) => from === null || to === null ? [null, null] : [from - BESIDE * (to - from), to + BESIDE * (to - from)];
-    const [from, to] = beside(view.numberOf("from"), view.numberOf("to"));
+    const [from, to] = [view.numberOf("from"), view.numberOf("to")];
     const select = view.text("select");
     try {
       this.courses = await fetch(this.log.number, from, to, { ...select ? { select } : {}, states: showsStates() });
