@@ -110,8 +110,8 @@ fn longest_in_each_piece(all: &[Stretch], (from_s, to_s): (f64, f64)) -> Vec<Str
     let mut shown = Vec::new();
     let mut rest = all;
     for piece in 0..STRETCHES_MAX {
-        let begin_s = from_s + piece as f64 * piece_s;
-        let end_s = begin_s + piece_s;
+        // The end of one piece is the begin of the next to the bit.
+        let [begin_s, end_s] = [piece, piece + 1].map(|edge| from_s + edge as f64 * piece_s);
         let gone = rest.partition_point(|stretch| stretch.to_s <= begin_s);
         rest = &rest[gone..];
         let here = rest.iter().take_while(|stretch| stretch.from_s < end_s);
