@@ -33,6 +33,7 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/compare/charts.js",
     "pages/compare/closer.js",
     "pages/compare/cursors.js",
+    "pages/compare/differences.js",
     "pages/compare/limits.js",
     "pages/compare/look.js",
     "pages/compare/regimes.js",

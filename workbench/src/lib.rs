@@ -18,6 +18,7 @@ mod plant_file;
 mod project;
 mod pyramid;
 mod refusal;
+mod resample;
 mod server;
 mod session;
 mod shelf;

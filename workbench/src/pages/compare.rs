@@ -3,6 +3,7 @@
 mod band;
 pub(super) mod courses;
 mod details;
+mod difference;
 mod export;
 mod selection;
 mod states;
@@ -42,6 +43,10 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route(
             "/sessions/{session}/logs/{log}/spectrum",
             get(show_spectrum),
+        )
+        .route(
+            "/sessions/{session}/logs/{log}/difference",
+            get(show_difference),
         )
         .route(
             "/sessions/{session}/logs/{log}/alignment",
@@ -194,6 +199,15 @@ async fn show_spectrum(
 ) -> Result<Json<statistics::Spectral>, Refusal> {
     let session = session(&sessions, id)?;
     blocking(move || statistics::spectrum(&session, log, &wish).map(Json)).await
+}
+
+async fn show_difference(
+    State(sessions): Shared,
+    Path((id, log)): Path<(String, u32)>,
+    Query(wish): Query<difference::Wish>,
+) -> Result<Json<difference::Differences>, Refusal> {
+    let session = session(&sessions, id)?;
+    blocking(move || difference::differences(&session, log, &wish).map(Json)).await
 }
 
 #[derive(Deserialize)]

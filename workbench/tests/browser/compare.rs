@@ -179,6 +179,9 @@ fn other_logs_lie_beside_and_are_brought_onto_this_one() {
         person.run("[...document.querySelectorAll('button')].find((one) => one.textContent === 'Align').click()").await;
         let offset = "Math.abs(Number(document.querySelector('[aria-label=\"offset of late.csv\"]').value) + 3)";
         person.until(&format!("{offset} < 0.01")).await;
+        person
+            .until("[...document.querySelectorAll('#differences tbody tr')].some((row) => row.cells[0].textContent === 'p_ch − late.csv' && Number(row.cells[2].textContent) < 0.01)")
+            .await;
         person.picture("compare-overlay").await;
 
         // A drag with Ctrl takes it elsewhere again; the view stays where it was.

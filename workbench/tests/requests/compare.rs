@@ -179,3 +179,83 @@ fn the_states_of_the_valves_cover_the_view_when_they_are_asked_for() {
         assert_ne!(pair[0]["state"], pair[1]["state"]);
     }
 }
+
+/// The numbers are of what is seen; what is drawn goes on beside it.
+#[test]
+fn what_is_drawn_beside_a_view_does_not_count() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = compared(&browser);
+    let view = "from_s=10&to_s=20";
+    let narrow = signal(&browser, &session, view, "p_ch");
+    let wide = signal(&browser, &session, &format!("{view}&beside=0.5"), "p_ch");
+    assert_eq!(narrow["residual"]["metrics"], wide["residual"]["metrics"]);
+    let begin = |signal: &Value| signal["measured"]["t"][0].as_f64().unwrap();
+    assert!(begin(&narrow) > 9.9 && begin(&wide) < 5.1);
+    for beside in ["-1", "1e9", "nan"] {
+        let path = format!("{session}/logs/1/courses?points=100&{view}&beside={beside}");
+        assert_eq!(browser.get(&path).status, 400, "{beside}");
+    }
+}
+
+/// The same log a second later: its difference is nothing once it is shifted back, and not before.
+#[test]
+fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let log = |delay: u32| {
+        let row = |index: u32| {
+            let duty = if index % 20 < 10 { 40 } else { 0 };
+            let pressure_bar = f64::from(index * index) * 1e-3;
+            format!("{},{duty},{pressure_bar:.3}\n", index + delay)
+        };
+        let rows: String = (0..100).map(row).collect();
+        format!("time_s,duty_fill_pct,p_ch_bar_gauge\n{rows}")
+    };
+    browser.upload(&session, "now.csv", log(0).as_bytes());
+    browser.upload(&session, "late.csv", log(5).as_bytes());
+    let get = |more: &str| {
+        let path = format!("{session}/logs/1/difference?other=2&points=400{more}");
+        browser.get(&path).json()["signals"].clone()
+    };
+    let apart = get("");
+    assert_eq!(apart[0]["between"], "hold");
+    assert_eq!(
+        (&apart[1]["between"], &apart[1]["unit"]),
+        (&json!("linear"), &json!("bar"))
+    );
+    assert_eq!(apart[1]["metrics"]["samples"], 95);
+    assert!(apart[1]["metrics"]["rms"].as_f64().unwrap() > 0.1);
+
+    let shift = |offset_s: f64| {
+        let body = json!({ "offset_s": offset_s });
+        browser.put(&format!("{session}/logs/2/offset"), &body);
+    };
+    shift(-5.0);
+    for difference in get("").as_array().unwrap() {
+        assert_eq!(difference["metrics"]["samples"], 100);
+        assert_eq!(difference["metrics"]["rms"], 0.0, "{difference}");
+    }
+    // Half an interval late.
+    shift(-4.5);
+    let linear = get("&from_s=10&to_s=20");
+    let worst = |difference: &Value| difference["metrics"]["highest"].as_f64().unwrap();
+    // At i, in mbar: i² - ((i - 1)² + i²)/2 = i - 1/2, and held: i² - (i - 1)² = 2i - 1.
+    assert!((worst(&linear[1]) - 0.0195).abs() < 1e-9, "{linear}");
+    let held = get("&from_s=10&to_s=20&between=hold");
+    assert_eq!(held[1]["between"], "hold");
+    assert!((worst(&held[1]) - 0.039).abs() < 1e-9, "{held}");
+
+    shift(-1000.0);
+    assert_eq!(get("")[1]["metrics"], Value::Null);
+    for path in [
+        "difference?other=9&points=9",
+        "difference?other=2&points=9&between=cubic",
+        "difference?other=2",
+        "difference?other=2&points=9&from_s=3&to_s=1",
+    ] {
+        let answer = browser.get(&format!("{session}/logs/1/{path}"));
+        assert!(matches!(answer.status, 400 | 404), "{path}: {answer:?}");
+    }
+}

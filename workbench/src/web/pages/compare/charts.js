@@ -8,6 +8,7 @@ import { count, number, percent, signed, titled } from "../../format.js";
 import { colour } from "../../theme.js";
 import { TimeView } from "../../time-view.js";
 import * as view from "../../view.js";
+import { Differences } from "./differences.js";
 
 /** Heights (px): a signal, its residual, an input. */
 const HEIGHT = { signal: 150, residual: 84, input: 78 };
@@ -40,14 +41,15 @@ export class TimePlots extends TimeView {
     Object.assign(this, { log, logs, cursors, onView, onShift, overlays: [], hidden: new Set((view.text("hide") ?? "").split(",").filter(Boolean)) });
     this.choices = element("div", { class: "row choices" });
     this.filter = new Filter("signals");
+    this.differences = new Differences(log, () => this.refresh());
     this.filter.element.append(button("Show only these", () => this.chooseFound((name) => !this.isFound(name)), { id: "show-found" }), button("Hide these", () => this.chooseFound((name) => this.isFound(name) || this.hidden.has(name)), { id: "hide-found" }));
     this.metrics = element("div", { class: "scroll" });
     this.element = element("section", { class: "card", "aria-label": "Courses" },
       this.tools("Measured and modelled", "Whole log", this.exports()),
-      this.legend(), this.filter.element, this.choices, this.over,
+      this.legend(), this.filter.element, this.choices, this.differences.element, this.over,
       element("p", { class: "quiet hint" }, "Drag to zoom, drag with Shift to move, Ctrl and the wheel to zoom, double-click for the whole log. A click sets cursor A, with Alt cursor B.",
         logs.length > 1 && " Drag with Ctrl to shift the log that lies over this one."),
-      element("h3", {}, "Residual within the visible range"), this.metrics);
+      element("h3", {}, "Residual within the visible range"), this.metrics, this.differences.metrics);
     this.listenToClicks();
     this.listenToShifts();
   }
@@ -93,7 +95,8 @@ export class TimePlots extends TimeView {
       const beyond = this.logs.filter((log) => this.overlaid().includes(log.number));
       this.overlays = await Promise.all(beyond.map(async (log) => {
         const shift = log.offset_s - this.log.offset_s;
-        return { log, shift, courses: await fetch(log.number, from === null ? null : from - shift, to === null ? null : to - shift, {}) };
+        const [courses, differences] = await Promise.all([fetch(log.number, from === null ? null : from - shift, to === null ? null : to - shift, {}), this.differences.fetch(log, from, to, points, signal)]);
+        return { log, shift, courses, differences };
       }));
     } catch (error) {
       if (error.name === "AbortError") return;
@@ -102,6 +105,7 @@ export class TimePlots extends TimeView {
     await this.paint();
     this.showChoices();
     this.showMetrics();
+    this.differences.show(this.overlays);
     this.cursors.refresh(this.courses);
     clearTimeout(this.resting);
     this.resting = setTimeout(() => this.onView(), REST);
@@ -173,6 +177,7 @@ export class TimePlots extends TimeView {
     const shown = this.courses.signals.filter((signal) => !this.hidden.has(signal.name));
     const outputs = shown.filter((one) => !one.is_input).flatMap((signal) => [
       { height: HEIGHT.signal, title: `${titled(signal.name)} [${signal.unit}]`, draw: (yaxis) => this.drawSignal(signal, yaxis) },
+      ...this.differences.panels(this, signal.name),
       ...signal.residual ? [{ height: HEIGHT.residual, title: `${signal.name}: measured − modelled [${signal.residual.unit}]`, ink: "label", draw: (yaxis) => this.drawResidual(signal.residual, yaxis) }] : [],
     ]);
     const inputs = shown.filter((one) => one.is_input);
@@ -182,6 +187,7 @@ export class TimePlots extends TimeView {
       ...outputs,
       ...duties.length > 0 ? [input(duties, "duty cycles")] : [],
       ...inputs.filter((one) => !duties.includes(one)).map((one) => input([one], titled(one.name))),
+      ...inputs.flatMap((one) => this.differences.panels(this, one.name)),
     ];
   }
 

@@ -7,7 +7,7 @@ import * as view from "../../view.js";
 /** Parts of a band: heading, key, what one of the field's unit is of the project's. */
 const BAND = [["± absolute", "absolute", 1], ["± % of the value", "relative", 0.01], ["early or late [ms]", "time_s", 0.001], ["% may be beyond", "beyond_max", 0.01]];
 /** What of the view stays when its limits are others. */
-const KEPT = ["log", "from", "to", "a", "b", "select", "hide", "states", "with"];
+const KEPT = ["log", "from", "to", "a", "b", "select", "hide", "states", "with", "between"];
 
 const field = (name, value, placeholder = "") => element("input", { type: "number", min: 0, step: "any", class: "short", "aria-label": name, value, placeholder });
 

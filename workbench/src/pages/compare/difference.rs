@@ -1,0 +1,147 @@
+//! How far a log lies from another one that is laid over it: every signal that both have, at the instants of the first.
+
+use recording::{Quantity, Recording, Signal, TimeBase, Unit};
+use serde::{Deserialize, Serialize};
+
+use super::courses::{Course, Metrics, Range, shown_unit, shown_values};
+use crate::pyramid::Pyramid;
+use crate::refusal::Refusal;
+use crate::resample::{Between, at_instants};
+use crate::session::Session;
+
+/// Which difference is seen.
+#[derive(Deserialize)]
+pub(super) struct Wish {
+    /// The log that is taken away.
+    other: u32,
+    /// What a course is between two samples; none decides by what is measured.
+    between: Option<Between>,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    points: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct Differences {
+    signals: Vec<Difference>,
+}
+
+#[derive(Serialize)]
+struct Difference {
+    name: String,
+    unit: &'static str,
+    between: Between,
+    /// This log minus the other one.
+    course: Course,
+    /// Of the samples in the view; none where the logs do not overlap.
+    metrics: Option<Metrics>,
+}
+
+/// This log minus another one, both with their time offsets.
+pub(super) fn differences(
+    session: &Session,
+    number: u32,
+    wish: &Wish,
+) -> Result<Differences, Refusal> {
+    let project = session.project();
+    let parameters = project.plant.parameters()?;
+    let shift_s = project.log(wish.other)?.offset_s - project.log(number)?.offset_s;
+    let [this, other] = [session.log(number)?, session.log(wish.other)?];
+    let this = &this.as_ref().as_ref().map_err(Clone::clone)?.recording;
+    let other = &other.as_ref().as_ref().map_err(Clone::clone)?.recording;
+    let of_signal = |signal: &Signal| {
+        let unit = shown_unit(signal, &parameters).0;
+        let same = other.signal(signal.name())?;
+        // What is measured in another quantity has no difference.
+        if shown_unit(same, &parameters).0 != unit {
+            return None;
+        }
+        let between = wish.between.unwrap_or_else(|| usual(signal));
+        let values = [signal, same].map(|one| shown_values(one, &parameters));
+        let difference = Pair {
+            base: this.time_base(signal.time_base())?,
+            values: &values[0],
+            other_base: base_of(other, same)?,
+            other_values: &values[1],
+            shift_s,
+        };
+        Some(difference.of(signal.name(), unit, between, wish))
+    };
+    let signals = this.signals().iter().filter_map(of_signal);
+    Ok(Differences {
+        signals: signals.collect::<Result<_, _>>()?,
+    })
+}
+
+fn base_of<'a>(log: &'a Recording, signal: &Signal) -> Option<&'a TimeBase> {
+    log.time_base(signal.time_base())
+}
+
+/// A command holds until the next one; what is measured goes on between its samples.
+fn usual(signal: &Signal) -> Between {
+    match signal.quantity() {
+        Quantity::DutyCycle => Between::Hold,
+        _ => Between::Linear,
+    }
+}
+
+/// The same signal of two logs.
+struct Pair<'a> {
+    base: &'a TimeBase,
+    values: &'a [f64],
+    other_base: &'a TimeBase,
+    other_values: &'a [f64],
+    /// Added to the times of the other log.
+    shift_s: f64,
+}
+
+impl Pair<'_> {
+    fn of(
+        &self,
+        name: &str,
+        unit: Unit,
+        between: Between,
+        wish: &Wish,
+    ) -> Result<Difference, Refusal> {
+        let range = Range {
+            from_s: wish.from_s,
+            to_s: wish.to_s,
+        };
+        let (within, _) = range.of(self.base)?;
+        let times_s = &self.base.times_s()[within.clone()];
+        let step_s = median_step_s(self.other_base);
+        let other = at_instants(
+            (self.other_base.times_s(), self.other_values, step_s),
+            times_s.iter().map(|time_s| time_s - self.shift_s),
+            between,
+        );
+        let pairs = self.values[within].iter().zip(other);
+        let values: Vec<f64> = pairs.map(|(this, other)| this - other).collect();
+        let course = match TimeBase::new(times_s.to_vec()) {
+            Ok(base) => Course::of((&base, &values, &Pyramid::new(&values)), range, wish.points)?,
+            // Nothing of this log is in the view.
+            Err(_) => Course::default(),
+        };
+        Ok(Difference {
+            name: name.to_owned(),
+            unit: unit_of_difference(unit),
+            between,
+            course,
+            metrics: Metrics::of(&values),
+        })
+    }
+}
+
+/// Where a log has one sample only, nothing lies between.
+fn median_step_s(base: &TimeBase) -> f64 {
+    base.sampling().median_step_s.unwrap_or(0.0)
+}
+
+/// The difference of two pressures is neither gauge nor absolute.
+fn unit_of_difference(unit: Unit) -> &'static str {
+    let symbol = unit.symbol();
+    match unit.pressure_reference() {
+        Some(_) => symbol.split(' ').next().unwrap_or(symbol),
+        None => symbol,
+    }
+}

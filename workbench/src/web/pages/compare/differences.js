@@ -1,0 +1,52 @@
+// This log minus each log that lies over it, below the signals that both have.
+
+import * as api from "../../api.js";
+import { element, fill } from "../../dom.js";
+import { count, number, signed } from "../../format.js";
+import * as view from "../../view.js";
+
+const HEIGHT = 84;
+/** What the other log is between its samples. */
+const BETWEEN = [["", "linear, duty cycles held"], ["linear", "linear"], ["hold", "sample and hold"], ["none", "not shown"]];
+
+export class Differences {
+  constructor(log, onChange) {
+    Object.assign(this, { log, overlays: [] });
+    const chosen = view.text("between") ?? "";
+    const choice = element("select", { id: "between", on: { change: () => { view.set({ between: choice.value }); onChange(); } } },
+      BETWEEN.map(([value, text]) => element("option", { value, selected: value === chosen }, text)));
+    this.element = element("p", { class: "row", hidden: true }, element("label", {}, "Differences of the logs, between two samples of the other: ", choice));
+    this.metrics = element("div", { class: "scroll" });
+  }
+
+  /** What is to be drawn for a log that lies over this one. */
+  async fetch(other, from, to, points, signal) {
+    const between = view.text("between");
+    if (between === "none") return [];
+    const query = new URLSearchParams({ other: other.number, points: Math.round(points) });
+    if (between) query.set("between", between);
+    if (from !== null) query.set("from_s", from);
+    if (to !== null) query.set("to_s", to);
+    return (await api.get(`/logs/${this.log.number}/difference?${query}`, signal)).signals;
+  }
+
+  /** The plots of a signal. */
+  panels(plots, name) {
+    return plots.overlays.flatMap(({ log, differences }, index) => differences.filter((one) => one.name === name && one.metrics).map(({ course, unit, between }) => ({
+      height: HEIGHT, title: `${name}: this − ${log.name} [${unit}]`, ink: "label",
+      draw: (yaxis) => ({ traces: [plots.line(course, yaxis, `overlay-${index % 2}`, { shape: between === "hold" ? "hv" : "linear" })], range: plots.rangeOf([course], [0]) }),
+    })));
+  }
+
+  /** The differences in numbers. */
+  show(overlays) {
+    this.element.hidden = overlays.length === 0;
+    const rows = overlays.flatMap(({ log, differences }) => differences.map(({ name, unit, metrics, between }) => element("tr", {}, element("th", { scope: "row" }, `${name} − ${log.name}`),
+      (metrics ? [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), unit] : ["no overlap", ...Array(6).fill("–"), unit]).map((cell) => element("td", {}, cell)),
+      element("td", {}, between === "hold" ? "held" : "linear"))));
+    fill(this.metrics, rows.length > 0 && element("table", { class: "numbers", id: "differences" },
+      element("caption", {}, "Differences of the logs within the visible range"),
+      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |d|", "bias", "std", "lowest", "highest", "unit", "between samples"].map((cell) => element("th", { scope: "col" }, cell)))),
+      element("tbody", {}, rows)));
+  }
+}
