@@ -116,7 +116,7 @@ mod nonsense {
     };
 
     #[derive(Debug)]
-    pub struct ClockFlow;
+    pub(super) struct ClockFlow;
     impl Effect for ClockFlow {
         fn about(&self) -> &'static About {
             &CLOCK_FLOW
@@ -129,7 +129,7 @@ mod nonsense {
     }
 
     #[derive(Debug)]
-    pub struct CoilHum;
+    pub(super) struct CoilHum;
     impl Effect for CoilHum {
         fn about(&self) -> &'static About {
             &COIL_HUM

@@ -57,6 +57,7 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
             @if !diagnosis.remaining.sentences.is_empty() {
                 h3 { "What remains" }
                 ul { @for sentence in &diagnosis.remaining.sentences { li { (foreign(sentence)) } } }
+                @if !diagnosis.remaining.missing_flow.is_empty() { (figure(plot::missing_flow(&diagnosis.remaining.missing_flow))) }
             }
             p.note {
                 (diagnosis.cost.simulations) " simulations of " (number(diagnosis.cost.log_s)) " s of log in "

@@ -2,6 +2,7 @@
 
 use hil_harness::{Requirement, Run, Scenario, Verdict, run_in_process};
 use model_lab::diagnosis::Diagnosis;
+use model_lab::diagnosis::result::{FlowCurve, FlowPoint};
 use model_lab::thesis::{Measurements, ThesisTable, compare_with_model};
 use model_lab::{CompareOptions, Comparison, compare};
 use plant_sim::PlantParameters;
@@ -138,6 +139,19 @@ fn hostile_text_in_a_diagnosis_stays_text() {
     diagnosis.sentence = hostile();
     diagnosis.held_out = hostile();
     diagnosis.remaining.sentences = vec![hostile()];
+    let point = |at| FlowPoint {
+        at,
+        bar_per_s: 0.1 * at,
+        standard_error: 0.01,
+        samples: 50,
+    };
+    diagnosis.remaining.missing_flow = vec![FlowCurve {
+        against: hostile(),
+        unit: hostile(),
+        condition: hostile(),
+        explained_share: 0.5,
+        points: vec![point(1.0), point(2.0)],
+    }];
     for candidate in &mut diagnosis.candidates {
         (candidate.variant, candidate.physics) = (hostile(), hostile());
         candidate.plausibility = hostile();

@@ -5,6 +5,7 @@
 
 use std::time::Instant;
 
+use plant_sim::effects::{EffectSetting, LIBRARY};
 use plant_sim::replay::{CurrentSampling, Replay, ReplayInput};
 use plant_sim::{PlantParameters, Tolerance};
 use retarder_tests::{bench_log, stiff_solver};
@@ -62,7 +63,8 @@ fn main() {
         .last()
         .map_or(0.0, |input| input.time_ns as f64 * 1e-9);
     let periods = log_seconds * parameters.ecu.pwm_frequency_hz;
-    let reference = event_driven(&parameters, &inputs, Tolerance::scaled(1e-6)).pressure;
+    let converged = |plant| event_driven(plant, &inputs, Tolerance::scaled(1e-6)).pressure;
+    let reference = converged(&parameters);
 
     println!(
         "log {LOG}, {log_seconds:.0} s, {:.0} Hz PWM",
@@ -72,8 +74,8 @@ fn main() {
         "{:<34} {:>11} {:>11} {:>13} {:>13}",
         "solver", "rms mbar", "worst mbar", "x real time", "steps/period"
     );
-    let report = |name: &str, run: &Run| {
-        let (rms, worst) = deviation_mbar(&run.pressure, &reference);
+    let report_beside = |reference: &[f64], name: &str, run: &Run| {
+        let (rms, worst) = deviation_mbar(&run.pressure, reference);
         println!(
             "{name:<34} {rms:>11.4} {worst:>11.3} {:>13.0} {:>13.2}",
             log_seconds / run.seconds,
@@ -81,13 +83,15 @@ fn main() {
         );
         (rms, log_seconds / run.seconds)
     };
+    let report = |name: &str, run: &Run| report_beside(&reference, name, run);
 
-    let best = |tolerance: Tolerance| {
+    let best_of = |plant: &PlantParameters, tolerance: Tolerance| {
         (0..20)
-            .map(|_| event_driven(&parameters, &inputs, tolerance))
+            .map(|_| event_driven(plant, &inputs, tolerance))
             .min_by(|a, b| a.seconds.total_cmp(&b.seconds))
             .expect("runs")
     };
+    let best = |tolerance| best_of(&parameters, tolerance);
     let (our_rms, our_speed) = report(
         "event-driven, default tolerance",
         &best(Tolerance::default()),
@@ -98,6 +102,16 @@ fn main() {
             &best(Tolerance::scaled(factor)),
         );
     }
+    let all_effects = LIBRARY
+        .into_iter()
+        .fold(parameters.clone(), |plant, effect| {
+            plant.with_effect(EffectSetting::typical(effect))
+        });
+    report_beside(
+        &converged(&all_effects),
+        "event-driven, all twenty effects",
+        &best_of(&all_effects, Tolerance::default()),
+    );
     let mut equal: Option<f64> = None;
     for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
         let run = general(&parameters, &inputs, tolerance);

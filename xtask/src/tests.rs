@@ -34,12 +34,14 @@ pub(crate) fn run(which: Which<'_>) -> Result<(), Failure> {
     } else {
         by_cargo(which)
     };
-    runs.into_iter().fold(Ok(()), |outcome, mut tests| {
+    let mut outcome = Ok(());
+    for mut tests in runs {
         if let Which::Image(image) = which {
             tests.env("RETARDER_IMAGE", image);
         }
-        outcome.and(process::run(&mut tests, DEADLINE))
-    })
+        outcome = outcome.and(process::run(&mut tests, DEADLINE));
+    }
+    outcome
 }
 
 fn by_nextest(which: Which<'_>) -> Command {

@@ -10,7 +10,7 @@ use super::result::DetectionLimit;
 use super::trial::{Bench, Trial};
 use super::unknowns::{Unknown, Unknowns};
 use super::vector::dot;
-use super::verdict::{DETECTABLE, MATERIAL_EXCESS};
+use super::verdict::DETECTABLE;
 
 /// An effect that shows only beyond so many typical sizes is not excited.
 const LARGEST_SIZE: f64 = 10.0;
@@ -73,8 +73,7 @@ fn visibility(bench: &Bench, base: &Trial, unknowns: &Unknowns, size: f64) -> Op
     hide(bench, base, &mut change)?;
     let chance = (dot(&change, &change) / base.correlation_samples / DETECTABLE).sqrt();
     let errors = Errors::new(bench.fitting, &change, Run::Predicted);
-    let material = errors.worst_rms() / MATERIAL_EXCESS;
-    Some(chance.min(material))
+    Some(chance.min(errors.over_material()))
 }
 
 /// Takes away what the parameters of `base` can imitate within their tolerances.

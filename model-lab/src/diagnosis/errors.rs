@@ -18,6 +18,13 @@ struct Sums {
     normalised_square: f64,
 }
 
+impl Sums {
+    /// More excess than two correct programs have, and than chance gives so few samples.
+    fn material_excess(&self) -> f64 {
+        MATERIAL_EXCESS * MATERIAL_EXCESS + CHANCE * (2.0 / self.count).sqrt()
+    }
+}
+
 /// Errors by signal.
 #[derive(Debug, Clone)]
 pub(crate) struct Errors(BTreeMap<&'static str, Sums>);
@@ -65,14 +72,14 @@ impl Errors {
     pub(crate) fn is_material(&self) -> bool {
         self.0.values().any(|sums| {
             let excess = sums.normalised_square / sums.count - 1.0;
-            let by_chance = CHANCE * (2.0 / sums.count).sqrt();
-            excess >= MATERIAL_EXCESS * MATERIAL_EXCESS + by_chance
+            excess >= sums.material_excess()
         })
     }
 
-    /// The rms of the signal that has most, in noise sigmas.
-    pub(crate) fn worst_rms(&self) -> f64 {
-        let each = self.each(|sums| (sums.normalised_square / sums.count).sqrt());
+    /// The size of these errors over the size at which they would be material beside the noise, of the signal that has most.
+    pub(crate) fn over_material(&self) -> f64 {
+        let each =
+            self.each(|sums| (sums.normalised_square / sums.count / sums.material_excess()).sqrt());
         each.into_values().fold(0.0, f64::max)
     }
 

@@ -14,6 +14,7 @@ mod figure;
 pub(crate) mod palette;
 mod quantity;
 mod regimes;
+mod remaining;
 mod settling;
 mod thesis;
 
@@ -24,5 +25,6 @@ pub(crate) use error_map::error_map;
 pub(crate) use figure::{Figure, PlotError};
 pub use quantity::{SmallUnit, capitalised, pressure_first, signal_words, unit_of};
 pub(crate) use regimes::regime;
+pub(crate) use remaining::missing_flow;
 pub(crate) use settling::{settling, settling_on_rigs};
 pub(crate) use thesis::thesis;

@@ -6,6 +6,7 @@ mod closer;
 mod compare;
 mod control;
 mod driver;
+mod figures;
 mod hostile;
 mod long_log;
 mod refine;

@@ -1,6 +1,6 @@
 //! The loop of a new user: an example is opened, what is missing is named and added, moved, taken back and fitted.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::json;
 
@@ -35,6 +35,7 @@ async fn slide(person: &Person, key: &str, place: f64, rests: bool) {
 #[test]
 fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
     with_browser(async |person| {
+        let first_click = Instant::now();
         person.click("[data-example='practice-01']").await;
         person
             .until("document.querySelectorAll('.log').length === 2")
@@ -60,6 +61,10 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         person
             .until_within(DIAGNOSIS, "document.body.dataset.diagnosed === 'found'")
             .await;
+        println!(
+            "the leak is named {:.0} s after the first click, one start that was cancelled included",
+            first_click.elapsed().as_secs_f64()
+        );
         let verdict = person.text("#verdict").await;
         assert!(verdict.contains("chamber leak"), "{verdict}");
         let named = person.text(".candidate.named[open]").await;

@@ -110,6 +110,23 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     );
     let view = browser.get(&format!("{session}/diagnosis")).json();
     assert_eq!(view["is_of_plant"], false, "the plant is another one now");
+
+    // The report tells what was found, and what was done about it.
+    browser.work(&session, &format!("{session}/report"), &json!({}));
+    let state = browser.get(&format!("{session}/report")).json();
+    assert_eq!(
+        (&state["has_diagnosis"], &state["steps"]),
+        (&json!(true), &json!(2))
+    );
+    let html = browser.get(&format!("{session}/report/file")).text();
+    for part in [
+        "Which effect is missing?",
+        "id=\"history\"",
+        "chamber_leak",
+        "bench.csv",
+    ] {
+        assert!(html.contains(part), "{part} is missing");
+    }
 }
 
 #[test]
