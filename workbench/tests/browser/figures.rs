@@ -86,6 +86,6 @@ fn a_slider_of_a_hundred_seconds() {
             "a slider, 20 places: on the screen after {:.0} ms (median), {:.0} ms at most; last: {text}",
             screens_ms[10], screens_ms[19]
         );
-        assert!(text.starts_with("100 s of log"), "{text}");
+        assert!(text.starts_with("100.0 s of log"), "{text}");
     });
 }
