@@ -54,6 +54,14 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
             .until("document.body.dataset.ready === 'compare' && document.querySelector('[data-band=p_ch] .chip')")
             .await;
         person.until(&format!("{traces} === {}", before + 2)).await;
+        for (look, name) in [
+            ("Distribution", "compare-distribution"),
+            ("Spectrum", "compare-spectrum"),
+        ] {
+            person
+                .picture_of(&format!("section[aria-label={look}]"), name)
+                .await;
+        }
         person.picture("compare-closer").await;
         person.click("#theme").await;
         person.picture("compare-closer-other-theme").await;

@@ -201,9 +201,19 @@ impl Person {
         tokio::time::sleep(Duration::from_millis(300)).await;
         let png = self.client.screenshot().await.unwrap();
         self.client.set_window_size(1280, 1000).await.unwrap();
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-        std::fs::write(folder.join(format!("{name}.png")), png).unwrap();
+        keep(name, &png);
     }
+
+    /// Leaves a picture of a part of the page.
+    pub(crate) async fn picture_of(&self, selector: &str, name: &str) {
+        let part = self.client.find(Locator::Css(selector)).await.unwrap();
+        keep(name, &part.screenshot().await.unwrap());
+    }
+}
+
+fn keep(name: &str, png: &[u8]) {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::write(folder.join(format!("{name}.png")), png).unwrap();
 }
 
 async fn connect(port: u16, profile: &TempDir) -> Client {
