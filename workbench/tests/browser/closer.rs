@@ -58,6 +58,8 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
             ("Distribution", "compare-distribution"),
             ("Spectrum", "compare-spectrum"),
         ] {
+            let chart = format!("document.querySelector('section[aria-label={look}] .main-svg')");
+            person.until(&chart).await;
             person
                 .picture_of(&format!("section[aria-label={look}]"), name)
                 .await;

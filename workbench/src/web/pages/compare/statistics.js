@@ -93,7 +93,7 @@ export class Spectrum extends Statistics {
     const squared = /^[A-Za-zΩ%°]+$/.test(unitText(unit)) ? `${unitText(unit)}²` : `(${unitText(unit)})²`;
     await this.show([line, noise],
       { title: { text: "frequency [Hz]" }, type: "log", range: [x[0], x.at(-1)].map(Math.log10) },
-      { title: { text: label(`density of ${this.words} [${squared}/Hz]`) }, type: "log", nticks: 8 });
+      { title: { text: label(`power density [${squared}/Hz]`) }, type: "log", nticks: 8 });
     this.note.textContent = `Welch's method: ${count(segments)} Hann-windowed ${segments === 1 ? "segment" : "segments"}, a value every ${number(resolution, 3)} Hz; the area below is the variance. `
       + (level ? "Dotted: the measured noise, if it is white." : "No noise is known for it.");
   }
