@@ -16,7 +16,7 @@ async fn compare(person: &Person) {
 fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances() {
     with_browser(async |person| {
         compare(person).await;
-        for (look, title) in [("distribution", "share per"), ("spectrum", "density of")] {
+        for (look, title) in [("distribution", "share per"), ("spectrum", "power density")] {
             person
                 .until(&format!(
                     "document.getElementById('{look}').data?.every((trace) => trace.x.length > 1) \
@@ -26,9 +26,7 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
         }
         person.fill("#spectrum-of", "measured/duty_fill").await;
         person
-            .until(
-                "document.getElementById('spectrum').layout.yaxis.title.text.includes('duty_fill')",
-            )
+            .until("document.getElementById('spectrum').layout.yaxis.title.text.includes('%²')")
             .await;
 
         // The states of the valves are a part of the link.
