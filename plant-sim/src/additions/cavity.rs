@@ -10,6 +10,8 @@ pub struct Cavity {
     /// Volume (m³).
     pub volume: f64,
     pub(crate) tube: Tube,
+    /// Whether the sensor sits in it, or else in the chamber.
+    pub(crate) holds_the_sensor: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

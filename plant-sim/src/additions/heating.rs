@@ -1,43 +1,96 @@
 //! The coil's resistance and its temperature (E42, E43).
 
-/// Heat balance of a coil: C dT/dt = R i² - k (T - T_ambient).
+use super::WarmUp;
+
+/// Where the coils' temperature comes from: their surroundings, and their own current.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heating {
-    /// Heat capacity (J/K).
-    pub(crate) heat_capacity: f64,
-    /// Cooling (W/K).
-    pub(crate) cooling: f64,
     /// Temperature coefficient of the resistance (1/K).
     pub(crate) coefficient: f64,
     /// Resistance at 20 °C (Ω).
     pub(crate) at_20: f64,
-    /// What the surroundings are warmer than 20 °C (K).
+    /// What the surroundings are warmer than 20 °C at the beginning (K), ...
     pub(crate) ambient: f64,
+    /// ... and by what they warm up (K).
+    pub(crate) warm_up: Option<WarmUp>,
+    /// What the current warms; without it a coil has the temperature of its surroundings.
+    pub(crate) winding: Option<HeatStore>,
+    /// What the winding gives its heat to, before that comes to the surroundings.
+    pub(crate) body: Option<HeatStore>,
 }
 
-impl Heating {
-    /// What a coil is warmer than 20 °C (K) before it had any current.
-    pub(crate) fn ambient(&self) -> f64 {
-        self.ambient
+/// Heat balance of a part with one temperature: C dT/dt = P - k (T - T_around).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeatStore {
+    /// Heat capacity (J/K).
+    capacity: f64,
+    /// Cooling (W/K).
+    cooling: f64,
+}
+
+/// Temperatures of a coil over 20 °C (K).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct CoilTemperature {
+    pub(crate) winding: f64,
+    body: f64,
+}
+
+impl HeatStore {
+    /// None where the capacity has no end: it never warms.
+    pub(crate) fn new(capacity: f64, cooling: f64) -> Option<Self> {
+        capacity.is_finite().then_some(Self { capacity, cooling })
     }
 
-    /// The temperature, counted from 20 °C (K), after `heat` (J) came in over `duration` (s).
-    pub(crate) fn after(&self, temperature: f64, heat: f64, duration: f64) -> f64 {
+    /// The temperature after `heat` (J) came in over `duration` (s), and the heat that went on to what is around (J).
+    fn after(&self, temperature: f64, around: f64, heat: f64, duration: f64) -> (f64, f64) {
         // Exact for a steady power.
-        let rate = self.cooling / self.heat_capacity;
+        let rate = self.cooling / self.capacity;
         let share = -(-rate * duration).exp_m1();
-        let cooled = temperature - share * (temperature - self.ambient);
+        let cooled = temperature - share * (temperature - around);
         let held = if rate * duration > 1e-9 {
             share / (rate * duration)
         } else {
             1.0
         };
-        cooled + held * heat / self.heat_capacity
+        let warmed = cooled + held * heat / self.capacity;
+        (warmed, heat - self.capacity * (warmed - temperature))
+    }
+}
+
+impl Heating {
+    /// The temperature of a coil before it had any current.
+    pub(crate) fn start(&self) -> CoilTemperature {
+        CoilTemperature {
+            winding: self.ambient,
+            body: self.ambient,
+        }
     }
 
-    /// Resistance (Ω) at a temperature counted from 20 °C (K).
-    pub(crate) fn resistance(&self, temperature: f64) -> f64 {
-        resistance(self.at_20, self.coefficient, temperature)
+    /// The temperature after `heat` (J) came into the winding over `duration` (s), at `elapsed` (s) since the beginning.
+    pub(crate) fn after(
+        &self,
+        coil: CoilTemperature,
+        heat: f64,
+        duration: f64,
+        elapsed: f64,
+    ) -> CoilTemperature {
+        let risen = self.warm_up.map_or(0.0, |warm_up| warm_up.after(elapsed));
+        let surroundings = self.ambient + risen;
+        let around = self.body.map_or(surroundings, |_| coil.body);
+        let (winding, passed_on) = match self.winding {
+            Some(winding) => winding.after(coil.winding, around, heat, duration),
+            None => (surroundings, 0.0),
+        };
+        let body = self.body.map_or(surroundings, |body| {
+            body.after(coil.body, surroundings, passed_on, duration).0
+        });
+        CoilTemperature { winding, body }
+    }
+
+    /// What the resistance (Ω) is above that at the beginning.
+    pub(crate) fn risen(&self, coil: CoilTemperature) -> f64 {
+        let resistance = |difference| resistance(self.at_20, self.coefficient, difference);
+        resistance(coil.winding) - resistance(self.ambient)
     }
 }
 
@@ -45,4 +98,45 @@ impl Heating {
 #[inline]
 pub(crate) fn resistance(at_20: f64, coefficient: f64, difference: f64) -> f64 {
     at_20 * (1.0 + coefficient * difference)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two first-order bodies in a row against fine Euler steps of their heat balances.
+    #[test]
+    fn winding_and_body_follow_their_heat_balances() {
+        let [winding, body] = [(4.0, 0.8), (50.0, 0.5)];
+        let heating = Heating {
+            coefficient: 0.0039,
+            at_20: 82.2,
+            ambient: 10.0,
+            warm_up: Some(WarmUp {
+                in_the_end: 5.0,
+                time_constant: 30.0,
+            }),
+            winding: HeatStore::new(winding.0, winding.1),
+            body: HeatStore::new(body.0, body.1),
+        };
+        let (power, step, fine) = (6.0, 0.05, 100);
+        let mut coil = heating.start();
+        let (mut hot, mut around) = (10.0, 10.0);
+        for n in 1..=2000_u32 {
+            let elapsed = f64::from(n) * step;
+            coil = heating.after(coil, power * step, step, elapsed);
+            let surroundings = 10.0 - 5.0 * (-elapsed / 30.0).exp_m1();
+            for _ in 0..fine {
+                let dt = step / f64::from(fine);
+                let passed = winding.1 * (hot - around);
+                hot += (power - passed) / winding.0 * dt;
+                around += (passed - body.1 * (around - surroundings)) / body.0 * dt;
+            }
+        }
+        assert!(
+            (coil.winding - hot).abs() < 0.02 && hot > 25.0,
+            "{} {hot}",
+            coil.winding
+        );
+    }
 }

@@ -9,12 +9,13 @@ mod plunger;
 mod saturation;
 mod sensor_lag;
 mod wall_heat;
+mod warm_up;
 
 pub use cavity::Cavity;
 pub(crate) use cavity::Tube;
 pub use flow_force::FlowForce;
-pub use heating::Heating;
-pub(crate) use heating::resistance;
+pub(crate) use heating::{CoilTemperature, resistance};
+pub use heating::{HeatStore, Heating};
 pub use leak::Leak;
 pub(crate) use leak::LeakLaw;
 pub use plunger::Plunger;
@@ -22,6 +23,7 @@ pub use saturation::Saturation;
 pub use sensor_lag::SensorLag;
 pub(crate) use wall_heat::Balance;
 pub use wall_heat::WallHeat;
+pub use warm_up::WarmUp;
 
 use crate::hooks::Hooks;
 use crate::restriction::Restriction;
@@ -35,9 +37,11 @@ pub struct Additions {
     pub supply_line: Option<SupplyLine>,
     /// Fixed orifices behind the fill and the vent valve.
     pub restrictions: [Option<Restriction>; 2],
+    /// Fixed orifices that are one opening together with the fill and the vent valve.
+    pub combined: [Option<Restriction>; 2],
     /// Energy balance of the gas.
     pub wall_heat: Option<WallHeat>,
-    /// A second volume behind a tube, at whose end the sensor sits.
+    /// A second volume behind a tube.
     pub cavity: Option<Cavity>,
     /// The plunger that enlarges the chamber.
     pub plunger: Option<Plunger>,
@@ -49,7 +53,7 @@ pub struct Additions {
     pub supply_resistance: f64,
     /// Resistance in the free-wheeling loop alone (Ω).
     pub free_wheel_resistance: f64,
-    /// The coils warm up.
+    /// The coils or their surroundings warm up.
     pub heating: Option<Heating>,
     /// Dry friction of the armatures.
     pub friction: Option<Friction>,
@@ -61,6 +65,8 @@ pub struct Additions {
     pub sensor_lag: Option<SensorLag>,
     /// What the sensor shows too much (Pa).
     pub sensor_offset: f64,
+    /// What comes to it while the sensor warms up (Pa).
+    pub sensor_drift: Option<WarmUp>,
     /// What the sensor shows too much per gauge pressure (-).
     pub sensor_gain: f64,
     /// Laws of your own.

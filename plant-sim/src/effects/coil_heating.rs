@@ -1,6 +1,7 @@
 //! The coils warm up under current.
 
-use crate::additions::Heating;
+use super::coil_ambient_temperature::surroundings;
+use crate::additions::HeatStore;
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
 };
@@ -11,6 +12,10 @@ effect_parameters! { "effects.coil_heating":
         "heat capacity of one coil with what warms up along with it (E43)";
     COOLING = cooling_w_per_k ["W/K"] 1e-4 ..= 10.0, Log 0.1,
         "heat that a coil gives to its surroundings per kelvin (E43)";
+    WINDING = winding_heat_capacity_j_per_k ["J/K"] 0.1 ..= 1000.0, Log 5.0, off f64::INFINITY,
+        "heat capacity of the winding alone (E43)";
+    CONDUCTANCE = winding_cooling_w_per_k ["W/K"] 0.01 ..= 100.0, Log 1.0,
+        "heat that the winding gives to the body of its valve per kelvin (E43)";
 }
 
 static ABOUT: About = About {
@@ -29,6 +34,11 @@ static ABOUT: About = About {
             about: "the coil gives heat to its surroundings and reaches a steady temperature",
             parameters: &[&CAPACITY, &COOLING],
         },
+        Variant {
+            name: "winding_and_body",
+            about: "a quick winding warms the slow body of its valve",
+            parameters: &[&CAPACITY, &COOLING, &WINDING, &CONDUCTANCE],
+        },
     ],
     excited_by: "20 s or more at high duty, then the same pulses cold and hot",
     confused_with: &["coil_ambient_temperature", "supply_resistance"],
@@ -44,16 +54,19 @@ impl Effect for CoilHeating {
     }
 
     fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
-        let ambient = parameters
-            .effect("coil_ambient_temperature")
-            .map_or(0.0, |effect| effect.value("difference_k"));
-        plant.additions.heating = Some(Heating {
-            heat_capacity: setting.value("heat_capacity_j_per_k"),
-            cooling: setting.get("cooling_w_per_k").unwrap_or(0.0),
-            coefficient: parameters.coil.resistance_temperature_coefficient_per_k,
-            at_20: parameters.coil.resistance_20c_ohm,
-            ambient,
-        });
+        let whole = HeatStore::new(
+            setting.value("heat_capacity_j_per_k"),
+            setting.get("cooling_w_per_k").unwrap_or(0.0),
+        );
+        let winding = setting.get("winding_heat_capacity_j_per_k");
+        let winding = winding
+            .map(|capacity| HeatStore::new(capacity, setting.value("winding_cooling_w_per_k")));
+        let additions = &mut plant.additions;
+        let heating = additions.heating.get_or_insert(surroundings(parameters));
+        (heating.winding, heating.body) = match winding {
+            Some(winding) => (winding, whole),
+            None => (whole, None),
+        };
     }
 }
 

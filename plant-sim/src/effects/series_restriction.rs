@@ -34,6 +34,11 @@ static ABOUT: About = About {
             about: "behind the vent valve",
             parameters: &[&VENT_RATIO],
         },
+        Variant {
+            name: "combined",
+            about: "one opening together with each valve, near enough for no volume between to fill",
+            parameters: &[&FILL_RATIO, &VENT_RATIO],
+        },
     ],
     excited_by: "100 % duty of each valve over the whole range, and single short pulses",
     confused_with: &["supply_line_droop", "critical_ratio", "drain_back_pressure"],
@@ -49,6 +54,11 @@ impl Effect for SeriesRestriction {
     }
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
+        let additions = &mut plant.additions;
+        let slots = match setting.variant().name {
+            "combined" => &mut additions.combined,
+            _ => &mut additions.restrictions,
+        };
         for (index, key) in [(FILL, "fill_area_ratio"), (VENT, "vent_area_ratio")] {
             let ratio = setting.get(key).unwrap_or(0.0);
             if ratio > 0.0 {
@@ -56,8 +66,7 @@ impl Effect for SeriesRestriction {
                 let restriction = Restriction {
                     effective_area: bore / ratio,
                 };
-                let slot = &mut plant.additions.restrictions[index];
-                *slot = Some(restriction.in_series_with(*slot));
+                slots[index] = Some(restriction.in_series_with(slots[index]));
             }
         }
     }
@@ -89,5 +98,50 @@ mod tests {
         let area = physics.valves[FILL].orifice.effective_area(1.0) / 10.0;
         let expected = physics.pressure_rate([area, 0.0], 2e5);
         assert!((slope / expected - 1.0).abs() < 0.01, "{slope} {expected}");
+    }
+
+    /// Two equal orifices let through what one of 1/√2 of their area does, choked or not.
+    #[test]
+    fn one_opening_has_the_combined_area() {
+        let variant = ABOUT.variant("combined").unwrap();
+        let combined = EffectSetting::typical_variant(&SeriesRestriction, variant)
+            .with("fill_area_ratio", 1.0)
+            .with("vent_area_ratio", 1.0);
+        let plant = PlantParameters::nominal();
+        let rate = |plant: &PlantParameters, command: Command, pressure: f64| {
+            let mut simulator = Simulator::new(plant);
+            simulator.command(command);
+            simulator.advance_to_ns(100_000_000);
+            simulator.set_chamber_pressure(pressure);
+            simulator.advance_to_ns(100_100_000);
+            simulator.state().pressure - pressure
+        };
+        for (command, pressure) in [
+            (
+                Command {
+                    duty_fill_pct: 100.0,
+                    duty_vent_pct: 0.0,
+                },
+                3e5,
+            ),
+            (
+                Command {
+                    duty_fill_pct: 100.0,
+                    duty_vent_pct: 0.0,
+                },
+                8e5,
+            ),
+            (
+                Command {
+                    duty_fill_pct: 0.0,
+                    duty_vent_pct: 100.0,
+                },
+                1.5e5,
+            ),
+        ] {
+            let ratio = rate(&plant.with_effect(combined.clone()), command, pressure)
+                / rate(&plant, command, pressure);
+            assert!((ratio - 0.5_f64.sqrt()).abs() < 2e-3, "{pressure}: {ratio}");
+        }
     }
 }

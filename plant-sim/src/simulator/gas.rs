@@ -31,10 +31,19 @@ fn reservoir(plant: &Plant, now: Option<&Now>) -> f64 {
     plant.supply_pressure + more
 }
 
-/// Mass flow through a valve of `area` (m²), with what is in series, and the pressure drop over it.
+/// What a valve of `area` (m²) lets through together with an orifice that is one opening with it (m²).
+fn narrowed(plant: &Plant, index: usize, area: f64) -> f64 {
+    let Some(orifice) = plant.additions.combined[index] else {
+        return area;
+    };
+    area * orifice.effective_area / area.hypot(orifice.effective_area)
+}
+
+/// Mass flow through a valve that shows `open` (m²), with what is in series, and the pressure drop over it.
 #[inline]
-fn through_valve(plant: &Plant, index: usize, area: f64, upside: f64, downside: f64) -> (f64, f64) {
+fn through_valve(plant: &Plant, index: usize, open: f64, upside: f64, downside: f64) -> (f64, f64) {
     let additions = &plant.additions;
+    let area = narrowed(plant, index, open);
     let behind = additions.restrictions[index];
     // A line without volume is an orifice before the fill valve.
     let before = additions
@@ -45,7 +54,7 @@ fn through_valve(plant: &Plant, index: usize, area: f64, upside: f64, downside: 
         (0.0, upside - downside)
     } else if area < 0.0 {
         // Beyond the seat within a step: the law goes on smoothly, as the area does.
-        let (flow, drop) = through_valve(plant, index, -area, upside, downside);
+        let (flow, drop) = through_valve(plant, index, -open, upside, downside);
         (-flow, drop)
     } else if let Some(before) = before {
         let areas = [before.in_series_with(behind).effective_area, area];
@@ -74,8 +83,8 @@ fn leak_area(plant: &Plant, leak: usize) -> f64 {
 /// The valves' areas with those of leaks that are orifices beside them.
 pub(super) fn widened(plant: &Plant, areas: [f64; 2]) -> [f64; 2] {
     [
-        areas[FILL] + leak_area(plant, 1),
-        areas[VENT] + leak_area(plant, 0),
+        narrowed(plant, FILL, areas[FILL]) + leak_area(plant, 1),
+        narrowed(plant, VENT, areas[VENT]) + leak_area(plant, 0),
     ]
 }
 

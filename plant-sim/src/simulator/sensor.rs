@@ -43,15 +43,17 @@ impl Sensor {
         self.lagged = self.lagged.map(|lagged| lagged + shift);
     }
 
-    /// What it shows (Pa abs).
-    pub(super) fn shown(&self, additions: &Additions, now: &Now) -> f64 {
+    /// What it shows (Pa abs), `elapsed` (s) after the beginning.
+    pub(super) fn shown(&self, additions: &Additions, now: &Now, elapsed: f64) -> f64 {
         let through = match additions.sensor_lag {
             Some(_) => self.lagged[1],
             None => self.sensed,
         };
         let gauge = through - now.ambient_pressure;
+        let drift = additions.sensor_drift;
         through
             + additions.sensor_offset
+            + drift.map_or(0.0, |drift| drift.after(elapsed))
             + additions.sensor_gain * gauge
             + hooks::sum(&additions.hooks.measured, now)
     }

@@ -8,6 +8,7 @@ use super::layout::Layout;
 use super::physics::MANY;
 use super::sensor::Sensor;
 use super::tolerance::Tolerance;
+use crate::additions::CoilTemperature;
 use crate::hooks::Now;
 use crate::plant::{FILL, Plant, PlantState, VENT};
 
@@ -30,30 +31,30 @@ pub(in crate::simulator) struct Extended {
     extra_weights: [f64; MANY],
     /// Flux linkage of each coil (Wb), where its current does not tell it.
     flux: [f64; 2],
-    /// What each coil is warmer than 20 °C (K), and the heat since it was brought up to date (J).
-    warmth: [f64; 2],
+    /// Temperature of each coil, and the heat since it was brought up to date (J).
+    coils: [CoilTemperature; 2],
     heat: [f64; 2],
     /// Resistance of each coil as installed (Ω).
     installed: [f64; 2],
     /// The plunger's share of its travel.
     swept: f64,
     sensor: Sensor,
+    /// Since the beginning (s).
+    elapsed: f64,
 }
 
 impl Extended {
     pub(in crate::simulator) fn new(plant: Plant, tolerance: Tolerance) -> Self {
         let layout = Layout::new(&plant);
         let [extra, extra_weights] = layout.start(&plant, tolerance.pressure);
-        let warmth = plant
-            .additions
-            .heating
-            .map_or(0.0, |heating| heating.ambient());
+        let heating = plant.additions.heating;
+        let coil = heating.map_or_else(CoilTemperature::default, |heating| heating.start());
         let start = plant.rest_state().pressure;
         Self {
             extra,
             extra_weights,
             flux: [0.0; 2],
-            warmth: [warmth; 2],
+            coils: [coil; 2],
             heat: [0.0; 2],
             installed: [FILL, VENT].map(|index| plant.valves[index].coil.resistance),
             swept: plant
@@ -61,6 +62,7 @@ impl Extended {
                 .plunger
                 .map_or(0.0, |plunger| plunger.share(0.0, start)),
             sensor: Sensor::new(start),
+            elapsed: 0.0,
             layout,
             plant,
         }
@@ -113,8 +115,8 @@ impl Extended {
             .filter_map(|(name, index)| Some(state(name, self.extra[index?])))
             .collect();
         if self.plant.additions.heating.is_some() {
-            states.push(state("t_coil_fill", self.warmth[FILL] + 293.15));
-            states.push(state("t_coil_vent", self.warmth[VENT] + 293.15));
+            states.push(state("t_coil_fill", self.coils[FILL].winding + 293.15));
+            states.push(state("t_coil_vent", self.coils[VENT].winding + 293.15));
         }
         let own = &self.extra[first..first + number];
         states.extend(own.iter().map(|value| state("own", *value)));
@@ -135,7 +137,13 @@ impl Extended {
             velocity: valves.map(|valve| valve.v),
             own: &self.extra[self.layout.own.0..][..self.layout.own.1],
         };
-        self.sensor.shown(&self.plant.additions, &now)
+        self.sensor.shown(&self.plant.additions, &now, self.elapsed)
+    }
+
+    /// The cavity's pressure, where it is what the sensor follows.
+    fn sensed_cavity(&self) -> Option<usize> {
+        let cavity = self.plant.additions.cavity?;
+        self.layout.cavity.filter(|_| cavity.holds_the_sensor)
     }
 
     /// Gas temperature (K), where it is a state.

@@ -284,7 +284,9 @@ impl Physics for Extended {
         if let Some(plunger) = &self.plant.additions.plunger {
             self.swept = plunger.share(self.swept, end[0]);
         }
-        let sensed = self.layout.cavity.map_or(0, |cavity| first_of(M) + cavity);
+        let sensed = self
+            .sensed_cavity()
+            .map_or(0, |cavity| first_of(M) + cavity);
         let course = span.cubic(sensed);
         let start = [span.start[sensed], span.start_rate[sensed]];
         let end = [end[sensed], course.rate_at(taken)];
@@ -328,14 +330,14 @@ impl Physics for Extended {
     }
 
     fn end_segment(&mut self, duration: f64) {
+        self.elapsed += duration;
         let Some(heating) = self.plant.additions.heating else {
             return;
         };
         for index in [FILL, VENT] {
             let heat = core::mem::take(&mut self.heat[index]);
-            self.warmth[index] = heating.after(self.warmth[index], heat, duration);
-            let risen =
-                heating.resistance(self.warmth[index]) - heating.resistance(heating.ambient());
+            self.coils[index] = heating.after(self.coils[index], heat, duration, self.elapsed);
+            let risen = heating.risen(self.coils[index]);
             self.plant.valves[index].coil.resistance = self.installed[index] + risen;
         }
     }
