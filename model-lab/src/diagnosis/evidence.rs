@@ -64,9 +64,21 @@ pub(crate) struct Evidence {
     computing_ns: AtomicU64,
 }
 
-/// How blocks are held out, for people.
-pub(crate) const HELD_OUT_BLOCKS: &str =
-    "every third of twelve blocks of each log, which was not fitted";
+/// What was not fitted, for people: logs of their own, or blocks; where only these show that something is missing,
+/// they were fitted instead.
+pub(crate) fn held_out(has_check_logs: bool, is_exchanged: bool) -> &'static str {
+    match (has_check_logs, is_exchanged) {
+        (true, false) => "the logs given for checking, which were not fitted",
+        (true, true) => {
+            "the logs given for fitting: only those given for checking show that something is missing, so they were fitted"
+        }
+        (false, false) => "every third of twelve blocks of each log, which was not fitted",
+        (false, true) => {
+            "two of every three of twelve blocks of each log: only the third shows that something is missing, so it was fitted"
+        }
+    }
+}
+
 /// Blocks of a log, of which every third is held out.
 const BLOCKS: usize = 12;
 

@@ -13,7 +13,7 @@ use super::unknowns::Unknowns;
 use super::vector::{dot, square};
 
 /// Iterations at most.
-const ITERATIONS: usize = 12;
+const ITERATIONS: usize = 30;
 /// Tolerance of simulations for intervals, over the default one.
 const ACCURATE: f64 = 0.02;
 /// An expected or reached decrease of the cost below this is none, nor is one below this share of the cost.

@@ -6,8 +6,8 @@ use super::result::Verdict;
 use super::search::{Tried, Watch, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
-    ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_SHARE, NAMED_EVIDENCE,
-    NAMED_SHARE,
+    ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE, FURTHER_SHARE,
+    NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
 };
 
 /// So many first effects are tried with every second one, ...
@@ -23,9 +23,6 @@ pub(crate) struct Ladder {
     pub(crate) singles: Vec<Tried>,
     /// For each named effect, what stands in its place beside the other one.
     pub(crate) rivals: Vec<Vec<Tried>>,
-    pub(crate) verdict: Verdict,
-    /// Whether a material part of the excess remains.
-    pub(crate) unexplained: bool,
 }
 
 /// Climbs until nothing material remains, or nothing explains what does.
@@ -36,8 +33,6 @@ pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder,
         steps: vec![plain],
         singles,
         rivals: Vec::new(),
-        verdict: Verdict::Adequate,
-        unexplained: false,
     };
     if is_adequate {
         return Ok(ladder);
@@ -46,11 +41,17 @@ pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder,
     let single = best_sound(bench, plain, &ladder.singles);
     let single = single.filter(|single| single.is_evident_over(plain));
     let pair = match &single {
-        Some(single) if !single.is_material() => None,
-        _ => best_pair(bench, plain, &ladder.singles, watch)?,
+        Some(single) if single.leaves_nothing() => None,
+        Some(single) if !single.is_material() => {
+            best_pair(bench, plain, vec![single.clone()], &ladder.singles, watch)?
+        }
+        _ => {
+            let firsts = promising(bench, plain, &ladder.singles);
+            best_pair(bench, plain, firsts, &ladder.singles, watch)?
+        }
     };
     match (single, pair) {
-        (_, Some(pair)) if pair.last.share_of(plain) >= FOUND_SHARE => {
+        (_, Some(pair)) if pair.last.explains(plain) => {
             ladder.rivals = vec![
                 try_all(
                     bench,
@@ -63,22 +64,38 @@ pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder,
             ];
             ladder.steps.extend([pair.first, pair.last]);
         }
-        (Some(single), _) if single.share_of(plain) >= NAMED_SHARE => {
+        (Some(single), _) if single.is_named_on(plain) => {
             ladder.rivals = vec![ladder.singles.clone()];
             ladder.steps.push(single);
         }
         _ => {}
     }
-    let last = ladder.steps.last().expect("the plain plant is there");
-    let share = last.share_of(&ladder.steps[0]);
-    let explains = share >= FOUND_SHARE || !last.is_material();
-    ladder.unexplained = !explains;
-    ladder.verdict = match ladder.steps.len() {
-        1 => Verdict::NotInLibrary,
-        _ if explains => Verdict::Found,
-        _ => Verdict::FormWrong,
-    };
     Ok(ladder)
+}
+
+impl Ladder {
+    fn plain(&self) -> &Trial {
+        &self.steps[0]
+    }
+
+    /// The plain plant with all named effects.
+    pub(crate) fn last(&self) -> &Trial {
+        self.steps.last().expect("the plain plant is there")
+    }
+
+    /// Whether a material part of the excess remains.
+    pub(crate) fn is_unexplained(&self) -> bool {
+        self.plain().is_material() && !self.last().explains(self.plain())
+    }
+
+    pub(crate) fn verdict(&self) -> Verdict {
+        match self.steps.len() {
+            1 if !self.plain().is_material() => Verdict::Adequate,
+            1 => Verdict::NotInLibrary,
+            _ if self.is_unexplained() => Verdict::FormWrong,
+            _ => Verdict::Found,
+        }
+    }
 }
 
 /// The best trial, or one as good, whose effects on top of `plain` are sound.
@@ -100,24 +117,30 @@ struct Pair {
     tried: Vec<Tried>,
 }
 
-/// The best second effect for each of the most promising first ones, if both are needed.
-fn best_pair(
-    bench: &Bench,
-    plain: &Trial,
-    singles: &[Tried],
-    watch: Watch,
-) -> Result<Option<Pair>, DiagnoseError> {
-    let mut best: Option<Pair> = None;
+/// The effects alone that may be the first of two.
+fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     let excess = plain.fitted.total_excess();
-    let firsts = singles
+    singles
         .iter()
         .filter_map(|tried| tried.trial.as_ref())
         .filter(|trial| trial.fitted.total_excess() <= (1.0 - FIRST_SHARE) * excess)
         .take(FIRSTS)
         // What is bent until it fits leaves nothing true for a second effect.
-        .filter(|trial| trial.is_sound(bench, plain));
-    for first in firsts {
-        let mut first = first.clone();
+        .filter(|trial| trial.is_sound(bench, plain))
+        .cloned()
+        .collect()
+}
+
+/// The best second effect for each of `firsts`, the most promising first, if both are needed.
+fn best_pair(
+    bench: &Bench,
+    plain: &Trial,
+    firsts: Vec<Trial>,
+    singles: &[Tried],
+    watch: Watch,
+) -> Result<Option<Pair>, DiagnoseError> {
+    let mut best: Option<Pair> = None;
+    for mut first in firsts {
         if first.refresh(bench).is_none() {
             continue;
         }
@@ -164,6 +187,32 @@ impl Trial {
         self.sets().into_iter().any(Errors::is_material)
     }
 
+    /// Whether too little remains for another effect to show.
+    fn leaves_nothing(&self) -> bool {
+        let mut excesses = self.sets().into_iter().map(Errors::total_excess);
+        excesses.all(|excess| excess < FURTHER_DROP)
+    }
+
+    /// Whether something is missing, but not on the logs that were fitted.
+    pub(crate) fn shows_only_where_not_fitted(&self) -> bool {
+        self.checked.is_material() && !self.fitted.is_material()
+    }
+
+    /// Whether it explains nearly all of the excess of `plain`, or leaves nothing material.
+    fn explains(&self, plain: &Self) -> bool {
+        self.share_of(plain) >= FOUND_SHARE || !self.is_material()
+    }
+
+    /// Whether its effect explains enough of the excess of `plain` to be named.
+    fn is_named_on(&self, plain: &Self) -> bool {
+        let least = if self.is_material() {
+            PARTLY_NAMED_SHARE
+        } else {
+            NAMED_SHARE
+        };
+        self.share_of(plain) >= least
+    }
+
     /// Share of the excess of `plain` that it explains: the least of the fitted logs and of what was held out, as far
     /// as the effect shows there. A log that does not excite an effect says nothing of it.
     pub(crate) fn share_of(&self, plain: &Self) -> f64 {
@@ -200,6 +249,6 @@ impl Trial {
             .into_iter()
             .zip(base.sets())
             .any(|(own, base)| base.total_excess() - own.total_excess() >= FURTHER_DROP);
-        takes_much && drops.all(takes_most) && self.is_evident_over(base)
+        takes_much && drops.all(takes_most) && self.evidence_over(base) > FURTHER_EVIDENCE
     }
 }

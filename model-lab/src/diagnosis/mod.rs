@@ -23,6 +23,8 @@ mod search;
 mod soundness;
 mod start;
 mod supply;
+#[cfg(test)]
+mod tests;
 mod trial;
 mod unknowns;
 mod vector;
@@ -81,7 +83,7 @@ pub fn diagnose_with(
     } else {
         Evidence::new(plant, check)?
     };
-    let bench = Bench {
+    let mut bench = Bench {
         plant,
         library,
         fitting: &fitting,
@@ -91,7 +93,12 @@ pub fn diagnose_with(
         log: first.provenance().source.clone(),
     };
     search::report(watch, "the plain model", 0.0)?;
-    let plain = bench.plain().ok_or_else(not_simulated)?;
+    let mut plain = bench.plain().ok_or_else(not_simulated)?;
+    let is_exchanged = plain.shows_only_where_not_fitted();
+    if is_exchanged {
+        core::mem::swap(&mut bench.fitting, &mut bench.checking);
+        plain = bench.plain().ok_or_else(not_simulated)?;
+    }
     let mut found = ladder::climb(&bench, plain, watch)?;
     let last = found.steps.last_mut().expect("at least the plain plant");
     search::report(watch, "the final fit", 0.0)?;
@@ -122,26 +129,27 @@ pub fn diagnose_with(
     let (equivalents, distinguishability) = assemble::equivalents(&found);
     let elapsed_s = begin.elapsed().as_secs_f64();
     let simulations = bench.fitting.simulations() + bench.checking.simulations();
+    let sources = |logs: &[Recording]| -> Vec<String> {
+        let names = logs.iter().map(|log| log.provenance().source.clone());
+        names.collect()
+    };
+    let [mut fitted, mut judged] = [sources(logs), sources(check)];
+    if is_exchanged && !check.is_empty() {
+        core::mem::swap(&mut fitted, &mut judged);
+    }
     Ok(Diagnosis {
         schema: DIAGNOSIS_SCHEMA.to_owned(),
-        logs: fitting.sources(),
-        check: check
-            .iter()
-            .map(|log| log.provenance().source.clone())
-            .collect(),
-        held_out: if check.is_empty() {
-            evidence::HELD_OUT_BLOCKS.to_owned()
-        } else {
-            "the logs given for checking, which were not fitted".to_owned()
-        },
+        logs: fitted,
+        check: judged,
+        held_out: evidence::held_out(!check.is_empty(), is_exchanged).to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
-        verdict: found.verdict,
-        sentence: assemble::sentence(found.verdict, &ladder, &candidates, &equivalents),
+        verdict: found.verdict(),
+        sentence: assemble::sentence(found.verdict(), &ladder, &candidates, &equivalents),
         effects: ladder
             .iter()
             .filter_map(|step| step.added.clone())
             .collect(),
-        unexplained: found.unexplained,
+        unexplained: found.is_unexplained(),
         equivalents,
         distinguishability,
         nuisance: assemble::nuisance(&bench, plain, last),

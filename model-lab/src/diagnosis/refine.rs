@@ -14,7 +14,7 @@ use super::assemble;
 use super::error::DiagnoseError;
 use super::evidence::{self, Evidence};
 use super::ladder::Ladder;
-use super::result::{Cost, FittedParameter, NuisanceValue, Step, Verdict};
+use super::result::{Cost, FittedParameter, NuisanceValue, Step};
 use super::search::{Tried, Watch, report};
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
@@ -133,8 +133,6 @@ pub fn refine(
         steps,
         singles: Vec::new(),
         rivals: Vec::new(),
-        verdict: Verdict::Found,
-        unexplained: false,
     };
     let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
     let ladder = assemble::ladder(&bench, &found)?;
@@ -149,11 +147,7 @@ pub fn refine(
             .iter()
             .map(|log| log.provenance().source.clone())
             .collect(),
-        held_out: if check.is_empty() {
-            evidence::HELD_OUT_BLOCKS.to_owned()
-        } else {
-            "the logs given for checking, which were not fitted".to_owned()
-        },
+        held_out: evidence::held_out(!check.is_empty(), false).to_owned(),
         sentence: sentence(&ladder),
         effects: effects.collect(),
         nuisance: assemble::nuisance(&bench, plain, last),
@@ -199,7 +193,7 @@ fn forms(id: &str, variant: Option<&str>) -> Result<Vec<EffectSetting>, Diagnose
 fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) -> Option<Trial> {
     forms
         .into_par_iter()
-        .filter_map(|form| bench.finish(bench.open(base, form)?))
+        .filter_map(|form| bench.finish(bench.open(bench.sketch(base, form)?)?))
         .min_by(|a, b| a.total_square().total_cmp(&b.total_square()))
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::error::DiagnoseError;
 use super::trial::{Bench, Opened, Trial};
 
-/// Further forms of an effect are tried where its first form gained this share of what the best effect gained.
+/// Further forms of an effect are tried where they promise this share of what the best effect gained.
 const FORM_PROSPECT: f64 = 0.02;
 /// A fit is followed to its end where its first steps gained this share of what the best one gained.
 const PROSPECT: f64 = 0.25;
@@ -56,12 +56,18 @@ pub(crate) fn try_all(
         .iter()
         .map(|&effect| EffectSetting::typical(effect))
         .collect();
-    let mut opened = open_all(bench, base, first_forms, (stage, 0.0..0.5), watch)?;
+    let mut opened = open_all(
+        bench,
+        base,
+        first_forms,
+        f64::NEG_INFINITY,
+        (stage, 0.0..0.5),
+        watch,
+    )?;
     if thorough {
         let least = FORM_PROSPECT * opened.iter().map(Begun::gain).fold(0.0, f64::max);
         let other_forms = opened
             .iter()
-            .filter(|begun| begun.gain() >= least)
             .flat_map(|begun| {
                 let effect = begun.setting.effect();
                 let variants = effect.about().variants.iter().skip(1);
@@ -72,6 +78,7 @@ pub(crate) fn try_all(
             bench,
             base,
             other_forms,
+            least,
             (stage, 0.5..0.7),
             watch,
         )?);
@@ -121,10 +128,12 @@ impl Begun {
     }
 }
 
+/// Begins the fits of `settings`, as far as they promise a gain of at least `least`.
 fn open_all(
     bench: &Bench,
     base: &Trial,
     settings: Vec<EffectSetting>,
+    least: f64,
     (stage, span): (&'static str, Range<f64>),
     watch: Watch,
 ) -> Result<Vec<Begun>, DiagnoseError> {
@@ -134,7 +143,10 @@ fn open_all(
     settings
         .into_par_iter()
         .map(|setting| {
-            let opened = bench.open(base, setting.clone());
+            let sketch = bench.sketch(base, setting.clone());
+            let opened = sketch
+                .filter(|sketch| sketch.promised_gain >= least)
+                .and_then(|sketch| bench.open(sketch));
             let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / total;
             report(watch, stage, span.start + share * (span.end - span.start))?;
             Ok(Begun {

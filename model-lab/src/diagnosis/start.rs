@@ -9,10 +9,13 @@ use super::trial::Trial;
 use super::unknowns::Unknown;
 use super::vector::{dot, square};
 
-/// Sizes at which the search for the best one begins, over the typical one.
+/// Sizes at which the search for the best one begins, over the typical one, in each shape.
 const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
 /// The same for effects that have a sign.
 const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
+/// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
+/// elsewhere: a fit that begins in the wrong valley stays there.
+const SHAPES: [f64; 3] = [0.0, -0.6, 0.6];
 /// What an effect adds is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
 const WEAKENED: RangeInclusive<f64> = 1e-3..=0.5;
 /// A neighbouring size, to see with which power of its size an effect grows, ...
@@ -23,12 +26,14 @@ const POWERS: [f64; 2] = [0.5, 10.0];
 /// An effect on top of a fitted plant, before anything of it is fitted.
 pub(crate) struct Start {
     size: f64,
+    /// Displacements of the parameters of form, in their standard deviations.
+    shape: Vec<f64>,
     /// With the nuisance parameters of the plant without it.
     pub(crate) fit: Fit,
     /// Where the nuisance parameters have made room for it, ...
     pub(crate) moved: Vec<f64>,
     /// ... and the cost that a linear model promises there.
-    promised: f64,
+    pub(crate) promised: f64,
 }
 
 /// The most promising start of the effect whose unknowns are the last ones, on top of `base`.
@@ -39,10 +44,14 @@ pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start>
     let own = &fitter.unknowns.list()[base.unknowns.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
     let sizes = if is_signed { &SIGNED_SIZES } else { &SIZES };
-    let mut starts: Vec<Start> = sizes
-        .iter()
-        .filter_map(|&size| Start::new(fitter, base, own, size))
-        .collect();
+    let mut starts: Vec<Start> = Vec::new();
+    for shape in shapes(own) {
+        starts.extend(
+            sizes
+                .iter()
+                .filter_map(|&size| Start::new(fitter, base, own, size, &shape)),
+        );
+    }
     let least = starts
         .iter()
         .map(|start| start.promised)
@@ -55,10 +64,32 @@ pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start>
     if let Some((start, best)) = weakened {
         let power = start.power(fitter, base, own).unwrap_or(1.0);
         let size = start.size * best.share.powf(1.0 / power);
-        starts.extend(Start::new(fitter, base, own, size));
+        let shape = start.shape.clone();
+        starts.extend(Start::new(fitter, base, own, size, &shape));
     }
     let by_promise = |a: &Start, b: &Start| a.promised.total_cmp(&b.promised);
     starts.into_iter().min_by(by_promise)
+}
+
+/// Displacements of the unknowns of an effect: every combination of its parameters of form.
+fn shapes(own: &[Unknown]) -> Vec<Vec<f64>> {
+    own.iter().fold(vec![Vec::new()], |begun, unknown| {
+        let choices: &[f64] = if unknown.is_strength() {
+            &SHAPES[..1]
+        } else {
+            &SHAPES
+        };
+        choices
+            .iter()
+            .flat_map(|&choice| {
+                begun.iter().map(move |shape| {
+                    let mut shape = shape.clone();
+                    shape.push(choice);
+                    shape
+                })
+            })
+            .collect()
+    })
 }
 
 /// The share of what a start adds that is best, and the cost that it promises.
@@ -68,15 +99,31 @@ struct BestShare {
 }
 
 impl Start {
-    /// The strengths of the effect at `size`, the rest of it typical.
-    fn new(fitter: &mut Fitter, base: &Trial, own: &[Unknown], size: f64) -> Option<Self> {
+    /// The strengths of the effect at `size`, the rest of it typical but for `shape`.
+    fn new(
+        fitter: &mut Fitter,
+        base: &Trial,
+        own: &[Unknown],
+        size: f64,
+        shape: &[f64],
+    ) -> Option<Self> {
         let mut z = base.fit.z.clone();
-        z.extend(own.iter().map(|unknown| unknown.of_size(size)));
+        let displaced = own.iter().zip(shape).map(|(unknown, &moved)| {
+            let (least, most) = unknown.bounds();
+            let by = if unknown.is_strength() {
+                0.0
+            } else {
+                moved * unknown.prior_sd()
+            };
+            (unknown.of_size(size) + by).clamp(least, most)
+        });
+        z.extend(displaced);
         let mut fit = fitter.at(z)?;
         fit.jacobian.clone_from(&base.fit.jacobian);
         let (moved, decrease) = fitter.step(&fit, 0.0);
         Some(Self {
             size,
+            shape: shape.to_vec(),
             promised: fit.cost - decrease.max(0.0),
             fit,
             moved,
@@ -109,7 +156,7 @@ impl Start {
 
     /// The power of its size with which the effect grows.
     fn power(&self, fitter: &mut Fitter, base: &Trial, own: &[Unknown]) -> Option<f64> {
-        let near = Self::new(fitter, base, own, NEIGHBOUR * self.size)?;
+        let near = Self::new(fitter, base, own, NEIGHBOUR * self.size, &self.shape)?;
         let [here, there] = [self, &near].map(|start| square(&start.added(base)).sqrt());
         let power = (there / here).ln() / NEIGHBOUR.ln();
         power.is_finite().then(|| power.clamp(POWERS[0], POWERS[1]))

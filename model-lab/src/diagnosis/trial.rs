@@ -6,12 +6,21 @@ use plant_sim::effects::{Effect, EffectSetting};
 use super::errors::Errors;
 use super::evidence::{Evidence, Run};
 use super::fit::{Difference, Fit, Fitter};
-use super::start::most_promising;
+use super::start::{Start, most_promising};
 use super::unknowns::Unknowns;
 use crate::whiteness::autocorrelation_time_samples;
 
 /// Steps after which a fit without prospects is left.
 const FIRST_STEPS: usize = 3;
+
+/// An effect on top of a fitted plant, where its fit would begin.
+pub(crate) struct Sketch {
+    effects: Vec<EffectSetting>,
+    unknowns: Unknowns,
+    start: Start,
+    /// By how much the cost would fall, as far as can be said without a fit.
+    pub(crate) promised_gain: f64,
+}
 
 /// A fit that was begun.
 #[derive(Debug, Clone)]
@@ -57,14 +66,30 @@ impl Bench<'_> {
         Some(trial)
     }
 
-    /// `base` and `effect`, fitted together for a few steps from the most promising of several sizes; none where
-    /// nothing of it can be simulated.
-    pub(crate) fn open(&self, base: &Trial, effect: EffectSetting) -> Option<Opened> {
+    /// The most promising of several sizes and shapes of `effect` on top of `base`; none where nothing of it can be
+    /// simulated.
+    pub(crate) fn sketch(&self, base: &Trial, effect: EffectSetting) -> Option<Sketch> {
         let mut effects = base.effects.clone();
         effects.push(effect);
         let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
+        let start = most_promising(&mut Fitter::new(self.fitting, &unknowns), base)?;
+        Some(Sketch {
+            promised_gain: base.fit.cost - start.promised,
+            effects,
+            unknowns,
+            start,
+        })
+    }
+
+    /// A few steps of the fit of what was sketched.
+    pub(crate) fn open(&self, sketch: Sketch) -> Option<Opened> {
+        let Sketch {
+            effects,
+            unknowns,
+            start: best,
+            ..
+        } = sketch;
         let mut fitter = Fitter::new(self.fitting, &unknowns);
-        let best = most_promising(&mut fitter, base)?;
         let mut start = fitter.at(best.moved)?;
         start.jacobian = best.fit.jacobian;
         let fit = fitter.descend(start, FIRST_STEPS)?;

@@ -12,12 +12,16 @@ pub(crate) const CHANCE: f64 = 2.33;
 pub(crate) const FOUND_SHARE: f64 = 0.90;
 /// Share of the excess below which nothing is named.
 pub(crate) const NAMED_SHARE: f64 = 0.50;
+/// ... and where it leaves something material: an effect in part is less sure to be that effect.
+pub(crate) const PARTLY_NAMED_SHARE: f64 = 0.70;
 /// A further effect explains at least this share of what remained before it.
 pub(crate) const FURTHER_SHARE: f64 = 0.50;
 /// ... and at least this much, in noise variances.
-pub(crate) const FURTHER_DROP: f64 = 0.08;
-/// Evidence (difference of Schwarz's criterion, corrected for correlated errors) that a name needs.
+pub(crate) const FURTHER_DROP: f64 = 0.06;
+/// Evidence (difference of Schwarz's criterion, corrected for correlated errors) that a name needs ...
 pub(crate) const NAMED_EVIDENCE: f64 = 10.0;
+/// ... and a further one, which might as well make up for what the law of the first is wrong by.
+pub(crate) const FURTHER_EVIDENCE: f64 = 100.0;
 /// A strength on a logarithmic scale is known if its 95 % interval reaches less far than this to either side: a factor
 /// of ten.
 pub(crate) const LOOSEST_STRENGTH: f64 = 2.3;

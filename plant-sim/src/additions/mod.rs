@@ -35,6 +35,8 @@ pub struct Additions {
     pub leaks: [Option<Leak>; 2],
     /// What lies between the supply and the fill valve.
     pub supply_line: Option<SupplyLine>,
+    /// What lies between the vent valve and the drain.
+    pub drain_line: Option<DrainLine>,
     /// Fixed orifices behind the fill and the vent valve.
     pub restrictions: [Option<Restriction>; 2],
     /// Fixed orifices that are one opening together with the fill and the vent valve.
@@ -80,6 +82,15 @@ pub struct SupplyLine {
     pub restriction: Restriction,
     /// Volume between it and the valve (m³); none where it is negligible.
     pub volume: Option<f64>,
+}
+
+/// A volume behind the vent valve, and the restriction through which it empties.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrainLine {
+    /// The outlet.
+    pub restriction: Restriction,
+    /// Volume between the valve and it (m³).
+    pub volume: f64,
 }
 
 /// Friction at rest and in motion.

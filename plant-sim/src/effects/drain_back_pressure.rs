@@ -1,5 +1,6 @@
 //! The drain is not at ambient pressure.
 
+use crate::additions::DrainLine;
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PA_PER_BAR, PlantParameters, Variant,
     effect_parameters,
@@ -12,6 +13,8 @@ effect_parameters! { "effects.drain_back_pressure":
         "pressure in the drain line (E56)";
     AREA = silencer_area_m2 ["m2"] 1e-8 ..= 1e-3, Log 4e-6, off f64::INFINITY,
         "effective area of the silencer or the outlet (E56)";
+    VOLUME = line_volume_m3 ["m3"] 1e-7 ..= 1e-2, Log 1e-5,
+        "volume between the vent valve and the silencer (E56)";
 }
 
 static ABOUT: About = About {
@@ -30,6 +33,11 @@ static ABOUT: About = About {
             about: "an orifice behind the vent valve: back pressure that grows with the flow",
             parameters: &[&AREA],
         },
+        Variant {
+            name: "line_volume",
+            about: "a line before the silencer takes the first air and empties slowly",
+            parameters: &[&AREA, &VOLUME],
+        },
     ],
     excited_by: "venting to below 1 bar gauge and on to the end",
     confused_with: &["critical_ratio", "series_restriction", "sensor_offset"],
@@ -46,9 +54,18 @@ impl Effect for DrainBackPressure {
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
         plant.drain_pressure += setting.get("pressure_bar").unwrap_or(0.0) * PA_PER_BAR;
-        if let Some(effective_area) = setting.get("silencer_area_m2") {
+        let Some(effective_area) = setting.get("silencer_area_m2") else {
+            return;
+        };
+        let restriction = Restriction { effective_area };
+        if let Some(volume) = setting.get("line_volume_m3") {
+            plant.additions.drain_line = Some(DrainLine {
+                restriction,
+                volume,
+            });
+        } else {
             let slot = &mut plant.additions.restrictions[1];
-            *slot = Some(Restriction { effective_area }.in_series_with(*slot));
+            *slot = Some(restriction.in_series_with(*slot));
         }
     }
 }
@@ -88,5 +105,20 @@ mod tests {
         let rate = plant.chamber.pressure_per_mass * plant.nozzle.choked_factor() * 0.2e-6;
         let measured = (early / late).ln() / 0.1;
         assert!((measured / rate - 1.0).abs() < 0.01, "{measured} {rate}");
+    }
+
+    /// An outlet that is nearly shut: chamber and line come to one pressure, and no air is lost.
+    #[test]
+    fn the_line_fills_from_the_chamber() {
+        let setting = EffectSetting::typical_variant(&DrainBackPressure, &ABOUT.variants[2])
+            .with("silencer_area_m2", 1e-8)
+            .with("line_volume_m3", 25e-6);
+        let pressure = venting(setting, 200);
+        let expected = (6e5 * 75e-6 + 101_325.0 * 25e-6) / (75e-6 + 25e-6);
+        assert!(
+            (pressure / expected - 1.0).abs() < 0.02,
+            "{pressure} {expected}"
+        );
+        assert!(pressure < expected, "{pressure} {expected}");
     }
 }

@@ -24,6 +24,13 @@ fn source(plant: &Plant, layout: &Layout, extra: &[f64], now: Option<&Now>) -> f
     }
 }
 
+/// Pressure behind the vent valve (Pa abs).
+fn sink(plant: &Plant, layout: &Layout, extra: &[f64]) -> f64 {
+    layout
+        .drain
+        .map_or(plant.drain_pressure, |drain| extra[drain])
+}
+
 fn reservoir(plant: &Plant, now: Option<&Now>) -> f64 {
     let more = now.map_or(0.0, |now| {
         hooks::sum(&plant.additions.hooks.supply_pressure, now)
@@ -99,6 +106,7 @@ pub(super) fn resting_pressure(
     let follows_areas =
         |leak: usize| additions.leaks[leak].is_none_or(|leak| leak.orifice_area().is_some());
     let touched = additions.supply_line.is_some_and(|line| line.volume.is_some() || areas[FILL] > 0.0)
+        || additions.drain_line.is_some()
         || additions.wall_heat.is_some()
         || additions.cavity.is_some()
         || additions.plunger.is_some()
@@ -127,7 +135,7 @@ pub(super) fn pressure_drop(
     let (upside, downside) = if index == FILL {
         (source(plant, layout, extra, now), pressure)
     } else {
-        (pressure, plant.drain_pressure)
+        (pressure, sink(plant, layout, extra))
     };
     through_valve(plant, index, area, upside, downside).1
 }
@@ -158,7 +166,8 @@ pub(super) fn rates(
     let source = source(plant, layout, extra, now);
 
     let (fill, fill_drop) = through_valve(plant, FILL, areas[FILL], source, pressure);
-    let (vent, vent_drop) = through_valve(plant, VENT, areas[VENT], pressure, plant.drain_pressure);
+    let sink = sink(plant, layout, extra);
+    let (vent, vent_drop) = through_valve(plant, VENT, areas[VENT], pressure, sink);
     let seat = additions.leaks[1].map_or(0.0, |leak| leak.mass_flow(nozzle, source, pressure));
     let leak = additions.leaks[0].map_or(0.0, |leak| {
         leak.mass_flow(nozzle, pressure, plant.ambient_pressure)
@@ -177,7 +186,7 @@ pub(super) fn rates(
     // beyond the seat as well.
     let mut streams = [
         (fill, source >= pressure),
-        (-vent, plant.drain_pressure > pressure),
+        (-vent, sink > pressure),
         (seat, source >= pressure),
         (-leak, plant.ambient_pressure > pressure),
         (own, own >= 0.0),
@@ -234,6 +243,12 @@ pub(super) fn rates(
             .mass_flow(nozzle, reservoir(plant, now), source);
         extra_rates[index] =
             plain * plant.chamber.volume / line_volume * (supplied - streams[0].0 - streams[2].0);
+    }
+    if let (Some(index), Some(line)) = (layout.drain, additions.drain_line) {
+        let drained = line
+            .restriction
+            .mass_flow(nozzle, sink, plant.drain_pressure);
+        extra_rates[index] = plain * plant.chamber.volume / line.volume * (-streams[1].0 - drained);
     }
     GasNow {
         pressure_rate,

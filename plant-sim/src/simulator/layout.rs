@@ -10,6 +10,8 @@ pub(super) struct Layout {
     pub(super) time: Option<usize>,
     /// Pressure in the supply line (Pa abs).
     pub(super) line: Option<usize>,
+    /// Pressure in the drain line (Pa abs).
+    pub(super) drain: Option<usize>,
     /// Gas temperature (K).
     pub(super) temperature: Option<usize>,
     /// Wall temperature (K).
@@ -36,6 +38,7 @@ impl Layout {
                 .supply_line
                 .is_some_and(|line| line.volume.is_some()),
         );
+        let drain = place(additions.drain_line.is_some());
         let temperature = place(additions.wall_heat.is_some());
         let wall = place(additions.wall_heat.is_some_and(|heat| heat.wall.is_some()));
         let cavity = place(additions.cavity.is_some());
@@ -43,6 +46,7 @@ impl Layout {
         Self {
             time,
             line,
+            drain,
             temperature,
             wall,
             cavity,
@@ -75,6 +79,7 @@ impl Layout {
         let kelvin = pressure_tolerance * 1e-3;
         set(self.time, 0.0, f64::INFINITY);
         set(self.line, plant.supply_pressure, pressure_tolerance);
+        set(self.drain, plant.drain_pressure, pressure_tolerance);
         set(self.temperature, surroundings, kelvin);
         set(self.wall, surroundings, kelvin);
         set(self.cavity, plant.ambient_pressure, pressure_tolerance);

@@ -141,7 +141,7 @@ fn fitted(
         )?;
         let trials: Vec<Trial> = settings(id)?
             .into_par_iter()
-            .filter_map(|setting| bench.finish(bench.open(plain, setting)?))
+            .filter_map(|setting| bench.finish(bench.open(bench.sketch(plain, setting)?)?))
             .collect();
         let mut best = trials
             .into_iter()

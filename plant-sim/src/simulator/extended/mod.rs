@@ -15,7 +15,7 @@ use crate::plant::{FILL, Plant, PlantState, VENT};
 /// A state that an effect adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectState {
-    /// `t_gas`, `t_wall`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_cavity`, or `own` for your own.
+    /// `t_gas`, `t_wall`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, or `own` for your own.
     pub name: &'static str,
     /// Its value: K or Pa abs, or the unit of your own.
     pub value: f64,
@@ -97,6 +97,7 @@ impl Extended {
     pub(in crate::simulator) fn states(&self) -> Vec<EffectState> {
         let Layout {
             line,
+            drain,
             temperature,
             wall,
             cavity,
@@ -105,6 +106,7 @@ impl Extended {
         } = self.layout;
         let named = [
             ("p_line", line),
+            ("p_drain", drain),
             ("t_gas", temperature),
             ("t_wall", wall),
             ("p_cavity", cavity),

@@ -1,0 +1,86 @@
+use core::ops::ControlFlow;
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::{EffectSetting, by_id};
+
+use super::result::Verdict;
+use super::{diagnose, refine};
+use crate::bench::Bench;
+
+fn with(id: &str, variant: &str, values: &[(&str, f64)]) -> PlantParameters {
+    let effect = by_id(id).unwrap();
+    let variant = effect.about().variant(variant).unwrap();
+    let typical = EffectSetting::typical_variant(effect, variant);
+    let setting = values
+        .iter()
+        .fold(typical, |setting, &(key, value)| setting.with(key, value));
+    PlantParameters::nominal().with_effect(setting)
+}
+
+/// The fitted log never fills the chamber, so that a leak shows only in the log for checking.
+#[test]
+fn what_only_the_check_log_shows_is_fitted_there() {
+    let leaking = Bench {
+        plant: with("chamber_leak", "orifice", &[("area_m2", 3e-8)]),
+        ..Bench::default()
+    };
+    let empty = Bench {
+        plant: leaking.plant.clone(),
+        phases: vec![(3.0, 0.0, 0.0), (2.0, 0.0, 100.0), (3.0, 0.0, 0.0)],
+        seed: 2,
+        ..Bench::default()
+    };
+    let diagnosis = diagnose(
+        &PlantParameters::nominal(),
+        &[empty.measure()],
+        &[leaking.measure()],
+        &|_| ControlFlow::Continue(()),
+    )
+    .unwrap();
+    assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
+    assert_eq!(diagnosis.effects, ["chamber_leak"]);
+    assert!(
+        diagnosis.held_out.contains("so they were fitted"),
+        "{}",
+        diagnosis.held_out
+    );
+}
+
+/// A plunger that begins late and is swept at once: from its typical law no fit finds the way.
+#[test]
+fn a_law_far_from_its_typical_shape_is_found() {
+    let variant = "frictionless";
+    let bench = Bench {
+        plant: with(
+            "regulating_valve_volume",
+            variant,
+            &[
+                ("swept_volume_m3", 1e-5),
+                ("begin_bar", 4.0),
+                ("travel_bar", 1.0),
+            ],
+        ),
+        ..Bench::default()
+    };
+    let add = [(
+        "regulating_valve_volume".to_owned(),
+        Some(variant.to_owned()),
+    )];
+    let refined = refine(
+        &PlantParameters::nominal(),
+        &[bench.measure()],
+        &[],
+        &add,
+        &|_| ControlFlow::Continue(()),
+    )
+    .unwrap();
+    for (key, truth, tolerance) in [
+        ("swept_volume_m3", 1e-5, 1e-6),
+        ("begin_bar", 4.0, 0.1),
+        ("travel_bar", 1.0, 0.2),
+    ] {
+        let name = format!("effects.regulating_valve_volume.{key}");
+        let fitted = refined.plant.get(&name).unwrap();
+        assert!((fitted - truth).abs() < tolerance, "{key}: {fitted}");
+    }
+}
