@@ -21,8 +21,11 @@ const CONVERGED: f64 = 0.5;
 const CONVERGED_SHARE: f64 = 1e-4;
 /// A step is at most this long in each coordinate.
 const LONGEST_STEP: f64 = 1.5;
-/// A decrease of the cost below this share of what was expected makes the Jacobian stale.
-const STALE: f64 = 0.7;
+/// A decrease of the cost that is off by this share of what was expected, to either side, makes the Jacobian stale: with
+/// one that is too large the steps are short for ever.
+const STALE: f64 = 0.3;
+/// So does a step that promises more than this share of what the last one did.
+const SLOW: f64 = 0.3;
 
 /// A point of the unknowns with its residuals.
 #[derive(Debug, Clone)]
@@ -182,7 +185,8 @@ impl<'a> Fitter<'a> {
                     break;
                 }
                 fresh = false;
-                if reached < STALE * expected {
+                let (_, further) = self.step(&fit, damping);
+                if (reached - expected).abs() > STALE * expected || further > SLOW * expected {
                     self.differentiate(&mut fit, 0, Difference::Forward)?;
                     fresh = true;
                 }
