@@ -3,7 +3,7 @@
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::result::Verdict;
-use super::search::{Tried, Watch, try_all};
+use super::search::{Effort, Tried, Watch, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
     ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE, FURTHER_SHARE,
@@ -28,7 +28,12 @@ pub(crate) struct Ladder {
 /// Climbs until nothing material remains, or nothing explains what does.
 pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder, DiagnoseError> {
     let is_adequate = !plain.is_material();
-    let singles = try_all(bench, &plain, !is_adequate, "single effects", watch)?;
+    let effort = if is_adequate {
+        Effort::Glance
+    } else {
+        Effort::Alone
+    };
+    let singles = try_all(bench, &plain, effort, "single effects", watch)?;
     let mut ladder = Ladder {
         steps: vec![plain],
         singles,
@@ -56,7 +61,7 @@ pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder,
                 try_all(
                     bench,
                     &pair.other,
-                    true,
+                    Effort::Beside,
                     "what may stand for the first effect",
                     watch,
                 )?,
@@ -144,7 +149,7 @@ fn best_pair(
         if first.refresh(bench).is_none() {
             continue;
         }
-        let tried = try_all(bench, &first, true, "pairs of effects", watch)?;
+        let tried = try_all(bench, &first, Effort::Beside, "pairs of effects", watch)?;
         let Some(last) = best_sound(bench, plain, &tried) else {
             continue;
         };

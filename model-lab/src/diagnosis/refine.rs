@@ -5,7 +5,6 @@ use std::time::Instant;
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::parameters::{ParameterSpec, nearest_effect};
-use rayon::prelude::*;
 use recording::Recording;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -15,7 +14,7 @@ use super::error::DiagnoseError;
 use super::evidence::{self, Evidence};
 use super::ladder::Ladder;
 use super::result::{Cost, FittedParameter, NuisanceValue, Step};
-use super::search::{Tried, Watch, report};
+use super::search::{Tried, Watch, best_form, report};
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
 
@@ -187,14 +186,6 @@ fn forms(id: &str, variant: Option<&str>) -> Result<Vec<EffectSetting>, Diagnose
         });
     }
     Ok(forms)
-}
-
-/// The form that leaves least; none where no form can be simulated.
-fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) -> Option<Trial> {
-    forms
-        .into_par_iter()
-        .filter_map(|form| bench.finish(bench.open(bench.sketch(base, form)?)?))
-        .min_by(|a, b| a.total_square().total_cmp(&b.total_square()))
 }
 
 fn fitted_effect(

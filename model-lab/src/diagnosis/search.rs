@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use super::error::DiagnoseError;
 use super::trial::{Bench, Opened, Trial};
 
-/// Further forms of an effect are tried where they promise this share of what the best effect gained.
-const FORM_PROSPECT: f64 = 0.02;
+/// A fit is begun where it promises this share of what the best one gained or promises.
+const BEGIN_PROSPECT: f64 = 0.02;
 /// A fit is followed to its end where its first steps gained this share of what the best one gained.
 const PROSPECT: f64 = 0.25;
 
@@ -26,6 +26,17 @@ pub struct Progress {
 /// Sees the progress of long work from several threads and may stop it.
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
+/// How much work a search is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// A few steps of each effect in the first form of its law: nothing is missing.
+    Glance,
+    /// Every form that promises something, followed to the end where it gains.
+    Alone,
+    /// The same beside another effect, without effects that promise next to nothing.
+    Beside,
+}
+
 /// An effect on top of a plant, in the form of its law that fits best.
 #[derive(Debug, Clone)]
 pub(crate) struct Tried {
@@ -34,12 +45,11 @@ pub(crate) struct Tried {
     pub(crate) trial: Option<Trial>,
 }
 
-/// Tries all effects that `base` does not have. `thorough` tries every form of the promising ones and follows them to the
-/// end.
+/// Tries all effects that `base` does not have.
 pub(crate) fn try_all(
     bench: &Bench,
     base: &Trial,
-    thorough: bool,
+    effort: Effort,
     stage: &'static str,
     watch: Watch,
 ) -> Result<Vec<Tried>, DiagnoseError> {
@@ -56,16 +66,10 @@ pub(crate) fn try_all(
         .iter()
         .map(|&effect| EffectSetting::typical(effect))
         .collect();
-    let mut opened = open_all(
-        bench,
-        base,
-        first_forms,
-        f64::NEG_INFINITY,
-        (stage, 0.0..0.5),
-        watch,
-    )?;
-    if thorough {
-        let least = FORM_PROSPECT * opened.iter().map(Begun::gain).fold(0.0, f64::max);
+    let gain = (effort == Effort::Beside).then_some(0.0);
+    let mut opened = open_all(bench, base, first_forms, gain, (stage, 0.0..0.5), watch)?;
+    if effort != Effort::Glance {
+        let gain = opened.iter().map(Begun::gain).fold(0.0, f64::max);
         let other_forms = opened
             .iter()
             .flat_map(|begun| {
@@ -78,7 +82,7 @@ pub(crate) fn try_all(
             bench,
             base,
             other_forms,
-            least,
+            Some(gain),
             (stage, 0.5..0.7),
             watch,
         )?);
@@ -91,7 +95,7 @@ pub(crate) fn try_all(
         .map(|begun| {
             let gain = begun.gain();
             let trial = begun.opened.filter(|_| gain > 0.0).and_then(|opened| {
-                if thorough && gain >= least {
+                if effort != Effort::Glance && gain >= least {
                     bench.finish(opened)
                 } else {
                     bench.leave(opened)
@@ -109,7 +113,7 @@ pub(crate) fn try_all(
         setting: EffectSetting::typical(effect),
         trial: None,
     });
-    Ok(best_forms(tried.into_iter().chain(unseen).collect()))
+    Ok(best_forms(base, tried.into_iter().chain(unseen).collect()))
 }
 
 /// An effect whose fit was begun.
@@ -128,27 +132,41 @@ impl Begun {
     }
 }
 
-/// Begins the fits of `settings`, as far as they promise a gain of at least `least`.
+/// Begins the fits of `settings`: all of them, or those that promise something beside the best `gain`.
 fn open_all(
     bench: &Bench,
     base: &Trial,
     settings: Vec<EffectSetting>,
-    least: f64,
+    gain: Option<f64>,
     (stage, span): (&'static str, Range<f64>),
     watch: Watch,
 ) -> Result<Vec<Begun>, DiagnoseError> {
     report(watch, stage, span.start)?;
-    let total = settings.len() as f64;
+    let total = 2.0 * settings.len() as f64;
     let done = AtomicUsize::new(0);
-    settings
+    let step = || {
+        let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / total;
+        report(watch, stage, span.start + share * (span.end - span.start))
+    };
+    let sketched = settings
         .into_par_iter()
         .map(|setting| {
             let sketch = bench.sketch(base, setting.clone());
+            step().map(|()| (setting, sketch))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let promised = sketched.iter().flat_map(|(_, sketch)| sketch);
+    let promised = promised.map(|sketch| sketch.promised_gain);
+    let least = gain.map_or(f64::NEG_INFINITY, |gain| {
+        BEGIN_PROSPECT * promised.fold(gain, f64::max)
+    });
+    sketched
+        .into_par_iter()
+        .map(|(setting, sketch)| {
             let opened = sketch
                 .filter(|sketch| sketch.promised_gain >= least)
                 .and_then(|sketch| bench.open(sketch));
-            let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / total;
-            report(watch, stage, span.start + share * (span.end - span.start))?;
+            step()?;
             Ok(Begun {
                 setting,
                 opened,
@@ -174,15 +192,23 @@ pub(crate) fn report(watch: Watch, stage: &'static str, done: f64) -> Result<(),
     }
 }
 
-/// Of each effect the form that fits best, the effect that fits best first.
-fn best_forms(tried: Vec<Tried>) -> Vec<Tried> {
+/// One effect in several forms, fitted to the end: the form with most evidence; none where no form can be simulated.
+pub(crate) fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) -> Option<Trial> {
+    forms
+        .into_par_iter()
+        .filter_map(|form| bench.finish(bench.open(bench.sketch(base, form)?)?))
+        .max_by(|a, b| a.evidence_over(base).total_cmp(&b.evidence_over(base)))
+}
+
+/// Of each effect the form with most evidence over `base`, the effect that fits best first.
+fn best_forms(base: &Trial, tried: Vec<Tried>) -> Vec<Tried> {
     let mut best: Vec<Tried> = Vec::new();
     for tried in tried {
         match best
             .iter_mut()
             .find(|best| best.setting.id() == tried.setting.id())
         {
-            Some(there) if tried.cost() < there.cost() => *there = tried,
+            Some(there) if tried.evidence_over(base) > there.evidence_over(base) => *there = tried,
             Some(_) => {}
             None => best.push(tried),
         }
@@ -197,6 +223,12 @@ impl Tried {
         self.trial
             .as_ref()
             .map_or(f64::INFINITY, Trial::total_square)
+    }
+
+    fn evidence_over(&self, base: &Trial) -> f64 {
+        self.trial
+            .as_ref()
+            .map_or(f64::NEG_INFINITY, |trial| trial.evidence_over(base))
     }
 
     pub(crate) fn id(&self) -> &'static str {

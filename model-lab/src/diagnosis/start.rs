@@ -16,6 +16,8 @@ const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
 /// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
 /// elsewhere: a fit that begins in the wrong valley stays there.
 const SHAPES: [f64; 3] = [0.0, -0.6, 0.6];
+/// A shape that is not typical promises this much more: the data of a poor log leave the shape open.
+const UNTYPICAL: f64 = 10.0;
 /// What an effect adds is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
 const WEAKENED: RangeInclusive<f64> = 1e-3..=0.5;
 /// A neighbouring size, to see with which power of its size an effect grows, ...
@@ -67,7 +69,11 @@ pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start>
         let shape = start.shape.clone();
         starts.extend(Start::new(fitter, base, own, size, &shape));
     }
-    let by_promise = |a: &Start, b: &Start| a.promised.total_cmp(&b.promised);
+    let price = |start: &Start| {
+        let is_typical = start.shape.iter().all(|&moved| moved == 0.0);
+        start.promised + if is_typical { 0.0 } else { UNTYPICAL }
+    };
+    let by_promise = |a: &Start, b: &Start| price(a).total_cmp(&price(b));
     starts.into_iter().min_by(by_promise)
 }
 

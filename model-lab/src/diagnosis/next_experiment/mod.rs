@@ -19,7 +19,7 @@ use recording::Recording;
 
 use super::error::DiagnoseError;
 use super::evidence::Evidence;
-use super::search::{Watch, report};
+use super::search::{Watch, best_form, report};
 use super::trial::{Bench, Trial};
 use distance::{Noises, Rival, distance};
 use manoeuvre::Sequence;
@@ -125,7 +125,7 @@ fn settings(id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {
         .collect())
 }
 
-/// Each effect on top of the plain model, in the form that fits best.
+/// Each effect on top of the plain model, in the form with most evidence.
 fn fitted(
     bench: &Bench,
     plain: &Trial,
@@ -139,20 +139,11 @@ fn fitted(
             "the rival effects",
             rivals.len() as f64 / ids.len() as f64,
         )?;
-        let trials: Vec<Trial> = settings(id)?
-            .into_par_iter()
-            .filter_map(|setting| bench.finish(bench.open(bench.sketch(plain, setting)?)?))
-            .collect();
-        let mut best = trials
-            .into_iter()
-            .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))
-            .ok_or_else(|| DiagnoseError::NotFitted {
-                id: (*id).to_owned(),
-            })?;
-        best.refresh(bench)
-            .ok_or_else(|| DiagnoseError::NotFitted {
-                id: (*id).to_owned(),
-            })?;
+        let not_fitted = || DiagnoseError::NotFitted {
+            id: (*id).to_owned(),
+        };
+        let mut best = best_form(bench, plain, settings(id)?).ok_or_else(not_fitted)?;
+        best.refresh(bench).ok_or_else(not_fitted)?;
         rivals.push(Rival::of_trial(bench, best, Some(id)));
     }
     Ok(rivals)
