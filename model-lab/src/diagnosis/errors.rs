@@ -10,8 +10,6 @@ use super::verdict::{CHANCE, MATERIAL_EXCESS};
 #[derive(Debug, Clone, Default)]
 struct Sums {
     count: f64,
-    /// Degrees of freedom behind the noise.
-    freedom: f64,
     /// Of the error, in its unit.
     square: f64,
     /// Of what a perfect model has.
@@ -21,10 +19,9 @@ struct Sums {
 }
 
 impl Sums {
-    /// More excess than two correct programs have, and than chance gives so few samples of the error and of the noise.
+    /// More excess than two correct programs have, and than chance gives so few samples.
     fn material_excess(&self) -> f64 {
-        let variance = 2.0 / self.count + 2.0 / self.freedom.max(1.0);
-        MATERIAL_EXCESS * MATERIAL_EXCESS + CHANCE * variance.sqrt()
+        MATERIAL_EXCESS * MATERIAL_EXCESS + CHANCE * (2.0 / self.count).sqrt()
     }
 }
 
@@ -37,7 +34,6 @@ impl Errors {
         let mut by_signal: BTreeMap<&'static str, Sums> = BTreeMap::new();
         for (log, channel, range) in evidence.channels() {
             let sums = by_signal.entry(channel.signal).or_default();
-            sums.freedom += channel.freedom;
             for (row, residual) in residuals[range].iter().enumerate() {
                 if log.counted[row] && !channel.values[row].is_nan() {
                     let floor = log.floor(channel, run, row);

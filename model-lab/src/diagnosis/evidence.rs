@@ -46,8 +46,6 @@ pub(crate) struct Channel {
     pub(crate) values: Vec<f64>,
     /// Standard deviation of the measurement noise.
     pub(crate) sigma: f64,
-    /// Degrees of freedom behind it.
-    pub(crate) freedom: f64,
 }
 
 /// Which error of the model is looked at.
@@ -96,12 +94,12 @@ impl Log {
         let (measured, _) = measured_signals(parameters, (log, base), &commands)?;
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let (_, start_pressure) = start(parameters, pressure, &commands);
-        let scatters: Vec<(f64, f64)> = measured.iter().map(scatter).collect();
+        let sigmas: Vec<f64> = measured.iter().map(scatter).collect();
         let channels: Vec<Channel> = measured
             .into_iter()
-            .zip(scatters)
-            .filter(|(signal, (sigma, _))| SIGNALS.contains(&signal.name) && *sigma > 0.0)
-            .map(|(signal, (sigma, freedom))| {
+            .zip(sigmas)
+            .filter(|(signal, sigma)| SIGNALS.contains(&signal.name) && *sigma > 0.0)
+            .map(|(signal, sigma)| {
                 let column = ROW_SIGNALS
                     .iter()
                     .position(|(name, _)| *name == signal.name)
@@ -110,7 +108,6 @@ impl Log {
                     signal: signal.name,
                     column,
                     sigma,
-                    freedom,
                     values: signal.values,
                 }
             })
@@ -258,12 +255,11 @@ fn shut_off(parameters: &PlantParameters) -> PlantParameters {
     plant
 }
 
-/// Standard deviation of the noise with its degrees of freedom: that of quiet stretches, or where the log has none,
-/// that of what no slow course can be: the second differences (a median, which the few samples at a switching valve do
-/// not move).
-fn scatter(signal: &Measured) -> (f64, f64) {
+/// Standard deviation of the noise: that of quiet stretches, or where the log has none, that of what no slow course
+/// can be: the second differences (a median, which the few samples at a switching valve do not move).
+fn scatter(signal: &Measured) -> f64 {
     if signal.floor.sigma > 0.0 {
-        return (signal.floor.sigma, signal.floor.freedom);
+        return signal.floor.sigma;
     }
     let mut curvatures: Vec<f64> = signal
         .values
@@ -272,13 +268,11 @@ fn scatter(signal: &Measured) -> (f64, f64) {
         .filter(|curvature| curvature.is_finite())
         .collect();
     if curvatures.is_empty() {
-        return (0.0, 0.0);
+        return 0.0;
     }
     curvatures.sort_by(f64::total_cmp);
     // The median of a normal magnitude is 0.6745 standard deviations; the weights 1, -2, 1 give sqrt(6).
-    let sigma = curvatures[curvatures.len() / 2] / (0.6745 * 6_f64.sqrt());
-    // Three neighbours share their samples.
-    (sigma, curvatures.len() as f64 / 3.0)
+    curvatures[curvatures.len() / 2] / (0.6745 * 6_f64.sqrt())
 }
 
 impl Evidence {
