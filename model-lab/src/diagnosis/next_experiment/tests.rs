@@ -146,7 +146,8 @@ fn limits_that_leave_nothing_and_unknown_effects_are_refused() {
 
 #[test]
 fn where_no_manoeuvre_tells_them_apart_it_says_so() {
-    let log = poor_log("dead_volume");
+    // The made-up rig logs the chamber, not what a slow sensor shows: the log has neither effect.
+    let log = poor_log("sensor_lag");
     let question = Question::Between(&["dead_volume", "sensor_lag"]);
     let limits = Limits {
         duration_s: 3.0,
