@@ -148,6 +148,20 @@ fn a_log_without_header_is_explained_in_the_form_and_read() {
 }
 
 #[test]
+fn a_log_that_knows_when_it_began_says_so() {
+    with_browser(async |person| {
+        let started = include_bytes!("../../../recording/tests/fixtures/mf4/started.mf4");
+        person.drop_bytes("started.mf4", started).await;
+        person.until("document.querySelector('.log .facts')").await;
+        let facts = person.text(".log .facts").await;
+        assert!(
+            facts.starts_with("recorded 2024-05-03 16:12:07 UTC+02:00 · 3 samples"),
+            "{facts}"
+        );
+    });
+}
+
+#[test]
 fn other_logs_lie_beside_and_are_brought_onto_this_one() {
     with_browser(async |person| {
         let late: String = ID

@@ -172,6 +172,22 @@ fn a_wrong_plant_is_refused_with_every_line_and_the_old_one_stays() {
 }
 
 #[test]
+fn the_start_of_a_log_is_told_and_exported() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let started = include_bytes!("../../../recording/tests/fixtures/mf4/started.mf4");
+    let added = browser.upload(&session, "started.mf4", started).json();
+    let start = "2024-05-03 16:12:07 UTC+02:00";
+    assert_eq!(added["project"]["logs"][0]["summary"]["start"], start);
+    let csv = browser.get(&format!("{session}/logs/1/csv")).text();
+    assert!(csv.contains(&format!("# recorded: {start}\n")), "{csv}");
+    let mf4 = browser.get(&format!("{session}/logs/1/mf4")).body;
+    let again = browser.upload(&session, "again.mf4", &mf4).json();
+    assert_eq!(again["project"]["logs"][1]["summary"]["start"], start);
+}
+
+#[test]
 fn a_comparison_is_that_of_the_command_and_can_be_looked_at_from_all_sides() {
     let bench = Bench::start();
     let browser = bench.browser();

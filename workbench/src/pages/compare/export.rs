@@ -42,7 +42,10 @@ fn visible(
     }
     let provenance = Provenance::from_source(recording.provenance().source.clone())
         .with_note("producer", concat!("retarder ", env!("CARGO_PKG_VERSION")));
-    let mut out = Recording::new(provenance);
+    let mut out = Recording::new(Provenance {
+        start: recording.provenance().start,
+        ..provenance
+    });
     let times_s = base.times_s()[within.clone()].to_vec();
     let out_id = out.add_time_base(TimeBase::new(times_s).map_err(not_written)?);
     let mut add = |name: &str, signal: &Signal| {
