@@ -38,7 +38,7 @@ function verdictOf(band) {
 export class TimePlots extends TimeView {
   constructor(log, logs, cursors, { onView, onShift }) {
     super("time-plots", ", a and b set a cursor in the middle");
-    Object.assign(this, { log, logs, cursors, onView, onShift, overlays: [], hidden: new Set((view.text("hide") ?? "").split(",").filter(Boolean)) });
+    Object.assign(this, { log, logs, cursors, onView, onShift, overlays: [], hidden: new Set(view.texts("hide")) });
     this.choices = element("div", { class: "row choices" });
     this.filter = new Filter("signals");
     this.differences = new Differences(log, () => this.refresh());
@@ -150,7 +150,7 @@ export class TimePlots extends TimeView {
   /** Hides the signals of which `isHidden` says so. */
   choose(isHidden) {
     this.hidden = new Set(this.courses.signals.map((signal) => signal.name).filter(isHidden));
-    view.set({ hide: [...this.hidden].join(",") });
+    view.set({ hide: [...this.hidden] });
     this.paint();
   }
 
