@@ -54,6 +54,9 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
             .until("document.body.dataset.ready === 'compare' && document.querySelector('[data-band=p_ch] .chip')")
             .await;
         person.until(&format!("{traces} === {}", before + 2)).await;
+        let sizes = "const card = document.getElementById('metrics').parentElement; return [card.scrollWidth, card.clientWidth]";
+        let sizes: [u32; 2] = serde_json::from_value(person.run(sizes).await).unwrap();
+        assert!(sizes[0] <= sizes[1], "the table is cut: {sizes:?}");
         for (look, name) in [
             ("Distribution", "compare-distribution"),
             ("Spectrum", "compare-spectrum"),
