@@ -12,6 +12,7 @@ mod provenance;
 mod quantity;
 mod recording;
 mod signal;
+mod start_time;
 mod time_base;
 mod unit;
 
@@ -25,5 +26,6 @@ pub use provenance::{InputFile, Note, Provenance};
 pub use quantity::Quantity;
 pub use recording::{AddSignalError, LeftOut, MissingSignal, Recording, TimeBaseId};
 pub use signal::Signal;
+pub use start_time::{Clock, StartTime};
 pub use time_base::{Gap, Sampling, TimeBase, TimeBaseError};
 pub use unit::{ConversionError, Converter, PressureReference, STANDARD_ATMOSPHERE_PA, Unit};

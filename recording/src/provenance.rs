@@ -1,5 +1,7 @@
 use std::fmt::Write as _;
 
+use crate::StartTime;
+
 /// Where a recording comes from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Provenance {
@@ -7,6 +9,8 @@ pub struct Provenance {
     pub source: String,
     /// Who or what produced the values: a logger, a program with its version.
     pub producer: Option<String>,
+    /// Instant at which its time is 0 s \[ns since 1970\]; none where nobody knows, as in CSV and in a simulation.
+    pub start: Option<StartTime>,
     /// Further remarks in the order given.
     pub notes: Vec<Note>,
     /// Size and hash of the file the values were read from.

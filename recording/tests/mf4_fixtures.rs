@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use recording::csv::Mapping;
 use recording::mf4::{Limits, Mf4Error, Options, READER_NOTE, list, read};
-use recording::{LogFormat, LogOptions, Quantity, Recording, Unit, read_log, read_log_file};
+use recording::{Clock, LogFormat, LogOptions, Quantity, Recording, StartTime, Unit};
+use recording::{read_log, read_log_file};
 
 fn folder() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/mf4"))
@@ -106,6 +107,43 @@ fn every_number_is_the_one_that_asammdf_reads() {
     check("lists", &[]);
     check("unsorted", &["remark"]);
     check("unfinished", &[]);
+    check("started", &[]);
+    check("started-local", &[]);
+}
+
+/// Byte of the start time in the fixtures: behind the identification, and the head and six links of the header.
+const START_AT: usize = 64 + 24 + 6 * 8;
+
+#[test]
+fn the_start_is_the_one_that_asammdf_wrote() {
+    let start_of = |bytes: &[u8]| {
+        let recording = read("started", Cursor::new(bytes), &Options::default()).unwrap();
+        recording.provenance().start
+    };
+    let said = |bytes: &[u8]| start_of(bytes).map(|start| start.to_string());
+    let started = bytes("started");
+    let start = StartTime {
+        since_1970_ns: 1_714_745_527_000_000_000,
+        clock: Clock::Utc { ahead_min: 120 },
+    };
+    assert_eq!(start_of(&started), Some(start));
+    let local = said(&bytes("started-local")).unwrap();
+    assert_eq!(local, "2024-05-03 16:12:07 local time");
+    assert_eq!(start_of(&bytes("unsorted")), None);
+    // Zone, summer time and flags; a zone of a day or more is none.
+    let with = |zone_min: i16, summer_min: i16, flags: u8| {
+        let mut bytes = started.clone();
+        bytes[START_AT + 8..START_AT + 10].copy_from_slice(&zone_min.to_le_bytes());
+        bytes[START_AT + 10..START_AT + 12].copy_from_slice(&summer_min.to_le_bytes());
+        bytes[START_AT + 12] = flags;
+        said(&bytes).unwrap()
+    };
+    assert_eq!(with(60, 60, 2), "2024-05-03 16:12:07 UTC+02:00");
+    assert_eq!(with(-300, 60, 2), "2024-05-03 10:12:07 UTC-04:00");
+    assert_eq!(with(-300, 60, 0), "2024-05-03 14:12:07 UTC");
+    assert_eq!(with(-300, 60, 3), "2024-05-03 14:12:07 local time");
+    assert_eq!(with(1440, 0, 2), "2024-05-03 14:12:07 UTC");
+    assert_eq!(with(i16::MIN, i16::MIN, 2), "2024-05-03 14:12:07 UTC");
 }
 
 fn read_mapped(name: &str, mapping: &str) -> Result<Recording, Mf4Error> {

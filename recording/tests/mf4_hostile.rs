@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use recording::mf4::{Limits, Mf4Error, Options, read};
 
-const FIXTURES: [&str; 10] = [
+const FIXTURES: [&str; 12] = [
     "conversions",
     "invalid",
     "lists",
@@ -19,6 +19,8 @@ const FIXTURES: [&str; 10] = [
     "rates-411",
     "rates-packed",
     "rates-transposed",
+    "started",
+    "started-local",
     "unfinished",
     "unsorted",
 ];

@@ -6,7 +6,7 @@ use std::process::Command;
 use proptest::prelude::*;
 use recording::csv::{Column, WriteError};
 use recording::mf4::{Options, Writer, read, write};
-use recording::{InputFile, Provenance, Recording, TimeBase, Unit};
+use recording::{Clock, InputFile, Provenance, Recording, StartTime, TimeBase, Unit};
 
 fn read_back(bytes: &[u8]) -> Recording {
     read("back.mf4", Cursor::new(bytes), &Options::default())
@@ -141,6 +141,28 @@ fn provenance_goes_with_the_samples() {
             ("reader", nan),
         ]
     );
+}
+
+#[test]
+fn the_start_goes_with_the_samples_where_it_is_known() {
+    let mut recording = bench_recording();
+    let without = write(Vec::new(), &recording).unwrap();
+    assert_eq!(read_back(&without).provenance().start, None);
+    let clocks = [
+        Clock::Local,
+        Clock::Utc { ahead_min: 0 },
+        Clock::Utc { ahead_min: -210 },
+    ];
+    for clock in clocks {
+        let start = Some(StartTime {
+            since_1970_ns: 1_714_745_527_250_000_001,
+            clock,
+        });
+        recording.provenance_mut().start = start;
+        let written = write(Vec::new(), &recording).unwrap();
+        assert_eq!(read_back(&written).provenance().start, start);
+        assert_eq!(written.len(), without.len());
+    }
 }
 
 /// Row by row, the number of rows is known at the end only: the bytes are the same.

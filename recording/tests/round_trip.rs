@@ -5,7 +5,8 @@ use std::io::{self, Write};
 use proptest::prelude::*;
 use recording::csv::{Column, Decimals, Options, WriteError, Writer, read, write};
 use recording::{
-    AtomicFile, InputFile, Provenance, Recording, TimeBase, Unit, write_file_atomically,
+    AtomicFile, Clock, InputFile, Provenance, Recording, StartTime, TimeBase, Unit,
+    write_file_atomically,
 };
 
 fn written(recording: &Recording, decimals: &Decimals) -> Vec<u8> {
@@ -99,12 +100,16 @@ fn a_file_of_ours_looks_like_this() {
         size_bytes: 3,
         sha256: [0xab; 32],
     });
+    provenance.start = Some(StartTime {
+        since_1970_ns: 1_714_745_527_250_000_000,
+        clock: Clock::Utc { ahead_min: 0 },
+    });
     *provenance = provenance.clone().with_note("oil", "cold\n\u{1b}[31m");
     let text = String::from_utf8(written(&recording, &Decimals::shortest())).unwrap();
     let sha256 = "ab".repeat(32);
     let expected = format!(
-        "# source: bench\n# producer: plant-sim 0.1.0\n# source sha256: {sha256}\n# oil: cold  [31m\n\
-         time_s,p_ch_bar_gauge\n0,1.5\n0.01,\n"
+        "# source: bench\n# producer: plant-sim 0.1.0\n# recorded: 2024-05-03 14:12:07 UTC\n\
+         # source sha256: {sha256}\n# oil: cold  [31m\ntime_s,p_ch_bar_gauge\n0,1.5\n0.01,\n"
     );
     assert_eq!(text, expected);
     let back = read_back(text.as_bytes());
@@ -112,7 +117,7 @@ fn a_file_of_ours_looks_like_this() {
         back.provenance().producer.as_deref(),
         Some("plant-sim 0.1.0")
     );
-    assert_eq!(back.provenance().notes.len(), 3);
+    assert_eq!(back.provenance().notes.len(), 4);
     assert_eq!(back.signal("p_ch").unwrap().get(1), None);
 }
 

@@ -30,7 +30,12 @@ fn row(log: &LogPart<'_>) -> Markup {
     let extent = log.recording.and_then(Extent::of);
     html! {
         tr {
-            th scope="row" { (foreign(log.name)) }
+            th scope="row" {
+                (foreign(log.name))
+                @if let Some(start) = log.recording.and_then(|recording| recording.provenance().start) {
+                    div.note { "recorded " (start.to_string()) }
+                }
+            }
             td.number { @if let Some(extent) = &extent { (extent.samples) } }
             td.number { @if let Some(extent) = &extent { (number(extent.duration_s)) } }
             td.number { @if let Some(step_s) = extent.and_then(|extent| extent.step_s) { (number((1e6 * step_s).round() / 1e3)) } }

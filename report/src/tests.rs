@@ -6,7 +6,7 @@ use model_lab::diagnosis::result::{FlowCurve, FlowPoint};
 use model_lab::thesis::{Measurements, ThesisTable, compare_with_model};
 use model_lab::{CompareOptions, Comparison, compare};
 use plant_sim::PlantParameters;
-use recording::{Recording, csv};
+use recording::{Clock, Recording, StartTime, csv};
 
 use super::*;
 use crate::plot;
@@ -213,6 +213,18 @@ fn the_report_names_no_other_machine_and_forbids_to_load_or_run() {
     assert!(
         report.contains("http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';")
     );
+}
+
+#[test]
+fn a_log_that_knows_when_it_began_says_so() {
+    let mut bench = Bench::new();
+    assert!(!bench.report("bench").contains("recorded "));
+    bench.log.provenance_mut().start = Some(StartTime {
+        since_1970_ns: 1_714_745_527_000_000_000,
+        clock: Clock::Utc { ahead_min: 0 },
+    });
+    let report = bench.report("bench");
+    assert!(report.contains("recorded 2024-05-03 14:12:07 UTC"));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! One session for each tab: its project, and what was computed for it. Sessions share nothing but stored logs.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use model_lab::diagnosis::next_experiment::NextExperiment;
@@ -22,6 +22,8 @@ use crate::store::{ProjectId, Store};
 
 /// Sessions at one time; beyond them, the one that was opened first is forgotten. Its project is kept.
 const SESSIONS_MAX: usize = 24;
+/// Sessions that were closed whose findings are kept.
+const CLOSED_MAX: usize = 24;
 
 /// All open sessions.
 pub(crate) struct Sessions {
@@ -33,6 +35,8 @@ pub(crate) struct Sessions {
     /// Memory of all tabs together.
     room: Arc<Room>,
     open: Mutex<HashMap<ProjectId, (u64, Arc<Session>)>>,
+    /// Of sessions that were closed, the last one first: a page that is loaded again closes its session before.
+    closed: Mutex<VecDeque<(ProjectId, Findings)>>,
 }
 
 const UPLOADS: usize = 2;
@@ -58,12 +62,25 @@ pub(crate) struct Session {
     job: Mutex<Option<Arc<Job>>>,
 }
 
+/// What took a person a minute of waiting and little memory: it goes with a project that is opened again.
+#[derive(Clone, Default)]
+struct Findings {
+    diagnosed: Option<Arc<Diagnosed>>,
+    next: Option<Arc<NextExperiment>>,
+}
+
 /// A result that stays until there is another one.
 pub(crate) struct Kept<T>(Mutex<Option<Arc<T>>>);
 
 impl<T> Default for Kept<T> {
     fn default() -> Self {
         Self(Mutex::default())
+    }
+}
+
+impl<T> From<Option<Arc<T>>> for Kept<T> {
+    fn from(result: Option<Arc<T>>) -> Self {
+        Self(Mutex::new(result))
     }
 }
 
@@ -124,6 +141,7 @@ impl Sessions {
             workers: Arc::new(Semaphore::new(WORKERS)),
             room: Arc::new(Room::new(VALUES_MAX)),
             open: Mutex::default(),
+            closed: Mutex::default(),
         }
     }
 
@@ -133,15 +151,22 @@ impl Sessions {
         found.ok_or_else(|| Refusal::not_found("session"))
     }
 
-    /// Opens a session: on the project `wanted`, under its own id if no other tab has it open, else on a copy; without a
-    /// wish, on a copy of the project that was changed last.
+    /// Opens a session: on the project `wanted`, under its own id if no other tab has it open, else on a copy, with what
+    /// this server found out about it; without a wish, on a copy of the project that was changed last.
     pub(crate) fn open(&self, wanted: Option<ProjectId>) -> Result<Arc<Session>, Refusal> {
         let live = wanted.as_ref().and_then(|id| self.get(id).ok());
         let stored = wanted.as_ref().and_then(|id| self.store.load(id));
-        let (id, project) = match (live, stored, wanted) {
-            (Some(live), _, _) => (ProjectId::random()?, Some(live.project())),
-            (None, Some(project), Some(id)) => (id, Some(project)),
-            _ => (ProjectId::random()?, self.store.newest()),
+        let (id, project, findings) = match (live, stored, wanted) {
+            (Some(live), _, _) => (ProjectId::random()?, Some(live.project()), live.findings()),
+            (None, Some(project), Some(id)) => {
+                let findings = self.findings_of(&id);
+                (id, Some(project), findings)
+            }
+            _ => (
+                ProjectId::random()?,
+                self.store.newest(),
+                Findings::default(),
+            ),
         };
         let session = Arc::new(Session {
             id: id.clone(),
@@ -149,8 +174,8 @@ impl Sessions {
             project: Mutex::new(project.unwrap_or_default()),
             logs: Shelf::in_room(&self.room),
             comparisons: Shelf::in_room(&self.room),
-            diagnosed: Kept::default(),
-            next: Kept::default(),
+            diagnosed: findings.diagnosed.into(),
+            next: findings.next.into(),
             errors: Mutex::default(),
             controlled: Kept::default(),
             batch: Kept::default(),
@@ -162,26 +187,44 @@ impl Sessions {
         if open.len() >= SESSIONS_MAX {
             let oldest = open.iter().min_by_key(|(_, (order, _))| *order);
             if let Some(oldest) = oldest.map(|(id, _)| id.clone()) {
-                close(open.remove(&oldest));
+                self.end(open.remove(&oldest));
             }
         }
         open.insert(id, (order, Arc::clone(&session)));
         Ok(session)
     }
 
-    /// Ends the work of a session and forgets it; its project is kept.
+    /// Ends the work of a session and forgets it; its project and its findings are kept.
     pub(crate) fn close(&self, id: &ProjectId) {
-        close(lock(&self.open).remove(id));
+        self.end(lock(&self.open).remove(id));
     }
-}
 
-fn close(session: Option<(u64, Arc<Session>)>) {
-    if let Some((_, session)) = session {
-        session.cancel();
+    fn end(&self, session: Option<(u64, Arc<Session>)>) {
+        if let Some((_, session)) = session {
+            session.cancel();
+            let mut closed = lock(&self.closed);
+            closed.push_front((session.id.clone(), session.findings()));
+            closed.truncate(CLOSED_MAX);
+        }
+    }
+
+    /// What a session found out that was closed; nothing once many others were.
+    fn findings_of(&self, id: &ProjectId) -> Findings {
+        let mut closed = lock(&self.closed);
+        let place = closed.iter().position(|(closed, _)| closed == id);
+        let found = place.and_then(|place| closed.remove(place));
+        found.map(|(_, findings)| findings).unwrap_or_default()
     }
 }
 
 impl Session {
+    fn findings(&self) -> Findings {
+        Findings {
+            diagnosed: self.diagnosed.get(),
+            next: self.next.get(),
+        }
+    }
+
     /// The project as it is now.
     pub(crate) fn project(&self) -> Project {
         lock(&self.project).clone()

@@ -161,6 +161,7 @@ impl<R: Read> Reader<R> {
         Provenance {
             source: self.source_name.clone(),
             producer: producer.into_iter().next().map(|note| note.value),
+            start: None,
             notes,
             input: Some(self.records.input_file()),
         }

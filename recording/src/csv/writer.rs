@@ -53,6 +53,9 @@ impl<W: Write> Writer<W> {
         if let Some(producer) = &provenance.producer {
             comment(&mut sink, "producer", producer)?;
         }
+        if let Some(start) = &provenance.start {
+            comment(&mut sink, "recorded", &start.to_string())?;
+        }
         if let Some(input) = &provenance.input {
             comment(&mut sink, "source sha256", &input.sha256_hex())?;
         }

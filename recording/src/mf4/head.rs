@@ -1,9 +1,10 @@
 //! The blocks of a file that is written: all but the samples, which come last.
 
 use super::blocks::{ALIGNMENT, HEADER_BYTES, ID_BYTES};
+use super::structure::{HAS_OFFSETS, IN_LOCAL_TIME};
 use super::text::escaped;
 use crate::csv::Column;
-use crate::{Provenance, Unit};
+use crate::{Clock, Provenance, StartTime, Unit};
 
 /// Name and version of the format, and eight letters for the program.
 const VERSION: u16 = 410;
@@ -43,8 +44,7 @@ pub(super) fn head(provenance: &Provenance, groups: &[WrittenGroup<'_>]) -> Vec<
     };
     head.bytes.resize(ID_BYTES as usize, 0);
     head.bytes[28..30].copy_from_slice(&VERSION.to_le_bytes());
-    // No start time: what was simulated has none.
-    let header = head.block(b"##HD", &[0; 6], &[0; 32]);
+    let header = head.block(b"##HD", &[0; 6], &start(provenance.start));
     let comment = head.text(b"##MD", &comment(provenance));
     let tool = head.text(b"##MD", &tool(provenance));
     let history = head.block(b"##FH", &[0, tool], &[0; 16]);
@@ -130,6 +130,26 @@ fn unit_text(unit: Unit) -> &'static str {
         Some(read) if read == unit => unit.symbol(),
         _ => unit.token(),
     }
+}
+
+/// The data of the header. What was simulated has no start time: zero.
+fn start(start: Option<StartTime>) -> [u8; 32] {
+    let mut data = [0; 32];
+    if let Some(StartTime {
+        since_1970_ns,
+        clock,
+    }) = start
+    {
+        data[..8].copy_from_slice(&since_1970_ns.to_le_bytes());
+        data[12] = match clock {
+            Clock::Local => IN_LOCAL_TIME,
+            Clock::Utc { ahead_min } => {
+                data[8..10].copy_from_slice(&ahead_min.to_le_bytes());
+                HAS_OFFSETS
+            }
+        };
+    }
+    data
 }
 
 fn comment(provenance: &Provenance) -> String {

@@ -15,6 +15,7 @@ const NAMED_MAX: usize = 3;
 pub(super) fn provenance(source_name: &str, file: &File) -> Provenance {
     let mut provenance = Provenance::from_source(source_name);
     provenance.producer = file.producer.clone();
+    provenance.start = file.start;
     // Files of ours have the source as comment, for whoever looks at them with another program.
     let is_repeated = |note: &Note| note.value == file.comment;
     if !file.comment.is_empty() && !file.properties.iter().any(is_repeated) {

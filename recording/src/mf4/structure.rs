@@ -6,11 +6,15 @@ use super::blocks::{Block, Blocks, ID_BYTES};
 use super::error::{Located, Place, of_file};
 use super::problem::{Budget, Problem};
 use super::text::element;
-use crate::Note;
 use crate::csv::Excerpt;
+use crate::{Clock, Note, StartTime};
 
 const FINISHED: &[u8; 8] = b"MDF     ";
 const UNFINISHED: &[u8; 8] = b"UnFinMF ";
+
+/// Flags of the start time (ASAM MDF 4.1, HD block): it is in local time; the offsets to local time are known.
+pub(super) const IN_LOCAL_TIME: u8 = 0b1;
+pub(super) const HAS_OFFSETS: u8 = 0b10;
 
 /// The file without its data.
 #[derive(Debug)]
@@ -21,6 +25,7 @@ pub(super) struct File {
     pub(super) unfinished: Unfinished,
     /// Program that wrote the file.
     pub(super) producer: Option<String>,
+    pub(super) start: Option<StartTime>,
     pub(super) comment: String,
     pub(super) properties: Vec<Note>,
     pub(super) data_groups: Vec<DataGroup>,
@@ -101,6 +106,7 @@ impl File {
             version,
             unfinished,
             producer: producer(blocks, header.link(1))?,
+            start: start(&header)?,
             comment: comment.text,
             properties: comment.properties,
             data_groups: Vec::new(),
@@ -139,6 +145,34 @@ fn identification<R: Read + Seek>(blocks: &mut Blocks<R>) -> Result<(u16, Unfini
         data_length: steps & 0b100 != 0,
     };
     Ok((version, unfinished))
+}
+
+/// When the recording began; none in a file that leaves it at zero.
+fn start(header: &Block) -> Result<Option<StartTime>, Located> {
+    header.require(13)?;
+    let (since_1970_ns, flags) = (header.u64(0), header.u8(12));
+    if since_1970_ns == 0 {
+        return Ok(None);
+    }
+    let offset_min = |at| i32::from(header.u16(at).cast_signed());
+    // By the standard the offsets of a local time mean nothing.
+    let clock = match (flags & IN_LOCAL_TIME != 0, flags & HAS_OFFSETS != 0) {
+        (true, _) => Clock::Local,
+        (false, false) => Clock::Utc { ahead_min: 0 },
+        (false, true) => {
+            let ahead_min = offset_min(8) + offset_min(10);
+            // A day or more is no zone: the universal time is told without one.
+            let is_zone = ahead_min.abs() < 24 * 60;
+            let ahead_min = i16::try_from(ahead_min).ok().filter(|_| is_zone);
+            Clock::Utc {
+                ahead_min: ahead_min.unwrap_or(0),
+            }
+        }
+    };
+    Ok(Some(StartTime {
+        since_1970_ns,
+        clock,
+    }))
 }
 
 /// The tool of the last entry in the file's history.

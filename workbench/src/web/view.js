@@ -26,17 +26,23 @@ export const page = () => state.page;
 /** A text of the view; none if it does not say. */
 export const text = (name) => state.parameters.get(name);
 
+/** A list of texts of the view, whatever letters they have; empty if it does not say. */
+export const texts = (name) => state.parameters.getAll(name);
+
 /** A number of the view; none if it does not say, or is no number. */
 export function numberOf(name) {
   const value = parseFloat(state.parameters.get(name) ?? "");
   return Number.isFinite(value) ? value : null;
 }
 
-/** Changes the view; null takes a part away. */
+/** Changes the view; null takes a part away, and so does an empty list. */
 export function set(changes) {
   for (const [name, value] of Object.entries(changes)) {
-    if (value === null || value === undefined || value === "") state.parameters.delete(name);
-    else state.parameters.set(name, typeof value === "number" ? String(+value.toPrecision(12)) : value);
+    state.parameters.delete(name);
+    for (const one of [value].flat()) {
+      if (one === null || one === undefined || one === "") continue;
+      state.parameters.append(name, typeof one === "number" ? String(+one.toPrecision(12)) : one);
+    }
   }
   write();
 }

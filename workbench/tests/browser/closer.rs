@@ -1,5 +1,7 @@
 //! Closer looks of the page "Compare": statistics, states behind the plots, tolerances, long lists.
 
+use serde_json::json;
+
 use crate::driver::{Person, with_browser};
 
 const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
@@ -52,6 +54,9 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
             .until("document.body.dataset.ready === 'compare' && document.querySelector('[data-band=p_ch] .chip')")
             .await;
         person.until(&format!("{traces} === {}", before + 2)).await;
+        let sizes = "const card = document.getElementById('metrics').parentElement; return [card.scrollWidth, card.clientWidth]";
+        let sizes: [u32; 2] = serde_json::from_value(person.run(sizes).await).unwrap();
+        assert!(sizes[0] <= sizes[1], "the table is cut: {sizes:?}");
         for (look, name) in [
             ("Distribution", "compare-distribution"),
             ("Spectrum", "compare-spectrum"),
@@ -112,5 +117,33 @@ fn a_long_list_of_signals_is_filtered() {
         let link = person.client.current_url().await.unwrap().to_string();
         assert!(link.contains("temperature_17"), "{link}");
         person.picture("compare-filtered").await;
+    });
+}
+
+#[test]
+fn a_link_hides_the_same_signals_whatever_they_are_called() {
+    with_browser(async |person| {
+        let log = "time_s,\"a,b [V]\",\"b [V]\",\"100%2C&c=1 [V]\",p_ch_bar_gauge\n0,1,2,3,0\n1,1,2,3,0\n";
+        person.drop_files(&[("named.csv", log)]).await;
+        person
+            .until("document.querySelector('.log .compare')")
+            .await;
+        person.click(".compare").await;
+        person
+            .until("document.querySelectorAll('[data-signal]').length === 4")
+            .await;
+        let shown = "return [...document.querySelectorAll('[data-signal]')].filter((one) => one.checked).map((one) => one.dataset.signal)";
+        for name in ["a,b", "100%2C&c=1"] {
+            person.click(&format!("[data-signal='{name}']")).await;
+        }
+        assert_eq!(person.run(shown).await, json!(["b", "p_ch"]));
+        let link = person.client.current_url().await.unwrap().to_string();
+        let tab = person.client.new_window(true).await.unwrap();
+        person.client.switch_to_window(tab.handle).await.unwrap();
+        person.client.goto(&link).await.unwrap();
+        person
+            .until("document.querySelectorAll('[data-signal]').length === 4")
+            .await;
+        assert_eq!(person.run(shown).await, json!(["b", "p_ch"]));
     });
 }

@@ -148,6 +148,20 @@ fn a_log_without_header_is_explained_in_the_form_and_read() {
 }
 
 #[test]
+fn a_log_that_knows_when_it_began_says_so() {
+    with_browser(async |person| {
+        let started = include_bytes!("../../../recording/tests/fixtures/mf4/started.mf4");
+        person.drop_bytes("started.mf4", started).await;
+        person.until("document.querySelector('.log .facts')").await;
+        let facts = person.text(".log .facts").await;
+        assert!(
+            facts.starts_with("recorded 2024-05-03 16:12:07 UTC+02:00 · 3 samples"),
+            "{facts}"
+        );
+    });
+}
+
+#[test]
 fn other_logs_lie_beside_and_are_brought_onto_this_one() {
     with_browser(async |person| {
         let late: String = ID
@@ -182,7 +196,25 @@ fn other_logs_lie_beside_and_are_brought_onto_this_one() {
         person
             .until("[...document.querySelectorAll('#differences tbody tr')].some((row) => row.cells[0].textContent === 'p_ch − late.csv' && Number(row.cells[2].textContent) < 0.01)")
             .await;
+        let sizes = "[...document.querySelectorAll('#metrics, #differences')].map((one) => one.parentElement).every((card) => card.scrollWidth <= card.clientWidth)";
+        assert_eq!(person.run(&format!("return {sizes}")).await, json!(true));
         person.picture("compare-overlay").await;
+
+        // Differences go on beside the view, as all courses do, so that moving shows no empty edge.
+        for _ in 0..2 {
+            person.press("#time-plots", "+").await;
+        }
+        let (from, to) = range(person).await;
+        assert!(from > 20.0 && to < 40.0, "{from} s to {to} s");
+        person
+            .until(&format!(
+                "document.getElementById('time-plots').data.every(({{ x }}) => x[0] > 10 && x[0] < {from} - 5 && x.at(-1) > {to} + 5 && x.at(-1) < 50)"
+            ))
+            .await;
+        person.press("#time-plots", "Home").await;
+        person
+            .until("document.getElementById('time-plots').data.every(({ x }) => x[0] < 4)")
+            .await;
 
         // A drag with Ctrl takes it elsewhere again; the view stays where it was.
         let seen = range(person).await;

@@ -181,6 +181,17 @@ impl Person {
         .await;
     }
 
+    /// Drops a file that is no text.
+    pub(crate) async fn drop_bytes(&self, name: &str, bytes: &[u8]) {
+        self.run_with(
+            "const data = new DataTransfer(); \
+             data.items.add(new File([new Uint8Array(arguments[1])], arguments[0])); \
+             document.getElementById('drop').dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));",
+            vec![json!(name), json!(bytes)],
+        )
+        .await;
+    }
+
     /// Opens the page of a log's comparison, and waits for its end.
     pub(crate) async fn compare(&self, log: &str) {
         self.click(&format!("[data-name=\"{log}\"] .compare")).await;

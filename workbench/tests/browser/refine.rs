@@ -80,6 +80,14 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         }
         person.picture("diagnose").await;
 
+        // A page that is loaded again closes its session first: what it found is not lost.
+        person.client.refresh().await.unwrap();
+        person
+            .until("document.body.dataset.ready === 'diagnose' && document.body.dataset.diagnosed === 'found'")
+            .await;
+        assert_eq!(person.text("#verdict").await, verdict);
+        person.watch_the_policy().await;
+
         person.click("[data-effect='chamber_leak'] .add").await;
         person.until("document.body.dataset.ready === 'refine' && document.querySelectorAll('#ladder .rung').length === 2").await;
         let plain = person.run("return Number(document.querySelector('#ladder .bar-row[data-signal=p_ch]').dataset.times)").await;

@@ -246,6 +246,15 @@ fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
     let held = get("&from_s=10&to_s=20&between=hold");
     assert_eq!(held[1]["between"], "hold");
     assert!((worst(&held[1]) - 0.039).abs() < 1e-9, "{held}");
+    // Beside the view the course goes on, and the numbers do not.
+    let beside = get("&from_s=10&to_s=20&beside=0.5");
+    assert_eq!(beside[1]["metrics"], linear[1]["metrics"]);
+    let ends = |difference: &Value| {
+        let times = difference["course"]["t"].as_array().unwrap();
+        [times[0].clone(), times[times.len() - 1].clone()]
+    };
+    assert_eq!(ends(&linear[1]), [10.0, 20.0]);
+    assert_eq!(ends(&beside[1]), [5.0, 25.0]);
 
     shift(-1000.0);
     assert_eq!(get("")[1]["metrics"], Value::Null);
@@ -254,6 +263,7 @@ fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
         "difference?other=2&points=9&between=cubic",
         "difference?other=2",
         "difference?other=2&points=9&from_s=3&to_s=1",
+        "difference?other=2&points=9&beside=2",
     ] {
         let answer = browser.get(&format!("{session}/logs/1/{path}"));
         assert!(matches!(answer.status, 400 | 404), "{path}: {answer:?}");

@@ -66,6 +66,7 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
             && file.text().ends_with("}\n")
     );
     assert_eq!(&file.json(), diagnosis);
+    let session = a_diagnosis_goes_with_its_project(&browser, session, &view);
 
     let wish = json!({"effects": ["chamber_leak"], "duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0});
     let events = browser.work(&session, &format!("{session}/next-experiment"), &wish);
@@ -127,6 +128,28 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     ] {
         assert!(html.contains(part), "{part} is missing");
     }
+}
+
+/// Closes the session and opens it again, as a reload of the page does, and duplicates its tab; gives the session's path.
+fn a_diagnosis_goes_with_its_project(
+    browser: &Browser<'_>,
+    session: String,
+    view: &Value,
+) -> String {
+    let id = session.rsplit('/').next().unwrap();
+    let diagnosis = |session: &str| browser.get(&format!("{session}/diagnosis"));
+    browser.post(&format!("{session}/close"), &json!({}));
+    assert_eq!(diagnosis(&session).status, 404);
+    assert_eq!(browser.session(Some(id)), session);
+    assert_eq!(&diagnosis(&session).json(), view);
+    // The copy that a duplicated tab gets has it too, until a log of it is another.
+    let copy = browser.session(Some(id));
+    assert_eq!(&diagnosis(&copy).json(), view);
+    browser.send("DELETE", &format!("{copy}/logs/1"), "text/plain", b"");
+    assert_eq!(diagnosis(&copy).status, 409);
+    // A tab that asks for nothing begins with the logs, and has found out nothing.
+    assert_eq!(diagnosis(&browser.session(None)).status, 409);
+    session
 }
 
 #[test]

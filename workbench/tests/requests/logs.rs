@@ -171,6 +171,55 @@ fn a_wrong_plant_is_refused_with_every_line_and_the_old_one_stays() {
     assert_eq!(browser.get(&format!("{session}/plant")).text(), before);
 }
 
+/// Where the log has channels of the names that the export gives to model and residual itself.
+#[test]
+fn an_export_keeps_channels_that_are_called_like_its_own() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let row = |row: u32| {
+        let time_s = f64::from(row) * 0.01;
+        format!("{time_s},0,0,{},7,8,9\n", 0.5 - 0.1 * time_s)
+    };
+    let rows: String = (0..500).map(row).collect();
+    let log = format!(
+        "time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge,p_ch_model_V,p_ch_model_2_V,p_ch_residual_V\n{rows}"
+    );
+    browser.upload(&session, "own.csv", log.as_bytes());
+    assert_eq!(browser.compare(&session, 1)["state"], "done");
+    let exported = browser.get(&format!("{session}/logs/1/csv"));
+    assert_eq!(exported.status, 200, "{exported:?}");
+    let text = exported.text();
+    let read = recording::csv::read("own.csv", text.as_bytes(), &Default::default()).unwrap();
+    let first = |name: &str| read.signal(name).unwrap().get(0).unwrap();
+    let own = ["p_ch_model", "p_ch_model_2", "p_ch_residual"].map(first);
+    assert_eq!(own, [7.0, 8.0, 9.0]);
+    let difference = first("p_ch") - first("p_ch_model_3");
+    assert!((difference - first("p_ch_residual_2")).abs() < 1e-12);
+    assert!(
+        text.contains("# p_ch_model_3: model of p_ch; the log has a channel p_ch_model\n"),
+        "{text:.400}"
+    );
+    let mf4 = browser.get(&format!("{session}/logs/1/mf4"));
+    assert_eq!(mf4.status, 200, "{mf4:?}");
+}
+
+#[test]
+fn the_start_of_a_log_is_told_and_exported() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let started = include_bytes!("../../../recording/tests/fixtures/mf4/started.mf4");
+    let added = browser.upload(&session, "started.mf4", started).json();
+    let start = "2024-05-03 16:12:07 UTC+02:00";
+    assert_eq!(added["project"]["logs"][0]["summary"]["start"], start);
+    let csv = browser.get(&format!("{session}/logs/1/csv")).text();
+    assert!(csv.contains(&format!("# recorded: {start}\n")), "{csv}");
+    let mf4 = browser.get(&format!("{session}/logs/1/mf4")).body;
+    let again = browser.upload(&session, "again.mf4", &mf4).json();
+    assert_eq!(again["project"]["logs"][1]["summary"]["start"], start);
+}
+
 #[test]
 fn a_comparison_is_that_of_the_command_and_can_be_looked_at_from_all_sides() {
     let bench = Bench::start();

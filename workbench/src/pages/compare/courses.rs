@@ -125,7 +125,7 @@ impl Metrics {
 
 impl Range {
     /// The range with so much of its width more on either side.
-    fn with_beside(self, share: f64) -> Result<Self, Refusal> {
+    pub(super) fn with_beside(self, share: f64) -> Result<Self, Refusal> {
         if !(0.0..=1.0).contains(&share) {
             return Err(Refusal::value(format!(
                 "what is drawn beside a view is up to as wide as the view; {share} of it is not"

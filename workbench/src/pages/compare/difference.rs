@@ -18,6 +18,9 @@ pub(super) struct Wish {
     between: Option<Between>,
     from_s: Option<f64>,
     to_s: Option<f64>,
+    /// Courses go on by this share of the view on either side; numbers do not.
+    #[serde(default)]
+    beside: f64,
     points: usize,
 }
 
@@ -103,11 +106,12 @@ impl Pair<'_> {
         between: Between,
         wish: &Wish,
     ) -> Result<Difference, Refusal> {
-        let range = Range {
+        let view = Range {
             from_s: wish.from_s,
             to_s: wish.to_s,
         };
-        let (within, _) = range.of(self.base)?;
+        let range = view.with_beside(wish.beside)?;
+        let ((seen, _), (within, _)) = (view.of(self.base)?, range.of(self.base)?);
         let times_s = &self.base.times_s()[within.clone()];
         let step_s = median_step_s(self.other_base);
         let other = at_instants(
@@ -115,7 +119,7 @@ impl Pair<'_> {
             times_s.iter().map(|time_s| time_s - self.shift_s),
             between,
         );
-        let pairs = self.values[within].iter().zip(other);
+        let pairs = self.values[within.clone()].iter().zip(other);
         let values: Vec<f64> = pairs.map(|(this, other)| this - other).collect();
         let course = match TimeBase::new(times_s.to_vec()) {
             Ok(base) => Course::of((&base, &values, &Pyramid::new(&values)), range, wish.points)?,
@@ -127,7 +131,7 @@ impl Pair<'_> {
             unit: unit_of_difference(unit),
             between,
             course,
-            metrics: Metrics::of(&values),
+            metrics: Metrics::of(&values[seen.start - within.start..seen.end - within.start]),
         })
     }
 }

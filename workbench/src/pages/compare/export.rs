@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use recording::csv::Decimals;
-use recording::{Provenance, Recording, Signal, TimeBase, TimeBaseId};
+use recording::{Note, Provenance, Recording, Signal, TimeBase, TimeBaseId};
 
 use super::courses::Range;
 use crate::refusal::Refusal;
@@ -42,7 +42,10 @@ fn visible(
     }
     let provenance = Provenance::from_source(recording.provenance().source.clone())
         .with_note("producer", concat!("retarder ", env!("CARGO_PKG_VERSION")));
-    let mut out = Recording::new(provenance);
+    let mut out = Recording::new(Provenance {
+        start: recording.provenance().start,
+        ..provenance
+    });
     let times_s = base.times_s()[within.clone()].to_vec();
     let out_id = out.add_time_base(TimeBase::new(times_s).map_err(not_written)?);
     let mut add = |name: &str, signal: &Signal| {
@@ -53,16 +56,40 @@ fn visible(
     };
     let compared = session.comparison(number);
     let on_base = |signal: &&Signal| signal.time_base() == id;
+    let mut renamed = Vec::new();
     for signal in recording.signals().iter().filter(on_base) {
         add(signal.name(), signal)?;
         let Some(compared) = &compared else { continue };
         let traces = &compared.comparison.traces;
-        if let Some(errors) = traces.free_run_residual.signal(signal.name()) {
-            if let Some(model) = traces.free_run.signal(signal.name()) {
-                add(&format!("{}_model", signal.name()), model)?;
+        let errors = traces.free_run_residual.signal(signal.name());
+        let model = errors.and_then(|_| traces.free_run.signal(signal.name()));
+        for (kind, course) in [("model", model), ("residual", errors)] {
+            let Some(course) = course else { continue };
+            let wanted = format!("{}_{kind}", signal.name());
+            let name = free_name(recording, &wanted);
+            add(&name, course)?;
+            if name != wanted {
+                renamed.push((
+                    name,
+                    format!(
+                        "{kind} of {}; the log has a channel {wanted}",
+                        signal.name()
+                    ),
+                ));
             }
-            add(&format!("{}_residual", signal.name()), errors)?;
         }
     }
+    for (key, value) in renamed {
+        out.provenance_mut().notes.push(Note { key, value });
+    }
     Ok((out, out_id))
+}
+
+/// `wanted`, or with the first number that makes it free where the log has a channel of this name itself.
+fn free_name(log: &Recording, wanted: &str) -> String {
+    let numbered = (2..).map(|number| format!("{wanted}_{number}"));
+    std::iter::once(wanted.to_owned())
+        .chain(numbered)
+        .find(|name| log.signal(name).is_none())
+        .unwrap_or_else(|| unreachable!("a log has fewer signals than there are numbers"))
 }

@@ -34,6 +34,8 @@ struct LogView {
 struct Summary {
     samples: usize,
     duration_s: f64,
+    /// Date and time of the log's 0 s with its zone, where the file tells it.
+    start: Option<String>,
     sample_interval_s: Option<f64>,
     /// Pauses of the log: many times its sample interval.
     gaps: usize,
@@ -123,16 +125,17 @@ fn summary(log: &Recording) -> Summary {
     let end_s = bases()
         .map(|base| base.end_s())
         .fold(f64::NEG_INFINITY, f64::max);
-    let input = log.provenance().input;
+    let provenance = log.provenance();
     Summary {
         samples: longest.map_or(0, recording::TimeBase::len),
         duration_s: (end_s - start_s).max(0.0),
+        start: provenance.start.map(|start| start.to_string()),
         sample_interval_s: sampling
             .as_ref()
             .and_then(|sampling| sampling.median_step_s),
         gaps: sampling.as_ref().map_or(0, |sampling| sampling.gaps.len()),
         is_uneven: sampling.is_some_and(|sampling| sampling.uneven),
-        sha256: input.map(|input| input.sha256_hex()),
+        sha256: provenance.input.map(|input| input.sha256_hex()),
         signals: log.signals().iter().map(signal_view).collect(),
         left_out: log
             .left_out()

@@ -127,7 +127,7 @@ class Page {
   summary(log) {
     const { summary } = log;
     const facts = [
-      `${count(summary.samples)} samples`, duration(summary.duration_s),
+      summary.start && `recorded ${summary.start}`, `${count(summary.samples)} samples`, duration(summary.duration_s),
       summary.sample_interval_s && `every ${duration(summary.sample_interval_s)}`,
       summary.gaps > 0 && `${summary.gaps} ${summary.gaps === 1 ? "gap" : "gaps"} in time`,
       summary.is_uneven && "uneven sampling", log.is_mapped && "with a mapping", log.is_compared && "compared",

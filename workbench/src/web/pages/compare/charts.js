@@ -38,7 +38,7 @@ function verdictOf(band) {
 export class TimePlots extends TimeView {
   constructor(log, logs, cursors, { onView, onShift }) {
     super("time-plots", ", a and b set a cursor in the middle");
-    Object.assign(this, { log, logs, cursors, onView, onShift, overlays: [], hidden: new Set((view.text("hide") ?? "").split(",").filter(Boolean)) });
+    Object.assign(this, { log, logs, cursors, onView, onShift, overlays: [], hidden: new Set(view.texts("hide")) });
     this.choices = element("div", { class: "row choices" });
     this.filter = new Filter("signals");
     this.differences = new Differences(log, () => this.refresh());
@@ -82,20 +82,21 @@ export class TimePlots extends TimeView {
   async refresh() {
     const signal = this.fetchAnew();
     const points = this.points(0.8);
-    const fetch = (log, from, to, more) => {
+    const piece = (from, to, more) => {
       const query = new URLSearchParams({ points: Math.round(points * (1 + 2 * BESIDE)), beside: BESIDE, ...more });
       if (from !== null) query.set("from_s", from);
       if (to !== null) query.set("to_s", to);
-      return api.get(`/logs/${log}/courses?${query}`, signal);
+      return query;
     };
+    const fetch = (log, query) => api.get(`/logs/${log}/courses?${query}`, signal);
     const [from, to] = [view.numberOf("from"), view.numberOf("to")];
     const select = view.text("select");
     try {
-      this.courses = await fetch(this.log.number, from, to, { ...select ? { select } : {}, states: showsStates() });
+      this.courses = await fetch(this.log.number, piece(from, to, { ...select ? { select } : {}, states: showsStates() }));
       const beyond = this.logs.filter((log) => this.overlaid().includes(log.number));
       this.overlays = await Promise.all(beyond.map(async (log) => {
         const shift = log.offset_s - this.log.offset_s;
-        const [courses, differences] = await Promise.all([fetch(log.number, from === null ? null : from - shift, to === null ? null : to - shift, {}), this.differences.fetch(log, from, to, points, signal)]);
+        const [courses, differences] = await Promise.all([fetch(log.number, piece(from === null ? null : from - shift, to === null ? null : to - shift)), this.differences.fetch(log, piece(from, to), signal)]);
         return { log, shift, courses, differences };
       }));
     } catch (error) {
@@ -150,7 +151,7 @@ export class TimePlots extends TimeView {
   /** Hides the signals of which `isHidden` says so. */
   choose(isHidden) {
     this.hidden = new Set(this.courses.signals.map((signal) => signal.name).filter(isHidden));
-    view.set({ hide: [...this.hidden].join(",") });
+    view.set({ hide: [...this.hidden] });
     this.paint();
   }
 
@@ -162,13 +163,13 @@ export class TimePlots extends TimeView {
   showMetrics() {
     const rows = this.courses.signals.filter((signal) => signal.residual?.metrics).map((signal) => {
       const { metrics, unit, limit, holds, band } = signal.residual;
-      return element("tr", {}, element("th", { scope: "row" }, signal.name),
-        [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), number(limit), unit].map((cell) => element("td", {}, cell)),
+      return element("tr", {}, element("th", { scope: "row" }, `${signal.name} [${unit}]`),
+        [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), number(limit)].map((cell) => element("td", {}, cell)),
         element("td", {}, element("span", { class: `chip ${holds === null ? "open" : holds ? "good" : "bad"}`, title: "over the whole log" }, holds === null ? "no limit" : holds ? "holds" : "beyond")),
         element("td", { data: { band: signal.name } }, verdictOf(band)));
     });
-    fill(this.metrics, rows.length === 0 ? element("p", { class: "quiet" }, "Not compared yet.") : element("table", { class: "numbers", id: "metrics" },
-      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "unit", "whole log", "beyond the tolerance"].map((cell) => element("th", { scope: "col" }, cell)))),
+    fill(this.metrics, rows.length === 0 ? element("p", { class: "quiet" }, "Not compared yet.") : element("table", { class: "numbers dense", id: "metrics" },
+      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "whole log", "beyond the tolerance"].map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows)));
   }
 

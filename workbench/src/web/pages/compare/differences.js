@@ -19,14 +19,12 @@ export class Differences {
     this.metrics = element("div", { class: "scroll" });
   }
 
-  /** What is to be drawn for a log that lies over this one. */
-  async fetch(other, from, to, points, signal) {
+  /** What is to be drawn for a log that lies over this one, of the piece that `query` asks for. */
+  async fetch(other, query, signal) {
     const between = view.text("between");
     if (between === "none") return [];
-    const query = new URLSearchParams({ other: other.number, points: Math.round(points) });
+    query.set("other", other.number);
     if (between) query.set("between", between);
-    if (from !== null) query.set("from_s", from);
-    if (to !== null) query.set("to_s", to);
     return (await api.get(`/logs/${this.log.number}/difference?${query}`, signal)).signals;
   }
 
@@ -44,7 +42,7 @@ export class Differences {
     const rows = overlays.flatMap(({ log, differences }) => differences.map(({ name, unit, metrics, between }) => element("tr", {}, element("th", { scope: "row" }, `${name} − ${log.name}`),
       (metrics ? [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), unit] : ["no overlap", ...Array(6).fill("–"), unit]).map((cell) => element("td", {}, cell)),
       element("td", {}, between === "hold" ? "held" : "linear"))));
-    fill(this.metrics, rows.length > 0 && element("table", { class: "numbers", id: "differences" },
+    fill(this.metrics, rows.length > 0 && element("table", { class: "numbers dense", id: "differences" },
       element("caption", {}, "Differences of the logs within the visible range"),
       element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |d|", "bias", "std", "lowest", "highest", "unit", "between samples"].map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows)));

@@ -20,7 +20,7 @@ export function limitsMenu(log, strictness) {
     for (const one of rows) one.say(wished);
     try {
       await api.put("/strictness", wished);
-      view.go("compare", Object.fromEntries(KEPT.map((key) => [key, view.text(key)])));
+      view.go("compare", Object.fromEntries(KEPT.map((key) => [key, view.texts(key)])));
     } catch (refusal) {
       tellProblems(refusal, "Limits");
     }

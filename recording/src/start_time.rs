@@ -1,0 +1,135 @@
+use std::fmt;
+
+const SECOND_NS: i128 = 1_000_000_000;
+const DAY_S: i128 = 86_400;
+
+/// Instant at which the time of a recording is 0 s, as the clock of the logger had it.
+///
+/// ```
+/// use recording::{Clock, StartTime};
+///
+/// let start = StartTime { since_1970_ns: 1_714_745_527_250_000_000, clock: Clock::Utc { ahead_min: 120 } };
+/// assert_eq!(start.to_string(), "2024-05-03 16:12:07 UTC+02:00");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StartTime {
+    /// Time since 1970-01-01 00:00:00 of `clock` \[ns\], without leap seconds; up to the year 2554.
+    pub since_1970_ns: u64,
+    /// What it was counted by.
+    pub clock: Clock,
+}
+
+/// What an absolute time is counted by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// Universal time. Clocks where it was recorded were ahead of it by so much \[min\], less than a day; 0 also where nobody
+    /// knows.
+    Utc {
+        /// Minutes to add for the local time.
+        ahead_min: i16,
+    },
+    /// Local time of the logger, in a zone that nobody wrote down.
+    Local,
+}
+
+/// Date and time of the place where it was recorded, to the second, rounded down, and what it is counted by.
+impl fmt::Display for StartTime {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ahead_min = match self.clock {
+            Clock::Utc { ahead_min } => ahead_min,
+            Clock::Local => 0,
+        };
+        let seconds = i128::from(self.since_1970_ns) / SECOND_NS + 60 * i128::from(ahead_min);
+        let (year, month, day) = date(seconds.div_euclid(DAY_S));
+        let second = seconds.rem_euclid(DAY_S);
+        let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
+        write!(
+            f,
+            "{year}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02} "
+        )?;
+        match self.clock {
+            Clock::Local => f.write_str("local time"),
+            Clock::Utc { ahead_min: 0 } => f.write_str("UTC"),
+            Clock::Utc { ahead_min } => {
+                let sign = if ahead_min < 0 { '-' } else { '+' };
+                let minutes = ahead_min.unsigned_abs();
+                write!(f, "UTC{sign}{:02}:{:02}", minutes / 60, minutes % 60)
+            }
+        }
+    }
+}
+
+/// Year, month and day of the Gregorian calendar, `days` after 1970-01-01. Counted in years that begin with March, so that
+/// the day that some years have more is their last one.
+fn date(days: i128) -> (i128, i128, i128) {
+    const DAYS_OF_400_YEARS: i128 = 146_097;
+    const FROM_0000_03_01: i128 = 719_468;
+    let days = days + FROM_0000_03_01;
+    let (era, day) = (
+        days.div_euclid(DAYS_OF_400_YEARS),
+        days.rem_euclid(DAYS_OF_400_YEARS),
+    );
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    // Months of 31, 30, 31, 30, 31 days from March on: 153 days in five of them.
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (month, next) = if month < 10 {
+        (month + 3, 0)
+    } else {
+        (month - 9, 1)
+    };
+    (400 * era + year + next, month, day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_follow_each_other_over_eight_hundred_years() {
+        let lengths = |year| {
+            let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+            let february = if is_leap { 29 } else { 28 };
+            [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31]
+        };
+        let mut days = 0;
+        for year in 1970..2770 {
+            for (month, length) in (1..).zip(lengths(year)) {
+                for day in 1..=length {
+                    assert_eq!(date(days), (year, month, day));
+                    days += 1;
+                }
+            }
+        }
+        assert_eq!(date(-1), (1969, 12, 31));
+    }
+
+    #[test]
+    fn the_clock_is_told_with_the_date() {
+        let text = |seconds: u64, clock| {
+            let since_1970_ns = seconds * SECOND_NS as u64 + 999_999_999;
+            StartTime {
+                since_1970_ns,
+                clock,
+            }
+            .to_string()
+        };
+        let utc = |ahead_min| Clock::Utc { ahead_min };
+        assert_eq!(text(1_714_745_527, utc(0)), "2024-05-03 14:12:07 UTC");
+        let new_year = 1_735_689_599;
+        assert_eq!(text(new_year, utc(0)), "2024-12-31 23:59:59 UTC");
+        assert_eq!(text(new_year, utc(345)), "2025-01-01 05:44:59 UTC+05:45");
+        assert_eq!(text(new_year, utc(-210)), "2024-12-31 20:29:59 UTC-03:30");
+        assert_eq!(
+            text(new_year, Clock::Local),
+            "2024-12-31 23:59:59 local time"
+        );
+        assert_eq!(text(0, utc(-1439)), "1969-12-31 00:01:00 UTC-23:59");
+        let last = StartTime {
+            since_1970_ns: u64::MAX,
+            clock: utc(1439),
+        };
+        assert_eq!(last.to_string(), "2554-07-22 23:33:33 UTC+23:59");
+    }
+}
