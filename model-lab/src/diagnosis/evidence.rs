@@ -10,6 +10,7 @@ use recording::Recording;
 
 use super::error::DiagnoseError;
 use super::predictor::Predictor;
+use super::sensor_noise::SensorNoise;
 use super::supply::find_supply;
 use crate::commands::Commands;
 use crate::error::CompareError;
@@ -86,15 +87,48 @@ const BLOCKS: usize = 12;
 /// or does not count: channel after channel in the order of [`Evidence::channels`].
 pub(crate) type Residuals = Vec<f64>;
 
-impl Log {
-    fn new(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
+/// What is read from a log before it is known how its sensors scatter.
+struct Read {
+    commands: Commands,
+    inputs: Vec<ReplayInput>,
+    interval_s: f64,
+    measured: Vec<Measured>,
+}
+
+impl Read {
+    fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
         let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
         let (base, inputs) = inputs(parameters, log).map_err(CompareError::from)?;
-        let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
         let (measured, _) = measured_signals(parameters, (log, base), &commands)?;
+        Ok(Self {
+            interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
+            commands,
+            inputs,
+            measured,
+        })
+    }
+}
+
+impl Log {
+    fn new(
+        parameters: &PlantParameters,
+        log: &Recording,
+        read: Read,
+        noise: &SensorNoise,
+    ) -> Result<Self, DiagnoseError> {
+        let Read {
+            commands,
+            inputs,
+            interval_s,
+            measured,
+        } = read;
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let (_, start_pressure) = start(parameters, pressure, &commands);
-        let sigmas: Vec<f64> = measured.iter().map(scatter).collect();
+        let sigma = |signal: &Measured| {
+            let told = noise.of(signal.name, &signal.floor, interval_s);
+            told.unwrap_or_else(|| scatter(&signal.values))
+        };
+        let sigmas: Vec<f64> = measured.iter().map(sigma).collect();
         let channels: Vec<Channel> = measured
             .into_iter()
             .zip(sigmas)
@@ -255,14 +289,10 @@ fn shut_off(parameters: &PlantParameters) -> PlantParameters {
     plant
 }
 
-/// Standard deviation of the noise: that of quiet stretches, or where the log has none, that of what no slow course
-/// can be: the second differences (a median, which the few samples at a switching valve do not move).
-fn scatter(signal: &Measured) -> f64 {
-    if signal.floor.sigma > 0.0 {
-        return signal.floor.sigma;
-    }
-    let mut curvatures: Vec<f64> = signal
-        .values
+/// Standard deviation of the noise where no quiet stretch tells it: that of what no slow course can be, the second
+/// differences (a median, which the few samples at a switching valve do not move).
+fn scatter(values: &[f64]) -> f64 {
+    let mut curvatures: Vec<f64> = values
         .windows(3)
         .map(|three| (three[0] - 2.0 * three[1] + three[2]).abs())
         .filter(|curvature| curvature.is_finite())
@@ -276,17 +306,40 @@ fn scatter(signal: &Measured) -> f64 {
 }
 
 impl Evidence {
-    pub(crate) fn new(
+    pub(crate) fn new<'a>(
         parameters: &PlantParameters,
-        logs: &[Recording],
+        logs: impl IntoIterator<Item = &'a Recording>,
     ) -> Result<Self, DiagnoseError> {
-        let logs = logs.iter().map(|log| {
-            let mut alone = Self::of(vec![Log::new(parameters, log)?]);
+        let mut noise = SensorNoise::default();
+        let read = logs.into_iter().map(|log| {
+            let read = Read::of(parameters, log)?;
+            noise.hear(&read.measured, read.interval_s);
+            Ok((log, read))
+        });
+        let read = read.collect::<Result<Vec<_>, DiagnoseError>>()?;
+        let logs = read.into_iter().map(|(log, read)| {
+            let mut alone = Self::of(vec![Log::new(parameters, log, read, &noise)?]);
             find_supply(parameters, &mut alone);
             Ok(alone.logs)
         });
         let logs: Vec<_> = logs.collect::<Result<_, DiagnoseError>>()?;
         Ok(Self::of(logs.into_iter().flatten().collect()))
+    }
+
+    /// Evidence for fitting and for checking: `check`, or where there is none, blocks of `logs`.
+    pub(crate) fn fitting_and_checking(
+        parameters: &PlantParameters,
+        logs: &[Recording],
+        check: &[Recording],
+    ) -> Result<[Self; 2], DiagnoseError> {
+        if check.is_empty() {
+            let mut fitting = Self::new(parameters, logs)?;
+            let checking = fitting.hold_out(parameters, logs)?;
+            return Ok([fitting, checking]);
+        }
+        let mut fitting = Self::new(parameters, logs.iter().chain(check))?;
+        let checking = Self::of(fitting.logs.split_off(logs.len()));
+        Ok([fitting, checking])
     }
 
     fn of(logs: Vec<Log>) -> Self {
@@ -298,7 +351,7 @@ impl Evidence {
     }
 
     /// Leaves blocks out, and gives them as evidence of their own.
-    pub(crate) fn hold_out(
+    fn hold_out(
         &mut self,
         parameters: &PlantParameters,
         logs: &[Recording],

@@ -12,7 +12,8 @@ use super::evidence::{Evidence, Residuals, Run};
 use super::unknowns::Unknowns;
 use super::vector::{dot, square};
 
-/// Iterations at most.
+/// Iterations at most, of a fit that is only begun and of a whole one.
+const FIRST_ITERATIONS: usize = 5;
 const ITERATIONS: usize = 30;
 /// Tolerance of simulations for intervals, over the default one.
 const ACCURATE: f64 = 0.02;
@@ -26,6 +27,8 @@ const LONGEST_STEP: f64 = 1.5;
 const STALE: f64 = 0.3;
 /// So does a step that promises more than this share of what the last one did.
 const SLOW: f64 = 0.3;
+/// So many steps correct a Jacobian before it is taken anew for being stale.
+const SECANTS: usize = 3;
 
 /// A point of the unknowns with its residuals.
 #[derive(Debug, Clone)]
@@ -38,6 +41,41 @@ pub(crate) struct Fit {
     pub(crate) jacobian: Vec<Residuals>,
 }
 
+impl Fit {
+    /// The point `next` with this Jacobian, corrected in the direction of the step by what the step showed.
+    ///
+    /// C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Mathematics of Computation 19 (1965).
+    fn moved_to(self, mut next: Self) -> Self {
+        let step: Vec<f64> = next
+            .z
+            .iter()
+            .zip(&self.z)
+            .map(|(to, from)| to - from)
+            .collect();
+        let length = square(&step);
+        let mut missed: Residuals = next
+            .residuals
+            .iter()
+            .zip(&self.residuals)
+            .map(|(to, from)| to - from)
+            .collect();
+        next.jacobian = self.jacobian;
+        for (column, step) in next.jacobian.iter().zip(&step) {
+            missed
+                .iter_mut()
+                .zip(column)
+                .for_each(|(missed, slope)| *missed -= slope * step);
+        }
+        for (column, step) in next.jacobian.iter_mut().zip(&step) {
+            column
+                .iter_mut()
+                .zip(&missed)
+                .for_each(|(slope, missed)| *slope += missed * step / length);
+        }
+        next
+    }
+}
+
 /// How a Jacobian is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Difference {
@@ -45,6 +83,24 @@ pub(crate) enum Difference {
     Forward,
     /// To both sides: what curvature adds cancels, so that directions which the logs leave open stay open.
     Central,
+}
+
+/// How far a fit goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Descent {
+    /// A few steps with the Jacobian at hand: what is it worth?
+    Begun,
+    /// To the least cost, where a Jacobian of its own promises nothing more.
+    Whole,
+}
+
+impl Descent {
+    fn iterations(self) -> usize {
+        match self {
+            Self::Begun => FIRST_ITERATIONS,
+            Self::Whole => ITERATIONS,
+        }
+    }
 }
 
 /// Evaluates and goes down.
@@ -153,7 +209,7 @@ impl<'a> Fitter<'a> {
     }
 
     /// Goes down from `fit`, whose Jacobian may be of another point; none where nothing could be simulated.
-    pub(crate) fn descend(&mut self, mut fit: Fit, iterations: usize) -> Option<Fit> {
+    pub(crate) fn descend(&mut self, mut fit: Fit, descent: Descent) -> Option<Fit> {
         let mut fresh = false;
         if fit.jacobian.len() < self.unknowns.len() {
             let known = fit.jacobian.len();
@@ -161,45 +217,41 @@ impl<'a> Fitter<'a> {
             fresh = known == 0;
         }
         let mut damping = 1e-3;
-        let mut left = iterations.min(ITERATIONS);
-        while left > 0 {
+        let mut secants = 0;
+        for _ in 0..descent.iterations() {
             let (z, expected) = self.step(&fit, damping);
-            if expected < converged(fit.cost) {
-                if fresh {
-                    break;
-                }
-                self.differentiate(&mut fit, 0, Difference::Forward)?;
-                fresh = true;
-                left -= 1;
-                continue;
+            let mut renew = expected < converged(fit.cost);
+            if renew && (fresh || descent == Descent::Begun) {
+                break;
             }
-            let next = self.at(z);
+            let next = if renew { None } else { self.at(z) };
             let reached = next
                 .as_ref()
                 .map_or(f64::NEG_INFINITY, |next| fit.cost - next.cost);
-            if let Some(mut next) = next.filter(|_| reached > 0.0) {
-                next.jacobian = core::mem::take(&mut fit.jacobian);
-                fit = next;
+            if let Some(next) = next.filter(|_| reached > 0.0) {
+                fit = fit.moved_to(next);
                 damping = (damping * 0.2).max(1e-6);
                 if fresh && reached < converged(fit.cost) {
                     break;
                 }
                 fresh = false;
+                secants += 1;
                 let (_, further) = self.step(&fit, damping);
-                if (reached - expected).abs() > STALE * expected || further > SLOW * expected {
-                    self.differentiate(&mut fit, 0, Difference::Forward)?;
-                    fresh = true;
-                }
+                let is_stale =
+                    (reached - expected).abs() > STALE * expected || further > SLOW * expected;
+                renew = is_stale && secants >= SECANTS;
             } else if fresh {
                 damping = (damping * 10.0).max(1e-2);
                 if damping > 1e4 {
                     break;
                 }
             } else {
-                self.differentiate(&mut fit, 0, Difference::Forward)?;
-                fresh = true;
+                renew = true;
             }
-            left -= 1;
+            if renew {
+                self.differentiate(&mut fit, 0, Difference::Forward)?;
+                (fresh, secants) = (true, 0);
+            }
         }
         Some(fit)
     }
@@ -287,4 +339,37 @@ impl<'a> Fitter<'a> {
 
 fn converged(cost: f64) -> f64 {
     CONVERGED.max(CONVERGED_SHARE * cost)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fit(z: [f64; 2], residuals: [f64; 3], jacobian: &[[f64; 3]]) -> Fit {
+        Fit {
+            z: z.to_vec(),
+            cost: square(&residuals),
+            residuals: residuals.to_vec(),
+            jacobian: jacobian.iter().map(|column| column.to_vec()).collect(),
+        }
+    }
+
+    #[test]
+    fn a_step_corrects_the_jacobian_along_itself_and_nowhere_else() {
+        let columns = [[1.0, 0.0, 2.0], [0.5, -1.0, 0.0]];
+        let from = fit([0.0, 1.0], [4.0, 5.0, 6.0], &columns);
+        let to = fit([2.0, 2.0], [5.0, 3.0, 6.5], &[]);
+        let slope = |fit: &Fit, [a, b]: [f64; 2]| -> Vec<f64> {
+            let rows = fit.jacobian[0].iter().zip(&fit.jacobian[1]);
+            rows.map(|(first, second)| a * first + b * second).collect()
+        };
+        let across = slope(&from, [-1.0, 2.0]);
+        let moved = from.moved_to(to);
+        for (found, expected) in slope(&moved, [2.0, 1.0]).iter().zip([1.0, -2.0, 0.5]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        for (found, expected) in slope(&moved, [-1.0, 2.0]).iter().zip(across) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
 }

@@ -20,6 +20,7 @@ mod refine;
 mod remaining;
 pub mod result;
 mod search;
+mod sensor_noise;
 mod soundness;
 mod start;
 mod supply;
@@ -77,12 +78,7 @@ pub fn diagnose_with(
 ) -> Result<Diagnosis, DiagnoseError> {
     let begin = Instant::now();
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
-    let mut fitting = Evidence::new(plant, logs)?;
-    let checking = if check.is_empty() {
-        fitting.hold_out(plant, logs)?
-    } else {
-        Evidence::new(plant, check)?
-    };
+    let [fitting, checking] = Evidence::fitting_and_checking(plant, logs, check)?;
     let mut bench = Bench {
         plant,
         library,

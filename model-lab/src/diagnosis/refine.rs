@@ -100,12 +100,7 @@ pub fn refine(
     let without = add
         .iter()
         .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
-    let mut fitting = Evidence::new(&without, logs)?;
-    let checking = if check.is_empty() {
-        fitting.hold_out(&without, logs)?
-    } else {
-        Evidence::new(&without, check)?
-    };
+    let [fitting, checking] = Evidence::fitting_and_checking(&without, logs, check)?;
     let bench = Bench {
         plant: &without,
         library: &[],

@@ -15,7 +15,9 @@ const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
 const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
 /// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
 /// elsewhere: a fit that begins in the wrong valley stays there.
-const SHAPES: [f64; 3] = [0.0, -0.6, 0.6];
+const SHAPES: [f64; 2] = [-0.6, 0.6];
+/// At so many of the sizes that promise most.
+const SIZES_OF_SHAPES: usize = 2;
 /// A shape that is not typical promises this much more: the data of a poor log leave the shape open.
 const UNTYPICAL: f64 = 10.0;
 /// What an effect adds is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
@@ -46,13 +48,21 @@ pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start>
     let own = &fitter.unknowns.list()[base.unknowns.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
     let sizes = if is_signed { &SIGNED_SIZES } else { &SIZES };
-    let mut starts: Vec<Start> = Vec::new();
+    let begin = |fitter: &mut Fitter, sizes: &[f64], shape: &[f64]| -> Vec<Start> {
+        let starts = sizes.iter();
+        starts
+            .filter_map(|&size| Start::new(fitter, base, own, size, shape))
+            .collect()
+    };
+    let mut starts = begin(fitter, sizes, &vec![0.0; own.len()]);
+    starts.sort_by(|a, b| a.promised.total_cmp(&b.promised));
+    let best: Vec<f64> = starts
+        .iter()
+        .take(SIZES_OF_SHAPES)
+        .map(|start| start.size)
+        .collect();
     for shape in shapes(own) {
-        starts.extend(
-            sizes
-                .iter()
-                .filter_map(|&size| Start::new(fitter, base, own, size, &shape)),
-        );
+        starts.extend(begin(fitter, &best, &shape));
     }
     let least = starts
         .iter()
@@ -77,25 +87,15 @@ pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start>
     starts.into_iter().min_by(by_promise)
 }
 
-/// Displacements of the unknowns of an effect: every combination of its parameters of form.
+/// Displacements of the unknowns of an effect: each of its parameters of form to either side.
 fn shapes(own: &[Unknown]) -> Vec<Vec<f64>> {
-    own.iter().fold(vec![Vec::new()], |begun, unknown| {
-        let choices: &[f64] = if unknown.is_strength() {
-            &SHAPES[..1]
-        } else {
-            &SHAPES
-        };
-        choices
-            .iter()
-            .flat_map(|&choice| {
-                begun.iter().map(move |shape| {
-                    let mut shape = shape.clone();
-                    shape.push(choice);
-                    shape
-                })
-            })
-            .collect()
-    })
+    let forms = (0..own.len()).filter(|&n| !own[n].is_strength());
+    let moved = |n: usize, by: f64| {
+        let mut shape = vec![0.0; own.len()];
+        shape[n] = by;
+        shape
+    };
+    forms.flat_map(|n| SHAPES.map(|by| moved(n, by))).collect()
 }
 
 /// The share of what a start adds that is best, and the cost that it promises.

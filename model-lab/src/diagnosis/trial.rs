@@ -5,13 +5,10 @@ use plant_sim::effects::{Effect, EffectSetting};
 
 use super::errors::Errors;
 use super::evidence::{Evidence, Run};
-use super::fit::{Difference, Fit, Fitter};
+use super::fit::{Descent, Difference, Fit, Fitter};
 use super::start::{Start, most_promising};
 use super::unknowns::Unknowns;
 use crate::whiteness::autocorrelation_time_samples;
-
-/// Steps after which a fit without prospects is left.
-const FIRST_STEPS: usize = 3;
 
 /// An effect on top of a fitted plant, where its fit would begin.
 pub(crate) struct Sketch {
@@ -60,7 +57,7 @@ impl Bench<'_> {
         let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
         let mut fitter = Fitter::new(self.fitting, &unknowns);
         let start = fitter.at(unknowns.start())?;
-        let fit = fitter.descend(start, usize::MAX)?;
+        let fit = fitter.descend(start, Descent::Whole)?;
         let mut trial = self.judge(effects, unknowns, fit)?;
         trial.refresh(self)?;
         Some(trial)
@@ -92,7 +89,7 @@ impl Bench<'_> {
         let mut fitter = Fitter::new(self.fitting, &unknowns);
         let mut start = fitter.at(best.moved)?;
         start.jacobian = best.fit.jacobian;
-        let fit = fitter.descend(start, FIRST_STEPS)?;
+        let fit = fitter.descend(start, Descent::Begun)?;
         Some(Opened {
             effects,
             unknowns,
@@ -108,7 +105,7 @@ impl Bench<'_> {
             fit,
         } = opened;
         let mut fitter = Fitter::new(self.fitting, &unknowns);
-        let fit = fitter.descend(fit, usize::MAX)?;
+        let fit = fitter.descend(fit, Descent::Whole)?;
         self.judge(effects, unknowns, fit)
     }
 

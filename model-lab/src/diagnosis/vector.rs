@@ -4,8 +4,19 @@ pub(crate) fn square(residuals: &[f64]) -> f64 {
     dot(residuals, residuals)
 }
 
+/// Sums of every eighth product first: a processor adds them side by side.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    const LANES: usize = 8;
+    let (a, a_rest) = a.as_chunks::<LANES>();
+    let (b, b_rest) = b.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for n in 0..LANES {
+            sums[n] += a[n] * b[n];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 /// The median; none of nothing.

@@ -1,0 +1,125 @@
+//! The noise of each sensor, from all logs in which it was sampled alike: few quiet samples of one log say little.
+
+use core::f64::consts::FRAC_PI_2;
+
+use crate::measured::Measured;
+use crate::noise_floor::Floor;
+
+/// Sampling intervals are alike within this share.
+const ALIKE_INTERVAL: f64 = 0.01;
+/// Two logs are of one sensor unless their noises differ by more than so many standard deviations of the estimates.
+const AGREES: f64 = 3.0;
+
+/// What each log tells of each of its sensors.
+#[derive(Debug, Default)]
+pub(super) struct SensorNoise(Vec<Told>);
+
+#[derive(Debug)]
+struct Told {
+    signal: &'static str,
+    interval_s: f64,
+    sigma: f64,
+    freedom: f64,
+}
+
+impl Told {
+    /// Variance of ln sigma: of a median of variances, π/2 times that of their mean.
+    fn uncertainty(&self) -> f64 {
+        FRAC_PI_2 / (2.0 * self.freedom)
+    }
+
+    fn agrees_with(&self, other: &Self) -> bool {
+        let uncertainty = self.uncertainty() + other.uncertainty();
+        (self.sigma / other.sigma).ln().powi(2) <= AGREES * AGREES * uncertainty
+    }
+}
+
+impl SensorNoise {
+    /// Hears of a log.
+    pub(super) fn hear(&mut self, measured: &[Measured], interval_s: f64) {
+        let told = |signal: &Measured| told(signal.name, &signal.floor, interval_s);
+        self.0.extend(measured.iter().filter_map(told));
+    }
+
+    /// Standard deviation of the noise of a signal that has the floor `own` in its own log; none where no log tells.
+    pub(super) fn of(&self, signal: &'static str, own: &Floor, interval_s: f64) -> Option<f64> {
+        let own = told(signal, own, interval_s);
+        let alike = |told: &&Told| {
+            told.signal == signal
+                && (told.interval_s / interval_s - 1.0).abs() < ALIKE_INTERVAL
+                && own.as_ref().is_none_or(|own| own.agrees_with(told))
+        };
+        let (freedom, square) =
+            self.0
+                .iter()
+                .filter(alike)
+                .fold((0.0, 0.0), |(freedom, square), told| {
+                    (
+                        freedom + told.freedom,
+                        square + told.freedom * told.sigma * told.sigma,
+                    )
+                });
+        (freedom > 0.0).then(|| f64::sqrt(square / freedom))
+    }
+}
+
+fn told(signal: &'static str, floor: &Floor, interval_s: f64) -> Option<Told> {
+    (floor.sigma > 0.0 && floor.freedom > 0.0).then_some(Told {
+        signal,
+        interval_s,
+        sigma: floor.sigma,
+        freedom: floor.freedom,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::shut_for;
+    use crate::noise::Noise;
+    use crate::noise_floor::{Quiet, noise_floor};
+
+    fn floor(seed: u64, sigma: f64, count: usize) -> Floor {
+        let mut noise = Noise::new(seed);
+        let values: Vec<f64> = (0..count).map(|_| sigma * noise.normal()).collect();
+        noise_floor(&values, "mA", Quiet::Hold, &shut_for(count, 0.05))
+    }
+
+    fn heard(floors: &[Floor]) -> SensorNoise {
+        let told = floors
+            .iter()
+            .filter_map(|floor| told("i_fill", floor, 0.05));
+        SensorNoise(told.collect())
+    }
+
+    #[test]
+    fn logs_of_one_sensor_tell_its_noise_together() {
+        for seed in 0..20 {
+            let floors = [floor(seed, 0.7, 200), floor(seed + 100, 0.7, 20_000)];
+            let noise = heard(&floors);
+            let of = |own: usize| noise.of("i_fill", &floors[own], 0.05).unwrap();
+            assert_eq!(of(0), of(1));
+            assert!((of(0) / 0.7 - 1.0).abs() < 0.03, "{seed}: {}", of(0));
+        }
+    }
+
+    #[test]
+    fn another_noise_another_signal_and_another_sampling_are_left_alone() {
+        let floors = [floor(1, 0.7, 2000), floor(2, 1.4, 2000)];
+        let noise = heard(&floors);
+        for own in &floors {
+            let found = noise.of("i_fill", own, 0.05).unwrap();
+            assert!((found / own.sigma - 1.0).abs() < 1e-12, "{found}");
+        }
+        assert_eq!(noise.of("i_vent", &floors[0], 0.05), None);
+        assert_eq!(noise.of("i_fill", &floors[0], 0.01), None);
+    }
+
+    #[test]
+    fn a_log_without_quiet_samples_asks_the_others() {
+        let (known, unknown) = (floor(1, 0.7, 2000), floor(1, 0.7, 5));
+        assert_eq!(unknown.sigma, 0.0);
+        let found = heard(core::slice::from_ref(&known)).of("i_fill", &unknown, 0.05);
+        assert!((found.unwrap() / known.sigma - 1.0).abs() < 1e-12);
+    }
+}
