@@ -29,6 +29,8 @@ const STALE: f64 = 0.3;
 const SLOW: f64 = 0.3;
 /// So many steps correct a Jacobian before it is taken anew for being stale.
 const SECANTS: usize = 3;
+/// What a shorter step shows is the solver's error, which would pass for information.
+const SHORTEST_SECANT: f64 = 0.1;
 
 /// A point of the unknowns with its residuals.
 #[derive(Debug, Clone)]
@@ -42,7 +44,8 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// The point `next` with this Jacobian, corrected in the direction of the step by what the step showed.
+    /// The point `next` with this Jacobian, corrected in the direction of the step by what the step showed, if it was
+    /// long enough to show anything.
     ///
     /// C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Mathematics of Computation 19 (1965).
     fn moved_to(self, mut next: Self) -> Self {
@@ -52,14 +55,17 @@ impl Fit {
             .zip(&self.z)
             .map(|(to, from)| to - from)
             .collect();
-        let length = square(&step);
+        next.jacobian = self.jacobian;
+        let square_length = square(&step);
+        if square_length < SHORTEST_SECANT * SHORTEST_SECANT {
+            return next;
+        }
         let mut missed: Residuals = next
             .residuals
             .iter()
             .zip(&self.residuals)
             .map(|(to, from)| to - from)
             .collect();
-        next.jacobian = self.jacobian;
         for (column, step) in next.jacobian.iter().zip(&step) {
             missed
                 .iter_mut()
@@ -70,7 +76,7 @@ impl Fit {
             column
                 .iter_mut()
                 .zip(&missed)
-                .for_each(|(slope, missed)| *slope += missed * step / length);
+                .for_each(|(slope, missed)| *slope += missed * step / square_length);
         }
         next
     }
@@ -371,5 +377,13 @@ mod tests {
         for (found, expected) in slope(&moved, [-1.0, 2.0]).iter().zip(across) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
+    }
+
+    #[test]
+    fn a_step_as_short_as_the_solvers_error_shows_nothing() {
+        let columns = [[1.0, 0.0, 2.0], [0.5, -1.0, 0.0]];
+        let from = fit([0.0, 1.0], [4.0, 5.0, 6.0], &columns);
+        let to = fit([0.05, 1.05], [4.1, 4.9, 6.2], &[]);
+        assert_eq!(from.clone().moved_to(to).jacobian, from.jacobian);
     }
 }

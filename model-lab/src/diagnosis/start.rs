@@ -9,15 +9,13 @@ use super::trial::Trial;
 use super::unknowns::Unknown;
 use super::vector::{dot, square};
 
-/// Sizes at which the search for the best one begins, over the typical one, in each shape.
+/// Sizes at which the search for the best one begins, over the typical one; other shapes at the typical one alone.
 const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
 /// The same for effects that have a sign.
 const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
 /// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
 /// elsewhere: a fit that begins in the wrong valley stays there.
-const SHAPES: [f64; 2] = [-0.6, 0.6];
-/// At so many of the sizes that promise most.
-const SIZES_OF_SHAPES: usize = 2;
+const SHAPES: [f64; 3] = [0.0, -0.6, 0.6];
 /// A shape that is not typical promises this much more: the data of a poor log leave the shape open.
 const UNTYPICAL: f64 = 10.0;
 /// What an effect adds is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
@@ -48,21 +46,16 @@ pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start>
     let own = &fitter.unknowns.list()[base.unknowns.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
     let sizes = if is_signed { &SIGNED_SIZES } else { &SIZES };
-    let begin = |fitter: &mut Fitter, sizes: &[f64], shape: &[f64]| -> Vec<Start> {
-        let starts = sizes.iter();
-        starts
-            .filter_map(|&size| Start::new(fitter, base, own, size, shape))
-            .collect()
-    };
-    let mut starts = begin(fitter, sizes, &vec![0.0; own.len()]);
-    starts.sort_by(|a, b| a.promised.total_cmp(&b.promised));
-    let best: Vec<f64> = starts
+    let begin =
+        |fitter: &mut Fitter, size: f64, shape: &[f64]| Start::new(fitter, base, own, size, shape);
+    let typical = vec![0.0; own.len()];
+    let mut starts: Vec<Start> = sizes
         .iter()
-        .take(SIZES_OF_SHAPES)
-        .map(|start| start.size)
+        .filter_map(|&size| begin(fitter, size, &typical))
         .collect();
     for shape in shapes(own) {
-        starts.extend(begin(fitter, &best, &shape));
+        let sizes = sizes.iter().filter(|size| size.abs() == 1.0);
+        starts.extend(sizes.filter_map(|&size| begin(fitter, size, &shape)));
     }
     let least = starts
         .iter()
@@ -87,15 +80,25 @@ pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start>
     starts.into_iter().min_by(by_promise)
 }
 
-/// Displacements of the unknowns of an effect: each of its parameters of form to either side.
+/// Displacements of the unknowns of an effect: every combination of its parameters of form but the typical one.
 fn shapes(own: &[Unknown]) -> Vec<Vec<f64>> {
-    let forms = (0..own.len()).filter(|&n| !own[n].is_strength());
-    let moved = |n: usize, by: f64| {
-        let mut shape = vec![0.0; own.len()];
-        shape[n] = by;
-        shape
-    };
-    forms.flat_map(|n| SHAPES.map(|by| moved(n, by))).collect()
+    let all = own.iter().fold(vec![Vec::new()], |begun, unknown| {
+        let choices: &[f64] = if unknown.is_strength() {
+            &[0.0]
+        } else {
+            &SHAPES
+        };
+        let choices = choices.iter();
+        choices
+            .flat_map(|&choice| {
+                begun
+                    .iter()
+                    .map(move |shape| [&shape[..], &[choice]].concat())
+            })
+            .collect()
+    });
+    let is_typical = |shape: &Vec<f64>| shape.iter().all(|&moved| moved == 0.0);
+    all.into_iter().filter(|shape| !is_typical(shape)).collect()
 }
 
 /// The share of what a start adds that is best, and the cost that it promises.

@@ -101,7 +101,8 @@ pub(super) fn check_encoding(head: &[u8]) -> Result<(), Located> {
             };
         }
     };
-    Err((Place::default(), Problem::Encoding { guess }))
+    let is_text = guess == utf16;
+    Err((Place::default(), Problem::Encoding { guess, is_text }))
 }
 
 /// The delimiter is the first of tab, semicolon and comma that occurs outside quotes in the first record.

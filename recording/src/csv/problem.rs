@@ -35,6 +35,8 @@ pub enum Problem {
     Encoding {
         /// What it is instead, by its look.
         guess: &'static str,
+        /// Whether it is a text all the same.
+        is_text: bool,
     },
     /// Lines end with a bare carriage return.
     LineEnd,
@@ -256,7 +258,8 @@ impl Problem {
             Self::Io(_) => "check that the file exists and may be read",
             Self::ReadAfterError => "stop at the first error",
             Self::Empty => "check that the logger wrote the file to its end",
-            Self::Encoding { .. } => "save the file as UTF-8",
+            Self::Encoding { is_text: true, .. } => "save the file as UTF-8",
+            Self::Encoding { is_text: false, .. } => "export the log as CSV, or as MF4",
             Self::LineEnd => "save the file with line feeds (LF or CR LF)",
             Self::Limit { budget, .. } => match budget {
                 Budget::RecordBytes | Budget::FieldBytes => {
@@ -363,7 +366,7 @@ impl fmt::Display for Problem {
             Self::Io(error) => write!(f, "{error}"),
             Self::ReadAfterError => write!(f, "an error came before, its rest was not read"),
             Self::Empty => write!(f, "there is nothing in it, expected a header and rows"),
-            Self::Encoding { guess } => write!(f, "found {guess}, expected UTF-8"),
+            Self::Encoding { guess, .. } => write!(f, "found {guess}, expected UTF-8"),
             Self::LineEnd => write!(
                 f,
                 "lines end with a bare carriage return, expected a line feed"

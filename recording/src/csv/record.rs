@@ -117,6 +117,7 @@ impl<R: Read> Records<R> {
                 Place::line(line),
                 Problem::Encoding {
                     guess: "bytes of an 8-bit encoding such as Windows-1252",
+                    is_text: true,
                 },
             )
         })?;
@@ -383,11 +384,11 @@ mod tests {
         }
     }
 
-    /// Every record with its line, and the first error; which of several budgets is told depends on the chunks.
-    fn read_all(
-        input: impl Read,
-        limits: Limits,
-    ) -> (Vec<(u64, bool, Vec<String>)>, Option<String>) {
+    /// Line, whether the file ends with it, fields.
+    type Seen = (u64, bool, Vec<String>);
+
+    /// Every record, and the first error; which of several budgets is told depends on the chunks.
+    fn read_all(input: impl Read, limits: Limits) -> (Vec<Seen>, Option<String>) {
         let mut records = Records::new(input, Delimiter::Comma, limits);
         let mut seen = Vec::new();
         loop {

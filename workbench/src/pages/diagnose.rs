@@ -114,18 +114,19 @@ struct DiagnosisView {
     diagnosis: Diagnosis,
 }
 
+/// What was found; null where nothing was diagnosed yet.
 async fn result(
     State(sessions): Shared,
     Path(id): Path<String>,
-) -> Result<Json<DiagnosisView>, Refusal> {
+) -> Result<Json<Option<DiagnosisView>>, Refusal> {
     let session = session(&sessions, id)?;
-    let found = diagnosed(&session)?;
-    Ok(Json(DiagnosisView {
+    let view = |found: Arc<Diagnosed>| DiagnosisView {
         plant: found.plant.name.clone(),
         is_of_plant: found.plant == session.project().plant,
         chosen: found.chosen.clone(),
         diagnosis: found.diagnosis.clone(),
-    }))
+    };
+    Ok(Json(session.diagnosed.get().map(view)))
 }
 
 /// The very JSON that `retarder diagnose --json` writes.
@@ -216,12 +217,13 @@ fn next(session: &Session) -> Result<Arc<NextExperiment>, Refusal> {
         .ok_or_else(|| Refusal::too_early("no experiment is planned yet; plan one first"))
 }
 
+/// What was planned; null where nothing was yet.
 async fn planned(
     State(sessions): Shared,
     Path(id): Path<String>,
-) -> Result<Json<NextExperiment>, Refusal> {
+) -> Result<Json<Option<NextExperiment>>, Refusal> {
     let session = session(&sessions, id)?;
-    Ok(Json(next(&session)?.as_ref().clone()))
+    Ok(Json(session.next.get().map(|next| next.as_ref().clone())))
 }
 
 /// The duty cycles that a rig takes.

@@ -35,6 +35,21 @@ export function button(label, act, properties = {}) {
   return element("button", { type: "button", on: { click: act }, ...properties }, label);
 }
 
+/** Asks; the name of the answer, or none where a person thinks better of it. The first of `answers`, name by label, is proposed. */
+export function ask(question, answers) {
+  return new Promise((resolve) => {
+    const end = (answer) => { dialog.close(); dialog.remove(); resolve(answer); };
+    const dialog = element("dialog", { "aria-label": question },
+      element("p", {}, question),
+      element("p", { class: "row" },
+        Object.entries(answers).map(([name, label], index) => button(label, () => end(name), { class: index === 0 ? "primary" : undefined, id: name })),
+        button("Cancel", () => end(null))));
+    dialog.addEventListener("cancel", (event) => { event.preventDefault(); end(null); });
+    document.body.append(dialog);
+    dialog.showModal();
+  });
+}
+
 /** Saves bytes or text under a name. */
 export function save(name, url) {
   const link = element("a", { href: url, download: name });
@@ -48,10 +63,16 @@ let messages = 0;
 /** Tells something above the page; it goes by itself unless it is a problem. */
 export function tell(text, kind = "note") {
   const place = document.getElementById("messages");
+  if ([...place.children].some((there) => there.firstChild?.textContent === text)) return;
   const id = `message-${++messages}`;
   const message = element("p", { class: `message ${kind}`, id }, text, button("×", () => message.remove(), { class: "close", "aria-label": "Close" }));
   place.append(message);
   if (kind === "note") setTimeout(() => message.remove(), 4000);
+}
+
+/** Takes away the problems that were told. */
+export function forgetProblems() {
+  for (const message of document.querySelectorAll("#messages .problem")) message.remove();
 }
 
 /** Tells all problems of a refusal. */

@@ -1,7 +1,7 @@
 // Opens the session, shows the page that the address names, and ends the session's work with the page.
 
 import * as api from "./api.js";
-import { element, fill, tell } from "./dom.js";
+import { element, fill, forgetProblems, tell } from "./dom.js";
 import * as theme from "./theme.js";
 import * as view from "./view.js";
 import * as logs from "./pages/logs.js";
@@ -27,6 +27,20 @@ function tabs() {
 }
 
 async function show() {
+  try {
+    await showPage();
+  } catch (error) {
+    tellEnd(error);
+  }
+}
+
+/** Nothing can be shown. */
+function tellEnd(error) {
+  fill(place, element("p", { class: "message problem" }, String(error.message ?? error)));
+}
+
+async function showPage() {
+  forgetProblems();
   const wanted = view.text("project");
   if (wanted && wanted !== sessionStorage.getItem(KEY)) await begin();
   shown?.leave?.();
@@ -54,7 +68,7 @@ addEventListener("pageshow", (event) => { if (event.persisted) location.reload()
 view.begin(show);
 try {
   await begin();
-  await show();
+  await showPage();
 } catch (error) {
-  fill(place, element("p", { class: "message problem" }, String(error.message ?? error)));
+  tellEnd(error);
 }

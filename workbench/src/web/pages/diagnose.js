@@ -41,12 +41,7 @@ class Page {
 
   async begin() {
     delete document.body.dataset.diagnosed;
-    let found = null;
-    try {
-      found = await api.get("/diagnosis");
-    } catch (refusal) {
-      if (refusal.status !== 409) throw refusal;
-    }
+    const found = await api.get("/diagnosis");
     this.roles = new Roles(this.logs, found?.chosen);
     this.start = button("Diagnose", () => this.diagnose(), { class: "primary", id: "diagnose" });
     fill(this.place,
@@ -95,7 +90,7 @@ class Page {
         element("div", { class: "stack" },
           element("section", { class: "card" }, element("h2", {}, "How the error falls"),
             element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, in multiples of the noise floor (the line).`),
-            ladder(rungsOf(diagnosis.ladder))),
+            ladder(rungsOf(diagnosis.ladder)), this.freeRun(diagnosis)),
           this.neighbours(diagnosis), this.location(diagnosis))),
       remaining.element, experiment.element, this.nuisance(diagnosis));
     remaining.redraw();
@@ -108,9 +103,19 @@ class Page {
     return element("section", { class: "card", id: "verdict", "aria-label": "Verdict" },
       element("div", { class: "row" }, element("span", { class: `chip ${mark}` }, words), element("span", { class: "space" }),
         element("a", { class: "button", href: api.address("/diagnosis/json"), download: "diagnosis.json", id: "diagnosis-json" }, "Diagnosis as JSON")),
-      element("p", { class: "sentence" }, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`),
+      element("div", { class: "row" },
+        element("p", { class: "sentence" }, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`),
+        is_of_plant && diagnosis.effects.map((id) => button(`Add ${(this.effects.get(id)?.title ?? id).toLowerCase()}`, () => this.add(id), { class: "primary add-named" }))),
       !is_of_plant && element("p", { class: "stale" }, element("span", { class: "chip open" }, "another plant"), ` This was found for ${plant}. The plant has changed since; diagnose again to see what it still lacks.`),
       element("p", { class: "quiet" }, `Fitted: ${diagnosis.logs.join(", ")}. Judged on ${diagnosis.check.length > 0 ? diagnosis.check.join(", ") : diagnosis.held_out}. ${cost.simulations} simulations of ${duration(cost.log_s)} in ${duration(cost.elapsed_s)}.`));
+  }
+
+  /** What Compare and Refine will show, and why it is more. */
+  freeRun({ ladder: steps }) {
+    const last = steps.at(-1);
+    const times = Object.entries(last.free_run_check_rms).filter(([signal]) => last.noise_floor[signal])
+      .map(([signal, rms]) => `${signal} ${number(rms / last.noise_floor[signal], 3)} × noise`);
+    return element("p", { class: "quiet" }, `This is a prediction: after each sample the model takes on a part of the pressure error. Driven by the commands alone, as on Compare and Refine, the small errors of all pulses add up: ${times.join(", ")}.`);
   }
 
   /** What these logs cannot tell apart. */
@@ -133,7 +138,7 @@ class Page {
       element("b", {}, regime.log), ` ${regime.signal}: ${regime.sentence}. `, this.toCompare(regime))));
     return element("section", { class: "card" }, element("h2", {}, "Where the excess error is"),
       element("h3", {}, "With the plain model"), list(diagnosis.where.before),
-      diagnosis.effects.length > 0 && [element("h3", {}, "With the named effects"), list(diagnosis.where.after)]);
+      diagnosis.unexplained && diagnosis.effects.length > 0 && [element("h3", {}, "With the named effects"), list(diagnosis.where.after)]);
   }
 
   toCompare(regime) {

@@ -1,7 +1,7 @@
 // Page "Logs and plant": files come in, columns are explained, problems are named.
 
 import * as api from "../api.js";
-import { button, element, fill, tell, tellProblems } from "../dom.js";
+import { ask, button, element, fill, tell, tellProblems } from "../dom.js";
 import { count, duration, number } from "../format.js";
 import * as view from "../view.js";
 import { CalculatedChannels } from "./calculated.js";
@@ -55,7 +55,7 @@ class Page {
   }
 
   dropZone() {
-    const input = element("input", { type: "file", multiple: true, id: "files", accept: ".csv,.tsv,.txt,.toml,.mf4,.dat", on: { change: () => this.take([...input.files]) } });
+    const input = element("input", { type: "file", multiple: true, id: "files", accept: ".csv,.tsv,.txt,.toml,.mf4,.dat", on: { change: () => this.takeChosen(input) } });
     const zone = element("section", { class: "drop", id: "drop", "aria-label": "Open files" },
       element("p", {}, element("strong", {}, "Drop logs here"), ", several at once if you like – CSV with units in the header, MF4 – or a plant file (TOML)."),
       element("p", {}, element("label", { class: "button primary", for: "files" }, "Choose files …"), input),
@@ -70,6 +70,13 @@ class Page {
       this.take([...event.dataTransfer.files]);
     });
     return zone;
+  }
+
+  /** Chosen again, a file is read again: it may have been mended. */
+  takeChosen(input) {
+    const files = [...input.files];
+    input.value = "";
+    return this.take(files);
   }
 
   async take(files) {
@@ -215,7 +222,10 @@ class Page {
   }
 
   async openExample(example) {
-    const keep = this.project.logs.length > 0 && !await this.mayReplace();
+    const { length } = this.project.logs;
+    const answer = length === 0 ? "replace" : await ask(`${length} ${length === 1 ? "log is" : "logs are"} open. Keep them beside the example?`, { replace: "Replace", keep: "Keep beside it" });
+    if (!answer) return;
+    const keep = answer === "keep";
     try {
       this.showProject(await api.post(`/examples/${example.id}`, { keep }));
       tell(`${example.title} is open.`);
@@ -224,22 +234,8 @@ class Page {
     }
   }
 
-  /** Whether what is open may go; asks. */
-  mayReplace() {
-    return new Promise((resolve) => {
-      const end = (answer) => { dialog.close(); dialog.remove(); resolve(answer); };
-      const dialog = element("dialog", { "aria-label": "What is open" },
-        element("p", {}, `${this.project.logs.length} ${this.project.logs.length === 1 ? "log is" : "logs are"} open. Keep them beside the example?`),
-        element("p", { class: "row" },
-          button("Replace", () => end(true), { class: "primary", id: "replace" }),
-          button("Keep beside it", () => end(false))));
-      dialog.addEventListener("cancel", (event) => event.preventDefault());
-      document.body.append(dialog);
-      dialog.showModal();
-    });
-  }
-
   async closeAll() {
+    if (!await ask("All logs, the plant, its effects and what was found are closed.", { close: "Close everything" })) return;
     this.open.clear();
     this.showProject(await api.remove("/project"));
   }

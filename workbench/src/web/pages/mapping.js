@@ -12,7 +12,7 @@ export function mappingForm(log, preview, apply) {
   const header = element("input", { type: "checkbox", checked: hasHeader });
   const skip = element("input", { type: "number", min: 0, value: 0, class: "short" });
   const rows = isText
-    ? Array.from({ length: width }, (_, index) => columnRow(index + 1, `${index + 1}${hasHeader ? ` ${first[index]}` : ""}`, hasHeader ? guess(first[index]) : OPEN, preview))
+    ? Array.from({ length: width }, (_, index) => columnRow(index + 1, `${index + 1}${hasHeader ? ` ${first[index] ?? ""}` : ""}`, hasHeader ? guess(first[index] ?? "") : OPEN, preview))
     : preview.channels.map((channel) => columnRow(channel.key, `${channel.key} [${channel.unit}]`, OPEN, preview, channel.obstacle));
   const names = element("datalist", { id: `names-${log.number}` }, preview.known.map((known) => element("option", { value: known.name })));
   const units = element("datalist", { id: `units-${log.number}` }, preview.units.map((unit) => element("option", { value: unit })));
@@ -33,7 +33,7 @@ export function mappingForm(log, preview, apply) {
       element("label", {}, "lines before it ", skip)),
     filter.element,
     element("div", { class: "scroll" }, element("table", { class: "form" },
-      element("thead", {}, element("tr", {}, ["column", "is", "signal", "unit", "times", "plus"].map((cell) => element("th", { scope: "col" }, cell)))),
+      element("thead", {}, element("tr", {}, ["column", "is", "signal", "unit", "factor", "offset"].map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows.map((row) => row.line)))),
     names, units,
     element("p", { class: "row" },
@@ -59,7 +59,7 @@ function columnRow(column, heading, guessed, preview, obstacle) {
     [["by_header", "by its header"], ["time", "time"], ["signal", "a signal"], ["ignore", "left out"]].map(([value, text]) => element("option", { value, selected: value === guessed.role }, text)));
   const field = (label, properties) => element("input", { "aria-label": `${label} of column ${column}`, class: "short", ...properties });
   const name = field("signal", { placeholder: "p_ch" });
-  const unit = field("unit", { value: guessed.unit, placeholder: "bar_gauge" });
+  const unit = field("unit", { value: guessed.unit, placeholder: "bar_gauge", class: "unit" });
   const scale = field("factor", { type: "number", step: "any", placeholder: "1" });
   const offset = field("offset", { type: "number", step: "any", placeholder: "0" });
   const enable = () => {

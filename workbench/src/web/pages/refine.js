@@ -60,7 +60,7 @@ class Page {
         element("div", { class: "stack" },
           element("section", { class: "card", id: "ladder" },
             element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms on ${this.log.name}, the model driven by the commands alone as in Compare, in multiples of the noise floor (the line); below the first row with the values that the plant has now.`),
+            element("p", { class: "quiet" }, `Rms on ${this.log.name} in multiples of the noise floor (the line). The model is driven by the commands alone, as on Compare: the small errors of all pulses add up, so more may stay here than on Diagnose, which corrects the pressure after each sample. First the plant as opened, then with one effect after the other at the values that they have now.`),
             this.rungs, this.cost),
           this.plots.element, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,

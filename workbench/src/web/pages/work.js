@@ -25,7 +25,7 @@ export class Work {
       await api.follow(begun.job, (share, stage) => {
         bar.value = share;
         const seconds = Math.round((performance.now() - begin) / 1000);
-        words.textContent = `${stage ?? this.what}, ${percent(share)} – ${seconds} s`;
+        words.textContent = `${stage ?? this.what}, ${percent(share)} – ${seconds} s so far`;
       }, AbortSignal.any([stop.signal, this.ending.signal]));
       return true;
     } catch (refusal) {

@@ -161,15 +161,17 @@ export class TimePlots extends TimeView {
   }
 
   showMetrics() {
-    const rows = this.courses.signals.filter((signal) => signal.residual?.metrics).map((signal) => {
+    const compared = this.courses.signals.filter((signal) => signal.residual?.metrics);
+    const hasTolerance = compared.some((signal) => signal.residual.band);
+    const rows = compared.map((signal) => {
       const { metrics, unit, limit, holds, band } = signal.residual;
       return element("tr", {}, element("th", { scope: "row" }, `${signal.name} [${unit}]`),
         [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), number(limit)].map((cell) => element("td", {}, cell)),
         element("td", {}, element("span", { class: `chip ${holds === null ? "open" : holds ? "good" : "bad"}`, title: "over the whole log" }, holds === null ? "no limit" : holds ? "holds" : "beyond")),
-        element("td", { data: { band: signal.name } }, verdictOf(band)));
+        hasTolerance && element("td", { data: { band: signal.name } }, verdictOf(band)));
     });
     fill(this.metrics, rows.length === 0 ? element("p", { class: "quiet" }, "Not compared yet.") : element("table", { class: "numbers dense", id: "metrics" },
-      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "whole log", "beyond the tolerance"].map((cell) => element("th", { scope: "col" }, cell)))),
+      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "whole log", ...hasTolerance ? ["beyond the tolerance"] : []].map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows)));
   }
 

@@ -48,9 +48,10 @@ export class Experiment {
   /** What was planned before. */
   async begin() {
     try {
-      this.take(await api.get("/next-experiment"));
+      const next = await api.get("/next-experiment");
+      if (next) this.take(next);
     } catch (refusal) {
-      if (refusal.status !== 409) tellProblems(refusal, "Next experiment");
+      tellProblems(refusal, "Next experiment");
     }
   }
 

@@ -14,7 +14,7 @@ export class Remaining {
     for (const plot of this.plots) plot.place = element("div", { class: "chart small", role: "img", "aria-label": plot.title });
     this.element = element("section", { class: "card", id: "remaining" }, element("h2", {}, "What remains"),
       remaining.sentences.length === 0
-        ? element("p", {}, "Nothing material remains after the named effects.")
+        ? element("p", {}, "Nothing material remains.")
         : element("ul", {}, remaining.sentences.map((sentence) => element("li", {}, sentence))),
       this.plots.length > 0 && element("div", { class: "small-plots" }, this.plots.map((plot) => element("div", {}, plot.place, element("p", { class: "quiet" }, plot.note)))));
   }
