@@ -15,8 +15,10 @@ use super::vector::{dot, square};
 /// Iterations at most, of a fit that is only begun and of a whole one.
 const FIRST_ITERATIONS: usize = 5;
 const ITERATIONS: usize = 30;
-/// Tolerance of simulations for intervals, over the default one.
+/// Tolerance of simulations for intervals, over the default one, ...
 const ACCURATE: f64 = 0.02;
+/// ... and their differences, over those of a forward difference.
+const FINE: f64 = 0.25;
 /// An expected or reached decrease of the cost below this is none, nor is one below this share of the cost.
 const CONVERGED: f64 = 0.5;
 const CONVERGED_SHARE: f64 = 1e-4;
@@ -87,8 +89,11 @@ impl Fit {
 pub(crate) enum Difference {
     /// To one side: good enough to go down.
     Forward,
-    /// To both sides: what curvature adds cancels, so that directions which the logs leave open stay open.
+    /// To both sides: what curvature adds cancels.
     Central,
+    /// The same so close that pulses at the threshold of opening answer in proportion as well: directions which the logs
+    /// leave open stay open. Only for a fitter that simulates accurately.
+    Fine,
 }
 
 /// How far a fit goes.
@@ -176,12 +181,13 @@ impl<'a> Fitter<'a> {
         let step = match difference {
             Difference::Forward => unknown.step(),
             Difference::Central => unknown.wide_step(),
+            Difference::Fine => FINE * unknown.step(),
         };
         // Only effects end at their bounds; a tolerance may be left to look beyond.
         let may_leave = unknown.is_nuisance();
         let has_above = may_leave || fit.z[n] + step <= most;
         let has_below = may_leave || fit.z[n] - step >= least;
-        if difference == Difference::Central && has_above && has_below {
+        if difference != Difference::Forward && has_above && has_below {
             let (above, below) = (moved(step)?, moved(-step)?);
             let pairs = above.iter().zip(&below);
             return Some(

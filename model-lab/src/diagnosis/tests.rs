@@ -84,3 +84,28 @@ fn a_law_far_from_its_typical_shape_is_found() {
         assert!((fitted - truth).abs() < tolerance, "{key}: {fitted}");
     }
 }
+
+/// A warm coil and one of more turns are the same to every signal: only the tolerance of its resistance bounds the
+/// temperature, to 5 % / 3 / 0.39 % per kelvin, whatever differences at the threshold of opening seem to tell.
+#[test]
+fn an_interval_is_as_wide_as_what_the_logs_leave_open() {
+    let warm = Bench {
+        plant: with(
+            "coil_ambient_temperature",
+            "uniform",
+            &[("difference_k", 30.0)],
+        ),
+        ..Bench::default()
+    };
+    let add = [(
+        "coil_ambient_temperature".to_owned(),
+        Some("uniform".to_owned()),
+    )];
+    let logs = [warm.measure()];
+    let go_on = |_| ControlFlow::Continue(());
+    let refined = refine(&PlantParameters::nominal(), &logs, &[], &add, &go_on).unwrap();
+    let difference = &refined.refinement.effects[0].parameters[0];
+    let (low, high) = (difference.low, difference.high);
+    assert!(low < 30.0 && 30.0 < high, "{low} to {high}");
+    assert!(high - low > 20.0 && high - low < 50.0, "{low} to {high}");
+}

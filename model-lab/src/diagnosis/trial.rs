@@ -150,7 +150,7 @@ impl Trial {
     pub(crate) fn sharpen(&mut self, bench: &Bench) -> Option<()> {
         let mut fitter = Fitter::accurate(bench.fitting, &self.unknowns);
         let mut accurate = fitter.at(self.fit.z.clone())?;
-        fitter.differentiate(&mut accurate, 0, Difference::Central)?;
+        fitter.differentiate(&mut accurate, 0, Difference::Fine)?;
         self.fit = accurate;
         Some(())
     }
