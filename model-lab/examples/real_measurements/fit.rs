@@ -1,5 +1,9 @@
 //! Parameters of a plant fitted to a log by least squares (Levenberg and Marquardt).
+//!
+//! Two or three parameters within bounds and no prior: too little for the diagnosis' own fit, which wants evidence of
+//! several logs. The crates of this name know no bounds.
 
+use nalgebra::{DMatrix, DVector};
 use plant_sim::parameters::Scale;
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, initial_pressure, inputs, signals};
 use plant_sim::{PlantParameters, Tolerance};
@@ -199,37 +203,18 @@ fn square(errors: &[f64]) -> f64 {
     errors.iter().map(|error| error * error).sum()
 }
 
-/// The damped step that the linearised errors ask for.
+/// The damped step that the linearised errors ask for: (JᵀJ + λ diag JᵀJ) step = -Jᵀ errors.
 fn step(columns: &[Vec<f64>], errors: &[f64], damping: f64) -> Vec<f64> {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let n = columns.len();
-    let mut rows: Vec<Vec<f64>> = (0..n)
-        .map(|i| {
-            let mut row: Vec<f64> = columns.iter().map(|one| dot(&columns[i], one)).collect();
-            row[i] = row[i] * (1.0 + damping) + f64::MIN_POSITIVE;
-            row.push(-dot(&columns[i], errors));
-            row
-        })
-        .collect();
-    // Positive definite: elimination without pivots is stable.
+    let jacobian = DMatrix::from_iterator(errors.len(), n, columns.iter().flatten().copied());
+    let descent = -jacobian.tr_mul(&DVector::from_column_slice(errors));
+    let mut normal = jacobian.tr_mul(&jacobian);
     for i in 0..n {
-        for k in i + 1..n {
-            let factor = rows[k][i] / rows[i][i];
-            let pivot = rows[i].clone();
-            for (value, above) in rows[k].iter_mut().zip(pivot).skip(i) {
-                *value -= factor * above;
-            }
-        }
+        normal[(i, i)] = normal[(i, i)] * (1.0 + damping) + f64::MIN_POSITIVE;
     }
-    let mut step = vec![0.0; n];
-    for i in (0..n).rev() {
-        let known = dot(&rows[i][i + 1..n], &step[i + 1..]);
-        let wanted = (rows[i][n] - known) / rows[i][i];
-        step[i] = if wanted.is_finite() {
-            wanted.clamp(-LONGEST_STEP, LONGEST_STEP)
-        } else {
-            0.0
-        };
-    }
-    step
+    let step = normal.cholesky().map(|factors| factors.solve(&descent));
+    let step = step.unwrap_or_else(|| DVector::zeros(n));
+    step.iter()
+        .map(|wanted| wanted.clamp(-LONGEST_STEP, LONGEST_STEP))
+        .collect()
 }

@@ -9,9 +9,9 @@ use recording::Recording;
 use super::detection::detection_limit;
 use super::error::DiagnoseError;
 use super::errors::Errors;
-use super::evidence::Run;
 use super::interval::half_widths;
 use super::ladder::Ladder;
+use super::log::Run;
 use super::result::{
     BySignal, Candidate, DetectionLimit, FittedParameter, NuisanceValue, Regime, Step, Verdict,
 };

@@ -4,8 +4,8 @@ use nalgebra::DVector;
 use plant_sim::effects::EffectSetting;
 
 use super::errors::Errors;
-use super::evidence::Run;
 use super::fit::Fitter;
+use super::log::Run;
 use super::result::DetectionLimit;
 use super::trial::{Bench, Trial};
 use super::unknowns::{Unknown, Unknowns};

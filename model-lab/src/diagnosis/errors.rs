@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::evidence::{Evidence, Run};
+use super::evidence::Evidence;
+use super::log::Run;
 use super::result::BySignal;
 use super::verdict::{CHANCE, MATERIAL_EXCESS};
 

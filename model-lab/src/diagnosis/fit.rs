@@ -8,7 +8,8 @@
 use nalgebra::{DMatrix, DVector};
 use plant_sim::Tolerance;
 
-use super::evidence::{Evidence, Residuals, Run};
+use super::evidence::Evidence;
+use super::log::{Residuals, Run};
 use super::unknowns::Unknowns;
 use super::vector::{dot, square};
 

@@ -11,8 +11,10 @@ mod error;
 mod errors;
 mod evidence;
 mod fit;
+mod gather;
 mod interval;
 mod ladder;
+mod log;
 pub mod next_experiment;
 mod nuisance;
 mod predictor;
@@ -45,7 +47,7 @@ pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 
-use evidence::Evidence;
+use gather::{fitting_and_checking, gather, held_out};
 use result::{Cost, DIAGNOSIS_SCHEMA, Location, Remaining};
 use trial::Bench;
 
@@ -78,7 +80,7 @@ pub fn diagnose_with(
 ) -> Result<Diagnosis, DiagnoseError> {
     let begin = Instant::now();
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
-    let [fitting, checking] = Evidence::fitting_and_checking(plant, logs, check)?;
+    let [fitting, checking] = fitting_and_checking(plant, logs, check)?;
     let mut bench = Bench {
         plant,
         library,
@@ -137,7 +139,7 @@ pub fn diagnose_with(
         schema: DIAGNOSIS_SCHEMA.to_owned(),
         logs: fitted,
         check: judged,
-        held_out: evidence::held_out(!check.is_empty(), is_exchanged).to_owned(),
+        held_out: held_out(!check.is_empty(), is_exchanged).to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict(),
         sentence: assemble::sentence(found.verdict(), &ladder, &candidates, &equivalents),
@@ -169,7 +171,7 @@ pub fn diagnose_with(
 /// [`DiagnoseError`]: a log cannot be used.
 pub fn remaining(plant: &PlantParameters, logs: &[Recording]) -> Result<Remaining, DiagnoseError> {
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
-    let fitting = Evidence::new(plant, logs)?;
+    let fitting = gather(plant, logs)?;
     let bench = Bench {
         library: &[],
         plant,

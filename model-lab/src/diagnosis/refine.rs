@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::assemble;
 use super::error::DiagnoseError;
-use super::evidence::{self, Evidence};
+use super::gather::{fitting_and_checking, held_out};
 use super::ladder::Ladder;
 use super::result::{Cost, FittedParameter, NuisanceValue, Step};
 use super::search::{Tried, Watch, best_form, report};
@@ -100,7 +100,7 @@ pub fn refine(
     let without = add
         .iter()
         .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
-    let [fitting, checking] = Evidence::fitting_and_checking(&without, logs, check)?;
+    let [fitting, checking] = fitting_and_checking(&without, logs, check)?;
     let bench = Bench {
         plant: &without,
         library: &[],
@@ -141,7 +141,7 @@ pub fn refine(
             .iter()
             .map(|log| log.provenance().source.clone())
             .collect(),
-        held_out: evidence::held_out(!check.is_empty(), false).to_owned(),
+        held_out: held_out(!check.is_empty(), false).to_owned(),
         sentence: sentence(&ladder),
         effects: effects.collect(),
         nuisance: assemble::nuisance(&bench, plain, last),

@@ -5,7 +5,6 @@ use core::ops::RangeInclusive;
 use nalgebra::DVector;
 
 use super::fit::{Fit, Fitter};
-use super::trial::Trial;
 use super::unknowns::Unknown;
 use super::vector::{dot, square};
 
@@ -42,8 +41,8 @@ pub(crate) struct Start {
 ///
 /// An effect may be far weaker than is typical and still show. So each size also says how much of what it adds would be
 /// best, and where that promises more than the sizes themselves, one of that strength is tried as well.
-pub(crate) fn most_promising(fitter: &mut Fitter, base: &Trial) -> Option<Start> {
-    let own = &fitter.unknowns.list()[base.unknowns.len()..];
+pub(crate) fn most_promising(fitter: &mut Fitter, base: &Fit) -> Option<Start> {
+    let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
     let sizes = if is_signed { &SIGNED_SIZES } else { &SIZES };
     let begin =
@@ -111,12 +110,12 @@ impl Start {
     /// The strengths of the effect at `size`, the rest of it typical but for `shape`.
     fn new(
         fitter: &mut Fitter,
-        base: &Trial,
+        base: &Fit,
         own: &[Unknown],
         size: f64,
         shape: &[f64],
     ) -> Option<Self> {
-        let mut z = base.fit.z.clone();
+        let mut z = base.z.clone();
         let displaced = own.iter().zip(shape).map(|(unknown, &moved)| {
             let (least, most) = unknown.bounds();
             let by = if unknown.is_strength() {
@@ -128,7 +127,7 @@ impl Start {
         });
         z.extend(displaced);
         let mut fit = fitter.at(z)?;
-        fit.jacobian.clone_from(&base.fit.jacobian);
+        fit.jacobian.clone_from(&base.jacobian);
         let (moved, decrease) = fitter.step(&fit, 0.0);
         Some(Self {
             size,
@@ -140,31 +139,31 @@ impl Start {
     }
 
     /// What the effect adds to the residuals of `base`.
-    fn added(&self, base: &Trial) -> Vec<f64> {
-        let pairs = self.fit.residuals.iter().zip(&base.fit.residuals);
+    fn added(&self, base: &Fit) -> Vec<f64> {
+        let pairs = self.fit.residuals.iter().zip(&base.residuals);
         pairs.map(|(with, without)| with - without).collect()
     }
 
     /// As if the residuals were linear in what is added and in the nuisance parameters, whose part is taken out first.
-    fn best_share(&self, fitter: &Fitter, base: &Trial) -> Option<BestShare> {
+    fn best_share(&self, fitter: &Fitter, base: &Fit) -> Option<BestShare> {
         let added = self.added(base);
-        let (hessian, gradient) = fitter.normal(&base.fit);
-        let columns = base.fit.jacobian.iter();
+        let (hessian, gradient) = fitter.normal(base);
+        let columns = base.jacobian.iter();
         let shared = DVector::from_iterator(
-            base.fit.jacobian.len(),
+            base.jacobian.len(),
             columns.map(|column| dot(column, &added)),
         );
         let room = hessian.cholesky()?.solve(&shared);
-        let along = dot(&added, &base.fit.residuals) - room.dot(&gradient);
+        let along = dot(&added, &base.residuals) - room.dot(&gradient);
         let across = square(&added) - room.dot(&shared);
         (across > 0.0).then(|| BestShare {
             share: -along / across,
-            cost: base.fit.cost - along * along / across,
+            cost: base.cost - along * along / across,
         })
     }
 
     /// The power of its size with which the effect grows.
-    fn power(&self, fitter: &mut Fitter, base: &Trial, own: &[Unknown]) -> Option<f64> {
+    fn power(&self, fitter: &mut Fitter, base: &Fit, own: &[Unknown]) -> Option<f64> {
         let near = Self::new(fitter, base, own, NEIGHBOUR * self.size, &self.shape)?;
         let [here, there] = [self, &near].map(|start| square(&start.added(base)).sqrt());
         let power = (there / here).ln() / NEIGHBOUR.ln();

@@ -4,8 +4,9 @@ use plant_sim::PlantParameters;
 use plant_sim::effects::{Effect, EffectSetting};
 
 use super::errors::Errors;
-use super::evidence::{Evidence, Run};
+use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
+use super::log::Run;
 use super::start::{Start, most_promising};
 use super::unknowns::Unknowns;
 use crate::whiteness::autocorrelation_time_samples;
@@ -69,7 +70,7 @@ impl Bench<'_> {
         let mut effects = base.effects.clone();
         effects.push(effect);
         let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
-        let start = most_promising(&mut Fitter::new(self.fitting, &unknowns), base)?;
+        let start = most_promising(&mut Fitter::new(self.fitting, &unknowns), &base.fit)?;
         Some(Sketch {
             promised_gain: base.fit.cost - start.promised,
             effects,

@@ -6,8 +6,10 @@ use plant_sim::replay::replay;
 use plant_sim::{PlantParameters, Tolerance};
 use recording::{Recording, Unit};
 
-use super::super::evidence::{Evidence, Run};
+use super::super::evidence::Evidence;
 use super::super::fit::{Difference, Fitter};
+use super::super::gather::gather;
+use super::super::log::Run;
 use super::super::trial::{Bench, Trial};
 use super::super::unknowns::Unknowns;
 use super::super::vector::{dot, square};
@@ -87,7 +89,7 @@ pub(super) fn distance(
     noises: &Noises,
 ) -> Option<f64> {
     let log = made(&truth.plant, sequence, noises)?;
-    let evidence = Evidence::new(&truth.plant, &[log]).ok()?;
+    let evidence = gather(&truth.plant, &[log]).ok()?;
     let noise = evidence.residuals(&truth.plant, Run::Predicted)?;
     let mut fitter = Fitter::new(&evidence, &model.unknowns);
     let mut fit = fitter.at(model.z.clone())?;

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use recording::Recording;
 
 use super::error::DiagnoseError;
-use super::evidence::Evidence;
+use super::gather::gather;
 use super::search::{Watch, best_form, report};
 use super::trial::{Bench, Trial};
 use distance::{Noises, Rival, distance};
@@ -49,7 +49,7 @@ pub fn next_experiment(
     watch: Watch,
 ) -> Result<NextExperiment, DiagnoseError> {
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
-    let fitting = Evidence::new(plant, logs)?;
+    let fitting = gather(plant, logs)?;
     let bench = Bench {
         library: &[],
         plant,

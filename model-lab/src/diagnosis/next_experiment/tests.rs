@@ -54,7 +54,7 @@ fn the_best_manoeuvre_tells_what_the_log_could_not() {
     // The rig does it, and both rivals are fitted to both logs.
     let plant = PlantParameters::nominal();
     let log = poor_log(RIVALS[0]);
-    let noises = Noises::of(&Evidence::new(&plant, core::slice::from_ref(&log)).unwrap());
+    let noises = Noises::of(&gather(&plant, core::slice::from_ref(&log)).unwrap());
     let sequence = Sequence {
         name: "next",
         about: "",
@@ -62,7 +62,7 @@ fn the_best_manoeuvre_tells_what_the_log_could_not() {
         highest_bar: 0.0,
     };
     let second = made(&rig(RIVALS[0]), &sequence, &noises).unwrap();
-    let fitting = Evidence::new(&plant, &[log, second]).unwrap();
+    let fitting = gather(&plant, &[log, second]).unwrap();
     let bench = Bench {
         library: &[],
         plant: &plant,

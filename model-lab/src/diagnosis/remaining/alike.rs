@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 use plant_sim::plant::{FILL, VENT};
 use rayon::prelude::*;
 
-use super::super::evidence::Log;
+use super::super::log::Log;
 use super::super::vector::median;
 use super::course::in_force;
 

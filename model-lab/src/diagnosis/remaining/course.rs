@@ -15,7 +15,7 @@ use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::Row;
 
-use super::super::evidence::{Channel, Log};
+use super::super::log::{Channel, Log};
 use crate::commands::Commands;
 
 /// What the valves did in the interval before a row.

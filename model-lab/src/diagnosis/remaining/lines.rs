@@ -11,7 +11,7 @@ use core::ops::Range;
 
 use plant_sim::PlantParameters;
 
-use super::super::evidence::{Channel, Log};
+use super::super::log::{Channel, Log};
 use super::super::result::SpectralLine;
 use super::super::vector::median;
 use super::alike::{Usual, usual, without_smooth_law};

@@ -14,7 +14,7 @@ use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::Row;
 
-use super::evidence::Log;
+use super::log::Log;
 use super::result::{Remaining, SpectralLine};
 use course::{Course, Regime, predicted};
 use lines::{Sensitivity, Swing};
@@ -175,7 +175,7 @@ mod tests {
     use plant_sim::plant::Plant;
     use recording::Recording;
 
-    use super::super::evidence::Evidence;
+    use super::super::gather::gather;
     use super::super::result::FlowCurve;
     use super::*;
     use crate::bench::Bench;
@@ -183,7 +183,7 @@ mod tests {
     /// What the model without anything missing sees in the log of `rig`.
     fn seen(rig: &Recording) -> Remaining {
         let plant = PlantParameters::nominal();
-        let evidence = Evidence::new(&plant, core::slice::from_ref(rig)).unwrap();
+        let evidence = gather(&plant, core::slice::from_ref(rig)).unwrap();
         remaining(&plant, &evidence.logs.iter().collect::<Vec<_>>(), true)
     }
 

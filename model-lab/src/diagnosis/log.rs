@@ -1,0 +1,282 @@
+//! A log as the diagnosis sees it: what drives the model, and what it has to answer.
+
+use plant_sim::parameters::PA_PER_BAR;
+use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
+use plant_sim::{PlantParameters, Simulator, Tolerance};
+use recording::Recording;
+
+use super::error::DiagnoseError;
+use super::predictor::Predictor;
+use super::sensor_noise::SensorNoise;
+use crate::commands::Commands;
+use crate::error::CompareError;
+use crate::measured::{Measured, PRESSURE, measured_signals, start};
+use crate::run::{WORK_AT_START, WORK_PER_ROW};
+
+/// Signals of a log that the diagnosis weighs; armature positions are the model's own.
+const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
+/// A correction leaves at least this pressure (Pa abs).
+const LEAST_PRESSURE: f64 = 1e3;
+
+/// A log, ready to be simulated again and again.
+pub(crate) struct Log {
+    pub(crate) source: String,
+    pub(crate) commands: Commands,
+    inputs: Vec<ReplayInput>,
+    sampling: CurrentSampling,
+    /// Chamber pressure to begin with (Pa abs); none starts at rest.
+    start_pressure: Option<f64>,
+    pub(crate) predictor: Predictor,
+    pub(crate) channels: Vec<Channel>,
+    /// Rows that count.
+    pub(crate) counted: Vec<bool>,
+    /// Whether the supply was shut off: nothing in the log tells, and it explains the currents better.
+    pub(crate) is_without_supply: bool,
+}
+
+/// One signal of a log.
+pub(crate) struct Channel {
+    pub(crate) signal: &'static str,
+    /// Where it stands in a row of the model.
+    pub(super) column: usize,
+    /// In the unit of the model; NaN where missing.
+    pub(crate) values: Vec<f64>,
+    /// Standard deviation of the measurement noise.
+    pub(crate) sigma: f64,
+}
+
+/// Which error of the model is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Run {
+    /// Corrected by the measured pressure.
+    Predicted,
+    /// Driven by the commands alone.
+    Free,
+}
+
+/// Errors of a model over what a perfect model has, (measured - modelled) / floor; 0 where the measurement is missing
+/// or does not count: channel after channel in the order of [`Evidence::channels`].
+pub(crate) type Residuals = Vec<f64>;
+
+/// What is read from a log before it is known how its sensors scatter.
+pub(super) struct Read {
+    commands: Commands,
+    inputs: Vec<ReplayInput>,
+    interval_s: f64,
+    measured: Vec<Measured>,
+}
+
+impl Read {
+    pub(super) fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
+        let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
+        let (base, inputs) = inputs(parameters, log).map_err(CompareError::from)?;
+        let (measured, _) = measured_signals(parameters, (log, base), &commands)?;
+        Ok(Self {
+            interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
+            commands,
+            inputs,
+            measured,
+        })
+    }
+
+    /// Tells how the sensors scatter in this log.
+    pub(super) fn tell(&self, noise: &mut SensorNoise) {
+        noise.hear(&self.measured, self.interval_s);
+    }
+}
+
+impl Log {
+    pub(super) fn new(
+        parameters: &PlantParameters,
+        log: &Recording,
+        read: Read,
+        noise: &SensorNoise,
+    ) -> Result<Self, DiagnoseError> {
+        let Read {
+            commands,
+            inputs,
+            interval_s,
+            measured,
+        } = read;
+        let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
+        let (_, start_pressure) = start(parameters, pressure, &commands);
+        let sigma = |signal: &Measured| {
+            let told = noise.of(signal.name, &signal.floor, interval_s);
+            told.unwrap_or_else(|| scatter(&signal.values))
+        };
+        let sigmas: Vec<f64> = measured.iter().map(sigma).collect();
+        let channels: Vec<Channel> = measured
+            .into_iter()
+            .zip(sigmas)
+            .filter(|(signal, sigma)| SIGNALS.contains(&signal.name) && *sigma > 0.0)
+            .map(|(signal, sigma)| {
+                let column = ROW_SIGNALS
+                    .iter()
+                    .position(|(name, _)| *name == signal.name)
+                    .expect("measured signals are of the model");
+                Channel {
+                    signal: signal.name,
+                    column,
+                    sigma,
+                    values: signal.values,
+                }
+            })
+            .collect();
+        if channels.is_empty() {
+            return Err(DiagnoseError::NothingToWeigh {
+                log: log.provenance().source.clone(),
+            });
+        }
+        let samples = commands.len();
+        let mut log = Self {
+            source: log.provenance().source.clone(),
+            commands,
+            inputs,
+            sampling: CurrentSampling::of_interval(interval_s, parameters),
+            start_pressure,
+            predictor: Predictor::free_run(samples),
+            channels,
+            counted: vec![true; samples],
+            is_without_supply: false,
+        };
+        log.find_predictor(parameters);
+        Ok(log)
+    }
+
+    pub(super) fn pressure(&self) -> Option<&Channel> {
+        self.channels
+            .iter()
+            .find(|channel| channel.signal == PRESSURE)
+    }
+
+    fn find_predictor(&mut self, parameters: &PlantParameters) {
+        let Some(pressure) = self.pressure() else {
+            return;
+        };
+        let sigma = pressure.sigma;
+        let mut largest = 0.0_f64;
+        let mut last = f64::NAN;
+        let column = pressure.column;
+        let mut last_s = 0.0;
+        self.run(
+            parameters,
+            (Run::Free, Tolerance::default()),
+            |row, values, _| {
+                let span_s = self.commands.times_s[row] - last_s;
+                let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
+                largest = largest.max((values[column] - last).abs() / periods);
+                last = values[column];
+                last_s = self.commands.times_s[row];
+            },
+        );
+        self.predictor = Predictor::new(
+            parameters,
+            &self.commands,
+            &pressure.values,
+            sigma,
+            largest,
+            self.start_pressure.is_some(),
+        );
+    }
+
+    /// Runs the model; `row` sees index, values and simulator. None where the simulation was given up.
+    fn run(
+        &self,
+        parameters: &PlantParameters,
+        (run, tolerance): (Run, Tolerance),
+        mut see: impl FnMut(usize, &Row, &mut Simulator),
+    ) -> Option<()> {
+        let without_supply;
+        let parameters = if self.is_without_supply {
+            without_supply = shut_off(parameters);
+            &without_supply
+        } else {
+            parameters
+        };
+        let mut replay = Replay::new(parameters, self.sampling, tolerance);
+        if let Some(pressure) = self.start_pressure {
+            replay.begin_showing(pressure);
+        }
+        let pressure = self.pressure().filter(|_| run == Run::Predicted);
+        let mut work = WORK_AT_START;
+        for (index, &input) in self.inputs.iter().enumerate() {
+            work += WORK_PER_ROW;
+            replay.simulator().set_work_limit(work);
+            let row = replay.row(input);
+            if replay.simulator().is_given_up() {
+                return None;
+            }
+            see(index, &row, replay.simulator());
+            if let Some(channel) = pressure {
+                let error = channel.values[index] - row[channel.column];
+                let gain = self.predictor.gains[index];
+                if error.is_finite() && gain > 0.0 {
+                    let simulator = replay.simulator();
+                    let corrected = simulator.state().pressure + gain * error * PA_PER_BAR;
+                    simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// The rows of the model, corrected by the measured pressure; none where the simulation was given up.
+    pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
+        let mut rows = Vec::with_capacity(self.inputs.len());
+        let run = (Run::Predicted, Tolerance::default());
+        self.run(parameters, run, |_, row, _| rows.push(*row))?;
+        Some(rows)
+    }
+
+    /// Appends the residuals of `parameters`; none where the simulation was given up.
+    pub(super) fn residuals_into(
+        &self,
+        parameters: &PlantParameters,
+        (run, tolerance): (Run, Tolerance),
+        all: &mut Residuals,
+    ) -> Option<()> {
+        let rows = self.inputs.len();
+        let begin = all.len();
+        all.resize(begin + rows * self.channels.len(), 0.0);
+        self.run(parameters, (run, tolerance), |index, row, _| {
+            for (n, channel) in self.channels.iter().enumerate() {
+                let error = channel.values[index] - row[channel.column];
+                if error.is_finite() && self.counted[index] {
+                    all[begin + n * rows + index] = error / self.floor(channel, run, index);
+                }
+            }
+        })
+    }
+
+    /// What a perfect model has there, in the unit of the channel.
+    pub(super) fn floor(&self, channel: &Channel, run: Run, row: usize) -> f64 {
+        if channel.signal == PRESSURE && run == Run::Predicted {
+            channel.sigma * self.predictor.floors[row]
+        } else {
+            channel.sigma
+        }
+    }
+}
+
+/// The plant with its supply at ambient pressure.
+fn shut_off(parameters: &PlantParameters) -> PlantParameters {
+    let mut plant = parameters.clone();
+    plant.gas.supply_pressure_bar_gauge = 0.0;
+    plant
+}
+
+/// Standard deviation of the noise where no quiet stretch tells it: that of what no slow course can be, the second
+/// differences (a median, which the few samples at a switching valve do not move).
+fn scatter(values: &[f64]) -> f64 {
+    let mut curvatures: Vec<f64> = values
+        .windows(3)
+        .map(|three| (three[0] - 2.0 * three[1] + three[2]).abs())
+        .filter(|curvature| curvature.is_finite())
+        .collect();
+    if curvatures.is_empty() {
+        return 0.0;
+    }
+    curvatures.sort_by(f64::total_cmp);
+    // The median of a normal magnitude is 0.6745 standard deviations; the weights 1, -2, 1 give sqrt(6).
+    curvatures[curvatures.len() / 2] / (0.6745 * 6_f64.sqrt())
+}
