@@ -224,6 +224,8 @@ fn tool() -> Result<PathBuf, Failure> {
     if !tool.is_file() {
         let mut install = cargo();
         install.args(["install", "--locked", "cargo-mutants", "--version", VERSION]);
+        // It waits for compilers most of the time: built quickly beats quick.
+        install.arg("--debug");
         process::run(install.arg("--root").arg(&folder), INSTALL_DEADLINE)?;
     }
     Ok(tool)
