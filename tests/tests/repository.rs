@@ -96,42 +96,80 @@ fn modules_of_a_crate_use_each_other_one_way() {
         "hil-harness",
         "report",
         "retarder",
+        "workbench",
     ] {
         let source = repository().join(crate_name).join("src");
         let mut uses = BTreeMap::new();
-        used_modules(&source, &source, &mut uses);
-        assert!(uses.len() > 3, "the modules were found: {uses:?}");
-        // Takes away what stands on nothing that is left, until nothing does.
-        while let Some(lowest) = uses
-            .iter()
-            .find(|(_, used)| !used.iter().any(|name| uses.contains_key(name)))
-        {
-            let lowest = lowest.0.clone();
-            uses.remove(&lowest);
-        }
-        assert!(uses.is_empty(), "{crate_name}, in a circle: {uses:?}");
+        used_modules(&source, &source, &|_| "crate::".to_owned(), &mut uses);
+        assert_one_way(crate_name, uses);
     }
 }
 
-/// The modules of a crate, each a file or a folder in `source`, with those that its code names; tests may name any.
-fn used_modules(source: &Path, folder: &Path, uses: &mut BTreeMap<String, BTreeSet<String>>) {
+/// The same for the files of the diagnosis, which is as large as a crate.
+#[test]
+fn modules_of_the_diagnosis_use_each_other_one_way() {
+    let source = repository().join("model-lab/src/diagnosis");
+    let mut uses = BTreeMap::new();
+    let way_up = |path: &Path| {
+        let is_face = path.file_name().unwrap() == "mod.rs";
+        "super::".repeat(path.iter().count() - usize::from(is_face))
+    };
+    used_modules(&source, &source, &way_up, &mut uses);
+    assert_one_way("diagnosis", uses);
+}
+
+fn assert_one_way(whole: &str, mut uses: BTreeMap<String, BTreeSet<String>>) {
+    // What the whole consists of may name all of it, and so may its tests.
+    for face in ["lib", "mod", "main", "tests"] {
+        uses.remove(face);
+    }
+    assert!(uses.len() > 3, "the modules were found: {uses:?}");
+    // Takes away what stands on nothing that is left, until nothing does.
+    while let Some(lowest) = uses
+        .iter()
+        .find(|(_, used)| !used.iter().any(|name| uses.contains_key(name)))
+    {
+        let lowest = lowest.0.clone();
+        uses.remove(&lowest);
+    }
+    assert!(uses.is_empty(), "{whole}, in a circle: {uses:?}");
+}
+
+/// The modules in `source`, each a file or a folder, with those that its code names behind `way_up` of its path; tests
+/// may name any.
+fn used_modules(
+    source: &Path,
+    folder: &Path,
+    way_up: &dyn Fn(&Path) -> String,
+    uses: &mut BTreeMap<String, BTreeSet<String>>,
+) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            used_modules(source, &path, uses);
+            used_modules(source, &path, way_up, uses);
             continue;
         }
-        let module = path.strip_prefix(source).unwrap().iter().next().unwrap();
+        if path.extension().is_none_or(|end| end != "rs") {
+            continue;
+        }
+        let inner = path.strip_prefix(source).unwrap();
+        let module = inner.iter().next().unwrap();
         let module = module.to_str().unwrap().trim_end_matches(".rs").to_owned();
         let text = fs::read_to_string(&path).unwrap();
         let code = text.split("#[cfg(test)]").next().unwrap().lines();
         let code = code.filter(|line| !line.trim_start().starts_with("//"));
         let used = uses.entry(module.clone()).or_default();
-        for rest in code.flat_map(|line| line.split("crate::").skip(1)) {
-            let end = rest.find(|c: char| c != '_' && !c.is_ascii_lowercase());
-            let name = &rest[..end.unwrap_or(rest.len())];
-            if !name.is_empty() && name != module {
-                used.insert(name.to_owned());
+        let way_up = way_up(inner);
+        for line in code {
+            let places = line.match_indices(&way_up);
+            let whole = places.filter(|(at, _)| !line[..*at].ends_with("super::"));
+            for (at, _) in whole {
+                let rest = &line[at + way_up.len()..];
+                let end = rest.find(|c: char| c != '_' && !c.is_ascii_lowercase());
+                let name = &rest[..end.unwrap_or(rest.len())];
+                if !name.is_empty() && name != module {
+                    used.insert(name.to_owned());
+                }
             }
         }
     }

@@ -5,11 +5,8 @@ use std::time::Duration;
 use hil_harness::reference_profile::Change;
 use hil_harness::{ReferenceProfile, Scenario, controller_file};
 use plant_sim::PlantParameters;
-use plant_sim::parameters::Part;
-use plant_sim::plant::{FILL, VENT};
 use serde::{Deserialize, Serialize};
 
-use crate::project::Project;
 use crate::refusal::Refusal;
 
 /// Changes of the reference in a profile of the page.
@@ -151,7 +148,7 @@ fn nanoseconds(what: &str, seconds: f64) -> Result<u64, Refusal> {
 
 impl ClosedLoop {
     /// The scenario on a plant.
-    pub(crate) fn scenario_on(&self, plant: &NamedPlant) -> Result<Scenario, Refusal> {
+    pub(crate) fn scenario_on(&self, plant: &PlantParameters) -> Result<Scenario, Refusal> {
         let base = self.base()?;
         let mut scenario = match &self.profile {
             None => base,
@@ -167,7 +164,7 @@ impl ClosedLoop {
             )));
         }
         scenario = scenario
-            .on(plant.parameters.clone())
+            .on(plant.clone())
             .controlled_by(controller_file::read(
                 &self.controller.toml,
                 &self.controller.name,
@@ -190,72 +187,6 @@ impl ClosedLoop {
     }
 }
 
-/// A plant that the loop is closed on.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct NamedPlant {
-    /// `plain` or `refined`, where there are two; else `plant`.
-    pub(crate) role: &'static str,
-    pub(crate) name: String,
-    pub(crate) parameters: PlantParameters,
-}
-
-impl NamedPlant {
-    /// The plants of a project: the one it has now, and before it the plain one, where that is another.
-    pub(crate) fn all_of(project: &Project) -> Result<Vec<Self>, Refusal> {
-        let now = &project.plant;
-        let parameters = now.parameters()?;
-        let mut plants = Vec::new();
-        if let Some((name, plain)) = plain(project, &parameters)? {
-            plants.push(Self::new("plain", name, plain)?);
-        }
-        let role = if plants.is_empty() {
-            "plant"
-        } else {
-            "refined"
-        };
-        plants.push(Self::new(role, now.name.clone(), parameters)?);
-        Ok(plants)
-    }
-
-    fn new(role: &'static str, name: String, parameters: PlantParameters) -> Result<Self, Refusal> {
-        let parts = [
-            Part::ArmatureOf(FILL),
-            Part::ArmatureOf(VENT),
-            Part::Chamber,
-        ];
-        match parts.into_iter().find(|part| !part.is_in(&parameters)) {
-            Some(part) => Err(Refusal::value(format!(
-                "{name}: the plant has no {part}; the loop needs both valves and the chamber"
-            ))),
-            None => Ok(Self {
-                role,
-                name,
-                parameters,
-            }),
-        }
-    }
-}
-
-/// The plant before it was refined: as it was opened, or without its effects if it was opened with them.
-fn plain(
-    project: &Project,
-    parameters: &PlantParameters,
-) -> Result<Option<(String, PlantParameters)>, Refusal> {
-    let (now, history) = (&project.plant, &project.history);
-    if history.is_of(now) && history.first().plant != *now {
-        let opened = &history.first().plant;
-        return Ok(Some((opened.name.clone(), opened.parameters()?)));
-    }
-    let effects = &parameters.effects;
-    if effects.is_empty() {
-        return Ok(None);
-    }
-    let without = effects.iter().fold(parameters.clone(), |plant, effect| {
-        plant.without_effect(effect.id())
-    });
-    Ok(Some((format!("{} without effects", now.name), without)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -263,7 +194,7 @@ mod tests {
 
     #[test]
     fn the_table_of_a_built_in_profile_runs_as_the_profile_does() {
-        let nominal = NamedPlant::all_of(&Project::default()).unwrap().remove(0);
+        let nominal = PlantParameters::nominal();
         for built_in in BUILT_IN {
             let unedited = ClosedLoop {
                 scenario: built_in.name.to_owned(),
@@ -285,17 +216,5 @@ mod tests {
                 assert_eq!(one.reference.at_ns(time_ns), other.reference.at_ns(time_ns));
             }
         }
-    }
-
-    #[test]
-    fn a_plant_with_effects_is_run_beside_itself_without_them() {
-        let mut project = Project::default();
-        assert_eq!(NamedPlant::all_of(&project).unwrap().len(), 1);
-        project.plant.toml += "\n[effects.chamber_leak]\nvariant = \"orifice\"\narea_m2 = 2e-8\n";
-        let plants = NamedPlant::all_of(&project).unwrap();
-        let roles: Vec<_> = plants.iter().map(|plant| plant.role).collect();
-        assert_eq!(roles, ["plain", "refined"]);
-        assert_eq!(plants[0].parameters.effects.len(), 0);
-        assert_eq!(plants[1].parameters.effects.len(), 1);
     }
 }

@@ -20,9 +20,9 @@ use futures_util::Stream;
 use serde::{Deserialize, Serialize};
 
 use crate::job::Job;
+use crate::names::ProjectId;
 use crate::refusal::Refusal;
 use crate::session::{Session, Sessions};
-use crate::store::ProjectId;
 
 /// What the routes of a page share.
 pub(crate) type Shared = State<Arc<Sessions>>;
@@ -90,6 +90,8 @@ struct Open {
 #[derive(Serialize)]
 struct Opened {
     session: ProjectId,
+    /// Whether it began with what another project has open.
+    is_copy: bool,
 }
 
 async fn open(State(sessions): Shared, Json(wish): Json<Open>) -> Result<Json<Opened>, Refusal> {
@@ -97,6 +99,7 @@ async fn open(State(sessions): Shared, Json(wish): Json<Open>) -> Result<Json<Op
     let session = sessions.open(wanted)?;
     Ok(Json(Opened {
         session: session.id.clone(),
+        is_copy: session.is_copy,
     }))
 }
 

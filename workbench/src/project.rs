@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use crate::calculated::Calculated;
 use crate::closed_loop::ClosedLoop;
 use crate::history::History;
+use crate::names::LogHash;
 pub(crate) use crate::plant_file::PlantFile;
 use crate::refusal::Refusal;
-use crate::store::LogHash;
 use crate::tolerance::Tolerance;
 
 /// Name and version of the project file.

@@ -1,7 +1,7 @@
 //! One session for each tab: its project, and what was computed for it. Sessions share nothing but stored logs.
 
 use std::collections::{HashMap, VecDeque};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use model_lab::diagnosis::next_experiment::NextExperiment;
 use recording::Recording;
@@ -9,16 +9,15 @@ use tokio::sync::Semaphore;
 
 use crate::calculated;
 use crate::job::Job;
+use crate::lock::lock;
 use crate::log_reader;
-use crate::pages::compare::Compared;
-use crate::pages::control::{Batch, Controlled};
-use crate::pages::diagnose::Diagnosed;
-use crate::pages::refine::ErrorsOfPlants;
+use crate::names::ProjectId;
 use crate::project::Project;
 use crate::pyramid::Pyramid;
 use crate::refusal::{Problem, Refusal};
-use crate::shelf::{Room, Shelf, VALUES_MAX};
-use crate::store::{ProjectId, Store};
+use crate::results::{Batch, Compared, Controlled, Diagnosed, ErrorsOfPlants};
+use crate::shelf::{Room, Shelf, VALUES_MAX, values_of};
+use crate::store::Store;
 
 /// Sessions at one time; beyond them, the one that was opened first is forgotten. Its project is kept.
 const SESSIONS_MAX: usize = 24;
@@ -45,6 +44,8 @@ const WORKERS: usize = 2;
 /// What one tab has open.
 pub(crate) struct Session {
     pub(crate) id: ProjectId,
+    /// Whether it began with the logs of another project.
+    pub(crate) is_copy: bool,
     pub(crate) store: Arc<Store>,
     project: Mutex<Project>,
     logs: Shelf<OpenLog>,
@@ -118,21 +119,6 @@ impl LoadedLog {
     }
 }
 
-/// Values of all signals and time bases.
-pub(crate) fn values_of(recording: &Recording) -> usize {
-    let of_signals = recording
-        .signals()
-        .iter()
-        .map(|signal| signal.values_or_nan().len());
-    let of_bases = recording.time_bases().map(|(_, base)| base.len());
-    of_signals.chain(of_bases).sum()
-}
-
-/// A panic while a lock is held leaves whole values: they are replaced, not changed in steps.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 impl Sessions {
     pub(crate) fn new(store: Arc<Store>) -> Self {
         Self {
@@ -156,11 +142,11 @@ impl Sessions {
     pub(crate) fn open(&self, wanted: Option<ProjectId>) -> Result<Arc<Session>, Refusal> {
         let live = wanted.as_ref().and_then(|id| self.get(id).ok());
         let stored = wanted.as_ref().and_then(|id| self.store.load(id));
-        let (id, project, findings) = match (live, stored, wanted) {
+        let (id, project, findings) = match (live, stored, &wanted) {
             (Some(live), _, _) => (ProjectId::random()?, Some(live.project()), live.findings()),
             (None, Some(project), Some(id)) => {
-                let findings = self.findings_of(&id);
-                (id, Some(project), findings)
+                let findings = self.findings_of(id);
+                (id.clone(), Some(project), findings)
             }
             _ => (
                 ProjectId::random()?,
@@ -168,10 +154,12 @@ impl Sessions {
                 Findings::default(),
             ),
         };
+        let project = project.unwrap_or_default();
         let session = Arc::new(Session {
             id: id.clone(),
+            is_copy: wanted.as_ref() != Some(&id) && !project.logs.is_empty(),
             store: Arc::clone(&self.store),
-            project: Mutex::new(project.unwrap_or_default()),
+            project: Mutex::new(project),
             logs: Shelf::in_room(&self.room),
             comparisons: Shelf::in_room(&self.room),
             diagnosed: findings.diagnosed.into(),

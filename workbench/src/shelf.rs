@@ -3,7 +3,9 @@
 
 use std::sync::{Arc, Mutex};
 
-use crate::session::lock;
+use recording::Recording;
+
+use crate::lock::lock;
 
 /// Values of all tabs that stay in memory, 8 bytes each: 3 GiB.
 pub(crate) const VALUES_MAX: usize = 400_000_000;
@@ -101,6 +103,16 @@ impl<T> Drop for Shelf<T> {
         let entries = &mut lock(&self.room.entries).entries;
         entries.retain(|entry| entry.shelf != self.number);
     }
+}
+
+/// What a recording takes: values of all signals and time bases.
+pub(crate) fn values_of(recording: &Recording) -> usize {
+    let of_signals = recording
+        .signals()
+        .iter()
+        .map(|signal| signal.values_or_nan().len());
+    let of_bases = recording.time_bases().map(|(_, base)| base.len());
+    of_signals.chain(of_bases).sum()
 }
 
 #[cfg(test)]

@@ -9,14 +9,13 @@ use axum::body::Body;
 use axum::http::StatusCode;
 use futures_util::StreamExt as _;
 use recording::write_file_atomically;
-use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use tokio::io::AsyncWriteExt as _;
 use tokio::time::timeout;
 
+use crate::names::{LogHash, ProjectId};
 use crate::project::Project;
 use crate::refusal::Refusal;
-use crate::token::{hex, random_hex};
 
 /// Largest file that the page takes (bytes): an hour at 1 kHz in a dozen channels as text.
 pub(crate) const UPLOAD_BYTES_MAX: u64 = 1 << 30;
@@ -30,67 +29,6 @@ pub(crate) struct Store {
     logs: PathBuf,
     projects: PathBuf,
     incoming: PathBuf,
-}
-
-/// SHA-256 of a stored log, which is its name in the folder.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub(crate) struct LogHash(String);
-
-impl TryFrom<String> for LogHash {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        if is_hex(&text, 64) {
-            Ok(Self(text))
-        } else {
-            Err("a log is named by the 64 hexadecimal digits of its hash".to_owned())
-        }
-    }
-}
-
-impl From<LogHash> for String {
-    fn from(hash: LogHash) -> Self {
-        hash.0
-    }
-}
-
-/// A name that the server drew: 32 hexadecimal digits, so that it is a safe file name.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub(crate) struct ProjectId(String);
-
-impl TryFrom<String> for ProjectId {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        if is_hex(&text, 32) {
-            Ok(Self(text))
-        } else {
-            Err("a project is named by 32 hexadecimal digits".to_owned())
-        }
-    }
-}
-
-impl From<ProjectId> for String {
-    fn from(id: ProjectId) -> Self {
-        id.0
-    }
-}
-
-impl ProjectId {
-    pub(crate) fn random() -> Result<Self, io::Error> {
-        random_hex().map(Self).map_err(io::Error::other)
-    }
-
-    pub(crate) fn as_str(&self) -> &str {
-        &self.0
-    }
-}
-
-fn is_hex(text: &str, length: usize) -> bool {
-    let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
-    text.len() == length && text.bytes().all(is_digit)
 }
 
 impl Store {
@@ -141,14 +79,14 @@ impl Store {
             file.write_all(&chunk).await?;
         }
         file.sync_all().await?;
-        let hash = LogHash(hex(&hash.finalize()));
+        let hash = LogHash::of(&hash.finalize());
         tokio::fs::rename(path, self.log_path(&hash)).await?;
         Ok(hash)
     }
 
     /// Keeps a log that comes with the program.
     pub(crate) fn keep(&self, bytes: &[u8]) -> io::Result<LogHash> {
-        let hash = LogHash(hex(&Sha256::digest(bytes)));
+        let hash = LogHash::of(&Sha256::digest(bytes));
         let path = self.log_path(&hash);
         if !path.exists() {
             write_file_atomically(path, |file| io::Write::write_all(file, bytes))?;
@@ -158,7 +96,7 @@ impl Store {
 
     /// Where the bytes of a log lie.
     pub(crate) fn log_path(&self, hash: &LogHash) -> PathBuf {
-        self.logs.join(&hash.0)
+        self.logs.join(hash.as_str())
     }
 
     fn project_path(&self, id: &ProjectId) -> PathBuf {
@@ -213,7 +151,7 @@ impl Store {
             let is_used = projects
                 .iter()
                 .flat_map(|project| &project.logs)
-                .any(|log| log.file.0.as_str() == name);
+                .any(|log| log.file.as_str() == name);
             if !is_used {
                 fs::remove_file(entry.path())?;
             }

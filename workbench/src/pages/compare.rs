@@ -17,16 +17,15 @@ use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use model_lab::{Comparison, compare_watched};
-use plant_sim::PlantParameters;
 use serde::Deserialize;
 
 use super::{Begun, Shared, begin_job, session};
 use crate::align;
 use crate::job::Job;
 use crate::pages::blocking;
-use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
-use crate::session::{Session, Sessions, values_of};
+use crate::results::Compared;
+use crate::session::{Session, Sessions};
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
@@ -54,54 +53,6 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         )
         .route("/sessions/{session}/logs/{log}/csv", get(export_csv))
         .route("/sessions/{session}/logs/{log}/mf4", get(export_mf4))
-}
-
-/// A comparison with what a view of it needs.
-pub(crate) struct Compared {
-    pub(crate) comparison: Comparison,
-    pub(crate) parameters: PlantParameters,
-    /// Of each compared signal, in the order of the comparison.
-    pyramids: Vec<Pyramids>,
-}
-
-/// Extremes of the computed courses of one signal.
-struct Pyramids {
-    model: Pyramid,
-    residual: Pyramid,
-}
-
-impl Compared {
-    /// Values that it keeps in memory.
-    pub(crate) fn values(&self) -> usize {
-        let traces = &self.comparison.traces;
-        let all = [
-            &traces.free_run,
-            &traces.free_run_residual,
-            &traces.short_horizon,
-            &traces.short_horizon_residual,
-        ];
-        all.into_iter().map(values_of).sum()
-    }
-
-    pub(crate) fn new(comparison: Comparison, parameters: PlantParameters) -> Self {
-        let traces = &comparison.traces;
-        let pyramid = |recording: &recording::Recording, name: &str| {
-            recording
-                .signal(name)
-                .map_or_else(Pyramid::default, |signal| {
-                    Pyramid::new(signal.values_or_nan())
-                })
-        };
-        let of_signal = |signal: &model_lab::result::SignalComparison| Pyramids {
-            model: pyramid(&traces.free_run, &signal.name),
-            residual: pyramid(&traces.free_run_residual, &signal.name),
-        };
-        Self {
-            pyramids: comparison.signals.iter().map(of_signal).collect(),
-            parameters,
-            comparison,
-        }
-    }
 }
 
 /// Begins the comparison of a log with the plant; one that is under way in the same tab ends.

@@ -13,20 +13,18 @@ use axum::routing::{get, post, put};
 use axum::{Json, Router};
 use core::ops::ControlFlow;
 use hil_harness::controller_file::{self, KEYS};
-use hil_harness::{
-    InProcess, ReferenceProfile, Requirement, Run, RunError, Scenario, Verdict, run_watched,
-};
+use hil_harness::{InProcess, ReferenceProfile, Requirement, Run, RunError, Scenario, run_watched};
 use recording::LogOptions;
 use recording::csv::Decimals;
 use serde::Deserialize;
 
 use super::{Begun, Shared, begin_job, blocking, session};
-use crate::closed_loop::{ClosedLoop, ControllerFile, NamedPlant, Profile};
+use crate::closed_loop::{ClosedLoop, ControllerFile, Profile};
+use crate::named_plant::NamedPlant;
 use crate::pages::compare::courses::Range;
 use crate::refusal::{Problem, Refusal};
+use crate::results::{Controlled, Judged};
 use crate::session::{Session, Sessions};
-
-pub(crate) use batch::Batch;
 
 /// What is judged by, as in `retarder control`.
 pub(super) const REQUIREMENT: Requirement = Requirement::THESIS;
@@ -46,33 +44,6 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/control/csv", get(export_csv))
         .route("/sessions/{session}/control/batch", post(batch::begin))
         .route("/sessions/{session}/control/batch", get(batch::result))
-}
-
-/// The loop on every plant of the project, with what was asked for.
-pub(crate) struct Controlled {
-    pub(crate) wish: ClosedLoop,
-    pub(crate) runs: Vec<Judged>,
-}
-
-/// A run and its verdict.
-pub(crate) struct Judged {
-    pub(crate) plant: NamedPlant,
-    pub(crate) run: Run,
-    pub(crate) verdict: Verdict,
-}
-
-impl Controlled {
-    /// Whether a run now would be the same.
-    pub(super) fn is_of(&self, session: &Session) -> bool {
-        let project = session.project();
-        let plants = NamedPlant::all_of(&project).unwrap_or_default();
-        // The size of a batch changes no run.
-        let wish = ClosedLoop {
-            rigs: self.wish.rigs,
-            ..project.closed_loop
-        };
-        wish == self.wish && plants.iter().eq(self.runs.iter().map(|run| &run.plant))
-    }
 }
 
 async fn show(
@@ -119,7 +90,7 @@ fn change(
     session.change(|project| {
         change(&mut project.closed_loop)?;
         for plant in NamedPlant::all_of(project)? {
-            project.closed_loop.scenario_on(&plant)?;
+            project.closed_loop.scenario_on(&plant.parameters)?;
         }
         Ok(())
     })?;
@@ -240,7 +211,7 @@ async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<B
         let count = plants.len();
         let mut runs = Vec::with_capacity(count);
         for (index, plant) in plants.into_iter().enumerate() {
-            let scenario = wish.scenario_on(&plant)?;
+            let scenario = wish.scenario_on(&plant.parameters)?;
             let goes_on = |share: f64| job.goes_on((index as f64 + share) / count as f64);
             let Some(run) = run(&scenario, &goes_on)? else {
                 return Ok(());

@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Begun, Shared, begin_job, session};
 use crate::effects::{self, EffectView};
-use crate::project::PlantFile;
 use crate::refusal::Refusal;
+use crate::results::{Chosen, Diagnosed};
 use crate::session::{Session, Sessions};
 
 /// Longest experiment that is planned (s).
@@ -33,41 +33,6 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/next-experiment/csv", get(export_csv))
 }
 
-/// A diagnosis with what was diagnosed.
-pub(crate) struct Diagnosed {
-    pub(crate) diagnosis: Diagnosis,
-    pub(crate) plant: PlantFile,
-    pub(crate) chosen: Chosen,
-}
-
-/// Numbers of the logs that are fitted, and of those that judge.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Chosen {
-    pub(crate) logs: Vec<u32>,
-    pub(crate) check: Vec<u32>,
-}
-
-impl Chosen {
-    /// Refuses a choice that cannot be fitted.
-    pub(crate) fn check(&self, session: &Session) -> Result<(), Refusal> {
-        if self.logs.is_empty() {
-            return Err(Refusal::value(
-                "no log is chosen for fitting; choose at least one",
-            ));
-        }
-        let project = session.project();
-        for number in self.logs.iter().chain(&self.check) {
-            project.log(*number)?;
-        }
-        match self.logs.iter().find(|log| self.check.contains(log)) {
-            Some(number) => Err(Refusal::value(format!(
-                "log {number} is chosen for fitting and for checking; choose one of the two"
-            ))),
-            None => Ok(()),
-        }
-    }
-}
-
 async fn list_effects() -> Json<Vec<EffectView>> {
     Json(effects::all())
 }
@@ -79,7 +44,7 @@ async fn begin(
     Json(chosen): Json<Chosen>,
 ) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
-    chosen.check(&session)?;
+    chosen.check(&session.project())?;
     let plant = session.project().plant;
     let parameters = plant.parameters()?;
     Ok(begin_job(&sessions, &session, move |session, job| {

@@ -13,14 +13,13 @@ use axum::{Json, Router};
 use model_lab::diagnosis::{Refined, Refinement, refine};
 use serde::{Deserialize, Serialize};
 
-use super::diagnose::Chosen;
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::history::{History, Step, StepEffect, StepError};
 use crate::project::{PlantFile, Project};
 use crate::refusal::Refusal;
+use crate::results::Chosen;
 use crate::session::{Session, Sessions};
 use change::{Change, REFINED};
-pub(crate) use simulation::ErrorsOfPlants;
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
@@ -172,7 +171,7 @@ async fn fit(
     Json(wish): Json<Fitting>,
 ) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
-    wish.chosen.check(&session)?;
+    wish.chosen.check(&session.project())?;
     session.project().log(wish.log)?;
     let history = history(&session)?;
     if !history.now().effects.iter().any(|effect| effect.is_on) {

@@ -14,12 +14,12 @@ use report::{Contents, ControlPart, Input, LogPart, ModelPart, Origin, PlantPart
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
-use super::control::{Controlled, REQUIREMENT};
+use super::control::REQUIREMENT;
 use super::{Begun, Shared, begin_job, session};
 use crate::job::Job;
-use crate::pages::compare::Compared;
 use crate::project::Project;
 use crate::refusal::Refusal;
+use crate::results::{Batch, Compared, Controlled};
 use crate::session::{OpenLog, Session, Sessions};
 use crate::token::{base64, hex};
 use findings::Findings;
@@ -144,7 +144,7 @@ fn runs_of_now(session: &Session) -> Option<Arc<Controlled>> {
     session
         .controlled
         .get()
-        .filter(|controlled| controlled.is_of(session))
+        .filter(|controlled| controlled.is_of(&session.project()))
 }
 
 fn html(session: &Session, project: &Project, logs: &[Log]) -> Result<String, Refusal> {
@@ -176,7 +176,7 @@ fn html(session: &Session, project: &Project, logs: &[Log]) -> Result<String, Re
         })
         .collect();
     let controlled = runs_of_now(session);
-    let batch = session.batch.get().filter(|batch| batch.is_of(session));
+    let batch = session.batch.get().filter(|batch| batch.is_of(project));
     let control = control(controlled.as_deref(), batch.as_deref());
     let findings = Findings::of(session);
     let recordings: Vec<_> = compared.iter().map(|(log, _)| &log.recording).collect();
@@ -227,7 +227,7 @@ fn problems(session: &Session, log: &Log) -> Vec<String> {
 
 fn control<'a>(
     controlled: Option<&'a Controlled>,
-    batch: Option<&'a super::control::Batch>,
+    batch: Option<&'a Batch>,
 ) -> Vec<ControlPart<'a>> {
     let runs = controlled.into_iter().flat_map(|all| {
         let controller = all.wish.controller.name.as_str();

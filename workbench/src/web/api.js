@@ -32,11 +32,11 @@ async function request(method, path, body, signal) {
   throw new Refusal(response.status, value.problems ?? [{ code: `HTTP ${response.status}`, message: text }]);
 }
 
-/** Opens a session on a project; without one, on what was open last. */
+/** Opens a session on a project; without one, on a copy of what was open last. */
 export async function open(project) {
   const opened = await request("POST", "/sessions", { project });
   session = opened.session;
-  return session;
+  return opened;
 }
 
 /** Ends the session's work when the page goes away. */

@@ -60,7 +60,7 @@ export function save(name, url) {
 
 let messages = 0;
 
-/** Tells something above the page; it goes by itself unless it is a problem. */
+/** Tells something above the page. A note goes by itself, what is lasting or a problem when it is closed, a problem with its page as well. */
 export function tell(text, kind = "note") {
   const place = document.getElementById("messages");
   if ([...place.children].some((there) => there.firstChild?.textContent === text)) return;

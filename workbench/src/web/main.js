@@ -10,6 +10,7 @@ import * as diagnose from "./pages/diagnose.js";
 import * as refine from "./pages/refine.js";
 import * as control from "./pages/control.js";
 import * as report from "./pages/report.js";
+import { tellInterrupted } from "./pages/work.js";
 
 /** A page has a title and `show(place)`, which returns what it has to be told: `leave` and `redraw`. */
 const PAGES = { logs, compare, diagnose, refine, control, report };
@@ -53,9 +54,10 @@ async function showPage() {
 }
 
 async function begin() {
-  const project = await api.open(view.text("project") ?? sessionStorage.getItem(KEY));
+  const { session: project, is_copy: isCopy } = await api.open(view.text("project") ?? sessionStorage.getItem(KEY));
   sessionStorage.setItem(KEY, project);
   view.set({ project });
+  if (isCopy) tell("This tab begins with a copy of what was open before. What you change here stays here.", "lasting");
 }
 
 document.getElementById("link").addEventListener("click", async () => {
@@ -68,6 +70,7 @@ addEventListener("pageshow", (event) => { if (event.persisted) location.reload()
 view.begin(show);
 try {
   await begin();
+  tellInterrupted();
   await showPage();
 } catch (error) {
   tellEnd(error);

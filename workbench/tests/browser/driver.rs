@@ -1,10 +1,11 @@
 //! A browser, a server, and what a person does with both.
 
 use std::net::TcpListener;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use fantoccini::actions::{InputSource, MOUSE_BUTTON_LEFT, MouseActions, PointerAction};
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Value, json};
@@ -19,7 +20,7 @@ pub(crate) struct Person {
     pub(crate) client: Client,
     pub(crate) address: String,
     _driver: DriverProcess,
-    _server: Running,
+    server: Running,
     _folders: [TempDir; 2],
 }
 
@@ -84,7 +85,7 @@ impl Person {
             client,
             address,
             _driver: driver,
-            _server: running,
+            server: running,
             _folders: folders,
         };
         person.client.set_window_size(1280, 1000).await.unwrap();
@@ -141,6 +142,39 @@ impl Person {
             .click()
             .await
             .unwrap_or_else(|error| panic!("{selector}: {error}"));
+    }
+
+    /// Clicks twice on the same place, as some people click on everything.
+    pub(crate) async fn double_click(&self, selector: &str) {
+        let element = self.client.find(Locator::Css(selector)).await.unwrap();
+        let mut mouse = MouseActions::new("mouse".into()).then(PointerAction::MoveToElement {
+            element,
+            duration: None,
+            x: 0.0,
+            y: 0.0,
+        });
+        for _ in 0..2 {
+            mouse = mouse
+                .then(PointerAction::Down {
+                    button: MOUSE_BUTTON_LEFT,
+                })
+                .then(PointerAction::Up {
+                    button: MOUSE_BUTTON_LEFT,
+                });
+        }
+        self.client.perform_actions(mouse).await.unwrap();
+        self.client.release_actions().await.unwrap();
+    }
+
+    /// Chooses a file in the dialogue of the browser.
+    pub(crate) async fn choose_file(&self, path: &Path) {
+        let input = self.client.find(Locator::Css("#files")).await.unwrap();
+        input.send_keys(path.to_str().unwrap()).await.unwrap();
+    }
+
+    /// Ends the server under the page.
+    pub(crate) fn stop_the_server(&self) {
+        self.server.0.stop();
     }
 
     pub(crate) async fn text(&self, selector: &str) -> String {

@@ -9,5 +9,6 @@ mod driver;
 mod figures;
 mod hostile;
 mod long_log;
+mod newcomer;
 mod refine;
 mod tabs;

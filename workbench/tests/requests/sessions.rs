@@ -40,6 +40,26 @@ fn two_tabs_do_not_disturb_each_other() {
     assert_eq!(names(&browser, &one), ["one.csv"]);
 }
 
+/// A person who opens a second tab is told that both have their own; one who loads a page again, or begins, is not.
+#[test]
+fn a_session_says_whether_it_began_as_a_copy() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let open = |wanted: Option<&str>| {
+        let opened = browser.post("/api/sessions", &json!({ "project": wanted }));
+        let opened = opened.json();
+        let id = opened["session"].as_str().unwrap().to_owned();
+        (id, opened["is_copy"].as_bool().unwrap())
+    };
+    let (first, is_copy) = open(None);
+    assert!(!is_copy, "nothing was open");
+    browser.upload(&format!("/api/sessions/{first}"), "one.csv", LOG);
+    assert!(open(None).1, "a new tab");
+    assert!(open(Some(&first)).1, "a tab that was duplicated");
+    browser.post(&format!("/api/sessions/{first}/close"), &json!({}));
+    assert_eq!(open(Some(&first)), (first, false), "loaded again");
+}
+
 /// A restart has another token, and finds each tab's project, its logs and its offsets; a new tab begins with the last one.
 #[test]
 fn a_restart_finds_the_projects_again() {

@@ -8,12 +8,12 @@ use plant_sim::replay::ROW_SIGNALS;
 use recording::{Converter, Sampling, Signal, TimeBase, Unit};
 use serde::{Deserialize, Serialize};
 
-use super::Compared;
 use super::band::Band;
 use super::selection::Selection;
 use super::states::{self, Stretch};
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
+use crate::results::Compared;
 use crate::session::{LoadedLog, Session};
 use crate::tolerance::Tolerance;
 

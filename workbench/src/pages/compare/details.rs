@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use recording::{Signal, TimeBase};
 use serde::{Deserialize, Serialize};
 
-use super::Compared;
 use super::courses::{Range, shown_unit, shown_values};
 use super::selection::picked;
 use crate::refusal::Refusal;
+use crate::results::Compared;
 use crate::session::Session;
 
 /// Cells of a scatter plot, along and across: each is drawn as one of its samples.

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::Compared;
 use crate::refusal::Refusal;
+use crate::results::Compared;
 
 /// Pieces that a view can show apart.
 const PIECES_MAX: usize = 400;

@@ -10,35 +10,13 @@ use serde::Serialize;
 
 use super::REQUIREMENT;
 use super::view::{DistributionView, PlantView, RequirementView};
-use crate::closed_loop::{ClosedLoop, NamedPlant};
+use crate::named_plant::NamedPlant;
 use crate::pages::{Begun, Shared, begin_job, session};
 use crate::refusal::Refusal;
-use crate::session::Session;
+use crate::results::Batch;
 
 /// Failing rigs that are named.
 const NAMED_MAX: usize = 20;
-
-/// The verdicts of a batch, for each plant.
-pub(crate) struct Batch {
-    wish: ClosedLoop,
-    plants: Vec<(NamedPlant, Vec<RigVerdict>)>,
-}
-
-impl Batch {
-    /// The verdicts of the rigs about a plant.
-    pub(crate) fn rigs_of(&self, plant: &NamedPlant) -> Option<&[RigVerdict]> {
-        let (_, rigs) = self.plants.iter().find(|(mine, _)| mine == plant)?;
-        Some(rigs)
-    }
-
-    /// Whether a batch now would be the same.
-    pub(crate) fn is_of(&self, session: &Session) -> bool {
-        let project = session.project();
-        let plants = NamedPlant::all_of(&project).unwrap_or_default();
-        let mine = self.plants.iter().map(|(plant, _)| plant);
-        project.closed_loop == self.wish && plants.iter().eq(mine)
-    }
-}
 
 /// Begins a batch; it can be stopped after each rig.
 pub(super) async fn begin(
@@ -54,7 +32,7 @@ pub(super) async fn begin(
         let mut done = 0.0;
         let mut judged = Vec::with_capacity(plants.len());
         for plant in plants {
-            let scenario = wish.scenario_on(&plant)?;
+            let scenario = wish.scenario_on(&plant.parameters)?;
             let mut rigs = Vec::with_capacity(wish.rigs as usize);
             for rig in rigs::verdicts(&scenario, &REQUIREMENT, wish.rigs) {
                 rigs.push(rig?);
@@ -143,7 +121,7 @@ pub(super) async fn result(
         .ok_or_else(|| Refusal::too_early("no batch was run yet; run one first"))?;
     let plants = batch.plants.iter();
     Ok(Json(BatchView {
-        is_current: batch.is_of(&session),
+        is_current: batch.is_of(&session.project()),
         requirement: RequirementView::THESIS,
         plants: plants
             .map(|(plant, rigs)| RigsView::of(plant, rigs))

@@ -3,10 +3,11 @@
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
-use super::{Controlled, Range};
+use super::Range;
 use crate::pages::compare::courses::Course;
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
+use crate::results::Controlled;
 
 /// What is shown, in this order.
 const SIGNALS: [&str; 8] = [

@@ -5,9 +5,11 @@ use hil_harness::scenario::BUILT_IN;
 use hil_harness::{SettlingTimes, Verdict};
 use serde::Serialize;
 
-use super::{Controlled, REQUIREMENT};
-use crate::closed_loop::{NamedPlant, Profile};
+use super::REQUIREMENT;
+use crate::closed_loop::Profile;
+use crate::named_plant::NamedPlant;
 use crate::refusal::{Problem, Refusal};
+use crate::results::Controlled;
 use crate::session::Session;
 
 #[derive(Serialize)]
@@ -151,7 +153,7 @@ impl ResultView {
         });
         let first = controlled.runs.first();
         Self {
-            is_current: controlled.is_of(session),
+            is_current: controlled.is_of(&session.project()),
             scenario: first.map_or(String::new(), |judged| judged.verdict.source.clone()),
             controller: controlled.wish.controller.name.clone(),
             requirement: RequirementView::THESIS,

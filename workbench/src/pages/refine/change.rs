@@ -7,9 +7,9 @@ use plant_sim::parameters::ParameterSpec;
 use serde::Deserialize;
 
 use crate::history::{History, Step, StepEffect};
-use crate::pages::diagnose::Diagnosed;
 use crate::project::PlantFile;
 use crate::refusal::Refusal;
+use crate::results::Diagnosed;
 
 /// File name of a plant that was changed here.
 pub(super) const REFINED: &str = "refined.toml";

@@ -1,6 +1,5 @@
 //! The plant on a log, simulated anew whenever a slider moves.
 
-use std::collections::HashMap;
 use std::time::Instant;
 
 use model_lab::free_run;
@@ -11,13 +10,11 @@ use serde::{Deserialize, Serialize};
 use super::change::moved;
 use super::history;
 use crate::history::{History, Step, StepError};
+use crate::lock::lock;
 use crate::pages::compare::courses::{Course, Range};
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
-use crate::session::{LoadedLog, Session, lock};
-
-/// Errors of plants by log and plant file: rungs of the ladder that a slider does not touch are not simulated again.
-pub(crate) type ErrorsOfPlants = HashMap<(u32, String), Vec<StepError>>;
+use crate::session::{LoadedLog, Session};
 
 /// So many are remembered; then all are forgotten.
 const REMEMBERED_MAX: usize = 256;

@@ -23,7 +23,6 @@ class Page {
     this.verdict = element("div", { class: "verdict", role: "status", id: "control-verdict" });
     this.plants = element("span", { class: "row" });
     this.scenario = element("select", { id: "scenario", on: { change: () => this.choose({ scenario: this.scenario.value, profile: null }).catch(() => {}) } });
-    this.about = element("p", { class: "quiet" });
     this.plots = new RunPlots();
     this.table = element("section", { class: "card", hidden: true, "aria-label": "Requirements" });
     this.batch = new BatchCard(this.ending.signal, (changes, runs) => this.choose(changes, runs));

@@ -1,8 +1,17 @@
 // Work of the server that a page waits for: a bar, what is done just now, and a button that ends it.
 
 import * as api from "../api.js";
-import { button, element, fill, tellProblems } from "../dom.js";
+import { button, element, fill, tell, tellProblems } from "../dom.js";
 import { percent } from "../format.js";
+
+const INTERRUPTED = "interrupted";
+
+/** Says so if a page that was loaded again had work under way, which ended with it. */
+export function tellInterrupted() {
+  const what = sessionStorage.getItem(INTERRUPTED);
+  sessionStorage.removeItem(INTERRUPTED);
+  if (what) tell(`${what} ended when the page was loaded again. Begin it anew.`, "lasting");
+}
 
 export class Work {
   constructor(what) {
@@ -20,6 +29,8 @@ export class Work {
     const begin = performance.now();
     fill(this.element, bar, words, button("Cancel", () => stop.abort(), { class: "cancel" }));
     this.element.hidden = false;
+    const remember = () => sessionStorage.setItem(INTERRUPTED, this.what);
+    addEventListener("pagehide", remember);
     try {
       const begun = await api.post(path, wish);
       await api.follow(begun.job, (share, stage) => {
@@ -32,12 +43,14 @@ export class Work {
       if (refusal.name !== "AbortError") tellProblems(refusal, this.what);
       return false;
     } finally {
+      removeEventListener("pagehide", remember);
       if (this.stop === stop) this.element.hidden = true;
     }
   }
 
   /** The page goes: so does the work. */
   leave() {
+    if (!this.element.hidden) tell(`${this.what} ended when its page was left.`, "lasting");
     this.ending.abort();
   }
 }

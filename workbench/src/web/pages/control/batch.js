@@ -96,7 +96,7 @@ export class BatchCard {
       xaxis: axis({ range: [0, end], title: { text: "settling time [samples]", standoff: 6 }, fixedrange: true }),
       yaxis: axis({ range: [0, 104], title: { text: "settled by then [%]", standoff: 6 }, fixedrange: true }),
       shapes: [{ type: "line", xref: "x", yref: "paper", x0: limit, x1: limit, y0: 0, y1: 1, line: { color: colour("limit"), width: 1.5, dash: "dot" } }],
-      annotations: [{ xref: "x", yref: "paper", x: limit, y: 1, xanchor: "right", yanchor: "bottom", showarrow: false, text: `T_req = ${limit} samples`, font: { color: colour("limit") } }],
+      annotations: [{ xref: "x", yref: "paper", x: limit, y: 1, xanchor: "right", yanchor: "bottom", showarrow: false, text: `limit T_req: ${limit} samples`, font: { color: colour("limit") } }],
     }));
   }
 }

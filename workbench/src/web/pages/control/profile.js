@@ -4,6 +4,8 @@ import { button, element, fill, tell } from "../../dom.js";
 
 /** Changes that the table shows; a longer profile is changed in its file. */
 const ROWS_MAX = 60;
+/** Changes that are shown without being asked for. */
+const SHORT = 8;
 
 /** A form that gives the edited profile to `apply`, or a file to `open`. Both refuse by throwing. */
 export function profileForm(wish, apply, open) {
@@ -30,6 +32,7 @@ export function profileForm(wish, apply, open) {
   });
   const add = () => {
     const last = read().changes.at(-1) ?? { time_s: 0, to_bar: Number(start.value) };
+    list.open = true;
     body.append(row({ time_s: +(last.time_s + 1).toFixed(3), to_bar: last.to_bar, within_s: 0 }));
     if (Number(end.value) < last.time_s + 2) end.value = +(last.time_s + 2).toFixed(3);
   };
@@ -40,12 +43,15 @@ export function profileForm(wish, apply, open) {
     await open({ name: chosen.name, csv: await chosen.text() }).catch(() => {});
   } } });
   const about = wish.scenarios.find((one) => one.name === wish.scenario)?.about ?? "";
+  const list = element("details", { open: profile.changes.length <= SHORT },
+    element("summary", {}, "Steps and ramps"),
+    element("table", { class: "form" },
+      element("thead", {}, element("tr", {}, [["at", "s"], ["reference", "bar gauge"], ["within", "s"]].map(([name, unit]) => element("th", { scope: "col" }, name, element("span", { class: "unit" }, unit))), element("th"))), body));
   const form = element("form", { class: "stack tight", id: "profile", on: { submit: (event) => { event.preventDefault(); apply(read()).catch(() => {}); } } },
     element("p", { class: "quiet" }, wish.is_edited ? profile.name : about),
     element("label", {}, "reference at the start ", start, element("span", { class: "unit" }, " bar gauge")),
     element("label", {}, "pressure at the start ", pressure, element("span", { class: "unit" }, " bar gauge")),
-    element("div", { class: "short-list" }, element("table", { class: "form" },
-      element("thead", {}, element("tr", {}, [["at", "s"], ["reference", "bar gauge"], ["within", "s"]].map(([name, unit]) => element("th", { scope: "col" }, name, element("span", { class: "unit" }, unit))), element("th"))), body)),
+    list,
     !isWhole && element("p", { class: "quiet" }, `${profile.changes.length} changes are too many for this table; change them in a file.`),
     element("label", {}, "end ", end, element("span", { class: "unit" }, " s")),
     element("div", { class: "row" },

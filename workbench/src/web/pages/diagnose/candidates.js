@@ -9,7 +9,14 @@ export class Candidates {
     this.element = element("section", { class: "card", id: "candidates", "aria-label": "Candidates" },
       element("h2", {}, "The candidates"),
       element("p", { class: "quiet" }, "Share of the excess error that each effect explains by itself, everything refitted; a named one is in colour. Each opens."),
-      element("div", { class: "ranking" }, diagnosis.candidates.map((candidate, index) => this.row(candidate, index))));
+      element("div", { class: "ranking" }, this.ranking().map((candidate, index) => this.row(candidate, index))));
+  }
+
+  /** The named ones in their order, then the others by the share that is shown. */
+  ranking() {
+    const { candidates, effects } = this.diagnosis;
+    const place = ({ effect }) => effects.includes(effect) ? effects.indexOf(effect) : effects.length;
+    return [...candidates].sort((a, b) => place(a) - place(b) || b.explained_share - a.explained_share);
   }
 
   row(candidate, index) {

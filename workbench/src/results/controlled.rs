@@ -1,0 +1,55 @@
+//! Runs of the closed loop, and batches of them.
+
+use hil_harness::rigs::RigVerdict;
+use hil_harness::{Run, Verdict};
+
+use crate::closed_loop::ClosedLoop;
+use crate::named_plant::NamedPlant;
+use crate::project::Project;
+
+/// The loop on every plant of the project, with what was asked for.
+pub(crate) struct Controlled {
+    pub(crate) wish: ClosedLoop,
+    pub(crate) runs: Vec<Judged>,
+}
+
+/// A run and its verdict.
+pub(crate) struct Judged {
+    pub(crate) plant: NamedPlant,
+    pub(crate) run: Run,
+    pub(crate) verdict: Verdict,
+}
+
+impl Controlled {
+    /// Whether a run now would be the same.
+    pub(crate) fn is_of(&self, project: &Project) -> bool {
+        let plants = NamedPlant::all_of(project).unwrap_or_default();
+        // The size of a batch changes no run.
+        let wish = ClosedLoop {
+            rigs: self.wish.rigs,
+            ..project.closed_loop.clone()
+        };
+        wish == self.wish && plants.iter().eq(self.runs.iter().map(|run| &run.plant))
+    }
+}
+
+/// The verdicts of a batch, for each plant.
+pub(crate) struct Batch {
+    pub(crate) wish: ClosedLoop,
+    pub(crate) plants: Vec<(NamedPlant, Vec<RigVerdict>)>,
+}
+
+impl Batch {
+    /// The verdicts of the rigs about a plant.
+    pub(crate) fn rigs_of(&self, plant: &NamedPlant) -> Option<&[RigVerdict]> {
+        let (_, rigs) = self.plants.iter().find(|(mine, _)| mine == plant)?;
+        Some(rigs)
+    }
+
+    /// Whether a batch now would be the same.
+    pub(crate) fn is_of(&self, project: &Project) -> bool {
+        let plants = NamedPlant::all_of(project).unwrap_or_default();
+        let mine = self.plants.iter().map(|(plant, _)| plant);
+        project.closed_loop == self.wish && plants.iter().eq(mine)
+    }
+}

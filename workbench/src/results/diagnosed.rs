@@ -1,0 +1,42 @@
+//! A diagnosis.
+
+use model_lab::diagnosis::Diagnosis;
+use serde::{Deserialize, Serialize};
+
+use crate::plant_file::PlantFile;
+use crate::project::Project;
+use crate::refusal::Refusal;
+
+/// A diagnosis with what was diagnosed.
+pub(crate) struct Diagnosed {
+    pub(crate) diagnosis: Diagnosis,
+    pub(crate) plant: PlantFile,
+    pub(crate) chosen: Chosen,
+}
+
+/// Numbers of the logs that are fitted, and of those that judge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Chosen {
+    pub(crate) logs: Vec<u32>,
+    pub(crate) check: Vec<u32>,
+}
+
+impl Chosen {
+    /// Refuses a choice that cannot be fitted.
+    pub(crate) fn check(&self, project: &Project) -> Result<(), Refusal> {
+        if self.logs.is_empty() {
+            return Err(Refusal::value(
+                "no log is chosen for fitting; choose at least one",
+            ));
+        }
+        for number in self.logs.iter().chain(&self.check) {
+            project.log(*number)?;
+        }
+        match self.logs.iter().find(|log| self.check.contains(log)) {
+            Some(number) => Err(Refusal::value(format!(
+                "log {number} is chosen for fitting and for checking; choose one of the two"
+            ))),
+            None => Ok(()),
+        }
+    }
+}
