@@ -60,6 +60,8 @@ pub struct Candidate {
 pub struct Fitted {
     /// Its key in the plant file.
     pub key: String,
+    /// What fits best.
+    pub value: f64,
     /// Lower end of the interval.
     pub low: f64,
     /// Upper end of the interval.

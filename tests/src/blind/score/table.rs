@@ -38,6 +38,8 @@ pub struct Report {
     pub median_over_floor: Option<f64>,
     /// Intervals of the named parameter that hold its true value.
     pub coverage: Share,
+    /// By what share of the true value fitted ones are off: the median, and what nine of ten keep.
+    pub deviations: [Option<f64>; 2],
     /// Mean number of ids that a right name stands for, itself included.
     pub mean_set: Option<f64>,
     /// What went wrong, by rig.
@@ -117,7 +119,11 @@ impl Report {
                 finding.last_over_floor() <= CLOSE_TO_THE_FLOOR
             }),
             median_over_floor: median(findings.iter().map(|f| f.last_over_floor()).collect()),
-            coverage: Share::of(right.iter().flat_map(|rig| covered(rig)), |held| *held),
+            coverage: Share::of(right.iter().flat_map(|rig| sizes(rig)), |size| size.is_held),
+            deviations: [0.5, 0.9].map(|share| {
+                let of = right.iter().flat_map(|rig| sizes(rig));
+                quantile(of.map(|size| size.deviation).collect(), share)
+            }),
             mean_set: mean_set(&findings),
             misses: rigs.iter().filter_map(miss).collect(),
         }
@@ -185,18 +191,26 @@ fn effects(rigs: &[Scored]) -> Vec<Row> {
         .collect()
 }
 
-/// Of each effect named by its own id whose parameter the library has: whether the interval holds the true value.
-fn covered(rig: &Scored) -> Vec<bool> {
+/// A fitted value beside the true one.
+struct Size {
+    /// Whether the interval holds the true value.
+    is_held: bool,
+    /// Share of the true value.
+    deviation: f64,
+}
+
+/// Of each effect named by its own id whose parameter the library has.
+fn sizes(rig: &Scored) -> Vec<Size> {
     let Some(finding) = &rig.finding else {
         return vec![];
     };
     let of_hidden = |hidden: &super::super::format::Hidden| {
         let (key, value) = hidden.parameter.as_ref()?;
         let fitted = finding.fitted(&hidden.effect, key)?;
-        finding
-            .effects
-            .contains(&hidden.effect)
-            .then_some((fitted.low..=fitted.high).contains(value))
+        finding.effects.contains(&hidden.effect).then(|| Size {
+            is_held: (fitted.low..=fitted.high).contains(value),
+            deviation: (fitted.value / value - 1.0).abs(),
+        })
     };
     rig.answer.hidden.iter().filter_map(of_hidden).collect()
 }
@@ -209,9 +223,14 @@ fn mean_set(findings: &[&Finding]) -> Option<f64> {
     (!sizes.is_empty()).then(|| sizes.iter().sum::<f64>() / sizes.len() as f64)
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
+fn median(values: Vec<f64>) -> Option<f64> {
+    quantile(values, 0.5)
+}
+
+/// The value that this share of them stays below.
+fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+    values.get((share * values.len() as f64) as usize).copied()
 }
 
 /// One line on a rig that was not answered as it should have been.
@@ -294,6 +313,13 @@ impl fmt::Display for Report {
             writeln!(f, "  ids per name, equivalents included: {set:.2}")?;
         }
         writeln!(f, "  interval holds the true value: {}", self.coverage)?;
+        if let [Some(half), Some(most)] = self.deviations.map(|one| one.map(|share| 100.0 * share))
+        {
+            writeln!(
+                f,
+                "  fitted value off by {half:.1} % (median), {most:.1} % (nine of ten)"
+            )?;
+        }
         writeln!(f, "\nmisses: {}", self.misses.len())?;
         self.misses
             .iter()
