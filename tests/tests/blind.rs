@@ -1,4 +1,4 @@
-//! The three programs of the blind benchmark, end to end on one short rig.
+//! The programs of the blind benchmark, end to end on one short rig.
 
 #![cfg(unix)]
 
@@ -7,9 +7,11 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
 use retarder_tests::blind::draw::{Counts, Draw, DrawError};
-use retarder_tests::blind::format::Folders;
+use retarder_tests::blind::format::{Answer, Class, Folders, Hidden};
+use retarder_tests::blind::pairs;
 use retarder_tests::blind::run::{Diagnose, run};
 use retarder_tests::blind::score::score;
+use retarder_tests::reference_plant::catalogue::Kinship;
 
 /// Poor logs of the first kind alone, 10 to 20 s long.
 const SHORT: Counts = Counts {
@@ -24,9 +26,9 @@ const SHORT: Counts = Counts {
 /// A command that takes the diagnosis' place: writes `says` where it is told to, and a mark into `calls`.
 fn stand_in(folder: &Path, says: &str) -> PathBuf {
     let path = folder.join("stand-in");
-    // Arguments: diagnose --plant P --log L --check C --json F.
+    // The last argument is the file of the JSON.
     let script = format!(
-        "#!/bin/sh\necho \"$*\" >> {}/calls\ncat > \"$9\" <<'END'\n{says}\nEND\n",
+        "#!/bin/sh\necho \"$*\" >> {}/calls\nfor last; do :; done\ncat > \"$last\" <<'END'\n{says}\nEND\n",
         folder.display()
     );
     fs::write(&path, script).unwrap();
@@ -98,4 +100,52 @@ fn a_diagnosis_that_fails_leaves_what_it_said() {
     assert_eq!((report.rigs.count, report.rigs.of), (0, 1));
     assert!(!report.holds());
     assert_eq!(report.misses.len(), 1);
+}
+
+/// A pair that shows: each of its effects leaves more than half the noise without the other one.
+#[test]
+fn a_pair_is_fitted_with_each_of_its_effects_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders::new(folder.path().join("draw"));
+    Draw::new(1, SHORT).write(&folders, 1, |_| ()).unwrap();
+    let sealed = folders.sealed().join("rig-001.json");
+    let mut answer: Answer = serde_json::from_slice(&fs::read(&sealed).unwrap()).unwrap();
+    let hidden = |effect: &str| Hidden {
+        effect: effect.to_owned(),
+        law: String::new(),
+        kinship: Kinship::Matched,
+        same: vec![],
+        size: 1.0,
+        unit: String::new(),
+        size_over_typical: 1.0,
+        shape: 0.5,
+        parameter: None,
+    };
+    answer.class = Class::Two;
+    answer.hidden = ["chamber_leak", "sensor_lag"].map(hidden).to_vec();
+    fs::write(&sealed, serde_json::to_string(&answer).unwrap()).unwrap();
+
+    let unlooked = score(&folders).unwrap();
+    assert_eq!(unlooked.quality.both_of_separable.of, 0);
+    let left = r#"{"ladder": [{"fit_rms": {}, "check_rms": {"p_ch": 2.0}, "noise_floor": {"p_ch": 1.0}}]}"#;
+    let command = Diagnose {
+        retarder: stand_in(folder.path(), left),
+        plant: "plant.toml".into(),
+    };
+    fs::write(folder.path().join("calls"), "").unwrap();
+    for _ in 0..2 {
+        pairs::run(&folders, &command, |_, _| ()).unwrap();
+    }
+    let calls = fs::read_to_string(folder.path().join("calls")).unwrap();
+    let calls: Vec<&str> = calls.lines().collect();
+    assert_eq!(calls.len(), 2, "the second run has nothing left: {calls:?}");
+    for (call, effect) in calls.iter().zip(["chamber_leak", "sensor_lag"]) {
+        assert!(call.contains(&format!("--add {effect} ")), "{call}");
+    }
+    let report = score(&folders).unwrap();
+    assert_eq!(report.quality.both_of_separable.of, 1);
+    assert!(
+        report.to_string().contains("leaves half the noise"),
+        "{report}"
+    );
 }

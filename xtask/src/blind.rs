@@ -1,4 +1,4 @@
-//! The blind benchmark of the diagnosis: three programs, each of which reads what the one before wrote.
+//! The blind benchmark of the diagnosis: programs, each of which reads what the ones before wrote.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -33,6 +33,11 @@ pub(crate) fn run(report: &mut Report, draw: &Path, seed: u64, share: f64) {
     });
     report.step("rigs diagnosed", || {
         let mut program = program("blind-run");
+        program.arg("--draw").arg(draw);
+        process::run(program.arg("--retarder").arg(release("retarder")), DEADLINE)
+    });
+    report.step("pairs fitted with one effect", || {
+        let mut program = program("blind-pairs");
         program.arg("--draw").arg(draw);
         process::run(program.arg("--retarder").arg(release("retarder")), DEADLINE)
     });

@@ -1,4 +1,4 @@
-//! What the three programs agree on: where files lie, and how a sealed answer is written.
+//! What the programs agree on: where files lie, and how a sealed answer is written.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -48,6 +48,16 @@ impl Folders {
     /// What it said of a rig.
     pub fn finding(&self, rig: &str) -> PathBuf {
         self.found().join(format!("{rig}.json"))
+    }
+
+    /// What a model with one of two hidden effects leaves.
+    pub fn alone(&self) -> PathBuf {
+        self.0.join("alone")
+    }
+
+    /// The same of one effect on one rig.
+    pub fn alone_with(&self, rig: &str, effect: &str) -> PathBuf {
+        self.alone().join(format!("{rig}-{effect}.json"))
     }
 
     /// The folder of the draw itself.

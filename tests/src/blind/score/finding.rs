@@ -98,6 +98,20 @@ impl Finding {
     }
 }
 
+/// What a model that was told an effect leaves, of what `retarder refine --json` says.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Alone {
+    ladder: Vec<Step>,
+}
+
+impl Alone {
+    /// In units of the noise, of the signal in which it is most.
+    pub fn excess(&self) -> f64 {
+        let last = self.ladder.last();
+        last.map_or(f64::NAN, |last| excess(&last.check_rms, &last.noise_floor))
+    }
+}
+
 /// √((rms/floor)² - 1), of the signal in which it is most.
 pub fn excess(rms: &BySignal, floor: &BySignal) -> f64 {
     ratios(rms, floor)

@@ -37,6 +37,8 @@ pub struct Quality {
     pub named_outside: Share,
     /// Pairs of which both are named.
     pub both_of_two: Share,
+    /// The same of those in which each effect shows beside the other one; of none where that was not looked at.
+    pub both_of_separable: Share,
 }
 
 impl Quality {
@@ -53,6 +55,9 @@ impl Quality {
             }),
             named_outside: Share::of(of(Class::Beyond), |rig| judgement(rig).wrong() > 0),
             both_of_two: Share::of(of(Class::Two), |rig| judgement(rig).right == 2),
+            both_of_separable: Share::of(rigs.iter().filter(|rig| rig.is_separable()), |rig| {
+                judgement(rig).right == 2
+            }),
         }
     }
 
@@ -127,7 +132,7 @@ mod tests {
             candidates: vec![],
         };
         let hidden: Vec<(&str, &[&str])> = hidden.iter().map(|&id| (id, &[] as &[&str])).collect();
-        Scored::new(answer(class, &hidden), Some(finding), None)
+        Scored::new(answer(class, &hidden), Some(finding), vec![], None)
     }
 
     fn quality(rigs: &[Scored]) -> Quality {
@@ -139,6 +144,11 @@ mod tests {
     fn shares_are_those_of_a_count_by_hand() {
         let mut unfinished = rig(Class::Matched, &["eddy_currents"], 0.0, &[]);
         unfinished.finding = None;
+        // One of the pairs shows its second effect too little.
+        let pair = |alone: [f64; 2], names: &[&str]| Scored {
+            alone: alone.to_vec(),
+            ..rig(Class::Two, &["sensor_lag", "eddy_currents"], 2.0, names)
+        };
         let rigs = [
             rig(Class::Plain, &[], 0.1, &[]),
             rig(Class::Plain, &[], 0.1, &["sensor_lag"]),
@@ -152,18 +162,9 @@ mod tests {
             rig(Class::Matched, &["chamber_leak"], 0.4, &[]),
             rig(Class::Matched, &["chamber_leak"], 0.4, &["flow_force"]),
             unfinished,
-            rig(
-                Class::Two,
-                &["sensor_lag", "eddy_currents"],
-                2.0,
-                &["sensor_lag"],
-            ),
-            rig(
-                Class::Two,
-                &["sensor_lag", "eddy_currents"],
-                2.0,
-                &["eddy_currents", "sensor_lag"],
-            ),
+            pair([2.0, 0.4], &["sensor_lag"]),
+            pair([0.5, 3.0], &["eddy_currents", "sensor_lag"]),
+            pair([0.6, 0.7], &["eddy_currents"]),
             rig(Class::Beyond, &["sensor_bow"], 2.0, &[]),
             rig(Class::Beyond, &["sensor_bow"], 2.0, &["sensor_offset"]),
         ];
@@ -174,9 +175,10 @@ mod tests {
                 false_names: share(1, 2),
                 // Two that show; one without an answer counts as missed.
                 right_names: share(2, 3),
-                wrong_names: share(2, 7),
+                wrong_names: share(2, 8),
                 named_outside: share(1, 2),
-                both_of_two: share(1, 2),
+                both_of_two: share(1, 3),
+                both_of_separable: share(1, 2),
             }
         );
     }

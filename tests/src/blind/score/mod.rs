@@ -48,6 +48,8 @@ pub struct Scored {
     pub answer: Answer,
     /// What the diagnosis said.
     pub finding: Option<Finding>,
+    /// Of two hidden effects, the excess that a model leaves which has one of them alone; empty where it was not looked at.
+    alone: Vec<f64>,
     /// How right its names are.
     judgement: Judgement,
     /// How right the names of the simple rules are, in the order of [`rules::RULES`].
@@ -55,7 +57,12 @@ pub struct Scored {
 }
 
 impl Scored {
-    fn new(answer: Answer, finding: Option<Finding>, log: Option<&log::Log>) -> Self {
+    fn new(
+        answer: Answer,
+        finding: Option<Finding>,
+        alone: Vec<f64>,
+        log: Option<&log::Log>,
+    ) -> Self {
         let named = finding
             .as_ref()
             .map_or_else(Named::default, |finding| Named {
@@ -77,6 +84,7 @@ impl Scored {
         Self {
             answer,
             finding,
+            alone,
             judgement,
             by_rules,
         }
@@ -95,6 +103,11 @@ impl Scored {
         self.is_single() || self.answer.class == Class::Two
     }
 
+    /// Whether each of two effects shows beside the other one.
+    fn is_separable(&self) -> bool {
+        self.alone.len() == 2 && self.alone.iter().all(|&excess| excess >= TO_BE_FOUND)
+    }
+
     /// Whether it has one effect that shows, or whose diagnosis did not end.
     fn is_to_be_found(&self) -> bool {
         self.is_single() && self.excess().is_none_or(|excess| excess >= TO_BE_FOUND)
@@ -106,6 +119,32 @@ impl Scored {
 /// # Errors
 /// If an answer or a finding cannot be read. A finding that is not there is a rig without names.
 pub fn score(folders: &Folders) -> Result<Report, ScoreError> {
+    let rigs = answers(folders)?.into_iter().map(|answer| {
+        let finding = folders.finding(&answer.rig);
+        let finding = finding.exists().then(|| parse(&finding)).transpose()?;
+        let alone = alone(folders, &answer)?;
+        let log = log::Log::read(&folders.id_log(&answer.rig))?;
+        Ok(Scored::new(answer, finding, alone, Some(&log)))
+    });
+    let rigs: Vec<Scored> = rigs.collect::<Result<_, ScoreError>>()?;
+    Ok(Report::new(&rigs))
+}
+
+/// What is left without each of two effects, where that was looked at.
+fn alone(folders: &Folders, answer: &Answer) -> Result<Vec<f64>, ScoreError> {
+    if answer.class != Class::Two {
+        return Ok(Vec::new());
+    }
+    let hidden = answer.hidden.iter();
+    let paths = hidden.map(|hidden| folders.alone_with(&answer.rig, &hidden.effect));
+    let there = paths.filter(|path| path.exists());
+    there
+        .map(|path| Ok(parse::<finding::Alone>(&path)?.excess()))
+        .collect()
+}
+
+/// The answers of a draw, in the order of their rigs.
+pub(super) fn answers(folders: &Folders) -> Result<Vec<Answer>, ScoreError> {
     let sealed = folders.sealed();
     let read = fs::read_dir(&sealed).map_err(|error| ScoreError::Read(sealed.clone(), error))?;
     let mut paths: Vec<PathBuf> = read
@@ -116,17 +155,7 @@ pub fn score(folders: &Folders) -> Result<Report, ScoreError> {
     if paths.is_empty() {
         return Err(ScoreError::NoAnswers(sealed));
     }
-    let rigs: Result<Vec<Scored>, ScoreError> = paths
-        .iter()
-        .map(|path| {
-            let answer: Answer = parse(path)?;
-            let finding = folders.finding(&answer.rig);
-            let finding = finding.exists().then(|| parse(&finding)).transpose()?;
-            let log = log::Log::read(&folders.id_log(&answer.rig))?;
-            Ok(Scored::new(answer, finding, Some(&log)))
-        })
-        .collect();
-    Ok(Report::new(&rigs?))
+    paths.iter().map(|path| parse(path)).collect()
 }
 
 fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, ScoreError> {
