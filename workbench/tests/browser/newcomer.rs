@@ -34,7 +34,7 @@ fn a_picture_is_no_log_and_a_mended_file_can_be_chosen_again() {
             .await;
         let said = person.text(".log.wrong").await;
         assert!(
-            said.contains("bench.png") && said.contains("no text"),
+            said.contains("bench.png") && said.contains("binary data"),
             "{said}"
         );
         assert!(!person.text("body").await.contains("TypeError"));
