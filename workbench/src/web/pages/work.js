@@ -4,12 +4,13 @@ import * as api from "../api.js";
 import { button, element, fill, tell, tellProblems } from "../dom.js";
 import { percent } from "../format.js";
 
-const INTERRUPTED = "interrupted";
+/** What is under way in this tab, as a page that is loaded again finds it. */
+const UNDER_WAY = "under-way";
 
 /** Says so if a page that was loaded again had work under way, which ended with it. */
 export function tellInterrupted() {
-  const what = sessionStorage.getItem(INTERRUPTED);
-  sessionStorage.removeItem(INTERRUPTED);
+  const what = sessionStorage.getItem(UNDER_WAY);
+  sessionStorage.removeItem(UNDER_WAY);
   if (what) tell(`${what} ended when the page was loaded again. Begin it anew.`, "lasting");
 }
 
@@ -29,8 +30,8 @@ export class Work {
     const begin = performance.now();
     fill(this.element, bar, words, button("Cancel", () => stop.abort(), { class: "cancel" }));
     this.element.hidden = false;
-    const remember = () => sessionStorage.setItem(INTERRUPTED, this.what);
-    addEventListener("pagehide", remember);
+    sessionStorage.setItem(UNDER_WAY, this.what);
+    let isCutOff = false;
     try {
       const begun = await api.post(path, wish);
       await api.follow(begun.job, (share, stage) => {
@@ -40,10 +41,12 @@ export class Work {
       }, AbortSignal.any([stop.signal, this.ending.signal]));
       return true;
     } catch (refusal) {
+      // So it is for a page that goes, too.
+      isCutOff = refusal.status === 0;
       if (refusal.name !== "AbortError") tellProblems(refusal, this.what);
       return false;
     } finally {
-      removeEventListener("pagehide", remember);
+      if (!isCutOff && this.stop === stop) sessionStorage.removeItem(UNDER_WAY);
       if (this.stop === stop) this.element.hidden = true;
     }
   }
