@@ -61,7 +61,7 @@ enum Work {
 const TOUR_REPORT: &str = "report.html";
 
 impl Task {
-    /// Reads and checks everything that the arguments name.
+    /// Reads and checks everything that the arguments name, and that the results can be written.
     pub(crate) fn resolve(arguments: Cli) -> Result<Self, Failure> {
         let mut targets = Targets::default();
         let work = match arguments.command {
@@ -129,6 +129,7 @@ impl Task {
             Some(Command::Schema { result }) => Work::Text(schema_text(result)),
             Some(Command::Completions { shell }) => Work::Text(completions(shell)),
         };
+        targets.check()?;
         Ok(Self { work, targets })
     }
 

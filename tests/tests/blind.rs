@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use retarder_tests::blind::draw::{Counts, Draw, DrawError};
 use retarder_tests::blind::format::{Answer, Class, Folders, Hidden};
 use retarder_tests::blind::pairs;
-use retarder_tests::blind::run::{Diagnose, run};
+use retarder_tests::blind::run::{Released, run};
 use retarder_tests::blind::score::score;
 use retarder_tests::reference_plant::catalogue::Kinship;
 
@@ -54,6 +54,16 @@ fn a_rig_is_the_same_from_the_same_seed_and_another_from_another() {
 }
 
 #[test]
+fn a_rig_drawn_alone_is_that_of_the_whole_draw() {
+    let whole = Draw::new(1, Counts { poor: 2, ..SHORT });
+    let alone = whole.clone().only(&[2]);
+    assert_eq!(alone.count(), 1);
+    let (of_all, alone) = (whole.rig(1), alone.rig(0));
+    assert_eq!(of_all.answer, alone.answer);
+    assert_eq!(of_all.logs, alone.logs);
+}
+
+#[test]
 fn what_the_diagnosis_says_of_a_drawn_rig_is_scored() {
     let folder = tempfile::tempdir().unwrap();
     for (effects, false_names) in [("[]", 0), (r#"["chamber_leak"]"#, 1)] {
@@ -63,7 +73,7 @@ fn what_the_diagnosis_says_of_a_drawn_rig_is_scored() {
         let again = draw.write(&folders, 1, |_| ());
         assert!(matches!(again, Err(DrawError::Occupied(_))));
 
-        let command = Diagnose {
+        let command = Released {
             retarder: stand_in(folder.path(), &finding(effects)),
             plant: "plant.toml".into(),
         };
@@ -89,7 +99,7 @@ fn a_diagnosis_that_fails_leaves_what_it_said() {
     let folder = tempfile::tempdir().unwrap();
     let folders = Folders::new(folder.path().join("draw"));
     Draw::new(1, SHORT).write(&folders, 1, |_| ()).unwrap();
-    let command = Diagnose {
+    let command = Released {
         retarder: "/bin/echo".into(),
         plant: "plant.toml".into(),
     };
@@ -128,7 +138,7 @@ fn a_pair_is_fitted_with_each_of_its_effects_alone() {
     let unlooked = score(&folders).unwrap();
     assert_eq!(unlooked.quality.both_of_separable.of, 0);
     let left = r#"{"ladder": [{"fit_rms": {}, "check_rms": {"p_ch": 2.0}, "noise_floor": {"p_ch": 1.0}}]}"#;
-    let command = Diagnose {
+    let command = Released {
         retarder: stand_in(folder.path(), left),
         plant: "plant.toml".into(),
     };

@@ -129,9 +129,9 @@ fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
         .iter()
         .filter_map(|tried| tried.trial.as_ref())
         .filter(|trial| trial.fitted.total_excess() <= (1.0 - FIRST_SHARE) * excess)
-        .take(FIRSTS)
         // What is bent until it fits leaves nothing true for a second effect.
         .filter(|trial| trial.is_sound(bench, plain))
+        .take(FIRSTS)
         .cloned()
         .collect()
 }
@@ -241,19 +241,24 @@ impl Trial {
         self.evidence_over(base) > NAMED_EVIDENCE
     }
 
-    /// Whether what it adds to `base` takes most of what was left there.
+    /// Whether what it adds to `base` takes most of what was left there, as far as it shows: logs that leave nothing
+    /// material say no more than that it does no harm.
     fn is_further_than(&self, base: &Self) -> bool {
-        let mut drops = self.sets().into_iter().zip(base.sets()).map(|(own, base)| {
+        let shows = base.is_material();
+        let mut sets = self.sets().into_iter().zip(base.sets());
+        let takes_most = |(own, base): (&Errors, &Errors)| {
             let (left, before) = (own.total_excess(), base.total_excess());
-            (before - left, before)
-        });
-        let takes_most =
-            |(drop, before): (f64, f64)| drop >= FURTHER_SHARE * before || before < FURTHER_DROP;
+            if shows && !base.is_material() {
+                left <= before + ALIKE_EXCESS
+            } else {
+                before - left >= FURTHER_SHARE * before || before < FURTHER_DROP
+            }
+        };
         let takes_much = self
             .sets()
             .into_iter()
             .zip(base.sets())
             .any(|(own, base)| base.total_excess() - own.total_excess() >= FURTHER_DROP);
-        takes_much && drops.all(takes_most) && self.evidence_over(base) > FURTHER_EVIDENCE
+        takes_much && sets.all(takes_most) && self.evidence_over(base) > FURTHER_EVIDENCE
     }
 }

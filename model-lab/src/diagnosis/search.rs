@@ -113,7 +113,7 @@ pub(crate) fn try_all(
         setting: EffectSetting::typical(effect),
         trial: None,
     });
-    Ok(best_forms(base, tried.into_iter().chain(unseen).collect()))
+    Ok(best_forms(tried.into_iter().chain(unseen).collect()))
 }
 
 /// An effect whose fit was begun.
@@ -192,23 +192,23 @@ pub(crate) fn report(watch: Watch, stage: &'static str, done: f64) -> Result<(),
     }
 }
 
-/// One effect in several forms, fitted to the end: the form with most evidence; none where no form can be simulated.
+/// One effect in several forms, fitted to the end: the form that the logs prefer; none where no form can be simulated.
 pub(crate) fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) -> Option<Trial> {
     forms
         .into_par_iter()
         .filter_map(|form| bench.finish(bench.open(bench.sketch(base, form)?)?))
-        .max_by(|a, b| a.evidence_over(base).total_cmp(&b.evidence_over(base)))
+        .reduce_with(|a, b| if b.is_preferred_to(&a) { b } else { a })
 }
 
-/// Of each effect the form with most evidence over `base`, the effect that fits best first.
-fn best_forms(base: &Trial, tried: Vec<Tried>) -> Vec<Tried> {
+/// Of each effect the form that the logs prefer, the effect that fits best first.
+fn best_forms(tried: Vec<Tried>) -> Vec<Tried> {
     let mut best: Vec<Tried> = Vec::new();
     for tried in tried {
         match best
             .iter_mut()
             .find(|best| best.setting.id() == tried.setting.id())
         {
-            Some(there) if tried.evidence_over(base) > there.evidence_over(base) => *there = tried,
+            Some(there) if tried.is_preferred_to(there) => *there = tried,
             Some(_) => {}
             None => best.push(tried),
         }
@@ -225,10 +225,11 @@ impl Tried {
             .map_or(f64::INFINITY, Trial::total_square)
     }
 
-    fn evidence_over(&self, base: &Trial) -> f64 {
-        self.trial
-            .as_ref()
-            .map_or(f64::NEG_INFINITY, |trial| trial.evidence_over(base))
+    fn is_preferred_to(&self, other: &Self) -> bool {
+        match (&self.trial, &other.trial) {
+            (Some(own), Some(other)) => own.is_preferred_to(other),
+            (own, _) => own.is_some(),
+        }
     }
 
     pub(crate) fn id(&self) -> &'static str {

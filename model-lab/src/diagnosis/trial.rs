@@ -171,6 +171,15 @@ impl Trial {
         (base.fit.cost - self.fit.cost) / self.correlation_samples - added * independent.ln()
     }
 
+    /// Whether the logs prefer it to `other`, by Schwarz's criterion. Both are given the longer memory of the two errors:
+    /// what another effect leaves is the more correlated the better this one fits, and must not count against it.
+    pub(crate) fn is_preferred_to(&self, other: &Self) -> bool {
+        let memory = self.correlation_samples.max(other.correlation_samples);
+        let independent = self.fitted.count() / memory;
+        let more = self.unknowns.len() as f64 - other.unknowns.len() as f64;
+        (other.fit.cost - self.fit.cost) / memory > more * independent.ln()
+    }
+
     /// The excess over the noise, mean of the fitted logs and of what was held out.
     pub(crate) fn mean_excess(&self) -> f64 {
         0.5 * (self.fitted.total_excess() + self.checked.total_excess())

@@ -91,6 +91,26 @@ fn files_that_are_not_there_or_no_text() {
     );
 }
 
+/// The log has no pressure, which is found out by the work itself.
+#[test]
+fn results_that_cannot_be_written_are_told_before_the_work() {
+    let bench = bench();
+    let diagnose = ["diagnose", "--log", "log.csv"];
+    let with = |option, path| [&diagnose[..], &[option, path]].concat();
+    check(&bench, &with("--json", "-"), &["p_ch"]);
+    for (option, path, reason) in [
+        ("--json", "no/such/folder/found.json", "No such file"),
+        ("--html", "no/such/folder/found.html", "No such file"),
+        ("--json", ".", "not a regular file"),
+    ] {
+        check(
+            &bench,
+            &with(option, path),
+            &[path, "could not be written", reason],
+        );
+    }
+}
+
 #[test]
 fn plant_files_with_the_line_and_a_mark() {
     let bench = bench();

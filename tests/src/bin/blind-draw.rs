@@ -19,6 +19,9 @@ struct Options {
     /// Share of the full set.
     #[arg(long, default_value_t = 1.0)]
     share: f64,
+    /// Numbers of rigs; without it all of them.
+    #[arg(long)]
+    rig: Vec<usize>,
     /// Threads.
     #[arg(long, default_value_t = 2)]
     threads: usize,
@@ -26,7 +29,10 @@ struct Options {
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    let draw = Draw::new(options.seed, Counts::FULL.share(options.share));
+    let mut draw = Draw::new(options.seed, Counts::FULL.share(options.share));
+    if !options.rig.is_empty() {
+        draw = draw.only(&options.rig);
+    }
     let count = draw.count();
     let progress = |done| eprint!("\r{done} of {count} rigs");
     match draw.write(&Folders::new(options.out), options.threads, progress) {

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use retarder_tests::blind::format::Folders;
-use retarder_tests::blind::run::{Diagnose, Progress, run};
+use retarder_tests::blind::run::{Progress, Released, run};
 
 /// Diagnoses the rigs of a draw by the released command; goes on where it was stopped.
 #[derive(Parser)]
@@ -13,12 +13,8 @@ struct Options {
     /// Folder of the draw.
     #[arg(long)]
     draw: PathBuf,
-    /// The command `retarder`.
-    #[arg(long)]
-    retarder: PathBuf,
-    /// The datasheet's plant.
-    #[arg(long, default_value = "data/nominal-plant.toml")]
-    plant: PathBuf,
+    #[command(flatten)]
+    released: Released,
     /// Diagnoses at a time; each uses the threads that it likes.
     #[arg(long, default_value_t = 1)]
     jobs: usize,
@@ -26,15 +22,11 @@ struct Options {
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    let command = Diagnose {
-        retarder: options.retarder,
-        plant: options.plant,
-    };
     let progress = |Progress { done, all, left }| {
         eprint!("\r{done} of {all} rigs, {} s left   ", left.as_secs());
     };
     let folders = Folders::new(options.draw);
-    match run(&folders, &command, options.jobs, progress) {
+    match run(&folders, &options.released, options.jobs, progress) {
         Ok(0) => {
             eprintln!();
             ExitCode::SUCCESS

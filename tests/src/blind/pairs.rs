@@ -3,14 +3,12 @@
 //! It opens the answers, after the diagnosis has given its own.
 
 use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
 
 use thiserror::Error;
 
 use super::format::{Answer, Class, Folders};
-use super::run::Diagnose;
+use super::run::{Released, RunError};
 use super::score::{ScoreError, answers};
 
 /// Why it is not known which pairs show.
@@ -19,12 +17,9 @@ pub enum PairsError {
     /// The answers could not be read.
     #[error(transparent)]
     Answers(#[from] ScoreError),
-    /// A folder could not be made.
-    #[error("{}: {}", .0.display(), .1)]
-    File(PathBuf, #[source] io::Error),
-    /// The command did not start.
-    #[error("{} does not start: {}; build it, or say where it is", .0.display(), .1)]
-    Start(PathBuf, #[source] io::Error),
+    /// A folder could not be made, or the command did not start.
+    #[error(transparent)]
+    Run(#[from] RunError),
     /// The command could not fit an effect.
     #[error("{rig} with {effect} alone: {said}")]
     Refine {
@@ -44,11 +39,11 @@ pub enum PairsError {
 /// If answers cannot be read, or the command cannot fit one of them.
 pub fn run(
     folders: &Folders,
-    command: &Diagnose,
+    command: &Released,
     progress: impl Fn(usize, usize),
 ) -> Result<(), PairsError> {
     let alone = folders.alone();
-    fs::create_dir_all(&alone).map_err(|error| PairsError::File(alone, error))?;
+    fs::create_dir_all(&alone).map_err(|error| RunError::File(alone, error))?;
     let pairs = answers(folders)?;
     let pairs = pairs.iter().filter(|answer| answer.class == Class::Two);
     let told: Vec<(&Answer, &str)> = pairs
@@ -69,24 +64,16 @@ pub fn run(
 
 fn refine(
     folders: &Folders,
-    command: &Diagnose,
+    command: &Released,
     (rig, effect): (&str, &str),
     left: &Path,
 ) -> Result<(), PairsError> {
-    let output = Command::new(&command.retarder)
-        .args(["refine", "--add", effect, "--plant"])
-        .arg(&command.plant)
-        .arg("--log")
-        .arg(folders.id_log(rig))
-        .arg("--check")
-        .arg(folders.check_log(rig))
-        .arg("--out")
+    let mut fit = command.on("refine", folders, rig);
+    fit.args(["--add", effect, "--out"])
         .arg(left.with_extension("toml"))
         .arg("--json")
-        .arg(left)
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| PairsError::Start(command.retarder.clone(), error))?;
+        .arg(left);
+    let output = command.output(&mut fit)?;
     if output.status.success() {
         return Ok(());
     }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -26,13 +26,37 @@ pub enum RunError {
     Start(PathBuf, #[source] io::Error),
 }
 
-/// What to run.
-#[derive(Debug, Clone)]
-pub struct Diagnose {
+/// The released command, and the plant that it is given.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Released {
     /// The command `retarder`.
+    #[arg(long)]
     pub retarder: PathBuf,
     /// The datasheet's plant.
+    #[arg(long, default_value = "data/nominal-plant.toml")]
     pub plant: PathBuf,
+}
+
+impl Released {
+    /// A subcommand with the logs of a rig; nothing to read from the standard input.
+    pub(super) fn on(&self, subcommand: &str, folders: &Folders, rig: &str) -> Command {
+        let mut command = Command::new(&self.retarder);
+        command
+            .args([subcommand, "--plant"])
+            .arg(&self.plant)
+            .arg("--log")
+            .arg(folders.id_log(rig))
+            .arg("--check")
+            .arg(folders.check_log(rig))
+            .stdin(Stdio::null());
+        command
+    }
+
+    /// What `command` printed, and how it ended.
+    pub(super) fn output(&self, command: &mut Command) -> Result<Output, RunError> {
+        let started = command.output();
+        started.map_err(|error| RunError::Start(self.retarder.clone(), error))
+    }
 }
 
 /// How far a run is.
@@ -53,7 +77,7 @@ pub struct Progress {
 /// If files cannot be read or written, or the command does not start.
 pub fn run(
     folders: &Folders,
-    command: &Diagnose,
+    command: &Released,
     jobs: usize,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<usize, RunError> {
@@ -118,24 +142,13 @@ fn rigs(logs: &Path) -> Result<Vec<String>, RunError> {
 }
 
 /// Diagnoses one rig; the exit code of the command, -1 if it was killed.
-fn diagnose(folders: &Folders, command: &Diagnose, rig: &str) -> Result<i32, RunError> {
+fn diagnose(folders: &Folders, command: &Released, rig: &str) -> Result<i32, RunError> {
     let (finding, said) = (
         folders.finding(rig),
         folders.found().join(format!("{rig}.failed")),
     );
-    let output = Command::new(&command.retarder)
-        .arg("diagnose")
-        .arg("--plant")
-        .arg(&command.plant)
-        .arg("--log")
-        .arg(folders.id_log(rig))
-        .arg("--check")
-        .arg(folders.check_log(rig))
-        .arg("--json")
-        .arg(&finding)
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| RunError::Start(command.retarder.clone(), error))?;
+    let mut diagnosis = command.on("diagnose", folders, rig);
+    let output = command.output(diagnosis.arg("--json").arg(&finding))?;
     if finding.exists() {
         // Of an earlier run; most often not there.
         _ = fs::remove_file(&said);

@@ -50,16 +50,25 @@ pub struct Drawn {
 #[derive(Debug, Clone)]
 pub struct Draw {
     seed: u64,
-    plans: Vec<Plan>,
+    /// By the number of the rig, from 1 on.
+    plans: Vec<(usize, Plan)>,
 }
 
 impl Draw {
     /// The rigs of `seed`, planned and not yet run.
     pub fn new(seed: u64, counts: Counts) -> Self {
+        let plans = plan::plans(counts, &mut Chance::new(seed));
         Self {
             seed,
-            plans: plan::plans(counts, &mut Chance::new(seed)),
+            plans: (1..).zip(plans).collect(),
         }
+    }
+
+    /// Of these rigs those with one of `numbers`, as they are in the whole draw.
+    #[must_use]
+    pub fn only(mut self, numbers: &[usize]) -> Self {
+        self.plans.retain(|(number, _)| numbers.contains(number));
+        self
     }
 
     /// Number of rigs.
@@ -67,12 +76,13 @@ impl Draw {
         self.plans.len()
     }
 
-    /// Runs one rig.
+    /// Runs one of these rigs.
     pub fn rig(&self, index: usize) -> Drawn {
+        let (number, plan) = &self.plans[index];
         drawn(
-            format!("rig-{:03}", index + 1),
-            &self.plans[index],
-            &mut Chance::of(self.seed, index as u64),
+            format!("rig-{number:03}"),
+            plan,
+            &mut Chance::of(self.seed, *number as u64 - 1),
         )
     }
 
