@@ -254,11 +254,9 @@ impl Trial {
                 before - left >= FURTHER_SHARE * before || before < FURTHER_DROP
             }
         };
-        let takes_much = self
-            .sets()
-            .into_iter()
-            .zip(base.sets())
-            .any(|(own, base)| base.total_excess() - own.total_excess() >= FURTHER_DROP);
+        // Its strength comes from the fitted logs, so it has to show there.
+        let drop = base.fitted.total_excess() - self.fitted.total_excess();
+        let takes_much = drop >= FURTHER_DROP;
         takes_much && sets.all(takes_most) && self.evidence_over(base) > FURTHER_EVIDENCE
     }
 }
