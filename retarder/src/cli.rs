@@ -257,7 +257,7 @@ pub(crate) struct ServeArgs {
     /// Folder that keeps logs and projects, so that the next start finds them again
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath, default_value = "retarder-project")]
     pub(crate) project: PathBuf,
-    /// Port on 127.0.0.1; without it 7474, or a free one if that is taken
+    /// Port on the loopback interface; without it 7474, or a free one if that is taken
     #[arg(long, value_name = "PORT", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) port: Option<u16>,
 }

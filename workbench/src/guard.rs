@@ -40,7 +40,9 @@ impl Gate {
 
     fn is_our_host(&self, host: &str) -> bool {
         let port = self.port;
-        host == format!("127.0.0.1:{port}") || host == format!("localhost:{port}")
+        ["127.0.0.1", "localhost", "[::1]"]
+            .iter()
+            .any(|name| host == format!("{name}:{port}"))
     }
 
     fn has_cookie(&self, headers: &HeaderMap) -> bool {

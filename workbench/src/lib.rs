@@ -13,6 +13,7 @@ mod history;
 mod job;
 mod lock;
 mod log_reader;
+mod loopback;
 mod mapping;
 mod named_plant;
 mod names;

@@ -1,7 +1,6 @@
 //! Binds, prints nothing, serves until it is stopped.
 
 use std::io;
-use std::net::{Ipv4Addr, SocketAddrV4, TcpListener};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,10 +12,13 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::TcpListener;
 use tokio::sync::{Notify, Semaphore};
+use tokio::task::JoinSet;
 
 use crate::assets;
 use crate::guard::{Gate, guard};
+use crate::loopback::Loopback;
 use crate::pages;
 use crate::refusal::Refusal;
 use crate::session::Sessions;
@@ -70,7 +72,7 @@ pub enum ServeError {
 
 /// A server that has its port and its project folder, and waits to run.
 pub struct Server {
-    listener: TcpListener,
+    loopback: Loopback,
     gate: Arc<Gate>,
     sessions: Arc<Sessions>,
     stop: Arc<Notify>,
@@ -88,14 +90,15 @@ impl Stopper {
 }
 
 impl Server {
-    /// Takes the port on 127.0.0.1, and on no other address, and opens the project folder.
+    /// Takes the port on the loopback interface, and on no other, and opens the project folder.
     ///
     /// # Errors
     /// [`ServeError`]: the port is taken, or the folder cannot be used.
     pub fn bind(options: &Options) -> Result<Self, ServeError> {
-        let listener = match options.port {
-            Some(port) => listen(port).map_err(|error| ServeError::Port { port, error })?,
-            None => listen(USUAL_PORT).or_else(|_| listen(0))?,
+        let loopback = match options.port {
+            Some(0) => Loopback::on_free_port()?,
+            Some(port) => Loopback::on(port).map_err(|error| ServeError::Port { port, error })?,
+            None => Loopback::on(USUAL_PORT).or_else(|_| Loopback::on_free_port())?,
         };
         let store = Store::open(&options.project).map_err(|error| ServeError::Project {
             folder: options.project.clone(),
@@ -103,10 +106,10 @@ impl Server {
         })?;
         Ok(Self {
             gate: Arc::new(Gate {
-                port: listener.local_addr()?.port(),
+                port: loopback.port,
                 secrets: Secrets::new()?,
             }),
-            listener,
+            loopback,
             sessions: Arc::new(Sessions::new(Arc::new(store))),
             stop: Arc::default(),
         })
@@ -144,29 +147,33 @@ impl Server {
             .nest("/api", pages::routes(self.sessions))
             .fallback(async || Refusal::not_found("page"))
             .layer(from_fn_with_state(self.gate, guard));
-        self.listener.set_nonblocking(true)?;
-        let listener = tokio::net::TcpListener::from_std(self.listener)?;
         let places = Arc::new(Semaphore::new(CONNECTIONS_MAX));
-        loop {
-            let place = Arc::clone(&places).acquire_owned().await;
-            let stream = tokio::select! {
-                () = self.stop.notified() => return Ok(()),
-                accepted = listener.accept() => match accepted {
-                    Ok((stream, _)) => stream,
-                    // One connection that failed, or no file handles for a moment.
-                    Err(_) => {
-                        tokio::time::sleep(Duration::from_millis(20)).await;
-                        continue;
-                    }
-                },
-            };
-            let router = router.clone();
-            tokio::spawn(async move {
-                let _place = place;
-                let _ = stream.set_nodelay(true);
-                serve_connection(stream, router).await;
-            });
+        let mut accepting = JoinSet::new();
+        for socket in self.loopback.sockets {
+            socket.set_nonblocking(true)?;
+            let listener = TcpListener::from_std(socket)?;
+            accepting.spawn(accept(listener, router.clone(), Arc::clone(&places)));
         }
+        // What still accepts ends with its set.
+        self.stop.notified().await;
+        Ok(())
+    }
+}
+
+/// Takes connections of one socket, as long as there is a place for another.
+async fn accept(listener: TcpListener, router: Router, places: Arc<Semaphore>) {
+    while let Ok(place) = Arc::clone(&places).acquire_owned().await {
+        let Ok((stream, _)) = listener.accept().await else {
+            // One connection that failed, or no file handles for a moment.
+            tokio::time::sleep(Duration::from_millis(20)).await;
+            continue;
+        };
+        let router = router.clone();
+        tokio::spawn(async move {
+            let _place = place;
+            let _ = stream.set_nodelay(true);
+            serve_connection(stream, router).await;
+        });
     }
 }
 
@@ -177,10 +184,6 @@ async fn serve_connection(stream: impl AsyncRead + AsyncWrite + Unpin + Send, ro
         .header_read_timeout(HEADERS_DEADLINE)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
         .await;
-}
-
-fn listen(port: u16) -> io::Result<TcpListener> {
-    TcpListener::bind(SocketAddrV4::new(Ipv4Addr::LOCALHOST, port))
 }
 
 #[cfg(test)]

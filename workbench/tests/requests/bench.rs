@@ -89,14 +89,22 @@ impl Bench {
 
     /// Sends these bytes, and reads until the server closes or says that all is said.
     pub(crate) fn raw(&self, request: &[u8]) -> Answer {
-        let mut stream = self.connect();
+        self.raw_to("127.0.0.1", request)
+    }
+
+    fn raw_to(&self, address: &str, request: &[u8]) -> Answer {
+        let mut stream = self.connect_to(address);
         // A server that refuses early closes while the rest is still on its way.
         let _ = stream.write_all(request);
         read_answer(&mut stream)
     }
 
     pub(crate) fn connect(&self) -> TcpStream {
-        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        self.connect_to("127.0.0.1")
+    }
+
+    fn connect_to(&self, address: &str) -> TcpStream {
+        let stream = TcpStream::connect((address, self.port)).unwrap();
         stream
             .set_read_timeout(Some(Duration::from_secs(60)))
             .unwrap();
@@ -109,6 +117,18 @@ impl Bench {
 
     /// A request with these header lines and no others than `Connection: close`.
     pub(crate) fn send(&self, method: &str, path: &str, headers: &[&str], body: &[u8]) -> Answer {
+        self.send_to("127.0.0.1", method, path, headers, body)
+    }
+
+    /// The same to another address of the loopback interface.
+    pub(crate) fn send_to(
+        &self,
+        address: &str,
+        method: &str,
+        path: &str,
+        headers: &[&str],
+        body: &[u8],
+    ) -> Answer {
         let mut request = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\n");
         for header in headers {
             request += header;
@@ -118,7 +138,7 @@ impl Bench {
             request += &format!("Content-Length: {}\r\n", body.len());
         }
         request += "\r\n";
-        self.raw(&[request.as_bytes(), body].concat())
+        self.raw_to(address, &[request.as_bytes(), body].concat())
     }
 
     /// The cookie that the token is exchanged for.

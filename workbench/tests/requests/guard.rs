@@ -1,28 +1,51 @@
 //! Who is let in, and what every answer carries. The numbers are those of the rules in the project's threat list.
 
+use std::net::TcpListener;
+
 use crate::bench::Bench;
 
-/// Rule 1: 127.0.0.1 alone. Every address of this machine that is not loopback refuses the port.
+/// Rule 1: 127.0.0.1 and `[::1]` alone.
 #[test]
-fn the_server_listens_on_the_loopback_address_only() {
+fn the_server_listens_on_the_loopback_interface_only() {
+    const LOOPBACK: [&str; 2] = ["0100007F", "00000000000000000000000001000000"];
+    const LISTENS: &str = "0A";
     let bench = Bench::start();
-    let listening = std::fs::read_to_string("/proc/net/tcp").unwrap_or_default();
-    let port = format!(":{:04X}", bench.port);
-    let addresses: Vec<&str> = listening
-        .lines()
-        .filter_map(|line| line.split_whitespace().nth(1))
-        .filter(|address| address.ends_with(&port))
-        .collect();
-    for address in &addresses {
-        assert!(address.starts_with("0100007F"), "{address}");
+    let port = format!("{:04X}", bench.port);
+    for family in ["tcp", "tcp6"] {
+        let sockets = std::fs::read_to_string(format!("/proc/net/{family}")).unwrap_or_default();
+        for line in sockets.lines() {
+            let [_, local, _, state, ..] = line.split_whitespace().collect::<Vec<_>>()[..] else {
+                continue;
+            };
+            if let Some((address, there)) = local.split_once(':')
+                && (there, state) == (&port[..], LISTENS)
+            {
+                assert!(LOOPBACK.contains(&address), "{family}: {line}");
+            }
+        }
     }
-    let listening = std::fs::read_to_string("/proc/net/tcp6").unwrap_or_default();
-    let is_open = |line: &&str| {
-        line.split_whitespace()
-            .nth(1)
-            .is_some_and(|one| one.ends_with(&port))
-    };
-    assert_eq!(listening.lines().find(is_open), None);
+}
+
+/// Rule 1, the other half: whoever takes IPv6 for `localhost` gets the same page.
+#[test]
+fn the_page_is_there_on_both_families() {
+    let bench = Bench::start();
+    let cookie = format!("Cookie: {}", bench.cookie());
+    for (address, host) in [
+        ("127.0.0.1", "127.0.0.1"),
+        ("::1", "[::1]"),
+        ("::1", "localhost"),
+    ] {
+        let is_there = TcpListener::bind((address, 0)).is_ok();
+        if !is_there {
+            // A machine without IPv6 has nothing to serve there.
+            assert_eq!(address, "::1");
+            continue;
+        }
+        let host = format!("Host: {host}:{}", bench.port);
+        let answer = bench.send_to(address, "GET", "/", &[&host, &cookie], b"");
+        assert_eq!(answer.status, 200, "{address} {host}: {answer:?}");
+    }
 }
 
 /// Rule 2: a name that points at this machine is not this server, whatever the method and the path.
@@ -42,7 +65,10 @@ fn another_host_is_refused_before_anything_else() {
         format!("0.0.0.0:{port}"),
         format!("127.1:{port}"),
         format!("127.0.0.2:{port}"),
-        format!("[::1]:{port}"),
+        "[::1]".to_owned(),
+        format!("[::]:{port}"),
+        format!("[::ffff:127.0.0.1]:{port}"),
+        format!("::1:{port}"),
         format!("user@127.0.0.1:{port}"),
         format!("127.0.0.1:{port}@evil.example"),
         format!("127.0.0.1:0{port}"),
@@ -82,6 +108,7 @@ fn another_host_is_refused_before_anything_else() {
     for host in [
         format!("Host: 127.0.0.1:{port}"),
         format!("Host: localhost:{port}"),
+        format!("Host: [::1]:{port}"),
     ] {
         assert_eq!(
             bench.send("GET", "/", &[&host, &cookie], b"").status,
