@@ -1,7 +1,7 @@
 //! Files that want memory, time or a panic: none of them gets any.
 //!
-//! Memory cannot be counted by an allocator here, because that takes `unsafe`; instead the tests count how far a
-//! refused input was read, and on Linux the growth of the process while a long one is streamed.
+//! `memory.rs` counts the heap; the tests here count how far a refused input was read, and on Linux the growth of the
+//! process while a long one is streamed.
 
 #[allow(dead_code, reason = "each test holds some of the promises")]
 mod promise;

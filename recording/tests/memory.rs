@@ -1,0 +1,96 @@
+//! What a reader takes from the heap, counted by the allocator: never more than its budgets say, whatever the file says.
+
+use std::fs;
+use std::io::{Cursor, Read};
+use std::sync::{Mutex, PoisonError};
+
+use peak_alloc::PeakAlloc;
+use recording::{csv, mf4};
+
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
+
+/// The peak belongs to the process, so one test counts at a time.
+static COUNTING: Mutex<()> = Mutex::new(());
+
+const MIB: usize = 1 << 20;
+
+/// Bytes by which the heap grows at most while `work` is done.
+fn peak(work: impl FnOnce()) -> usize {
+    HEAP.reset_peak_usage();
+    let before = HEAP.current_usage();
+    work();
+    HEAP.peak_usage().saturating_sub(before)
+}
+
+fn set_u64(bytes: &mut [u8], at: usize, value: u64) {
+    bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
+}
+
+/// Every word of every fixture becomes a length or a count that is beyond the file.
+#[test]
+fn an_mf4_file_takes_what_its_budgets_allow_and_no_more() {
+    let _one = COUNTING.lock().unwrap_or_else(PoisonError::into_inner);
+    let limits = mf4::Limits {
+        metadata_bytes: MIB as u64,
+        values: MIB as u64 / 8,
+        unpacked_bytes: MIB as u64,
+        ..mf4::Limits::default()
+    };
+    let options = mf4::Options {
+        limits,
+        ..mf4::Options::default()
+    };
+    // Blocks that are no data, one unpacked, and samples.
+    let bound = 3 * MIB;
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/mf4");
+    let mut files = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "mf4") {
+            continue;
+        }
+        files += 1;
+        let mut bytes = fs::read(&path).unwrap();
+        for at in (0..bytes.len() - 8).step_by(8) {
+            let right: [u8; 8] = bytes[at..at + 8].try_into().unwrap();
+            for value in [1 << 20, 1 << 28, 1 << 40, u64::MAX >> 1] {
+                set_u64(&mut bytes, at, value);
+                let taken = peak(|| {
+                    let _ = mf4::list("hostile.mf4", Cursor::new(&bytes), limits);
+                    let _ = mf4::read("hostile.mf4", Cursor::new(&bytes), &options);
+                });
+                assert!(
+                    taken < bound,
+                    "{}: {value} at byte {at} takes {taken} bytes",
+                    path.display()
+                );
+            }
+            bytes[at..at + 8].copy_from_slice(&right);
+        }
+    }
+    assert!(files > 0, "no fixture in {folder}");
+}
+
+/// A record without an end, a field without an end, and more columns than anyone has.
+#[test]
+fn a_csv_file_without_an_end_takes_what_a_record_may() {
+    let _one = COUNTING.lock().unwrap_or_else(PoisonError::into_inner);
+    let record = csv::Limits::default().record_bytes;
+    for pattern in ["1", "\"", "1,", "\"1\"\"", "time_s,"] {
+        let endless = pattern.as_bytes().repeat(64 * MIB / pattern.len());
+        for beginning in ["", "time_s,p_ch_bar_gauge\n0.00,"] {
+            let input = beginning.as_bytes().chain(&endless[..]);
+            let mut refused = false;
+            let taken = peak(|| {
+                let options = csv::Options::default();
+                refused = csv::read("hostile.csv", input, &options).is_err();
+            });
+            assert!(refused, "{beginning:?} {pattern:?}");
+            assert!(
+                taken < 8 * record,
+                "{beginning:?} {pattern:?}: {taken} bytes"
+            );
+        }
+    }
+}
