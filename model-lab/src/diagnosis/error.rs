@@ -1,5 +1,7 @@
 //! Why a diagnosis cannot be made.
 
+use plant_sim::parameters::effects_meant;
+
 use crate::error::CompareError;
 
 /// Why a diagnosis cannot be made.
@@ -30,12 +32,13 @@ pub enum DiagnoseError {
         log: String,
     },
     /// No such effect.
-    #[error("there is no effect `{id}`{}; `retarder parameters` lists the library", hint(.nearest))]
+    #[error(
+        "there is no effect `{id}`{}; `retarder parameters` lists the library",
+        hint(id)
+    )]
     NoSuchEffect {
         /// What was asked for.
         id: String,
-        /// What may have been meant.
-        nearest: Option<String>,
     },
     /// The effect has no such form.
     #[error("the effect `{id}` has no form `{variant}`; it has {forms}")]
@@ -72,8 +75,10 @@ pub enum DiagnoseError {
     Interrupted,
 }
 
-fn hint(nearest: &Option<String>) -> String {
-    nearest
-        .as_ref()
-        .map_or(String::new(), |id| format!(", did you mean `{id}`?"))
+/// What may have been meant.
+fn hint(id: &str) -> String {
+    match effects_meant(id).join("` or `") {
+        meant if meant.is_empty() => meant,
+        meant => format!(", did you mean `{meant}`?"),
+    }
 }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
-use plant_sim::parameters::{ParameterSpec, nearest_effect};
+use plant_sim::parameters::ParameterSpec;
 use recording::Recording;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -161,10 +161,7 @@ pub fn refine(
 
 /// The effect `id` in its form `variant`, or in all of its forms.
 fn forms(id: &str, variant: Option<&str>) -> Result<Vec<EffectSetting>, DiagnoseError> {
-    let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect {
-        id: id.to_owned(),
-        nearest: nearest_effect(id).map(str::to_owned),
-    })?;
+    let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect { id: id.to_owned() })?;
     let about = effect.about();
     let forms: Vec<EffectSetting> = about
         .variants

@@ -27,7 +27,7 @@ pub use table::PARAMETERS;
 use crate::description::{Effect, EffectSetting};
 use crate::effects::{LIBRARY, by_id};
 use consistency::inconsistency;
-use nearest::nearest;
+use nearest::meant;
 use units::in_other_unit;
 
 /// The plant file shipped with the crate: the thesis model.
@@ -173,9 +173,9 @@ impl PlantParameters {
     }
 }
 
-/// The id of the effect of the library that `word` probably means; none where it looks like no id.
-pub fn nearest_effect(word: &str) -> Option<&'static str> {
-    nearest(word, LIBRARY.iter().map(|effect| effect.about().id))
+/// The ids of effects of the library that `word` may mean; none where it looks like no id.
+pub fn effects_meant(word: &str) -> Vec<&'static str> {
+    meant(word, LIBRARY.iter().map(|effect| effect.about().id))
 }
 
 /// What to write for a `section.key` whose key has another unit.

@@ -12,6 +12,16 @@ pub(super) fn nearest<'a>(
         .map(|(_, candidate)| candidate)
 }
 
+/// Those of `names` that `word` probably means: the nearest one, or else those that it is a part of.
+pub(super) fn meant<'a>(word: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a str> {
+    match nearest(word, names.clone()) {
+        Some(name) => vec![name],
+        None => names
+            .filter(|name| name.split('_').any(|part| part == word))
+            .collect(),
+    }
+}
+
 /// Levenshtein distance.
 fn edits(a: &str, b: &str) -> usize {
     let mut row: Vec<usize> = (0..=b.chars().count()).collect();
@@ -38,5 +48,13 @@ mod tests {
         assert_eq!(nearest("leak_chamber", names()), None);
         assert_eq!(nearest("deadvolume", names()), Some("dead_volume"));
         assert_eq!(edits("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn a_part_of_names_finds_all_of_them() {
+        let names = || ["chamber_leak", "supply_seat_leak", "dead_volume"].into_iter();
+        assert_eq!(meant("leak", names()), ["chamber_leak", "supply_seat_leak"]);
+        assert_eq!(meant("chamber_leek", names()), ["chamber_leak"]);
+        assert_eq!(meant("lea", names()), [""; 0]);
     }
 }

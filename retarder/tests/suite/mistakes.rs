@@ -308,6 +308,10 @@ fn effects_that_cannot_be_added() {
             &["no effect `leaks`; `retarder parameters` lists"],
         ),
         (
+            &["leak"],
+            &["no effect `leak`, did you mean `chamber_leak` or `supply_seat_leak`?"],
+        ),
+        (
             &["chamber_leak:square"],
             &["has no form `square`", "orifice, laminar, mixed, power"],
         ),

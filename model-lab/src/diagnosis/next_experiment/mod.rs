@@ -115,10 +115,7 @@ fn closest(rivals: &[Rival], distance: impl Fn(&Rival, &Rival) -> f64) -> f64 {
 }
 
 fn settings(id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {
-    let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect {
-        id: id.to_owned(),
-        nearest: None,
-    })?;
+    let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect { id: id.to_owned() })?;
     let variants = effect.about().variants.iter();
     Ok(variants
         .map(|variant| EffectSetting::typical_variant(effect, variant))
