@@ -24,6 +24,7 @@ pub mod result;
 mod search;
 mod sensor_noise;
 mod soundness;
+mod split;
 mod start;
 mod supply;
 #[cfg(test)]
@@ -47,8 +48,9 @@ pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 
-use gather::{fitting_and_checking, gather, held_out};
-use result::{Cost, DIAGNOSIS_SCHEMA, Location, Remaining};
+use gather::gather;
+use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
+use split::Split;
 use trial::Bench;
 
 /// Which effects of the library does `plant` lack to explain `logs`? What is held out judges: `check`, or without it,
@@ -79,28 +81,21 @@ pub fn diagnose_with(
     watch: Watch,
 ) -> Result<Diagnosis, DiagnoseError> {
     let begin = Instant::now();
-    let first = logs.first().ok_or(DiagnoseError::NoLog)?;
-    let [fitting, checking] = fitting_and_checking(plant, logs, check)?;
-    let mut bench = Bench {
+    if logs.is_empty() {
+        return Err(DiagnoseError::NoLog);
+    }
+    search::report(watch, "the plain model", 0.0)?;
+    let (split, plain) = Split::that_shows(plant, logs, check)?;
+    let bench = Bench {
         plant,
         library,
-        fitting: &fitting,
-        checking: &checking,
+        fitting: &split.fitting,
+        checking: &split.checking,
     };
-    let not_simulated = || DiagnoseError::NotSimulated {
-        log: first.provenance().source.clone(),
-    };
-    search::report(watch, "the plain model", 0.0)?;
-    let mut plain = bench.plain().ok_or_else(not_simulated)?;
-    let is_exchanged = plain.shows_only_where_not_fitted();
-    if is_exchanged {
-        core::mem::swap(&mut bench.fitting, &mut bench.checking);
-        plain = bench.plain().ok_or_else(not_simulated)?;
-    }
     let mut found = ladder::climb(&bench, plain, watch)?;
     let last = found.steps.last_mut().expect("at least the plain plant");
     search::report(watch, "the final fit", 0.0)?;
-    last.polish(&bench).ok_or_else(not_simulated)?;
+    last.polish(&bench).ok_or_else(|| split.not_simulated())?;
 
     let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
     search::report(watch, "detection limits", 0.0)?;
@@ -116,30 +111,20 @@ pub fn diagnose_with(
     } else {
         before.clone()
     };
-    let unfitted = if check.is_empty() {
-        &[]
-    } else {
-        &checking.logs[..]
-    };
-    let logs_seen: Vec<_> = fitting.logs.iter().chain(unfitted).collect();
+    let logs_seen: Vec<_> = split
+        .fitting
+        .logs
+        .iter()
+        .chain(split.check_logs())
+        .collect();
     let remaining = remaining::remaining(&last.plant(), &logs_seen, last.is_material());
     let ladder = assemble::ladder(&bench, &found)?;
     let (equivalents, distinguishability) = assemble::equivalents(&found);
-    let elapsed_s = begin.elapsed().as_secs_f64();
-    let simulations = bench.fitting.simulations() + bench.checking.simulations();
-    let sources = |logs: &[Recording]| -> Vec<String> {
-        let names = logs.iter().map(|log| log.provenance().source.clone());
-        names.collect()
-    };
-    let [mut fitted, mut judged] = [sources(logs), sources(check)];
-    if is_exchanged && !check.is_empty() {
-        core::mem::swap(&mut fitted, &mut judged);
-    }
     Ok(Diagnosis {
         schema: DIAGNOSIS_SCHEMA.to_owned(),
-        logs: fitted,
-        check: judged,
-        held_out: held_out(!check.is_empty(), is_exchanged).to_owned(),
+        logs: split.fitting.sources(),
+        check: split.check_sources(),
+        held_out: split.held_out().to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict(),
         sentence: assemble::sentence(found.verdict(), &ladder, &candidates, &equivalents),
@@ -155,12 +140,7 @@ pub fn diagnose_with(
         candidates,
         location: Location { before, after },
         remaining,
-        cost: Cost {
-            simulations,
-            log_s: fitting.duration_s(),
-            elapsed_s,
-            per_simulation_ms: fitting.computing_s() / fitting.simulations().max(1) as f64 * 1e3,
-        },
+        cost: split.cost(begin),
     })
 }
 

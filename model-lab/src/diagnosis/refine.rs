@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 
 use super::assemble;
 use super::error::DiagnoseError;
-use super::gather::{fitting_and_checking, held_out};
 use super::ladder::Ladder;
 use super::result::{Cost, FittedParameter, NuisanceValue, Step};
 use super::search::{Tried, Watch, best_form, report};
+use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
 
@@ -92,7 +92,9 @@ pub fn refine(
     watch: Watch,
 ) -> Result<Refined, DiagnoseError> {
     let begin = Instant::now();
-    let first = logs.first().ok_or(DiagnoseError::NoLog)?;
+    if logs.is_empty() {
+        return Err(DiagnoseError::NoLog);
+    }
     let forms = add
         .iter()
         .map(|(id, variant)| forms(id, variant.as_deref()))
@@ -100,18 +102,16 @@ pub fn refine(
     let without = add
         .iter()
         .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
-    let [fitting, checking] = fitting_and_checking(&without, logs, check)?;
+    report(watch, "the plain model", 0.0)?;
+    let (split, plain) = Split::that_shows(&without, logs, check)?;
     let bench = Bench {
         plant: &without,
         library: &[],
-        fitting: &fitting,
-        checking: &checking,
+        fitting: &split.fitting,
+        checking: &split.checking,
     };
-    let not_simulated = || DiagnoseError::NotSimulated {
-        log: first.provenance().source.clone(),
-    };
-    report(watch, "the plain model", 0.0)?;
-    let mut steps = vec![bench.plain().ok_or_else(not_simulated)?];
+    let not_simulated = || split.not_simulated();
+    let mut steps = vec![plain];
     for (index, forms) in forms.into_iter().enumerate() {
         report(watch, "adding effects", index as f64 / add.len() as f64)?;
         let base = &steps[steps.len() - 1];
@@ -136,22 +136,14 @@ pub fn refine(
         .map(|setting| fitted_effect(&bench, plain, last, setting));
     let refinement = Refinement {
         schema: REFINEMENT_SCHEMA.to_owned(),
-        logs: fitting.sources(),
-        check: check
-            .iter()
-            .map(|log| log.provenance().source.clone())
-            .collect(),
-        held_out: held_out(!check.is_empty(), false).to_owned(),
+        logs: split.fitting.sources(),
+        check: split.check_sources(),
+        held_out: split.held_out().to_owned(),
         sentence: sentence(&ladder),
         effects: effects.collect(),
         nuisance: assemble::nuisance(&bench, plain, last),
         ladder,
-        cost: Cost {
-            simulations: bench.fitting.simulations() + bench.checking.simulations(),
-            log_s: fitting.duration_s(),
-            elapsed_s: begin.elapsed().as_secs_f64(),
-            per_simulation_ms: fitting.computing_s() / fitting.simulations().max(1) as f64 * 1e3,
-        },
+        cost: split.cost(begin),
     };
     Ok(Refined {
         plant: with_provenance(last, &refinement.logs),

@@ -1,0 +1,186 @@
+//! Which logs are fitted, and which judge.
+
+use std::time::Instant;
+
+use plant_sim::PlantParameters;
+use recording::Recording;
+
+use super::error::DiagnoseError;
+use super::evidence::Evidence;
+use super::gather::gather;
+use super::log::Log;
+use super::result::Cost;
+use super::trial::{Bench, Trial};
+
+/// Blocks of a log, of which every third is held out.
+const BLOCKS: usize = 12;
+
+/// The logs, shared out between fitting and judging.
+pub(super) struct Split {
+    pub(super) fitting: Evidence,
+    pub(super) checking: Evidence,
+    held_out: HeldOut,
+}
+
+/// What judges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum HeldOut {
+    /// The logs that were given for it.
+    CheckLogs,
+    /// The logs that were given for fitting.
+    FittingLogs,
+    /// Every third block of the logs that were given for fitting, for there are no others.
+    Blocks,
+    /// The other blocks.
+    OtherBlocks,
+    /// Every third block of all logs.
+    BlocksOfAll,
+}
+
+impl Split {
+    /// Fits `logs`; `check` judges, or without it, blocks of the logs.
+    pub(super) fn as_given(
+        plant: &PlantParameters,
+        logs: &[Recording],
+        check: &[Recording],
+    ) -> Result<Self, DiagnoseError> {
+        if check.is_empty() {
+            return Self::blocks(plant, logs, HeldOut::Blocks);
+        }
+        let mut fitting = gather(plant, logs.iter().chain(check))?;
+        let checking = Evidence::of(fitting.logs.split_off(logs.len()));
+        Ok(Self {
+            fitting,
+            checking,
+            held_out: HeldOut::CheckLogs,
+        })
+    }
+
+    /// The logs shared out such that `plant`, fitted to some of them, fails on these, if it fails on any; with that fit.
+    ///
+    /// What only the logs for checking show is fitted there. Where a fit to either set of logs fails on the other, it was
+    /// bent, or left open what the other needs: then all of them are fitted together.
+    pub(super) fn that_shows(
+        plant: &PlantParameters,
+        logs: &[Recording],
+        check: &[Recording],
+    ) -> Result<(Self, Trial), DiagnoseError> {
+        let given = Self::as_given(plant, logs, check)?;
+        let plain = given.plain(plant)?;
+        if !plain.shows_only_where_not_fitted() {
+            return Ok((given, plain));
+        }
+        let exchanged = given.exchanged();
+        let plain = exchanged.plain(plant)?;
+        if check.is_empty() || !plain.checked.is_material() {
+            return Ok((exchanged, plain));
+        }
+        let all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
+        let plain = all.plain(plant)?;
+        Ok((all, plain))
+    }
+
+    fn blocks<'a>(
+        plant: &PlantParameters,
+        logs: impl IntoIterator<Item = &'a Recording> + Clone,
+        held_out: HeldOut,
+    ) -> Result<Self, DiagnoseError> {
+        let mut fitting = gather(plant, logs.clone())?;
+        let mut checking = gather(plant, logs)?;
+        hold_out(&mut fitting, &mut checking);
+        Ok(Self {
+            fitting,
+            checking,
+            held_out,
+        })
+    }
+
+    fn exchanged(self) -> Self {
+        Self {
+            fitting: self.checking,
+            checking: self.fitting,
+            held_out: match self.held_out {
+                HeldOut::CheckLogs => HeldOut::FittingLogs,
+                HeldOut::Blocks => HeldOut::OtherBlocks,
+                there => there,
+            },
+        }
+    }
+
+    /// The fitted plain plant.
+    fn plain(&self, plant: &PlantParameters) -> Result<Trial, DiagnoseError> {
+        let plain = Bench {
+            plant,
+            library: &[],
+            fitting: &self.fitting,
+            checking: &self.checking,
+        }
+        .plain();
+        plain.ok_or_else(|| self.not_simulated())
+    }
+
+    /// That the plant cannot be simulated on these logs.
+    pub(super) fn not_simulated(&self) -> DiagnoseError {
+        let log = self.fitting.sources().into_iter().next();
+        DiagnoseError::NotSimulated {
+            log: log.unwrap_or_default(),
+        }
+    }
+
+    /// The logs that judge, without those that are fitted in part.
+    pub(super) fn check_logs(&self) -> &[Log] {
+        if matches!(self.held_out, HeldOut::CheckLogs | HeldOut::FittingLogs) {
+            &self.checking.logs
+        } else {
+            &[]
+        }
+    }
+
+    /// Where those logs are from.
+    pub(super) fn check_sources(&self) -> Vec<String> {
+        self.check_logs()
+            .iter()
+            .map(|log| log.source.clone())
+            .collect()
+    }
+
+    /// What was simulated since `begin`.
+    pub(super) fn cost(&self, begin: Instant) -> Cost {
+        let fitted = &self.fitting;
+        Cost {
+            simulations: fitted.simulations() + self.checking.simulations(),
+            log_s: fitted.duration_s(),
+            elapsed_s: begin.elapsed().as_secs_f64(),
+            per_simulation_ms: fitted.computing_s() / fitted.simulations().max(1) as f64 * 1e3,
+        }
+    }
+
+    /// What judges, for people.
+    pub(super) fn held_out(&self) -> &'static str {
+        match self.held_out {
+            HeldOut::CheckLogs => "the logs given for checking, which were not fitted",
+            HeldOut::FittingLogs => {
+                "the logs given for fitting: only those given for checking show that something is missing, so they were fitted"
+            }
+            HeldOut::Blocks => "every third of twelve blocks of each log, which was not fitted",
+            HeldOut::OtherBlocks => {
+                "two of every three of twelve blocks of each log: only the third shows that something is missing, so it was fitted"
+            }
+            HeldOut::BlocksOfAll => {
+                "every third of twelve blocks of each log, those for checking included: fitted to one set of logs alone, the model fails on the other"
+            }
+        }
+    }
+}
+
+/// Of two copies of the same logs, one counts the blocks that the other does not.
+fn hold_out(fitting: &mut Evidence, checking: &mut Evidence) {
+    for (kept, out) in fitting.logs.iter_mut().zip(&mut checking.logs) {
+        let rows = kept.counted.len();
+        for row in 0..rows {
+            let is_out = row * BLOCKS / rows.max(1) % 3 == 2;
+            kept.counted[row] = !is_out;
+            out.counted[row] = is_out;
+        }
+    }
+}
