@@ -154,8 +154,11 @@ fn a_pair_is_fitted_with_each_of_its_effects_alone() {
     }
     let report = score(&folders).unwrap();
     assert_eq!(report.quality.both_of_separable.of, 1);
-    assert!(
-        report.to_string().contains("leaves half the noise"),
+    let separable = report.gates.last().unwrap();
+    assert_eq!(
+        (separable.share.count, separable.share.of),
+        (0, 1),
         "{report}"
     );
+    assert!(!separable.holds, "{report}");
 }

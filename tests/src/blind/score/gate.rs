@@ -24,7 +24,7 @@ pub struct Gate {
     pub holds: bool,
 }
 
-/// The five shares by which names are judged.
+/// The shares by which names are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Quality {
     /// Plain rigs with a name.
@@ -84,8 +84,8 @@ impl Quality {
                 false,
             ),
             gate(
-                "both of two effects are named",
-                self.both_of_two,
+                "both of two separable effects are named",
+                self.both_of_separable,
                 0.80,
                 true,
             ),

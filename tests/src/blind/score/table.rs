@@ -292,14 +292,11 @@ impl fmt::Display for Report {
                 gate.promise, gate.share
             )?;
         }
-        if self.quality.both_of_separable.of > 0 {
-            writeln!(
-                f,
-                "  {:69} {}",
-                "both of two, each of which leaves half the noise without the other",
-                self.quality.both_of_separable
-            )?;
-        }
+        writeln!(
+            f,
+            "  {:69} {}",
+            "both of two effects are named, separable or not", self.quality.both_of_two
+        )?;
         rows(f, "by kind and excess", &self.strata)?;
         rows(f, "poor logs", &self.poor)?;
         rows(f, "single effects", &self.effects)?;
