@@ -85,8 +85,9 @@ impl Bench {
             if row == 0 {
                 simulator.set_chamber_pressure(ambient + self.initial_bar * 1e5);
             }
+            let shown = simulator.sample().measured_pressure;
+            pressures_bar.push((shown - ambient) / 1e5);
             let gauge = simulator.state().pressure - ambient;
-            pressures_bar.push(gauge / 1e5);
             simulator
                 .set_chamber_pressure(ambient + gauge * (-self.leak_per_s * self.interval_s).exp());
         });

@@ -198,11 +198,6 @@ impl Trial {
         excesses.all(|excess| excess < FURTHER_DROP)
     }
 
-    /// Whether something is missing, but not on the logs that were fitted.
-    pub(crate) fn shows_only_where_not_fitted(&self) -> bool {
-        self.checked.is_material() && !self.fitted.is_material()
-    }
-
     /// Whether it explains nearly all of the excess of `plain`, or leaves nothing material.
     fn explains(&self, plain: &Self) -> bool {
         self.share_of(plain) >= FOUND_SHARE || !self.is_material()
@@ -241,22 +236,48 @@ impl Trial {
         self.evidence_over(base) > NAMED_EVIDENCE
     }
 
-    /// Whether what it adds to `base` takes most of what was left there, as far as it shows: logs that leave nothing
-    /// material say no more than that it does no harm.
+    /// Whether what it adds to `base` takes most of what was left there.
     fn is_further_than(&self, base: &Self) -> bool {
-        let shows = base.is_material();
+        let shows_somewhere = base.is_material();
         let mut sets = self.sets().into_iter().zip(base.sets());
         let takes_most = |(own, base): (&Errors, &Errors)| {
-            let (left, before) = (own.total_excess(), base.total_excess());
-            if shows && !base.is_material() {
-                left <= before + ALIKE_EXCESS
-            } else {
-                before - left >= FURTHER_SHARE * before || before < FURTHER_DROP
-            }
+            let excesses = [base.total_excess(), own.total_excess()];
+            takes_most(excesses, !shows_somewhere || base.is_material())
         };
         // Its strength comes from the fitted logs, so it has to show there.
         let drop = base.fitted.total_excess() - self.fitted.total_excess();
-        let takes_much = drop >= FURTHER_DROP;
-        takes_much && sets.all(takes_most) && self.evidence_over(base) > FURTHER_EVIDENCE
+        drop >= FURTHER_DROP && sets.all(takes_most) && self.evidence_over(base) > FURTHER_EVIDENCE
+    }
+}
+
+/// Whether a further effect takes most of the excess that was there `before` and is `left` with it. Logs that are not
+/// `asked`, since others show more, say no more than that it does no harm.
+fn takes_most([before, left]: [f64; 2], is_asked: bool) -> bool {
+    if is_asked {
+        before - left >= FURTHER_SHARE * before || before < FURTHER_DROP
+    } else {
+        left <= before + ALIKE_EXCESS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::takes_most;
+
+    #[test]
+    fn logs_that_show_something_ask_for_most_of_it() {
+        assert!(takes_most([0.90, 0.01], true));
+        assert!(takes_most([0.90, 0.45], true));
+        assert!(!takes_most([0.90, 0.46], true));
+        // Hardly anything is there to take.
+        assert!(takes_most([0.05, 0.05], true));
+    }
+
+    /// A third of the noise is what two correct programs of one plant differ by; no effect takes that away.
+    #[test]
+    fn logs_that_show_nothing_ask_for_no_harm() {
+        assert!(takes_most([0.09, 0.08], false));
+        assert!(takes_most([0.09, 0.11], false));
+        assert!(!takes_most([0.09, 0.13], false));
     }
 }

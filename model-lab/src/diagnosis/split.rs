@@ -67,7 +67,7 @@ impl Split {
     ) -> Result<(Self, Trial), DiagnoseError> {
         let given = Self::as_given(plant, logs, check)?;
         let plain = given.plain(plant)?;
-        if !plain.shows_only_where_not_fitted() {
+        if plain.fitted.is_material() || !plain.checked.is_material() {
             return Ok((given, plain));
         }
         let exchanged = given.exchanged();

@@ -46,6 +46,73 @@ fn what_only_the_check_log_shows_is_fitted_there() {
     );
 }
 
+/// A rig within its tolerances, of which one log shows the one orifice and the other log the other one. A fit to either
+/// fails on the other; once that was taken for missing physics.
+#[test]
+fn what_each_log_leaves_open_is_fitted_to_both() {
+    let nominal = PlantParameters::nominal();
+    let mut plant = nominal.clone();
+    plant.set("flow.discharge_fill", 0.88, "rig").unwrap();
+    plant.set("flow.discharge_vent", 1.04, "rig").unwrap();
+    let pulses = |fill: f64, vent: f64| [(0.5, 0.0, 0.0), (0.04, fill, vent)].repeat(8);
+    let filling = Bench {
+        plant: plant.clone(),
+        phases: pulses(100.0, 0.0),
+        ..Bench::default()
+    };
+    let venting = Bench {
+        plant,
+        phases: pulses(0.0, 100.0),
+        initial_bar: 7.0,
+        seed: 2,
+        ..Bench::default()
+    };
+    let diagnosis = diagnose(
+        &nominal,
+        &[filling.measure()],
+        &[venting.measure()],
+        &|_| ControlFlow::Continue(()),
+    )
+    .unwrap();
+    assert_eq!(
+        diagnosis.verdict,
+        Verdict::Adequate,
+        "{}",
+        diagnosis.sentence
+    );
+    assert_eq!((diagnosis.logs.len(), diagnosis.check.len()), (2, 0));
+    assert!(
+        diagnosis.held_out.contains("those for checking included"),
+        "{}",
+        diagnosis.held_out
+    );
+}
+
+/// Beside a sensor offset, the form of the law that fits far better leaves an error with a longer memory. Once the orifice
+/// without a volume was taken for it, which no second effect could mend.
+#[test]
+fn a_supply_line_and_a_sensor_offset_are_both_found() {
+    let line = with(
+        "supply_line_droop",
+        "line_volume",
+        &[("restriction_area_m2", 1.4e-6), ("line_volume_m3", 6e-5)],
+    );
+    let offset = by_id("sensor_offset").unwrap();
+    let bench = Bench {
+        plant: line.with_effect(EffectSetting::typical(offset).with("offset_bar", 0.03)),
+        ..Bench::default()
+    };
+    let diagnosis = diagnose(
+        &PlantParameters::nominal(),
+        &[bench.measure()],
+        &[],
+        &|_| ControlFlow::Continue(()),
+    )
+    .unwrap();
+    assert_eq!(diagnosis.effects, ["supply_line_droop", "sensor_offset"]);
+    assert_eq!(diagnosis.ladder[1].variant.as_deref(), Some("line_volume"));
+}
+
 /// A plunger that begins at once and is swept soon: from its typical shape the fit ends at its typical shape.
 #[test]
 fn a_law_far_from_its_typical_shape_is_found() {
