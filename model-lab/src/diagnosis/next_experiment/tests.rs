@@ -24,10 +24,10 @@ fn rig(hidden: &str) -> PlantParameters {
 }
 
 /// One fill at full duty: it is too slow, but for which reason?
-fn poor_log(hidden: &str) -> Recording {
+fn poor_log(plant: PlantParameters) -> Recording {
     let phases = vec![(1.0, 0.0, 0.0), (0.2, 100.0, 0.0), (0.4, 0.0, 0.0)];
     Rig {
-        plant: rig(hidden),
+        plant,
         phases,
         ..Rig::default()
     }
@@ -37,7 +37,7 @@ fn poor_log(hidden: &str) -> Recording {
 fn asked(question: Question, limits: Limits) -> Result<NextExperiment, DiagnoseError> {
     next_experiment(
         &PlantParameters::nominal(),
-        &[poor_log(RIVALS[0])],
+        &[poor_log(rig(RIVALS[0]))],
         question,
         limits,
         &go_on,
@@ -53,7 +53,7 @@ fn the_best_manoeuvre_tells_what_the_log_could_not() {
 
     // The rig does it, and both rivals are fitted to both logs.
     let plant = PlantParameters::nominal();
-    let log = poor_log(RIVALS[0]);
+    let log = poor_log(rig(RIVALS[0]));
     let noises = Noises::of(&gather(&plant, core::slice::from_ref(&log)).unwrap());
     let sequence = Sequence {
         name: "next",
@@ -146,8 +146,8 @@ fn limits_that_leave_nothing_and_unknown_effects_are_refused() {
 
 #[test]
 fn where_no_manoeuvre_tells_them_apart_it_says_so() {
-    // The made-up rig logs the chamber, not what a slow sensor shows: the log has neither effect.
-    let log = poor_log("sensor_lag");
+    // The rig has neither effect.
+    let log = poor_log(PlantParameters::nominal());
     let question = Question::Between(&["dead_volume", "sensor_lag"]);
     let limits = Limits {
         duration_s: 3.0,
