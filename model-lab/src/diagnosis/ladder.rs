@@ -240,18 +240,18 @@ impl Trial {
     fn is_further_than(&self, base: &Self) -> bool {
         let shows_somewhere = base.is_material();
         let mut sets = self.sets().into_iter().zip(base.sets());
-        let takes_most = |(own, base): (&Errors, &Errors)| {
+        let does_enough = |(own, base): (&Errors, &Errors)| {
             let excesses = [base.total_excess(), own.total_excess()];
             takes_most(excesses, !shows_somewhere || base.is_material())
         };
         // Its strength comes from the fitted logs, so it has to show there.
         let drop = base.fitted.total_excess() - self.fitted.total_excess();
-        drop >= FURTHER_DROP && sets.all(takes_most) && self.evidence_over(base) > FURTHER_EVIDENCE
+        drop >= FURTHER_DROP && sets.all(does_enough) && self.evidence_over(base) > FURTHER_EVIDENCE
     }
 }
 
-/// Whether a further effect takes most of the excess that was there `before` and is `left` with it. Logs that are not
-/// `asked`, since others show more, say no more than that it does no harm.
+/// Whether a further effect takes most of the excess that was there `before` and is `left` with it. Logs for which
+/// `is_asked` is false, since others show more, say no more than that it does no harm.
 fn takes_most([before, left]: [f64; 2], is_asked: bool) -> bool {
     if is_asked {
         before - left >= FURTHER_SHARE * before || before < FURTHER_DROP

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use retarder_tests::blind::draw::{Counts, Draw};
+use retarder_tests::blind::draw::{Counts, Draw, DrawError};
 use retarder_tests::blind::format::Folders;
 
 /// Draws sealed rigs from a seed.
@@ -28,14 +28,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    let options = Options::parse();
-    let mut draw = Draw::new(options.seed, Counts::FULL.share(options.share));
-    if !options.rig.is_empty() {
-        draw = draw.only(&options.rig);
-    }
-    let count = draw.count();
-    let progress = |done| eprint!("\r{done} of {count} rigs");
-    match draw.write(&Folders::new(options.out), options.threads, progress) {
+    match draw(Options::parse()) {
         Ok(()) => {
             eprintln!();
             ExitCode::SUCCESS
@@ -45,4 +38,14 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+fn draw(options: Options) -> Result<(), DrawError> {
+    let mut draw = Draw::new(options.seed, Counts::FULL.share(options.share));
+    if !options.rig.is_empty() {
+        draw = draw.only(&options.rig)?;
+    }
+    let count = draw.count();
+    let progress = |done| eprint!("\r{done} of {count} rigs");
+    draw.write(&Folders::new(options.out), options.threads, progress)
 }

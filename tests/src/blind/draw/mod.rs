@@ -32,6 +32,9 @@ pub enum DrawError {
     /// A folder that is not empty may hold another draw.
     #[error("{} is there already; draw into a folder that is not", .0.display())]
     Occupied(PathBuf),
+    /// A number that no rig of the draw has.
+    #[error("there is no rig {0}: this draw has rigs 1 to {1}")]
+    NoSuchRig(usize, usize),
     /// A file or a folder could not be written.
     #[error("{} cannot be written: {}", .0.display(), .1)]
     Write(PathBuf, #[source] io::Error),
@@ -65,10 +68,16 @@ impl Draw {
     }
 
     /// Of these rigs those with one of `numbers`, as they are in the whole draw.
-    #[must_use]
-    pub fn only(mut self, numbers: &[usize]) -> Self {
+    ///
+    /// # Errors
+    /// If a number is that of no rig.
+    pub fn only(mut self, numbers: &[usize]) -> Result<Self, DrawError> {
+        let count = self.count();
+        if let Some(&number) = numbers.iter().find(|number| !(1..=count).contains(number)) {
+            return Err(DrawError::NoSuchRig(number, count));
+        }
         self.plans.retain(|(number, _)| numbers.contains(number));
-        self
+        Ok(self)
     }
 
     /// Number of rigs.
