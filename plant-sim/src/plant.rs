@@ -53,6 +53,12 @@ impl Plant {
         }
     }
 
+    /// The share of its travel that a plunger has at rest (-).
+    pub(crate) fn swept_at_rest(&self) -> f64 {
+        let plunger = &self.additions.plunger;
+        plunger.map_or(0.0, |plunger| plunger.share(0.0, self.ambient_pressure))
+    }
+
     /// Upside minus downside pressure of a valve (Pa) at chamber pressure `pressure` (Pa abs).
     #[inline]
     pub fn pressure_drop(&self, valve: usize, pressure: f64) -> f64 {

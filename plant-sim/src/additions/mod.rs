@@ -5,6 +5,7 @@ mod cavity;
 mod flow_force;
 mod heating;
 mod leak;
+mod line;
 mod plunger;
 mod saturation;
 mod sensor_lag;
@@ -18,7 +19,9 @@ pub(crate) use heating::{CoilTemperature, resistance};
 pub use heating::{HeatStore, Heating};
 pub use leak::Leak;
 pub(crate) use leak::LeakLaw;
+pub use line::Line;
 pub use plunger::Plunger;
+pub(crate) use plunger::Volume;
 pub use saturation::Saturation;
 pub use sensor_lag::SensorLag;
 pub(crate) use wall_heat::Balance;
@@ -34,9 +37,9 @@ pub struct Additions {
     /// Flow from the chamber to ambient, and from the supply into the chamber.
     pub leaks: [Option<Leak>; 2],
     /// What lies between the supply and the fill valve.
-    pub supply_line: Option<SupplyLine>,
+    pub supply_line: Option<Line>,
     /// What lies between the vent valve and the drain.
-    pub drain_line: Option<DrainLine>,
+    pub drain_line: Option<Line>,
     /// Fixed orifices behind the fill and the vent valve.
     pub restrictions: [Option<Restriction>; 2],
     /// Fixed orifices that are one opening together with the fill and the vent valve.
@@ -53,6 +56,8 @@ pub struct Additions {
     pub eddy_conductance: f64,
     /// Resistance that both coils' currents pass (Ω).
     pub supply_resistance: f64,
+    /// What the battery loses under a lasting current.
+    pub polarisation: Option<Polarisation>,
     /// Resistance in the free-wheeling loop alone (Ω).
     pub free_wheel_resistance: f64,
     /// The coils or their surroundings warm up.
@@ -75,22 +80,13 @@ pub struct Additions {
     pub hooks: Hooks,
 }
 
-/// A restriction behind the reservoir, and the volume behind it.
+/// A voltage behind a resistance that comes and goes with a time constant: a battery under a lasting current (E50).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SupplyLine {
-    /// The narrowest place.
-    pub restriction: Restriction,
-    /// Volume between it and the valve (m³); none where it is negligible.
-    pub volume: Option<f64>,
-}
-
-/// A volume behind the vent valve, and the restriction through which it empties.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DrainLine {
-    /// The outlet.
-    pub restriction: Restriction,
-    /// Volume between the valve and it (m³).
-    pub volume: f64,
+pub struct Polarisation {
+    /// Voltage in the end over the current of all energised coils (Ω).
+    pub resistance: f64,
+    /// Time constant (s).
+    pub time_constant: f64,
 }
 
 /// Friction at rest and in motion.

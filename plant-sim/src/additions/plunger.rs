@@ -11,6 +11,19 @@ pub struct Plunger {
     pub(crate) travel: f64,
     /// Pressure that friction holds (Pa).
     pub(crate) friction: f64,
+    /// Time constant (s) with which damping lets it follow; none where it follows at once.
+    pub(crate) damping: Option<f64>,
+}
+
+/// A volume that follows the pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Volume {
+    /// How large it is (m³).
+    pub(crate) size: f64,
+    /// Its change with the pressure (m³/Pa), ...
+    pub(crate) compliance: f64,
+    /// ... and its growth besides (m³/s).
+    pub(crate) growth: f64,
 }
 
 impl Plunger {
@@ -26,8 +39,30 @@ impl Plunger {
             .min(self.free(pressure + self.friction))
     }
 
-    /// Swept volume (m³) and its change with the pressure (m³/Pa), while the pressure rises or falls.
-    pub(crate) fn volume(&self, last: f64, pressure: f64, rises: bool) -> (f64, f64) {
+    /// d(share)/dt (1/s) at `pressure` (Pa abs) of a plunger that is damped; 0 of one that follows at once.
+    pub(crate) fn rate(&self, share: f64, pressure: f64) -> f64 {
+        let pulled = self.share(share, pressure) - share;
+        self.damping.map_or(0.0, |damping| pulled / damping)
+    }
+
+    /// The share after the pressure was moved from `before` to `pressure` (Pa abs), and the plunger along with it.
+    pub(crate) fn shifted(&self, share: f64, before: f64, pressure: f64) -> f64 {
+        if self.damping.is_some() {
+            (share + self.free(pressure) - self.free(before)).clamp(0.0, 1.0)
+        } else {
+            self.share(share, pressure)
+        }
+    }
+
+    /// Swept volume where the share of the travel was `last`, while the pressure rises or falls.
+    pub(crate) fn volume(&self, last: f64, pressure: f64, rises: bool) -> Volume {
+        if self.damping.is_some() {
+            return Volume {
+                size: self.swept * last,
+                compliance: 0.0,
+                growth: self.swept * self.rate(last, pressure),
+            };
+        }
         let share = self.share(last, pressure);
         let pushed = if rises {
             self.free(pressure - self.friction) >= share
@@ -35,8 +70,11 @@ impl Plunger {
             self.free(pressure + self.friction) <= share
         };
         let moves = pushed && share > 0.0 && share < 1.0;
-        let slope = if moves { self.swept / self.travel } else { 0.0 };
-        (self.swept * share, slope)
+        Volume {
+            size: self.swept * share,
+            compliance: if moves { self.swept / self.travel } else { 0.0 },
+            growth: 0.0,
+        }
     }
 }
 
@@ -50,6 +88,7 @@ mod tests {
             begin: 2e5,
             travel: 4e5,
             friction,
+            damping: None,
         }
     }
 
@@ -61,5 +100,17 @@ mod tests {
         assert_eq!(plunger.share(up, 3.81e5), up, "still held");
         assert!((plunger.share(up, 3e5) - 0.275).abs() < 1e-12);
         assert_eq!(plunger.share(up, 9e5), 1.0);
+    }
+
+    #[test]
+    fn damping_lets_it_follow_what_exceeds_the_friction() {
+        let plunger = Plunger {
+            damping: Some(0.02),
+            ..plunger(0.1e5)
+        };
+        assert!((plunger.rate(0.0, 4e5) - 0.475 / 0.02).abs() < 1e-9);
+        assert_eq!(plunger.rate(0.475, 3.81e5), 0.0, "held");
+        assert!((plunger.rate(0.475, 3e5) + 0.2 / 0.02).abs() < 1e-9);
+        assert!((plunger.shifted(0.3, 3e5, 3.4e5) - 0.4).abs() < 1e-12);
     }
 }

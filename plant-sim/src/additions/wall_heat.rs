@@ -1,5 +1,7 @@
 //! Energy balance of the gas with heat from the wall (E52).
 
+use super::Volume;
+
 /// Heat from the wall to the gas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallHeat {
@@ -24,9 +26,8 @@ pub(crate) struct Balance {
     pub(crate) inflow: f64,
     /// Mass flow out, at the temperature of the chamber (kg/s).
     pub(crate) outflow: f64,
-    /// Volume (m³), and its change with the pressure (m³/Pa).
-    pub(crate) volume: f64,
-    pub(crate) compliance: f64,
+    /// Of the gas.
+    pub(crate) volume: Volume,
 }
 
 /// Temperature difference of the reference of natural convection (K).
@@ -71,14 +72,14 @@ impl WallHeat {
             inflow,
             outflow,
             volume,
-            compliance,
         } = *balance;
         let (k, r) = (self.heat_capacity_ratio, self.gas_constant);
-        let pressure_rate = pressure_power / (volume + k * pressure * compliance);
-        let mass = pressure * volume / (r * temperature);
+        let pressure_rate = (pressure_power - k * pressure * volume.growth)
+            / (volume.size + k * pressure * volume.compliance);
+        let mass = pressure * volume.size / (r * temperature);
+        let growth = volume.compliance * pressure_rate + volume.growth;
         let temperature_rate = temperature
-            * (pressure_rate / pressure + compliance * pressure_rate / volume
-                - (inflow - outflow) / mass);
+            * (pressure_rate / pressure + growth / volume.size - (inflow - outflow) / mass);
         let wall_rate = self.wall.map_or(0.0, |(capacity, loss)| {
             let heat = self.conductance(pressure, temperature, wall) * (wall - temperature);
             (-heat - loss * (wall - self.surroundings)) / capacity

@@ -1,6 +1,6 @@
 //! The drain is not at ambient pressure.
 
-use crate::additions::DrainLine;
+use crate::additions::Line;
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PA_PER_BAR, PlantParameters, Variant,
     effect_parameters,
@@ -15,12 +15,16 @@ effect_parameters! { "effects.drain_back_pressure":
         "effective area of the silencer or the outlet (E56)";
     VOLUME = line_volume_m3 ["m3"] 1e-7 ..= 1e-2, Log 1e-5,
         "volume between the vent valve and the silencer (E56)";
+    RESISTANCE = silencer_resistance_bar_s_per_g ["bar s/g"] 1e-5 ..= 10.0, Log 0.1, off 0.0,
+        "pressure before a porous silencer per mass flow (E56)";
+    RESPONSE = silencer_response_s ["s"] 1e-3 ..= 10.0, Log 0.01,
+        "time constant of the pressure before the silencer (E56)";
 }
 
 static ABOUT: About = About {
     id: "drain_back_pressure",
     sentence: "A silencer, a long hose or oil in the outlet holds the air back, so venting slows down before the chamber is empty.",
-    source: "E56: ISO 6358-1 with another downside pressure",
+    source: "E56: ISO 6358-1 with another downside pressure; Darcy's law for a porous silencer",
     acts_on: EntryPoint::Drain,
     variants: &[
         Variant {
@@ -38,6 +42,11 @@ static ABOUT: About = About {
             about: "a line before the silencer takes the first air and empties slowly",
             parameters: &[&AREA, &VOLUME],
         },
+        Variant {
+            name: "porous_silencer",
+            about: "sintered metal: back pressure in proportion to the flow, with a time constant",
+            parameters: &[&RESISTANCE, &RESPONSE],
+        },
     ],
     excited_by: "venting to below 1 bar gauge and on to the end",
     confused_with: &["critical_ratio", "series_restriction", "sensor_offset"],
@@ -54,15 +63,16 @@ impl Effect for DrainBackPressure {
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
         plant.drain_pressure += setting.get("pressure_bar").unwrap_or(0.0) * PA_PER_BAR;
+        if let Some(resistance) = setting.get("silencer_resistance_bar_s_per_g") {
+            plant.additions.drain_line =
+                Line::yielding(resistance, setting.value("silencer_response_s"));
+        }
         let Some(effective_area) = setting.get("silencer_area_m2") else {
             return;
         };
         let restriction = Restriction { effective_area };
         if let Some(volume) = setting.get("line_volume_m3") {
-            plant.additions.drain_line = Some(DrainLine {
-                restriction,
-                volume,
-            });
+            plant.additions.drain_line = Some(Line::Volume(restriction, volume));
         } else {
             let slot = &mut plant.additions.restrictions[1];
             *slot = Some(restriction.in_series_with(*slot));
@@ -105,6 +115,33 @@ mod tests {
         let rate = plant.chamber.pressure_per_mass * plant.nozzle.choked_factor() * 0.2e-6;
         let measured = (early / late).ln() / 0.1;
         assert!((measured / rate - 1.0).abs() < 0.01, "{measured} {rate}");
+    }
+
+    /// A large chamber vents at a steady flow: the drain is at the silencer's resistance times it.
+    #[test]
+    fn a_porous_silencer_dams_in_proportion_to_the_flow() {
+        let setting = EffectSetting::typical_variant(&DrainBackPressure, &ABOUT.variants[3])
+            .with("silencer_resistance_bar_s_per_g", 0.2);
+        let mut plant = PlantParameters::nominal().with_effect(setting);
+        plant.chamber.volume_m3 = 1.0;
+        let mut simulator = Simulator::new(&plant);
+        simulator.set_chamber_pressure(6e5);
+        simulator.command(Command {
+            duty_fill_pct: 0.0,
+            duty_vent_pct: 100.0,
+        });
+        simulator.advance_to_ns(200_000_000);
+        let before = simulator.state().pressure;
+        simulator.advance_to_ns(220_000_000);
+        let fall = before - simulator.state().pressure;
+        let grams_per_s = fall / 0.02 / simulator.plant().chamber.pressure_per_mass * 1e3;
+        let mut states = simulator.effect_states();
+        let drain = states.find(|state| state.name == "p_drain").unwrap();
+        let dammed = (drain.value - simulator.plant().ambient_pressure) / PA_PER_BAR;
+        assert!(
+            (dammed / (0.2 * grams_per_s) - 1.0).abs() < 1e-3,
+            "{dammed} {grams_per_s}"
+        );
     }
 
     /// An outlet that is nearly shut: chamber and line come to one pressure, and no air is lost.

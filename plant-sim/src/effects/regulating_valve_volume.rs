@@ -16,6 +16,8 @@ effect_parameters! { "effects.regulating_valve_volume":
         "rise of the chamber pressure over the plunger's whole travel (E53)";
     FRICTION = friction_bar ["bar"] 0.001 ..= 5.0, Log 0.1,
         "pressure that the plunger's friction holds (E53)";
+    DAMPING = damping_s ["s"] 1e-3 ..= 10.0, Log 0.02,
+        "time constant with which the plunger follows the pressure (E53)";
 }
 
 static ABOUT: About = About {
@@ -33,6 +35,11 @@ static ABOUT: About = About {
             name: "friction",
             about: "the plunger sticks while the pressure reverses",
             parameters: &[&SWEPT, &BEGIN, &TRAVEL, &FRICTION],
+        },
+        Variant {
+            name: "damped",
+            about: "oil or a throttle holds the plunger back: it follows the pressure late",
+            parameters: &[&SWEPT, &BEGIN, &TRAVEL, &DAMPING],
         },
     ],
     excited_by: "the same pulses at 1 bar and at 5 bar, up and down",
@@ -55,6 +62,7 @@ impl Effect for RegulatingValveVolume {
             begin: pascal("begin_bar") + parameters.gas.ambient_pressure_pa,
             travel: pascal("travel_bar"),
             friction: pascal("friction_bar"),
+            damping: setting.get("damping_s"),
         });
     }
 }

@@ -1,6 +1,6 @@
 //! The supply pressure falls while the fill valve is open.
 
-use crate::additions::SupplyLine;
+use crate::additions::Line;
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
 };
@@ -12,12 +12,16 @@ effect_parameters! { "effects.supply_line_droop":
         "effective area of the narrowest place between reservoir and fill valve (E51)";
     VOLUME = line_volume_m3 ["m3"] 1e-7 ..= 1e-2, Log 5e-5,
         "volume of the line between that place and the fill valve (E51)";
+    DROOP = regulator_droop_bar_s_per_g ["bar s/g"] 1e-5 ..= 10.0, Log 0.02, off 0.0,
+        "pressure that the regulator loses per mass flow, the slope of its flow characteristic (E51)";
+    RESPONSE = regulator_response_s ["s"] 1e-3 ..= 10.0, Log 0.03,
+        "time constant of the regulator (E51)";
 }
 
 static ABOUT: About = About {
     id: "supply_line_droop",
     sentence: "The line to the fill valve is narrow: its pressure falls while the valve is open and recovers afterwards, so long fillings take longer than short pulses suggest.",
-    source: "E51: ISO 6358-1 and the mass balance of the line",
+    source: "E51: ISO 6358-1 and the mass balance of the line; ISO 6953-1 for a regulator",
     acts_on: EntryPoint::AirSupply,
     variants: &[
         Variant {
@@ -29,6 +33,11 @@ static ABOUT: About = About {
             name: "static",
             about: "no air stored: an orifice in series with the valve",
             parameters: &[&AREA],
+        },
+        Variant {
+            name: "regulator",
+            about: "a pressure regulator that gives way in proportion to the flow, with a time constant",
+            parameters: &[&DROOP, &RESPONSE],
         },
     ],
     excited_by: "one long filling, then the same by short pulses with pauses",
@@ -45,18 +54,26 @@ impl Effect for SupplyLineDroop {
     }
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
-        plant.additions.supply_line = Some(SupplyLine {
-            restriction: Restriction {
-                effective_area: setting.value("restriction_area_m2"),
-            },
-            volume: setting.get("line_volume_m3"),
-        });
+        plant.additions.supply_line = match setting.get("restriction_area_m2") {
+            Some(effective_area) => {
+                let restriction = Restriction { effective_area };
+                let volume = setting.get("line_volume_m3");
+                Some(volume.map_or(Line::Orifice(restriction), |volume| {
+                    Line::Volume(restriction, volume)
+                }))
+            }
+            None => Line::yielding(
+                setting.value("regulator_droop_bar_s_per_g"),
+                setting.value("regulator_response_s"),
+            ),
+        };
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::description::PA_PER_BAR;
     use crate::{Command, Simulator};
 
     fn filling_time_s(setting: Option<EffectSetting>) -> f64 {
@@ -84,6 +101,34 @@ mod tests {
         });
         let plain = filling_time_s(None);
         assert!(plain < line && line < fixed, "{plain} {line} {fixed}");
+    }
+
+    /// Choked filling of a chamber without end: the flow is steady, and so is what the regulator loses to it.
+    #[test]
+    fn a_regulator_loses_its_droop_times_the_flow() {
+        let setting = EffectSetting::typical_variant(&SupplyLineDroop, &ABOUT.variants[2])
+            .with("regulator_droop_bar_s_per_g", 0.1);
+        let mut plant = PlantParameters::nominal().with_effect(setting);
+        plant.chamber.volume_m3 = 1.0;
+        let mut simulator = Simulator::new(&plant);
+        simulator.command(Command {
+            duty_fill_pct: 100.0,
+            duty_vent_pct: 0.0,
+        });
+        let pressure_after = |simulator: &mut Simulator, milliseconds: u64| {
+            simulator.advance_to_ns(milliseconds * 1_000_000);
+            simulator.state().pressure
+        };
+        let before = pressure_after(&mut simulator, 400);
+        let rise = pressure_after(&mut simulator, 500) - before;
+        let grams_per_s = rise / 0.1 / simulator.plant().chamber.pressure_per_mass * 1e3;
+        let mut states = simulator.effect_states();
+        let line = states.find(|state| state.name == "p_line").unwrap();
+        let lost = (simulator.plant().supply_pressure - line.value) / PA_PER_BAR;
+        assert!(
+            (lost / (0.1 * grams_per_s) - 1.0).abs() < 1e-3,
+            "{lost} {grams_per_s}"
+        );
     }
 
     /// A line without volume is the limit of a small one.

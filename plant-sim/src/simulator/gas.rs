@@ -1,7 +1,7 @@
 //! Flows and pressures with effects.
 
 use super::layout::Layout;
-use crate::additions::Balance;
+use crate::additions::{Balance, Line, Volume};
 use crate::hooks::{self, Now};
 use crate::plant::{FILL, Plant, VENT};
 use crate::resting_pressure::RestingPressure;
@@ -55,8 +55,8 @@ fn through_valve(plant: &Plant, index: usize, open: f64, upside: f64, downside: 
     // A line without volume is an orifice before the fill valve.
     let before = additions
         .supply_line
-        .filter(|line| index == FILL && line.volume.is_none())
-        .map(|line| line.restriction);
+        .filter(|_| index == FILL)
+        .and_then(Line::orifice);
     if area == 0.0 {
         (0.0, upside - downside)
     } else if area < 0.0 {
@@ -105,8 +105,10 @@ pub(super) fn resting_pressure(
     let hooks = &additions.hooks;
     let follows_areas =
         |leak: usize| additions.leaks[leak].is_none_or(|leak| leak.orifice_area().is_some());
-    let touched = additions.supply_line.is_some_and(|line| line.volume.is_some() || areas[FILL] > 0.0)
+    let touched = additions.supply_line.is_some_and(|line| line.has_pressure() || areas[FILL] > 0.0)
         || additions.drain_line.is_some()
+        // Nothing of the gas, but the formula leaves no state to follow its own law.
+        || additions.polarisation.is_some()
         || additions.wall_heat.is_some()
         || additions.cavity.is_some()
         || additions.plunger.is_some()
@@ -140,16 +142,24 @@ pub(super) fn pressure_drop(
     through_valve(plant, index, area, upside, downside).1
 }
 
-/// Volume of the gas (m³) and its change with the pressure (m³/Pa), while the pressure rises or falls.
-fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> (f64, f64) {
-    let (more, compliance) = match &plant.additions.plunger {
+/// Volume of the gas while the pressure rises or falls.
+fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> Volume {
+    let swept = match &plant.additions.plunger {
         Some(plunger) => plunger.volume(swept, pressure, rises),
-        None => (0.0, 0.0),
+        None => Volume {
+            size: 0.0,
+            compliance: 0.0,
+            growth: 0.0,
+        },
     };
-    (plant.chamber.volume + more, compliance)
+    Volume {
+        size: plant.chamber.volume + swept.size,
+        ..swept
+    }
 }
 
-/// Flows, and the rates of the pressure and of what effects add; `swept` is the plunger's last share of its travel.
+/// Flows, and the rates of the pressure and of what effects add; `swept` is the last share of its travel of
+/// a plunger that follows at once.
 #[inline]
 pub(super) fn rates(
     plant: &Plant,
@@ -164,6 +174,10 @@ pub(super) fn rates(
     let nozzle = &plant.nozzle;
     let plain = plant.chamber.pressure_per_mass;
     let source = source(plant, layout, extra, now);
+    let swept = layout.plunger.map_or(swept, |plunger| extra[plunger]);
+    if let (Some(index), Some(plunger)) = (layout.plunger, &additions.plunger) {
+        extra_rates[index] = plunger.rate(swept, pressure);
+    }
 
     let (fill, fill_drop) = through_valve(plant, FILL, areas[FILL], source, pressure);
     let sink = sink(plant, layout, extra);
@@ -214,12 +228,10 @@ pub(super) fn rates(
             let wall = layout.wall.map_or(heat.surroundings, |wall| extra[wall]);
             let temperature = extra[index];
             let power = heat.pressure_power([inflow, outflow], pressure, temperature, wall);
-            let (volume, compliance) = volume(plant, swept, pressure, power > 0.0);
             let balance = Balance {
                 inflow,
                 outflow,
-                volume,
-                compliance,
+                volume: volume(plant, swept, pressure, power > 0.0),
             };
             let [rate, temperature_rate, wall_rate] =
                 heat.rates(&balance, power, pressure, temperature, wall);
@@ -230,25 +242,19 @@ pub(super) fn rates(
             rate
         }
         _ => {
-            let (volume, compliance) = volume(plant, swept, pressure, inflow > outflow);
-            let stretched = (volume + pressure * compliance) / plant.chamber.volume;
-            plain * (inflow - outflow) / stretched
+            let volume = volume(plant, swept, pressure, inflow > outflow);
+            let stretched = (volume.size + pressure * volume.compliance) / plant.chamber.volume;
+            let thinned = pressure * volume.growth / plant.chamber.volume;
+            (plain * (inflow - outflow) - thinned) / stretched
         }
     };
-    if let (Some(index), Some(line)) = (layout.line, additions.supply_line)
-        && let Some(line_volume) = line.volume
-    {
-        let supplied = line
-            .restriction
-            .mass_flow(nozzle, reservoir(plant, now), source);
-        extra_rates[index] =
-            plain * plant.chamber.volume / line_volume * (supplied - streams[0].0 - streams[2].0);
+    let gas = (nozzle, plain * plant.chamber.volume);
+    if let (Some(index), Some(line)) = (layout.line, additions.supply_line) {
+        let drawn = streams[0].0 + streams[2].0;
+        extra_rates[index] = line.pressure_rate(gas, reservoir(plant, now), source, drawn);
     }
     if let (Some(index), Some(line)) = (layout.drain, additions.drain_line) {
-        let drained = line
-            .restriction
-            .mass_flow(nozzle, sink, plant.drain_pressure);
-        extra_rates[index] = plain * plant.chamber.volume / line.volume * (-streams[1].0 - drained);
+        extra_rates[index] = line.pressure_rate(gas, plant.drain_pressure, sink, streams[1].0);
     }
     GasNow {
         pressure_rate,

@@ -1,6 +1,7 @@
 //! Which states effects add, and where they stand behind those of the valves.
 
 use super::physics::{FEW, MANY, Width};
+use crate::additions::Line;
 use crate::plant::Plant;
 
 /// Indices into the added states.
@@ -18,6 +19,10 @@ pub(super) struct Layout {
     pub(super) wall: Option<usize>,
     /// Pressure in the cavity (Pa abs).
     pub(super) cavity: Option<usize>,
+    /// What the battery has lost (V).
+    pub(super) polarisation: Option<usize>,
+    /// The share of its travel of a damped plunger (-).
+    pub(super) plunger: Option<usize>,
     /// First and number of your own states.
     pub(super) own: (usize, usize),
     len: usize,
@@ -33,15 +38,17 @@ impl Layout {
             present.then_some(index)
         };
         let time = place(!additions.hooks.is_empty());
-        let line = place(
-            additions
-                .supply_line
-                .is_some_and(|line| line.volume.is_some()),
-        );
+        let line = place(additions.supply_line.is_some_and(Line::has_pressure));
         let drain = place(additions.drain_line.is_some());
         let temperature = place(additions.wall_heat.is_some());
         let wall = place(additions.wall_heat.is_some_and(|heat| heat.wall.is_some()));
         let cavity = place(additions.cavity.is_some());
+        let polarisation = place(additions.polarisation.is_some());
+        let plunger = place(
+            additions
+                .plunger
+                .is_some_and(|plunger| plunger.damping.is_some()),
+        );
         let own = additions.hooks.states.len();
         Self {
             time,
@@ -50,6 +57,8 @@ impl Layout {
             temperature,
             wall,
             cavity,
+            polarisation,
+            plunger,
             own: (layout.len, own),
             len: layout.len + own,
         }
@@ -83,6 +92,14 @@ impl Layout {
         set(self.temperature, surroundings, kelvin);
         set(self.wall, surroundings, kelvin);
         set(self.cavity, plant.ambient_pressure, pressure_tolerance);
+        // Its volume is a part of the chamber's.
+        set(
+            self.plunger,
+            plant.swept_at_rest(),
+            pressure_tolerance * 2e-6,
+        );
+        // As large a share of 24 V as of the supply pressure.
+        set(self.polarisation, 0.0, pressure_tolerance * 2.5e-5);
         let relative = pressure_tolerance / super::Tolerance::default().pressure;
         for (n, own) in plant.additions.hooks.states.iter().enumerate() {
             set(Some(self.own.0 + n), own.initial, own.tolerance * relative);

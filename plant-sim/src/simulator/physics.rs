@@ -21,7 +21,7 @@ pub(super) enum Width {
 /// The states that [`Width::Few`] has room for.
 pub(super) const FEW: usize = 2;
 /// The states that [`Width::Many`] has room for.
-pub(super) const MANY: usize = 10;
+pub(super) const MANY: usize = 12;
 
 /// Physics between two events.
 pub(super) trait Physics: Sized {

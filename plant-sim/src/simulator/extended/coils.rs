@@ -40,9 +40,37 @@ impl Extended {
         for slot in 0..M {
             let (index, first) = (smooth.live[slot], first_of(slot));
             let current = flux::magnetising_current(&self.plant, index, y[first], y[first + 1]);
-            coils[index] = Some((smooth.drives[slot], current, more[index]));
+            let drive = smooth.drives[slot];
+            let lost = self.lost_voltage(drive, &y[first_of(M)..]);
+            coils[index] = Some((drive, current, more[index] - lost));
         }
         flux::coils_now(&self.plant, coils)
+    }
+
+    /// What the battery's polarisation takes from the voltage of a coil (V).
+    fn lost_voltage(&self, drive: Drive, extra: &[f64]) -> f64 {
+        match (drive, self.layout.polarisation) {
+            (Drive::Energised(_), Some(polarisation)) => extra[polarisation],
+            _ => 0.0,
+        }
+    }
+
+    /// d(polarisation)/dt (V/s) under the currents of the energised coils.
+    pub(super) fn polarisation_rate<const M: usize>(
+        &self,
+        smooth: &Smooth<M>,
+        coils: &[CoilNow; 2],
+        voltage: f64,
+    ) -> Option<f64> {
+        let polarisation = self.plant.additions.polarisation?;
+        let taken: f64 = smooth
+            .live
+            .iter()
+            .zip(smooth.drives)
+            .filter(|(_, drive)| matches!(drive, Drive::Energised(_)))
+            .map(|(&index, _)| coils[index].current)
+            .sum();
+        Some((polarisation.resistance * taken - voltage) / polarisation.time_constant)
     }
 
     /// The outputs have switched: with eddy currents, the current at the terminals jumps.
@@ -53,7 +81,8 @@ impl Extended {
         let coils = [FILL, VENT].map(|index| {
             let valve = &state.valves[index];
             let current = flux::magnetising_current(&self.plant, index, self.flux[index], valve.x);
-            Some((valve.drive, current, 0.0))
+            let lost = self.lost_voltage(valve.drive, &self.extra);
+            Some((valve.drive, current, -lost))
         });
         let now = flux::coils_now(&self.plant, coils);
         for (valve, coil) in state.valves.iter_mut().zip(now) {
@@ -69,7 +98,9 @@ impl Extended {
         charge: &mut [f64; 2],
     ) {
         let additions = &self.plant.additions;
-        let simpson = additions.heating.is_some() || !additions.hooks.is_empty();
+        let simpson = additions.heating.is_some()
+            || additions.polarisation.is_some()
+            || !additions.hooks.is_empty();
         if simpson {
             let middle = span.at(0.5 * taken);
             let states = [&span.start, &middle, end];

@@ -15,9 +15,10 @@ use crate::plant::{FILL, Plant, PlantState, VENT};
 /// A state that an effect adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectState {
-    /// `t_gas`, `t_wall`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, or `own` for your own.
+    /// `t_gas`, `t_wall`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, `u_polarisation`, `plunger_share`, or
+    /// `own` for your own.
     pub name: &'static str,
-    /// Its value: K or Pa abs, or the unit of your own.
+    /// Its value: K, Pa abs, V or a pure number, or the unit of your own.
     pub value: f64,
 }
 
@@ -57,10 +58,7 @@ impl Extended {
             coils: [coil; 2],
             heat: [0.0; 2],
             installed: [FILL, VENT].map(|index| plant.valves[index].coil.resistance),
-            swept: plant
-                .additions
-                .plunger
-                .map_or(0.0, |plunger| plunger.share(0.0, start)),
+            swept: plant.swept_at_rest(),
             sensor: Sensor::new(start),
             elapsed: 0.0,
             layout,
@@ -101,6 +99,8 @@ impl Extended {
             temperature,
             wall,
             cavity,
+            polarisation,
+            plunger,
             own: (first, number),
             ..
         } = self.layout;
@@ -110,6 +110,8 @@ impl Extended {
             ("t_gas", temperature),
             ("t_wall", wall),
             ("p_cavity", cavity),
+            ("u_polarisation", polarisation),
+            ("plunger_share", plunger),
         ];
         let state = |name, value| EffectState { name, value };
         let mut states: Vec<_> = named
@@ -160,7 +162,12 @@ impl Extended {
             self.extra[cavity] = (self.extra[cavity] + shift).max(1.0);
         }
         if let Some(plunger) = &self.plant.additions.plunger {
-            self.swept = plunger.share(self.swept, pressure);
+            let before = pressure - shift;
+            let swept = match self.layout.plunger {
+                Some(index) => &mut self.extra[index],
+                None => &mut self.swept,
+            };
+            *swept = plunger.shifted(*swept, before, pressure);
         }
         self.sensor.shift(shift);
     }

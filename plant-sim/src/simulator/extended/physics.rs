@@ -49,7 +49,9 @@ impl Physics for Extended {
         let additions = &self.plant.additions;
         let has_law = !self.is_linear() || !additions.hooks.is_empty();
         match valve.drive {
-            Drive::Energised(_) => has_law || additions.supply_resistance > 0.0,
+            Drive::Energised(_) => {
+                has_law || additions.supply_resistance > 0.0 || additions.polarisation.is_some()
+            }
             Drive::FreeWheeling(_) => has_law,
             // The eddy currents hold a flux for a moment.
             Drive::Blocked => additions.eddy_conductance > 0.0 && self.flux[index] > 0.0,
@@ -205,6 +207,11 @@ impl Physics for Extended {
             valve_rates[first + 1] = v;
             valve_rates[first + 2] =
                 (net - direction * friction) / self.plant.valves[index].armature.mass;
+        }
+        if let Some(index) = self.layout.polarisation
+            && let Some(rate) = self.polarisation_rate(smooth, &coils, extra[index])
+        {
+            extra_rates[index] = rate;
         }
         if let (Some(time), Some(now)) = (self.layout.time, now) {
             extra_rates[time] = 1.0;
