@@ -56,11 +56,19 @@ fn a_rig_is_the_same_from_the_same_seed_and_another_from_another() {
 #[test]
 fn a_rig_drawn_alone_is_that_of_the_whole_draw() {
     let whole = Draw::new(1, Counts { poor: 2, ..SHORT });
-    let alone = whole.clone().only(&[2]);
+    let alone = whole.clone().only(&[2]).unwrap();
     assert_eq!(alone.count(), 1);
     let (of_all, alone) = (whole.rig(1), alone.rig(0));
     assert_eq!(of_all.answer, alone.answer);
     assert_eq!(of_all.logs, alone.logs);
+    for missing in [0, whole.count() + 1] {
+        let refused = whole.clone().only(&[1, missing]).unwrap_err().to_string();
+        let range = format!(
+            "no rig {missing}: this draw has rigs 1 to {}",
+            whole.count()
+        );
+        assert!(refused.contains(&range), "{refused}");
+    }
 }
 
 #[test]

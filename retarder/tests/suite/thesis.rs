@@ -38,6 +38,7 @@ fn the_supply_line_explains_the_filling_times() {
         &out,
         &[
             "The times come in",
+            "regulator_droop_bar_s_per_g",
             "line_volume_m3 = ",
             "0.740",
             "not fitted",
