@@ -171,9 +171,21 @@ impl Trial {
         (base.fit.cost - self.fit.cost) / self.correlation_samples - added * independent.ln()
     }
 
-    /// Whether the logs prefer it to `other`, by Schwarz's criterion. Both are given the longer memory of the two errors:
-    /// what another effect leaves is the more correlated the better this one fits, and must not count against it.
+    /// Whether a strength ran to the end of its range: a law bent until it fits, in the place of another one.
+    fn is_bent(&self) -> bool {
+        let coordinates = self.unknowns.list().iter().zip(self.fit.z.iter());
+        coordinates
+            .filter(|(unknown, _)| unknown.is_strength())
+            .any(|(unknown, &z)| unknown.is_at_strong_end(z))
+    }
+
+    /// Whether it is the better form of one effect than `other`. A bent form is never named, so it must not stand in the
+    /// way of one that can be. Else by Schwarz's criterion, both with the longer memory of the two errors: what another
+    /// effect leaves is the more correlated the better this one fits, and must not count against it.
     pub(crate) fn is_preferred_to(&self, other: &Self) -> bool {
+        if self.is_bent() != other.is_bent() {
+            return other.is_bent();
+        }
         let memory = self.correlation_samples.max(other.correlation_samples);
         let independent = self.fitted.count() / memory;
         let more = self.unknowns.len() as f64 - other.unknowns.len() as f64;
