@@ -163,12 +163,17 @@ impl Trial {
         Some(())
     }
 
-    /// Difference of Schwarz's criterion to `base`, which has fewer parameters, with as many independent samples as
-    /// the autocorrelation of the error leaves.
+    /// Difference of Schwarz's criterion to `base`, with as many independent samples as the autocorrelation of the error
+    /// leaves.
     pub(crate) fn evidence_over(&self, base: &Self) -> f64 {
-        let added = (self.unknowns.len() - base.unknowns.len()) as f64;
-        let independent = self.fitted.count() / self.correlation_samples;
-        (base.fit.cost - self.fit.cost) / self.correlation_samples - added * independent.ln()
+        self.evidence_with_memory(base, self.correlation_samples)
+    }
+
+    /// The same if an error is remembered for `memory` samples.
+    fn evidence_with_memory(&self, base: &Self, memory: f64) -> f64 {
+        let unknowns = [base.unknowns.len(), self.unknowns.len()];
+        let gained = (base.fit.cost - self.fit.cost) / memory;
+        schwarz_difference(gained, unknowns, self.fitted.count() / memory)
     }
 
     /// Whether a strength ran to the end of its range: a law bent until it fits, in the place of another one.
@@ -187,9 +192,7 @@ impl Trial {
             return other.is_bent();
         }
         let memory = self.correlation_samples.max(other.correlation_samples);
-        let independent = self.fitted.count() / memory;
-        let more = self.unknowns.len() as f64 - other.unknowns.len() as f64;
-        (other.fit.cost - self.fit.cost) / memory > more * independent.ln()
+        self.evidence_with_memory(other, memory) > 0.0
     }
 
     /// The excess over the noise, mean of the fitted logs and of what was held out.
@@ -207,10 +210,30 @@ impl Trial {
     }
 }
 
+/// Difference of Schwarz's criterion where so much of the cost is `gained` from one number of unknowns to another one. The
+/// other one may be less: an effect may have more parameters alone than beside another one, in another form.
+fn schwarz_difference(gained: f64, [from, to]: [usize; 2], independent_samples: f64) -> f64 {
+    gained - (to as f64 - from as f64) * independent_samples.ln()
+}
+
 /// The longest autocorrelation time of any signal.
 fn correlation_samples(evidence: &Evidence, residuals: &[f64]) -> f64 {
     evidence
         .channels()
         .filter_map(|(_, _, range)| autocorrelation_time_samples(&residuals[range]))
         .fold(1.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::schwarz_difference;
+
+    /// Fewer unknowns once were so many more that no gain was enough.
+    #[test]
+    fn fewer_unknowns_speak_for_a_model_as_more_speak_against_it() {
+        let price = 1000_f64.ln();
+        assert_eq!(schwarz_difference(5.0, [12, 12], 1000.0), 5.0);
+        assert_eq!(schwarz_difference(5.0, [12, 14], 1000.0), 5.0 - 2.0 * price);
+        assert_eq!(schwarz_difference(5.0, [14, 12], 1000.0), 5.0 + 2.0 * price);
+    }
 }
