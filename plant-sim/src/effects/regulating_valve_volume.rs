@@ -70,6 +70,7 @@ impl Effect for RegulatingValveVolume {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::by_id;
     use crate::{Command, Simulator, Tolerance};
 
     /// Isothermal: p V is R T times the mass, whatever the plunger did on the way.
@@ -94,5 +95,40 @@ mod tests {
             (soft * volume / (stiff * 75e-6) - 1.0).abs() < 1e-4,
             "{soft} {stiff}"
         );
+    }
+
+    /// With and without an energy balance: the two terms of the volume's change mean the same.
+    #[test]
+    fn light_damping_is_the_plunger_that_follows_at_once() {
+        let gas_temperature = by_id("gas_temperature").unwrap();
+        for warms in [false, true] {
+            let pressure = |variant: &str, damping: Option<f64>| {
+                let variant = ABOUT.variant(variant).unwrap();
+                let typical = EffectSetting::typical_variant(&RegulatingValveVolume, variant);
+                let setting = match damping {
+                    Some(damping) => typical.with("damping_s", damping),
+                    None => typical,
+                };
+                let mut plant = PlantParameters::nominal().with_effect(setting);
+                if warms {
+                    plant = plant.with_effect(EffectSetting::typical(gas_temperature));
+                }
+                let mut simulator = Simulator::new(&plant);
+                simulator.command(Command {
+                    duty_fill_pct: 100.0,
+                    duty_vent_pct: 0.0,
+                });
+                simulator.advance_to_ns(60_000_000);
+                simulator.state().pressure
+            };
+            let at_once = pressure("frictionless", None);
+            // A lag behind a steady rise: what it is off by goes with the time constant.
+            let off_by = [1e-3, 2e-3].map(|damping| pressure("damped", Some(damping)) - at_once);
+            assert!(off_by[0] > 0.0, "{warms}: {off_by:?}");
+            assert!(
+                (off_by[1] / off_by[0] - 2.0).abs() < 0.1,
+                "{warms}: {off_by:?}"
+            );
+        }
     }
 }
