@@ -9,7 +9,7 @@ use recording::Recording;
 use super::detection::detection_limit;
 use super::error::DiagnoseError;
 use super::errors::Errors;
-use super::interval::half_widths;
+use super::interval::{half_widths, with_model_error};
 use super::ladder::Ladder;
 use super::log::Run;
 use super::result::{
@@ -92,13 +92,15 @@ fn fitted_parameters(bench: &Bench, trial: &Trial, id: &str) -> Vec<FittedParame
     list.filter_map(|((unknown, &z), width)| match unknown {
         Unknown::Effect { spec, .. } if spec.effect_id() == Some(id) => {
             let (least, most) = unknown.bounds();
-            let ends = [z - width, z + width].map(|end| unknown.value(end.clamp(least, most)));
+            let value_at = |z: f64| unknown.value(z.clamp(least, most));
+            let value = value_at(z);
+            let [low, high] = with_model_error(value, [z - width, z + width].map(value_at));
             Some(FittedParameter {
                 key: spec.key.to_owned(),
                 unit: spec.unit.to_owned(),
-                value: unknown.value(z),
-                low: ends[0].min(ends[1]),
-                high: ends[0].max(ends[1]),
+                value,
+                low: low.max(value_at(least)),
+                high: high.min(value_at(most)),
                 typical: spec.size.map(|size| size.typical),
                 at_bound: z - least < AT_BOUND || most - z < AT_BOUND,
             })

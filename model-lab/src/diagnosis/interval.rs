@@ -12,6 +12,9 @@ const BLOCK: usize = 100;
 const UNSEEN: f64 = 1e-6;
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.96;
+/// Standard deviation, as a share of its value, of a parameter between two correct programs of one plant: the simulator and
+/// the reference plant of the blind benchmark (docs/blind-benchmark.md, "Intervals").
+const BETWEEN_PROGRAMS: f64 = 0.025;
 
 /// Half widths of the 95 % intervals in the coordinates of the fit; infinite where nothing is known.
 ///
@@ -37,6 +40,16 @@ pub(crate) fn half_widths(evidence: &Evidence, trial: &Trial) -> Vec<f64> {
             NORMAL_95 * plain.max(sandwich[(n, n)]).max(0.0).sqrt()
         })
         .collect()
+}
+
+/// The 95 % interval of `value` of which the noise leaves open what is between `low` and `high`: wider by what correct
+/// programs differ by, which is independent of the noise (JCGM 100:2008, 5.1.2).
+pub(crate) fn with_model_error(value: f64, [low, high]: [f64; 2]) -> [f64; 2] {
+    let model_error = NORMAL_95 * BETWEEN_PROGRAMS * value.abs();
+    [
+        value - (value - low).hypot(model_error),
+        value + (high - value).hypot(model_error),
+    ]
 }
 
 fn scatter_of_gradient(evidence: &Evidence, trial: &Trial) -> DMatrix<f64> {
@@ -65,4 +78,27 @@ fn scatter_of_gradient(evidence: &Evidence, trial: &Trial) -> DMatrix<f64> {
         }
     }
     scatter
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_model_error;
+
+    #[test]
+    fn noise_and_model_error_add_as_independent_ones() {
+        let [low, high] = with_model_error(-100.0, [-103.0, -88.0]);
+        assert!((low - (-100.0 - 3_f64.hypot(4.9))).abs() < 1e-9, "{low}");
+        assert!((high - (-100.0 + 12_f64.hypot(4.9))).abs() < 1e-9, "{high}");
+    }
+
+    #[test]
+    fn a_value_of_nothing_has_the_interval_of_the_noise() {
+        assert_eq!(with_model_error(0.0, [-0.5, 0.25]), [-0.5, 0.25]);
+    }
+
+    #[test]
+    fn what_the_logs_leave_open_stays_open() {
+        let ends = with_model_error(2.0, [f64::NEG_INFINITY, f64::INFINITY]);
+        assert_eq!(ends, [f64::NEG_INFINITY, f64::INFINITY]);
+    }
 }

@@ -155,7 +155,7 @@ pub struct FittedParameter {
     pub unit: String,
     /// Best value.
     pub value: f64,
-    /// Lower end of the 95 % interval.
+    /// Lower end of the 95 % interval: noise, and what correct programs of one plant differ by.
     pub low: f64,
     /// Upper end of the 95 % interval.
     pub high: f64,

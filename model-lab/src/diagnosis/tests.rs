@@ -113,38 +113,6 @@ fn a_supply_line_and_a_sensor_offset_are_both_found() {
     assert_eq!(diagnosis.ladder[1].variant.as_deref(), Some("line_volume"));
 }
 
-/// Beside a slow sensor, winding and body bent to the ends of their ranges fit better than the one body that warms. The
-/// bent form is never named; once it kept the true one from being the first of two.
-#[test]
-fn a_bent_form_stands_in_no_other_ones_way() {
-    let heating = with(
-        "coil_heating",
-        "cooled",
-        &[("heat_capacity_j_per_k", 1.6), ("cooling_w_per_k", 0.074)],
-    );
-    let lag = by_id("sensor_lag").unwrap();
-    let warming = [(6.0, 60.0, 0.0), (6.0, 0.0, 100.0)];
-    let bench = Bench {
-        plant: heating.with_effect(EffectSetting::typical(lag).with("time_constant_s", 7e-3)),
-        phases: [&warming[..], &Bench::default().phases].concat(),
-        ..Bench::default()
-    };
-    let diagnosis = diagnose(
-        &PlantParameters::nominal(),
-        &[bench.measure()],
-        &[],
-        &|_| ControlFlow::Continue(()),
-    )
-    .unwrap();
-    assert_eq!(
-        diagnosis.effects,
-        ["coil_heating", "sensor_lag"],
-        "{}",
-        diagnosis.sentence
-    );
-    assert_eq!(diagnosis.ladder[1].variant.as_deref(), Some("cooled"));
-}
-
 /// A plunger that begins at once and is swept soon: from its typical shape the fit ends at its typical shape.
 #[test]
 fn a_law_far_from_its_typical_shape_is_found() {

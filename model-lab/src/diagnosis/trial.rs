@@ -226,7 +226,44 @@ fn correlation_samples(evidence: &Evidence, residuals: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::schwarz_difference;
+    use plant_sim::effects::by_id;
+
+    use super::super::gather::gather;
+    use super::*;
+    use crate::bench::Bench as Rig;
+
+    /// Winding and body, bent to the ends of their ranges, fitted better than the one body that warms, and kept it from
+    /// being tried beside another effect.
+    #[test]
+    fn a_bent_form_stands_in_no_other_ones_way() {
+        let plant = PlantParameters::nominal();
+        let phases = vec![(0.5, 0.0, 0.0), (0.1, 100.0, 0.0), (0.5, 0.0, 0.0)];
+        let log = Rig {
+            phases,
+            ..Rig::default()
+        }
+        .measure();
+        let evidence = gather(&plant, [&log]).unwrap();
+        let bench = Bench {
+            plant: &plant,
+            library: &[],
+            fitting: &evidence,
+            checking: &evidence,
+        };
+        let effects = vec![EffectSetting::typical(by_id("chamber_leak").unwrap())];
+        let unknowns = Unknowns::new(&plant, &effects, true);
+        let of_size = |size: f64, cost: f64| {
+            let z = unknowns.list().iter().map(|unknown| unknown.of_size(size));
+            let mut fit = Fitter::new(&evidence, &unknowns).at(z.collect()).unwrap();
+            fit.cost = cost;
+            bench.judge(effects.clone(), unknowns.clone(), fit).unwrap()
+        };
+        let [good, poor] = [100.0, 200.0].map(|cost| of_size(1.0, cost));
+        let [bent, worse] = [10.0, 20.0].map(|cost| of_size(f64::INFINITY, cost));
+        assert!(poor.is_preferred_to(&bent) && !bent.is_preferred_to(&poor));
+        assert!(good.is_preferred_to(&poor) && !poor.is_preferred_to(&good));
+        assert!(bent.is_preferred_to(&worse) && !worse.is_preferred_to(&bent));
+    }
 
     /// Fewer unknowns once were so many more that no gain was enough.
     #[test]
