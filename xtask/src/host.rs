@@ -63,7 +63,14 @@ pub(crate) fn lint(report: &mut Report) {
 pub(crate) fn test(report: &mut Report) {
     report.step("tests", || tests::run(Which::Alone));
     report.step("tests in the documentation", || {
-        run(&["test", "--workspace", "--doc", "--no-fail-fast"])
+        run(&[
+            "test",
+            "--workspace",
+            "--doc",
+            "--features",
+            tests::FEATURES,
+            "--no-fail-fast",
+        ])
     });
     report.step("the page in a browser", || {
         browser_ready()?;
