@@ -62,7 +62,10 @@ fn from_outside(tree: &Metadata) -> impl Iterator<Item = &Package> {
 }
 
 fn is_allowed(package: &Package, rules: &Licences) -> bool {
-    let exception = rules.exceptions.iter().find(|one| one.name == *package.name);
+    let exception = rules
+        .exceptions
+        .iter()
+        .find(|one| one.name == *package.name);
     let extra = exception.map(|one| &one.allow);
     let allows = |licence: &str| {
         rules.allow.contains(licence) || extra.is_some_and(|extra| extra.contains(licence))
