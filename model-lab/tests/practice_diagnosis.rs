@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use model_lab::diagnosis::diagnose;
 use model_lab::diagnosis::result::{Candidate, Diagnosis, FittedParameter, Verdict};
 use plant_sim::PlantParameters;
+use plant_sim::effects::by_id;
 use recording::{Recording, csv};
 
 fn log(name: &str) -> Recording {
@@ -47,6 +48,14 @@ fn assert_found(diagnosis: &Diagnosis, effects: &[&str]) {
     assert!(!diagnosis.unexplained);
     for effect in effects {
         assert_eq!(diagnosis.equivalents[*effect], [*effect]);
+    }
+    for candidate in &diagnosis.candidates {
+        // A form of one parameter once stood above the two of the form beside the other effect.
+        let about = by_id(&candidate.effect).unwrap().about();
+        let form = about.variant(&candidate.variant).unwrap();
+        let keys: Vec<&str> = form.parameters.iter().map(|spec| spec.key).collect();
+        let fitted: Vec<&str> = candidate.parameters.iter().map(|one| &*one.key).collect();
+        assert!(fitted.is_empty() || fitted == keys, "{candidate:?}");
     }
     let last = diagnosis.ladder.last().unwrap();
     for (signal, rms) in &last.check_rms {

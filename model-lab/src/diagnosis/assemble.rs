@@ -56,20 +56,22 @@ fn free_run(bench: &Bench, trial: &Trial) -> BySignal {
     })
 }
 
-/// Every effect alone; the limits are those on top of `last`, where the named effects are known.
+/// Every effect alone; the limits are those on top of `last`, where the named effects are known. A named one has the form
+/// and the parameters that it has beside the others.
 pub(crate) fn candidate(bench: &Bench, plain: &Trial, last: &Trial, tried: &Tried) -> Candidate {
     let about = tried.setting.effect().about();
-    let fitted = Some(last)
-        .filter(|last| last.has(tried.id()))
-        .or(tried.trial.as_ref());
+    let named = last.effects.iter().find(|named| named.id() == tried.id());
+    let (fitted, limit_base) = match named {
+        Some(_) => (Some(last), plain),
+        None => (tried.trial.as_ref(), last),
+    };
     let parameters = fitted.map_or_else(Vec::new, |trial| {
         fitted_parameters(bench, trial, tried.id())
     });
     let best = tried.trial.as_ref().unwrap_or(plain);
-    let limit_base = if last.has(tried.id()) { plain } else { last };
     Candidate {
         effect: about.id.to_owned(),
-        variant: tried.setting.variant().name.to_owned(),
+        variant: named.unwrap_or(&tried.setting).variant().name.to_owned(),
         fit_rms: best.fitted.rms(),
         check_rms: best.checked.rms(),
         explained_share: best.share_of(plain),
