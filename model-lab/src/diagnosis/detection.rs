@@ -59,7 +59,7 @@ pub(crate) fn detection_limit(
 
 /// By how much an effect of this size is above what shows; 1 at the limit, in proportion to the size.
 fn visibility(bench: &Bench, base: &Trial, unknowns: &Unknowns, size: f64) -> Option<f64> {
-    let mut fitter = Fitter::new(bench.fitting, unknowns);
+    let fitter = Fitter::new(bench.fitting, unknowns);
     let own = &unknowns.list()[base.unknowns.len()..];
     let mut z = base.fit.z.clone();
     z.extend(own.iter().map(|unknown| unknown.of_size(size)));

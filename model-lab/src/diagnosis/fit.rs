@@ -7,6 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use plant_sim::Tolerance;
+use rayon::prelude::*;
 
 use super::evidence::Evidence;
 use super::log::{Residuals, Run};
@@ -139,7 +140,7 @@ impl<'a> Fitter<'a> {
         }
     }
 
-    fn residuals(&mut self, z: &[f64]) -> Option<Residuals> {
+    fn residuals(&self, z: &[f64]) -> Option<Residuals> {
         let plant = self.unknowns.plant(z);
         plant.check().ok()?;
         self.evidence
@@ -160,7 +161,7 @@ impl<'a> Fitter<'a> {
     }
 
     /// The point at `z`, without its Jacobian.
-    pub(crate) fn at(&mut self, z: Vec<f64>) -> Option<Fit> {
+    pub(crate) fn at(&self, z: Vec<f64>) -> Option<Fit> {
         let residuals = self.residuals(&z)?;
         Some(Fit {
             cost: self.cost(&z, &residuals),
@@ -171,10 +172,10 @@ impl<'a> Fitter<'a> {
     }
 
     /// The column of the Jacobian for unknown `n` at `fit`; away from a bound.
-    fn column(&mut self, fit: &Fit, n: usize, difference: Difference) -> Option<Residuals> {
+    fn column(&self, fit: &Fit, n: usize, difference: Difference) -> Option<Residuals> {
         let unknown = &self.unknowns.list()[n];
         let (least, most) = unknown.bounds();
-        let mut moved = |step: f64| {
+        let moved = |step: f64| {
             let mut z = fit.z.clone();
             z[n] += step;
             self.residuals(&z)
@@ -197,7 +198,7 @@ impl<'a> Fitter<'a> {
                     .collect(),
             );
         }
-        let mut away = |step: f64| {
+        let away = |step: f64| {
             let moved = moved(step)?;
             let pairs = moved.iter().zip(&fit.residuals);
             Some(pairs.map(|(moved, here)| (moved - here) / step).collect())
@@ -206,23 +207,25 @@ impl<'a> Fitter<'a> {
         away(first).or_else(|| away(-first))
     }
 
-    /// Fills in the columns from `first` on.
+    /// Fills in the columns from `first` on, each by simulations of its own.
     pub(crate) fn differentiate(
-        &mut self,
+        &self,
         fit: &mut Fit,
         first: usize,
         difference: Difference,
     ) -> Option<()> {
         fit.jacobian.truncate(first);
-        for n in fit.jacobian.len()..self.unknowns.len() {
-            let column = self.column(fit, n, difference)?;
-            fit.jacobian.push(column);
-        }
+        let missing = fit.jacobian.len()..self.unknowns.len();
+        let columns = missing
+            .into_par_iter()
+            .map(|n| self.column(fit, n, difference));
+        let columns = columns.collect::<Option<Vec<_>>>()?;
+        fit.jacobian.extend(columns);
         Some(())
     }
 
     /// Goes down from `fit`, whose Jacobian may be of another point; none where nothing could be simulated.
-    pub(crate) fn descend(&mut self, mut fit: Fit, descent: Descent) -> Option<Fit> {
+    pub(crate) fn descend(&self, mut fit: Fit, descent: Descent) -> Option<Fit> {
         let mut fresh = false;
         if fit.jacobian.len() < self.unknowns.len() {
             let known = fit.jacobian.len();

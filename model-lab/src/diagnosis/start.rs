@@ -41,12 +41,12 @@ pub(crate) struct Start {
 ///
 /// An effect may be far weaker than is typical and still show. So each size also says how much of what it adds would be
 /// best, and where that promises more than the sizes themselves, one of that strength is tried as well.
-pub(crate) fn most_promising(fitter: &mut Fitter, base: &Fit) -> Option<Start> {
+pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Option<Start> {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
     let sizes = if is_signed { &SIGNED_SIZES } else { &SIZES };
     let begin =
-        |fitter: &mut Fitter, size: f64, shape: &[f64]| Start::new(fitter, base, own, size, shape);
+        |fitter: &Fitter, size: f64, shape: &[f64]| Start::new(fitter, base, own, size, shape);
     let typical = vec![0.0; own.len()];
     let mut starts: Vec<Start> = sizes
         .iter()
@@ -108,13 +108,7 @@ struct BestShare {
 
 impl Start {
     /// The strengths of the effect at `size`, the rest of it typical but for `shape`.
-    fn new(
-        fitter: &mut Fitter,
-        base: &Fit,
-        own: &[Unknown],
-        size: f64,
-        shape: &[f64],
-    ) -> Option<Self> {
+    fn new(fitter: &Fitter, base: &Fit, own: &[Unknown], size: f64, shape: &[f64]) -> Option<Self> {
         let mut z = base.z.clone();
         let displaced = own.iter().zip(shape).map(|(unknown, &moved)| {
             let (least, most) = unknown.bounds();
@@ -163,7 +157,7 @@ impl Start {
     }
 
     /// The power of its size with which the effect grows.
-    fn power(&self, fitter: &mut Fitter, base: &Fit, own: &[Unknown]) -> Option<f64> {
+    fn power(&self, fitter: &Fitter, base: &Fit, own: &[Unknown]) -> Option<f64> {
         let near = Self::new(fitter, base, own, NEIGHBOUR * self.size, &self.shape)?;
         let [here, there] = [self, &near].map(|start| square(&start.added(base)).sqrt());
         let power = (there / here).ln() / NEIGHBOUR.ln();

@@ -56,7 +56,7 @@ impl Bench<'_> {
     pub(crate) fn plain(&self) -> Option<Trial> {
         let effects = self.plant.effects.clone();
         let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
-        let mut fitter = Fitter::new(self.fitting, &unknowns);
+        let fitter = Fitter::new(self.fitting, &unknowns);
         let start = fitter.at(unknowns.start())?;
         let fit = fitter.descend(start, Descent::Whole)?;
         let mut trial = self.judge(effects, unknowns, fit)?;
@@ -70,7 +70,7 @@ impl Bench<'_> {
         let mut effects = base.effects.clone();
         effects.push(effect);
         let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
-        let start = most_promising(&mut Fitter::new(self.fitting, &unknowns), &base.fit)?;
+        let start = most_promising(&Fitter::new(self.fitting, &unknowns), &base.fit)?;
         Some(Sketch {
             promised_gain: base.fit.cost - start.promised,
             effects,
@@ -87,7 +87,7 @@ impl Bench<'_> {
             start: best,
             ..
         } = sketch;
-        let mut fitter = Fitter::new(self.fitting, &unknowns);
+        let fitter = Fitter::new(self.fitting, &unknowns);
         let mut start = fitter.at(best.moved)?;
         start.jacobian = best.fit.jacobian;
         let fit = fitter.descend(start, Descent::Begun)?;
@@ -105,7 +105,7 @@ impl Bench<'_> {
             unknowns,
             fit,
         } = opened;
-        let mut fitter = Fitter::new(self.fitting, &unknowns);
+        let fitter = Fitter::new(self.fitting, &unknowns);
         let fit = fitter.descend(fit, Descent::Whole)?;
         self.judge(effects, unknowns, fit)
     }
@@ -149,7 +149,7 @@ impl Trial {
 
     /// Takes the Jacobian at the fit so accurately that directions which the logs leave open stay open.
     pub(crate) fn sharpen(&mut self, bench: &Bench) -> Option<()> {
-        let mut fitter = Fitter::accurate(bench.fitting, &self.unknowns);
+        let fitter = Fitter::accurate(bench.fitting, &self.unknowns);
         let mut accurate = fitter.at(self.fit.z.clone())?;
         fitter.differentiate(&mut accurate, 0, Difference::Fine)?;
         self.fit = accurate;
@@ -158,7 +158,7 @@ impl Trial {
 
     /// Takes the Jacobian anew, at the fit.
     pub(crate) fn refresh(&mut self, bench: &Bench) -> Option<()> {
-        let mut fitter = Fitter::new(bench.fitting, &self.unknowns);
+        let fitter = Fitter::new(bench.fitting, &self.unknowns);
         fitter.differentiate(&mut self.fit, 0, Difference::Central)?;
         Some(())
     }

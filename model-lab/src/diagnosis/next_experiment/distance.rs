@@ -91,7 +91,7 @@ pub(super) fn distance(
     let log = made(&truth.plant, sequence, noises)?;
     let evidence = gather(&truth.plant, &[log]).ok()?;
     let noise = evidence.residuals(&truth.plant, Run::Predicted)?;
-    let mut fitter = Fitter::new(&evidence, &model.unknowns);
+    let fitter = Fitter::new(&evidence, &model.unknowns);
     let mut fit = fitter.at(model.z.clone())?;
     fitter.differentiate(&mut fit, 0, Difference::Forward)?;
     let columns = &fit.jacobian;
