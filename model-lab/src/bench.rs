@@ -91,7 +91,7 @@ impl Bench {
             simulator
                 .set_chamber_pressure(ambient + gauge * (-self.leak_per_s * self.interval_s).exp());
         });
-        let currents = true_run.unwrap().recording;
+        let simulated = true_run.unwrap().recording;
         let mut noise = Noise::new(self.seed);
         let id = log.signals()[0].time_base();
         let mut add = |name: &str, unit, values: &[f64], (sigma, step): (f64, f64)| {
@@ -101,11 +101,14 @@ impl Bench {
             let sampled = sampled.collect();
             log.add_signal(name, unit, id, sampled).unwrap();
         };
-        add("p_ch", Unit::BarGauge, &pressures_bar, self.pressure_noise);
-        for name in ["i_fill", "i_vent"] {
-            let current = currents.signal(name).unwrap();
+        // What the plant leaves out has no sensor.
+        if simulated.signal("p_ch").is_some() {
+            add("p_ch", Unit::BarGauge, &pressures_bar, self.pressure_noise);
+        }
+        for current in ["i_fill", "i_vent"].map(|name| simulated.signal(name)) {
+            let Some(current) = current else { continue };
             add(
-                name,
+                current.name(),
                 current.unit(),
                 current.values_or_nan(),
                 self.current_noise,

@@ -180,11 +180,13 @@ pub(crate) fn equivalents(
 pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<NuisanceValue> {
     let widths = half_widths(bench.fitting, last);
     let list = last.unknowns.list().iter().enumerate();
+    let is_named = last.effects.len() > plain.effects.len();
     list.filter_map(|(index, unknown)| {
         let Unknown::Nuisance {
             nuisance,
             datasheet,
             tolerance,
+            range: (least, most),
         } = unknown
         else {
             return None;
@@ -192,6 +194,9 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
         let (before, after) = (plain.fit.z[index], last.fit.z[index]);
         let at_end = |z: f64| z.abs() > 1.0 - AT_BOUND;
         let alarm = match (at_end(before), at_end(after)) {
+            (_, true) if !is_named => {
+                Some("ran to the end of its tolerance: it may hide missing physics")
+            }
             (_, true) => Some(
                 "ran to the end of its tolerance with the named effects: physics is still missing",
             ),
@@ -208,10 +213,10 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
             tolerance: *tolerance,
             plain: unknown.value(before),
             fitted: unknown.value(after),
-            low: unknown.value(after - widths[index]),
-            high: unknown.value(after + widths[index]),
+            low: unknown.value((after - widths[index]).max(*least)),
+            high: unknown.value((after + widths[index]).min(*most)),
             alarm: alarm
-                .filter(|_| last.effects.len() > plain.effects.len() || at_end(after))
+                .filter(|_| is_named || at_end(after))
                 .map(str::to_owned),
         })
     })

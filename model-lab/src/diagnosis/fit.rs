@@ -171,10 +171,10 @@ impl<'a> Fitter<'a> {
         })
     }
 
-    /// The column of the Jacobian for unknown `n` at `fit`; away from a bound.
+    /// The column of the Jacobian for unknown `n` at `fit`; away from the end of a range.
     fn column(&self, fit: &Fit, n: usize, difference: Difference) -> Option<Residuals> {
         let unknown = &self.unknowns.list()[n];
-        let (least, most) = unknown.bounds();
+        let (least, most) = unknown.range();
         let moved = |step: f64| {
             let mut z = fit.z.clone();
             z[n] += step;
@@ -185,10 +185,8 @@ impl<'a> Fitter<'a> {
             Difference::Central => unknown.wide_step(),
             Difference::Fine => FINE * unknown.step(),
         };
-        // Only effects end at their bounds; a tolerance may be left to look beyond.
-        let may_leave = unknown.is_nuisance();
-        let has_above = may_leave || fit.z[n] + step <= most;
-        let has_below = may_leave || fit.z[n] - step >= least;
+        let has_above = fit.z[n] + step <= most;
+        let has_below = fit.z[n] - step >= least;
         if difference != Difference::Forward && has_above && has_below {
             let (above, below) = (moved(step)?, moved(-step)?);
             let pairs = above.iter().zip(&below);

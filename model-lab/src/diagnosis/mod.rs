@@ -39,6 +39,7 @@ use std::time::Instant;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{Effect, LIBRARY};
+use plant_sim::parameters::Part;
 use rayon::prelude::*;
 use recording::Recording;
 
@@ -86,9 +87,15 @@ pub fn diagnose_with(
     }
     search::report(watch, "the plain model", 0.0)?;
     let (split, plain) = Split::that_shows(plant, logs, check)?;
+    // An effect of a part that the plant leaves out has nothing to act on.
+    let library: Vec<&'static dyn Effect> = library
+        .iter()
+        .copied()
+        .filter(|&effect| Part::of_effect(effect).is_in(plant))
+        .collect();
     let bench = Bench {
         plant,
-        library,
+        library: &library,
         fitting: &split.fitting,
         checking: &split.checking,
     };

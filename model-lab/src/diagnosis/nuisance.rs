@@ -82,13 +82,13 @@ impl Nuisance {
 
     /// Sets it to `value`, and what moves with it in proportion.
     pub(crate) fn set(&self, plant: &mut PlantParameters, datasheet: &PlantParameters, value: f64) {
-        let Some(nominal) = datasheet.get(self.name) else {
+        let spec = |name| ParameterSpec::by_name(name).zip(datasheet.get(name));
+        let Some((own, nominal)) = spec(self.name) else {
             return;
         };
-        for name in core::iter::once(&self.name).chain(self.together_with) {
-            if let (Some(spec), Some(there)) = (ParameterSpec::by_name(name), datasheet.get(name)) {
-                spec.put(plant, there * (value / nominal));
-            }
+        own.put(plant, value);
+        for (other, there) in self.together_with.iter().copied().filter_map(spec) {
+            other.put(plant, there * (value / nominal));
         }
     }
 }

@@ -176,3 +176,55 @@ fn an_interval_is_as_wide_as_what_the_logs_leave_open() {
     assert!(low < 30.0 && 30.0 < high, "{low} to {high}");
     assert!(high - low > 20.0 && high - low < 50.0, "{low} to {high}");
 }
+
+/// A coil alone, switched by an output without a delay. A delay of nothing once made the plant one of NaN, of which the
+/// diagnosis said that it cannot be simulated.
+#[test]
+fn a_coil_alone_without_a_delay_gets_its_resistance() {
+    let coil = |resistance_ohm: f64| {
+        let text = format!(
+            "[valves]\nfill = \"blocked\"\nvent = \"absent\"\n[ecu]\nsample_time_s = 0.01\npwm_frequency_hz = 100.0\n\
+             command_delay_s = 0.0\nsupply_voltage_v = 24.0\nfree_wheel_diode_drop_v = 0.8\n[coil]\n\
+             resistance_20c_ohm = {resistance_ohm}\nresistance_temperature_coefficient_per_k = 0.0039\n\
+             inductance_closed_h = 0.2\n"
+        );
+        PlantParameters::from_toml(&text, "coil").unwrap()
+    };
+    let rig = Bench {
+        plant: coil(61.0),
+        phases: vec![(0.3, 0.0, 0.0), (0.5, 100.0, 0.0), (0.5, 0.0, 0.0)].repeat(3),
+        ..Bench::default()
+    };
+    let diagnosis = diagnose(&coil(60.0), &[rig.measure()], &[], &|_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(
+        diagnosis.verdict,
+        Verdict::Adequate,
+        "{}",
+        diagnosis.sentence
+    );
+    let mut nuisance = diagnosis.nuisance.iter();
+    let resistance = nuisance.find(|one| one.name == "coil.resistance_20c_ohm");
+    let resistance = resistance.unwrap();
+    assert!(
+        (resistance.low..resistance.high).contains(&61.0),
+        "{resistance:?}"
+    );
+    let delay = diagnosis
+        .nuisance
+        .iter()
+        .find(|one| one.name == "ecu.command_delay_s");
+    assert!(delay.unwrap().low >= 0.0, "{delay:?}");
+    let tried: Vec<&str> = diagnosis
+        .candidates
+        .iter()
+        .map(|one| &*one.effect)
+        .collect();
+    assert!(tried.contains(&"coil_heating"), "{tried:?}");
+    assert!(
+        !tried.contains(&"chamber_leak"),
+        "nothing can leak: {tried:?}"
+    );
+}

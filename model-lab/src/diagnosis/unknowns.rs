@@ -33,6 +33,8 @@ pub(crate) enum Unknown {
         nuisance: &'static Nuisance,
         datasheet: f64,
         tolerance: f64,
+        /// Coordinates of what a plant file may have.
+        range: (f64, f64),
     },
     /// ln(value / typical) on a logarithmic scale, (value - off) / |typical - off| on a linear one.
     Effect {
@@ -57,10 +59,12 @@ impl Unknowns {
             .filter_map(|nuisance| {
                 let there = datasheet.get(nuisance.name)?;
                 let tolerance = nuisance.tolerance_of(there);
+                let (least, most) = ParameterSpec::by_name(nuisance.name)?.range;
                 (tolerance > 0.0).then_some(Unknown::Nuisance {
                     nuisance,
                     datasheet: there,
                     tolerance,
+                    range: ((least - there) / tolerance, (most - there) / tolerance),
                 })
             })
             .collect();
@@ -221,10 +225,19 @@ impl Unknown {
         }
     }
 
-    /// Least and largest coordinate.
+    /// Least and largest coordinate of a fit: a nuisance parameter ends at its tolerance.
     pub(crate) fn bounds(&self) -> (f64, f64) {
+        let (least, most) = self.range();
         match self {
-            Self::Nuisance { .. } => (-1.0, 1.0),
+            Self::Nuisance { .. } => (least.max(-1.0), most.min(1.0)),
+            Self::Effect { .. } => (least, most),
+        }
+    }
+
+    /// Least and largest coordinate that a plant may have: a difference may look beyond a tolerance.
+    pub(crate) fn range(&self) -> (f64, f64) {
+        match self {
+            Self::Nuisance { range, .. } => *range,
             Self::Effect { spec, .. } => (
                 self.coordinate_of(spec.range.0),
                 self.coordinate_of(spec.range.1),
@@ -249,10 +262,6 @@ impl Unknown {
                 .size
                 .map_or(0.0, |size| self.coordinate_of(size.typical)),
         }
-    }
-
-    pub(crate) fn is_nuisance(&self) -> bool {
-        matches!(self, Self::Nuisance { .. })
     }
 
     /// Step of a difference to both sides, which takes no harm from curvature, but would from the solver's error.
