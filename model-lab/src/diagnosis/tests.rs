@@ -192,7 +192,7 @@ fn a_coil_alone_without_a_delay_gets_its_resistance() {
     };
     let rig = Bench {
         plant: coil(61.0),
-        phases: vec![(0.3, 0.0, 0.0), (0.5, 100.0, 0.0), (0.5, 0.0, 0.0)].repeat(3),
+        phases: [(0.3, 0.0, 0.0), (0.5, 100.0, 0.0), (0.5, 0.0, 0.0)].repeat(3),
         ..Bench::default()
     };
     let diagnosis = diagnose(&coil(60.0), &[rig.measure()], &[], &|_| {
