@@ -21,14 +21,8 @@ const BETWEEN_PROGRAMS: f64 = 0.025;
 /// The larger of two estimates: that of the curvature with the error's own size and memory, and the sandwich of the
 /// gradient's scatter over blocks (P. J. Huber 1967), which sees errors that are neither equal nor independent.
 pub(crate) fn half_widths(evidence: &Evidence, trial: &Trial) -> Vec<f64> {
-    let fitter = Fitter::new(evidence, &trial.unknowns);
-    let (mut hessian, _) = fitter.normal(&trial.fit);
     let count = trial.unknowns.len();
-    for n in 0..count {
-        // What the logs do not show at all must not hide what they show of the rest.
-        hessian[(n, n)] += UNSEEN;
-    }
-    let Some(inverse) = hessian.try_inverse() else {
+    let Some(inverse) = inverse_curvature(evidence, trial) else {
         return vec![f64::INFINITY; count];
     };
     let size = 1.0 + trial.fitted.total_excess();
@@ -40,6 +34,27 @@ pub(crate) fn half_widths(evidence: &Evidence, trial: &Trial) -> Vec<f64> {
             NORMAL_95 * plain.max(sandwich[(n, n)]).max(0.0).sqrt()
         })
         .collect()
+}
+
+/// The same if nothing but the noise were left: what the logs could tell once something else explains the rest.
+pub(crate) fn half_widths_of_noise(evidence: &Evidence, trial: &Trial) -> Vec<f64> {
+    let count = trial.unknowns.len();
+    let Some(inverse) = inverse_curvature(evidence, trial) else {
+        return vec![f64::INFINITY; count];
+    };
+    (0..count)
+        .map(|n| NORMAL_95 * inverse[(n, n)].max(0.0).sqrt())
+        .collect()
+}
+
+fn inverse_curvature(evidence: &Evidence, trial: &Trial) -> Option<DMatrix<f64>> {
+    let fitter = Fitter::new(evidence, &trial.unknowns);
+    let (mut hessian, _) = fitter.normal(&trial.fit);
+    for n in 0..trial.unknowns.len() {
+        // What the logs do not show at all must not hide what they show of the rest.
+        hessian[(n, n)] += UNSEEN;
+    }
+    hessian.try_inverse()
 }
 
 /// The 95 % interval of `value` of which the noise leaves open what is between `low` and `high`: wider by what correct

@@ -122,18 +122,22 @@ struct Pair {
     tried: Vec<Tried>,
 }
 
-/// The effects alone that may be the first of two.
+/// The effects alone that may be the first of two: the best that are sound, and the best one of which only a large rest,
+/// which a second effect may explain, leaves open how strong it is.
 fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     let excess = plain.fitted.total_excess();
-    singles
+    // What is bent until it fits leaves nothing true for a second effect.
+    let (sound, unsound): (Vec<&Trial>, Vec<&Trial>) = singles
         .iter()
         .filter_map(|tried| tried.trial.as_ref())
         .filter(|trial| trial.fitted.total_excess() <= (1.0 - FIRST_SHARE) * excess)
-        // What is bent until it fits leaves nothing true for a second effect.
-        .filter(|trial| trial.is_sound(bench, plain))
-        .take(FIRSTS)
-        .cloned()
-        .collect()
+        .partition(|trial| trial.is_sound(bench, plain));
+    let dominant = unsound
+        .into_iter()
+        .filter(|trial| trial.share_of(plain) >= PARTLY_NAMED_SHARE)
+        .find(|trial| trial.is_sound_but_for_the_rest(bench, plain));
+    let sound = sound.into_iter().take(FIRSTS);
+    sound.chain(dominant).cloned().collect()
 }
 
 /// The best second effect for each of `firsts`, the most promising first, if both are needed.

@@ -1,6 +1,7 @@
 //! Whether a fit found an effect, or only bent a law until it fits.
 
-use super::interval::half_widths;
+use super::evidence::Evidence;
+use super::interval::{half_widths, half_widths_of_noise};
 use super::trial::{Bench, Trial};
 use super::verdict::LOOSEST_STRENGTH;
 
@@ -8,6 +9,21 @@ impl Trial {
     /// Whether the logs determine how strong each effect is that it adds to `base`, and none ran to the strong end of
     /// its range: such a law stands for another one.
     pub(crate) fn is_sound(&self, bench: &Bench, base: &Self) -> bool {
+        self.is_known_within(half_widths, bench, base)
+    }
+
+    /// The same if something else explained what they leave. A large rest makes any interval wide, however much of the
+    /// error an effect takes.
+    pub(crate) fn is_sound_but_for_the_rest(&self, bench: &Bench, base: &Self) -> bool {
+        self.is_known_within(half_widths_of_noise, bench, base)
+    }
+
+    fn is_known_within(
+        &self,
+        half_widths: fn(&Evidence, &Self) -> Vec<f64>,
+        bench: &Bench,
+        base: &Self,
+    ) -> bool {
         let mut sharp = self.clone();
         if sharp.sharpen(bench).is_none() {
             return false;
