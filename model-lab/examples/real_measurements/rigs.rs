@@ -17,7 +17,7 @@ pub(crate) struct Rig {
     /// Name in file names.
     pub(crate) name: &'static str,
     /// File under `data/plants/`, without ending.
-    plant: &'static str,
+    pub(crate) plant: &'static str,
     /// File under `data/real/`, without ending.
     log: &'static str,
     mapping: Option<&'static str>,
@@ -286,7 +286,7 @@ impl Rig {
     }
 }
 
-fn plant_file(name: &str) -> PlantParameters {
+pub(crate) fn plant_file(name: &str) -> PlantParameters {
     let path = repository(&format!("data/plants/{name}.toml"));
     let text = std::fs::read_to_string(&path).expect("a plant file of the repository");
     PlantParameters::from_toml(&text, name).unwrap_or_else(|error| panic!("{error}"))

@@ -281,8 +281,9 @@ pub(crate) fn sentence(
             )
         }
         Verdict::Found => format!(
-            "missing: {}; with it {share:.0} % of the excess error is explained",
-            named.join(" and ")
+            "missing: {}; with {} {share:.0} % of the excess error is explained",
+            named.join(" and "),
+            if named.len() == 1 { "it" } else { "them" },
         ),
         Verdict::FormWrong => format!(
             "missing: {}, which explains {share:.0} % of the excess error; its law differs here, or something else is missing as well",
