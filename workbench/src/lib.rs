@@ -27,6 +27,7 @@ mod results;
 mod server;
 mod session;
 mod shelf;
+mod shown_unit;
 mod spectrum;
 mod store;
 mod token;

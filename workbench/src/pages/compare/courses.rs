@@ -1,11 +1,9 @@
 //! The courses of a view, in as many points as it has pixels, and what can be said of them in numbers.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use plant_sim::parameters::PlantParameters;
-use plant_sim::replay::ROW_SIGNALS;
-use recording::{Converter, Sampling, Signal, TimeBase, Unit};
+use recording::{Sampling, Signal, TimeBase};
 use serde::{Deserialize, Serialize};
 
 use super::band::Band;
@@ -15,6 +13,7 @@ use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::results::Compared;
 use crate::session::{LoadedLog, Session};
+use crate::shown_unit::{shown_unit, shown_values};
 use crate::tolerance::Tolerance;
 
 /// Points of a course that a page may ask for.
@@ -157,33 +156,6 @@ impl Range {
         let first = times_s.partition_point(|&time_s| time_s < from_s);
         let last = times_s.partition_point(|&time_s| time_s <= to_s);
         Ok((first..last, (from_s, to_s)))
-    }
-}
-
-/// The unit in which a signal is shown, and how to get there: the model's, so that both sides share an axis.
-pub(super) fn shown_unit(
-    signal: &Signal,
-    parameters: &PlantParameters,
-) -> (Unit, Option<Converter>) {
-    let modelled = ROW_SIGNALS
-        .iter()
-        .find(|(name, _)| *name == signal.name())
-        .map(|(_, unit)| *unit);
-    let ambient = parameters.gas.ambient_pressure_pa;
-    modelled
-        .and_then(|unit| {
-            let converter = signal.unit().converter_at_ambient(unit, ambient).ok()?;
-            Some((unit, Some(converter)))
-        })
-        .unwrap_or((signal.unit(), None))
-}
-
-/// All values of a signal in the unit in which it is shown, NaN where missing.
-pub(super) fn shown_values<'a>(signal: &'a Signal, parameters: &PlantParameters) -> Cow<'a, [f64]> {
-    let values = signal.values_or_nan();
-    match shown_unit(signal, parameters).1 {
-        Some(converter) => values.iter().map(|&value| converter.apply(value)).collect(),
-        None => Cow::Borrowed(values),
     }
 }
 

@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use recording::{Signal, TimeBase};
 use serde::{Deserialize, Serialize};
 
-use super::courses::{Range, shown_unit, shown_values};
+use super::courses::Range;
 use super::selection::picked;
 use crate::refusal::Refusal;
 use crate::results::Compared;
 use crate::session::Session;
+use crate::shown_unit::{shown_unit, shown_values};
 
 /// Cells of a scatter plot, along and across: each is drawn as one of its samples.
 const CELLS: (usize, usize) = (170, 90);

@@ -3,11 +3,12 @@
 use recording::{Quantity, Recording, Signal, TimeBase, Unit};
 use serde::{Deserialize, Serialize};
 
-use super::courses::{Course, Metrics, Range, shown_unit, shown_values};
+use super::courses::{Course, Metrics, Range};
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::resample::{Between, at_instants};
 use crate::session::Session;
+use crate::shown_unit::{shown_unit, shown_values, unit_of_difference};
 
 /// Which difference is seen.
 #[derive(Deserialize)]
@@ -139,13 +140,4 @@ impl Pair<'_> {
 /// Where a log has one sample only, nothing lies between.
 fn median_step_s(base: &TimeBase) -> f64 {
     base.sampling().median_step_s.unwrap_or(0.0)
-}
-
-/// The difference of two pressures is neither gauge nor absolute.
-fn unit_of_difference(unit: Unit) -> &'static str {
-    let symbol = unit.symbol();
-    match unit.pressure_reference() {
-        Some(_) => symbol.split(' ').next().unwrap_or(symbol),
-        None => symbol,
-    }
 }

@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::courses::{Range, shown_unit};
+use super::courses::Range;
 use super::details::{residual_of, unit_of_errors};
 use crate::histogram::Histogram;
 use crate::refusal::Refusal;
 use crate::session::Session;
+use crate::shown_unit::shown_unit;
 use crate::spectrum::Spectrum;
 
 /// What is looked at.

@@ -8,6 +8,7 @@ use crate::calculated::Calculated;
 use crate::project::{LogEntry, PlantFile, Strictness};
 use crate::refusal::{Problem, Refusal};
 use crate::session::Session;
+use crate::shown_unit::unit_of_errors;
 
 #[derive(Serialize)]
 pub(super) struct ProjectView {
@@ -58,6 +59,8 @@ struct SignalView {
     unit: String,
     /// The unit as a header writes it.
     token: &'static str,
+    /// That of its errors, and so of their limits.
+    error_unit: &'static str,
     quantity: String,
     /// `gauge`, `absolute` or none, for a pressure.
     reference: Option<&'static str>,
@@ -154,6 +157,7 @@ fn signal_view(signal: &recording::Signal) -> SignalView {
         name: signal.name().to_owned(),
         unit: signal.unit().symbol().to_owned(),
         token: signal.unit().token(),
+        error_unit: unit_of_errors(signal),
         quantity: signal.quantity().to_string(),
         reference: reference(signal.unit()),
         missing: signal.missing_count(),

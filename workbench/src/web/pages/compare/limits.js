@@ -35,7 +35,7 @@ export function limitsMenu(log, strictness) {
       button("Compare with these", apply, { class: "primary" })));
 }
 
-function row({ name, unit }, { tolerances, bands }) {
+function row({ name, error_unit: unit }, { tolerances, bands }) {
   const rms = field(`rms of ${name}`, tolerances[name] ?? "", "from noise");
   const band = BAND.map(([heading, key, scale]) => [key, scale, field(`${name}: ${heading}`, bands[name]?.[key] ? String(+(bands[name][key] / scale).toPrecision(8)) : "")]);
   const say = (wished) => {
