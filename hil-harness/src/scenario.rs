@@ -237,8 +237,8 @@ pub const REQUIRED_ORIFICE_M: f64 = 1.9e-3;
 pub const BUILT_IN: &[BuiltIn] = &[
     BuiltIn {
         name: "figure-6.5",
-        about: "staircase up and down between 1.5 and 8 bar in 16 s on the 1.3 mm rig; levels and instants are ours, \
-                the axes are those of figure 6.5",
+        about: "staircase up and down between 1.5 and 8 bar in 16 s, with orifices of 1.3 mm where no plant is given; levels \
+                and instants are ours, the axes are those of figure 6.5",
         profile: || staircase(1000, 600, 600),
         start: Start::Ambient,
         orifice_m: FIGURE_ORIFICE_M,

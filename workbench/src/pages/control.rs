@@ -230,7 +230,7 @@ async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<B
     }))
 }
 
-/// The very run of `retarder control`; none where it was stopped.
+/// The run of `retarder control --plant` with this plant; none where it was stopped.
 fn run(scenario: &Scenario, goes_on: &dyn Fn(f64) -> bool) -> Result<Option<Run>, Refusal> {
     let samples = f64::from(scenario.duration_samples);
     let sample_s = scenario.plant.ecu.sample_time_s;

@@ -48,7 +48,7 @@ export function profileForm(wish, apply, open) {
     element("table", { class: "form" },
       element("thead", {}, element("tr", {}, [["at", "s"], ["reference", "bar gauge"], ["within", "s"]].map(([name, unit]) => element("th", { scope: "col" }, name, element("span", { class: "unit" }, unit))), element("th"))), body));
   const form = element("form", { class: "stack tight", id: "profile", on: { submit: (event) => { event.preventDefault(); apply(read()).catch(() => {}); } } },
-    element("p", { class: "quiet" }, wish.is_edited ? profile.name : about),
+    element("p", { class: "quiet" }, wish.is_edited ? profile.name : `${about}. Here it runs on the plant of this project.`),
     element("label", {}, "reference at the start ", start, element("span", { class: "unit" }, " bar gauge")),
     element("label", {}, "pressure at the start ", pressure, element("span", { class: "unit" }, " bar gauge")),
     list,
