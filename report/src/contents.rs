@@ -128,6 +128,8 @@ pub struct HistoryPart<'a> {
 pub struct HistoryStep {
     /// What was done, such as "chamber_leak added".
     pub what: String,
+    /// The log that the errors are of; empty where there are none.
+    pub log: String,
     /// Error of each signal after it, in the unit of the signal \[rms\], and the noise floor where it is known.
     pub errors: Vec<(String, f64, Option<f64>)>,
 }

@@ -31,6 +31,7 @@ pub(super) fn section(part: &HistoryPart<'_>) -> Markup {
 fn rows(step: &HistoryStep, is_undone: bool) -> Markup {
     let name = html! {
         (foreign(&capitalised(&step.what)))
+        @if !step.log.is_empty() { br; span.note { "on " (foreign(&step.log)) } }
         @if is_undone { br; span.note { "undone" } }
     };
     html! {

@@ -83,6 +83,7 @@ impl Bench {
             history: Some(HistoryPart {
                 steps: &[HistoryStep {
                     what: text.to_owned(),
+                    log: text.to_owned(),
                     errors: vec![(text.to_owned(), 0.1, Some(0.01))],
                 }],
                 current: 0,

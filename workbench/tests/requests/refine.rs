@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::bench::{Bench, Browser};
-use crate::diagnose::with_leaking_log;
+use crate::diagnose::{leaking, with_leaking_log};
 
 fn change(browser: &Browser<'_>, session: &str, change: Value) -> Value {
     let wish = json!({"log": 1, "change": change});
@@ -89,10 +89,33 @@ fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
         (&json!(1), 3)
     );
 
-    // Another plant begins another history.
+    // Another plant begins another history, and a report of it has none of this one.
+    let steps_of_report = || browser.get(&format!("{again}/report")).json()["steps"].clone();
+    assert_eq!(steps_of_report(), 3);
     browser.put(&format!("{again}/plant"), &json!({"name": ""}));
+    assert_eq!(steps_of_report(), 0);
     let anew = browser.get(&format!("{again}/refine?log=1")).json();
     assert_eq!(anew["steps"].as_array().unwrap().len(), 1);
+}
+
+/// Errors on different logs do not compare: once a step kept those of the log on which it was made.
+#[test]
+fn the_step_that_holds_has_the_errors_on_the_log_that_is_seen() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 10.0);
+    browser.upload(&session, "check.csv", leaking(4.0).as_bytes());
+    let step = |log: u32| {
+        let page = browser.get(&format!("{session}/refine?log={log}")).json();
+        let step = &page["steps"][0];
+        (step["log"].clone(), pressure_in_noise(&step["errors"]))
+    };
+    let (name, on_bench) = step(1);
+    assert_eq!(name, "bench.csv");
+    let (name, on_check) = step(2);
+    assert_eq!(name, "check.csv");
+    assert_ne!(on_bench, on_check);
+    assert_eq!(step(1), (json!("bench.csv"), on_bench));
 }
 
 /// Goal: a slider on its way changes nothing, and shows what Compare would say. Method: the same plant both ways.

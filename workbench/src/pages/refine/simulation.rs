@@ -178,16 +178,14 @@ fn errors_of(
     Ok(errors)
 }
 
-/// Fills in what the step that holds is off on a log; a plant that cannot be simulated there has no errors.
+/// Fills in what the step that holds is off on a log; a plant that cannot be simulated there has no errors. Another log,
+/// or other columns of the same one, ask for it anew.
 pub(super) fn measure(
     session: &Session,
     number: u32,
     history: &mut History,
 ) -> Result<(), Refusal> {
     let name = session.project().log(number)?.name.clone();
-    if !history.now().errors.is_empty() {
-        return Ok(());
-    }
     let plant = history.now().plant.clone();
     let log = session.log(number)?;
     let Ok(log) = log.as_ref() else { return Ok(()) };

@@ -5,6 +5,9 @@ use plant_sim::PlantParameters;
 use recording::Recording;
 use report::{BeforeAndAfter, DiagnosisPart, HistoryPart, HistoryStep};
 
+use crate::history::History;
+use crate::plant_file::PlantFile;
+use crate::project::Project;
 use crate::session::Session;
 
 /// The last diagnosis and the history of the plant; nothing where there is none.
@@ -19,11 +22,21 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// What `session` has.
+    /// What `session` has of its plant: the history and the diagnosis of another one, opened before, are not of this report.
     pub(super) fn of(session: &Session) -> Self {
-        let history = session.project().history;
+        let Project { history, plant, .. } = session.project();
+        let history = if history.is_of(&plant) {
+            history
+        } else {
+            History::default()
+        };
+        let is_of_plant = |diagnosed: &PlantFile| {
+            let mut steps = history.steps().iter();
+            *diagnosed == plant || steps.any(|step| step.plant == *diagnosed)
+        };
         let steps = history.steps().iter().map(|step| HistoryStep {
             what: step.done.clone(),
+            log: step.log.clone(),
             errors: step
                 .errors
                 .iter()
@@ -32,6 +45,9 @@ impl Findings {
         });
         Self {
             diagnosis: session.diagnosed.get().and_then(|diagnosed| {
+                if !is_of_plant(&diagnosed.plant) {
+                    return None;
+                }
                 let plant = diagnosed.plant.parameters().ok()?;
                 Some((diagnosed.diagnosis.clone(), plant))
             }),

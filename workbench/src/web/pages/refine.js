@@ -130,9 +130,12 @@ class Page {
   }
 
   showSteps({ steps, at }) {
+    const { log } = steps[at];
+    const errors = (step) => step.errors.filter((error) => error.rms !== null && error.noise_floor).map((error) => ` ${error.signal} ${number(error.rms / error.noise_floor, 3)}×`).join(",");
     fill(this.steps, steps.map((step, index) => element("li", { class: index > at ? "undone" : undefined, "aria-current": index === at ? "step" : undefined },
       step.done,
-      element("span", { class: "quiet" }, step.errors.filter((error) => error.rms !== null && error.noise_floor).map((error) => ` ${error.signal} ${number(error.rms / error.noise_floor, 3)}×`).join(",")))));
+      // Errors on different logs do not compare.
+      element("span", { class: "quiet" }, step.log === log ? errors(step) : step.log && ` measured on ${step.log}`))));
     this.steps.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest" });
   }
 
