@@ -69,9 +69,9 @@ class Page {
       await this.take();
       document.body.dataset.ready = "compare";
     } catch (refusal) {
-      if (refusal.name === "AbortError") return;
-      fill(this.verdict, element("span", { class: "chip bad" }, "not compared"));
-      tellProblems(refusal, this.log.name);
+      if (this.ending.signal.aborted) return;
+      fill(this.verdict, element("span", { class: "chip bad" }, "not compared"), button("Compare", () => this.begin(), { id: "compare-again" }));
+      if (refusal.name !== "AbortError") tellProblems(refusal, this.log.name);
       document.body.dataset.ready = "failed";
     }
   }

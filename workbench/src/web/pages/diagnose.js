@@ -162,6 +162,7 @@ class Page {
   }
 
   add(effect) {
-    view.go("refine", { add: effect, fit: view.text("fit"), check: view.text("check") });
+    const { logs, check } = this.roles.chosen;
+    view.go("refine", { add: effect, fit: logs.join(","), check: check.join(",") });
   }
 }
