@@ -1,4 +1,4 @@
-//! The bundled rigs with their answers: data/README.md and data/synthetic/answers.json.
+//! The bundled rigs (data/README.md) with their answers, as docs/evidence.md has them.
 
 use core::ops::ControlFlow;
 use std::path::PathBuf;

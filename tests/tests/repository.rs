@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+use recording::csv;
 use retarder_tests::bench_log::repository;
 
 fn read(path: &str) -> String {
@@ -198,6 +199,29 @@ fn every_outside_dependency_has_its_reason() {
             last = line;
         }
     }
+}
+
+/// The mapping that the page for other people's rigs shows can be copied as it stands.
+#[test]
+fn the_mapping_of_the_page_for_your_rig_is_read() {
+    let page = read("docs/your-rig.md");
+    let block = page.split("```toml\n").nth(1).expect("a block of TOML");
+    let (mapping, _) = block.split_once("```").unwrap();
+    let mapping =
+        csv::Mapping::parse("your-rig.md", mapping).unwrap_or_else(|error| panic!("{error}"));
+    let log = "a logger\nof two lines\nZeit;PWM1;U_sensor;Comment\n\
+               6190;0,0;0,50;\n6200;40,0;0,75;on\n6210;40,0;---;on\n";
+    let options = csv::Options {
+        mapping,
+        ..csv::Options::default()
+    };
+    let log =
+        csv::read("log.csv", log.as_bytes(), &options).unwrap_or_else(|error| panic!("{error}"));
+    let values = |name: &str| log.signal(name).unwrap().values_or_nan().to_vec();
+    assert_eq!(values("duty_fill"), [40.0, 40.0]);
+    assert_eq!(values("duty_vent"), [0.0, 0.0]);
+    assert_eq!(values("p_ch")[0], 0.125);
+    assert!(values("p_ch")[1].is_nan());
 }
 
 /// No document points at a file that is not there.
