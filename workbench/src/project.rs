@@ -45,7 +45,7 @@ pub(crate) struct Project {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LogEntry {
-    /// Number within the project; never given twice.
+    /// Number within the project.
     pub(crate) number: u32,
     /// File name as the person sees it. It names nothing on the disk.
     pub(crate) name: String,

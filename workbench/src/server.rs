@@ -76,6 +76,7 @@ pub struct Server {
     gate: Arc<Gate>,
     sessions: Arc<Sessions>,
     stop: Arc<Notify>,
+    unreadable: Vec<String>,
 }
 
 /// Stops a server from another thread.
@@ -100,11 +101,13 @@ impl Server {
             Some(port) => Loopback::on(port).map_err(|error| ServeError::Port { port, error })?,
             None => Loopback::on(USUAL_PORT).or_else(|_| Loopback::on_free_port())?,
         };
-        let store = Store::open(&options.project).map_err(|error| ServeError::Project {
-            folder: options.project.clone(),
-            error,
-        })?;
+        let (store, unreadable) =
+            Store::open(&options.project).map_err(|error| ServeError::Project {
+                folder: options.project.clone(),
+                error,
+            })?;
         Ok(Self {
+            unreadable,
             gate: Arc::new(Gate {
                 port: loopback.port,
                 secrets: Secrets::new()?,
@@ -119,6 +122,11 @@ impl Server {
     pub fn address(&self) -> String {
         let Gate { port, secrets } = &*self.gate;
         format!("http://127.0.0.1:{port}/?token={}", secrets.token())
+    }
+
+    /// What is wrong with projects of the folder that cannot be read, for people.
+    pub fn unreadable_projects(&self) -> &[String] {
+        &self.unreadable
     }
 
     /// What stops [`Self::run`].

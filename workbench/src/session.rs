@@ -140,7 +140,10 @@ impl Sessions {
     /// Opens a session: on the project `wanted`, under its own id if no other tab has it open, else on a copy, with what
     /// this server found out about it; without a wish, on a copy of the project that was changed last.
     pub(crate) fn open(&self, wanted: Option<ProjectId>) -> Result<Arc<Session>, Refusal> {
-        let live = wanted.as_ref().and_then(|id| self.get(id).ok());
+        // One lock from the question to the answer: of two tabs that ask at once, one gets a copy.
+        let mut open = lock(&self.open);
+        let live = wanted.as_ref().and_then(|id| open.get(id));
+        let live = live.map(|(_, session)| Arc::clone(session));
         let stored = wanted.as_ref().and_then(|id| self.store.load(id));
         let (id, project, findings) = match (live, stored, &wanted) {
             (Some(live), _, _) => (ProjectId::random()?, Some(live.project()), live.findings()),
@@ -170,7 +173,6 @@ impl Sessions {
             report: Kept::default(),
             job: Mutex::default(),
         });
-        let mut open = lock(&self.open);
         let order = open.values().map(|(order, _)| order + 1).max().unwrap_or(0);
         if open.len() >= SESSIONS_MAX {
             let oldest = open.iter().min_by_key(|(_, (order, _))| *order);
@@ -248,7 +250,11 @@ impl Session {
             .as_ref()
             .as_ref()
             .map_or(0, |log| values_of(&log.recording));
-        self.logs.put(number, values, Arc::clone(&log));
+        // While it was read, the number may have become another log's, or other columns were chosen.
+        let now = lock(&self.project);
+        if now.log(number).ok() == Some(entry) && now.calculated == project.calculated {
+            self.logs.put(number, values, Arc::clone(&log));
+        }
         Ok(log)
     }
 

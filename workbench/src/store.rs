@@ -1,6 +1,6 @@
 //! The project folder: logs under their hash, one file per project. No name in it comes from a request.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -29,25 +29,36 @@ pub(crate) struct Store {
     logs: PathBuf,
     projects: PathBuf,
     incoming: PathBuf,
+    /// Locked by the first server that has the folder open: it alone removes anything.
+    _lock: File,
 }
 
 impl Store {
-    /// Opens or makes the folder, for its owner alone, and removes what an earlier start left unfinished.
-    pub(crate) fn open(folder: &Path) -> io::Result<Self> {
+    /// Opens or makes the folder, for its owner alone, and removes what an earlier start left unfinished, unless another
+    /// server is using it. What comes with it is told of projects that cannot be read: as long as there are any, no log is
+    /// removed.
+    pub(crate) fn open(folder: &Path) -> io::Result<(Self, Vec<String>)> {
+        make_private(folder)?;
+        let lock = File::create(folder.join("lock"))?;
+        let is_shared = matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
         let store = Self {
             logs: folder.join("logs"),
             projects: folder.join("projects"),
             incoming: folder.join("incoming"),
+            _lock: lock,
         };
-        make_private(folder)?;
-        if store.incoming.exists() {
+        if !is_shared && store.incoming.exists() {
             fs::remove_dir_all(&store.incoming)?;
         }
         for part in [&store.logs, &store.projects, &store.incoming] {
             make_private(part)?;
         }
-        store.forget_the_oldest()?;
-        Ok(store)
+        let unreadable = if is_shared {
+            Vec::new()
+        } else {
+            store.forget_the_oldest()?
+        };
+        Ok((store, unreadable))
     }
 
     /// Takes an upload, and names it by its hash. Never more than a chunk of it is in memory.
@@ -112,13 +123,13 @@ impl Store {
 
     /// The project of this id; none if there is none that can be read.
     pub(crate) fn load(&self, id: &ProjectId) -> Option<Project> {
-        read_project(&self.project_path(id))
+        read_project(&self.project_path(id)).ok()
     }
 
     /// The project that was changed last.
     pub(crate) fn newest(&self) -> Option<Project> {
         let (_, path) = self.project_files().ok()?.pop()?;
-        read_project(&path)
+        read_project(&path).ok()
     }
 
     /// Project files, the oldest first.
@@ -134,17 +145,28 @@ impl Store {
         Ok(files)
     }
 
-    /// Removes the oldest projects beyond the number that is kept, and logs that no project has.
-    fn forget_the_oldest(&self) -> io::Result<()> {
+    /// Removes the oldest projects beyond the number that is kept, and logs that no project has. A project that cannot be
+    /// read may have any of them: then no log is removed, and what is wrong with it comes back.
+    fn forget_the_oldest(&self) -> io::Result<Vec<String>> {
         let mut files = self.project_files()?;
         let surplus = files.len().saturating_sub(PROJECTS_MAX);
         for (_, path) in files.drain(..surplus) {
             fs::remove_file(path)?;
         }
-        let projects: Vec<Project> = files
-            .iter()
-            .filter_map(|(_, path)| read_project(path))
-            .collect();
+        let mut projects = Vec::new();
+        let mut unreadable = Vec::new();
+        for (_, path) in &files {
+            match read_project(path) {
+                Ok(project) => projects.push(project),
+                Err(error) => unreadable.push(format!(
+                    "{}: {error}; it stays as it is, and so do all logs. Read it with the version that wrote it, or remove it",
+                    path.display()
+                )),
+            }
+        }
+        if !unreadable.is_empty() {
+            return Ok(unreadable);
+        }
         for entry in fs::read_dir(&self.logs)? {
             let entry = entry?;
             let name = entry.file_name();
@@ -156,13 +178,12 @@ impl Store {
                 fs::remove_file(entry.path())?;
             }
         }
-        Ok(())
+        Ok(unreadable)
     }
 }
 
-fn read_project(path: &Path) -> Option<Project> {
-    let text = fs::read(path).ok()?;
-    serde_json::from_slice(&text).ok()
+fn read_project(path: &Path) -> io::Result<Project> {
+    Ok(serde_json::from_slice(&fs::read(path)?)?)
 }
 
 fn make_private(folder: &Path) -> io::Result<()> {
@@ -213,7 +234,7 @@ mod tests {
     #[test]
     fn an_upload_that_falls_silent_is_refused_and_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
+        let (store, _) = Store::open(folder.path()).unwrap();
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_time()
             .start_paused(true)
@@ -244,9 +265,10 @@ mod tests {
     fn the_folder_is_for_its_owner_and_begins_without_leavings() {
         let folder = tempfile::tempdir().unwrap();
         let project = folder.path().join("project");
-        let store = Store::open(&project).unwrap();
+        let (store, _) = Store::open(&project).unwrap();
         fs::write(store.incoming.join("half"), "x").unwrap();
-        let store = Store::open(&project).unwrap();
+        drop(store);
+        let (store, _) = Store::open(&project).unwrap();
         assert_eq!(fs::read_dir(&store.incoming).unwrap().count(), 0);
         #[cfg(unix)]
         for part in [&project, &store.logs, &store.projects, &store.incoming] {
@@ -254,5 +276,47 @@ mod tests {
                 std::os::unix::fs::PermissionsExt::mode(&fs::metadata(part).unwrap().permissions());
             assert_eq!(mode & 0o777, 0o700, "{}", part.display());
         }
+    }
+
+    /// A second server once took away what the first one was just receiving.
+    #[test]
+    fn a_folder_in_use_is_not_tidied() {
+        let folder = tempfile::tempdir().unwrap();
+        let (first, _) = Store::open(folder.path()).unwrap();
+        fs::write(first.incoming.join("half"), "x").unwrap();
+        first.keep(b"in no project yet").unwrap();
+        let (_second, _) = Store::open(folder.path()).unwrap();
+        assert_eq!(fs::read_dir(&first.incoming).unwrap().count(), 1);
+        assert_eq!(fs::read_dir(&first.logs).unwrap().count(), 1);
+    }
+
+    /// A project of a later version, or a damaged one: its logs once went as those of nobody.
+    #[test]
+    fn logs_stay_as_long_as_a_project_cannot_be_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let (store, _) = Store::open(folder.path()).unwrap();
+        let id = ProjectId::random().unwrap();
+        let mut project = Project::default();
+        let log = store.keep(b"of a project").unwrap();
+        project.add("log.csv".to_owned(), log, None);
+        store.save(&id, &project).unwrap();
+        let path = store.project_path(&id);
+        let readable = fs::read_to_string(&path).unwrap();
+        store.keep(b"of nobody").unwrap();
+        let logs = store.logs.clone();
+        drop(store);
+        let count = || fs::read_dir(&logs).unwrap().count();
+
+        fs::write(&path, readable.replacen('{', "{\"later\": 1, ", 1)).unwrap();
+        let (store, unreadable) = Store::open(folder.path()).unwrap();
+        assert_eq!(count(), 2);
+        assert!(
+            unreadable.len() == 1 && unreadable[0].contains("`later`"),
+            "{unreadable:?}"
+        );
+        drop(store);
+        fs::write(&path, readable).unwrap();
+        let (_store, unreadable) = Store::open(folder.path()).unwrap();
+        assert_eq!((count(), unreadable.len()), (1, 0));
     }
 }

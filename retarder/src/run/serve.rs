@@ -7,6 +7,9 @@ use crate::failure::Failure;
 /// Serves; `begin` is called with the address once it answers. What comes back is what there is to say at the end.
 pub(crate) fn run(options: &Options, begin: &mut dyn FnMut(&str)) -> Result<String, Failure> {
     let server = Server::bind(options)?;
+    for problem in server.unreadable_projects() {
+        eprintln!("note: {problem}");
+    }
     let stopper = server.stopper();
     ctrlc::set_handler(move || stopper.stop())?;
     begin(&server.address());

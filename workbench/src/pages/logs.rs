@@ -82,11 +82,14 @@ fn replace_project(
     session: &Session,
     change: impl FnOnce(&mut Project) -> Result<(), Refusal>,
 ) -> Result<(), Refusal> {
+    let before = session.project().logs;
+    session.change(change)?;
     session.forget_comparisons();
-    for log in session.project().logs {
+    session.report.forget();
+    for log in before {
         session.forget_log(log.number);
     }
-    session.change(change)
+    Ok(())
 }
 
 #[derive(Deserialize)]
@@ -242,8 +245,6 @@ async fn map_columns(
         }
         let entry = session.project().log(number)?.clone();
         let head = preview::head_key(&session.store.log_path(&entry.file));
-        session.cancel();
-        session.forget_log(number);
         session.change(|project| {
             project.log_mut(number)?.mapping.clone_from(&mapping);
             if let (Some(head), Some(mapping)) = (head, mapping) {
@@ -251,6 +252,8 @@ async fn map_columns(
             }
             Ok(())
         })?;
+        session.cancel();
+        session.forget_log(number);
         view(&session)
     })
     .await

@@ -43,8 +43,11 @@ function tellEnd(error) {
 async function showPage() {
   forgetProblems();
   const wanted = view.text("project");
-  if (wanted && wanted !== sessionStorage.getItem(KEY)) await begin();
   shown?.leave?.();
+  if (wanted && wanted !== sessionStorage.getItem(KEY)) {
+    api.close();
+    await begin();
+  }
   const page = Object.hasOwn(PAGES, view.page()) ? PAGES[view.page()] : logs;
   tabs();
   document.title = `${page.title} – Retarder workbench`;
