@@ -298,7 +298,7 @@ pub(crate) struct OutArg {
 
 #[derive(Debug, Args)]
 pub(crate) struct HtmlArg {
-    /// Write a report with plots, one file that needs no other
+    /// Write a report with plots, one file that needs no other; - is the standard output
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) html: Option<PathBuf>,
 }

@@ -30,7 +30,7 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
     if let Some(path) = &targets.html
         && let Some(html) = page::html(&outcome)
     {
-        write_text(path, &html)?;
+        is_taken |= write(path, &html)?;
     }
     if let Some(path) = &targets.json
         && let Some(json) = json(&outcome)
@@ -148,13 +148,9 @@ fn write(path: &Path, text: &str) -> Result<bool, Failure> {
         write_standard_output(text)?;
         return Ok(true);
     }
-    write_text(path, text)?;
-    Ok(false)
-}
-
-fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
     write_file_atomically(path, |file| file.write_all(text.as_bytes()))
-        .map_err(|error: io::Error| Failure::write(Some(path), WriteError::Io(error)))
+        .map_err(|error: io::Error| Failure::write(Some(path), WriteError::Io(error)))?;
+    Ok(false)
 }
 
 /// A reader who has seen enough changes neither the answer nor the exit status.

@@ -17,11 +17,23 @@ pub(crate) struct Targets {
 }
 
 impl Targets {
-    /// Refuses a file that cannot be written, before any work is done for it.
+    /// Refuses a file that cannot be written, and two results for the standard output, before any work is done for them.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        let paths = [&self.json, &self.html, &self.recording, &self.plant];
-        let files = paths.into_iter().flatten();
-        for path in files.filter(|path| !is_standard_output(path)) {
+        let options = [
+            ("--out", &self.recording),
+            ("--out", &self.plant),
+            ("--html", &self.html),
+            ("--json", &self.json),
+        ];
+        let paths = options
+            .into_iter()
+            .filter_map(|(option, path)| Some((option, path.as_deref()?)));
+        let (standard, files): (Vec<_>, Vec<_>) =
+            paths.partition(|(_, path)| is_standard_output(path));
+        if let [(option, _), _, ..] = standard[..] {
+            return Err(Failure::TwoOnStandardOutput { option });
+        }
+        for (_, path) in files {
             // Begun and dropped: nothing stays.
             AtomicFile::create(path).map_err(|error| Failure::write(Some(path), error))?;
         }

@@ -2,6 +2,7 @@
 
 use std::io::Write as _;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory as _;
 use model_lab::CompareOptions;
@@ -77,11 +78,6 @@ impl Task {
             Some(Command::Control(args)) => control(args, &mut targets)?,
             Some(Command::Report(args)) => report(args, &mut targets)?,
             Some(Command::BlackBox(mut args)) => {
-                if goes_to_standard_output(&args.out.out)
-                    && goes_to_standard_output(&args.json.json)
-                {
-                    return Err(Failure::TwoOnStandardOutput { option: "--out" });
-                }
                 targets.recording = as_csv(args.out.out.take())?;
                 targets.json = args.json.json.take();
                 Work::BlackBox(args)
@@ -152,7 +148,9 @@ impl Task {
                 Outcome::Refinement(Box::new(run::diagnose::refine(task, &add)?))
             }
             Work::Control { scenario, rigs } => {
-                Outcome::Control(Box::new(run::control::run(*scenario, rigs)?))
+                // No file is under way yet: Ctrl-C may end the process at once.
+                let never = AtomicBool::new(false);
+                Outcome::Control(Box::new(run::control::run(*scenario, rigs, &never)?))
             }
             Work::NextExperiment(task) => {
                 Outcome::NextExperiment(Box::new(run::next_experiment::run(*task)?))
@@ -191,7 +189,7 @@ impl Task {
 
 fn simulate(args: SimulateArgs, targets: &mut Targets) -> Result<Work, Failure> {
     let out = args.out.out.filter(|path| !is_standard_output(path));
-    if out.is_none() && goes_to_standard_output(&args.json.json) {
+    if out.is_none() && args.json.json.as_deref().is_some_and(is_standard_output) {
         return Err(Failure::TwoOnStandardOutput { option: "--out" });
     }
     targets.json = args.json.json;
@@ -236,9 +234,6 @@ fn diagnose(args: DiagnoseArgs, targets: &mut Targets) -> Result<Work, Failure> 
 }
 
 fn refine(args: RefineArgs, targets: &mut Targets) -> Result<Work, Failure> {
-    if is_standard_output(&args.out) && goes_to_standard_output(&args.json.json) {
-        return Err(Failure::TwoOnStandardOutput { option: "--out" });
-    }
     let mut asked: Vec<Asked> = Vec::new();
     for text in args.add {
         let (id, variant) = match text.split_once(':') {
@@ -266,12 +261,14 @@ fn refine(args: RefineArgs, targets: &mut Targets) -> Result<Work, Failure> {
 }
 
 fn to_explain(logs: &LogsArgs, plant: &PlantArgs) -> Result<run::diagnose::Task, Failure> {
-    Ok(run::diagnose::Task {
+    let task = run::diagnose::Task {
         plant: NamedPlant::from_args(plant, NamedPlant::nominal())?,
         logs: input::logs(&logs.log, logs)?,
         check: input::logs(&logs.check, logs)?,
         options: options(logs, plant),
-    })
+    };
+    task.logs.iter().chain(&task.check).for_each(tell_notes);
+    Ok(task)
 }
 
 /// The options that name plant and logs, as a person would type them.
@@ -295,21 +292,15 @@ fn options(logs: &LogsArgs, plant: &PlantArgs) -> String {
     text
 }
 
-/// Highest pressure of an experiment that sets no limit of its own, over the supply pressure.
-const OF_SUPPLY: f64 = 0.9;
-
 fn next_experiment(args: NextExperimentArgs, targets: &mut Targets) -> Result<Work, Failure> {
-    if goes_to_standard_output(&args.out) && goes_to_standard_output(&args.json.json) {
-        return Err(Failure::TwoOnStandardOutput { option: "--out" });
-    }
     (targets.json, targets.recording) = (args.json.json, args.out);
-    let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?.whole()?;
+    let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
     let log = input::log(&args.log)?;
     tell_notes(&log);
-    let supply_bar = plant.parameters.gas.supply_pressure_bar_gauge;
+    let usual_max_bar = Limits::usual_max_bar(&plant.parameters);
     let limits = Limits {
         duration_s: args.duration,
-        max_bar: args.max_bar.unwrap_or(OF_SUPPLY * supply_bar),
+        max_bar: args.max_bar.unwrap_or(usual_max_bar),
         max_duty_pct: args.max_duty,
     };
     let effects = args
@@ -327,9 +318,6 @@ fn next_experiment(args: NextExperimentArgs, targets: &mut Targets) -> Result<Wo
 }
 
 fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
-    if goes_to_standard_output(&args.out.out) && goes_to_standard_output(&args.json.json) {
-        return Err(Failure::TwoOnStandardOutput { option: "--out" });
-    }
     let scenario = Box::new(NamedScenario::from_args(&args)?);
     *targets = Targets {
         json: args.json.json,
@@ -353,9 +341,6 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
 
 fn report(args: ReportArgs, targets: &mut Targets) -> Result<Work, Failure> {
     let subject = to_explain(&args.logs, &args.plant)?;
-    for log in subject.logs.iter().chain(&subject.check) {
-        tell_notes(log);
-    }
     targets.html = Some(args.out);
     Ok(Work::Report(Box::new(run::session::Task {
         subject,
@@ -381,10 +366,6 @@ fn as_csv(path: Option<PathBuf>) -> Result<Option<PathBuf>, Failure> {
         }
         path => Ok(path),
     }
-}
-
-fn goes_to_standard_output(path: &Option<PathBuf>) -> bool {
-    path.as_deref().is_some_and(is_standard_output)
 }
 
 fn schema_text(result: SchemaName) -> String {

@@ -1,6 +1,6 @@
 //! Why a diagnosis cannot be made.
 
-use plant_sim::parameters::effects_meant;
+use plant_sim::parameters::{Part, effects_meant};
 
 use crate::error::CompareError;
 
@@ -57,6 +57,24 @@ pub enum DiagnoseError {
     NotFitted {
         /// The effect.
         id: String,
+    },
+    /// The plant leaves out what an experiment commands or watches.
+    #[error(
+        "the plant has no {part}, and an experiment is planned for both valves and the chamber; \
+         describe the part in the plant file, or do by hand what the diagnosis says would show the effect"
+    )]
+    PartLeftOut {
+        /// What it lacks.
+        part: Part,
+    },
+    /// No manoeuvre can be simulated and seen by the rivals.
+    #[error(
+        "none of the {manoeuvres} manoeuvres can be simulated in a bounded number of steps; \
+         check the plant file with `retarder simulate`, or plan with other limits"
+    )]
+    NoManoeuvreSimulated {
+        /// How many were tried.
+        manoeuvres: usize,
     },
     /// The limits leave nothing to do.
     #[error(

@@ -11,6 +11,7 @@ use super::sensor_noise::SensorNoise;
 use crate::commands::Commands;
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, measured_signals, start};
+use crate::result::NotCompared;
 use crate::run::{WORK_AT_START, WORK_PER_ROW};
 
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
@@ -28,6 +29,8 @@ pub(crate) struct Log {
     start_pressure: Option<f64>,
     pub(crate) predictor: Predictor,
     pub(crate) channels: Vec<Channel>,
+    /// Signals that would have been weighed, and why they are not.
+    pub(super) not_compared: Vec<NotCompared>,
     /// Rows that count.
     pub(crate) counted: Vec<bool>,
     /// Whether the supply was shut off: nothing in the log tells, and it explains the currents better.
@@ -64,18 +67,21 @@ pub(super) struct Read {
     inputs: Vec<ReplayInput>,
     interval_s: f64,
     measured: Vec<Measured>,
+    not_compared: Vec<NotCompared>,
 }
 
 impl Read {
     pub(super) fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
         let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
         let (base, inputs) = inputs(parameters, log).map_err(CompareError::from)?;
-        let (measured, _) = measured_signals(parameters, (log, base), &commands)?;
+        let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
+        not_compared.retain(|signal| SIGNALS.contains(&signal.name.as_str()));
         Ok(Self {
             interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
             commands,
             inputs,
             measured,
+            not_compared,
         })
     }
 
@@ -97,6 +103,7 @@ impl Log {
             inputs,
             interval_s,
             measured,
+            mut not_compared,
         } = read;
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let (_, start_pressure) = start(parameters, pressure, &commands);
@@ -105,10 +112,18 @@ impl Log {
             told.unwrap_or_else(|| scatter(&signal.values))
         };
         let sigmas: Vec<f64> = measured.iter().map(sigma).collect();
-        let channels: Vec<Channel> = measured
+        let (weighed, still): (Vec<_>, Vec<_>) = measured
             .into_iter()
             .zip(sigmas)
-            .filter(|(signal, sigma)| SIGNALS.contains(&signal.name) && *sigma > 0.0)
+            .filter(|(signal, _)| SIGNALS.contains(&signal.name))
+            .partition(|(_, sigma)| *sigma > 0.0);
+        not_compared.extend(
+            still
+                .into_iter()
+                .map(|(signal, _)| without_noise(signal.name)),
+        );
+        let channels: Vec<Channel> = weighed
+            .into_iter()
             .map(|(signal, sigma)| {
                 let column = ROW_SIGNALS
                     .iter()
@@ -136,6 +151,7 @@ impl Log {
             start_pressure,
             predictor: Predictor::free_run(samples),
             channels,
+            not_compared,
             counted: vec![true; samples],
             is_without_supply: false,
         };
@@ -255,6 +271,14 @@ impl Log {
         } else {
             channel.sigma
         }
+    }
+}
+
+/// A signal that shows no noise by which its error could be weighed.
+fn without_noise(signal: &str) -> NotCompared {
+    NotCompared {
+        name: signal.to_owned(),
+        reason: "it hardly changes, so that its noise is unknown; log it finer".to_owned(),
     }
 }
 

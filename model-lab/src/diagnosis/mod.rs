@@ -131,6 +131,7 @@ pub fn diagnose_with(
         schema: DIAGNOSIS_SCHEMA.to_owned(),
         logs: split.fitting.sources(),
         check: split.check_sources(),
+        not_compared: split.not_compared(),
         held_out: split.held_out().to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict(),

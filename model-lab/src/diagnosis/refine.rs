@@ -1,5 +1,6 @@
 //! Puts chosen effects into a plant, with the values that the logs say.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use plant_sim::PlantParameters;
@@ -17,6 +18,7 @@ use super::search::{Tried, Watch, best_form, report};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
+use crate::result::NotCompared;
 
 /// Name and version of the JSON format.
 pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/1";
@@ -40,6 +42,9 @@ pub struct Refinement {
     pub logs: Vec<String>,
     /// Sources of the logs that judged; empty where blocks of the fitted logs were held out.
     pub check: Vec<String>,
+    /// From the source of a log to its signals that could not be weighed, and why.
+    #[serde(default)]
+    pub not_compared: BTreeMap<String, Vec<NotCompared>>,
     /// What judged, in words.
     pub held_out: String,
     /// The result in words.
@@ -138,6 +143,7 @@ pub fn refine(
         schema: REFINEMENT_SCHEMA.to_owned(),
         logs: split.fitting.sources(),
         check: split.check_sources(),
+        not_compared: split.not_compared(),
         held_out: split.held_out().to_owned(),
         sentence: sentence(&ladder),
         effects: effects.collect(),

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::result::NotCompared;
+
 /// Name and version of the JSON format.
 pub const DIAGNOSIS_SCHEMA: &str = "retarder.diagnosis/1";
 
@@ -21,6 +23,9 @@ pub struct Diagnosis {
     pub logs: Vec<String>,
     /// Sources of the logs that judged; empty where blocks of the fitted logs were held out.
     pub check: Vec<String>,
+    /// From the source of a log to its signals that could not be weighed, and why: what only they show was not looked for.
+    #[serde(default)]
+    pub not_compared: BTreeMap<String, Vec<NotCompared>>,
     /// What judged, in words.
     pub held_out: String,
     /// How the errors were made and what they are weighed against, in words.
@@ -40,7 +45,7 @@ pub struct Diagnosis {
     pub distinguishability: BTreeMap<String, BTreeMap<String, f64>>,
     /// The error, from the plain model with refitted nuisance parameters on; one row per added effect.
     pub ladder: Vec<Step>,
-    /// Every effect of the library, the one that explains most first.
+    /// Every effect of the library that acts on a part of the plant, the one that explains most first.
     pub candidates: Vec<Candidate>,
     /// What may differ from rig to rig without any physics missing, as fitted with the named effects.
     pub nuisance: Vec<NuisanceValue>,
@@ -321,7 +326,7 @@ pub struct Cost {
     pub simulations: usize,
     /// Logged time that one simulation covers (s).
     pub log_s: f64,
-    /// Time that it took, all cores together (s).
+    /// Wall time that it took, with several simulations at once on as many cores (s).
     pub elapsed_s: f64,
     /// Computing time of one simulation (ms).
     pub per_simulation_ms: f64,

@@ -1,5 +1,6 @@
 //! Which logs are fitted, and which judge.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use plant_sim::PlantParameters;
@@ -11,6 +12,7 @@ use super::gather::gather;
 use super::log::Log;
 use super::result::Cost;
 use super::trial::{Bench, Trial};
+use crate::result::NotCompared;
 
 /// Blocks of a log, of which every third is held out.
 const BLOCKS: usize = 12;
@@ -142,6 +144,17 @@ impl Split {
             .iter()
             .map(|log| log.source.clone())
             .collect()
+    }
+
+    /// What of each log could not be weighed.
+    pub(super) fn not_compared(&self) -> BTreeMap<String, Vec<NotCompared>> {
+        let mut all: BTreeMap<_, Vec<_>> = BTreeMap::new();
+        let logs = self.fitting.logs.iter().chain(self.check_logs());
+        for log in logs.filter(|log| !log.not_compared.is_empty()) {
+            let of_source = all.entry(log.source.clone()).or_default();
+            of_source.extend_from_slice(&log.not_compared);
+        }
+        all
     }
 
     /// What was simulated since `begin`.

@@ -2,8 +2,10 @@ use core::ops::ControlFlow;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
+use recording::{Recording, TimeBase, Unit};
 
 use super::result::Verdict;
+use super::split::Split;
 use super::{diagnose, refine};
 use crate::bench::Bench;
 
@@ -15,6 +17,45 @@ fn with(id: &str, variant: &str, values: &[(&str, f64)]) -> PlantParameters {
         .iter()
         .fold(typical, |setting, &(key, value)| setting.with(key, value));
     PlantParameters::nominal().with_effect(setting)
+}
+
+/// Once such a signal was dropped without a word, and a manoeuvre that only it could have shown was asked for. A position
+/// is never weighed: that it cannot be compared is no news.
+#[test]
+fn a_signal_that_could_not_be_weighed_is_named_with_its_reason() {
+    let measured = Bench::default().measure();
+    let [fill, vent, _, current, _] = measured.signals() else {
+        panic!("{measured:?}");
+    };
+    let mut log = Recording::new(measured.provenance().clone());
+    let (_, base) = measured.time_bases().next().unwrap();
+    let id = log.add_time_base(base.clone());
+    let slow = log.add_time_base(TimeBase::uniform(0.0, 0.1, 5).unwrap());
+    for signal in [fill, vent, current] {
+        let values = signal.values_or_nan().to_vec();
+        log.add_signal(signal.name(), signal.unit(), id, values)
+            .unwrap();
+    }
+    let still = vec![0.0; base.len()];
+    log.add_signal("p_ch", Unit::BarGauge, id, still).unwrap();
+    for (name, unit) in [("i_vent", Unit::Milliampere), ("x_vent", Unit::Millimetre)] {
+        log.add_signal(name, unit, slow, vec![0.0; 5]).unwrap();
+    }
+    let not_compared = |log| {
+        let split = Split::as_given(&PlantParameters::nominal(), &[log], &[]);
+        split.unwrap().not_compared()
+    };
+    let not_weighed = not_compared(log);
+    let found: Vec<_> = not_weighed["bench"]
+        .iter()
+        .map(|one| (one.name.as_str(), one.reason.as_str()))
+        .collect();
+    let [("i_vent", other_rate), ("p_ch", still)] = found[..] else {
+        panic!("{found:?}");
+    };
+    assert!(other_rate.contains("time base"), "{other_rate}");
+    assert!(still.contains("hardly changes"), "{still}");
+    assert!(not_compared(measured).is_empty());
 }
 
 /// The fitted log never fills the chamber, so that a leak shows only in the log for checking.

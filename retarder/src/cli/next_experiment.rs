@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
+use model_lab::diagnosis::next_experiment::Limits;
 
 use super::{JsonArg, LogArgs, PlantArgs};
 
@@ -37,10 +38,10 @@ pub(crate) struct NextExperimentArgs {
     #[arg(long = "for", value_name = "EFFECT", conflicts_with = "between")]
     pub(crate) for_effect: Option<String>,
     /// Longest time, s
-    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
     pub(crate) duration: f64,
     /// Highest chamber pressure, bar gauge; without it nine tenths of the supply pressure
-    #[arg(long, value_name = "BAR", value_parser = positive)]
+    #[arg(long, value_name = "BAR", value_parser = bar)]
     pub(crate) max_bar: Option<f64>,
     /// Highest duty cycle, %
     #[arg(long, value_name = "PCT", default_value_t = 100.0, value_parser = percent)]
@@ -52,11 +53,12 @@ pub(crate) struct NextExperimentArgs {
     pub(crate) json: JsonArg,
 }
 
-/// The longest experiment that is planned (s).
-const LONGEST_S: f64 = 600.0;
+fn seconds(text: &str) -> Result<f64, String> {
+    within(text, Limits::LONGEST_S)
+}
 
-fn positive(text: &str) -> Result<f64, String> {
-    within(text, LONGEST_S)
+fn bar(text: &str) -> Result<f64, String> {
+    within(text, Limits::HIGHEST_BAR)
 }
 
 fn percent(text: &str) -> Result<f64, String> {

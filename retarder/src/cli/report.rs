@@ -33,7 +33,7 @@ pub(crate) struct ReportArgs {
     /// Leave a part out; may be repeated
     #[arg(long, value_name = "PART")]
     pub(crate) without: Vec<ReportPart>,
-    /// Write the report to this file
+    /// Write the report to this file; - is the standard output
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, default_value = "report.html")]
     pub(crate) out: PathBuf,
 }

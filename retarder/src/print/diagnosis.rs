@@ -1,9 +1,12 @@
 //! Which physical effect is missing, and how the error falls with it.
 
+use std::collections::BTreeMap;
+
 use model_lab::diagnosis::result::{
     Candidate, Cost, DetectionLimit, Diagnosis, FittedParameter, NuisanceValue, Regime, Step,
     Verdict,
 };
+use model_lab::result::NotCompared;
 
 use super::number::{percent, significant};
 use super::table::{Align, Entry, Table, bar, painted};
@@ -26,6 +29,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
         &capital(&found.sentence),
         terminal,
     );
+    text += &not_weighed(&found.not_compared, terminal);
     for candidate in named(found) {
         text += &paragraph(
             &format!("{}: {}", candidate.effect, candidate.physics),
@@ -59,6 +63,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     let plant = &refined.task.plant.name;
     let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
     text += &paragraph(&(capital(&found.sentence) + "."), terminal);
+    text += &not_weighed(&found.not_compared, terminal);
     text += "\n";
     text += &ladder(&found.ladder, terminal);
     text += "\n";
@@ -89,6 +94,18 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     text += "\n";
     text += &nuisance(&found.nuisance, terminal);
     text + &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal)
+}
+
+/// What the fit did not see, with the reason.
+fn not_weighed(of_logs: &BTreeMap<String, Vec<NotCompared>>, terminal: &Terminal) -> String {
+    let all = of_logs
+        .iter()
+        .flat_map(|(log, signals)| signals.iter().map(move |signal| (log, signal)));
+    all.map(|(log, NotCompared { name, reason })| {
+        let sentence = format!("{name} of {log} was not weighed: {reason}.");
+        painted_paragraph(Colour::Notice, &sentence, terminal)
+    })
+    .collect()
 }
 
 fn headline(plant: &str, logs: &[String], check: &[String]) -> String {
@@ -227,6 +244,10 @@ fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
         }
     }
     let mut text = table.to_string();
+    if !not_excited.is_empty() && !found.not_compared.is_empty() {
+        let caution = "What follows may be in a log already: a signal that was not weighed (above) shows nothing.";
+        text += &painted_paragraph(Colour::Notice, caution, terminal);
+    }
     for (id, manoeuvre) in not_excited {
         let sentence = format!("Not excited: {id}. To see it: {manoeuvre}.");
         text += &painted_paragraph(Colour::Notice, &sentence, terminal);

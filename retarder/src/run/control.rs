@@ -1,6 +1,8 @@
 //! The closed loop on the model.
 
-use hil_harness::rigs::{self, RigVerdict};
+use std::sync::atomic::AtomicBool;
+
+use hil_harness::rigs::{self, RigError, RigVerdict};
 use hil_harness::{Requirement, Run, Verdict, run_in_process};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,6 +10,7 @@ use serde::Serialize;
 use super::device_report::DeviceReport;
 use crate::failure::Failure;
 use crate::input::NamedScenario;
+use crate::interrupt;
 use crate::progress::Progress;
 
 /// A run of the loop and how it stands against the requirement.
@@ -21,15 +24,19 @@ pub(crate) struct Controlled {
     pub(crate) rigs: Vec<RigVerdict>,
 }
 
-/// Runs the scenario, then again on `rigs` scattered rigs.
-pub(crate) fn run(scenario: NamedScenario, rigs: u32) -> Result<Controlled, Failure> {
+/// Runs the scenario, then again on `rigs` scattered rigs. `is_interrupted` ends it after the run that is under way.
+pub(crate) fn run(
+    scenario: NamedScenario,
+    rigs: u32,
+    is_interrupted: &AtomicBool,
+) -> Result<Controlled, Failure> {
     let requirement = Requirement::THESIS;
     let run = run_in_process(&scenario.scenario)?;
+    interrupt::check(is_interrupted)?;
     let verdict = run.verdict(&requirement)?;
     let progress = Progress::of_count("rigs", rigs.into());
-    let rigs = rigs::verdicts(&scenario.scenario, &requirement, rigs)
-        .inspect(|_| progress.step())
-        .collect::<Result<_, _>>()?;
+    let rigs = rigs::verdicts(&scenario.scenario, &requirement, rigs);
+    let rigs = until_interrupted(rigs.inspect(|_| progress.step()), is_interrupted)?;
     Ok(Controlled {
         scenario,
         run,
@@ -37,6 +44,18 @@ pub(crate) fn run(scenario: NamedScenario, rigs: u32) -> Result<Controlled, Fail
         device: None,
         rigs,
     })
+}
+
+/// All verdicts, unless `is_interrupted` ends it before the next rig.
+fn until_interrupted(
+    rigs: impl Iterator<Item = Result<RigVerdict, RigError>>,
+    is_interrupted: &AtomicBool,
+) -> Result<Vec<RigVerdict>, Failure> {
+    rigs.map(|rig| {
+        interrupt::check(is_interrupted)?;
+        Ok(rig?)
+    })
+    .collect()
 }
 
 impl Controlled {
@@ -117,5 +136,26 @@ impl Controlled {
                 })
                 .collect(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::Ordering;
+
+    use super::*;
+
+    #[test]
+    fn a_batch_of_rigs_ends_where_it_is_interrupted() {
+        let NamedScenario { scenario, .. } = NamedScenario::built_in("fill-requirement").unwrap();
+        let is_interrupted = AtomicBool::new(false);
+        let mut begun = 0;
+        let rigs = rigs::verdicts(&scenario, &Requirement::THESIS, 4).inspect(|_| {
+            begun += 1;
+            is_interrupted.store(begun == 2, Ordering::Relaxed);
+        });
+        let ended = until_interrupted(rigs, &is_interrupted);
+        assert!(matches!(ended, Err(Failure::Interrupted)));
+        assert_eq!(begun, 2);
     }
 }

@@ -43,9 +43,7 @@ pub(crate) fn run(task: Task, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Cont
             })?)
         });
     // Ctrl-C reaches the emulator too: whatever error comes of that, it was the person's wish.
-    if is_interrupted.load(Ordering::Relaxed) {
-        return Err(Failure::Interrupted);
-    }
+    interrupt::check(is_interrupted)?;
     let run = watched?;
     let verdict = run.verdict(&Requirement::THESIS)?;
     let difference = run_in_process(scenario)?.first_difference(&run);

@@ -60,7 +60,7 @@ where
 {
     let is_interrupted = interrupt::flag()?;
     let progress = Progress::of_stages();
-    Ok(work(&|stage| see(&progress, stage, &is_interrupted))?)
+    Ok(work(&|stage| see(&progress, stage, is_interrupted))?)
 }
 
 fn see(progress: &Progress, stage: Stage, is_interrupted: &AtomicBool) -> ControlFlow<()> {

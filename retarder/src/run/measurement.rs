@@ -39,7 +39,7 @@ pub(crate) fn run(args: &MeasureArgs, begin: &mut dyn FnMut()) -> Result<Measure
         .device
         .dut
         .session(args.device.image.as_deref())
-        .and_then(|mut session| measurement.take(session.as_mut(), &is_interrupted, begin));
+        .and_then(|mut session| measurement.take(session.as_mut(), is_interrupted, begin));
     match ended {
         // Ctrl-C reaches the emulator too: whatever error comes of that, it was the person's wish.
         Err(_) if is_interrupted.load(Ordering::Relaxed) => {

@@ -12,6 +12,7 @@ use super::diagnose::{self, Diagnosed};
 use crate::cli::ReportPart;
 use crate::failure::Failure;
 use crate::input::{NamedController, NamedPlant, NamedScenario};
+use crate::interrupt;
 
 /// What is to be reported.
 pub(crate) struct Task {
@@ -45,6 +46,7 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
         rigs,
         without,
     } = task;
+    let is_interrupted = interrupt::flag()?;
     let plant = subject.plant.clone();
     let inputs = inputs(&subject, &controller);
     let compared = subject
@@ -52,6 +54,7 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
         .iter()
         .chain(&subject.check)
         .map(|log| {
+            interrupt::check(is_interrupted)?;
             let options = CompareOptions::default();
             compare::run(plant.clone(), log.clone(), &options, None)
         })
@@ -76,7 +79,7 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
                             .on(parameters)
                             .controlled_by(controller.settings),
                     };
-                    control::run(scenario, rigs)
+                    control::run(scenario, rigs, is_interrupted)
                 };
                 loops.push(on(whole.name.clone(), whole.parameters)?);
                 if let Some((name, refined)) = diagnosed.as_ref().and_then(refined) {

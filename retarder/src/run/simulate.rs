@@ -2,8 +2,7 @@
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use plant_sim::replay::{
@@ -91,11 +90,12 @@ pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
         )?)),
         OpenLog::Recording(recording) => Rows::Recording(Some(recording)),
     };
-    let interrupted = match &out {
-        None => Arc::new(AtomicBool::new(false)),
+    let never = AtomicBool::new(false);
+    let is_interrupted = match &out {
+        None => &never,
         Some(_) => interrupt::flag()?,
     };
-    simulate(&plant, &name, rows, out.as_deref(), &interrupted)
+    simulate(&plant, &name, rows, out.as_deref(), is_interrupted)
 }
 
 fn simulate(
@@ -103,7 +103,7 @@ fn simulate(
     log: &str,
     mut rows: Rows<impl Read>,
     path: Option<&Path>,
-    interrupted: &AtomicBool,
+    is_interrupted: &AtomicBool,
 ) -> Result<Simulation, Failure> {
     let begin = Instant::now();
     let failed = |error: WriteError| Failure::write(path, error);
@@ -116,9 +116,7 @@ fn simulate(
     let mut values = Vec::with_capacity(columns.len());
     while !chunk.rows.is_empty() {
         for (time_s, input) in chunk.rows {
-            if interrupted.load(Ordering::Relaxed) {
-                return Err(Failure::Interrupted);
-            }
+            interrupt::check(is_interrupted)?;
             let row = model.row(time_s, input).map_err(|error| Failure::Replay {
                 path: log.into(),
                 error,

@@ -1,5 +1,7 @@
 //! The tour: a bench log, the model beside it, and the loop on the model.
 
+use std::sync::atomic::AtomicBool;
+
 use model_lab::CompareOptions;
 
 use super::compare::{self, Compared};
@@ -31,7 +33,7 @@ pub(crate) fn run() -> Result<Tour, Failure> {
     let loops = SCENARIOS
         .into_iter()
         .filter_map(NamedScenario::built_in)
-        .map(|scenario| control::run(scenario, 0))
+        .map(|scenario| control::run(scenario, 0, &AtomicBool::new(false)))
         .collect::<Result<_, _>>()?;
     let figures = thesis::run(NamedPlant::nominal());
     Ok(Tour {

@@ -57,6 +57,23 @@ fn json_is_a_comparison_of_the_library_and_goes_where_it_is_sent() {
     assert!(bench.read("c.html").contains("retarder compare --log"));
 }
 
+/// Once a file of the name `-` was made.
+#[test]
+fn a_page_goes_to_the_standard_output_in_place_of_the_text() {
+    let bench = Bench::new();
+    let log = data("synthetic/practice-01-check.csv");
+    let without = ["--without", "diagnosis", "--without", "control"];
+    for arguments in [
+        &["compare", "--log", &log, "--html", "-"][..],
+        &[&["report", "--log", &log, "--out", "-"][..], &without].concat(),
+    ] {
+        let out = bench.run(arguments).ended_with(1);
+        assert!(out.starts_with("<!DOCTYPE html>"), "{out:.80}");
+        assert!(out.trim_end().ends_with("</html>"));
+        assert_eq!(bench.files(), [""; 0], "{arguments:?}");
+    }
+}
+
 #[test]
 fn a_verdict_that_cannot_be_given_is_neither_yes_nor_no() {
     let bench = Bench::new();

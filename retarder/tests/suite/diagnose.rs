@@ -1,11 +1,13 @@
 use std::io::Read as _;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use model_lab::Comparison;
 use model_lab::diagnosis::result::Verdict;
 use model_lab::diagnosis::{Diagnosis, Refinement};
 use serde_json::Value;
+
+use recording::{Provenance, Recording, TimeBase, Unit, csv, mf4};
 
 use crate::runner::{Bench, assert_contains, beginning_of};
 use crate::schemas::keep_example;
@@ -120,6 +122,64 @@ fn a_leak_is_named_and_added_and_then_nothing_is_missing() {
     }
 }
 
+/// Pressure at 1 kHz beside commands and currents at 100 Hz, and a channel without a known unit.
+fn two_rates(bench: &Bench) {
+    let text = beginning_of(LEAKING.0, 3.0);
+    let log = csv::read("bench.csv", text.as_bytes(), &csv::Options::default()).unwrap();
+    let (_, slow) = log.time_bases().next().unwrap();
+    let mut rates = Recording::new(Provenance::from_source("bench"));
+    let slow_id = rates.add_time_base(slow.clone());
+    let fast = TimeBase::uniform(0.0, 0.001, 10 * slow.len()).unwrap();
+    let fast_id = rates.add_time_base(fast);
+    for signal in log.signals() {
+        let values = signal.values_or_nan();
+        let (base, values) = if signal.name() == "p_ch" {
+            let held = values.iter().flat_map(|value| [*value; 10]).collect();
+            (fast_id, held)
+        } else {
+            (slow_id, values.to_vec())
+        };
+        rates
+            .add_signal(signal.name(), signal.unit(), base, values)
+            .unwrap();
+    }
+    let count = slow.len();
+    rates
+        .add_signal("lamp", Unit::Percent, slow_id, vec![0.0; count])
+        .unwrap();
+    let path = bench.path("rates.mf4");
+    mf4::write(std::fs::File::create(&path).unwrap(), &rates).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let unit = bytes.windows(2).rposition(|text| text == b"%\0").unwrap();
+    bytes[unit] = b'?';
+    std::fs::write(path, bytes).unwrap();
+}
+
+/// Once the currents alone were explained without a word, and the advice was to shut the valves, as the log does.
+#[test]
+fn a_signal_at_another_rate_is_named_beside_what_is_not_excited() {
+    let bench = Bench::new();
+    two_rates(&bench);
+    let log = ["--log", "rates.mf4", "--json", "d.json"];
+    let diagnosed = bench.run(&[&["diagnose"][..], &log].concat());
+    let reason = "p_ch of rates.mf4 was not weighed: it has another time base";
+    let advice = diagnosed.out.split("may be in a log already").nth(1);
+    assert_contains(&diagnosed.out, &[reason]);
+    assert_contains(
+        advice.unwrap_or_default(),
+        &["Not excited: chamber_leak. To see it: both valves shut"],
+    );
+    let note = "note: rates.mf4: channels that are no signals: 1, lamp";
+    assert_contains(&diagnosed.err, &[note]);
+    let diagnosis: Diagnosis = serde_json::from_str(&bench.read("d.json")).unwrap();
+    assert_eq!(diagnosis.not_compared["rates.mf4"][0].name, "p_ch");
+
+    let add = ["--add", "coil_heating", "--out", "p.toml"];
+    let refined = bench.run(&[&["refine"][..], &log, &add].concat());
+    assert_contains(&refined.out, &[reason]);
+    assert_contains(&refined.err, &[note]);
+}
+
 /// Times are 0.
 fn timeless(json: &str) -> Value {
     let mut value: Value = serde_json::from_str(json).unwrap();
@@ -135,6 +195,19 @@ fn catches_interrupts(pid: &str) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
     let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
     u64::from_str_radix(caught.unwrap().trim(), 16).unwrap() & 0b10 != 0
+}
+
+/// Sends SIGINT once it is watched for.
+#[cfg(target_os = "linux")]
+pub(crate) fn interrupt(child: &Child) {
+    let pid = child.id().to_string();
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while !catches_interrupts(&pid) {
+        assert!(Instant::now() < deadline, "Ctrl-C is not watched for");
+        std::thread::yield_now();
+    }
+    let sent = Command::new("kill").args(["-INT", &pid]).status();
+    assert!(sent.unwrap().success());
 }
 
 #[cfg(target_os = "linux")]
@@ -156,19 +229,7 @@ fn ctrl_c_ends_a_diagnosis_and_leaves_no_file() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let pid = child.id().to_string();
-    let deadline = Instant::now() + Duration::from_secs(20);
-    while !catches_interrupts(&pid) {
-        assert!(Instant::now() < deadline, "Ctrl-C is not watched for");
-        std::thread::yield_now();
-    }
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &pid])
-            .status()
-            .unwrap()
-            .success()
-    );
+    interrupt(&child);
     let [mut out, mut err] = [String::new(), String::new()];
     child
         .stdout

@@ -253,6 +253,10 @@ fn references() {
     );
 }
 
+fn log_of<'a>(command: &'a str, log: &'a str) -> [&'a str; 3] {
+    [command, "--log", log]
+}
+
 #[test]
 fn options() {
     let bench = bench();
@@ -290,6 +294,25 @@ fn options() {
         &["control", "--out", "-", "--json"],
         &["two results for the standard output", "--out FILE"],
     );
+    let both = [&log_of("compare", &log)[..], &["--html", "-", "--json"]].concat();
+    check(
+        &bench,
+        &both,
+        &["two results for the standard output", "--html FILE"],
+    );
+    for (option, found) in [("--max-bar", "40.5"), ("--duration", "600.5")] {
+        let plan = [
+            &log_of("next-experiment", &log)[..],
+            &["--for", "chamber_leak", option, found],
+        ]
+        .concat();
+        let most = &found[..found.len() - 2];
+        check(
+            &bench,
+            &plan,
+            &[&format!("{found} is not above 0 and at most {most}")],
+        );
+    }
     check(&bench, &["simulte"], &["simulte", "simulate"]);
     check(&bench, &["compare"], &["--log <FILE>"]);
 }
@@ -370,6 +393,20 @@ fn a_plant_without_valves_where_both_are_needed() {
             ],
         );
     }
+    let log = data("real/leakdown-aluminium.csv");
+    let chamber = data("plants/leakdown-chamber.toml");
+    check(
+        &bench,
+        &[
+            &log_of("next-experiment", &log)[..],
+            &["--plant", &chamber, "--for", "chamber_leak"],
+        ]
+        .concat(),
+        &[
+            "the plant has no armature of the fill valve",
+            "planned for both valves and the chamber",
+        ],
+    );
     check(
         &bench,
         &[

@@ -1,3 +1,10 @@
+#[cfg(target_os = "linux")]
+use std::process::Stdio;
+
+#[cfg(target_os = "linux")]
+use crate::diagnose::interrupt;
+#[cfg(target_os = "linux")]
+use crate::runner::Ran;
 use crate::runner::{Bench, assert_contains, beginning_of, data};
 
 /// A log of the rig with a leak; seconds of it.
@@ -123,5 +130,37 @@ fn a_check_log_is_compared_and_rigs_have_their_settling_times() {
             "Settling times on the scattered rigs",
             "of 3 keep every binding requirement",
         ],
+    );
+}
+
+/// Once a report watched for Ctrl-C in its diagnosis only, and what came after it did not end.
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_ends_a_report_on_many_rigs_and_leaves_no_file() {
+    let bench = Bench::new();
+    bench.file("bench.csv", &beginning_of(LEAKING.0, 2.0));
+    let arguments = [
+        "report",
+        "--log",
+        "bench.csv",
+        "--scenario",
+        "fill-requirement",
+        "--without",
+        "diagnosis",
+        "--rigs",
+        "100000",
+    ];
+    let child = bench
+        .command(&arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    interrupt(&child);
+    let ran = Ran::of(child.wait_with_output().unwrap());
+    assert_contains(&ran.err, &["error: interrupted; nothing was written"]);
+    assert_eq!(
+        (ran.ended_with(2), bench.files()),
+        (String::new(), vec!["bench.csv".to_owned()])
     );
 }

@@ -9,6 +9,7 @@ use axum::routing::{get, post};
 use axum::{Json, Router};
 use model_lab::diagnosis::next_experiment::{Limits, NextExperiment, Question, next_experiment};
 use model_lab::diagnosis::{Diagnosis, diagnose};
+use plant_sim::PlantParameters;
 use serde::{Deserialize, Serialize};
 
 use super::{Begun, Shared, begin_job, session};
@@ -16,11 +17,6 @@ use crate::effects::{self, EffectView};
 use crate::refusal::Refusal;
 use crate::results::{Chosen, Diagnosed};
 use crate::session::{Session, Sessions};
-
-/// Longest experiment that is planned (s).
-const LONGEST_S: f64 = 600.0;
-/// Without a wish, an experiment stays below this share of the supply pressure.
-const OF_SUPPLY: f64 = 0.9;
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
@@ -125,7 +121,7 @@ struct Wish {
 }
 
 impl Wish {
-    fn limits(&self, supply_bar: f64) -> Result<Limits, Refusal> {
+    fn limits(&self, plant: &PlantParameters) -> Result<Limits, Refusal> {
         let within = |what: &str, value: f64, most: f64, unit: &str| {
             if value > 0.0 && value <= most {
                 Ok(value)
@@ -135,10 +131,11 @@ impl Wish {
                 )))
             }
         };
-        let max_bar = self.max_bar.unwrap_or(OF_SUPPLY * supply_bar);
+        let max_bar = self.max_bar.unwrap_or(Limits::usual_max_bar(plant));
+        let longest_s = Limits::LONGEST_S;
         Ok(Limits {
-            duration_s: within("the time of an experiment", self.duration_s, LONGEST_S, "s")?,
-            max_bar: within("the highest pressure", max_bar, 1000.0, "bar")?,
+            duration_s: within("the time of an experiment", self.duration_s, longest_s, "s")?,
+            max_bar: within("the highest pressure", max_bar, Limits::HIGHEST_BAR, "bar")?,
             max_duty_pct: within("the highest duty cycle", self.max_duty_pct, 100.0, "%")?,
         })
     }
@@ -153,7 +150,7 @@ async fn plan(
     let session = session(&sessions, id)?;
     let found = diagnosed(&session)?;
     let parameters = found.plant.parameters()?;
-    let limits = wish.limits(parameters.gas.supply_pressure_bar_gauge)?;
+    let limits = wish.limits(&parameters)?;
     if wish.effects.is_empty() {
         return Err(Refusal::value(
             "an experiment shows one effect, or tells two or more apart; name at least one",
@@ -205,4 +202,28 @@ async fn export_csv(
         ),
     ];
     Ok((headers, next(&session)?.csv()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_experiment_keeps_below_the_supply_and_within_its_bounds() {
+        let plant = PlantParameters::nominal();
+        let limits = |duration_s, max_bar| {
+            let wish = Wish {
+                effects: Vec::new(),
+                duration_s,
+                max_bar,
+                max_duty_pct: 100.0,
+            };
+            wish.limits(&plant).ok()
+        };
+        let usual = limits(600.0, None).unwrap();
+        assert!(usual.max_bar < plant.gas.supply_pressure_bar_gauge);
+        assert_eq!(limits(20.0, Some(40.0)).unwrap().max_bar, 40.0);
+        assert_eq!(limits(20.0, Some(40.1)), None);
+        assert_eq!(limits(600.1, None), None);
+    }
 }

@@ -14,6 +14,8 @@ mod tests;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
+use plant_sim::parameters::Part;
+use plant_sim::plant::{FILL, VENT};
 use rayon::prelude::*;
 use recording::Recording;
 
@@ -40,7 +42,8 @@ pub enum Question<'a> {
 /// Ranks manoeuvres within `limits` by how well they answer `question`, after what `logs` of `plant` already tell.
 ///
 /// # Errors
-/// [`DiagnoseError`]: a log cannot be used, there is no such effect, no manoeuvre keeps the limits, or `watch` stopped it.
+/// [`DiagnoseError`]: the plant lacks a valve or the chamber, a log cannot be used, there is no such effect, no manoeuvre
+/// keeps the limits or can be simulated, or `watch` stopped it.
 pub fn next_experiment(
     plant: &PlantParameters,
     logs: &[Recording],
@@ -49,6 +52,7 @@ pub fn next_experiment(
     watch: Watch,
 ) -> Result<NextExperiment, DiagnoseError> {
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
+    check_parts(plant)?;
     let fitting = gather(plant, logs)?;
     let bench = Bench {
         library: &[],
@@ -65,7 +69,9 @@ pub fn next_experiment(
         Question::For(id) => typical(&bench, &plain, id)?,
     };
     let now = match question {
-        Question::Between(_) => closest(&rivals, distance::on_the_logs),
+        Question::Between(_) => pairs(&rivals)
+            .map(|(a, b)| distance::on_the_logs(a, b))
+            .fold(f64::INFINITY, f64::min),
         Question::For(_) => 0.0,
     };
     let noises = Noises::of(&fitting);
@@ -79,19 +85,15 @@ pub fn next_experiment(
         });
     }
     report(watch, "manoeuvres", 0.0)?;
-    let mut ranked = sequences
-        .into_par_iter()
-        .map(|sequence| {
-            let between = |a: &Rival, b: &Rival| distance(a, b, &sequence, &noises).unwrap_or(0.0);
-            let distance = match question {
-                Question::Between(_) => closest(&rivals, |a, b| between(a, b).min(between(b, a))),
-                Question::For(_) => between(&rivals[1], &rivals[0]),
-            };
-            report(watch, "manoeuvres", 0.5)?;
-            Ok((sequence, distance))
-        })
-        .collect::<Result<Vec<(Sequence, f64)>, DiagnoseError>>()?;
-    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let ranked = ranked(sequences, watch, |sequence| {
+        let between = |a: &Rival, b: &Rival| distance(a, b, sequence, &noises);
+        match question {
+            Question::Between(_) => pairs(&rivals).try_fold(f64::INFINITY, |least, (a, b)| {
+                Some(least.min(between(a, b)?).min(between(b, a)?))
+            }),
+            Question::For(_) => between(&rivals[1], &rivals[0]),
+        }
+    })?;
     let sensors = sensors::sensors(&rivals, &ranked[0].0, &fitting);
     Ok(assemble::assemble(
         fitting.sources(),
@@ -103,15 +105,48 @@ pub fn next_experiment(
     ))
 }
 
-/// The least of all pairs.
-fn closest(rivals: &[Rival], distance: impl Fn(&Rival, &Rival) -> f64) -> f64 {
-    let pairs = rivals
+/// Every manoeuvre drives both valves and fills the chamber.
+fn check_parts(plant: &PlantParameters) -> Result<(), DiagnoseError> {
+    let parts = [
+        Part::ArmatureOf(FILL),
+        Part::ArmatureOf(VENT),
+        Part::Chamber,
+    ];
+    match parts.into_iter().find(|part| !part.is_in(plant)) {
+        Some(part) => Err(DiagnoseError::PartLeftOut { part }),
+        None => Ok(()),
+    }
+}
+
+/// The manoeuvres with their distances, the best first. One without a distance is left out: what was not computed is no 0.
+fn ranked(
+    sequences: Vec<Sequence>,
+    watch: Watch,
+    distance: impl Fn(&Sequence) -> Option<f64> + Sync,
+) -> Result<Vec<(Sequence, f64)>, DiagnoseError> {
+    let manoeuvres = sequences.len();
+    let tried = sequences
+        .into_par_iter()
+        .map(|sequence| {
+            let distance = distance(&sequence);
+            report(watch, "manoeuvres", 0.5)?;
+            Ok(distance.map(|distance| (sequence, distance)))
+        })
+        .collect::<Result<Vec<_>, DiagnoseError>>()?;
+    let mut ranked: Vec<_> = tried.into_iter().flatten().collect();
+    if ranked.is_empty() {
+        return Err(DiagnoseError::NoManoeuvreSimulated { manoeuvres });
+    }
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    Ok(ranked)
+}
+
+/// Each two of the rivals once.
+fn pairs(rivals: &[Rival]) -> impl Iterator<Item = (&Rival, &Rival)> {
+    rivals
         .iter()
         .enumerate()
-        .flat_map(|(n, a)| rivals[..n].iter().map(move |b| (a, b)));
-    pairs
-        .map(|(a, b)| distance(a, b))
-        .fold(f64::INFINITY, f64::min)
+        .flat_map(|(n, a)| rivals[..n].iter().map(move |b| (a, b)))
 }
 
 fn settings(id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {

@@ -2,6 +2,7 @@
 
 use core::fmt::Write as _;
 
+use plant_sim::PlantParameters;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +24,20 @@ pub struct Limits {
     pub max_duty_pct: f64,
 }
 
+impl Limits {
+    /// The longest experiment that is planned (s).
+    pub const LONGEST_S: f64 = 600.0;
+    /// The highest pressure that may be asked for (bar gauge): that of the highest supply that a plant file may give.
+    pub const HIGHEST_BAR: f64 = 40.0;
+    /// Without a wish, an experiment stays below this share of the supply pressure.
+    const OF_SUPPLY: f64 = 0.9;
+
+    /// The highest pressure of an experiment for which nobody gave one (bar gauge).
+    pub fn usual_max_bar(plant: &PlantParameters) -> f64 {
+        Self::OF_SUPPLY * plant.gas.supply_pressure_bar_gauge
+    }
+}
+
 /// The experiment that tells rival effects apart, or that shows one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -41,7 +56,7 @@ pub struct NextExperiment {
     pub distinguishable_from: f64,
     /// The answer in words.
     pub sentence: String,
-    /// Manoeuvres, the best first.
+    /// Manoeuvres that could be simulated, the best first.
     pub ranking: Vec<Manoeuvre>,
     /// Duty cycles of the best one.
     pub sequence: Vec<Phase>,

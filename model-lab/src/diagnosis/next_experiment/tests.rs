@@ -1,5 +1,7 @@
 use core::ops::ControlFlow;
 
+use plant_sim::parameters::ParameterSpec;
+use plant_sim::valve::ValveFunction;
 use recording::csv;
 
 use super::super::verdict::DISTINGUISHABLE;
@@ -167,4 +169,70 @@ fn where_no_manoeuvre_tells_them_apart_it_says_so() {
         "{}",
         next.sentence
     );
+}
+
+/// Once such a plant got duty cycles for valves that it does not have.
+#[test]
+fn a_plant_without_a_valve_or_without_a_chamber_is_refused() {
+    let log = poor_log(PlantParameters::nominal());
+    for (valve, volume_m3, said) in [
+        (ValveFunction::NormallyClosed, 0.0, "has no chamber"),
+        (
+            ValveFunction::AlwaysOpen,
+            75e-6,
+            "has no armature of the vent valve",
+        ),
+    ] {
+        let mut plant = PlantParameters::nominal();
+        plant.functions[VENT] = valve;
+        plant.chamber.volume_m3 = volume_m3;
+        let question = Question::For("coil_heating");
+        let refused = next_experiment(
+            &plant,
+            core::slice::from_ref(&log),
+            question,
+            LIMITS,
+            &go_on,
+        );
+        let error = refused.unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+        assert!(
+            error.contains("describe the part in the plant file"),
+            "{error}"
+        );
+    }
+}
+
+/// Once a manoeuvre that could not be simulated was ranked with a distance of 0.
+#[test]
+fn a_manoeuvre_without_a_distance_is_not_ranked() {
+    let sequence = |name: &'static str| Sequence {
+        name,
+        about: "",
+        duties: Vec::new(),
+        highest_bar: 0.0,
+    };
+    let tried = |distance: fn(&Sequence) -> Option<f64>| {
+        let names = ["failed", "poor", "good"];
+        ranked(names.map(sequence).into(), &go_on, distance)
+    };
+    let found = tried(|sequence| match sequence.name {
+        "failed" => None,
+        "poor" => Some(0.0),
+        _ => Some(9.0),
+    });
+    let names: Vec<_> = found
+        .unwrap()
+        .iter()
+        .map(|(sequence, _)| sequence.name)
+        .collect();
+    assert_eq!(names, ["good", "poor"]);
+    let error = tried(|_| None).unwrap_err();
+    assert_eq!(error, DiagnoseError::NoManoeuvreSimulated { manoeuvres: 3 });
+}
+
+#[test]
+fn the_highest_pressure_is_that_of_the_highest_supply() {
+    let supply = ParameterSpec::by_name("gas.supply_pressure_bar_gauge").unwrap();
+    assert_eq!(Limits::HIGHEST_BAR, supply.range.1);
 }
