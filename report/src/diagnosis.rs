@@ -36,6 +36,11 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
         section #diagnosis {
             h2 { "Which effect is missing? " (badge(diagnosis)) }
             p.rule { "Judged on " (foreign(&diagnosis.held_out)) "; " (foreign(&diagnosis.predictor)) "." }
+            @for (log, signals) in &diagnosis.not_compared {
+                @for signal in signals {
+                    p.finding { strong { (foreign(&signal.name)) } " of " (foreign(log)) " was not weighed: " (foreign(&signal.reason)) "." }
+                }
+            }
             @for candidate in diagnosis.candidates.iter().filter(named) {
                 p.finding { strong { (foreign(&title(&candidate.effect))) } ": " (foreign(&candidate.physics)) }
             }

@@ -3,6 +3,7 @@
 use hil_harness::{Requirement, Run, Scenario, Verdict, run_in_process};
 use model_lab::diagnosis::Diagnosis;
 use model_lab::diagnosis::result::{FlowCurve, FlowPoint};
+use model_lab::result::NotCompared;
 use model_lab::thesis::{Measurements, ThesisTable, compare_with_model};
 use model_lab::{CompareOptions, Comparison, compare};
 use plant_sim::PlantParameters;
@@ -138,6 +139,11 @@ fn hostile_text_in_a_diagnosis_stays_text() {
     let mut diagnosis: Diagnosis = serde_json::from_str(DIAGNOSIS).unwrap();
     let hostile = || HOSTILE.to_owned();
     diagnosis.sentence = hostile();
+    let signal = NotCompared {
+        name: hostile(),
+        reason: hostile(),
+    };
+    diagnosis.not_compared = [(hostile(), vec![signal])].into();
     diagnosis.held_out = hostile();
     diagnosis.remaining.sentences = vec![hostile()];
     let point = |at| FlowPoint {

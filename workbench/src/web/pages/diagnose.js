@@ -107,6 +107,8 @@ class Page {
         element("p", { class: "sentence" }, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`),
         is_of_plant && diagnosis.effects.map((id) => button(`Add ${(this.effects.get(id)?.title ?? id).toLowerCase()}`, () => this.add(id), { class: "primary add-named" }))),
       !is_of_plant && element("p", { class: "stale" }, element("span", { class: "chip open" }, "another plant"), ` This was found for ${plant}. The plant has changed since; diagnose again to see what it still lacks.`),
+      Object.entries(diagnosis.not_compared).flatMap(([log, signals]) => signals.map((one) =>
+        element("p", { class: "stale" }, element("span", { class: "chip open" }, "not weighed"), ` ${one.name} of ${log}: ${one.reason}.`))),
       element("p", { class: "quiet" }, `Fitted: ${diagnosis.logs.join(", ")}. Judged on ${diagnosis.check.length > 0 ? diagnosis.check.join(", ") : diagnosis.held_out}. ${cost.simulations} simulations of ${duration(cost.log_s)} in ${duration(cost.elapsed_s)}.`));
   }
 
