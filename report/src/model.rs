@@ -25,26 +25,45 @@ pub(super) fn standing(comparison: &Comparison) -> Standing {
 
 /// How far off the model is, and where.
 pub(super) fn headline(comparison: &Comparison) -> String {
-    let is_failing = |signal: &&SignalComparison| signal.holds == Some(false);
-    match (standing(comparison), comparison.signals.iter().find(is_failing)) {
-        (_, Some(signal)) => {
-            let unit = SmallUnit::of_errors_in(&signal.unit);
-            let noise = signal.free_run.rms_in_noise.map_or(String::new(), |multiple| {
-                format!(", {} times what the measurement scatters by itself", number(multiple))
-            });
-            format!(
-                "The model misses the {} by {} {} rms{noise}. {}.",
-                signal_words(&signal.name),
-                number(signal.free_run.rms * unit.per_unit),
-                unit.symbol,
-                signal.finding.sentence
-            )
-        }
-        (Standing::Open, None) => {
-            "Nothing speaks against the model, but not every signal has a limit to be held to.".to_owned()
-        }
-        _ => "Every compared signal is within its limit: what is left is about as small as the noise.".to_owned(),
+    let signals = || comparison.signals.iter();
+    let failing = signals().find(|signal| signal.holds == Some(false));
+    if let Some(signal) = failing {
+        return format!(
+            "The model misses the {} by {}. {}.",
+            signal_words(&signal.name),
+            error(signal),
+            signal.finding.sentence
+        );
     }
+    let of_limit = |signal: &SignalComparison| Some(signal.free_run.rms / signal.limit?);
+    let nearest = signals()
+        .filter_map(|signal| Some((of_limit(signal)?, signal)))
+        .max_by(|(one, _), (other, _)| one.total_cmp(other));
+    match (standing(comparison), nearest) {
+        (Standing::Holds, Some((_, signal))) => format!(
+            "Every compared signal is within its limit; nearest to it is the {}, off by {}.",
+            signal_words(&signal.name),
+            error(signal)
+        ),
+        _ => "Nothing speaks against the model, but not every signal has a limit to be held to."
+            .to_owned(),
+    }
+}
+
+/// The error of a signal, and what it is beside the noise.
+fn error(signal: &SignalComparison) -> String {
+    let unit = SmallUnit::of_errors_in(&signal.unit);
+    let rms = number(signal.free_run.rms * unit.per_unit);
+    let noise = signal
+        .free_run
+        .rms_in_noise
+        .map_or(String::new(), |multiple| {
+            format!(
+                ", {} times what the measurement scatters by itself",
+                number(multiple)
+            )
+        });
+    format!("{rms} {} rms{noise}", unit.symbol)
 }
 
 /// The section of the part with this index; links go to the first one.
