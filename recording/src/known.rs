@@ -17,6 +17,9 @@ impl Recording {
         for left_out in self.left_out() {
             known.leave_out(&left_out.name, &left_out.reason);
         }
+        for cells in self.out_of_bounds() {
+            known.add_out_of_bounds(cells.clone());
+        }
         let places: Vec<Vec<Option<usize>>> = self
             .time_bases()
             .map(|(_, base)| last_known(base, &instants))

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod bounds;
 pub mod csv;
 mod file;
 mod known;
@@ -16,6 +17,7 @@ mod start_time;
 mod time_base;
 mod unit;
 
+pub use bounds::{Bounds, OutOfBounds, Outlier};
 pub use file::{AtomicFile, write_file_atomically};
 pub use log::{
     LogError, LogFormat, LogOptions, OpenLog, open_log, open_log_file, read_log, read_log_file,

@@ -95,7 +95,7 @@ pub enum OpenLog<'a> {
     /// CSV, from its beginning on.
     Csv(Box<dyn Read + 'a>),
     /// What was read.
-    Recording(Recording),
+    Recording(Box<Recording>),
 }
 
 /// Opens a log that cannot be read twice, such as the standard input. MF4 is held in memory meanwhile.
@@ -124,7 +124,7 @@ pub fn open_log<'a>(
         .read_to_end(&mut beginning)
         .map_err(failed)?;
     let recording = mf4::read(source_name, Cursor::new(beginning), &options.mf4())?;
-    Ok(OpenLog::Recording(recording))
+    Ok(OpenLog::Recording(Box::new(recording)))
 }
 
 /// Opens a log file.
@@ -152,7 +152,10 @@ pub fn open_log_file(
     read.and_then(|_| file.rewind()).map_err(failed)?;
     match LogFormat::of_beginning(&beginning) {
         LogFormat::Csv => Ok(OpenLog::Csv(Box::new(file))),
-        LogFormat::Mf4 => Ok(OpenLog::Recording(mf4::read(&name, file, &options.mf4())?)),
+        LogFormat::Mf4 => {
+            let recording = mf4::read(&name, file, &options.mf4())?;
+            Ok(OpenLog::Recording(Box::new(recording)))
+        }
     }
 }
 
@@ -167,7 +170,7 @@ pub fn read_log(
 ) -> Result<Recording, LogError> {
     match open_log(source_name, input, options)? {
         OpenLog::Csv(input) => Ok(csv::read(source_name, input, &options.csv())?),
-        OpenLog::Recording(recording) => Ok(recording),
+        OpenLog::Recording(recording) => Ok(*recording),
     }
 }
 
@@ -182,6 +185,6 @@ pub fn read_log_file(path: impl AsRef<Path>, options: &LogOptions) -> Result<Rec
             let name = path.file_name().unwrap_or(path.as_os_str());
             Ok(csv::read(&name.to_string_lossy(), input, &options.csv())?)
         }
-        OpenLog::Recording(recording) => Ok(recording),
+        OpenLog::Recording(recording) => Ok(*recording),
     }
 }

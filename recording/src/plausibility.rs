@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::bounds::{Allowed, Bounds, OutOfBounds};
 use crate::proposal::signal_line;
 use crate::signal::quantity_of;
 use crate::{Converter, PressureReference, Quantity, Unit};
@@ -14,9 +15,6 @@ const CHARGED_BAR: std::ops::RangeInclusive<f64> = 1.0..=25.0;
 const SMALL_BAR: f64 = 0.25;
 /// The thinnest atmosphere a vehicle meets, at about 5500 m.
 const AMBIENT_MIN_BAR: f64 = 0.5;
-/// Vacuum, with room for the offset of a sensor.
-const VACUUM_GAUGE_BAR: f64 = -1.1;
-const VACUUM_ABSOLUTE_BAR: f64 = -0.05;
 
 /// Values that no logged signal of this unit has.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +25,12 @@ pub enum Implausible {
         /// The duty cycle in %.
         percent: f64,
     },
-    /// A pressure below vacuum.
-    BelowVacuum {
-        /// The value as logged.
-        value: f64,
-        /// Its declared unit.
-        declared: Unit,
+    /// Half of the cells or more are outside the hard bounds of their quantity.
+    OutOfBounds {
+        /// The first such cells, how many there are, and what is allowed.
+        cells: Box<OutOfBounds>,
+        /// Number of cells that hold a value.
+        of: u64,
     },
     /// Values whose size does not fit the declared unit.
     Scale {
@@ -48,14 +46,28 @@ pub enum Implausible {
 }
 
 impl Implausible {
+    /// The end of its stable code, behind that of the reader.
+    pub(crate) fn code(&self) -> Code {
+        match self {
+            Self::DutyRange { .. } => Code::DutyRange,
+            Self::OutOfBounds { cells, .. } if is_below_vacuum(cells) => Code::BelowVacuum,
+            Self::OutOfBounds { .. } => Code::Bounds,
+            Self::Scale { .. } => Code::Scale,
+        }
+    }
+
     /// What to do next, as an instruction.
     pub fn next_step(&self) -> String {
         match self {
             Self::DutyRange { .. } => "check the unit (pct or frac) and the logger".to_owned(),
-            Self::BelowVacuum { declared, .. } => format!(
-                "check whether {} is the right reference, and the sensor's offset",
-                declared.symbol()
+            Self::OutOfBounds { cells, .. } if is_below_vacuum(cells) => format!(
+                "check whether {} is the right reference, whether the sensor was plugged in, and its offset",
+                cells.unit.symbol()
             ),
+            Self::OutOfBounds { .. } => {
+                "check the unit of the column, its scale and offset in the mapping, and the sensor"
+                    .to_owned()
+            }
             Self::Scale { proposal, .. } => format!("say in a mapping: {proposal}"),
         }
     }
@@ -67,8 +79,18 @@ impl fmt::Display for Implausible {
             Self::DutyRange { percent } => {
                 write!(f, "found a duty cycle of {percent} %, expected 0 to 100 %")
             }
-            Self::BelowVacuum { value, declared } => {
-                write!(f, "found {value} {declared}, expected no less than vacuum")
+            Self::OutOfBounds { cells, of } => {
+                let value = cells
+                    .first
+                    .first()
+                    .map_or(f64::NAN, |outlier| outlier.value);
+                let allowed = Allowed(&cells.allowed, cells.unit);
+                let unit = cells.unit.symbol();
+                write!(
+                    f,
+                    "found {value} {unit} ({allowed}), and {} of {of} cells outside",
+                    cells.count
+                )
             }
             Self::Scale {
                 largest,
@@ -86,16 +108,62 @@ impl fmt::Display for Implausible {
     }
 }
 
+/// How a code says what is implausible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Code {
+    DutyRange,
+    BelowVacuum,
+    Bounds,
+    Scale,
+}
+
+fn is_below_vacuum(cells: &OutOfBounds) -> bool {
+    let first = cells.first.first();
+    cells.unit.pressure_reference().is_some()
+        && first.is_some_and(|outlier| outlier.value < *cells.allowed.start())
+}
+
 /// Watches the values of one signal.
 #[derive(Debug)]
 pub(crate) struct Watch {
     law: Law,
     unit: Unit,
+    /// Of all values ...
+    all: Extremes,
+    /// ... and of those within the bounds.
+    within: Extremes,
+    cells: u64,
+    outside: OutOfBounds,
+    between_zero_and_one: bool,
+}
+
+/// The ends of some values, and where they are.
+#[derive(Debug)]
+struct Extremes {
     min: f64,
     max: f64,
     place_of_min: u64,
     place_of_max: u64,
-    between_zero_and_one: bool,
+}
+
+impl Extremes {
+    fn none() -> Self {
+        Self {
+            min: f64::INFINITY,
+            max: f64::NEG_INFINITY,
+            place_of_min: 0,
+            place_of_max: 0,
+        }
+    }
+
+    fn take(&mut self, value: f64, place: u64) {
+        if value < self.min {
+            (self.min, self.place_of_min) = (value, place);
+        }
+        if value > self.max {
+            (self.max, self.place_of_max) = (value, place);
+        }
+    }
 }
 
 #[derive(Debug)]
@@ -112,9 +180,11 @@ enum Law {
 }
 
 impl Watch {
-    /// A watch on the signal `name`; without `check_scale` values of unusual size pass.
-    pub(crate) fn new(name: &str, unit: Unit, check_scale: bool) -> Self {
-        let law = match (quantity_of(name, unit), unit.pressure_reference()) {
+    /// A watch on the signal `name` in `column` of a CSV file, or of MF4; without `check_scale` values of unusual size
+    /// pass, but none outside the bounds of the quantity.
+    pub(crate) fn new(name: &str, unit: Unit, check_scale: bool, column: Option<usize>) -> Self {
+        let quantity = quantity_of(name, unit);
+        let law = match (quantity, unit.pressure_reference()) {
             (Quantity::DutyCycle, _) => match unit.converter(Unit::Percent) {
                 Ok(to_percent) => Law::Duty {
                     to_percent,
@@ -128,51 +198,43 @@ impl Watch {
             },
             _ => Law::Any,
         };
-        let (min, max) = (f64::INFINITY, f64::NEG_INFINITY);
         Self {
             law,
             unit,
-            min,
-            max,
-            place_of_min: 0,
-            place_of_max: 0,
+            all: Extremes::none(),
+            within: Extremes::none(),
+            cells: 0,
+            outside: OutOfBounds::new(name, unit, &Bounds::of(quantity), column),
             between_zero_and_one: false,
         }
     }
 
-    /// Takes one value, from a line or sample `place`; refuses what is impossible by itself.
-    pub(crate) fn take(&mut self, value: f64, place: u64) -> Result<(), Implausible> {
-        match &self.law {
-            Law::Any => return Ok(()),
-            Law::Duty { to_percent, .. } => {
-                let percent = to_percent.apply(value);
-                if !(0.0..=100.0).contains(&percent) {
-                    return Err(Implausible::DutyRange { percent });
-                }
-                self.between_zero_and_one |= value > 0.0 && value < 1.0;
+    /// Takes one value, from a line or sample `place`, and returns it, or NaN where it is out of bounds.
+    ///
+    /// # Errors
+    /// A duty cycle that is impossible: it is a command, and no other one can be put in its place.
+    pub(crate) fn take(&mut self, value: f64, place: u64) -> Result<f64, Implausible> {
+        if let Law::Duty { to_percent, .. } = &self.law {
+            let percent = to_percent.apply(value);
+            if !(0.0..=100.0).contains(&percent) {
+                return Err(Implausible::DutyRange { percent });
             }
-            Law::Pressure { reference, to_bar } => {
-                let vacuum_bar = match reference {
-                    PressureReference::Gauge => VACUUM_GAUGE_BAR,
-                    PressureReference::Absolute => VACUUM_ABSOLUTE_BAR,
-                };
-                // A large negative value is a matter of size and not of vacuum.
-                let bar = to_bar.apply(value);
-                if bar < vacuum_bar && bar >= -LARGEST_BAR {
-                    return Err(Implausible::BelowVacuum {
-                        value,
-                        declared: self.unit,
-                    });
-                }
-            }
+            self.between_zero_and_one |= value > 0.0 && value < 1.0;
         }
-        if value < self.min {
-            (self.min, self.place_of_min) = (value, place);
+        self.cells += 1;
+        self.all.take(value, place);
+        if self.outside.allowed.contains(&value) {
+            self.within.take(value, place);
+            Ok(value)
+        } else {
+            self.outside.add(value, place);
+            Ok(f64::NAN)
         }
-        if value > self.max {
-            (self.max, self.place_of_max) = (value, place);
-        }
-        Ok(())
+    }
+
+    /// The cells that were out of bounds; none if there are none.
+    pub(crate) fn outside(&self) -> Option<&OutOfBounds> {
+        (self.outside.count > 0).then_some(&self.outside)
     }
 
     /// Judges the size of the values so far; only at the end of the file can they be too small. A mapping calls the
@@ -186,7 +248,37 @@ impl Watch {
         key: impl FnOnce() -> String,
         at_end: bool,
     ) -> Result<(), (u64, Implausible)> {
-        if self.max < self.min {
+        let is_outside = self.outside.count > 0 && 2 * self.outside.count >= self.cells;
+        let seen = if is_outside { &self.all } else { &self.within };
+        match self.judge_scale(seen, (name, key), at_end) {
+            // No unit makes sense of values that are out of bounds: then these are told.
+            Err((
+                _,
+                Implausible::Scale {
+                    looks_like: None, ..
+                },
+            )) if is_outside => {}
+            judgement => judgement?,
+        }
+        match self.outside.first.first().filter(|_| is_outside) {
+            None => Ok(()),
+            Some(first) => Err((
+                first.place,
+                Implausible::OutOfBounds {
+                    cells: Box::new(self.outside.clone()),
+                    of: self.cells,
+                },
+            )),
+        }
+    }
+
+    fn judge_scale(
+        &self,
+        seen: &Extremes,
+        (name, key): (&str, impl FnOnce() -> String),
+        at_end: bool,
+    ) -> Result<(), (u64, Implausible)> {
+        if seen.max < seen.min {
             return Ok(());
         }
         let looks_like = match &self.law {
@@ -195,7 +287,7 @@ impl Watch {
             } => {
                 let is_fraction = at_end
                     && self.unit == Unit::Percent
-                    && self.max <= 1.0
+                    && seen.max <= 1.0
                     && self.between_zero_and_one;
                 if !is_fraction {
                     return Ok(());
@@ -203,12 +295,12 @@ impl Watch {
                 Some(Unit::Fraction)
             }
             Law::Pressure { reference, to_bar } => {
-                let (min, max) = (to_bar.apply(self.min), to_bar.apply(self.max));
+                let (min, max) = (to_bar.apply(seen.min), to_bar.apply(seen.max));
                 let large = max.max(-min) > LARGEST_BAR;
                 let small = at_end && max > 0.0 && max < SMALL_BAR && min >= -0.1 * max;
                 let vacuous =
                     at_end && *reference == PressureReference::Absolute && min < AMBIENT_MIN_BAR;
-                let looks_like = self.likely_unit(*reference, large);
+                let looks_like = self.likely_unit(seen, *reference, large);
                 match (large, small || vacuous, looks_like) {
                     (true, _, looks_like) => looks_like,
                     (false, true, Some(unit)) => Some(unit),
@@ -217,10 +309,10 @@ impl Watch {
             }
             _ => return Ok(()),
         };
-        let (largest, place) = if -self.min > self.max {
-            (self.min, self.place_of_min)
+        let (largest, place) = if -seen.min > seen.max {
+            (seen.min, seen.place_of_min)
         } else {
-            (self.max, self.place_of_max)
+            (seen.max, seen.place_of_max)
         };
         let unit = looks_like.unwrap_or(self.unit).token();
         let mut proposal = signal_line(name, &key(), unit);
@@ -239,7 +331,12 @@ impl Watch {
     }
 
     /// The unit in which these values would be those of a chamber that is charged at some time.
-    fn likely_unit(&self, reference: PressureReference, large: bool) -> Option<Unit> {
+    fn likely_unit(
+        &self,
+        seen: &Extremes,
+        reference: PressureReference,
+        large: bool,
+    ) -> Option<Unit> {
         use Unit as U;
         let gauge = [
             U::BarGauge,
@@ -277,8 +374,8 @@ impl Watch {
                     PressureReference::Gauge => -0.2,
                     PressureReference::Absolute => AMBIENT_MIN_BAR,
                 };
-                CHARGED_BAR.contains(&to_bar.apply(self.max))
-                    && to_bar.apply(self.min) >= lowest_bar
+                CHARGED_BAR.contains(&to_bar.apply(seen.max))
+                    && to_bar.apply(seen.min) >= lowest_bar
             })
     }
 }

@@ -1,6 +1,6 @@
 use crate::name::{NameError, check_name, is_time_column};
 use crate::signal::quantity_of;
-use crate::{Provenance, Quantity, Signal, TimeBase, Unit};
+use crate::{OutOfBounds, Provenance, Quantity, Signal, TimeBase, Unit};
 
 /// What was measured or simulated: named signals with unit and time base, and where they come from.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,6 +9,7 @@ pub struct Recording {
     time_bases: Vec<TimeBase>,
     signals: Vec<Signal>,
     left_out: Vec<LeftOut>,
+    out_of_bounds: Vec<OutOfBounds>,
 }
 
 /// What its source has and the recording has not.
@@ -98,6 +99,16 @@ impl Recording {
     /// What the source has and the recording has not, in the order of the source.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
+    }
+
+    pub(crate) fn add_out_of_bounds(&mut self, cells: OutOfBounds) {
+        self.out_of_bounds.push(cells);
+    }
+
+    /// Cells of the source that hold values outside the hard bounds of their quantity, signal by signal: they are
+    /// missing here.
+    pub fn out_of_bounds(&self) -> &[OutOfBounds] {
+        &self.out_of_bounds
     }
 
     /// Whether the source has `name`, as a signal or left out.

@@ -1,3 +1,5 @@
+use crate::{Bounds, Quantity};
+
 /// The instants at which signals were sampled: seconds, at least one, strictly increasing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeBase {
@@ -16,6 +18,9 @@ impl TimeBase {
         for (index, &time_s) in times_s.iter().enumerate() {
             if !time_s.is_finite() {
                 return Err(TimeBaseError::NotFinite { index, time_s });
+            }
+            if time_s.abs() > Bounds::of(Quantity::Time).most {
+                return Err(TimeBaseError::OutOfBounds { index, time_s });
             }
             let previous_s = if index == 0 {
                 f64::NEG_INFINITY
@@ -139,6 +144,14 @@ pub enum TimeBaseError {
     /// NaN or infinite.
     #[error("instant {index} is {time_s} s: times must be finite")]
     NotFinite {
+        /// Index of the instant, from 0.
+        index: usize,
+        /// Its time in s.
+        time_s: f64,
+    },
+    /// Farther from zero than any logger's clock.
+    #[error("instant {index} is {time_s} s: times must be within {} s of zero", Bounds::of(Quantity::Time).most)]
+    OutOfBounds {
         /// Index of the instant, from 0.
         index: usize,
         /// Its time in s.

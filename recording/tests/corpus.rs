@@ -16,6 +16,7 @@ const WRONG: &[(&str, &str, Option<u64>)] = &[
     ("carriage-return-within.csv", "E-CSV-LINE-END", Some(2)),
     ("carriage-returns.csv", "E-CSV-LINE-END", Some(1)),
     ("columns-4097.csv", "E-CSV-LIMIT-COLUMNS", Some(1)),
+    ("current-out-of-bounds.csv", "E-CSV-BOUNDS", Some(3)),
     ("decimal-ambiguous-beside-point.csv", "E-CSV-DECIMAL-AMBIGUOUS", Some(2)),
     ("decimal-ambiguous.csv", "E-CSV-DECIMAL-AMBIGUOUS", Some(2)),
     ("decimal-comma-between-commas.csv", "E-CSV-RAGGED", Some(2)),
@@ -54,6 +55,7 @@ const WRONG: &[(&str, &str, Option<u64>)] = &[
     ("time-backwards.csv", "E-CSV-TIME-ORDER", Some(4)),
     ("time-counter-runs-over.csv", "E-CSV-TIME-ORDER", Some(4)),
     ("time-missing.csv", "E-CSV-TIME-MISSING", Some(3)),
+    ("time-out-of-bounds.csv", "E-CSV-TIME-BOUNDS", Some(3)),
     ("time-repeats.csv", "E-CSV-TIME-ORDER", Some(4)),
     ("time-scale.csv", "E-CSV-TIME-SCALE", Some(5)),
     ("trailing-garbage-column.csv", "E-CSV-UNMAPPED", Some(3)),
@@ -100,6 +102,15 @@ const WRONG_MAPPINGS: &[(&str, &str, Option<usize>)] = &[
     ("unit-unknown.toml", "E-MAP-UNIT", Some(4)),
     ("unknown-column-key.toml", "E-MAP-TOML", Some(5)),
     ("unknown-key.toml", "E-MAP-TOML", Some(3)),
+];
+
+/// Mappings that once made memory or a panic of a good log, and the code that they are refused with; none where less
+/// than half of the cells are out of bounds.
+const OUT_OF_BOUNDS: [(&str, Option<&str>); 4] = [
+    ("offset-1e9.toml", Some("E-CSV-BOUNDS")),
+    ("offset-2-to-the-32.toml", Some("E-CSV-BOUNDS")),
+    ("offset-2-to-the-63.toml", Some("E-CSV-BOUNDS")),
+    ("scale-1000.toml", None),
 ];
 
 fn corpus(folder: &str) -> PathBuf {
@@ -183,6 +194,35 @@ fn each_wrong_mapping_is_refused_with_its_code_and_line() {
     for name in names("mapping-good") {
         let text = fs::read_to_string(corpus("mapping-good").join(&name)).unwrap();
         Mapping::parse(&name, &text).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+#[test]
+fn mappings_that_lead_out_of_bounds_are_refused_or_leave_the_cells_out() {
+    let folder = corpus("out-of-bounds");
+    let log = fs::read(folder.join("log.csv")).unwrap();
+    for (name, code) in OUT_OF_BOUNDS {
+        let mapping = Mapping::read_file(folder.join(name)).unwrap();
+        let options = Options {
+            mapping,
+            ..Options::default()
+        };
+        match read("log.csv", log.as_slice(), &options) {
+            Err(error) => {
+                assert_eq!(Some(error.code()), code, "{name}: {error}");
+                assert_eq!(error.place().column, Some(4), "{name}: {error}");
+            }
+            Ok(recording) => {
+                let [cells] = recording.out_of_bounds() else {
+                    panic!("{name}: {:?}", recording.out_of_bounds());
+                };
+                assert_eq!(
+                    (code, cells.count, cells.column),
+                    (None, 45, Some(4)),
+                    "{name}"
+                );
+            }
+        }
     }
 }
 

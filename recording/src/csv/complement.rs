@@ -8,9 +8,10 @@ use toml::Spanned;
 use super::error::Excerpt;
 use super::header::parse_unit;
 use super::mapping_error::{AtSpan, MappingProblem};
+use crate::bounds::Allowed;
 use crate::name::{check_name, is_time_column};
 use crate::signal::quantity_of;
-use crate::{Quantity, Unit};
+use crate::{Bounds, Unit};
 
 /// The rows that are kept (s).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,19 +89,16 @@ pub(super) fn resolve_constants(
             return Err((span, MappingProblem::TimeAsSignal));
         }
         let value = *constant.value.get_ref();
-        if !value.is_finite() || !is_possible(&name, unit, value) {
+        let bounds = Bounds::of(quantity_of(&name, unit)).in_unit(unit);
+        if !bounds.contains(&value) {
+            let allowed = Allowed(&bounds, unit).to_string();
             let found = Excerpt::of(&format!("{value} {}", unit.symbol()));
-            return Err((constant.value.span(), MappingProblem::Constant { found }));
+            return Err((
+                constant.value.span(),
+                MappingProblem::Constant { found, allowed },
+            ));
         }
         constants.insert(name, Constant { value, unit });
     }
     Ok(constants)
-}
-
-/// No duty cycle is outside 0 to 100 %.
-fn is_possible(name: &str, unit: Unit, value: f64) -> bool {
-    quantity_of(name, unit) != Quantity::DutyCycle
-        || unit
-            .converter(Unit::Percent)
-            .is_ok_and(|to_percent| (0.0..=100.0).contains(&to_percent.apply(value)))
 }

@@ -108,11 +108,13 @@ pub enum MappingProblem {
     /// A scale of zero, NaN or infinity.
     #[error("found {0}, expected a finite number, for a scale other than 0; correct it")]
     Factor(f64),
-    /// A constant that is no number, or no duty cycle.
-    #[error("found {found}, expected a finite number, and 0 to 100 % for a duty cycle; correct it")]
+    /// A constant that is no number, or outside the hard bounds of its quantity.
+    #[error("found {found} ({allowed}); correct it")]
     Constant {
         /// The value with its unit.
         found: Excerpt,
+        /// What is allowed.
+        allowed: String,
     },
     /// No time is after `from_s` and before `until_s`.
     #[error("no row is left between from_s and until_s; write a later until_s")]

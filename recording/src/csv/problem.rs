@@ -3,7 +3,8 @@ use std::io;
 
 use super::{Delimiter, Excerpt};
 use crate::name::NameError;
-use crate::{Implausible, Unit};
+use crate::plausibility::Code;
+use crate::{Bounds, Implausible, Quantity, Unit};
 
 /// A budget of [`Limits`](super::Limits).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -188,6 +189,13 @@ pub enum Problem {
         /// Its time in s.
         time_s: f64,
     },
+    /// A time that no logger's clock shows.
+    TimeBounds {
+        /// The time field.
+        found: Excerpt,
+        /// Its time in s.
+        time_s: f64,
+    },
     /// Time steps too long for the declared unit.
     TimeScale {
         /// Mean step in s, if the time is in the declared unit.
@@ -243,11 +251,13 @@ impl Problem {
             Self::DecimalMixed { .. } => "E-CSV-DECIMAL-MIXED",
             Self::TimeMissing => "E-CSV-TIME-MISSING",
             Self::TimeOrder { .. } => "E-CSV-TIME-ORDER",
+            Self::TimeBounds { .. } => "E-CSV-TIME-BOUNDS",
             Self::TimeScale { .. } => "E-CSV-TIME-SCALE",
-            Self::Implausible(implausible) => match implausible {
-                Implausible::DutyRange { .. } => "E-CSV-DUTY-RANGE",
-                Implausible::BelowVacuum { .. } => "E-CSV-BELOW-VACUUM",
-                Implausible::Scale { .. } => "E-CSV-SCALE",
+            Self::Implausible(implausible) => match implausible.code() {
+                Code::DutyRange => "E-CSV-DUTY-RANGE",
+                Code::BelowVacuum => "E-CSV-BELOW-VACUUM",
+                Code::Bounds => "E-CSV-BOUNDS",
+                Code::Scale => "E-CSV-SCALE",
             },
         }
     }
@@ -333,6 +343,9 @@ impl Problem {
             Self::TimeOrder {
                 previous_s, time_s, ..
             } => return time_order_advice(*previous_s, *time_s),
+            Self::TimeBounds { .. } => {
+                "correct the unit of the time, or scale and offset under [time] in the mapping"
+            }
             Self::TimeScale { proposal, .. } => return format!("say in a mapping: {proposal}"),
             Self::Implausible(implausible) => return implausible.next_step(),
         };
@@ -472,6 +485,14 @@ impl fmt::Display for Problem {
                 )
             }
             Self::TimeMissing => write!(f, "found no time, expected one in each row"),
+            Self::TimeBounds { found, time_s } => {
+                let most = Bounds::of(Quantity::Time).most;
+                write!(
+                    f,
+                    "found {found}, which is {time_s} s (allowed: {} to {most} s)",
+                    -most
+                )
+            }
             Self::TimeOrder {
                 found,
                 previous_s,

@@ -9,7 +9,7 @@ use super::problem::Problem;
 use super::record::Records;
 use super::row::RowParser;
 use super::{Dialect, Limits, Mapping};
-use crate::{Note, Provenance, Recording, TimeBase, Unit};
+use crate::{Note, OutOfBounds, Provenance, Recording, TimeBase, Unit};
 
 /// What to know before a file is read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,7 +54,7 @@ pub struct Row<'a> {
     pub line: u64,
     /// Time in s.
     pub time_s: f64,
-    /// Values in the order and the units of [`Reader::columns`], NaN where missing.
+    /// Values in the order and the units of [`Reader::columns`], NaN where missing or out of bounds.
     pub values: &'a [f64],
 }
 
@@ -151,6 +151,11 @@ impl<R: Read> Reader<R> {
         Err(CsvError::new(&self.source_name, error.0, error.1))
     }
 
+    /// Cells of the rows so far that were out of bounds and count as missing, signal by signal.
+    pub fn out_of_bounds(&self) -> impl Iterator<Item = &OutOfBounds> {
+        self.rows.out_of_bounds()
+    }
+
     /// Source, notes, and the size and hash of what was read so far: of the whole file once it has ended.
     pub fn provenance(&mut self) -> Provenance {
         let (producer, notes): (Vec<Note>, _) = self
@@ -198,12 +203,15 @@ pub fn read<R: Read>(
     }
     let mut recording = Recording::new(reader.provenance());
     let time_base = TimeBase::new(times_s)
-        .expect("the reader refuses times that do not increase, and files without rows");
+        .expect("the reader refuses times that do not increase or are out of bounds, and files without rows");
     let time_base = recording.add_time_base(time_base);
     for (column, samples) in reader.columns().iter().zip(samples) {
         recording
             .add_signal(column.name.clone(), column.unit, time_base, samples)
             .expect("the reader refuses names that are taken or impossible, and values that are infinite");
+    }
+    for cells in reader.out_of_bounds() {
+        recording.add_out_of_bounds(cells.clone());
     }
     Ok(recording)
 }

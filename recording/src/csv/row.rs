@@ -9,8 +9,8 @@ use super::plan::{FieldPlan, Plan};
 use super::problem::{Budget, Problem};
 use super::record::Record;
 use super::{Decimal, Options};
-use crate::Unit;
 use crate::plausibility::Watch;
+use crate::{Bounds, OutOfBounds, Quantity, Unit};
 
 /// The size of values is judged each time so many rows were read.
 const ROWS_PER_JUDGEMENT: u64 = 1 << 16;
@@ -54,7 +54,10 @@ impl RowParser {
             watches: plan
                 .signals
                 .iter()
-                .map(|signal| Watch::new(&signal.name, signal.unit, signal.check_scale))
+                .map(|signal| {
+                    let column = Some(signal.field + 1);
+                    Watch::new(&signal.name, signal.unit, signal.check_scale, column)
+                })
                 .collect(),
             last_field: LastField::default(),
             scratch: String::new(),
@@ -79,32 +82,36 @@ impl RowParser {
             };
             return Err((plan.place(line, time.field), problem));
         }
+        if time_s.abs() > Bounds::of(Quantity::Time).most {
+            let found = Excerpt::of(record.get(time.field));
+            let problem = Problem::TimeBounds { found, time_s };
+            return Err((plan.place(line, time.field), problem));
+        }
         if self.rows == 0 {
             self.first_time_s = time_s;
         }
+        let is_kept = self.window.contains(time_s);
         (self.line, self.time_s, self.rows) = (line, time_s, self.rows + 1);
         for (index, signal) in plan.signals.iter().enumerate() {
             self.values[index] = match self.number(record, signal, plan)? {
                 None => f64::NAN,
                 Some(logged) => {
                     let value = signal.value(logged);
-                    let place = |problem| (plan.place(line, signal.field), problem);
-                    if !value.is_finite() {
-                        return Err(place(Problem::NotFinite {
-                            found: Excerpt::of(record.get(signal.field)),
-                        }));
+                    if is_kept {
+                        let taken = self.watches[index].take(value, line);
+                        taken.map_err(|problem| {
+                            let place = plan.place(line, signal.field);
+                            (place, Problem::Implausible(problem))
+                        })?
+                    } else {
+                        value
                     }
-                    self.watches[index]
-                        .take(value, line)
-                        .map_err(|problem| place(Problem::Implausible(problem)))?;
-                    value
                 }
             };
         }
         if self.rows.is_multiple_of(ROWS_PER_JUDGEMENT) {
             self.judge(plan, false)?;
         }
-        let is_kept = self.window.contains(time_s);
         self.rows_kept += u64::from(is_kept);
         Ok(is_kept)
     }
@@ -123,6 +130,11 @@ impl RowParser {
         judge_time(plan, self.first_time_s, self.time_s, self.rows)
             .map_err(|problem| (plan.place(self.line, plan.time.field), problem))?;
         self.judge(plan, true)
+    }
+
+    /// Cells so far that were out of bounds, signal by signal.
+    pub(super) fn out_of_bounds(&self) -> impl Iterator<Item = &OutOfBounds> {
+        self.watches.iter().filter_map(Watch::outside)
     }
 
     fn judge(&self, plan: &Plan, at_end: bool) -> Result<(), Located> {

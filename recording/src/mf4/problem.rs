@@ -3,6 +3,7 @@ use std::io;
 
 use crate::Implausible;
 use crate::csv::Excerpt;
+use crate::plausibility::Code;
 
 /// A budget of [`Limits`](super::Limits).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -190,10 +191,11 @@ impl Problem {
             Self::ConstantTimeBase { .. } => "E-MF4-CONSTANT-TIME-BASE",
             Self::NoRowKept => "E-MF4-NO-ROW-KEPT",
             Self::NoInstants { .. } => "E-MF4-NO-INSTANTS",
-            Self::Implausible { implausible, .. } => match implausible {
-                Implausible::DutyRange { .. } => "E-MF4-DUTY-RANGE",
-                Implausible::BelowVacuum { .. } => "E-MF4-BELOW-VACUUM",
-                Implausible::Scale { .. } => "E-MF4-SCALE",
+            Self::Implausible { implausible, .. } => match implausible.code() {
+                Code::DutyRange => "E-MF4-DUTY-RANGE",
+                Code::BelowVacuum => "E-MF4-BELOW-VACUUM",
+                Code::Bounds => "E-MF4-BOUNDS",
+                Code::Scale => "E-MF4-SCALE",
             },
         }
     }

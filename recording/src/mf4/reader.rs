@@ -16,7 +16,7 @@ use super::{Limits, notes};
 use crate::csv::Mapping;
 use crate::csv::header::parse_unit;
 use crate::plausibility::Watch;
-use crate::{InputFile, Quantity, Recording, TimeBase, TimeBaseId, Unit};
+use crate::{InputFile, OutOfBounds, Quantity, Recording, TimeBase, TimeBaseId, Unit};
 
 /// What to know before a file is read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -163,7 +163,10 @@ impl Builder<'_> {
                 self.recording.leave_out(&column.name, reason);
                 continue;
             }
-            check_plausible(column, kept.start as u64, &row)?;
+            let outside = keep_plausible(column, kept.start as u64, &mut row)?;
+            if let Some(cells) = outside {
+                self.recording.add_out_of_bounds(cells);
+            }
             let provenance = self.recording.provenance_mut();
             notes::add_column(provenance, column, not_a_number);
             let added = self
@@ -260,8 +263,13 @@ impl Builder<'_> {
     }
 }
 
-/// Refuses values that cannot be what their unit says; the first of them is sample `first`.
-fn check_plausible(column: &Column, first: u64, values: &[f64]) -> Result<(), Located> {
+/// Makes values that are out of bounds missing and returns them, and refuses a channel that cannot be what its unit says;
+/// the first of the values is sample `first`.
+fn keep_plausible(
+    column: &Column,
+    first: u64,
+    values: &mut [f64],
+) -> Result<Option<OutOfBounds>, Located> {
     let fail = |(sample, implausible)| {
         let problem = Problem::Implausible {
             sample,
@@ -269,15 +277,16 @@ fn check_plausible(column: &Column, first: u64, values: &[f64]) -> Result<(), Lo
         };
         (Place::channel(&column.name), problem)
     };
-    let mut watch = Watch::new(&column.name, column.unit, column.check_scale);
-    for (sample, &value) in (first..).zip(values).filter(|(_, value)| !value.is_nan()) {
-        watch
-            .take(value, sample)
-            .map_err(|implausible| fail((sample, implausible)))?;
+    let mut watch = Watch::new(&column.name, column.unit, column.check_scale, None);
+    let present = (first..).zip(values).filter(|(_, value)| !value.is_nan());
+    for (sample, value) in present {
+        let taken = watch.take(*value, sample);
+        *value = taken.map_err(|implausible| fail((sample, implausible)))?;
     }
     watch
         .judge(&column.name, || column.key.clone(), true)
-        .map_err(fail)
+        .map_err(fail)?;
+    Ok(watch.outside().cloned())
 }
 
 /// Size and hash of the whole file.

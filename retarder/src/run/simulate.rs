@@ -88,7 +88,7 @@ pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
             progress.watch(bytes),
             &options,
         )?)),
-        OpenLog::Recording(recording) => Rows::Recording(Some(recording)),
+        OpenLog::Recording(recording) => Rows::Recording(Some(*recording)),
     };
     let never = AtomicBool::new(false);
     let is_interrupted = match &out {
