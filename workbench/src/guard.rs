@@ -1,6 +1,6 @@
 //! What every request passes before it is routed, and what every response carries.
 //!
-//! In this order: the `Host` header (a page of a name that an attacker lets point at this machine has another one), where
+//! In this order: the target and the `Host` header (a page of a name that an attacker lets point at this machine has another one), where
 //! the request comes from (a page of another origin may send but not read), the secret of this start (so may other users
 //! of the machine).
 
@@ -9,13 +9,15 @@ use std::sync::Arc;
 use axum::body::Body;
 use axum::extract::{Request, State};
 use axum::http::header::{
-    CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, LOCATION, ORIGIN,
-    REFERRER_POLICY, SET_COOKIE, X_CONTENT_TYPE_OPTIONS,
+    CACHE_CONTROL, CONNECTION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, LOCATION,
+    ORIGIN, REFERRER_POLICY, SET_COOKIE, X_CONTENT_TYPE_OPTIONS,
 };
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
+use axum::http::uri::{Authority, Scheme};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
+use crate::connections::Place;
 use crate::token::Secrets;
 
 /// Everything from this server, nothing inline, and strings become markup only where a policy lets them.
@@ -45,6 +47,16 @@ impl Gate {
             .any(|name| host == format!("{name}:{port}"))
     }
 
+    /// Whether the target of a request is a whole address, and one of another server. A target like that has precedence over
+    /// the `Host` header (RFC 9112, section 3.2.2).
+    fn is_misdirected(&self, target: &Uri) -> bool {
+        let is_foreign = |authority: &Authority| !self.is_our_host(authority.as_str());
+        target.authority().is_some_and(is_foreign)
+            || target
+                .scheme()
+                .is_some_and(|scheme| *scheme != Scheme::HTTP)
+    }
+
     fn has_cookie(&self, headers: &HeaderMap) -> bool {
         let name = self.cookie_name();
         headers
@@ -59,11 +71,11 @@ impl Gate {
     /// The answer to a request that may not pass; none lets it pass.
     fn refusal(&self, request: &Request) -> Option<Response> {
         let headers = request.headers();
+        if self.is_misdirected(request.uri()) {
+            return Some(misdirected());
+        }
         let Some(host) = only(headers, HOST).filter(|host| self.is_our_host(host)) else {
-            return Some(plain(
-                StatusCode::MISDIRECTED_REQUEST,
-                "This server answers to the address that `retarder serve` printed, and to no other.\n",
-            ));
+            return Some(misdirected());
         };
         if !is_from_our_page(request.method(), headers, host) {
             return Some(plain(
@@ -71,11 +83,17 @@ impl Gate {
                 "Only the page of this server may ask this.\n",
             ));
         }
-        let token = (request.uri().path() == "/")
+        // The method is GET: a look at the headers alone is no use of the address.
+        let token = (request.method() == Method::GET && request.uri().path() == "/")
             .then(|| token_of(request.uri().query().unwrap_or("")))
             .flatten();
         match (self.has_cookie(headers), token) {
-            (true, None) => None,
+            (true, None) => {
+                if let Some(place) = request.extensions().get::<Place>() {
+                    place.prove();
+                }
+                None
+            }
             // The address was opened again: the secret leaves the address bar.
             (true, Some(_)) => Some(to_the_page(None)),
             (false, Some(token)) => match self.secrets.exchange(token) {
@@ -136,6 +154,13 @@ fn to_the_page(cookie: Option<String>) -> Response {
     response
 }
 
+fn misdirected() -> Response {
+    plain(
+        StatusCode::MISDIRECTED_REQUEST,
+        "This server answers to the address that `retarder serve` printed, and to no other.\n",
+    )
+}
+
 fn unauthorised() -> Response {
     plain(
         StatusCode::UNAUTHORIZED,
@@ -144,13 +169,13 @@ fn unauthorised() -> Response {
     )
 }
 
+/// The end of a connection, with its reason.
 fn plain(status: StatusCode, text: &'static str) -> Response {
-    (
-        status,
-        [(CONTENT_TYPE, "text/plain; charset=utf-8")],
-        Body::from(text),
-    )
-        .into_response()
+    let headers = [
+        (CONTENT_TYPE, "text/plain; charset=utf-8"),
+        (CONNECTION, "close"),
+    ];
+    (status, headers, Body::from(text)).into_response()
 }
 
 /// Lets a request pass or answers it, and gives every answer the same headers.

@@ -4,6 +4,7 @@ mod align;
 mod assets;
 mod calculated;
 mod closed_loop;
+mod connections;
 mod effects;
 mod examples;
 mod formula;
@@ -34,3 +35,4 @@ mod token;
 mod tolerance;
 
 pub use server::{Options, ServeError, Server, Stopper};
+pub use store::FolderError;

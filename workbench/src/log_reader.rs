@@ -1,6 +1,5 @@
 //! The one door through which logs come in, whatever their format.
 
-use std::fs::File;
 use std::io::{self, Read as _};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -9,7 +8,7 @@ use recording::csv::{self, Mapping};
 use recording::{LogFormat, LogOptions, Recording, read_log};
 
 use crate::refusal::Problem;
-use crate::store::UPLOAD_BYTES_MAX;
+use crate::store::{UPLOAD_BYTES_MAX, open_regular};
 
 /// Reads the log at `path`; `name` is what a person calls it. A reader that panics is told as a damaged file: whatever
 /// the bytes are, the server goes on.
@@ -38,14 +37,14 @@ fn read_any(name: &str, path: &Path, mapping: Option<&str>) -> Result<Recording,
         },
         ..LogOptions::default()
     };
-    let file = File::open(path).map_err(|error| not_stored(&error))?;
+    let file = open_regular(path).map_err(|error| not_stored(&error))?;
     read_log(name, file, &options).map_err(|error| Problem::from(&error))
 }
 
 /// Whether the file is MF4, by how it begins.
 pub(crate) fn is_mf4(path: &Path) -> bool {
     let mut begin = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(8).read_to_end(&mut begin));
+    let read = open_regular(path).and_then(|file| file.take(8).read_to_end(&mut begin));
     read.is_ok() && LogFormat::of_beginning(&begin) == LogFormat::Mf4
 }
 

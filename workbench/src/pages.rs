@@ -10,10 +10,12 @@ mod report;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use axum::extract::{Path, State};
+use axum::body::HttpBody as _;
+use axum::extract::{DefaultBodyLimit, Path, Request, State};
 use axum::http::StatusCode;
-use axum::response::Sse;
+use axum::middleware::{Next, from_fn_with_state};
 use axum::response::sse::Event;
+use axum::response::{IntoResponse as _, Response, Sse};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use futures_util::Stream;
@@ -23,6 +25,10 @@ use crate::job::Job;
 use crate::names::ProjectId;
 use crate::refusal::Refusal;
 use crate::session::{Session, Sessions};
+use crate::store::UPLOAD_BYTES_MAX;
+
+/// Longest request that is no upload (bytes): a plant, a mapping, a reference profile.
+const JSON_BYTES_MAX: u64 = 2 << 20;
 
 /// What the routes of a page share.
 pub(crate) type Shared = State<Arc<Sessions>>;
@@ -39,7 +45,19 @@ pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
         .merge(refine::routes())
         .merge(control::routes())
         .merge(report::routes())
+        .layer(DefaultBodyLimit::max(JSON_BYTES_MAX as usize))
+        .layer(from_fn_with_state(JSON_BYTES_MAX, refuse_longer))
+        .merge(logs::uploads().layer(from_fn_with_state(UPLOAD_BYTES_MAX, refuse_longer)))
         .with_state(sessions)
+}
+
+/// Refuses a request that announces more bytes than its route takes, before any of them is read.
+async fn refuse_longer(State(bytes_max): State<u64>, request: Request, next: Next) -> Response {
+    let announced = request.body().size_hint().lower();
+    if announced > bytes_max {
+        return Refusal::too_large(announced, bytes_max).into_response();
+    }
+    next.run(request).await
 }
 
 /// The session that the path names.

@@ -72,6 +72,17 @@ impl Refusal {
         Self::new(StatusCode::BAD_REQUEST, "E-WEB-VALUE", message)
     }
 
+    /// A request or a file that is longer than what is taken.
+    pub(crate) fn too_large(bytes: u64, bytes_max: u64) -> Self {
+        Self::new(
+            StatusCode::PAYLOAD_TOO_LARGE,
+            "E-WEB-TOO-LARGE",
+            format!(
+                "the request has {bytes} bytes or more (at most {bytes_max}); cut the log, or use `retarder compare`"
+            ),
+        )
+    }
+
     fn of(problems: Vec<Problem>) -> Self {
         Self {
             status: StatusCode::UNPROCESSABLE_ENTITY,

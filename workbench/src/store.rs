@@ -1,14 +1,15 @@
 //! The project folder: logs under their hash, one file per project. No name in it comes from a request.
 
-use std::fs::{self, File, TryLockError};
-use std::io;
+mod folder;
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use axum::body::Body;
 use axum::http::StatusCode;
 use futures_util::StreamExt as _;
-use recording::write_file_atomically;
 use sha2::{Digest as _, Sha256};
 use tokio::io::AsyncWriteExt as _;
 use tokio::time::timeout;
@@ -16,6 +17,9 @@ use tokio::time::timeout;
 use crate::names::{LogHash, ProjectId};
 use crate::project::Project;
 use crate::refusal::Refusal;
+pub use folder::FolderError;
+pub(crate) use folder::open_regular;
+use folder::{Folder, TidyingRight};
 
 /// Largest file that the page takes (bytes): an hour at 1 kHz in a dozen channels as text.
 pub(crate) const UPLOAD_BYTES_MAX: u64 = 1 << 30;
@@ -28,35 +32,31 @@ const PROJECTS_MAX: usize = 50;
 pub(crate) struct Store {
     logs: PathBuf,
     projects: PathBuf,
+    /// Files that are being written; each is renamed once it is whole.
     incoming: PathBuf,
-    /// Locked by the first server that has the folder open: it alone removes anything.
-    _lock: File,
+    /// Of the first server that has the folder open: it alone removes anything.
+    _tidying: Option<TidyingRight>,
 }
 
 impl Store {
-    /// Opens or makes the folder, for its owner alone, and removes what an earlier start left unfinished, unless another
-    /// server is using it. What comes with it is told of projects that cannot be read: as long as there are any, no log is
-    /// removed.
-    pub(crate) fn open(folder: &Path) -> io::Result<(Self, Vec<String>)> {
-        make_private(folder)?;
-        let lock = File::create(folder.join("lock"))?;
-        let is_shared = matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
+    /// Opens or makes the folder, for its owner alone, and removes those of its own files that nobody needs, unless another
+    /// server is using it. The texts that come with it are about projects that cannot be read: as long as there are any, no
+    /// log is removed.
+    pub(crate) fn open(folder: &Path) -> Result<(Self, Vec<String>), FolderError> {
+        let ours = Folder::open(folder)?;
+        let tidying = ours.take_tidying_right()?;
         let store = Self {
-            logs: folder.join("logs"),
-            projects: folder.join("projects"),
-            incoming: folder.join("incoming"),
-            _lock: lock,
+            logs: ours.part("logs")?,
+            projects: ours.part("projects")?,
+            incoming: ours.part("incoming")?,
+            _tidying: tidying,
         };
-        if !is_shared && store.incoming.exists() {
-            fs::remove_dir_all(&store.incoming)?;
-        }
-        for part in [&store.logs, &store.projects, &store.incoming] {
-            make_private(part)?;
-        }
-        let unreadable = if is_shared {
-            Vec::new()
-        } else {
-            store.forget_the_oldest()?
+        let unreadable = match store._tidying {
+            Some(_) => store.tidy().map_err(|error| FolderError::Io {
+                path: folder.to_path_buf(),
+                error,
+            })?,
+            None => Vec::new(),
         };
         Ok((store, unreadable))
     }
@@ -73,7 +73,8 @@ impl Store {
     }
 
     async fn receive_into(&self, path: &Path, body: Body) -> Result<LogHash, Refusal> {
-        let mut file = tokio::fs::File::create(path).await?;
+        let mut options = tokio::fs::OpenOptions::new();
+        let mut file = options.write(true).create_new(true).open(path).await?;
         let mut chunks = body.into_data_stream();
         let mut hash = Sha256::new();
         let mut size = 0;
@@ -84,7 +85,7 @@ impl Store {
             let chunk = chunk.map_err(|_| broken_off())?;
             size += chunk.len() as u64;
             if size > UPLOAD_BYTES_MAX {
-                return Err(too_large());
+                return Err(Refusal::too_large(size, UPLOAD_BYTES_MAX));
             }
             hash.update(&chunk);
             file.write_all(&chunk).await?;
@@ -99,10 +100,25 @@ impl Store {
     pub(crate) fn keep(&self, bytes: &[u8]) -> io::Result<LogHash> {
         let hash = LogHash::of(&Sha256::digest(bytes));
         let path = self.log_path(&hash);
-        if !path.exists() {
-            write_file_atomically(path, |file| io::Write::write_all(file, bytes))?;
+        if open_regular(&path).is_err() {
+            self.write(&path, bytes)?;
         }
         Ok(hash)
+    }
+
+    /// Writes a file whole or not at all. A link of that name is replaced, not followed.
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let unfinished = self.incoming.join(ProjectId::random()?.as_str());
+        let mut options = OpenOptions::new();
+        let mut file = options.write(true).create_new(true).open(&unfinished)?;
+        let written = file
+            .write_all(bytes)
+            .and_then(|()| file.sync_all())
+            .and_then(|()| fs::rename(&unfinished, path));
+        if written.is_err() {
+            let _ = fs::remove_file(&unfinished);
+        }
+        written
     }
 
     /// Where the bytes of a log lie.
@@ -116,9 +132,7 @@ impl Store {
 
     pub(crate) fn save(&self, id: &ProjectId, project: &Project) -> io::Result<()> {
         let json = serde_json::to_vec_pretty(project)?;
-        write_file_atomically(self.project_path(id), |file| {
-            io::Write::write_all(file, &json)
-        })
+        self.write(&self.project_path(id), &json)
     }
 
     /// The project of this id; none if there is none that can be read.
@@ -134,20 +148,23 @@ impl Store {
 
     /// Project files, the oldest first.
     fn project_files(&self) -> io::Result<Vec<(SystemTime, PathBuf)>> {
-        let mut files = Vec::new();
-        for entry in fs::read_dir(&self.projects)? {
-            let entry = entry?;
-            if entry.path().extension().is_some_and(|end| end == "json") {
-                files.push((entry.metadata()?.modified()?, entry.path()));
-            }
-        }
+        let is_ours = |name: &str| {
+            let id = name.strip_suffix(".json").map(str::to_owned);
+            id.is_some_and(|id| ProjectId::try_from(id).is_ok())
+        };
+        let mut files = own_files(&self.projects, is_ours)?;
         files.sort();
         Ok(files)
     }
 
-    /// Removes the oldest projects beyond the number that is kept, and logs that no project has. A project that cannot be
-    /// read may have any of them: then no log is removed, and what is wrong with it comes back.
-    fn forget_the_oldest(&self) -> io::Result<Vec<String>> {
+    /// Removes what an earlier start left unfinished, the oldest projects beyond the number that is kept, and logs that no
+    /// project has. A project that cannot be read may have any of them: then no log is removed, and what is wrong with it
+    /// comes back. Files that are not named as we name them are not ours, and stay.
+    fn tidy(&self) -> io::Result<Vec<String>> {
+        let is_unfinished = |name: &str| ProjectId::try_from(name.to_owned()).is_ok();
+        for (_, path) in own_files(&self.incoming, is_unfinished)? {
+            fs::remove_file(path)?;
+        }
         let mut files = self.project_files()?;
         let surplus = files.len().saturating_sub(PROJECTS_MAX);
         for (_, path) in files.drain(..surplus) {
@@ -167,41 +184,37 @@ impl Store {
         if !unreadable.is_empty() {
             return Ok(unreadable);
         }
-        for entry in fs::read_dir(&self.logs)? {
-            let entry = entry?;
-            let name = entry.file_name();
-            let is_used = projects
-                .iter()
-                .flat_map(|project| &project.logs)
-                .any(|log| log.file.as_str() == name);
-            if !is_used {
-                fs::remove_file(entry.path())?;
-            }
+        let is_unused = |name: &str| {
+            let mut logs = projects.iter().flat_map(|project| &project.logs);
+            LogHash::try_from(name.to_owned()).is_ok() && !logs.any(|log| log.file.as_str() == name)
+        };
+        for (_, path) in own_files(&self.logs, is_unused)? {
+            fs::remove_file(path)?;
         }
         Ok(unreadable)
     }
 }
 
+/// Regular files of a folder whose names are `wanted`, with the time of their last change. Links are left out.
+fn own_files(
+    folder: &Path,
+    wanted: impl Fn(&str) -> bool,
+) -> io::Result<Vec<(SystemTime, PathBuf)>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let metadata = entry.metadata()?;
+        if metadata.is_file() && entry.file_name().to_str().is_some_and(&wanted) {
+            files.push((metadata.modified()?, entry.path()));
+        }
+    }
+    Ok(files)
+}
+
 fn read_project(path: &Path) -> io::Result<Project> {
-    Ok(serde_json::from_slice(&fs::read(path)?)?)
-}
-
-fn make_private(folder: &Path) -> io::Result<()> {
-    let mut builder = fs::DirBuilder::new();
-    #[cfg(unix)]
-    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-    builder.recursive(true).create(folder)
-}
-
-fn too_large() -> Refusal {
-    Refusal::new(
-        StatusCode::PAYLOAD_TOO_LARGE,
-        "E-WEB-TOO-LARGE",
-        format!(
-            "the page takes files of up to {} MiB; cut the log, or use `retarder compare`",
-            UPLOAD_BYTES_MAX >> 20
-        ),
-    )
+    let mut bytes = Vec::new();
+    open_regular(path)?.read_to_end(&mut bytes)?;
+    Ok(serde_json::from_slice(&bytes)?)
 }
 
 fn too_slow() -> Refusal {
@@ -266,7 +279,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let project = folder.path().join("project");
         let (store, _) = Store::open(&project).unwrap();
-        fs::write(store.incoming.join("half"), "x").unwrap();
+        let half = ProjectId::random().unwrap();
+        fs::write(store.incoming.join(half.as_str()), "x").unwrap();
         drop(store);
         let (store, _) = Store::open(&project).unwrap();
         assert_eq!(fs::read_dir(&store.incoming).unwrap().count(), 0);
@@ -276,6 +290,50 @@ mod tests {
                 std::os::unix::fs::PermissionsExt::mode(&fs::metadata(part).unwrap().permissions());
             assert_eq!(mode & 0o777, 0o700, "{}", part.display());
         }
+    }
+
+    /// A log that a person had put there was once removed, and so were the oldest of any fifty JSON files.
+    #[test]
+    fn files_that_we_did_not_name_stay_and_links_are_not_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (store, _) = Store::open(folder.path()).unwrap();
+        let mut foreign = Vec::new();
+        for number in 0..=PROJECTS_MAX {
+            foreign.push(store.projects.join(format!("mine-{number}.json")));
+        }
+        foreign.push(store.logs.join("bench.csv"));
+        foreign.push(store.incoming.join("notes.txt"));
+        let elsewhere = tempfile::tempdir().unwrap();
+        let target = elsewhere.path().join("target.csv");
+        fs::write(&target, "precious").unwrap();
+        for path in &foreign {
+            fs::write(path, "precious").unwrap();
+        }
+        let hash = LogHash::of(&Sha256::digest("precious"));
+        #[cfg(unix)]
+        for link in [
+            store.log_path(&hash),
+            store.project_path(&ProjectId::random().unwrap()),
+        ] {
+            std::os::unix::fs::symlink(&target, &link).unwrap();
+            foreign.push(link);
+        }
+        let of_nobody = store.keep(b"of nobody").unwrap();
+        drop(store);
+        let (store, unreadable) = Store::open(folder.path()).unwrap();
+        assert_eq!(unreadable, [""; 0]);
+        for path in &foreign {
+            assert_eq!(fs::read_to_string(path).unwrap(), "precious", "{path:?}");
+        }
+        assert!(!store.log_path(&of_nobody).exists());
+        // A link where a log of ours belongs gives way to the log.
+        store.keep(b"precious").unwrap();
+        assert!(
+            fs::symlink_metadata(store.log_path(&hash))
+                .unwrap()
+                .is_file()
+        );
+        assert_eq!(fs::read_to_string(&target).unwrap(), "precious");
     }
 
     /// A second server once took away what the first one was just receiving.

@@ -46,3 +46,20 @@ fn a_port_that_is_taken_and_a_folder_that_is_a_file_are_told_with_what_to_do() {
     assert_eq!(ran.status, 2);
     assert_contains(&ran.err, &["file", "--project"]);
 }
+
+/// A log that lay in a folder called `logs` was once removed by the first start.
+#[test]
+fn a_folder_with_files_of_somebody_else_is_refused_and_keeps_them() {
+    let bench = Bench::new();
+    std::fs::create_dir_all(bench.path("week/logs")).unwrap();
+    std::fs::write(bench.path("week/logs/bench.csv"), "time_s\n").unwrap();
+    let ran = bench.run(&["serve", "--project", "week"]);
+    assert_eq!(ran.status, 2);
+    assert_contains(
+        &ran.err,
+        &["week", "not empty", "--project", "retarder-project.txt"],
+    );
+    let log = std::fs::read_to_string(bench.path("week/logs/bench.csv"));
+    assert_eq!(log.unwrap(), "time_s\n");
+    assert!(!bench.path("week/lock").exists());
+}

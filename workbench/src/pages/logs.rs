@@ -34,7 +34,6 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/project", get(project))
         .route("/sessions/{session}/project", delete(begin_anew))
         .route("/sessions/{session}/examples/{example}", post(open_example))
-        .route("/sessions/{session}/logs", post(add_log))
         .route("/sessions/{session}/logs/{log}", delete(remove_log))
         .route("/sessions/{session}/logs/{log}/preview", get(preview_log))
         .route("/sessions/{session}/logs/{log}/mapping", put(map_columns))
@@ -43,6 +42,11 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/plant", get(plant_file))
         .route("/sessions/{session}/strictness", put(set_strictness))
         .route("/sessions/{session}/calculated", put(set_calculated))
+}
+
+/// Routes that take files of any length that is allowed.
+pub(super) fn uploads() -> Router<Arc<Sessions>> {
+    Router::new().route("/sessions/{session}/logs", post(add_log))
 }
 
 async fn list_examples() -> Json<Vec<&'static Example>> {

@@ -105,6 +105,23 @@ fn another_host_is_refused_before_anything_else() {
             "{headers:?}: {answer:?}"
         );
     }
+    // A target that is a whole address says where the request goes, whatever the Host header says.
+    for target in [
+        "http://evil.example/".to_owned(),
+        format!("http://evil.example:{port}/api/examples"),
+        format!("http://user@127.0.0.1:{port}/"),
+        format!("http://127.0.0.1:{}/", port ^ 1),
+        format!("https://127.0.0.1:{port}/"),
+        format!("ftp://127.0.0.1:{port}/"),
+    ] {
+        let answer = bench.send("GET", &target, &[&ours, &cookie], b"");
+        assert_eq!(answer.status, 421, "{target}: {answer:?}");
+    }
+    let target = format!("http://127.0.0.1:{port}/");
+    assert_eq!(
+        bench.send("GET", &target, &[&ours, &cookie], b"").status,
+        200
+    );
     for host in [
         format!("Host: 127.0.0.1:{port}"),
         format!("Host: localhost:{port}"),
@@ -244,6 +261,12 @@ fn the_token_opens_the_page_once_and_only_the_cookie_opens_it_again() {
     }
 
     let with_token = format!("/?token={}", bench.token);
+    // A mail program that looks at a link before a person opens it once used the token up.
+    for method in ["HEAD", "POST", "OPTIONS"] {
+        let origin = format!("Origin: http://{}", bench.host());
+        let refused = bench.send(method, &with_token, &[&host, &origin], b"");
+        assert_eq!(refused.status, 401, "{method}");
+    }
     let exchanged = bench.send("GET", &with_token, &[&host], b"");
     assert_eq!(
         (exchanged.status, exchanged.header("location")),

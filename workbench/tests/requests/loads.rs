@@ -52,6 +52,39 @@ fn an_endless_upload_is_cut_at_the_limit_in_little_memory() {
     );
 }
 
+/// Nothing of the body is sent: a server that waits for it does not answer.
+#[test]
+fn a_length_beyond_the_limit_is_refused_at_once() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    for (method, path, length) in [
+        (
+            "POST",
+            format!("{session}/logs?name=a.csv"),
+            (1_u64 << 30) + 1,
+        ),
+        ("POST", format!("{session}/logs?name=a.csv"), u64::MAX - 2),
+        ("PUT", format!("{session}/plant"), (2 << 20) + 1),
+        ("POST", "/api/sessions".to_owned(), 1 << 40),
+    ] {
+        let mut stream = bench.connect();
+        let head = format!(
+            "{method} {path} HTTP/1.1\r\nHost: {}\r\nCookie: {}\r\nSec-Fetch-Site: same-origin\r\n\
+             Content-Type: application/json\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n",
+            bench.host(),
+            browser.cookie
+        );
+        stream.write_all(head.as_bytes()).unwrap();
+        let answer = read_answer(&mut stream);
+        assert_eq!(
+            (answer.status, answer.code().as_str()),
+            (413, "E-WEB-TOO-LARGE"),
+            "{path} {length}: {answer:?}"
+        );
+    }
+}
+
 fn resident_bytes() -> u64 {
     let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     let pages = statm

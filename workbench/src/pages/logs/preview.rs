@@ -1,6 +1,5 @@
 //! The first rows of a log: as signals where it can be read, as text where it cannot.
 
-use std::fs::File;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use serde::Serialize;
 use crate::log_reader;
 use crate::refusal::Refusal;
 use crate::session::Session;
+use crate::store::open_regular;
 
 /// Rows that are shown.
 const ROWS: usize = 12;
@@ -187,7 +187,7 @@ pub(in crate::pages) fn head_key(path: &Path) -> Option<String> {
 
 /// `count` lines from line `from` on, with their numbers; bytes that are no text are replaced.
 fn lines(path: &Path, from: u64, count: u64) -> Result<Vec<(u64, String)>, Refusal> {
-    let mut file = BufReader::new(File::open(path)?);
+    let mut file = BufReader::new(open_regular(path)?);
     let from = from.max(1);
     let mut found = Vec::new();
     for number in 1..from + count {
