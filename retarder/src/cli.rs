@@ -74,6 +74,9 @@ pub(crate) enum Command {
     Settings(SettingsArgs),
     /// The same loop with mouse and eyes: a page for your browser, served on this machine alone
     Serve(ServeArgs),
+    /// The work of one tab, which `serve` starts
+    #[command(hide = true)]
+    Tab(TabArgs),
     /// The JSON Schema of a result
     #[command(after_help = "Example:\n  retarder schema comparison > comparison.schema.json")]
     Schema {
@@ -260,6 +263,15 @@ pub(crate) struct ServeArgs {
     /// Port on the loopback interface; without it 7474, or a free one if that is taken
     #[arg(long, value_name = "PORT", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) port: Option<u16>,
+    /// Largest memory of one tab of the browser; work that takes more ends, and the page goes on
+    #[arg(long, value_name = "MIB", default_value_t = workbench::Worker::MEMORY_BYTES >> 20, value_parser = clap::value_parser!(u64).range(256..=1 << 20))]
+    pub(crate) memory: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TabArgs {
+    pub(crate) project: PathBuf,
+    pub(crate) memory_bytes: u64,
 }
 
 #[derive(Debug, Args)]

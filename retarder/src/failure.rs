@@ -35,6 +35,8 @@ pub(crate) enum Failure {
     TooLarge { path: PathBuf, limit: u64 },
     #[error(transparent)]
     Serve(#[from] workbench::ServeError),
+    #[error("the program's own file: {0}; start it by its full path")]
+    OwnProgram(io::Error),
     #[error(transparent)]
     Log(#[from] LogError),
     #[error(transparent)]

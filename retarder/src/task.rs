@@ -14,7 +14,7 @@ use recording::{LogFormat, OpenLog, Recording};
 use crate::cli::{
     Assignment, BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs,
     DiagnoseArgs, LogsArgs, NextExperimentArgs, PlantArgs, RefineArgs, ReportArgs, SchemaName,
-    SimulateArgs,
+    SimulateArgs, TabArgs,
 };
 use crate::failure::Failure;
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
@@ -55,6 +55,7 @@ enum Work {
     Parameters(NamedPlant),
     Settings(NamedController),
     Serve(workbench::Options),
+    Tab(TabArgs),
     Text(String),
 }
 
@@ -121,7 +122,13 @@ impl Task {
             Some(Command::Serve(args)) => Work::Serve(workbench::Options {
                 project: args.project,
                 port: args.port,
+                worker: workbench::Worker {
+                    program: std::env::current_exe().map_err(Failure::OwnProgram)?,
+                    arguments: vec!["tab".to_owned()],
+                    memory_bytes: args.memory << 20,
+                },
             }),
+            Some(Command::Tab(args)) => Work::Tab(args),
             Some(Command::Schema { result }) => Work::Text(schema_text(result)),
             Some(Command::Completions { shell }) => Work::Text(completions(shell)),
         };
@@ -181,6 +188,10 @@ impl Task {
             Work::Serve(options) => Outcome::Text(run::serve::run(&options, &mut |address| {
                 print::serving(address)
             })?),
+            Work::Tab(args) => {
+                workbench::work(&args.project, args.memory_bytes)?;
+                Outcome::Text(String::new())
+            }
             Work::Text(text) => Outcome::Text(text),
         };
         Ok((outcome, self.targets))

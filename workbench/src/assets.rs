@@ -124,19 +124,28 @@ mod tests {
         texts
     }
 
-    /// Rule 9: the server starts no program, whatever a request says.
+    /// Rule 9: the server starts the process of a tab and no other program, and nothing of a request is an argument of it.
     #[test]
-    fn no_program_is_started() {
+    fn no_program_is_started_but_that_of_a_tab() {
+        const ALLOWED: &str = "(&self.worker.program)
+            .args(&self.worker.arguments)
+            .arg(&self.project)
+            .arg(self.worker.memory_bytes.to_string())
+            .stdin(Stdio::piped())";
         // Not spelled out, or this line would be found.
         let forbidden = [
             ["process", "Command"].join("::"),
             ["Command", "new"].join("::"),
         ];
+        let mut begun = Vec::new();
         for (path, text) in texts_in("src") {
             for word in &forbidden {
-                assert!(!text.contains(word), "{}: {word}", path.display());
+                let starts = text.split(&word[..]).skip(1);
+                begun.extend(starts.map(|start| (path.clone(), start.starts_with(ALLOWED))));
             }
         }
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        assert_eq!(begun, [(root.join("src/tabs/process.rs"), true)]);
     }
 
     /// Every file of the folder is in the list, and none names a place elsewhere.

@@ -11,7 +11,7 @@ use axum::response::sse::{Event, KeepAlive};
 use futures_util::{Stream, stream};
 use model_lab::diagnosis;
 use serde::Serialize;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 
 use crate::refusal::{Problem, Refusal};
 
@@ -55,17 +55,17 @@ impl Job {
         }
     }
 
-    /// Starts `work` on a thread of its own, once there is a place for it. It asks its job now and then whether to go on.
-    pub(crate) fn start(
-        places: Arc<Semaphore>,
+    /// Starts `work` on a thread of its own, once `take_place` gives it a place. It asks its job now and then whether to go on.
+    pub(crate) fn start<P>(
+        take_place: impl FnOnce() -> P + Send + 'static,
         work: impl FnOnce(&Self) -> Result<(), Refusal> + Send + 'static,
     ) -> Arc<Self> {
         let job = Arc::new(Self::new());
         let worker = Arc::clone(&job);
         let watched = Arc::clone(&job);
         tokio::spawn(async move {
-            let _place = places.acquire_owned().await;
             let running = tokio::task::spawn_blocking(move || {
+                let _place = take_place();
                 let ended = work(&worker);
                 worker.end(ended);
             });
@@ -193,10 +193,6 @@ mod tests {
             .block_on(test);
     }
 
-    fn one_place() -> Arc<Semaphore> {
-        Arc::new(Semaphore::new(1))
-    }
-
     async fn last_of(job: &Arc<Job>) -> Progress {
         let mut progress = job.progress.subscribe();
         let ended = progress
@@ -209,12 +205,12 @@ mod tests {
     fn a_job_ends_with_what_came_of_it() {
         in_runtime(async {
             assert_eq!(
-                last_of(&Job::start(one_place(), |_| Ok(()))).await,
+                last_of(&Job::start(|| (), |_| Ok(()))).await,
                 Progress::Done
             );
-            let failing = Job::start(one_place(), |_| Err(Refusal::value("no")));
+            let failing = Job::start(|| (), |_| Err(Refusal::value("no")));
             assert!(matches!(last_of(&failing).await, Progress::Failed { .. }));
-            let panicking = Job::start(one_place(), |_| panic!("on purpose"));
+            let panicking = Job::start(|| (), |_| panic!("on purpose"));
             let Progress::Failed { problems } = last_of(&panicking).await else {
                 panic!("the panic was not told");
             };
@@ -225,12 +221,15 @@ mod tests {
     #[test]
     fn a_job_whose_listener_goes_away_is_cancelled() {
         in_runtime(async {
-            let job = Job::start(one_place(), |job| {
-                while job.goes_on(0.5) {
-                    std::thread::yield_now();
-                }
-                Ok(())
-            });
+            let job = Job::start(
+                || (),
+                |job| {
+                    while job.goes_on(0.5) {
+                        std::thread::yield_now();
+                    }
+                    Ok(())
+                },
+            );
             drop(job.events());
             assert_eq!(last_of(&job).await, Progress::Cancelled);
         });

@@ -10,34 +10,30 @@ mod report;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use axum::body::HttpBody as _;
-use axum::extract::{DefaultBodyLimit, Path, Request, State};
+use axum::extract::{DefaultBodyLimit, Path, State};
 use axum::http::StatusCode;
-use axum::middleware::{Next, from_fn_with_state};
+use axum::response::Sse;
 use axum::response::sse::Event;
-use axum::response::{IntoResponse as _, Response, Sse};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use futures_util::Stream;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::job::Job;
 use crate::names::ProjectId;
 use crate::refusal::Refusal;
-use crate::session::{Session, Sessions};
-use crate::store::UPLOAD_BYTES_MAX;
+use crate::session::{Opening, Session, Sessions};
 
 /// Longest request that is no upload (bytes): a plant, a mapping, a reference profile.
-const JSON_BYTES_MAX: u64 = 2 << 20;
+pub(crate) const JSON_BYTES_MAX: u64 = 2 << 20;
 
 /// What the routes of a page share.
 pub(crate) type Shared = State<Arc<Sessions>>;
 
-/// All routes below `/api`.
+/// All routes of a session.
 pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
     Router::new()
         .route("/sessions", post(open))
-        .route("/sessions/{session}/close", post(close))
         .route("/sessions/{session}/jobs/{job}", get(events))
         .merge(logs::routes())
         .merge(compare::routes())
@@ -46,18 +42,7 @@ pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
         .merge(control::routes())
         .merge(report::routes())
         .layer(DefaultBodyLimit::max(JSON_BYTES_MAX as usize))
-        .layer(from_fn_with_state(JSON_BYTES_MAX, refuse_longer))
-        .merge(logs::uploads().layer(from_fn_with_state(UPLOAD_BYTES_MAX, refuse_longer)))
         .with_state(sessions)
-}
-
-/// Refuses a request that announces more bytes than its route takes, before any of them is read.
-async fn refuse_longer(State(bytes_max): State<u64>, request: Request, next: Next) -> Response {
-    let announced = request.body().size_hint().lower();
-    if announced > bytes_max {
-        return Refusal::too_large(announced, bytes_max).into_response();
-    }
-    next.run(request).await
 }
 
 /// The session that the path names.
@@ -88,43 +73,21 @@ pub(crate) struct Begun {
 
 /// Begins work of a session, watched and ended by its page; what is under way in the same tab ends.
 pub(crate) fn begin_job(
-    sessions: &Sessions,
     session: &Arc<Session>,
     work: impl FnOnce(&Session, &Job) -> Result<(), Refusal> + Send + 'static,
 ) -> Json<Begun> {
     let worker = Arc::clone(session);
-    let job = Job::start(Arc::clone(&sessions.workers), move |job| work(&worker, job));
+    let store = Arc::clone(&session.store);
+    let job = Job::start(move || store.take_place(), move |job| work(&worker, job));
     let number = job.number;
     session.begin(job);
     Json(Begun { job: number })
 }
 
-#[derive(Deserialize)]
-struct Open {
-    /// Project that the tab had open before, if any.
-    project: Option<String>,
-}
-
-#[derive(Serialize)]
-struct Opened {
-    session: ProjectId,
-    /// Whether it began with what another project has open.
-    is_copy: bool,
-}
-
-async fn open(State(sessions): Shared, Json(wish): Json<Open>) -> Result<Json<Opened>, Refusal> {
-    let wanted = wish.project.and_then(|id| ProjectId::try_from(id).ok());
-    let session = sessions.open(wanted)?;
-    Ok(Json(Opened {
-        session: session.id.clone(),
-        is_copy: session.is_copy,
-    }))
-}
-
-async fn close(State(sessions): Shared, Path(id): Path<String>) -> Result<(), Refusal> {
-    let id = ProjectId::try_from(id).map_err(|_| Refusal::not_found("session"))?;
-    sessions.close(&id);
-    Ok(())
+/// Opens the session of this process, and says whether it has logs.
+async fn open(State(sessions): Shared, Json(opening): Json<Opening>) -> Json<bool> {
+    let session = sessions.open(opening);
+    Json(!session.project().logs.is_empty())
 }
 
 async fn events(

@@ -83,6 +83,15 @@ impl Refusal {
         )
     }
 
+    /// An upload that did not come to its end.
+    pub(crate) fn broken_off() -> Self {
+        Self::new(
+            StatusCode::BAD_REQUEST,
+            "E-WEB-BROKEN-OFF",
+            "the upload broke off; drop the file again",
+        )
+    }
+
     fn of(problems: Vec<Problem>) -> Self {
         Self {
             status: StatusCode::UNPROCESSABLE_ENTITY,

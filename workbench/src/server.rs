@@ -15,10 +15,9 @@ use crate::assets;
 use crate::connections::{Places, accept};
 use crate::guard::{Gate, guard};
 use crate::loopback::Loopback;
-use crate::pages;
 use crate::refusal::Refusal;
-use crate::session::Sessions;
 use crate::store::{FolderError, Store};
+use crate::tabs::{self, Tabs, Worker};
 use crate::token::Secrets;
 
 /// The usual port, so that a bookmark of a view holds over restarts.
@@ -31,6 +30,8 @@ pub struct Options {
     pub project: PathBuf,
     /// The port on the loopback interface; none takes 7474, or a free one if that is taken.
     pub port: Option<u16>,
+    /// What does the work of each tab.
+    pub worker: Worker,
 }
 
 /// Why there is no page.
@@ -61,7 +62,7 @@ pub enum ServeError {
 pub struct Server {
     loopback: Loopback,
     gate: Arc<Gate>,
-    sessions: Arc<Sessions>,
+    tabs: Arc<Tabs>,
     stop: Arc<Notify>,
     unreadable: Vec<String>,
 }
@@ -96,7 +97,11 @@ impl Server {
                 secrets: Secrets::new()?,
             }),
             loopback,
-            sessions: Arc::new(Sessions::new(Arc::new(store))),
+            tabs: Arc::new(Tabs::new(
+                options.worker.clone(),
+                options.project.clone(),
+                store,
+            )),
             stop: Arc::default(),
         })
     }
@@ -135,7 +140,7 @@ impl Server {
         let router = Router::new()
             .route("/", get(assets::index))
             .route("/assets/{*path}", get(assets::asset))
-            .nest("/api", pages::routes(self.sessions))
+            .nest("/api", tabs::routes(self.tabs))
             .fallback(async || Refusal::not_found("page"))
             .layer(from_fn_with_state(self.gate, guard));
         let places = Places::new();

@@ -1,58 +1,52 @@
-//! One session for each tab: its project, and what was computed for it. Sessions share nothing but stored logs.
+//! What one tab has open, and what was computed for it. Each tab has a process of its own: tabs share nothing but the project
+//! folder.
 
-use std::collections::{HashMap, VecDeque};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
-use model_lab::diagnosis::next_experiment::NextExperiment;
 use recording::Recording;
-use tokio::sync::Semaphore;
+use serde::{Deserialize, Serialize};
 
-use crate::calculated;
+use crate::calculated::{self, Calculated};
 use crate::job::Job;
 use crate::lock::lock;
 use crate::log_reader;
+use crate::log_summary::LogSummary;
 use crate::names::ProjectId;
-use crate::project::Project;
+use crate::project::{LogEntry, Project};
 use crate::pyramid::Pyramid;
 use crate::refusal::{Problem, Refusal};
-use crate::results::{Batch, Compared, Controlled, Diagnosed, ErrorsOfPlants};
+use crate::results::{Batch, Compared, Controlled, ErrorsOfPlants, Findings};
 use crate::shelf::{Room, Shelf, VALUES_MAX, values_of};
-use crate::store::Store;
+use crate::store::{BeingRead, Store};
 
-/// Sessions at one time; beyond them, the one that was opened first is forgotten. Its project is kept.
-const SESSIONS_MAX: usize = 24;
-/// Sessions that were closed whose findings are kept.
-const CLOSED_MAX: usize = 24;
-
-/// All open sessions.
+/// The process of a tab, as its routes see it.
 pub(crate) struct Sessions {
-    pub(crate) store: Arc<Store>,
-    /// Uploads at one time, of all tabs together.
-    pub(crate) uploads: Semaphore,
-    /// Jobs at one time, of all tabs together; others wait.
-    pub(crate) workers: Arc<Semaphore>,
-    /// Memory of all tabs together.
-    room: Arc<Room>,
-    open: Mutex<HashMap<ProjectId, (u64, Arc<Session>)>>,
-    /// Of sessions that were closed, the last one first: a page that is loaded again closes its session before.
-    closed: Mutex<VecDeque<(ProjectId, Findings)>>,
+    store: Arc<Store>,
+    open: OnceLock<Arc<Session>>,
 }
 
-const UPLOADS: usize = 2;
-const WORKERS: usize = 2;
+/// Session that a process is to open.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Opening {
+    pub(crate) id: ProjectId,
+    /// Project to begin with, where none of this id is stored.
+    pub(crate) copy_of: Option<ProjectId>,
+    /// Project whose findings are copied, where none of this id are stored.
+    pub(crate) findings_of: Option<ProjectId>,
+    /// Whether an earlier process of this session broke off.
+    pub(crate) is_again: bool,
+}
 
 /// What one tab has open.
 pub(crate) struct Session {
     pub(crate) id: ProjectId,
-    /// Whether it began with the logs of another project.
-    pub(crate) is_copy: bool,
     pub(crate) store: Arc<Store>,
     project: Mutex<Project>,
+    /// Logs at which an earlier process of this session broke off.
+    unreadable: Vec<BeingRead>,
     logs: Shelf<OpenLog>,
     comparisons: Shelf<Compared>,
-    /// The last diagnosis, and the last experiment that was planned after it.
-    pub(crate) diagnosed: Kept<Diagnosed>,
-    pub(crate) next: Kept<NextExperiment>,
+    findings: Mutex<Findings>,
     /// Errors of plants that were simulated lately.
     pub(crate) errors: Mutex<ErrorsOfPlants>,
     /// The last run of the closed loop, and the last batch of rigs.
@@ -63,25 +57,12 @@ pub(crate) struct Session {
     job: Mutex<Option<Arc<Job>>>,
 }
 
-/// What took a person a minute of waiting and little memory: it goes with a project that is opened again.
-#[derive(Clone, Default)]
-struct Findings {
-    diagnosed: Option<Arc<Diagnosed>>,
-    next: Option<Arc<NextExperiment>>,
-}
-
 /// A result that stays until there is another one.
 pub(crate) struct Kept<T>(Mutex<Option<Arc<T>>>);
 
 impl<T> Default for Kept<T> {
     fn default() -> Self {
         Self(Mutex::default())
-    }
-}
-
-impl<T> From<Option<Arc<T>>> for Kept<T> {
-    fn from(result: Option<Arc<T>>) -> Self {
-        Self(Mutex::new(result))
     }
 }
 
@@ -105,6 +86,7 @@ pub(crate) type OpenLog = Result<LoadedLog, Problem>;
 /// A log with what a view of it needs.
 pub(crate) struct LoadedLog {
     pub(crate) recording: Recording,
+    pub(crate) summary: LogSummary,
     /// Of each signal.
     pub(crate) pyramids: Vec<Pyramid>,
 }
@@ -114,6 +96,7 @@ impl LoadedLog {
         let pyramid = |signal: &recording::Signal| Pyramid::new(signal.values_or_nan());
         Self {
             pyramids: recording.signals().iter().map(pyramid).collect(),
+            summary: LogSummary::of(&recording),
             recording,
         }
     }
@@ -123,96 +106,73 @@ impl Sessions {
     pub(crate) fn new(store: Arc<Store>) -> Self {
         Self {
             store,
-            uploads: Semaphore::new(UPLOADS),
-            workers: Arc::new(Semaphore::new(WORKERS)),
-            room: Arc::new(Room::new(VALUES_MAX)),
-            open: Mutex::default(),
-            closed: Mutex::default(),
+            open: OnceLock::new(),
         }
     }
 
     pub(crate) fn get(&self, id: &ProjectId) -> Result<Arc<Session>, Refusal> {
-        let open = lock(&self.open);
-        let found = open.get(id).map(|(_, session)| Arc::clone(session));
-        found.ok_or_else(|| Refusal::not_found("session"))
+        let found = self.open.get().filter(|session| session.id == *id);
+        found.cloned().ok_or_else(|| Refusal::not_found("session"))
     }
 
-    /// Opens a session: on the project `wanted`, under its own id if no other tab has it open, else on a copy, with what
-    /// this server found out about it; without a wish, on a copy of the project that was changed last.
-    pub(crate) fn open(&self, wanted: Option<ProjectId>) -> Result<Arc<Session>, Refusal> {
-        // One lock from the question to the answer: of two tabs that ask at once, one gets a copy.
-        let mut open = lock(&self.open);
-        let live = wanted.as_ref().and_then(|id| open.get(id));
-        let live = live.map(|(_, session)| Arc::clone(session));
-        let stored = wanted.as_ref().and_then(|id| self.store.load(id));
-        let (id, project, findings) = match (live, stored, &wanted) {
-            (Some(live), _, _) => (ProjectId::random()?, Some(live.project()), live.findings()),
-            (None, Some(project), Some(id)) => {
-                let findings = self.findings_of(id);
-                (id.clone(), Some(project), findings)
-            }
-            _ => (
-                ProjectId::random()?,
-                self.store.newest(),
-                Findings::default(),
-            ),
-        };
-        let project = project.unwrap_or_default();
-        let session = Arc::new(Session {
-            id: id.clone(),
-            is_copy: wanted.as_ref() != Some(&id) && !project.logs.is_empty(),
-            store: Arc::clone(&self.store),
+    /// Opens the session of this process.
+    pub(crate) fn open(&self, opening: Opening) -> Arc<Session> {
+        let open = || Arc::new(Session::open(Arc::clone(&self.store), opening));
+        Arc::clone(self.open.get_or_init(open))
+    }
+}
+
+impl Session {
+    fn open(store: Arc<Store>, opening: Opening) -> Self {
+        let id = opening.id;
+        let stored = store.load(&id);
+        let copied = || store.load_findings(opening.findings_of.as_ref()?);
+        let findings = store.load_findings(&id).or_else(copied);
+        let copied = || store.load(opening.copy_of.as_ref()?);
+        let project = stored.or_else(copied).unwrap_or_default();
+        let broken_off = store.take_being_read(&id);
+        let room = Arc::new(Room::new(VALUES_MAX));
+        Self {
+            id,
             project: Mutex::new(project),
-            logs: Shelf::in_room(&self.room),
-            comparisons: Shelf::in_room(&self.room),
-            diagnosed: findings.diagnosed.into(),
-            next: findings.next.into(),
+            unreadable: if opening.is_again {
+                broken_off
+            } else {
+                Vec::new()
+            },
+            logs: Shelf::in_room(&room),
+            comparisons: Shelf::in_room(&room),
+            findings: Mutex::new(findings.unwrap_or_default()),
             errors: Mutex::default(),
             controlled: Kept::default(),
             batch: Kept::default(),
             report: Kept::default(),
             job: Mutex::default(),
-        });
-        let order = open.values().map(|(order, _)| order + 1).max().unwrap_or(0);
-        if open.len() >= SESSIONS_MAX {
-            let oldest = open.iter().min_by_key(|(_, (order, _))| *order);
-            if let Some(oldest) = oldest.map(|(id, _)| id.clone()) {
-                self.end(open.remove(&oldest));
-            }
-        }
-        open.insert(id, (order, Arc::clone(&session)));
-        Ok(session)
-    }
-
-    /// Ends the work of a session and forgets it; its project and its findings are kept.
-    pub(crate) fn close(&self, id: &ProjectId) {
-        self.end(lock(&self.open).remove(id));
-    }
-
-    fn end(&self, session: Option<(u64, Arc<Session>)>) {
-        if let Some((_, session)) = session {
-            session.cancel();
-            let mut closed = lock(&self.closed);
-            closed.push_front((session.id.clone(), session.findings()));
-            closed.truncate(CLOSED_MAX);
+            store,
         }
     }
 
-    /// What a session found out that was closed; nothing once many others were.
-    fn findings_of(&self, id: &ProjectId) -> Findings {
-        let mut closed = lock(&self.closed);
-        let place = closed.iter().position(|(closed, _)| closed == id);
-        let found = place.and_then(|place| closed.remove(place));
-        found.map(|(_, findings)| findings).unwrap_or_default()
+    /// What was found out about the project as it is now.
+    pub(crate) fn findings(&self) -> Findings {
+        lock(&self.findings).clone()
     }
-}
 
-impl Session {
-    fn findings(&self) -> Findings {
-        Findings {
-            diagnosed: self.diagnosed.get(),
-            next: self.next.get(),
-        }
+    /// Changes what was found out, and stores it. What cannot be stored is not kept either.
+    pub(crate) fn change_findings(
+        &self,
+        change: impl FnOnce(&mut Findings),
+    ) -> Result<(), Refusal> {
+        let mut findings = lock(&self.findings);
+        let mut changed = findings.clone();
+        change(&mut changed);
+        self.store.save_findings(&self.id, &changed)?;
+        *findings = changed;
+        Ok(())
+    }
+
+    fn forget_findings(&self) {
+        *lock(&self.findings) = Findings::default();
+        self.store.remove_findings(&self.id);
     }
 
     /// The project as it is now.
@@ -240,12 +200,7 @@ impl Session {
         }
         let project = self.project();
         let entry = project.log(number)?;
-        let path = self.store.log_path(&entry.file);
-        let read = log_reader::read(&entry.name, &path, entry.mapping.as_deref());
-        let log = Arc::new(read.map(|mut recording| {
-            calculated::add_to(&mut recording, &project.calculated);
-            LoadedLog::new(recording)
-        }));
+        let log = Arc::new(self.read(entry, &project.calculated));
         let values = log
             .as_ref()
             .as_ref()
@@ -258,13 +213,35 @@ impl Session {
         Ok(log)
     }
 
+    fn read(&self, entry: &LogEntry, channels: &[Calculated]) -> OpenLog {
+        let reading = BeingRead::of(entry);
+        if self.unreadable.contains(&reading) {
+            return Err(Problem::new(
+                "E-WEB-MEMORY",
+                "reading this log took more memory than a tab may have; choose its columns, scale and offset again, or \
+                 remove it",
+            ));
+        }
+        // A process that ends here leaves the note to the next one.
+        let note = self.store.note_being_read(&self.id, &reading);
+        let path = self.store.log_path(&entry.file);
+        let read = log_reader::read(&entry.name, &path, entry.mapping.as_deref());
+        let read = read.map(|mut recording| {
+            calculated::add_to(&mut recording, channels);
+            LoadedLog::new(recording)
+        });
+        if let Ok(note) = note {
+            note.remove();
+        }
+        read
+    }
+
     /// Forgets what was read and computed of a log.
     pub(crate) fn forget_log(&self, number: u32) {
         self.logs.remove(number);
         self.comparisons.remove(number);
         lock(&self.errors).clear();
-        self.diagnosed.forget();
-        self.next.forget();
+        self.forget_findings();
     }
 
     /// Recordings of the logs `numbers`, or what is wrong with the first that cannot be read.

@@ -1,4 +1,4 @@
-//! What is computed for the tabs stays in memory within one budget; what was used longest ago makes room. Logs are read again
+//! What is computed for a tab stays in memory within a budget; what was used longest ago makes room. Logs are read again
 //! from the project folder, comparisons are made again, when a page asks for them.
 
 use std::sync::{Arc, Mutex};
@@ -7,8 +7,8 @@ use recording::Recording;
 
 use crate::lock::lock;
 
-/// Values of all tabs that stay in memory, 8 bytes each: 3 GiB.
-pub(crate) const VALUES_MAX: usize = 400_000_000;
+/// Values of a tab that stay in memory, 8 bytes each: a third of the memory that it may have.
+pub(crate) const VALUES_MAX: usize = 128 << 20;
 
 /// Room that shelves share.
 pub(crate) struct Room {

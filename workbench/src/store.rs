@@ -2,7 +2,7 @@
 
 mod folder;
 
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -10,13 +10,16 @@ use std::time::{Duration, SystemTime};
 use axum::body::Body;
 use axum::http::StatusCode;
 use futures_util::StreamExt as _;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use tokio::io::AsyncWriteExt as _;
 use tokio::time::timeout;
 
 use crate::names::{LogHash, ProjectId};
-use crate::project::Project;
+use crate::project::{LogEntry, Project};
 use crate::refusal::Refusal;
+use crate::results::Findings;
 pub use folder::FolderError;
 pub(crate) use folder::open_regular;
 use folder::{Folder, TidyingRight};
@@ -28,8 +31,14 @@ const SILENCE_MAX: Duration = Duration::from_secs(30);
 /// Projects that are kept; of older ones, the file is removed when the folder is opened.
 const PROJECTS_MAX: usize = 50;
 
+/// Jobs at one time, of all tabs together; others wait.
+const PLACES: usize = 2;
+/// End of the name of a file with findings.
+const FINDINGS: &str = "findings.json";
+
 /// A project folder.
 pub(crate) struct Store {
+    folder: PathBuf,
     logs: PathBuf,
     projects: PathBuf,
     /// Files that are being written; each is renamed once it is whole.
@@ -43,14 +52,8 @@ impl Store {
     /// server is using it. The texts that come with it are about projects that cannot be read: as long as there are any, no
     /// log is removed.
     pub(crate) fn open(folder: &Path) -> Result<(Self, Vec<String>), FolderError> {
-        let ours = Folder::open(folder)?;
-        let tidying = ours.take_tidying_right()?;
-        let store = Self {
-            logs: ours.part("logs")?,
-            projects: ours.part("projects")?,
-            incoming: ours.part("incoming")?,
-            _tidying: tidying,
-        };
+        let mut store = Self::join(folder)?;
+        store._tidying = Folder::open(folder)?.take_tidying_right()?;
         let unreadable = match store._tidying {
             Some(_) => store.tidy().map_err(|error| FolderError::Io {
                 path: folder.to_path_buf(),
@@ -59,6 +62,18 @@ impl Store {
             None => Vec::new(),
         };
         Ok((store, unreadable))
+    }
+
+    /// Opens the folder beside the server that has it open.
+    pub(crate) fn join(folder: &Path) -> Result<Self, FolderError> {
+        let ours = Folder::open(folder)?;
+        Ok(Self {
+            folder: folder.to_path_buf(),
+            logs: ours.part("logs")?,
+            projects: ours.part("projects")?,
+            incoming: ours.part("incoming")?,
+            _tidying: None,
+        })
     }
 
     /// Takes an upload, and names it by its hash. Never more than a chunk of it is in memory.
@@ -82,7 +97,7 @@ impl Store {
             .await
             .map_err(|_| too_slow())?
         {
-            let chunk = chunk.map_err(|_| broken_off())?;
+            let chunk = chunk.map_err(|_| Refusal::broken_off())?;
             size += chunk.len() as u64;
             if size > UPLOAD_BYTES_MAX {
                 return Err(Refusal::too_large(size, UPLOAD_BYTES_MAX));
@@ -141,17 +156,76 @@ impl Store {
     }
 
     /// The project that was changed last.
-    pub(crate) fn newest(&self) -> Option<Project> {
+    pub(crate) fn newest(&self) -> Option<ProjectId> {
         let (_, path) = self.project_files().ok()?.pop()?;
-        read_project(&path).ok()
+        project_id(path.file_name()?.to_str()?)
+    }
+
+    /// Whether there is a project of this id that can be read.
+    pub(crate) fn has(&self, id: &ProjectId) -> bool {
+        self.load(id).is_some()
+    }
+
+    fn findings_path(&self, id: &ProjectId) -> PathBuf {
+        self.projects.join(format!("{}.{FINDINGS}", id.as_str()))
+    }
+
+    pub(crate) fn save_findings(&self, id: &ProjectId, findings: &Findings) -> io::Result<()> {
+        let json = serde_json::to_vec(findings)?;
+        self.write(&self.findings_path(id), &json)
+    }
+
+    /// What was found out about a project; none if there is nothing that can be read.
+    pub(crate) fn load_findings(&self, id: &ProjectId) -> Option<Findings> {
+        read_json(&self.findings_path(id)).ok()
+    }
+
+    pub(crate) fn remove_findings(&self, id: &ProjectId) {
+        // Most often there are none.
+        let _ = fs::remove_file(self.findings_path(id));
+    }
+
+    /// Notes that a session begins to read a log.
+    pub(crate) fn note_being_read(&self, id: &ProjectId, reading: &BeingRead) -> io::Result<Note> {
+        let number = ProjectId::random()?;
+        let name = format!("{}-{}", id.as_str(), number.as_str());
+        let path = self.incoming.join(name);
+        let mut options = OpenOptions::new();
+        let mut file = options.write(true).create_new(true).open(&path)?;
+        file.write_all(&serde_json::to_vec(reading)?)?;
+        Ok(Note(path))
+    }
+
+    /// Logs that a session was reading when its process ended. The notes are taken away.
+    pub(crate) fn take_being_read(&self, id: &ProjectId) -> Vec<BeingRead> {
+        let is_of_session = |name: &str| note_session(name).as_ref() == Some(id);
+        let notes = own_files(&self.incoming, is_of_session).unwrap_or_default();
+        let mut found = Vec::new();
+        for (_, path) in notes {
+            found.extend(read_json(&path).ok());
+            Note(path).remove();
+        }
+        found
+    }
+
+    /// Waits until one of the places for work is free, and takes it. It is given back when what comes back is dropped, or its
+    /// process ends. None where the file system has no locks.
+    pub(crate) fn take_place(&self) -> Option<File> {
+        let open = |number: usize| folder::open_lock(&self.folder.join(format!("place-{number}")));
+        for number in 0..PLACES {
+            let place = open(number).ok()?;
+            if !matches!(place.try_lock(), Err(TryLockError::WouldBlock)) {
+                return Some(place);
+            }
+        }
+        let place = open(std::process::id() as usize % PLACES).ok()?;
+        place.lock().ok()?;
+        Some(place)
     }
 
     /// Project files, the oldest first.
     fn project_files(&self) -> io::Result<Vec<(SystemTime, PathBuf)>> {
-        let is_ours = |name: &str| {
-            let id = name.strip_suffix(".json").map(str::to_owned);
-            id.is_some_and(|id| ProjectId::try_from(id).is_ok())
-        };
+        let is_ours = |name: &str| project_id(name).is_some();
         let mut files = own_files(&self.projects, is_ours)?;
         files.sort();
         Ok(files)
@@ -161,13 +235,22 @@ impl Store {
     /// project has. A project that cannot be read may have any of them: then no log is removed, and what is wrong with it
     /// comes back. Files that are not named as we name them are not ours, and stay.
     fn tidy(&self) -> io::Result<Vec<String>> {
-        let is_unfinished = |name: &str| ProjectId::try_from(name.to_owned()).is_ok();
+        let is_unfinished = |name: &str| {
+            ProjectId::try_from(name.to_owned()).is_ok() || note_session(name).is_some()
+        };
         for (_, path) in own_files(&self.incoming, is_unfinished)? {
             fs::remove_file(path)?;
         }
         let mut files = self.project_files()?;
         let surplus = files.len().saturating_sub(PROJECTS_MAX);
         for (_, path) in files.drain(..surplus) {
+            fs::remove_file(path)?;
+        }
+        let is_of_nobody = |name: &str| {
+            let project = |id: ProjectId| self.project_path(&id);
+            id_before(name, FINDINGS).is_some_and(|id| open_regular(&project(id)).is_err())
+        };
+        for (_, path) in own_files(&self.projects, is_of_nobody)? {
             fs::remove_file(path)?;
         }
         let mut projects = Vec::new();
@@ -212,9 +295,56 @@ fn own_files(
 }
 
 fn read_project(path: &Path) -> io::Result<Project> {
+    read_json(path)
+}
+
+fn read_json<T: DeserializeOwned>(path: &Path) -> io::Result<T> {
     let mut bytes = Vec::new();
     open_regular(path)?.read_to_end(&mut bytes)?;
     Ok(serde_json::from_slice(&bytes)?)
+}
+
+/// The project that a project file is named by.
+fn project_id(name: &str) -> Option<ProjectId> {
+    id_before(name, "json")
+}
+
+fn id_before(name: &str, end: &str) -> Option<ProjectId> {
+    let id = name.strip_suffix(end)?.strip_suffix('.')?;
+    ProjectId::try_from(id.to_owned()).ok()
+}
+
+/// The session that a note is of, by the note's name.
+fn note_session(name: &str) -> Option<ProjectId> {
+    let (session, number) = name.split_once('-')?;
+    ProjectId::try_from(number.to_owned()).ok()?;
+    ProjectId::try_from(session.to_owned()).ok()
+}
+
+/// A log that is being read, and how.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct BeingRead {
+    file: LogHash,
+    mapping: Option<String>,
+}
+
+impl BeingRead {
+    pub(crate) fn of(log: &LogEntry) -> Self {
+        Self {
+            file: log.file.clone(),
+            mapping: log.mapping.clone(),
+        }
+    }
+}
+
+/// A note that a log is being read.
+pub(crate) struct Note(PathBuf);
+
+impl Note {
+    pub(crate) fn remove(self) {
+        // What stays is taken away with the next start.
+        let _ = fs::remove_file(self.0);
+    }
 }
 
 fn too_slow() -> Refusal {
@@ -225,14 +355,6 @@ fn too_slow() -> Refusal {
             "nothing came for {} s; drop the file again",
             SILENCE_MAX.as_secs()
         ),
-    )
-}
-
-fn broken_off() -> Refusal {
-    Refusal::new(
-        StatusCode::BAD_REQUEST,
-        "E-WEB-BROKEN-OFF",
-        "the upload broke off; drop the file again",
     )
 }
 

@@ -18,16 +18,31 @@ fn the_page_has_an_address_with_a_token_and_refuses_those_without() {
     let line = lines.next().unwrap().unwrap();
     let address = line.strip_prefix("Open http://").unwrap().to_owned();
     let (host, token) = address.split_once("/?token=").unwrap();
-    let ask = |path: &str| {
+    let send = |request: &str| {
         let mut stream = TcpStream::connect(host).unwrap();
-        let request = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
         stream.write_all(request.as_bytes()).unwrap();
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
         answer
     };
+    let ask = |path: &str| {
+        send(&format!(
+            "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"
+        ))
+    };
     assert_contains(&ask("/"), &["401 Unauthorized", "retarder serve"]);
-    assert_contains(&ask(&format!("/?token={token}")), &["303 See Other"]);
+    let exchanged = ask(&format!("/?token={token}"));
+    assert_contains(&exchanged, &["303 See Other"]);
+    let (_, cookie) = exchanged.split_once("set-cookie: ").unwrap();
+    let (cookie, _) = cookie.split_once(';').unwrap();
+    // The program starts itself for the work of a tab.
+    let body = r#"{"project": null}"#;
+    let opened = send(&format!(
+        "POST /api/sessions HTTP/1.1\r\nHost: {host}\r\nCookie: {cookie}\r\nOrigin: http://{host}\r\nConnection: close\r\n\
+         Content-Type: application/json\r\nContent-Length: {}\r\n\r\n{body}",
+        body.len()
+    ));
+    assert_contains(&opened, &["200 OK", "\"session\""]);
     running.kill().unwrap();
     running.wait().unwrap();
     assert!(bench.path("kept/logs").is_dir());

@@ -62,7 +62,7 @@ async fn begin(
 ) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
     session.project().log(log)?;
-    Ok(begin_job(&sessions, &session, move |session, job| {
+    Ok(begin_job(&session, move |session, job| {
         work(session, log, job)
     }))
 }

@@ -206,7 +206,7 @@ async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<B
     let session = session(&sessions, id)?;
     let project = session.project();
     let plants = NamedPlant::all_of(&project)?;
-    Ok(begin_job(&sessions, &session, move |session, job| {
+    Ok(begin_job(&session, move |session, job| {
         let wish = project.closed_loop;
         let count = plants.len();
         let mut runs = Vec::with_capacity(count);

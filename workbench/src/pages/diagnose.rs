@@ -13,24 +13,18 @@ use plant_sim::PlantParameters;
 use serde::{Deserialize, Serialize};
 
 use super::{Begun, Shared, begin_job, session};
-use crate::effects::{self, EffectView};
 use crate::refusal::Refusal;
 use crate::results::{Chosen, Diagnosed};
 use crate::session::{Session, Sessions};
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
-        .route("/effects", get(list_effects))
         .route("/sessions/{session}/diagnose", post(begin))
         .route("/sessions/{session}/diagnosis", get(result))
         .route("/sessions/{session}/diagnosis/json", get(export_json))
         .route("/sessions/{session}/next-experiment", post(plan))
         .route("/sessions/{session}/next-experiment", get(planned))
         .route("/sessions/{session}/next-experiment/csv", get(export_csv))
-}
-
-async fn list_effects() -> Json<Vec<EffectView>> {
-    Json(effects::all())
 }
 
 /// Begins a diagnosis; what is under way in the same tab ends.
@@ -43,24 +37,27 @@ async fn begin(
     chosen.check(&session.project())?;
     let plant = session.project().plant;
     let parameters = plant.parameters()?;
-    Ok(begin_job(&sessions, &session, move |session, job| {
+    Ok(begin_job(&session, move |session, job| {
         let logs = session.recordings(&chosen.logs)?;
         let check = session.recordings(&chosen.check)?;
         let diagnosis = diagnose(&parameters, &logs, &check, &|seen| job.watch(seen))?;
         if !job.is_cancelled() {
-            session.next.forget();
-            session.diagnosed.keep(Diagnosed {
+            let diagnosed = Diagnosed {
                 diagnosis,
                 plant,
                 chosen,
-            });
+            };
+            session.change_findings(|findings| {
+                findings.diagnosed = Some(Arc::new(diagnosed));
+                findings.next = None;
+            })?;
         }
         Ok(())
     }))
 }
 
 fn diagnosed(session: &Session) -> Result<Arc<Diagnosed>, Refusal> {
-    session.diagnosed.get().ok_or_else(|| {
+    session.findings().diagnosed.ok_or_else(|| {
         Refusal::too_early("there is no diagnosis of these logs yet; diagnose first")
     })
 }
@@ -87,7 +84,7 @@ async fn result(
         chosen: found.chosen.clone(),
         diagnosis: found.diagnosis.clone(),
     };
-    Ok(Json(session.diagnosed.get().map(view)))
+    Ok(Json(session.findings().diagnosed.map(view)))
 }
 
 /// The very JSON that `retarder diagnose --json` writes.
@@ -156,7 +153,7 @@ async fn plan(
             "an experiment shows one effect, or tells two or more apart; name at least one",
         ));
     }
-    Ok(begin_job(&sessions, &session, move |session, job| {
+    Ok(begin_job(&session, move |session, job| {
         let logs = session.recordings(&found.chosen.logs)?;
         let ids: Vec<&str> = wish.effects.iter().map(String::as_str).collect();
         let question = match ids[..] {
@@ -166,7 +163,7 @@ async fn plan(
         let watch = |seen| job.watch(seen);
         let next = next_experiment(&parameters, &logs, question, limits, &watch)?;
         if !job.is_cancelled() {
-            session.next.keep(next);
+            session.change_findings(|findings| findings.next = Some(Arc::new(next)))?;
         }
         Ok(())
     }))
@@ -174,8 +171,8 @@ async fn plan(
 
 fn next(session: &Session) -> Result<Arc<NextExperiment>, Refusal> {
     session
+        .findings()
         .next
-        .get()
         .ok_or_else(|| Refusal::too_early("no experiment is planned yet; plan one first"))
 }
 
@@ -185,7 +182,9 @@ async fn planned(
     Path(id): Path<String>,
 ) -> Result<Json<Option<NextExperiment>>, Refusal> {
     let session = session(&sessions, id)?;
-    Ok(Json(session.next.get().map(|next| next.as_ref().clone())))
+    Ok(Json(
+        session.findings().next.map(|next| next.as_ref().clone()),
+    ))
 }
 
 /// The duty cycles that a rig takes.

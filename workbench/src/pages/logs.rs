@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Shared, blocking, session};
 use crate::calculated::{self, Calculated};
-use crate::examples::{self, Example};
+use crate::examples;
 use crate::log_reader;
 use crate::mapping::Form;
 use crate::project::{LOGS_MAX, PlantFile, Project, Strictness};
@@ -30,10 +30,10 @@ const NAME_MAX: usize = 120;
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
-        .route("/examples", get(list_examples))
         .route("/sessions/{session}/project", get(project))
         .route("/sessions/{session}/project", delete(begin_anew))
         .route("/sessions/{session}/examples/{example}", post(open_example))
+        .route("/sessions/{session}/logs", post(add_log))
         .route("/sessions/{session}/logs/{log}", delete(remove_log))
         .route("/sessions/{session}/logs/{log}/preview", get(preview_log))
         .route("/sessions/{session}/logs/{log}/mapping", put(map_columns))
@@ -42,15 +42,6 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/plant", get(plant_file))
         .route("/sessions/{session}/strictness", put(set_strictness))
         .route("/sessions/{session}/calculated", put(set_calculated))
-}
-
-/// Routes that take files of any length that is allowed.
-pub(super) fn uploads() -> Router<Arc<Sessions>> {
-    Router::new().route("/sessions/{session}/logs", post(add_log))
-}
-
-async fn list_examples() -> Json<Vec<&'static Example>> {
-    Json(examples::all())
 }
 
 /// What the page shows of the project. Logs that are not in memory yet are read for it.
@@ -179,13 +170,6 @@ async fn add_log(
     if session.project().logs.len() >= LOGS_MAX {
         return Err(too_many());
     }
-    let _place = sessions.uploads.try_acquire().map_err(|_| {
-        Refusal::new(
-            StatusCode::TOO_MANY_REQUESTS,
-            "E-WEB-BUSY",
-            "two files are on their way already; wait for them",
-        )
-    })?;
     let file_hash = session.store.receive(body).await?;
     blocking(move || {
         let name = shown_name(&file.name);

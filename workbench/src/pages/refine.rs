@@ -133,7 +133,7 @@ async fn change_plant(
     let session = session(&sessions, id)?;
     blocking(move || {
         session.project().log(wish.log)?;
-        let diagnosed = session.diagnosed.get();
+        let diagnosed = session.findings().diagnosed;
         note_errors(&session, wish.log)?;
         session.change(|project| {
             let history = of_plant(project)?;
@@ -179,7 +179,7 @@ async fn fit(
             "there is no effect to fit; add one or switch one on",
         ));
     }
-    Ok(begin_job(&sessions, &session, move |session, job| {
+    Ok(begin_job(&session, move |session, job| {
         let now = history.now();
         let (on, off): (Vec<_>, Vec<_>) = now.effects.iter().partition(|effect| effect.is_on);
         let opened = history.first().plant.parameters()?;

@@ -81,7 +81,7 @@ async fn state(
 /// Begins to write the report; logs that were not compared with the plant yet are.
 async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
-    Ok(begin_job(&sessions, &session, work))
+    Ok(begin_job(&session, work))
 }
 
 fn work(session: &Session, job: &Job) -> Result<(), Refusal> {

@@ -1,6 +1,9 @@
 //! A diagnosis.
 
+use std::sync::Arc;
+
 use model_lab::diagnosis::Diagnosis;
+use model_lab::diagnosis::next_experiment::NextExperiment;
 use serde::{Deserialize, Serialize};
 
 use crate::plant_file::PlantFile;
@@ -8,10 +11,19 @@ use crate::project::Project;
 use crate::refusal::Refusal;
 
 /// A diagnosis with what was diagnosed.
+#[derive(Serialize, Deserialize)]
 pub(crate) struct Diagnosed {
     pub(crate) diagnosis: Diagnosis,
     pub(crate) plant: PlantFile,
     pub(crate) chosen: Chosen,
+}
+
+/// Results that took a person a minute of waiting and little memory: they are stored with their project.
+#[derive(Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Findings {
+    pub(crate) diagnosed: Option<Arc<Diagnosed>>,
+    /// The last experiment that was planned after the diagnosis.
+    pub(crate) next: Option<Arc<NextExperiment>>,
 }
 
 /// Numbers of the logs that are fitted, and of those that judge.

@@ -83,17 +83,21 @@ impl Folder {
 
     /// Takes the right to tidy; none while another server has it.
     pub(super) fn take_tidying_right(&self) -> Result<Option<TidyingRight>, FolderError> {
-        let path = self.path.join("lock");
-        is_there(&path, Kind::File)?;
-        let mut options = OpenOptions::new();
-        options.write(true).create(true).truncate(false);
-        let file = options.open(&path).map_err(at(&path))?;
+        let file = open_lock(&self.path.join("lock"))?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => Ok(None),
             // A file system without locks: nobody else can have the right either.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(TidyingRight(file))),
         }
     }
+}
+
+/// Opens or makes a file that is there to be locked; what it holds stays as it is.
+pub(super) fn open_lock(path: &Path) -> Result<File, FolderError> {
+    is_there(path, Kind::File)?;
+    let mut options = OpenOptions::new();
+    options.write(true).create(true).truncate(false);
+    options.open(path).map_err(at(path))
 }
 
 /// Opens a file of the project folder for reading; a link is refused.

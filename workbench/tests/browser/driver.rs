@@ -10,7 +10,7 @@ use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use workbench::{Options, Server, Stopper};
+use workbench::{Options, Server, Stopper, Worker};
 
 /// Longest wait for anything on the page: the machine may be busy.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -22,6 +22,15 @@ pub(crate) struct Person {
     _driver: DriverProcess,
     server: Running,
     _folders: [TempDir; 2],
+}
+
+/// The process of a tab.
+pub(crate) fn worker() -> Worker {
+    Worker {
+        program: env!("CARGO_BIN_EXE_workbench-tab").into(),
+        arguments: Vec::new(),
+        memory_bytes: Worker::MEMORY_BYTES,
+    }
 }
 
 /// Ends with its browser, whatever a test does.
@@ -61,6 +70,7 @@ impl Person {
         let server = Server::bind(&Options {
             project: folders[0].path().to_path_buf(),
             port: Some(0),
+            worker: worker(),
         })
         .unwrap();
         let address = server.address();

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use workbench::{Options, Server};
 
-use crate::driver::with_browser;
+use crate::driver::{with_browser, worker};
 
 const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
 const CHECK: &str = include_str!("../../../data/synthetic/practice-01-check.csv");
@@ -31,6 +31,7 @@ fn first_content() {
     let server = Server::bind(&Options {
         project: folder.path().to_path_buf(),
         port: Some(0),
+        worker: worker(),
     });
     let bound_ms = begin.elapsed().as_secs_f64() * 1e3;
     assert!(server.is_ok());

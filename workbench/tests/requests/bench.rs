@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use workbench::{Options, Server, Stopper};
+use workbench::{Options, Server, Stopper, Worker};
 
 /// A running server with an open session.
 pub(crate) struct Bench {
@@ -58,7 +58,16 @@ impl Bench {
     }
 
     pub(crate) fn start_in(folder: TempDir) -> Self {
-        let server = serve(folder.path());
+        Self::run(folder, worker(Worker::MEMORY_BYTES))
+    }
+
+    /// A server whose tabs have another limit of memory.
+    pub(crate) fn with_worker(worker: Worker) -> Self {
+        Self::run(tempfile::tempdir().unwrap(), worker)
+    }
+
+    fn run(folder: TempDir, worker: Worker) -> Self {
+        let server = serve(folder.path(), worker);
         let address = server.address();
         let (base, token) = address.split_once("/?token=").unwrap();
         let port = base.rsplit(':').next().unwrap().parse().unwrap();
@@ -168,11 +177,21 @@ impl Drop for Bench {
     }
 }
 
+/// The process of a tab.
+pub(crate) fn worker(memory_bytes: u64) -> Worker {
+    Worker {
+        program: env!("CARGO_BIN_EXE_workbench-tab").into(),
+        arguments: Vec::new(),
+        memory_bytes,
+    }
+}
+
 /// A server on a free port: tests run side by side.
-pub(crate) fn serve(folder: &Path) -> Server {
+fn serve(folder: &Path, worker: Worker) -> Server {
     let options = Options {
         project: folder.to_path_buf(),
         port: Some(0),
+        worker,
     };
     Server::bind(&options).unwrap()
 }

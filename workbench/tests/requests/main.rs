@@ -22,6 +22,7 @@ mod diagnose;
 mod guard;
 mod loads;
 mod logs;
+mod memory;
 mod refine;
 mod report;
 mod sessions;

@@ -26,7 +26,7 @@ pub(super) async fn begin(
     let session = session(&sessions, id)?;
     let project = session.project();
     let plants = NamedPlant::all_of(&project)?;
-    Ok(begin_job(&sessions, &session, move |session, job| {
+    Ok(begin_job(&session, move |session, job| {
         let wish = project.closed_loop;
         let all = f64::from(wish.rigs) * plants.len() as f64;
         let mut done = 0.0;

@@ -44,7 +44,7 @@ impl Findings {
                 .collect(),
         });
         Self {
-            diagnosis: session.diagnosed.get().and_then(|diagnosed| {
+            diagnosis: session.findings().diagnosed.and_then(|diagnosed| {
                 if !is_of_plant(&diagnosed.plant) {
                     return None;
                 }

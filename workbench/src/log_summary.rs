@@ -1,0 +1,103 @@
+//! What a log is, in a few words and figures: computed once, when it is read.
+
+use recording::{Recording, Unit};
+use serde::Serialize;
+
+use crate::shown_unit::unit_of_errors;
+
+/// A log in a few words and figures.
+#[derive(Clone, Serialize)]
+pub(crate) struct LogSummary {
+    samples: usize,
+    duration_s: f64,
+    /// Date and time of the log's 0 s with its zone, where the file tells it.
+    start: Option<String>,
+    sample_interval_s: Option<f64>,
+    /// Pauses of the log: many times its sample interval.
+    gaps: usize,
+    is_uneven: bool,
+    sha256: Option<String>,
+    signals: Vec<SignalView>,
+    /// What the file has and the log has not, each with the reason.
+    left_out: Vec<LeftOutView>,
+}
+
+#[derive(Clone, Serialize)]
+struct LeftOutView {
+    name: String,
+    reason: String,
+}
+
+#[derive(Clone, Serialize)]
+struct SignalView {
+    name: String,
+    unit: String,
+    /// The unit as a header writes it.
+    token: &'static str,
+    /// That of its errors, and so of their limits.
+    error_unit: &'static str,
+    quantity: String,
+    /// `gauge`, `absolute` or none, for a pressure.
+    reference: Option<&'static str>,
+    missing: usize,
+    lowest: Option<f64>,
+    highest: Option<f64>,
+}
+
+impl LogSummary {
+    pub(crate) fn of(log: &Recording) -> Self {
+        let bases = || log.time_bases().map(|(_, base)| base);
+        let longest = bases().max_by_key(|base| base.len());
+        let sampling = longest.map(recording::TimeBase::sampling);
+        let start_s = bases()
+            .map(|base| base.start_s())
+            .fold(f64::INFINITY, f64::min);
+        let end_s = bases()
+            .map(|base| base.end_s())
+            .fold(f64::NEG_INFINITY, f64::max);
+        let provenance = log.provenance();
+        Self {
+            samples: longest.map_or(0, recording::TimeBase::len),
+            duration_s: (end_s - start_s).max(0.0),
+            start: provenance.start.map(|start| start.to_string()),
+            sample_interval_s: sampling
+                .as_ref()
+                .and_then(|sampling| sampling.median_step_s),
+            gaps: sampling.as_ref().map_or(0, |sampling| sampling.gaps.len()),
+            is_uneven: sampling.is_some_and(|sampling| sampling.uneven),
+            sha256: provenance.input.map(|input| input.sha256_hex()),
+            signals: log.signals().iter().map(signal_view).collect(),
+            left_out: log
+                .left_out()
+                .iter()
+                .map(|left_out| LeftOutView {
+                    name: left_out.name.clone(),
+                    reason: left_out.reason.clone(),
+                })
+                .collect(),
+        }
+    }
+}
+
+fn signal_view(signal: &recording::Signal) -> SignalView {
+    let present = || signal.iter().flatten();
+    SignalView {
+        name: signal.name().to_owned(),
+        unit: signal.unit().symbol().to_owned(),
+        token: signal.unit().token(),
+        error_unit: unit_of_errors(signal),
+        quantity: signal.quantity().to_string(),
+        reference: reference(signal.unit()),
+        missing: signal.missing_count(),
+        lowest: present().reduce(f64::min),
+        highest: present().reduce(f64::max),
+    }
+}
+
+fn reference(unit: Unit) -> Option<&'static str> {
+    use recording::PressureReference::{Absolute, Gauge};
+    unit.pressure_reference().map(|reference| match reference {
+        Gauge => "gauge",
+        Absolute => "absolute",
+    })
+}
