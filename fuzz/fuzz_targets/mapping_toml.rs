@@ -1,7 +1,13 @@
 #![no_main]
 
+#[path = "../../model-lab/tests/promise/mod.rs"]
+#[allow(dead_code, reason = "each target tests one of the promises")]
+mod chain;
 #[path = "../../recording/tests/promise/mod.rs"]
-#[allow(dead_code, reason = "each target holds one of the promises")]
+#[allow(dead_code, reason = "each target tests one of the promises")]
 mod promise;
 
-libfuzzer_sys::fuzz_target!(|text: &str| promise::mapping_toml(text));
+libfuzzer_sys::fuzz_target!(|text: &str| {
+    promise::mapping_toml(text);
+    chain::mapping_to_comparison(text);
+});

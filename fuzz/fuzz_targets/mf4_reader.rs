@@ -1,7 +1,13 @@
 #![no_main]
 
+#[path = "../../model-lab/tests/promise/mod.rs"]
+#[allow(dead_code, reason = "each target tests one of the promises")]
+mod chain;
 #[path = "../../recording/tests/promise/mod.rs"]
-#[allow(dead_code, reason = "each target holds one of the promises")]
+#[allow(dead_code, reason = "each target tests one of the promises")]
 mod promise;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| promise::mf4_reader(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    promise::mf4_reader(bytes);
+    chain::mf4_to_comparison(bytes);
+});

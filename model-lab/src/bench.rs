@@ -16,6 +16,21 @@ pub(crate) fn quantise(value: f64, step: f64) -> f64 {
     }
 }
 
+/// `log` without these rows: a pause of the logger.
+pub(crate) fn without_rows(log: &Recording, rows: std::ops::Range<usize>) -> Recording {
+    let kept = |values: &[f64]| [&values[..rows.start], &values[rows.end..]].concat();
+    let mut paused = Recording::new(log.provenance().clone());
+    let (_, base) = log.time_bases().next().unwrap();
+    let id = paused.add_time_base(TimeBase::new(kept(base.times_s())).unwrap());
+    for signal in log.signals() {
+        let values = kept(signal.values_or_nan());
+        paused
+            .add_signal(signal.name(), signal.unit(), id, values)
+            .unwrap();
+    }
+    paused
+}
+
 /// A log of `count` samples in which nothing is commanded.
 pub(crate) fn shut_for(count: usize, interval_s: f64) -> Commands {
     let mut log = Recording::new(Provenance::from_source("shut"));

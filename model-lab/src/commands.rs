@@ -8,6 +8,8 @@ use plant_sim::replay::{ReplayError, inputs};
 use plant_sim::valve::ValveFunction;
 use recording::Recording;
 
+use crate::gaps::Gaps;
+
 /// Names of the commands, fill and vent.
 pub(crate) const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
 
@@ -24,6 +26,8 @@ pub(crate) struct Commands {
     delay_s: f64,
     /// Time for which a command may still be in force after the next one took over [s].
     pub(crate) pwm_period_s: f64,
+    /// Where the log does not say what was commanded.
+    pub(crate) gaps: Gaps,
 }
 
 impl Commands {
@@ -56,6 +60,7 @@ impl Commands {
             }),
             delay_s: parameters.ecu.command_delay_s,
             pwm_period_s: 1.0 / parameters.ecu.pwm_frequency_hz,
+            gaps: Gaps::of(parameters, base, &inputs),
         })
     }
 
@@ -88,7 +93,7 @@ impl Commands {
         let mut close = |from: usize, until_s: f64| {
             let end = self.times_s.partition_point(|&time_s| time_s <= until_s);
             if end > from {
-                stretches.push(from..end);
+                stretches.extend(self.gaps.between(from..end));
             }
         };
         for row in (0..self.len()).filter(|&row| acts(row)) {
@@ -130,6 +135,7 @@ mod tests {
             shut_pct: [0.0, 0.0],
             delay_s: 0.015,
             pwm_period_s: 0.01,
+            gaps: Gaps::default(),
         }
     }
 

@@ -13,10 +13,10 @@ use crate::offset::{FineCourse, time_offset};
 use crate::options::CompareOptions;
 use crate::regime::{Excess, Features, error_map, find, placement, shares};
 use crate::result::{
-    COMPARISON_SCHEMA, Comparison, CurrentMeaning, Horizon, LimitFrom, Placement, Predictor,
-    RESIDUAL_SIGN, SignalComparison, TimeOffset, Traces, Verdict,
+    COMPARISON_SCHEMA, Comparison, CurrentMeaning, Horizon, LimitFrom, LogDefects, Placement,
+    Predictor, RESIDUAL_SIGN, SignalComparison, TimeOffset, Traces, Verdict,
 };
-use crate::run::{Activity, Columns, Setup};
+use crate::run::{Activity, Columns, FineRun, Setup};
 use crate::summary::summary;
 
 /// The time offset is taken from this many samples at most, which bounds memory on long logs.
@@ -58,6 +58,7 @@ pub fn compare_watched(
     let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
     let (start, start_pressure) = start(parameters, pressure, &commands);
     setup.start_pressure = start_pressure;
+    setup.restarts = pressure.map_or_else(Vec::new, |signal| signal.restarts.clone());
 
     let free_run = setup.free_run()?;
     let no_pressure = vec![f64::NAN; commands.len()];
@@ -68,7 +69,7 @@ pub fn compare_watched(
     };
     let (short_horizon, activities) =
         setup.predict(pressure.map_or(&no_pressure, |signal| &signal.values), gain)?;
-    let (fine_times_s, fine_run) = setup.fine_run(OFFSET_ROWS)?;
+    let fine_run = setup.fine_run(OFFSET_ROWS)?;
     let predictor = pressure.map(|_| Predictor {
         signal: PRESSURE.to_owned(),
         gain,
@@ -82,7 +83,6 @@ pub fn compare_watched(
         setup: &setup,
         activities: &activities,
         predictor: predictor.as_ref(),
-        fine_times_s: &fine_times_s,
         fine_run: &fine_run,
     };
     let mut signals = Vec::new();
@@ -141,6 +141,7 @@ pub fn compare_watched(
         verdict: verdict(&signals, options),
         signals,
         not_compared,
+        defects: LogDefects::of(log, &commands, pressure),
         traces,
     })
 }
@@ -152,8 +153,7 @@ struct Lab<'a> {
     setup: &'a Setup<'a>,
     activities: &'a [Activity],
     predictor: Option<&'a Predictor>,
-    fine_times_s: &'a [f64],
-    fine_run: &'a Columns,
+    fine_run: &'a FineRun,
 }
 
 impl Lab<'_> {
@@ -250,16 +250,17 @@ impl Lab<'_> {
     }
 
     fn time_offset(&self, signal: &Measured) -> Option<TimeOffset> {
-        let rows = signal.values.len().min(OFFSET_ROWS);
-        let times_s = &self.commands.times_s[..rows];
-        let fine = self.fine_run.get(signal.name)?;
+        let rows = self.commands.gaps.longest(self.fine_run.rows);
+        let times_s = &self.commands.times_s[rows.clone()];
+        let fine = self.fine_run.columns.get(signal.name)?;
+        let fine_times_s = &self.fine_run.times_s;
         let is_mean = matches!(self.setup.sampling, CurrentSampling::MeanOfInterval);
         let course = if is_mean && signal.error_unit == Unit::Milliampere {
-            FineCourse::of_means(self.fine_times_s, fine)
+            FineCourse::of_means(fine_times_s, fine)
         } else {
-            FineCourse::of_instants(self.fine_times_s, fine)
+            FineCourse::of_instants(fine_times_s, fine)
         };
-        time_offset(times_s, &signal.values[..rows], &course, signal.name)
+        time_offset(times_s, &signal.values[rows], &course, signal.name)
     }
 }
 
@@ -288,5 +289,7 @@ fn verdict(signals: &[SignalComparison], options: &CompareOptions) -> Verdict {
     }
 }
 
+#[cfg(test)]
+mod gap_tests;
 #[cfg(test)]
 mod tests;

@@ -52,15 +52,6 @@ pub enum CompareError {
         /// What is allowed.
         range: &'static str,
     },
-    /// The plant cannot be simulated.
-    #[error(
-        "the plant cannot be simulated on this log in a bounded number of steps: given up at {time_s} s; \
-         bring its parameters nearer to sizes that are met in practice"
-    )]
-    GivenUp {
-        /// Instant up to which it came (s).
-        time_s: f64,
-    },
     /// Whoever watched said not to go on.
     #[error("the comparison was stopped before its end; begin it again")]
     Stopped,

@@ -42,7 +42,8 @@ pub fn free_run(parameters: &PlantParameters, log: &Recording) -> Result<FreeRun
     let (measured, _) = measured_signals(parameters, (log, setup.base), &commands)?;
     let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
     (_, setup.start_pressure) = start(parameters, pressure, &commands);
-    let run = setup.bounded_free_run()?;
+    setup.restarts = pressure.map_or_else(Vec::new, |signal| signal.restarts.clone());
+    let run = setup.free_run()?;
     let errors = measured.iter().map(|signal| SignalError {
         name: signal.name,
         unit: signal.error_unit.symbol(),

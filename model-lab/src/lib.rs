@@ -4,9 +4,11 @@
 mod bench;
 mod commands;
 mod compare;
+mod defects;
 pub mod diagnosis;
 mod error;
 mod free_run;
+mod gaps;
 mod measured;
 mod metrics;
 mod noise;

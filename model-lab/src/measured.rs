@@ -4,10 +4,11 @@ use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::signals;
-use recording::{Recording, TimeBase, Unit};
+use recording::{Bounds, Quantity, Recording, TimeBase, Unit};
 
 use crate::commands::{Commands, DUTIES};
 use crate::error::CompareError;
+use crate::gaps::Gap;
 use crate::metrics::{mean, present};
 use crate::noise_floor::{Floor, Quiet, noise_floor};
 use crate::result::{NotCompared, Start, StartFrom};
@@ -31,6 +32,31 @@ pub(crate) struct Measured {
     /// NaN where missing.
     pub(crate) values: Vec<f64>,
     pub(crate) floor: Floor,
+    /// Ambient pressure of the plant (Pa abs).
+    pub(crate) ambient: f64,
+    /// Samples below vacuum at the ambient pressure of the plant: they are missing.
+    pub(crate) below_vacuum: usize,
+    /// Of the chamber pressure, where the model begins again behind a gap.
+    pub(crate) restarts: Vec<Restart>,
+}
+
+/// Where the model begins again.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Restart {
+    /// The last row that counts in no error.
+    pub(crate) row: usize,
+    /// Measured chamber pressure there (Pa abs).
+    pub(crate) pressure: f64,
+    /// Its variance over that of the noise.
+    pub(crate) variance: f64,
+}
+
+impl Restart {
+    /// The one at `row`, of some that are in order of their rows.
+    pub(crate) fn at(restarts: &[Self], row: usize) -> Option<&Self> {
+        let place = restarts.binary_search_by_key(&row, |restart| restart.row);
+        place.ok().map(|place| &restarts[place])
+    }
 }
 
 impl Measured {
@@ -80,7 +106,18 @@ pub(crate) fn measured_signals(
             refuse("every sample is missing");
             continue;
         }
-        let values = signal.values_at_ambient(unit, parameters.gas.ambient_pressure_pa)?;
+        let ambient = parameters.gas.ambient_pressure_pa;
+        let mut values = signal.values_at_ambient(unit, ambient)?;
+        let below_vacuum = match unit {
+            Unit::BarGauge => take_out_vacuum(&mut values, ambient),
+            _ => 0,
+        };
+        let shown = (name == PRESSURE).then(|| values.clone());
+        commands.gaps.blank(&mut values);
+        if present(&values).next().is_none() {
+            refuse("every sample is missing, below vacuum or in a gap");
+            continue;
+        }
         let error_unit = if unit == Unit::BarGauge {
             Unit::BarDifference
         } else {
@@ -92,11 +129,17 @@ pub(crate) fn measured_signals(
             Quiet::of_signal(name),
             commands,
         );
+        let restarts = shown.map_or_else(Vec::new, |shown| {
+            restarts(&shown, (commands, floor.sigma), ambient)
+        });
         measured.push(Measured {
             name,
             error_unit,
             values,
             floor,
+            ambient,
+            below_vacuum,
+            restarts,
         });
     }
     if measured.is_empty() {
@@ -121,6 +164,49 @@ pub(crate) fn measured_signals(
         });
     }
     Ok((measured, not_compared))
+}
+
+/// The least chamber pressure (Pa abs) that a model begins at.
+fn least_pressure() -> f64 {
+    Bounds::of(Quantity::Pressure).least * PA_PER_BAR
+}
+
+/// Makes pressures [bar gauge] missing that are below vacuum where the ambient pressure is `ambient` (Pa abs), and
+/// returns their number.
+fn take_out_vacuum(values: &mut [f64], ambient: f64) -> usize {
+    let is_below = |value: &&mut f64| **value * PA_PER_BAR + ambient < least_pressure();
+    let below = values.iter_mut().filter(is_below);
+    below.map(|value| *value = f64::NAN).count()
+}
+
+/// Where the model begins again behind each gap, from the pressures [bar gauge] that were measured, also within gaps.
+fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) -> Vec<Restart> {
+    let holds = commands.holds(0.0);
+    let restart = |gap: &Gap| {
+        let row = gap.rows.end.checked_sub(1)?;
+        // Until something moves, every sample shows the pressure of the last row of the gap.
+        let next = holds.partition_point(|hold| hold.start < gap.rows.end);
+        let hold = holds.get(next).filter(|hold| hold.start == gap.rows.end);
+        let soon_s = commands.times_s[row] + START_S;
+        let soon = commands.times_s.partition_point(|&time_s| time_s <= soon_s);
+        let end = hold.map_or(row + 1, |hold| hold.end.min(soon).max(row + 1));
+        let rows = row..end;
+        let still = (&commands.times_s[rows.clone()], &shown[rows.clone()]);
+        let level_bar = level_above_vacuum(still, sigma, ambient)?;
+        Some(Restart {
+            row,
+            pressure: level_bar * PA_PER_BAR + ambient,
+            variance: 1.0 / present(&shown[rows]).count() as f64,
+        })
+    };
+    commands.gaps.iter().filter_map(restart).collect()
+}
+
+/// As [`first_level`], but no line that leads below vacuum.
+fn level_above_vacuum(still: (&[f64], &[f64]), sigma: f64, ambient: f64) -> Option<f64> {
+    let is_above = |level: &f64| *level * PA_PER_BAR + ambient >= least_pressure();
+    let level = first_level(still, sigma).filter(is_above);
+    level.or_else(|| present(still.1).next())
 }
 
 /// What the values show at the first instant: their mean, or where they drift by more than noise [sigma], the line
@@ -170,7 +256,8 @@ pub(crate) fn start(
         .partition_point(|&time_s| time_s <= START_S);
     let rows = commands.rows_before_first_action().clamp(1, soon);
     let still = (&commands.times_s[..rows], &pressure.values[..rows]);
-    let level = first_level(still, pressure.floor.sigma);
+    let ambient = parameters.gas.ambient_pressure_pa;
+    let level = level_above_vacuum(still, pressure.floor.sigma, ambient);
     let Some(initial_bar) = level.or_else(|| present(&pressure.values).next()) else {
         return at_rest("from rest: every sample of the chamber pressure is missing".to_owned());
     };
@@ -187,8 +274,5 @@ pub(crate) fn start(
             "from the measured pressure, {initial_bar:.3} bar gauge, which is away from ambient"
         ),
     };
-    (
-        start,
-        Some(initial_bar * PA_PER_BAR + parameters.gas.ambient_pressure_pa),
-    )
+    (start, Some(initial_bar * PA_PER_BAR + ambient))
 }

@@ -13,6 +13,8 @@ const REACH_SAMPLES: f64 = 3.0;
 const REACH_MIN_S: f64 = 5e-3;
 /// Distance of the shifts that are tried [s], before a parabola refines the best.
 const SHIFT_S: f64 = 1e-3;
+/// Shifts that are tried on either side, at most; slow logs are searched in wider steps.
+const SHIFTS_MAX: usize = 300;
 /// A smaller lag [s] is not worth a word.
 const WORTH_MENTIONING_S: f64 = 0.5e-3;
 /// A shift that takes away less of the mismatch only mends what another error did.
@@ -105,7 +107,7 @@ pub(crate) fn time_offset(
     }
     let span = (SPAN_S / interval_s).round().max(1.0) as usize;
     let reach_s = (REACH_SAMPLES * interval_s).max(REACH_MIN_S);
-    let steps = (reach_s / SHIFT_S.min(reach_s / 5.0)).round() as usize;
+    let steps = ((reach_s / SHIFT_S.min(reach_s / 5.0)).round() as usize).min(SHIFTS_MAX);
     let shift_s = reach_s / steps as f64;
     let correlation =
         |lag_s: f64| change_correlation(measured, &model.sample(times_s, lag_s), span);

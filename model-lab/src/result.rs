@@ -38,6 +38,9 @@ pub struct Comparison {
     pub signals: Vec<SignalComparison>,
     /// Signals with a name that the model knows, which could not be compared.
     pub not_compared: Vec<NotCompared>,
+    /// Gaps and missing cells of the log; absent where it has none.
+    #[serde(default, skip_serializing_if = "LogDefects::is_empty")]
+    pub defects: LogDefects,
     /// Whether the model holds.
     pub verdict: Verdict,
     /// Courses for plots; not part of the JSON.
@@ -135,6 +138,44 @@ pub struct NotCompared {
     pub name: String,
     /// Why, and what to do.
     pub reason: String,
+}
+
+/// What a log lacks: pauses, cells without a value, and where the model began again.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LogDefects {
+    /// Times for which the log does not say what was commanded, in order; they are in no error.
+    pub gaps: Vec<LogGap>,
+    /// Signals with missing cells; these are in no error.
+    pub missing: Vec<MissingCells>,
+    /// All of it in words, one sentence without a full stop for each.
+    pub sentences: Vec<String>,
+}
+
+/// A time for which the log does not say what was commanded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LogGap {
+    /// Last instant before it in s, in the time of the log.
+    pub start_s: f64,
+    /// First instant behind it in s.
+    pub end_s: f64,
+    /// Samples in it and behind it that are in no error: commands need a delay, a PWM period and 50 ms to be in force.
+    pub samples: usize,
+    /// Pressure in bar gauge at which the model began again behind it; null where none was measured.
+    pub restart_bar_gauge: Option<f64>,
+}
+
+/// Cells of a signal without a value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MissingCells {
+    /// The signal.
+    pub signal: String,
+    /// Number of such cells.
+    pub cells: usize,
+    /// How many of them held a value outside the hard bounds of the quantity.
+    pub out_of_bounds: u64,
 }
 
 /// One signal, measured and modelled.

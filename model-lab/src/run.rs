@@ -11,14 +11,17 @@ use plant_sim::{PlantParameters, Simulator, Tolerance};
 use recording::{AddSignalError, Provenance, Recording, TimeBase, Unit};
 
 use crate::error::CompareError;
+use crate::gaps::Gaps;
+use crate::measured::Restart;
 use crate::metrics::present;
 
 /// Within a sample interval the valves are looked at this often [ns].
 const LOOK_NS: u64 = 1_000_000;
 
-/// A simulation that takes more steps than this per row, and so many more at the start, is given up.
-pub(crate) const WORK_PER_ROW: u64 = 400;
-pub(crate) const WORK_AT_START: u64 = 100_000;
+/// Looks within a row, at most: a row is at most this many [`LOOK_NS`], or is looked at less often.
+const LOOKS_MAX: u64 = 1_000;
+/// Points of a fine run, at most: 20 min at 100 Hz, whatever the interval.
+const FINE_POINTS_MAX: usize = 1_200_000;
 
 /// What every run of one comparison shares.
 pub(crate) struct Setup<'a> {
@@ -29,6 +32,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) tolerance: Tolerance,
     /// Chamber pressure to begin with [Pa abs]; none starts at rest.
     pub(crate) start_pressure: Option<f64>,
+    /// Where it begins again behind a gap, in order of time.
+    pub(crate) restarts: Vec<Restart>,
     watch: Option<Watch<'a>>,
 }
 
@@ -77,7 +82,8 @@ impl<'a> Setup<'a> {
         log: &'a Recording,
         tolerance: Tolerance,
     ) -> Result<Self, ReplayError> {
-        let (base, inputs) = inputs(parameters, log)?;
+        let (base, mut inputs) = inputs(parameters, log)?;
+        Gaps::of(parameters, base, &inputs).shorten(&mut inputs);
         let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
         let sampling = CurrentSampling::of_interval(interval_s, parameters);
         Ok(Self {
@@ -87,6 +93,7 @@ impl<'a> Setup<'a> {
             sampling,
             tolerance,
             start_pressure: None,
+            restarts: Vec::new(),
             watch: None,
         })
     }
@@ -114,32 +121,31 @@ impl<'a> Setup<'a> {
         replay
     }
 
+    /// The row of the model at instant `index`.
+    fn row(&self, index: usize, replay: &mut Replay) -> Result<Row, CompareError> {
+        let input = self.inputs[index];
+        let row = replay.row(input);
+        match replay.simulator().is_given_up() {
+            true => Err(ReplayError::given_up(input.time_ns).into()),
+            false => Ok(row),
+        }
+    }
+
+    /// Begins again at the measured pressure where `index` is the last row of a gap.
+    fn restart(&self, index: usize, replay: &mut Replay) {
+        if let Some(restart) = Restart::at(&self.restarts, index) {
+            replay.begin_showing(restart.pressure);
+        }
+    }
+
     /// The model driven by the commands alone.
     pub(crate) fn free_run(&self) -> Result<Columns, CompareError> {
         let mut replay = self.begin();
         let mut columns = Columns::with_capacity(self);
-        for &input in &self.inputs {
+        for index in 0..self.inputs.len() {
             self.count_row()?;
-            columns.push(replay.row(input));
-        }
-        Ok(columns)
-    }
-
-    /// As [`Self::free_run`], in a bounded number of steps whatever the parameters are.
-    pub(crate) fn bounded_free_run(&self) -> Result<Columns, CompareError> {
-        let mut replay = self.begin();
-        let mut columns = Columns::with_capacity(self);
-        let mut work = WORK_AT_START;
-        for &input in &self.inputs {
-            work += WORK_PER_ROW;
-            replay.simulator().set_work_limit(work);
-            let row = replay.row(input);
-            if replay.simulator().is_given_up() {
-                return Err(CompareError::GivenUp {
-                    time_s: input.time_ns as f64 * 1e-9,
-                });
-            }
-            columns.push(row);
+            columns.push(self.row(index, &mut replay)?);
+            self.restart(index, &mut replay);
         }
         Ok(columns)
     }
@@ -161,12 +167,13 @@ impl<'a> Setup<'a> {
                 replay.simulator().state().pressure,
             );
             let mut open = [false; 2];
+            replay.begin_row(input.time_ns);
             for time_ns in instants_between(begin.0, input.time_ns) {
                 let simulator = replay.simulator();
                 simulator.advance_to_ns(time_ns);
                 open = [FILL, VENT].map(|valve| open[valve] || is_open(simulator, valve));
             }
-            columns.push(replay.row(input));
+            columns.push(self.row(row, &mut replay)?);
             let simulator = replay.simulator();
             let pressure = simulator.state().pressure;
             let span_s = (input.time_ns - begin.0) as f64 * 1e-9;
@@ -179,6 +186,8 @@ impl<'a> Setup<'a> {
                     0.0
                 },
             });
+            self.restart(row, &mut replay);
+            let simulator = replay.simulator();
             let error =
                 measured_bar[row] * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa - pressure;
             if gain > 0.0 && error.is_finite() {
@@ -188,32 +197,53 @@ impl<'a> Setup<'a> {
         Ok((columns, activities))
     }
 
-    /// The free run on a grid of at most 1 ms over the first `rows` instants: times [s] and columns. A current that
-    /// is a mean refers to the grid interval that ends at its time.
-    pub(crate) fn fine_run(&self, rows: usize) -> Result<(Vec<f64>, Columns), CompareError> {
+    /// The free run on a grid of at most 1 ms over the first `rows` instants, or fewer where these are far apart: times
+    /// \[s\] and columns. A current that is a mean refers to the grid interval that ends at its time.
+    pub(crate) fn fine_run(&self, rows: usize) -> Result<FineRun, CompareError> {
         let mut replay = self.begin();
-        let mut columns = Columns::with_capacity(self);
-        let mut times_s = Vec::new();
+        let mut fine = FineRun {
+            rows: 0,
+            times_s: Vec::new(),
+            columns: Columns::with_capacity(self),
+        };
         let mut last_ns = 0;
-        for &input in self.inputs.iter().take(rows) {
+        let start_s = self.base.start_s();
+        for (index, &input) in self.inputs.iter().enumerate().take(rows) {
             self.count_row()?;
+            if fine.times_s.len() > FINE_POINTS_MAX {
+                break;
+            }
+            let log_ns = ((self.base.times_s()[index] - start_s) * 1e9).round() as u64;
+            // What gaps were shortened by.
+            let later_ns = log_ns - input.time_ns;
             for time_ns in
                 instants_between(last_ns, input.time_ns).take_while(|&t| t < input.time_ns)
             {
                 // To hold the last command changes nothing.
-                columns.push(replay.row(ReplayInput {
+                fine.columns.push(replay.row(ReplayInput {
                     time_ns,
                     command: None,
                     supply_voltage_v: None,
                 }));
-                times_s.push(time_ns as f64 * 1e-9);
+                fine.times_s.push((time_ns + later_ns) as f64 * 1e-9);
             }
-            columns.push(replay.row(input));
-            times_s.push(input.time_ns as f64 * 1e-9);
+            fine.columns.push(self.row(index, &mut replay)?);
+            fine.times_s.push(log_ns as f64 * 1e-9);
+            self.restart(index, &mut replay);
             last_ns = input.time_ns;
+            fine.rows = index + 1;
         }
-        Ok((times_s, columns))
+        Ok(fine)
     }
+}
+
+/// A free run on a grid that is finer than the log.
+pub(crate) struct FineRun {
+    /// Rows of the log that it covers, from the first one on.
+    pub(crate) rows: usize,
+    /// Instants since the start of the log [s].
+    pub(crate) times_s: Vec<f64>,
+    pub(crate) columns: Columns,
 }
 
 impl Columns {
@@ -257,10 +287,10 @@ impl Columns {
     }
 }
 
-/// Equally spaced instants in (begin, end], at most [`LOOK_NS`] apart, `end` last.
+/// Equally spaced instants in (begin, end], [`LOOK_NS`] apart at most or [`LOOKS_MAX`] of them, `end` last.
 fn instants_between(begin_ns: u64, end_ns: u64) -> impl Iterator<Item = u64> {
     let span = end_ns - begin_ns;
-    let count = span.div_ceil(LOOK_NS);
+    let count = span.div_ceil(LOOK_NS).min(LOOKS_MAX);
     (1..=count).map(move |part| {
         begin_ns + (u128::from(span) * u128::from(part) / u128::from(count)) as u64
     })
@@ -299,7 +329,11 @@ mod tests {
         let (watched, _) = setup
             .predict(&vec![f64::NAN; log.signals()[0].len()], 0.0)
             .unwrap();
-        let (times_s, fine) = setup.fine_run(usize::MAX).unwrap();
+        let FineRun {
+            times_s,
+            columns: fine,
+            ..
+        } = setup.fine_run(usize::MAX).unwrap();
         for (row, &expected) in free.get("p_ch").unwrap().iter().enumerate() {
             let time_s = row as f64 * 0.01;
             let nearest = times_s.partition_point(|&t| t < time_s - 1e-6);

@@ -82,10 +82,20 @@ fn has_signal(parameters: &PlantParameters, name: &str) -> bool {
     }
 }
 
-/// Replays a log row by row in constant memory.
+/// Steps that a replay may take at its beginning ...
+const WORK_AT_START: u64 = 100_000;
+/// ... and for each PWM period of a row, at least one ...
+const WORK_PER_PERIOD: u64 = 400;
+/// ... and at most so many: a log with an hour between its rows is no longer than one with a second.
+const PERIODS_OF_ROW_MAX: u64 = 100;
+
+/// Replays a log row by row in constant memory, and in a number of steps that the number of its rows bounds: beyond it
+/// the [simulation is given up](Simulator::is_given_up), and rows are NaN.
 #[derive(Debug, Clone)]
 pub struct Replay {
     simulator: Simulator,
+    pwm_period_ns: u64,
+    work_limit: u64,
     regulating_valve: Option<RegulatingValve>,
     sampling: CurrentSampling,
     ambient_pressure: f64,
@@ -106,6 +116,8 @@ impl Replay {
     ) -> Self {
         Self {
             simulator: Simulator::with_tolerance(parameters, tolerance),
+            pwm_period_ns: parameters.ecu.pwm_period_ns(),
+            work_limit: WORK_AT_START,
             regulating_valve: parameters
                 .regulating_valve
                 .clone()
@@ -138,8 +150,17 @@ impl Replay {
         }
     }
 
+    /// Allows the simulator the steps of a row that ends at `time_ns`: for whoever advances it on the way there.
+    pub fn begin_row(&mut self, time_ns: u64) {
+        let span_ns = time_ns.saturating_sub(self.simulator.time_ns());
+        let periods = span_ns.div_ceil(self.pwm_period_ns.max(1));
+        self.work_limit += WORK_PER_PERIOD * periods.clamp(1, PERIODS_OF_ROW_MAX);
+        self.simulator.set_work_limit(self.work_limit);
+    }
+
     /// Advances to the instant of `input`, samples, then hands over the command.
     pub fn row(&mut self, input: ReplayInput) -> Row {
+        self.begin_row(input.time_ns);
         self.simulator.advance_to_ns(input.time_ns);
         let sample = self.simulator.sample();
         let plunger = self.advance_plunger(&sample);
@@ -228,7 +249,11 @@ pub fn replay(
     let mut held_commands = 0;
     for (index, &input) in inputs.iter().enumerate() {
         held_commands += usize::from(input.command.is_none());
-        for (column, value) in columns.iter_mut().zip(replay.row(input)) {
+        let row = replay.row(input);
+        if replay.simulator().is_given_up() {
+            return Err(ReplayError::given_up(input.time_ns));
+        }
+        for (column, value) in columns.iter_mut().zip(row) {
             column.push(value);
         }
         correct(index, replay.simulator());
@@ -365,9 +390,27 @@ pub fn check_gap(from_s: f64, to_s: f64) -> Result<(), ReplayError> {
     Ok(())
 }
 
+impl ReplayError {
+    /// The simulation was given up before the row at `time_ns`.
+    pub fn given_up(time_ns: u64) -> Self {
+        Self::GivenUp {
+            time_s: time_ns as f64 * 1e-9,
+        }
+    }
+}
+
 /// Why a log cannot be replayed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReplayError {
+    /// The simulation takes more steps than a log of this length may ask for.
+    #[error(
+        "the plant cannot be simulated on this log in a bounded number of steps: given up {time_s} s after its begin; \
+         bring the parameters nearer to sizes that are met in practice, and look at the supply voltage and the time there"
+    )]
+    GivenUp {
+        /// Time since the start of the log (s).
+        time_s: f64,
+    },
     /// A signal is absent or of another kind.
     #[error(transparent)]
     MissingSignal(#[from] MissingSignal),

@@ -175,7 +175,7 @@ impl fmt::Display for OutOfBounds {
             write!(
                 f,
                 "{comma}{place}: {} {}",
-                outlier.value,
+                Short(outlier.value),
                 self.unit.symbol()
             )?;
         }
@@ -183,6 +183,18 @@ impl fmt::Display for OutOfBounds {
             write!(f, "; and {} more", self.count - NAMED_MAX as u64)?;
         }
         Ok(())
+    }
+}
+
+/// A number of any size in few characters.
+pub(crate) struct Short(pub(crate) f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.abs() {
+            size if size == 0.0 || (1e-3..1e9).contains(&size) => write!(f, "{}", self.0),
+            _ => write!(f, "{:e}", self.0),
+        }
     }
 }
 
@@ -195,7 +207,13 @@ impl fmt::Display for Allowed<'_> {
             let scale = 10_f64.powf(5.0 - end.abs().max(1.0).log10().floor());
             (end * scale).round() / scale
         });
-        write!(f, "allowed: {least} to {most} {}", self.1.symbol())
+        write!(
+            f,
+            "allowed: {} to {} {}",
+            Short(least),
+            Short(most),
+            self.1.symbol()
+        )
     }
 }
 
@@ -240,7 +258,7 @@ mod tests {
         let text = cells.to_string();
         assert!(
             text.starts_with(
-                "18 cells of i_fill out of bounds (allowed: -1000000 to 1000000 mA), counted as missing: line 2, column 5: 1"
+                "18 cells of i_fill out of bounds (allowed: -1000000 to 1000000 mA), counted as missing: line 2, column 5: 1e200 mA;"
             ) && text.ends_with("; and 15 more"),
             "{text}"
         );

@@ -2,6 +2,7 @@
 
 mod bounds;
 pub mod csv;
+mod defects;
 mod file;
 mod known;
 mod log;
@@ -18,6 +19,7 @@ mod time_base;
 mod unit;
 
 pub use bounds::{Bounds, OutOfBounds, Outlier};
+pub use defects::{Defects, MissingCells, Pause};
 pub use file::{AtomicFile, write_file_atomically};
 pub use log::{
     LogError, LogFormat, LogOptions, OpenLog, open_log, open_log_file, read_log, read_log_file,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::bounds::{Allowed, Bounds, OutOfBounds};
+use crate::bounds::{Allowed, Bounds, OutOfBounds, Short};
 use crate::proposal::signal_line;
 use crate::signal::quantity_of;
 use crate::{Converter, PressureReference, Quantity, Unit};
@@ -80,10 +80,8 @@ impl fmt::Display for Implausible {
                 write!(f, "found a duty cycle of {percent} %, expected 0 to 100 %")
             }
             Self::OutOfBounds { cells, of } => {
-                let value = cells
-                    .first
-                    .first()
-                    .map_or(f64::NAN, |outlier| outlier.value);
+                let first = cells.first.first();
+                let value = Short(first.map_or(f64::NAN, |outlier| outlier.value));
                 let allowed = Allowed(&cells.allowed, cells.unit);
                 let unit = cells.unit.symbol();
                 write!(

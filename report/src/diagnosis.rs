@@ -41,6 +41,11 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
                     p.finding { strong { (foreign(&signal.name)) } " of " (foreign(log)) " was not weighed: " (foreign(&signal.reason)) "." }
                 }
             }
+            @for (log, defects) in &diagnosis.defects {
+                @for sentence in &defects.sentences {
+                    p.finding { (foreign(log)) ": " (foreign(sentence)) "." }
+                }
+            }
             @for candidate in diagnosis.candidates.iter().filter(named) {
                 p.finding { strong { (foreign(&title(&candidate.effect))) } ": " (foreign(&candidate.physics)) }
             }

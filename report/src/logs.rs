@@ -46,7 +46,9 @@ fn row(log: &LogPart<'_>) -> Markup {
                     @for left_out in recording.left_out() {
                         div { code { (foreign(&left_out.name)) } " left out: " (foreign(&left_out.reason)) }
                     }
-                    @if log.problems.is_empty() && recording.left_out().is_empty() { "none" }
+                    @let defects = recording.defects().sentences();
+                    @for sentence in &defects { div { (foreign(sentence)) } }
+                    @if log.problems.is_empty() && recording.left_out().is_empty() && defects.is_empty() { "none" }
                 }
             }
         }

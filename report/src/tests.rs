@@ -3,7 +3,7 @@
 use hil_harness::{Requirement, Run, Scenario, Verdict, run_in_process};
 use model_lab::diagnosis::Diagnosis;
 use model_lab::diagnosis::result::{FlowCurve, FlowPoint};
-use model_lab::result::NotCompared;
+use model_lab::result::{LogDefects, NotCompared};
 use model_lab::thesis::{Measurements, ThesisTable, compare_with_model};
 use model_lab::{CompareOptions, Comparison, compare};
 use plant_sim::PlantParameters;
@@ -121,6 +121,7 @@ fn hostile_text_stays_text() {
         }
     }
     bench.comparison.signals[1].name = hostile();
+    bench.comparison.defects.sentences = vec![hostile()];
     bench.verdict.source = hostile();
     for check in &mut bench.verdict.checks {
         (check.requirement, check.evidence, check.unit) = (hostile(), hostile(), hostile());
@@ -130,6 +131,42 @@ fn hostile_text_stays_text() {
         (row.rig, row.note) = (Some(hostile()), Some(hostile()));
     }
     assert_harmless(&bench.report(HOSTILE));
+}
+
+/// A pause of 0.7 s and a missing cell: the table of logs said "none".
+#[test]
+fn gaps_and_missing_cells_are_problems_of_the_log() {
+    let path = format!("{ROOT}/data/synthetic/{LOG}");
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut rows: Vec<&str> = text.lines().collect();
+    let header = rows
+        .iter()
+        .position(|row| row.starts_with("time_s"))
+        .unwrap();
+    rows.drain(header + 301..header + 371);
+    let damaged: String = rows
+        .iter()
+        .enumerate()
+        .map(
+            |(row, text)| match (row == header + 200, text.rsplit_once(',')) {
+                (true, Some((rest, _))) => format!("{rest},\n"),
+                _ => format!("{text}\n"),
+            },
+        )
+        .collect();
+    let mut bench = Bench::new();
+    assert!(!bench.report("plain").contains("no rows from"));
+    bench.log = csv::read(LOG, damaged.as_bytes(), &csv::Options::default()).unwrap();
+    bench.comparison = compare(&bench.plant, &bench.log, &CompareOptions::default()).unwrap();
+    let report = bench.report("plain");
+    assert_eq!(report.matches("no rows from").count(), 1);
+    assert_eq!(report.matches("No rows from").count(), 1);
+    assert!(
+        report.contains("cells of u_bat are missing"),
+        "{:?}",
+        bench.comparison.defects
+    );
+    assert!(report.contains("the model begins again at the measured"));
 }
 
 /// The same of a diagnosis. Method: the published example, every text of it hostile.
@@ -144,6 +181,11 @@ fn hostile_text_in_a_diagnosis_stays_text() {
         reason: hostile(),
     };
     diagnosis.not_compared = [(hostile(), vec![signal])].into();
+    let defects = LogDefects {
+        sentences: vec![hostile()],
+        ..LogDefects::default()
+    };
+    diagnosis.defects = [(hostile(), defects)].into();
     diagnosis.held_out = hostile();
     diagnosis.remaining.sentences = vec![hostile()];
     let point = |at| FlowPoint {

@@ -10,9 +10,8 @@ use super::predictor::Predictor;
 use super::sensor_noise::SensorNoise;
 use crate::commands::Commands;
 use crate::error::CompareError;
-use crate::measured::{Measured, PRESSURE, measured_signals, start};
-use crate::result::NotCompared;
-use crate::run::{WORK_AT_START, WORK_PER_ROW};
+use crate::measured::{Measured, PRESSURE, Restart, measured_signals, start};
+use crate::result::{LogDefects, NotCompared};
 
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
 const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
@@ -27,10 +26,14 @@ pub(crate) struct Log {
     sampling: CurrentSampling,
     /// Chamber pressure to begin with (Pa abs); none starts at rest.
     start_pressure: Option<f64>,
+    /// Where the model begins again behind a gap.
+    restarts: Vec<Restart>,
     pub(crate) predictor: Predictor,
     pub(crate) channels: Vec<Channel>,
     /// Signals that would have been weighed, and why they are not.
     pub(super) not_compared: Vec<NotCompared>,
+    /// Gaps and missing cells.
+    pub(super) defects: LogDefects,
     /// Rows that count.
     pub(crate) counted: Vec<bool>,
     /// Whether the supply was shut off: nothing in the log tells, and it explains the currents better.
@@ -73,7 +76,8 @@ pub(super) struct Read {
 impl Read {
     pub(super) fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
         let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
-        let (base, inputs) = inputs(parameters, log).map_err(CompareError::from)?;
+        let (base, mut inputs) = inputs(parameters, log).map_err(CompareError::from)?;
+        commands.gaps.shorten(&mut inputs);
         let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
         not_compared.retain(|signal| SIGNALS.contains(&signal.name.as_str()));
         Ok(Self {
@@ -107,6 +111,8 @@ impl Log {
         } = read;
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let (_, start_pressure) = start(parameters, pressure, &commands);
+        let restarts = pressure.map_or_else(Vec::new, |signal| signal.restarts.clone());
+        let defects = LogDefects::of(log, &commands, pressure);
         let sigma = |signal: &Measured| {
             let told = noise.of(signal.name, &signal.floor, interval_s);
             told.unwrap_or_else(|| scatter(&signal.values))
@@ -149,9 +155,11 @@ impl Log {
             inputs,
             sampling: CurrentSampling::of_interval(interval_s, parameters),
             start_pressure,
+            restarts,
             predictor: Predictor::free_run(samples),
             channels,
             not_compared,
+            defects,
             counted: vec![true; samples],
             is_without_supply: false,
         };
@@ -181,7 +189,11 @@ impl Log {
                 let span_s = self.commands.times_s[row] - last_s;
                 let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
                 largest = largest.max((values[column] - last).abs() / periods);
-                last = values[column];
+                // Behind a gap the model begins elsewhere: that is no change.
+                last = match Restart::at(&self.restarts, row) {
+                    Some(_) => f64::NAN,
+                    None => values[column],
+                };
                 last_s = self.commands.times_s[row];
             },
         );
@@ -191,7 +203,7 @@ impl Log {
             &pressure.values,
             sigma,
             largest,
-            self.start_pressure.is_some(),
+            (self.start_pressure.is_some(), &self.restarts),
         );
     }
 
@@ -214,15 +226,15 @@ impl Log {
             replay.begin_showing(pressure);
         }
         let pressure = self.pressure().filter(|_| run == Run::Predicted);
-        let mut work = WORK_AT_START;
         for (index, &input) in self.inputs.iter().enumerate() {
-            work += WORK_PER_ROW;
-            replay.simulator().set_work_limit(work);
             let row = replay.row(input);
             if replay.simulator().is_given_up() {
                 return None;
             }
             see(index, &row, replay.simulator());
+            if let Some(restart) = Restart::at(&self.restarts, index) {
+                replay.begin_showing(restart.pressure);
+            }
             if let Some(channel) = pressure {
                 let error = channel.values[index] - row[channel.column];
                 let gain = self.predictor.gains[index];
@@ -303,4 +315,47 @@ fn scatter(values: &[f64]) -> f64 {
     curvatures.sort_by(f64::total_cmp);
     // The median of a normal magnitude is 0.6745 standard deviations; the weights 1, -2, 1 give sqrt(6).
     curvatures[curvatures.len() / 2] / (0.6745 * 6_f64.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::gather::gather;
+    use super::*;
+    use crate::bench::{Bench, without_rows};
+    use crate::metrics::rms;
+
+    /// Rms of the errors over the noise, of each channel.
+    fn errors(log: &Recording, run: Run) -> Vec<f64> {
+        let plant = PlantParameters::nominal();
+        let evidence = gather(&plant, [log]).unwrap();
+        let residuals = evidence.residuals(&plant, run).unwrap();
+        let of = |range: core::ops::Range<usize>| {
+            let counted: Vec<f64> = residuals[range]
+                .iter()
+                .copied()
+                .filter(|error| *error != 0.0)
+                .collect();
+            rms(&counted).unwrap()
+        };
+        evidence.channels().map(|(_, _, range)| of(range)).collect()
+    }
+
+    /// A logger that pauses for 0.7 s while a valve is open: what happens meanwhile was an error of the model.
+    #[test]
+    fn a_pause_of_the_logger_is_no_error_of_the_model() {
+        let whole = Bench::default().measure();
+        let duty = whole.signal("duty_vent").unwrap().values_or_nan().to_vec();
+        let opens = (150..duty.len()).find(|&row| duty[row] > 0.0).unwrap();
+        for begin in [opens + 1, opens + 30, opens - 20] {
+            let paused = without_rows(&whole, begin..begin + 70);
+            for run in [Run::Predicted, Run::Free] {
+                for (error, of_whole) in errors(&paused, run).into_iter().zip(errors(&whole, run)) {
+                    assert!(
+                        error < 1.3 * of_whole,
+                        "{begin} {run:?}: {error} {of_whole}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -132,6 +132,7 @@ pub fn diagnose_with(
         logs: split.fitting.sources(),
         check: split.check_sources(),
         not_compared: split.not_compared(),
+        defects: split.defects(),
         held_out: split.held_out().to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict(),

@@ -10,6 +10,7 @@
 use plant_sim::PlantParameters;
 
 use crate::commands::Commands;
+use crate::measured::Restart;
 
 /// A pulse moves air that is known to this share of what a fully open valve moves in a PWM period: 0.1 ms of 10 ms, the
 /// scatter of a valve's switching times.
@@ -33,14 +34,14 @@ pub(crate) struct Predictor {
 
 impl Predictor {
     /// For pressures `measured` (NaN where missing) with noise `sigma_bar`. `largest_bar` is the largest change in a
-    /// PWM period.
+    /// PWM period. At each of `restarts` the model begins again at a measured pressure.
     pub(crate) fn new(
         parameters: &PlantParameters,
         commands: &Commands,
         measured: &[f64],
         sigma_bar: f64,
         largest_bar: f64,
-        starts_measured: bool,
+        (starts_measured, restarts): (bool, &[Restart]),
     ) -> Self {
         let switching = switching(parameters, commands);
         let pulse = (PULSE_SCATTER * largest_bar / sigma_bar).powi(2);
@@ -64,6 +65,9 @@ impl Predictor {
             believed *= 1.0 - gain;
             perfect = (1.0 - gain).powi(2) * perfect + gain * gain;
             gains.push(gain);
+            if let Some(restart) = Restart::at(restarts, row) {
+                (believed, perfect) = (restart.variance, restart.variance);
+            }
         }
         Self { gains, floors }
     }
@@ -111,7 +115,7 @@ mod tests {
             &measured,
             0.005,
             0.13,
-            false,
+            (false, &[]),
         );
         let first = predictor.gains.iter().position(|gain| *gain > 0.0).unwrap();
         let holds = commands.holds(0.0);
@@ -138,7 +142,7 @@ mod tests {
             &measured,
             0.005,
             0.13,
-            false,
+            (false, &[]),
         );
         for (gain, floor) in predictor.gains.iter().zip(&predictor.floors).skip(1) {
             let most = (2.0 / (2.0 - gain.max(0.5))).sqrt();

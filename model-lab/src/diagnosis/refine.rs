@@ -18,7 +18,7 @@ use super::search::{Tried, Watch, best_form, report};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
-use crate::result::NotCompared;
+use crate::result::{LogDefects, NotCompared};
 
 /// Name and version of the JSON format.
 pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/1";
@@ -45,6 +45,9 @@ pub struct Refinement {
     /// From the source of a log to its signals that could not be weighed, and why.
     #[serde(default)]
     pub not_compared: BTreeMap<String, Vec<NotCompared>>,
+    /// From the source of a log to its gaps and missing cells; absent where no log has any.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub defects: BTreeMap<String, LogDefects>,
     /// What judged, in words.
     pub held_out: String,
     /// The result in words.
@@ -144,6 +147,7 @@ pub fn refine(
         logs: split.fitting.sources(),
         check: split.check_sources(),
         not_compared: split.not_compared(),
+        defects: split.defects(),
         held_out: split.held_out().to_owned(),
         sentence: sentence(&ladder),
         effects: effects.collect(),

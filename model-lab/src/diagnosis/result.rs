@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use crate::result::NotCompared;
+use crate::result::{LogDefects, NotCompared};
 
 /// Name and version of the JSON format.
 pub const DIAGNOSIS_SCHEMA: &str = "retarder.diagnosis/1";
@@ -26,6 +26,9 @@ pub struct Diagnosis {
     /// From the source of a log to its signals that could not be weighed, and why: what only they show was not looked for.
     #[serde(default)]
     pub not_compared: BTreeMap<String, Vec<NotCompared>>,
+    /// From the source of a log to its gaps and missing cells; absent where no log has any.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub defects: BTreeMap<String, LogDefects>,
     /// What judged, in words.
     pub held_out: String,
     /// How the errors were made and what they are weighed against, in words.

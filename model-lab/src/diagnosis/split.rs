@@ -12,7 +12,7 @@ use super::gather::gather;
 use super::log::Log;
 use super::result::Cost;
 use super::trial::{Bench, Trial};
-use crate::result::NotCompared;
+use crate::result::{LogDefects, NotCompared};
 
 /// Blocks of a log, of which every third is held out.
 const BLOCKS: usize = 12;
@@ -155,6 +155,14 @@ impl Split {
             of_source.extend_from_slice(&log.not_compared);
         }
         all
+    }
+
+    /// Gaps and missing cells of each log that has any.
+    pub(super) fn defects(&self) -> BTreeMap<String, LogDefects> {
+        let logs = self.fitting.logs.iter().chain(self.check_logs());
+        logs.filter(|log| !log.defects.is_empty())
+            .map(|log| (log.source.clone(), log.defects.clone()))
+            .collect()
     }
 
     /// What was simulated since `begin`.

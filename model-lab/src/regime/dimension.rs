@@ -176,9 +176,12 @@ impl Dimension {
     }
 }
 
+/// Bands of pressure, at most.
+const PRESSURE_BANDS_MAX: usize = 1000;
+
 /// Band of a pressure [bar gauge]; below ambient counts to the lowest.
 pub(crate) fn pressure_band(pressure_bar: f64) -> usize {
-    pressure_bar.max(0.0) as usize
+    (pressure_bar.max(0.0) as usize).min(PRESSURE_BANDS_MAX - 1)
 }
 
 /// Labels of the duty bands.

@@ -5,8 +5,10 @@ use super::excess::{Excess, Sums};
 use super::features::{Features, VALVE_STATES};
 use crate::result::{Finding, Horizon};
 
-/// Thresholds of pressure are tried this far apart [bar].
+/// Thresholds of pressure are tried this far apart [bar] ...
 const CELL_BAR: f64 = 0.1;
+/// ... or farther, so that there are no more cells than these: up to 50 bar have the distance above.
+const CELLS_MAX: f64 = 500.0;
 /// What each further condition must gain.
 const CONDITION_COST: f64 = 0.02;
 /// A regime must hold this much more of the excess than of the samples.
@@ -60,7 +62,8 @@ pub(crate) fn find(
         .flat_map(|dimension| &dimension.bins)
         .map(|bin| &bin.phrase[..])
         .collect();
-    let histograms = histograms(&combined, phrases.len(), features, excess);
+    let cell_bar = cell_bar(features);
+    let histograms = histograms(&combined, phrases.len(), (features, cell_bar), excess);
     let all = histograms[0]
         .iter()
         .fold(Sums::default(), |sum, cell| sum.plus(cell));
@@ -91,7 +94,7 @@ pub(crate) fn find(
     };
     let sample_share = sums.count as f64 / all.count as f64;
     let share = excess.share(&sums).unwrap_or_default();
-    let words = regime.words(&phrases);
+    let words = regime.words(&phrases, cell_bar);
     Finding {
         horizon,
         sentence: format!(
@@ -110,14 +113,20 @@ pub(crate) fn find(
 /// Any valve state, or one of the four.
 const STATES: usize = VALVE_STATES.len() + 1;
 
+/// The distance of two thresholds [bar].
+fn cell_bar(features: &Features) -> f64 {
+    let highest = features.pressure_bar.iter().copied().fold(0.0, f64::max);
+    CELL_BAR.max(highest / CELLS_MAX)
+}
+
 /// Sums over cells of pressure for each combination of (any or one phrase) and (any or one valve state).
 fn histograms(
     combined: &[&Dimension],
     phrases: usize,
-    features: &Features,
+    (features, cell_bar): (&Features, f64),
     excess: &Excess,
 ) -> Vec<Vec<Sums>> {
-    let cell = |pressure: f64| (pressure.max(0.0) / CELL_BAR) as usize;
+    let cell = |pressure: f64| (pressure.max(0.0) / cell_bar) as usize;
     let cells = 1 + features
         .pressure_bar
         .iter()
@@ -169,8 +178,8 @@ impl Regime {
             + usize::from(self.pressure != Pressure::Any)
     }
 
-    fn words(&self, phrases: &[&str]) -> String {
-        let bar = |cell: usize| format!("{:.1} bar", cell as f64 * CELL_BAR);
+    fn words(&self, phrases: &[&str], cell_bar: f64) -> String {
+        let bar = |cell: usize| format!("{:.1} bar", cell as f64 * cell_bar);
         let pressure = match self.pressure {
             Pressure::Any => None,
             Pressure::Below(cell) => Some(format!("below {}", bar(cell))),
@@ -324,6 +333,28 @@ mod tests {
             finding.sentence,
             "the excess is spread over the whole log, measured higher than modelled"
         );
+    }
+
+    /// A pressure of 4e9 bar, from a mapping with a wrong offset, asked for 103 GB.
+    #[test]
+    fn cells_are_counted_by_no_value() {
+        for highest in [8.0, 49.0, 1e3, 1e9, 1e300] {
+            let mut features = spread();
+            features.pressure_bar[7] = highest;
+            let residual = vec![1.0; 6000];
+            let excess = Excess::new(&residual, 0.0, 0.0);
+            let cell_bar = cell_bar(&features);
+            let found = histograms(&[], 0, (&features, cell_bar), &excess);
+            assert!(
+                found[0].len() <= CELLS_MAX as usize + 2,
+                "{highest}: {}",
+                found[0].len()
+            );
+            assert!(features.pressure_band_labels().len() <= 1000);
+            if highest < 50.0 {
+                assert_eq!(cell_bar, CELL_BAR);
+            }
+        }
     }
 
     #[test]

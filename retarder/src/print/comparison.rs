@@ -55,6 +55,9 @@ pub(super) fn head(compared: &Compared, terminal: &Terminal) -> String {
         );
     }
     text += &paragraph(&facts, terminal);
+    for sentence in &comparison.defects.sentences {
+        text += &painted_paragraph(Colour::Notice, &format!("Log: {sentence}."), terminal);
+    }
     text
 }
 

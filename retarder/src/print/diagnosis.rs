@@ -6,7 +6,7 @@ use model_lab::diagnosis::result::{
     Candidate, Cost, DetectionLimit, Diagnosis, FittedParameter, NuisanceValue, Regime, Step,
     Verdict,
 };
-use model_lab::result::NotCompared;
+use model_lab::result::{LogDefects, NotCompared};
 
 use super::number::{percent, significant};
 use super::table::{Align, Entry, Table, bar, painted};
@@ -30,6 +30,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
         terminal,
     );
     text += &not_weighed(&found.not_compared, terminal);
+    text += &defects(&found.defects, terminal);
     for candidate in named(found) {
         text += &paragraph(
             &format!("{}: {}", candidate.effect, candidate.physics),
@@ -64,6 +65,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
     text += &paragraph(&(capital(&found.sentence) + "."), terminal);
     text += &not_weighed(&found.not_compared, terminal);
+    text += &defects(&found.defects, terminal);
     text += "\n";
     text += &ladder(&found.ladder, terminal);
     text += "\n";
@@ -94,6 +96,17 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     text += "\n";
     text += &nuisance(&found.nuisance, terminal);
     text + &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal)
+}
+
+/// Gaps and missing cells of each log.
+fn defects(found: &BTreeMap<String, LogDefects>, terminal: &Terminal) -> String {
+    let sentences = found.iter().flat_map(|(log, defects)| {
+        let told = defects.sentences.iter();
+        told.map(move |sentence| format!("{log}: {sentence}."))
+    });
+    sentences
+        .map(|sentence| painted_paragraph(Colour::Notice, &sentence, terminal))
+        .collect()
 }
 
 /// What the fit did not see, with the reason.

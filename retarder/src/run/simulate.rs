@@ -88,7 +88,7 @@ pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
             progress.watch(bytes),
             &options,
         )?)),
-        OpenLog::Recording(recording) => Rows::Recording(Some(*recording)),
+        OpenLog::Recording(recording) => Rows::Recording(Some(recording)),
     };
     let never = AtomicBool::new(false);
     let is_interrupted = match &out {
@@ -156,7 +156,7 @@ fn simulate(
 /// The rows of a log: a CSV as it is read, or a recording that was read as a whole.
 enum Rows<R: Read> {
     Csv(Box<Reader<R>>),
-    Recording(Option<Recording>),
+    Recording(Option<Box<Recording>>),
 }
 
 impl<R: Read> Rows<R> {
@@ -164,7 +164,7 @@ impl<R: Read> Rows<R> {
     fn next(&mut self) -> Result<Option<Recording>, Failure> {
         match self {
             Self::Csv(reader) => next_rows(reader),
-            Self::Recording(recording) => Ok(recording.take()),
+            Self::Recording(recording) => Ok(recording.take().map(|recording| *recording)),
         }
     }
 }
@@ -231,10 +231,12 @@ impl Model {
         self.end_s = time_s;
         self.rows += 1;
         self.held_commands += u64::from(input.command.is_none());
-        Ok(self.replay.row(ReplayInput {
-            time_ns: ((time_s - start_s) * 1e9).round() as u64,
-            ..input
-        }))
+        let time_ns = ((time_s - start_s) * 1e9).round() as u64;
+        let row = self.replay.row(ReplayInput { time_ns, ..input });
+        match self.replay.simulator().is_given_up() {
+            true => Err(ReplayError::given_up(time_ns)),
+            false => Ok(row),
+        }
     }
 }
 

@@ -109,6 +109,8 @@ class Page {
       !is_of_plant && element("p", { class: "stale" }, element("span", { class: "chip open" }, "another plant"), ` This was found for ${plant}. The plant has changed since; diagnose again to see what it still lacks.`),
       Object.entries(diagnosis.not_compared).flatMap(([log, signals]) => signals.map((one) =>
         element("p", { class: "stale" }, element("span", { class: "chip open" }, "not weighed"), ` ${one.name} of ${log}: ${one.reason}.`))),
+      Object.entries(diagnosis.defects ?? {}).flatMap(([log, { sentences }]) => sentences.map((sentence) =>
+        element("p", { class: "stale" }, element("span", { class: "chip open" }, "log"), ` ${log}: ${sentence}.`))),
       element("p", { class: "quiet" }, `Fitted: ${diagnosis.logs.join(", ")}. Judged on ${diagnosis.check.length > 0 ? diagnosis.check.join(", ") : diagnosis.held_out}. ${cost.simulations} simulations of ${duration(cost.log_s)} in ${duration(cost.elapsed_s)}.`));
   }
 

@@ -1,0 +1,87 @@
+//! What a log lacks, as a result tells it.
+
+use plant_sim::parameters::PA_PER_BAR;
+use recording::Recording;
+
+use crate::commands::Commands;
+use crate::measured::{Measured, Restart};
+use crate::result::{LogDefects, LogGap, MissingCells};
+
+/// Gaps that have a sentence each.
+const TOLD_MAX: usize = 5;
+
+impl LogDefects {
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.sentences.is_empty()
+    }
+
+    /// The defects of `log`, whose chamber pressure is `pressure`.
+    pub(crate) fn of(log: &Recording, commands: &Commands, pressure: Option<&Measured>) -> Self {
+        let defects = log.defects();
+        let restart_bar = |row: usize| {
+            let restarts = pressure.map_or(&[][..], |pressure| &pressure.restarts);
+            let restart = Restart::at(restarts, row)?;
+            Some((restart.pressure - pressure?.ambient) / PA_PER_BAR)
+        };
+        let gaps: Vec<LogGap> = commands
+            .gaps
+            .iter()
+            .map(|gap| LogGap {
+                start_s: gap.start_s,
+                end_s: gap.end_s,
+                samples: gap.rows.len(),
+                restart_bar_gauge: gap.rows.end.checked_sub(1).and_then(restart_bar),
+            })
+            .collect();
+        let mut sentences = defects.sentences();
+        let told = gaps.iter().zip(commands.gaps.iter()).take(TOLD_MAX);
+        sentences.extend(told.map(|(gap, of)| gap.sentence(of.is_without_commands)));
+        if gaps.len() > TOLD_MAX {
+            sentences.push(format!(
+                "{} more gaps, in no error either",
+                gaps.len() - TOLD_MAX
+            ));
+        }
+        let below_vacuum = pressure.map_or(0, |pressure| pressure.below_vacuum);
+        if below_vacuum > 0 {
+            sentences.push(format!(
+                "{below_vacuum} samples of p_ch are below vacuum at the ambient pressure of the plant file: they count as missing"
+            ));
+        }
+        Self {
+            missing: defects
+                .missing
+                .iter()
+                .map(|missing| MissingCells {
+                    signal: missing.signal.clone(),
+                    cells: missing.cells,
+                    out_of_bounds: missing
+                        .out_of_bounds
+                        .as_ref()
+                        .map_or(0, |cells| cells.count),
+                })
+                .collect(),
+            gaps,
+            sentences,
+        }
+    }
+}
+
+impl LogGap {
+    fn sentence(&self, is_without_commands: bool) -> String {
+        let what = if is_without_commands {
+            "no duty cycle"
+        } else {
+            "gap"
+        };
+        let restart = match self.restart_bar_gauge {
+            Some(bar) => format!("the model begins again at the measured {bar:.3} bar gauge"),
+            None => "the model goes on with the last command".to_owned(),
+        };
+        format!(
+            "{what} from {:.3} to {:.3} s: {restart}, and {} samples are in no error",
+            self.start_s, self.end_s, self.samples
+        )
+    }
+}

@@ -1,0 +1,228 @@
+//! Gaps of a log: where it does not say what drove the plant. The model begins again at the measured pressure behind a
+//! gap, and nothing of the gap is in an error.
+//!
+//! A gap ends with the first row behind it, but what the valves do there was commanded before it. Rows count again once
+//! the commands of that row are in force and have settled: a delay, a PWM period and 50 ms later.
+
+use std::ops::Range;
+
+use plant_sim::PlantParameters;
+use plant_sim::parameters::Part;
+use plant_sim::replay::ReplayInput;
+use recording::TimeBase;
+
+/// A pause longer than this many median steps is a gap, and so are more rows than this without a command.
+const GAP_SAMPLES: f64 = 10.0;
+/// From a command in force to a valve that has moved and a current that no longer knows the one before (s).
+const SETTLE_S: f64 = 0.05;
+/// A gap is simulated with the last command for this long at most (ns).
+const SIMULATED_NS: u64 = 1_000_000_000;
+
+/// The gaps of a log in order of time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Gaps {
+    /// None within another one.
+    list: Vec<Gap>,
+    /// A longer step is a pause (s).
+    pause_s: f64,
+}
+
+/// A gap and the rows that it takes out.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Gap {
+    /// Rows that count in no error: those without a command, and those behind the gap where it is still open what the
+    /// valves do. The model begins again at the last of them.
+    pub(crate) rows: Range<usize>,
+    /// Last instant before the gap and first one behind it, in the time of the log (s).
+    pub(crate) start_s: f64,
+    pub(crate) end_s: f64,
+    /// Whether the rows are there, but no command in them.
+    pub(crate) is_without_commands: bool,
+}
+
+impl Gaps {
+    /// The gaps of a log with these rows.
+    pub(crate) fn of(
+        parameters: &PlantParameters,
+        base: &TimeBase,
+        inputs: &[ReplayInput],
+    ) -> Self {
+        let has_coil = Part::Coil.is_in(parameters);
+        let times_s = base.times_s();
+        let settled_s = match has_coil {
+            true => {
+                parameters.ecu.command_delay_s + 1.0 / parameters.ecu.pwm_frequency_hz + SETTLE_S
+            }
+            false => 0.0,
+        };
+        let step_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
+        let pause_s = GAP_SAMPLES * step_s;
+        // A row whose command is known, behind a gap that began after row `before`.
+        let gap = |before: usize, known: usize, is_without_commands: bool| {
+            let open =
+                times_s[known..].partition_point(|&time_s| time_s <= times_s[known] + settled_s);
+            Gap {
+                rows: if is_without_commands {
+                    before + 1
+                } else {
+                    known
+                }..known + open,
+                start_s: times_s[before],
+                end_s: times_s[known],
+                is_without_commands,
+            }
+        };
+        let mut gaps: Vec<Gap> = Vec::new();
+        // The last row whose command is known.
+        let mut known = None;
+        for row in 0..inputs.len() {
+            if row > 0 && times_s[row] - times_s[row - 1] > pause_s {
+                gaps.push(gap(row - 1, row, false));
+            }
+            if has_coil && inputs[row].command.is_none() {
+                continue;
+            }
+            if let Some(before) = known
+                && (row - before) as f64 > GAP_SAMPLES + 1.0
+            {
+                gaps.push(gap(before, row, true));
+            }
+            known = Some(row);
+        }
+        // A log that ends without commands has nothing to compare there.
+        if let Some(last) = known.filter(|&last| (inputs.len() - last) as f64 > GAP_SAMPLES + 1.0) {
+            gaps.push(Gap {
+                rows: last + 1..inputs.len(),
+                start_s: times_s[last],
+                end_s: base.end_s(),
+                is_without_commands: true,
+            });
+        }
+        gaps.sort_by_key(|gap| (gap.rows.start, std::cmp::Reverse(gap.rows.end)));
+        let mut end = 0;
+        gaps.retain(|gap| {
+            let is_within = gap.rows.end <= end;
+            end = end.max(gap.rows.end);
+            !is_within
+        });
+        Self {
+            list: gaps,
+            pause_s,
+        }
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Gap> {
+        self.list.iter()
+    }
+
+    /// Makes `values` missing that count in no error.
+    pub(crate) fn blank(&self, values: &mut [f64]) {
+        for gap in &self.list {
+            values[gap.rows.clone()].fill(f64::NAN);
+        }
+    }
+
+    /// The parts of a stretch of rows that are between gaps.
+    pub(crate) fn between(&self, stretch: Range<usize>) -> Vec<Range<usize>> {
+        let mut parts = Vec::new();
+        let mut begin = stretch.start;
+        let before = self.list.partition_point(|gap| gap.rows.end <= begin);
+        let gaps = self.list[before..].iter();
+        for gap in gaps.take_while(|gap| gap.rows.start < stretch.end) {
+            let end = gap.rows.start.min(stretch.end);
+            if begin < end {
+                parts.push(begin..end);
+            }
+            begin = begin.max(gap.rows.end);
+        }
+        if begin < stretch.end {
+            parts.push(begin..stretch.end);
+        }
+        parts
+    }
+
+    /// The longest part of the first `rows` rows without a gap.
+    pub(crate) fn longest(&self, rows: usize) -> Range<usize> {
+        let parts = self.between(0..rows).into_iter();
+        parts.rev().max_by_key(|part| part.len()).unwrap_or(0..0)
+    }
+
+    /// Takes time out of long pauses, so that they cost no more than short ones: the plant sees the rows behind a pause
+    /// earlier.
+    pub(crate) fn shorten(&self, inputs: &mut [ReplayInput]) {
+        let pause_ns = self.pause_s * 1e9;
+        let mut taken_ns = 0;
+        let mut before_ns = 0;
+        for input in inputs {
+            let span_ns = input.time_ns - before_ns;
+            before_ns = input.time_ns;
+            if span_ns > SIMULATED_NS && span_ns as f64 > pause_ns {
+                taken_ns += span_ns - SIMULATED_NS;
+            }
+            input.time_ns -= taken_ns;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn inputs(base: &TimeBase, silent: Range<usize>) -> Vec<ReplayInput> {
+        let input = |(row, time_s): (usize, &f64)| ReplayInput {
+            time_ns: ((time_s - base.start_s()) * 1e9).round() as u64,
+            command: (!silent.contains(&row)).then(Default::default),
+            supply_voltage_v: None,
+        };
+        base.times_s().iter().enumerate().map(input).collect()
+    }
+
+    /// 100 Hz with a pause of `pause` samples behind row 49.
+    fn paused(pause: u32) -> TimeBase {
+        let times = (0..100).map(|row| f64::from(row + if row < 50 { 0 } else { pause }) * 0.01);
+        TimeBase::new(times.collect()).unwrap()
+    }
+
+    fn gaps(base: &TimeBase, silent: Range<usize>) -> Gaps {
+        Gaps::of(&PlantParameters::nominal(), base, &inputs(base, silent))
+    }
+
+    #[test]
+    fn a_pause_of_more_than_ten_samples_is_a_gap_until_the_next_command_is_in_force() {
+        assert!(gaps(&paused(9), 0..0).list.is_empty());
+        let found = gaps(&paused(11), 0..0);
+        // 15 ms of delay, 10 ms of period and 50 ms behind row 50: rows 50 to 57.
+        let [gap] = &found.list[..] else {
+            panic!("{found:?}")
+        };
+        assert_eq!((gap.rows.clone(), gap.is_without_commands), (50..58, false));
+        assert!((gap.start_s - 0.49).abs() < 1e-12 && (gap.end_s - 0.61).abs() < 1e-12);
+        assert_eq!(found.between(10..90), [10..50, 58..90]);
+        assert_eq!(found.between(51..52), []);
+        assert_eq!(found.longest(100), 0..50);
+        assert_eq!(found.longest(30), 0..30);
+    }
+
+    #[test]
+    fn more_than_ten_rows_without_a_command_are_a_gap() {
+        let whole = paused(0);
+        assert!(gaps(&whole, 50..60).list.is_empty());
+        assert_eq!(gaps(&whole, 50..61).list[0].rows, 50..69);
+        assert_eq!(gaps(&whole, 50..100).list[0].rows, 50..100);
+        // Nothing was ever commanded: the plant is at rest.
+        assert!(gaps(&whole, 0..100).list.is_empty());
+    }
+
+    #[test]
+    fn a_long_gap_is_simulated_for_a_second() {
+        let base = paused(500);
+        let mut inputs = inputs(&base, 0..0);
+        gaps(&base, 0..0).shorten(&mut inputs);
+        assert_eq!(inputs[50].time_ns, 490_000_000 + SIMULATED_NS);
+        assert_eq!(inputs[99].time_ns, inputs[50].time_ns + 490_000_000);
+        let mut short = self::inputs(&paused(20), 0..0);
+        let before = short.clone();
+        gaps(&paused(20), 0..0).shorten(&mut short);
+        assert_eq!(short, before);
+    }
+}

@@ -1,0 +1,171 @@
+//! What a recording lacks: rows that the logger did not write, and cells without a value.
+
+use crate::{OutOfBounds, Recording};
+
+/// Gaps and missing cells of a recording; one sentence for each in [`Defects::sentences`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Defects {
+    /// Pauses of the logger, of every time base in order of time, the first [`Defects::LISTED_MAX`].
+    pub gaps: Vec<Pause>,
+    /// Number of all pauses.
+    pub gap_count: usize,
+    /// Signals with missing cells.
+    pub missing: Vec<MissingCells>,
+}
+
+/// A time without rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pause {
+    /// Instant of the last row before it, in s.
+    pub start_s: f64,
+    /// Instant of the first row after it, in s.
+    pub end_s: f64,
+    /// Rows that are not there, by the median distance of two rows.
+    pub rows: f64,
+}
+
+/// Cells of a signal that hold no value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissingCells {
+    /// Name of the signal.
+    pub signal: String,
+    /// Number of such cells, those out of bounds included.
+    pub cells: usize,
+    /// Number of all cells.
+    pub of: usize,
+    /// Instant of the first one, in s.
+    pub first_s: f64,
+    /// The cells that held a value out of bounds.
+    pub out_of_bounds: Option<OutOfBounds>,
+}
+
+impl Recording {
+    /// Gaps and missing cells.
+    pub fn defects(&self) -> Defects {
+        let mut defects = Defects::default();
+        for (_, base) in self.time_bases() {
+            let sampling = base.sampling();
+            let step_s = sampling.median_step_s.unwrap_or(f64::INFINITY);
+            defects.gap_count += sampling.gaps.len();
+            defects.gaps.extend(sampling.gaps.iter().map(|gap| Pause {
+                start_s: gap.start_s,
+                end_s: gap.end_s,
+                rows: (gap.end_s - gap.start_s) / step_s - 1.0,
+            }));
+        }
+        defects.gaps.truncate(Defects::LISTED_MAX);
+        for signal in self.signals() {
+            let cells = signal.missing_count();
+            let first = signal
+                .values_or_nan()
+                .iter()
+                .position(|value| value.is_nan());
+            let base = self.time_base(signal.time_base());
+            if let (Some(first), Some(base)) = (first, base) {
+                let outside = self.out_of_bounds().iter();
+                defects.missing.push(MissingCells {
+                    signal: signal.name().to_owned(),
+                    cells,
+                    of: signal.len(),
+                    first_s: base.times_s()[first],
+                    out_of_bounds: outside
+                        .clone()
+                        .find(|cells| cells.signal == signal.name())
+                        .cloned(),
+                });
+            }
+        }
+        defects
+    }
+}
+
+impl Defects {
+    /// Number of pauses that are listed.
+    pub const LISTED_MAX: usize = 100;
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.gap_count == 0 && self.missing.is_empty()
+    }
+
+    /// One sentence for each defect, without a full stop; of many pauses the first ones.
+    pub fn sentences(&self) -> Vec<String> {
+        /// Pauses that have a sentence each.
+        const TOLD_MAX: usize = 5;
+        let mut sentences: Vec<String> = self
+            .gaps
+            .iter()
+            .take(TOLD_MAX)
+            .map(Pause::sentence)
+            .collect();
+        if self.gap_count > TOLD_MAX {
+            sentences.push(format!(
+                "{} more pauses without rows",
+                self.gap_count - TOLD_MAX
+            ));
+        }
+        sentences.extend(self.missing.iter().map(MissingCells::sentence));
+        sentences
+    }
+}
+
+impl Pause {
+    /// What is missing where.
+    pub fn sentence(&self) -> String {
+        format!(
+            "no rows from {:.3} to {:.3} s ({:.3} s, about {:.0} samples)",
+            self.start_s,
+            self.end_s,
+            self.end_s - self.start_s,
+            self.rows
+        )
+    }
+}
+
+impl MissingCells {
+    /// How many cells are missing, and which were out of bounds.
+    pub fn sentence(&self) -> String {
+        let begin = format!(
+            "{} of {} cells of {} are missing, the first at {:.3} s",
+            self.cells, self.of, self.signal, self.first_s
+        );
+        match &self.out_of_bounds {
+            Some(cells) => format!("{begin}; {cells}"),
+            None => begin,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::csv::{Options, read};
+
+    #[test]
+    fn pauses_and_missing_cells_are_told_and_nothing_else() {
+        let whole = (0..50).map(|row| format!("{:.2},1.5,280\n", f64::from(row) * 0.01));
+        let header = "time_s,p_ch_bar_gauge,i_fill_mA\n";
+        let of = |rows: Vec<String>| {
+            let log = format!("{header}{}", rows.concat());
+            read("log.csv", log.as_bytes(), &Options::default())
+                .unwrap()
+                .defects()
+        };
+        let rows: Vec<String> = whole.collect();
+        assert!(of(rows.clone()).is_empty());
+        let mut wrong = rows;
+        wrong[30] = "0.30,,1e200\n".to_owned();
+        wrong[31] = "0.31,,280\n".to_owned();
+        wrong.drain(10..20);
+        let defects = of(wrong);
+        assert_eq!(
+            defects.sentences(),
+            [
+                "no rows from 0.090 to 0.200 s (0.110 s, about 10 samples)",
+                "2 of 40 cells of p_ch are missing, the first at 0.300 s",
+                "1 of 40 cells of i_fill are missing, the first at 0.300 s; 1 cell of i_fill out of bounds \
+                 (allowed: -1000000 to 1000000 mA), counted as missing: line 22, column 3: \
+                 1e200 mA"
+            ]
+        );
+    }
+}
