@@ -1,59 +1,81 @@
+mod identity;
+mod replacement;
+mod temporary;
+
 use std::fs;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+pub use identity::FileIdentity;
+
 /// An output file that appears whole or not at all.
 ///
 /// What is written goes to a temporary file in the same folder; [`AtomicFile::commit`] renames it. Dropped before
-/// that, on an error or a panic, it leaves nothing behind and an older file of that name as it was.
+/// that, on an error or a panic, it leaves nothing behind and an older file of that name unchanged. A temporary file
+/// that a killed process left is removed by the next [`AtomicFile`] in that folder.
+///
+/// A file that is replaced keeps its mode, its owner and its hard links; links to it are followed.
 #[derive(Debug)]
 pub struct AtomicFile {
     temporary: BufWriter<NamedTempFile>,
     target: PathBuf,
+    may_replace: bool,
 }
 
 impl AtomicFile {
     /// Begins the file that will be `path`.
     ///
     /// # Errors
-    /// The folder does not exist or is not writable, or `path` is something other than a regular file.
+    /// The folder does not exist or is not writable, or `path` is something other than a regular file, or is
+    /// write-protected.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
-        let target = resolve_link(path.as_ref())?;
+        Self::begin(path.as_ref(), true)
+    }
+
+    /// Begins the file that will be `path`, where no file may be yet, nor when it is committed.
+    ///
+    /// # Errors
+    /// Those of [`AtomicFile::create`], and a file that exists.
+    pub fn create_new(path: impl AsRef<Path>) -> io::Result<Self> {
+        Self::begin(path.as_ref(), false)
+    }
+
+    fn begin(path: &Path, may_replace: bool) -> io::Result<Self> {
+        let target = writable_place(path)?;
+        if !may_replace && target.symlink_metadata().is_ok() {
+            return Err(io::ErrorKind::AlreadyExists.into());
+        }
         let folder = match target.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".unfinished-");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt as _;
-            // Without this the file would be readable by its owner only; the umask still applies.
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let temporary = builder.tempfile_in(folder)?;
+        temporary::remove_leftovers(folder);
         Ok(Self {
-            temporary: BufWriter::with_capacity(1 << 16, temporary),
+            temporary: BufWriter::with_capacity(1 << 16, temporary::begin(folder)?),
             target,
+            may_replace,
         })
     }
 
     /// Makes the file visible under its name, after its bytes have reached the disk.
     ///
     /// # Errors
-    /// Disk full, folder gone: then an older file is still untouched.
+    /// Disk full, folder gone: then an older file is still untouched, unless it has several names.
     pub fn commit(self) -> io::Result<()> {
         let temporary = self
             .temporary
             .into_inner()
             .map_err(io::IntoInnerError::into_error)?;
         temporary.as_file().sync_all()?;
-        temporary
-            .persist(&self.target)
-            .map_err(|failure| failure.error)?;
-        Ok(())
+        if !self.may_replace {
+            temporary
+                .persist_noclobber(&self.target)
+                .map_err(|failure| failure.error)?;
+            return Ok(());
+        }
+        replacement::replace(temporary, &self.target)
     }
 }
 
@@ -86,17 +108,21 @@ pub fn write_file_atomically<E: From<io::Error>>(
     Ok(file.commit()?)
 }
 
-/// A rename onto a link would replace the link, and one onto `/dev/null` the device.
-fn resolve_link(path: &Path) -> io::Result<PathBuf> {
+/// The place that `path` leads to. A rename onto a link would replace the link, and one onto `/dev/null` the device; a
+/// rename asks nobody whether the file may be written.
+fn writable_place(path: &Path) -> io::Result<PathBuf> {
+    let refused = |kind, reason: &str| {
+        let message = format!("{} {reason}: choose another output", path.display());
+        Err(io::Error::new(kind, message))
+    };
     match fs::metadata(path) {
-        Ok(metadata) if metadata.is_file() => fs::canonicalize(path),
-        Ok(_) => {
-            let message = format!(
-                "{} is not a regular file: choose another output",
-                path.display()
-            );
-            Err(io::Error::new(io::ErrorKind::InvalidInput, message))
+        Ok(metadata) if !metadata.is_file() => {
+            refused(io::ErrorKind::InvalidInput, "is not a regular file")
         }
-        Err(_) => Ok(path.to_path_buf()),
+        Ok(metadata) if metadata.permissions().readonly() => {
+            refused(io::ErrorKind::PermissionDenied, "is write-protected")
+        }
+        Ok(_) => fs::canonicalize(path),
+        Err(_) => identity::destination(path),
     }
 }

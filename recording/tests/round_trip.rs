@@ -1,13 +1,8 @@
 //! What the writer writes, the reader reads back: the same bits, the same gaps, the same names and units.
 
-use std::io::{self, Write};
-
 use proptest::prelude::*;
 use recording::csv::{Column, Decimals, Options, WriteError, Writer, read, write};
-use recording::{
-    AtomicFile, Bounds, Clock, InputFile, Provenance, Recording, StartTime, TimeBase, Unit,
-    write_file_atomically,
-};
+use recording::{Bounds, Clock, InputFile, Provenance, Recording, StartTime, TimeBase, Unit};
 
 fn written(recording: &Recording, decimals: &Decimals) -> Vec<u8> {
     let (time_base, _) = recording.time_bases().next().expect("one time base");
@@ -261,72 +256,4 @@ fn a_header_that_no_reader_would_take_is_not_written() {
         refused(&[("a", Unit::Volt), ("a", Unit::Ampere)]),
         WriteError::NameTaken { .. }
     ));
-}
-
-#[test]
-fn a_file_appears_whole_or_not_at_all() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("log.csv");
-    let entries = || std::fs::read_dir(folder.path()).unwrap().count();
-
-    write_file_atomically(&path, |file| file.write_all(b"first")).unwrap();
-    assert_eq!(
-        (std::fs::read(&path).unwrap(), entries()),
-        (b"first".to_vec(), 1)
-    );
-
-    let failed: io::Result<()> = write_file_atomically(&path, |file| {
-        file.write_all(&[b'x'; 1 << 20])?;
-        Err(io::Error::other("the simulation failed"))
-    });
-    assert!(failed.is_err());
-    assert_eq!(
-        (std::fs::read(&path).unwrap(), entries()),
-        (b"first".to_vec(), 1)
-    );
-
-    let mut dropped = AtomicFile::create(&path).unwrap();
-    dropped.write_all(b"half").unwrap();
-    dropped.flush().unwrap();
-    assert_eq!(entries(), 2, "the unfinished file is in the same folder");
-    drop(dropped);
-    assert_eq!(
-        (std::fs::read(&path).unwrap(), entries()),
-        (b"first".to_vec(), 1)
-    );
-
-    let mut second = AtomicFile::create(&path).unwrap();
-    second.write_all(b"second").unwrap();
-    second.commit().unwrap();
-    assert_eq!(
-        (std::fs::read(&path).unwrap(), entries()),
-        (b"second".to_vec(), 1)
-    );
-
-    assert!(
-        AtomicFile::create(folder.path()).is_err(),
-        "a folder is no file"
-    );
-    assert!(AtomicFile::create(folder.path().join("absent/log.csv")).is_err());
-}
-
-#[cfg(unix)]
-#[test]
-fn an_output_behind_a_link_is_written_there_and_is_readable_by_others() {
-    use std::os::unix::fs::PermissionsExt as _;
-    let folder = tempfile::tempdir().unwrap();
-    let (target, link) = (
-        folder.path().join("target.csv"),
-        folder.path().join("link.csv"),
-    );
-    std::fs::write(&target, b"old").unwrap();
-    let plain = std::fs::metadata(&target).unwrap().permissions().mode();
-    std::os::unix::fs::symlink(&target, &link).unwrap();
-    write_file_atomically(&link, |file| file.write_all(b"new")).unwrap();
-    assert_eq!(std::fs::read(&target).unwrap(), b"new");
-    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
-    assert_eq!(
-        std::fs::metadata(&target).unwrap().permissions().mode(),
-        plain
-    );
 }

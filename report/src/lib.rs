@@ -18,7 +18,7 @@ pub use contents::{
     BeforeAndAfter, Contents, ControlPart, DiagnosisPart, HistoryPart, HistoryStep, Input, LogPart,
     ModelPart, Origin, PlantPart,
 };
-pub use page::{html, style};
+pub use page::{html, is_report, style};
 pub use plot::{SmallUnit, capitalised, pressure_first, signal_words, unit_of};
 
 #[cfg(test)]

@@ -12,6 +12,15 @@ const SECURITY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src d
 
 const STYLE: &str = include_str!("style.css");
 
+/// Name of this program in the head of a report.
+const GENERATOR: &str = "retarder";
+
+/// Whether a file that begins with `beginning` is a report of this program; its first kilobyte is enough.
+pub fn is_report(beginning: &[u8]) -> bool {
+    let mark = format!("<meta name=\"generator\" content=\"{GENERATOR} ");
+    String::from_utf8_lossy(beginning).contains(&mark)
+}
+
 /// The report as one self-contained HTML file: equal contents give equal bytes.
 pub fn html(contents: &Contents<'_>) -> String {
     markup! {
@@ -22,7 +31,7 @@ pub fn html(contents: &Contents<'_>) -> String {
                 meta http-equiv="Content-Security-Policy" content=(SECURITY);
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
-                meta name="generator" content=(concat!("retarder ", env!("CARGO_PKG_VERSION")));
+                meta name="generator" content={ (GENERATOR) " " (env!("CARGO_PKG_VERSION")) };
                 title { (printable(contents.title)) }
                 style { (PreEscaped(style())) }
             }

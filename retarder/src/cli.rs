@@ -13,6 +13,7 @@ use clap_complete::Shell;
 use hil_harness::scenario::BUILT_IN;
 
 use crate::dut::Dut;
+use crate::targets::Existing;
 
 pub(crate) use device::{
     BlackBoxArgs, CalibrateArgs, CalibrateCommand, MeasureArgs, ReadArgs, WriteArgs,
@@ -30,6 +31,19 @@ pub(crate) use report::{ReportArgs, ReportPart};
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
+    /// Refuse to replace files; without it an output replaces an older file of its name
+    #[arg(long, global = true)]
+    no_clobber: bool,
+}
+
+impl Cli {
+    /// What becomes of files that have the name of an output.
+    pub(crate) fn existing(&self) -> Existing {
+        match self.no_clobber {
+            true => Existing::Keep,
+            false => Existing::Replace,
+        }
+    }
 }
 
 const TOUR_EXAMPLES: &str = "\

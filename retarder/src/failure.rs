@@ -132,7 +132,28 @@ pub(crate) enum Failure {
         error: WriteError,
     },
     #[error("two results for the standard output; write one of them to a file with {option} FILE")]
-    TwoOnStandardOutput { option: &'static str },
+    TwoOnStandardOutput { option: String },
+    #[error(
+        "{}: {output} names the file that {input} reads, and its content would be lost; choose another output", path.display()
+    )]
+    OutputIsInput {
+        path: PathBuf,
+        output: String,
+        input: String,
+    },
+    #[error("{}: {one} and {other} name the same file; give each result a file of its own", path.display())]
+    OneFileForTwo {
+        path: PathBuf,
+        one: String,
+        other: String,
+    },
+    #[error("{}: exists, and --no-clobber keeps it; choose another output", path.display())]
+    Exists { path: PathBuf },
+    #[error(
+        "{}: exists and is no report of this program, so it is not replaced; move it away, or {}", path.display(),
+        if *is_demo { "start in another folder" } else { "name another file with --out FILE" }
+    )]
+    NotOurReport { path: PathBuf, is_demo: bool },
     #[error(
         "{}: only recordings of `simulate` and `control` are written as MF4; choose a name that ends in .csv", path.display()
     )]

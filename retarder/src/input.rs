@@ -190,6 +190,22 @@ pub(crate) fn tour_log() -> Result<Recording, Failure> {
     )?)
 }
 
+/// Names and files of the controllers that come along.
+const BUILT_IN_CONTROLLERS: [(&str, &str); 2] = [
+    ("thesis", controller_file::THESIS_TOML),
+    ("recommended", controller_file::RECOMMENDED_TOML),
+];
+
+fn built_in_controller(argument: &Path) -> Option<(&'static str, &'static str)> {
+    let mut built_in = BUILT_IN_CONTROLLERS.into_iter();
+    built_in.find(|(name, _)| argument == Path::new(name))
+}
+
+/// Whether the argument names a controller that comes along, and no file.
+pub(crate) fn is_built_in_controller(argument: &Path) -> bool {
+    built_in_controller(argument).is_some()
+}
+
 /// A controller and what to call it.
 #[derive(Debug, Clone)]
 pub(crate) struct NamedController {
@@ -204,18 +220,9 @@ pub(crate) struct NamedController {
 impl NamedController {
     /// The controller of the argument.
     pub(crate) fn from_args(args: &ControllerArg) -> Result<Self, Failure> {
-        let (name, text, file) = match args.controller.to_str() {
-            Some("thesis") => (
-                "thesis controller".to_owned(),
-                controller_file::THESIS_TOML.to_owned(),
-                None,
-            ),
-            Some("recommended") => (
-                "recommended controller".to_owned(),
-                controller_file::RECOMMENDED_TOML.to_owned(),
-                None,
-            ),
-            _ => {
+        let (name, text, file) = match built_in_controller(&args.controller) {
+            Some((name, text)) => (format!("{name} controller"), text.to_owned(), None),
+            None => {
                 let text = read_text(&args.controller)?;
                 let file = Some(identity(&text));
                 (args.controller.display().to_string(), text, file)

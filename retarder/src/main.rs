@@ -1,11 +1,12 @@
 //! `retarder`: commands for model-based control of two on/off solenoid valves.
 //!
-//! Arguments are parsed ([`cli`]), become a task with every file read ([`task`], [`input`]), the task becomes an
+//! Arguments are parsed ([`cli`]), their files checked ([`files`]); they become a task with every file read ([`task`], [`input`]), the task becomes an
 //! outcome ([`run`]), and the outcome is written and printed ([`output`], [`print`](mod@print), [`page`] with [`report`]). `retarder --help` says the rest.
 
 mod cli;
 mod dut;
 mod failure;
+mod files;
 mod input;
 mod interrupt;
 mod output;
@@ -18,11 +19,16 @@ mod task;
 
 use std::process::ExitCode;
 
-use clap::Parser as _;
+use clap::{CommandFactory as _, FromArgMatches as _};
+
+use cli::Cli;
+use files::Files;
 
 fn main() -> ExitCode {
-    let arguments = cli::Cli::parse();
-    let ended = task::Task::resolve(arguments)
+    let matches = Cli::command().get_matches();
+    let arguments = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let files = Files::of(&Cli::command(), &matches, arguments.existing());
+    let ended = task::Task::resolve(arguments, &files)
         .and_then(task::Task::run)
         .and_then(output::deliver);
     output::exit_code(ended)

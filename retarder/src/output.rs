@@ -5,37 +5,38 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use recording::csv::{Decimals, WriteError};
-use recording::{LogFormat, Recording, write_file_atomically};
+use recording::{LogFormat, Recording};
 
 use crate::failure::Failure;
 use crate::page;
 use crate::print::{self, Terminal};
 use crate::run::{Answer, Outcome};
-use crate::targets::{Targets, is_standard_output};
+use crate::targets::{Existing, Targets, is_standard_output};
 
 /// Writes the files that were asked for and prints the rest. The answer decides the exit status.
 pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, Failure> {
     // Whether something else than the text has the standard output.
     let mut is_taken = false;
+    let existing = targets.existing;
     if let (Some(path), Outcome::Control(controlled)) = (&targets.recording, &outcome) {
         is_taken = is_standard_output(path);
-        write_recording(path, &controlled.run.recording)?;
+        write_recording(path, existing, &controlled.run.recording)?;
     }
     if let (Some(path), Some(csv)) = (&targets.recording, csv(&outcome)) {
-        is_taken |= write(path, &csv)?;
+        is_taken |= write(path, existing, &csv)?;
     }
     if let (Some(path), Outcome::Refinement(refined)) = (&targets.plant, &outcome) {
-        is_taken |= write(path, &refined.refined.plant.to_toml())?;
+        is_taken |= write(path, existing, &refined.refined.plant.to_toml())?;
     }
     if let Some(path) = &targets.html
         && let Some(html) = page::html(&outcome)
     {
-        is_taken |= write(path, &html)?;
+        is_taken |= write(path, existing, &html)?;
     }
     if let Some(path) = &targets.json
         && let Some(json) = json(&outcome)
     {
-        is_taken |= write(path, &json)?;
+        is_taken |= write(path, existing, &json)?;
     }
     if let Outcome::Measurement(measurement) = &outcome
         && (is_taken || targets.recording.is_none())
@@ -118,7 +119,7 @@ fn json(outcome: &Outcome) -> Option<String> {
     Some(json)
 }
 
-fn write_recording(path: &Path, recording: &Recording) -> Result<(), Failure> {
+fn write_recording(path: &Path, existing: Existing, recording: &Recording) -> Result<(), Failure> {
     let Some((time_base, _)) = recording.time_bases().next() else {
         return Ok(());
     };
@@ -131,25 +132,30 @@ fn write_recording(path: &Path, recording: &Recording) -> Result<(), Failure> {
         )
         .map(drop)
     } else {
-        write_file_atomically(path, |file| match LogFormat::of_name(path) {
+        let file = existing.begin(path).map_err(WriteError::Io);
+        let written = file.and_then(|file| match LogFormat::of_name(path) {
             LogFormat::Csv => {
-                recording::csv::write(file, recording, time_base, &Decimals::shortest()).map(drop)
+                recording::csv::write(file, recording, time_base, &Decimals::shortest())
             }
-            LogFormat::Mf4 => recording::mf4::write(file, recording).map(drop),
-        })
+            LogFormat::Mf4 => recording::mf4::write(file, recording),
+        });
+        written.and_then(|file| Ok(file.commit()?))
     };
     written
         .map_err(|error| Failure::write(Some(path).filter(|path| !is_standard_output(path)), error))
 }
 
 /// Writes to the file or to the standard output; whether it was the latter.
-fn write(path: &Path, text: &str) -> Result<bool, Failure> {
+fn write(path: &Path, existing: Existing, text: &str) -> Result<bool, Failure> {
     if is_standard_output(path) {
         write_standard_output(text)?;
         return Ok(true);
     }
-    write_file_atomically(path, |file| file.write_all(text.as_bytes()))
-        .map_err(|error: io::Error| Failure::write(Some(path), WriteError::Io(error)))?;
+    let written = existing.begin(path).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.commit()
+    });
+    written.map_err(|error| Failure::write(Some(path), error))?;
     Ok(false)
 }
 

@@ -178,11 +178,15 @@ pub(crate) fn log_notes(log: &Recording, terminal: &Terminal) -> String {
             names.as_str()
         ));
     }
-    let note = terminal.paint(Colour::Title, "note:");
     lines
         .iter()
-        .map(|line| format!("{note} {}: {line}\n", source.as_str()))
+        .map(|line| note(&format!("{}: {line}", source.as_str()), terminal))
         .collect()
+}
+
+/// A line that is worth knowing and no failure.
+pub(crate) fn note(text: &str, terminal: &Terminal) -> String {
+    format!("{} {text}\n", terminal.paint(Colour::Title, "note:"))
 }
 
 /// A title above a part of the text.

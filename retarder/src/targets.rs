@@ -1,10 +1,9 @@
 //! Where results go.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use recording::AtomicFile;
-
-use crate::failure::Failure;
 
 /// Where results go besides the text; `-` is the standard output.
 #[derive(Debug, Default)]
@@ -14,30 +13,26 @@ pub(crate) struct Targets {
     pub(crate) recording: Option<PathBuf>,
     /// The refined plant file.
     pub(crate) plant: Option<PathBuf>,
+    pub(crate) existing: Existing,
 }
 
-impl Targets {
-    /// Refuses a file that cannot be written, and two results for the standard output, before any work is done for them.
-    pub(crate) fn check(&self) -> Result<(), Failure> {
-        let options = [
-            ("--out", &self.recording),
-            ("--out", &self.plant),
-            ("--html", &self.html),
-            ("--json", &self.json),
-        ];
-        let paths = options
-            .into_iter()
-            .filter_map(|(option, path)| Some((option, path.as_deref()?)));
-        let (standard, files): (Vec<_>, Vec<_>) =
-            paths.partition(|(_, path)| is_standard_output(path));
-        if let [(option, _), _, ..] = standard[..] {
-            return Err(Failure::TwoOnStandardOutput { option });
+/// Treatment of a file that has the name of an output.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) enum Existing {
+    /// It is replaced, with its mode, owner and hard links kept.
+    #[default]
+    Replace,
+    /// It stays, and the output is refused.
+    Keep,
+}
+
+impl Existing {
+    /// Begins the file that will be `path`.
+    pub(crate) fn begin(self, path: &Path) -> io::Result<AtomicFile> {
+        match self {
+            Self::Replace => AtomicFile::create(path),
+            Self::Keep => AtomicFile::create_new(path),
         }
-        for (_, path) in files {
-            // Begun and dropped: nothing stays.
-            AtomicFile::create(path).map_err(|error| Failure::write(Some(path), error))?;
-        }
-        Ok(())
     }
 }
 

@@ -17,6 +17,7 @@ use crate::cli::{
     SimulateArgs, TabArgs,
 };
 use crate::failure::Failure;
+use crate::files::{DEMO_REPORT, Files};
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
 use crate::page::quoted;
 use crate::print::{self, Live, Terminal};
@@ -59,16 +60,19 @@ enum Work {
     Text(String),
 }
 
-/// File that the tour writes.
-const TOUR_REPORT: &str = "report.html";
-
 impl Task {
-    /// Reads and checks everything that the arguments name, and that the results can be written.
-    pub(crate) fn resolve(arguments: Cli) -> Result<Self, Failure> {
-        let mut targets = Targets::default();
+    /// Checks that the results can be written and destroy nothing; reads and checks everything that the arguments name.
+    pub(crate) fn resolve(arguments: Cli, files: &Files) -> Result<Self, Failure> {
+        for note in files.check()? {
+            tell(&print::note(&note, &Terminal::standard_error()));
+        }
+        let mut targets = Targets {
+            existing: arguments.existing(),
+            ..Targets::default()
+        };
         let work = match arguments.command {
             None => {
-                targets.html = Some(TOUR_REPORT.into());
+                targets.html = Some(DEMO_REPORT.into());
                 Work::Tour
             }
             Some(Command::Simulate(args)) => simulate(args, &mut targets)?,
@@ -132,7 +136,6 @@ impl Task {
             Some(Command::Schema { result }) => Work::Text(schema_text(result)),
             Some(Command::Completions { shell }) => Work::Text(completions(shell)),
         };
-        targets.check()?;
         Ok(Self { work, targets })
     }
 
@@ -201,7 +204,9 @@ impl Task {
 fn simulate(args: SimulateArgs, targets: &mut Targets) -> Result<Work, Failure> {
     let out = args.out.out.filter(|path| !is_standard_output(path));
     if out.is_none() && args.json.json.as_deref().is_some_and(is_standard_output) {
-        return Err(Failure::TwoOnStandardOutput { option: "--out" });
+        return Err(Failure::TwoOnStandardOutput {
+            option: "--out".to_owned(),
+        });
     }
     targets.json = args.json.json;
     let options = input::log_options(&args.log)?;
@@ -215,6 +220,7 @@ fn simulate(args: SimulateArgs, targets: &mut Targets) -> Result<Work, Failure> 
         log,
         options: options.csv(),
         out,
+        existing: targets.existing,
     }))
 }
 
@@ -330,12 +336,8 @@ fn next_experiment(args: NextExperimentArgs, targets: &mut Targets) -> Result<Wo
 
 fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
     let scenario = Box::new(NamedScenario::from_args(&args)?);
-    *targets = Targets {
-        json: args.json.json,
-        html: args.html.html,
-        recording: args.out.out,
-        plant: None,
-    };
+    (targets.json, targets.html) = (args.json.json, args.html.html);
+    targets.recording = args.out.out;
     Ok(match args.dut {
         None => Work::Control {
             scenario,
@@ -364,7 +366,10 @@ fn report(args: ReportArgs, targets: &mut Targets) -> Result<Work, Failure> {
 
 /// Tells what was made of the log, before anything is done with it.
 fn tell_notes(log: &Recording) {
-    let text = print::log_notes(log, &Terminal::standard_error());
+    tell(&print::log_notes(log, &Terminal::standard_error()));
+}
+
+fn tell(text: &str) {
     // Whoever closed the standard error does not want to know.
     let _ = anstream::stderr().write_all(text.as_bytes());
 }

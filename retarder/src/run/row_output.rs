@@ -6,6 +6,8 @@ use std::path::Path;
 use recording::csv::{self, Column, Decimals, WriteError};
 use recording::{AtomicFile, LogFormat, Provenance, mf4};
 
+use crate::targets::Existing;
+
 /// Where rows go.
 pub(super) enum RowOutput {
     Standard(csv::Writer<BufWriter<StdoutLock<'static>>>),
@@ -14,19 +16,19 @@ pub(super) enum RowOutput {
 }
 
 impl RowOutput {
-    /// Begins the file `path`, in the format of its name; none is the standard output.
+    /// Begins the file `out`, in the format of its name; none is the standard output.
     pub(super) fn begin(
-        path: Option<&Path>,
+        out: Option<(&Path, Existing)>,
         provenance: &Provenance,
         columns: &[Column],
         decimals: &Decimals,
     ) -> Result<Self, WriteError> {
-        let Some(path) = path else {
+        let Some((path, existing)) = out else {
             let sink = BufWriter::new(io::stdout().lock());
             let writer = csv::Writer::new(sink, provenance, columns, decimals)?;
             return Ok(Self::Standard(writer));
         };
-        let file = AtomicFile::create(path)?;
+        let file = existing.begin(path)?;
         Ok(match LogFormat::of_name(path) {
             LogFormat::Csv => Self::Csv(csv::Writer::new(file, provenance, columns, decimals)?),
             LogFormat::Mf4 => Self::Mf4(mf4::Writer::new(file, provenance, columns)?),

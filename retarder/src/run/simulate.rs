@@ -20,6 +20,7 @@ use crate::failure::Failure;
 use crate::input::{LogSource, NamedPlant};
 use crate::interrupt;
 use crate::progress::Progress;
+use crate::targets::Existing;
 
 /// What to simulate.
 pub(crate) struct Task {
@@ -29,6 +30,7 @@ pub(crate) struct Task {
     pub(crate) options: Options,
     /// CSV or MF4 file; none is the standard output, as CSV.
     pub(crate) out: Option<PathBuf>,
+    pub(crate) existing: Existing,
 }
 
 /// Name and version of the JSON form of a [`Simulation`].
@@ -80,6 +82,7 @@ pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
         log: LogSource { name, log, size },
         options,
         out,
+        existing,
     } = task;
     let progress = Progress::of_bytes("simulating", size);
     let rows = match log {
@@ -95,24 +98,26 @@ pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
         None => &never,
         Some(_) => interrupt::flag()?,
     };
-    simulate(&plant, &name, rows, out.as_deref(), is_interrupted)
+    let out = out.as_deref().map(|path| (path, existing));
+    simulate(&plant, &name, rows, out, is_interrupted)
 }
 
 fn simulate(
     plant: &NamedPlant,
     log: &str,
     mut rows: Rows<impl Read>,
-    path: Option<&Path>,
+    out: Option<(&Path, Existing)>,
     is_interrupted: &AtomicBool,
 ) -> Result<Simulation, Failure> {
     let begin = Instant::now();
+    let path = out.map(|(path, _)| path);
     let failed = |error: WriteError| Failure::write(path, error);
     // A log that is refused at its beginning leaves no header on the standard output.
     let mut chunk = Chunk::next(&mut rows, &plant.parameters, log)?;
     let mut model = Model::new(&plant.parameters, &chunk);
     let (places, columns) = columns(&plant.parameters);
     let provenance = provenance(log, plant);
-    let mut output = RowOutput::begin(path, &provenance, &columns, &decimals()).map_err(failed)?;
+    let mut output = RowOutput::begin(out, &provenance, &columns, &decimals()).map_err(failed)?;
     let mut values = Vec::with_capacity(columns.len());
     while !chunk.rows.is_empty() {
         for (time_s, input) in chunk.rows {

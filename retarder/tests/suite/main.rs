@@ -4,6 +4,7 @@ mod compare;
 mod control;
 mod device;
 mod diagnose;
+mod files;
 #[cfg(feature = "image-in-the-loop")]
 mod image;
 mod listings;
