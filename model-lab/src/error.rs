@@ -1,4 +1,4 @@
-use plant_sim::replay::ReplayError;
+use plant_sim::replay::{ReplayError, UnknownSignal};
 use recording::{AddSignalError, ConversionError, MissingSignal};
 
 /// Why a model cannot be compared with a log.
@@ -19,10 +19,11 @@ pub enum CompareError {
     Residual(#[from] AddSignalError),
     /// No signal is on both sides.
     #[error(
-        "{log} has no measured signal that the model has: it has {}, the model {}; \
+        "{log} has no measured signal that the model has: it has {}, the model {}{}; \
          log one of these, or map a column to its name",
         listed(logged),
-        listed(modelled)
+        listed(modelled),
+        questions(meant)
     )]
     NothingToCompare {
         /// Source of the log.
@@ -31,6 +32,8 @@ pub enum CompareError {
         logged: Vec<String>,
         /// Signals of the model that can be compared.
         modelled: Vec<String>,
+        /// Signals of the log that may be one of these.
+        meant: Vec<UnknownSignal>,
     },
     /// The signals that are on both sides cannot be compared.
     #[error("{log}: {name:?} cannot be compared: {reason}")]
@@ -66,6 +69,14 @@ pub enum CompareError {
         /// What is compared.
         compared: Vec<String>,
     },
+}
+
+/// Whether a signal is another one.
+fn questions(meant: &[UnknownSignal]) -> String {
+    let questions = meant.iter();
+    questions
+        .map(|UnknownSignal { name, nearest }| format!("; is {name} {}?", nearest.join(" or ")))
+        .collect()
 }
 
 /// Names as they stand in a sentence.

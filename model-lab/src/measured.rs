@@ -3,7 +3,7 @@
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
-use plant_sim::replay::signals;
+use plant_sim::replay::{signals, unknown_signals};
 use recording::{Bounds, Quantity, Recording, TimeBase, Unit};
 
 use crate::commands::{Commands, DUTIES};
@@ -161,6 +161,7 @@ pub(crate) fn measured_signals(
                 .into_iter()
                 .map(|(name, _)| name.to_owned())
                 .collect(),
+            meant: unknown_signals(parameters, log),
         });
     }
     Ok((measured, not_compared))

@@ -8,10 +8,13 @@ use plant_sim::PlantParameters;
 use recording::csv;
 
 fn compared(log: &str, parameters: &PlantParameters) -> Comparison {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../data/synthetic")
-        .join(log);
-    let log = csv::read_file(path, &csv::Options::default()).unwrap();
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../data/synthetic");
+    // Adds the command that the scope logs lack, and nothing to the others.
+    let options = csv::Options {
+        mapping: csv::Mapping::read_file(folder.join("scope.toml")).unwrap(),
+        ..csv::Options::default()
+    };
+    let log = csv::read_file(folder.join(log), &options).unwrap();
     compare(parameters, &log, &CompareOptions::default()).unwrap()
 }
 

@@ -4,6 +4,10 @@
 //! and the sensor values sampled just then. Coil currents are means over the interval that ends there when
 //! rows are slower than the PWM (an ECU log), and values of the instant when they are faster (a scope).
 
+mod names;
+
+pub use names::{UnknownSignal, unknown_signals};
+
 use recording::{AddSignalError, Provenance, Quantity, Recording, Signal, TimeBase, Unit};
 use recording::{ConversionError, MissingSignal};
 
@@ -225,9 +229,8 @@ pub struct Replayed {
     pub statistics: Statistics,
 }
 
-/// Replays a whole log: `duty_fill` and `duty_vent` (either may be absent and is then 0 %), and `u_bat`
-/// where it was logged; a plant without coils needs neither. `correct` sees the simulator after each row and may move its pressure, as a predictor
-/// does; pass `|_, _| {}` for a free run.
+/// Replays a whole log: the duty cycle of each coil that the plant has, and `u_bat` where it was logged. `correct` sees
+/// the simulator after each row and may move its pressure, as a predictor does; pass `|_, _| {}` for a free run.
 ///
 /// # Errors
 /// As [`inputs`].
@@ -286,12 +289,34 @@ const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
 /// time base is that of the first signal that it has.
 ///
 /// # Errors
-/// No duty cycle for a plant with coils, one of another kind, a duty cycle for a coil that the plant has not, signals
-/// that were not sampled together, or a gap of more than [`LONGEST_GAP_S`].
+/// As [`inputs_of_part`], and a duty cycle without any value.
 pub fn inputs<'a>(
     parameters: &PlantParameters,
     log: &'a Recording,
 ) -> Result<(&'a TimeBase, Vec<ReplayInput>), ReplayError> {
+    let inputs = inputs_of_part(parameters, log)?;
+    let is_empty = |name: &&str| {
+        let signal = log.signal(name);
+        signal.is_some_and(|signal| signal.missing_count() == signal.len())
+    };
+    match commanded(parameters).find(is_empty) {
+        Some(name) => Err(ReplayError::EmptyCommand { name }),
+        None => Ok(inputs),
+    }
+}
+
+/// As [`inputs`], for some rows of a log, in which a command may be missing throughout.
+///
+/// # Errors
+/// No duty cycle for a coil that the plant has, one of another kind, a duty cycle for a coil that the plant has not,
+/// signals that were not sampled together, or a gap of more than [`LONGEST_GAP_S`].
+pub fn inputs_of_part<'a>(
+    parameters: &PlantParameters,
+    log: &'a Recording,
+) -> Result<(&'a TimeBase, Vec<ReplayInput>), ReplayError> {
+    for name in commanded(parameters) {
+        require_command(parameters, log, name)?;
+    }
     let id = driving_signal(parameters, log)?.time_base();
     let base = log.time_base(id).ok_or(ReplayError::NoTimeBase)?;
     for pair in base.times_s().windows(2) {
@@ -358,15 +383,53 @@ pub fn initial_pressure(
         .find(|value| value.is_finite() && *value > 0.0))
 }
 
+/// The commands that the plant needs: those of its coils.
+fn commanded(parameters: &PlantParameters) -> impl Iterator<Item = &'static str> {
+    let valves = DUTIES.into_iter().zip(parameters.functions);
+    valves
+        .filter(|(_, function)| function.has_coil())
+        .map(|(name, _)| name)
+}
+
+/// A command that is not there is not zero: perhaps its column has another name.
+fn require_command(
+    parameters: &PlantParameters,
+    log: &Recording,
+    name: &'static str,
+) -> Result<(), ReplayError> {
+    if !log.mentions(name) {
+        let signals = log.signals().iter();
+        return Err(ReplayError::NoCommand {
+            source_name: log.provenance().source.clone(),
+            name,
+            present: signals.map(|signal| signal.name().to_owned()).collect(),
+            meant: names::meant_by(parameters, log, name),
+        });
+    }
+    log.require(name, Quantity::DutyCycle)?;
+    Ok(())
+}
+
+/// What the log has instead of a command, and what to do.
+fn about_missing_command(name: &str, present: &[String], meant: &[String]) -> String {
+    let instead = match (meant, present) {
+        ([], []) => ".".to_owned(),
+        ([], present) => format!("; it has {}.", present.join(", ")),
+        (meant, _) => format!("; is it {}?", meant.join(" or ")),
+    };
+    format!(
+        "{instead} Map its column to `{name}`, or where the valve was not commanded, say so in a mapping: \
+         constant.{name} = {{ value = 0, unit = \"pct\" }}"
+    )
+}
+
 /// The signal whose instants are those of the replay.
 fn driving_signal<'a>(
     parameters: &PlantParameters,
     log: &'a Recording,
 ) -> Result<&'a Signal, ReplayError> {
-    if Part::Coil.is_in(parameters) {
-        let present = DUTIES.into_iter().find(|name| log.mentions(name));
-        // The error of `require` lists what there is instead.
-        return Ok(log.require(present.unwrap_or(DUTIES[FILL]), Quantity::DutyCycle)?);
+    if let Some(name) = commanded(parameters).next() {
+        return Ok(log.require(name, Quantity::DutyCycle)?);
     }
     let logged = signals(parameters).find_map(|(name, _)| log.signal(name));
     match logged {
@@ -414,6 +477,30 @@ pub enum ReplayError {
     /// A signal is absent or of another kind.
     #[error(transparent)]
     MissingSignal(#[from] MissingSignal),
+    /// A coil of the plant has no command in the log.
+    #[error(
+        "{source_name} has no duty cycle `{name}`, but the plant has that coil{}",
+        about_missing_command(name, present, meant)
+    )]
+    NoCommand {
+        /// Source of the log.
+        source_name: String,
+        /// The command.
+        name: &'static str,
+        /// Signals of the log.
+        present: Vec<String>,
+        /// Those of them, and of the channels that were left out, that may be it.
+        meant: Vec<String>,
+    },
+    /// The log has a command without any value.
+    #[error(
+        "every sample of the duty cycle `{name}` is missing: log it, or leave out the column and say in a mapping what it was: \
+         constant.{name} = {{ value = 0, unit = \"pct\" }}"
+    )]
+    EmptyCommand {
+        /// The command.
+        name: &'static str,
+    },
     /// A signal cannot be converted.
     #[error(transparent)]
     Conversion(#[from] ConversionError),

@@ -1,7 +1,7 @@
 //! The model driven by the commands of a log.
 
 use plant_sim::plant::VENT;
-use plant_sim::replay::{CurrentSampling, LONGEST_GAP_S, ReplayError, replay};
+use plant_sim::replay::{CurrentSampling, LONGEST_GAP_S, ReplayError, replay, unknown_signals};
 use plant_sim::valve::ValveFunction;
 use plant_sim::{Command, PlantParameters, Simulator, Tolerance};
 use recording::{Provenance, Recording, TimeBase, Unit};
@@ -15,6 +15,12 @@ fn log(step_s: f64, signals: &[(&str, Unit, Vec<f64>)]) -> Recording {
         log.add_signal(*name, *unit, base, samples.clone()).unwrap();
     }
     log
+}
+
+/// The same with a vent valve that is not commanded, if the log does not say otherwise.
+fn vent_shut(step_s: f64, signals: &[(&str, Unit, Vec<f64>)]) -> Recording {
+    let shut = ("duty_vent", Unit::Percent, vec![0.0; signals[0].2.len()]);
+    log(step_s, &[signals, &[shut]].concat())
 }
 
 fn fill(samples: Vec<f64>) -> (&'static str, Unit, Vec<f64>) {
@@ -38,10 +44,10 @@ fn last(recording: &Recording, name: &str) -> f64 {
 fn a_missing_command_holds_the_last_one_and_is_counted() {
     let nominal = PlantParameters::nominal();
     let mut duty = vec![60.0; 40];
-    let whole = run(&nominal, &log(0.01, &[fill(duty.clone())]));
+    let whole = run(&nominal, &vent_shut(0.01, &[fill(duty.clone())]));
     duty[10] = f64::NAN;
     duty[11] = f64::NAN;
-    let gappy = run(&nominal, &log(0.01, &[fill(duty)]));
+    let gappy = run(&nominal, &vent_shut(0.01, &[fill(duty)]));
     assert_eq!((whole.held_commands, gappy.held_commands), (0, 2));
     assert_eq!(
         last(&whole.recording, "p_ch"),
@@ -52,7 +58,7 @@ fn a_missing_command_holds_the_last_one_and_is_counted() {
 #[test]
 fn the_logged_supply_voltage_drives_the_coils() {
     let nominal = PlantParameters::nominal();
-    let log = log(
+    let log = vent_shut(
         0.01,
         &[fill(vec![100.0; 60]), ("u_bat", Unit::Volt, vec![20.0; 60])],
     );
@@ -64,8 +70,8 @@ fn the_logged_supply_voltage_drives_the_coils() {
 #[test]
 fn a_scope_sees_the_instant_and_an_ecu_the_mean() {
     let nominal = PlantParameters::nominal();
-    let scope = run(&nominal, &log(50e-6, &[fill(vec![100.0; 800])]));
-    let ecu = run(&nominal, &log(0.01, &[fill(vec![100.0; 5])]));
+    let scope = run(&nominal, &vent_shut(50e-6, &[fill(vec![100.0; 800])]));
+    let ecu = run(&nominal, &vent_shut(0.01, &[fill(vec![100.0; 5])]));
     assert_eq!(scope.sampling, CurrentSampling::Instant);
     assert_eq!(ecu.sampling, CurrentSampling::MeanOfInterval);
     // 25 ms after the current began: the scope shows more than the mean of the last 10 ms.
@@ -81,7 +87,7 @@ fn the_regulating_valve_is_an_output_stage() {
         plant_sim::parameters::NOMINAL_PLANT_TOML
     );
     let with = PlantParameters::from_toml(&text, "rig.toml").unwrap();
-    let log = log(0.01, &[fill(vec![100.0; 200])]);
+    let log = vent_shut(0.01, &[fill(vec![100.0; 200])]);
     let (plain, staged) = (run(&PlantParameters::nominal(), &log), run(&with, &log));
     assert!(plain.recording.signal("x_plunger").is_none());
     assert!(
@@ -100,8 +106,10 @@ fn a_gap_that_no_bench_log_has_is_refused() {
     let mut log = Recording::new(Provenance::from_source("bench"));
     let base = TimeBase::new(vec![0.0, 0.01, LONGEST_GAP_S + 1.0]).unwrap();
     let base = log.add_time_base(base);
-    log.add_signal("duty_fill", Unit::Percent, base, vec![0.0; 3])
-        .unwrap();
+    for name in ["duty_fill", "duty_vent"] {
+        log.add_signal(name, Unit::Percent, base, vec![0.0; 3])
+            .unwrap();
+    }
     let refused = replay(
         &PlantParameters::nominal(),
         &log,
@@ -288,6 +296,68 @@ fn a_command_to_a_coil_that_is_not_there_is_refused_and_zeros_are_not() {
     );
 }
 
+/// A misspelt column was taken for 0 %, and a diagnosis found something.
+#[test]
+fn a_command_that_is_not_there_is_no_zero_and_the_column_that_may_be_it_is_named() {
+    let nominal = PlantParameters::nominal();
+    let refused = |log: &Recording| {
+        let refused = replay(&nominal, log, Tolerance::default(), |_, _| {});
+        refused.unwrap_err().to_string()
+    };
+    let percent = |name: &'static str| (name, Unit::Percent, vec![50.0; 20]);
+    let pressure = |name: &'static str| (name, Unit::BarGauge, vec![1.0; 20]);
+    let misspelt = refused(&log(0.01, &[percent("duty_filll"), percent("duty_vent")]));
+    for part in [
+        "bench has no duty cycle `duty_fill`",
+        "is it duty_filll?",
+        "constant.duty_fill = { value = 0, unit = \"pct\" }",
+    ] {
+        assert!(misspelt.contains(part), "{misspelt}");
+    }
+    let other_name = refused(&log(0.01, &[percent("PWM2"), percent("duty_fill")]));
+    assert!(
+        other_name.contains("`duty_vent`") && other_name.contains("is it PWM2?"),
+        "{other_name}"
+    );
+    let absent = refused(&log(0.01, &[fill(vec![50.0; 20]), pressure("p_ch")]));
+    assert!(absent.contains("it has duty_fill, p_ch."), "{absent}");
+    let empty = refused(&vent_shut(0.01, &[fill(vec![f64::NAN; 20])]));
+    assert!(
+        empty.contains("every sample of the duty cycle `duty_fill` is missing"),
+        "{empty}"
+    );
+    let mut left_out = log(0.01, &[percent("duty_vent")]);
+    left_out.leave_out("duty_fil", "a text channel");
+    let left_out = refused(&left_out);
+    assert!(
+        left_out.contains("is it duty_fil (a text channel)?"),
+        "{left_out}"
+    );
+}
+
+#[test]
+fn a_name_that_the_model_does_not_know_is_told_with_what_it_may_be() {
+    let nominal = PlantParameters::nominal();
+    let nearest = |name: &'static str, unit: Unit, beside: &[(&str, Unit, Vec<f64>)]| {
+        let log = log(0.01, &[beside, &[(name, unit, vec![1.0; 20])]].concat());
+        let unknown = unknown_signals(&nominal, &log);
+        let one = unknown.into_iter().find(|one| one.name == name);
+        one.map_or(vec![], |one| one.nearest)
+    };
+    let pressure = [("p_ch", Unit::BarGauge, vec![1.0; 20])];
+    assert_eq!(nearest("pressure", Unit::BarGauge, &[]), ["p_ch"]);
+    assert_eq!(nearest("pressure", Unit::KilopascalAbsolute, &[]), ["p_ch"]);
+    // A second pressure is no riddle.
+    assert_eq!(nearest("p_supply", Unit::BarGauge, &pressure), [""; 0]);
+    assert_eq!(nearest("i_fil", Unit::Milliampere, &pressure), ["i_fill"]);
+    assert_eq!(nearest("i_fil", Unit::Volt, &pressure), [""; 0]);
+    assert_eq!(nearest("ambient", Unit::DegreeCelsius, &pressure), [""; 0]);
+    assert_eq!(
+        nearest("dc1", Unit::Percent, &pressure),
+        ["duty_fill", "duty_vent"]
+    );
+}
+
 /// Without a chamber the armature moves as between equal pressures; nothing of an orifice is left to stumble over.
 #[test]
 fn a_valve_without_air_moves_to_its_stop() {
@@ -308,7 +378,7 @@ fn a_valve_without_air_moves_to_its_stop() {
         "preload_vent",
     ];
     let valve = without(&keys, "fill = \"normally_closed\"\nvent = \"absent\"");
-    let log = log(50e-6, &[fill(vec![100.0; 1600])]);
+    let log = vent_shut(50e-6, &[fill(vec![100.0; 1600])]);
     let alone = run(&valve, &log).recording;
     assert_eq!(last(&alone, "x_fill"), 0.5);
 

@@ -8,6 +8,7 @@ mod known;
 mod log;
 pub mod mf4;
 mod name;
+mod nearest;
 mod plausibility;
 mod proposal;
 mod provenance;
@@ -25,6 +26,7 @@ pub use log::{
     LogError, LogFormat, LogOptions, OpenLog, open_log, open_log_file, read_log, read_log_file,
 };
 pub use name::{NAME_BYTES_MAX, NameError};
+pub use nearest::{names_meant, nearest_name};
 pub use plausibility::Implausible;
 pub use provenance::{InputFile, Note, Provenance};
 pub use quantity::Quantity;

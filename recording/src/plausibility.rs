@@ -11,6 +11,8 @@ use crate::{Converter, PressureReference, Quantity, Unit};
 const LARGEST_BAR: f64 = 50.0;
 /// The pressure of a charged chamber.
 const CHARGED_BAR: std::ops::RangeInclusive<f64> = 1.0..=25.0;
+/// Where the pressure of a charged chamber usually ends.
+const USUAL_BAR: f64 = 6.0;
 /// Below this a log in a small unit is suspected to be one in a larger unit.
 const SMALL_BAR: f64 = 0.25;
 /// The thinnest atmosphere a vehicle meets, at about 5500 m.
@@ -357,24 +359,24 @@ impl Watch {
         candidates
             .into_iter()
             .filter(|&unit| unit != self.unit)
-            .find(|&unit| {
+            .filter_map(|unit| {
                 // Too small values can only come from a larger unit; psi is no larger unit anyone mixes up there.
                 if !large && matches!(unit, U::PsiGauge | U::PsiAbsolute) {
-                    return false;
+                    return None;
                 }
-                let Some(reference) = unit.pressure_reference() else {
-                    return false;
-                };
-                let Ok(to_bar) = unit.converter(bar(reference)) else {
-                    return false;
-                };
+                let reference = unit.pressure_reference()?;
+                let to_bar = unit.converter(bar(reference)).ok()?;
                 let lowest_bar = match reference {
                     PressureReference::Gauge => -0.2,
                     PressureReference::Absolute => AMBIENT_MIN_BAR,
                 };
-                CHARGED_BAR.contains(&to_bar.apply(seen.max))
-                    && to_bar.apply(seen.min) >= lowest_bar
+                let [min_bar, max_bar] = [seen.min, seen.max].map(|value| to_bar.apply(value));
+                let fits = CHARGED_BAR.contains(&max_bar) && min_bar >= lowest_bar;
+                fits.then_some((unit, (max_bar / USUAL_BAR).ln().abs()))
             })
+            // 120 is a chamber at 8 bar in psi before it is one at 1.2 bar in kPa.
+            .min_by(|one, other| one.1.total_cmp(&other.1))
+            .map(|(unit, _)| unit)
     }
 }
 

@@ -206,3 +206,26 @@ fn mf4_has_the_same_bounds() {
     let base = recording.signal("p_ch").unwrap().time_base();
     assert_eq!(recording.known_at(base).unwrap().out_of_bounds().len(), 1);
 }
+
+/// A pressure in another unit than declared is told by the pressure that the unit would make of it.
+#[test]
+fn the_unit_that_makes_a_usual_pressure_of_the_values_is_proposed() {
+    let proposed = |per_bar: f64| {
+        let row = |row: u32| {
+            let bar = 0.004 * f64::from(row % 3) - 0.004 + 0.08 * f64::from(row);
+            format!("{:.2},{:.3}\n", f64::from(row) * 0.01, bar * per_bar)
+        };
+        let rows: String = (0..100).map(row).collect();
+        let log = format!("time_s,p_ch_bar_gauge\n{rows}");
+        let read = recording::csv::read("log.csv", log.as_bytes(), &Default::default());
+        read.unwrap_err().to_string()
+    };
+    for (per_bar, unit) in [
+        (14.504, "psi_gauge"),
+        (100.0, "kPa_gauge"),
+        (1000.0, "mbar_gauge"),
+    ] {
+        let error = proposed(per_bar);
+        assert!(error.contains(&format!("unit = \"{unit}\"")), "{error}");
+    }
+}

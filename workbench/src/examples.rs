@@ -56,16 +56,16 @@ macro_rules! practice {
                 about: $about,
             },
             logs: &[
-                practice!(@log concat!("practice-", $number, "-id.csv")),
-                practice!(@log concat!("practice-", $number, "-check.csv")),
-                $(practice!(@log concat!("practice-", $number, "-scope-", $scope, ".csv")),)*
+                practice!(@log concat!("practice-", $number, "-id.csv"), None),
+                practice!(@log concat!("practice-", $number, "-check.csv"), None),
+                $(practice!(@log concat!("practice-", $number, "-scope-", $scope, ".csv"), Some(data!("synthetic/scope.toml"))),)*
             ],
             plant: None,
             tolerances: &[],
         }
     };
-    (@log $name:expr) => {
-        ($name, include_bytes!(concat!("../../data/synthetic/", $name)), None)
+    (@log $name:expr, $mapping:expr) => {
+        ($name, include_bytes!(concat!("../../data/synthetic/", $name)), $mapping)
     };
 }
 

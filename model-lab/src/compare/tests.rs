@@ -444,6 +444,8 @@ fn a_log_of_one_sample_is_compared_without_panic() {
     let id = log.add_time_base(TimeBase::uniform(5.0, 0.01, 1).unwrap());
     log.add_signal("duty_fill", Unit::Percent, id, vec![50.0])
         .unwrap();
+    log.add_signal("duty_vent", Unit::Percent, id, vec![0.0])
+        .unwrap();
     log.add_signal("p_ch", Unit::BarGauge, id, vec![2.0])
         .unwrap();
     let comparison = against_nominal(&log);

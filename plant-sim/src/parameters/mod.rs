@@ -8,7 +8,6 @@ mod build;
 mod consistency;
 mod error;
 mod names;
-mod nearest;
 mod parts;
 mod read;
 mod table;
@@ -27,7 +26,7 @@ pub use table::PARAMETERS;
 use crate::description::{Effect, EffectSetting};
 use crate::effects::{LIBRARY, by_id};
 use consistency::inconsistency;
-use nearest::meant;
+use recording::{names_meant, nearest_name};
 use units::in_other_unit;
 
 /// The plant file shipped with the crate: the thesis model.
@@ -129,9 +128,21 @@ impl PlantParameters {
             None => Problem::UnknownKey {
                 line: 0,
                 key: name.to_owned(),
-                suggestion: in_other_unit_of_section(name, value),
+                suggestion: in_other_unit_of_section(name, value)
+                    .or_else(|| self.similar_parameter(name)),
             },
         }
+    }
+
+    /// The parameter that `name` probably means: one that it begins, or else the nearest.
+    fn similar_parameter(&self, name: &str) -> Option<String> {
+        let names: Vec<String> = self.specs().map(ParameterSpec::name).collect();
+        let begun = names.iter().find(|one| one.starts_with(name));
+        let nearest = || nearest_name(name, names.iter().map(String::as_str));
+        begun
+            .map(String::as_str)
+            .or_else(nearest)
+            .map(str::to_owned)
     }
 
     fn spec(&self, name: &str) -> Option<&'static ParameterSpec> {
@@ -175,7 +186,7 @@ impl PlantParameters {
 
 /// The ids of effects of the library that `word` may mean; none where it looks like no id.
 pub fn effects_meant(word: &str) -> Vec<&'static str> {
-    meant(word, LIBRARY.iter().map(|effect| effect.about().id))
+    names_meant(word, LIBRARY.iter().map(|effect| effect.about().id))
 }
 
 /// What to write for a `section.key` whose key has another unit.

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use recording::nearest_name;
 use toml_edit::{Document, Item, TableLike, Value};
 
 use super::consistency::inconsistency;
@@ -9,7 +10,6 @@ use super::error::{ParameterError, Problem};
 use super::names::{
     CHAMBER, FUNCTIONS, REGULATING_VALVE, THERMOMETER, VALVE_KEYS, VALVES, VARIANT,
 };
-use super::nearest::nearest;
 use super::parts::Part;
 use super::table::PARAMETERS;
 use super::units::in_other_unit;
@@ -161,8 +161,9 @@ impl Reader<'_> {
                         None => spec.key.to_owned(),
                     }
                 });
-                let suggestion = suggestion
-                    .or_else(|| nearest(key, specs.iter().map(|spec| spec.key)).map(str::to_owned));
+                let suggestion = suggestion.or_else(|| {
+                    nearest_name(key, specs.iter().map(|spec| spec.key)).map(str::to_owned)
+                });
                 self.problems.push(Problem::UnknownKey {
                     line,
                     key: name,
@@ -204,7 +205,7 @@ impl Reader<'_> {
                 self.problems.push(Problem::UnknownEffect {
                     line,
                     id: id.to_owned(),
-                    nearest: nearest(id, ids),
+                    nearest: nearest_name(id, ids),
                 });
                 continue;
             };

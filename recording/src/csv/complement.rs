@@ -40,6 +40,8 @@ impl Window {
 pub(crate) struct Constant {
     pub(crate) value: f64,
     pub(crate) unit: Unit,
+    /// Only for logs without the signal: one mapping explains several logs.
+    pub(crate) where_absent: bool,
 }
 
 #[derive(Default, Deserialize)]
@@ -55,6 +57,8 @@ pub(super) struct WindowToml {
 pub(super) struct ConstantToml {
     value: Spanned<f64>,
     unit: Spanned<String>,
+    #[serde(default)]
+    where_absent: bool,
 }
 
 pub(super) fn resolve_window(raw: WindowToml) -> Result<Window, AtSpan> {
@@ -98,7 +102,13 @@ pub(super) fn resolve_constants(
                 MappingProblem::Constant { found, allowed },
             ));
         }
-        constants.insert(name, Constant { value, unit });
+        let where_absent = constant.where_absent;
+        let constant = Constant {
+            value,
+            unit,
+            where_absent,
+        };
+        constants.insert(name, constant);
     }
     Ok(constants)
 }

@@ -47,6 +47,11 @@ use crate::{Quantity, Unit};
 ///     value = 100
 ///     unit = "pct"
 ///
+///     [constant.duty_vent]              # for those of several logs that do not have it
+///     value = 0
+///     unit = "pct"
+///     where_absent = true
+///
 ///     [rows]                            # the others are left out
 ///     from_s = 6.2
 ///     until_s = 140

@@ -1,5 +1,6 @@
 //! Which field of a record is the time, which are signals, and what else must be known about them.
 
+use super::complement::Constant;
 use super::error::{Excerpt, Located, Place};
 use super::header::{parse_heading, parse_heading_over_unit};
 use super::mapping::{ColumnKey, MappedColumn, Mapping};
@@ -14,6 +15,8 @@ pub(super) struct Plan {
     pub(super) time: FieldPlan,
     pub(super) to_seconds: Converter,
     pub(super) signals: Vec<FieldPlan>,
+    /// Signals that are no columns: they stayed constant, as the mapping says.
+    pub(super) constants: Vec<(String, Constant)>,
     /// A separator at the end of each line makes a last column without name and content.
     pub(super) empty_last: bool,
     headers: Option<Vec<String>>,
@@ -209,10 +212,21 @@ pub(super) fn resolve(head: &Head, mapping: &Mapping) -> Result<Plan, Located> {
         fields,
         time,
         to_seconds,
+        constants: constants(mapping, &signals),
         signals,
         empty_last,
         headers,
     })
+}
+
+/// The constants of the mapping for a file with these columns.
+fn constants(mapping: &Mapping, signals: &[FieldPlan]) -> Vec<(String, Constant)> {
+    let is_logged = |name: &String| signals.iter().any(|signal| signal.name == *name);
+    let constants = mapping.constants.iter();
+    constants
+        .filter(|(name, _)| !is_logged(name))
+        .map(|(name, constant)| (name.clone(), constant.clone()))
+        .collect()
 }
 
 fn refuse_duplicates(head: &Head, mapping: &Mapping, signals: &[FieldPlan]) -> Result<(), Located> {
@@ -225,7 +239,8 @@ fn refuse_duplicates(head: &Head, mapping: &Mapping, signals: &[FieldPlan]) -> R
             };
             return Err((head.place(signal.field), problem));
         }
-        if mapping.constants.contains_key(&signal.name) {
+        let constant = mapping.constants.get(&signal.name);
+        if constant.is_some_and(|constant| !constant.where_absent) {
             let problem = Problem::ConstantLogged {
                 name: signal.name.clone(),
             };

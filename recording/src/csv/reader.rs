@@ -90,7 +90,7 @@ impl<R: Read> Reader<R> {
             name: signal.name.clone(),
             unit: signal.unit,
         });
-        let constant = options.mapping.constants.iter().map(|(name, one)| Column {
+        let constant = plan.constants.iter().map(|(name, one)| Column {
             name: name.clone(),
             unit: one.unit,
         });

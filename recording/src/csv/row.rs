@@ -41,9 +41,9 @@ impl RowParser {
             time_s: f64::NEG_INFINITY,
             first_time_s: f64::NAN,
             values: {
-                let constants = options.mapping.constants.values();
+                let constants = plan.constants.iter().map(|(_, constant)| constant.value);
                 let logged = iter::repeat_n(f64::NAN, plan.signals.len());
-                logged.chain(constants.map(|one| one.value)).collect()
+                logged.chain(constants).collect()
             },
             rows: 0,
             window: options.mapping.rows,

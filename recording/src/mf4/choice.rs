@@ -55,7 +55,8 @@ impl Choice {
         }
         let rest = (0..channels.len()).filter(|&index| !is_explained[index]);
         choice.take_by_name(channels, &rest.collect::<Vec<_>>(), mapping);
-        for name in mapping.constants.keys() {
+        let constants = mapping.constants.iter();
+        for (name, _) in constants.filter(|(_, constant)| !constant.where_absent) {
             if choice.columns.iter().any(|column| column.name == *name) {
                 return Err(of_file(Problem::ConstantLogged { name: name.clone() }));
             }

@@ -241,6 +241,9 @@ impl Builder<'_> {
             notes::add_instants(self.recording.provenance_mut(), name);
         }
         for (name, constant) in &self.mapping.constants {
+            if constant.where_absent && self.recording.signal(name).is_some() {
+                continue;
+            }
             let mut bases = self.recording.time_bases();
             let (base, instants) = match (bases.next(), bases.next()) {
                 (Some((base, times)), None) => (base, times.len()),

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use model_lab::CompareError;
 use plant_sim::replay::{
     CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, check_gap,
-    initial_pressure, inputs, signals,
+    initial_pressure, inputs, inputs_of_part, signals,
 };
 use plant_sim::{PlantParameters, Tolerance};
 use recording::csv::{Column, Decimals, Options, Reader, WriteError};
@@ -113,7 +114,8 @@ fn simulate(
     let path = out.map(|(path, _)| path);
     let failed = |error: WriteError| Failure::write(path, error);
     // A log that is refused at its beginning leaves no header on the standard output.
-    let mut chunk = Chunk::next(&mut rows, &plant.parameters, log)?;
+    let source = (&plant.parameters, log);
+    let mut chunk = Chunk::next(&mut rows, source, true)?;
     let mut model = Model::new(&plant.parameters, &chunk);
     let (places, columns) = columns(&plant.parameters);
     let provenance = provenance(log, plant);
@@ -130,7 +132,7 @@ fn simulate(
             values.extend(places.iter().map(|&place| row[place]));
             output.write_row(time_s, &values).map_err(failed)?;
         }
-        chunk = Chunk::next(&mut rows, &plant.parameters, log)?;
+        chunk = Chunk::next(&mut rows, source, false)?;
     }
     output.finish().map_err(failed)?;
     let statistics = model.replay.simulator().statistics();
@@ -166,15 +168,15 @@ enum Rows<R: Read> {
 
 impl<R: Read> Rows<R> {
     /// The next rows, those of a recording all at once; none at the end.
-    fn next(&mut self) -> Result<Option<Recording>, Failure> {
+    fn next(&mut self, log: &str) -> Result<Option<Recording>, Failure> {
         match self {
-            Self::Csv(reader) => next_rows(reader),
+            Self::Csv(reader) => next_rows(reader, log),
             Self::Recording(recording) => Ok(recording.take().map(|recording| *recording)),
         }
     }
 }
 
-fn next_rows(reader: &mut Reader<impl Read>) -> Result<Option<Recording>, Failure> {
+fn next_rows(reader: &mut Reader<impl Read>, log: &str) -> Result<Option<Recording>, Failure> {
     let columns = reader.columns().to_vec();
     let mut times_s = Vec::with_capacity(CHUNK_ROWS);
     let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
@@ -189,7 +191,7 @@ fn next_rows(reader: &mut Reader<impl Read>) -> Result<Option<Recording>, Failur
     if times_s.is_empty() {
         return Ok(None);
     }
-    let mut recording = Recording::new(Provenance::default());
+    let mut recording = Recording::new(Provenance::from_source(log));
     let base = TimeBase::new(times_s).expect("the reader refuses times that do not increase");
     let base = recording.add_time_base(base);
     for (column, samples) in columns.into_iter().zip(samples) {
@@ -258,17 +260,28 @@ impl Chunk {
     /// The next rows. They pass through a recording, so that the library reads and refuses signals as in a whole log.
     fn next(
         rows: &mut Rows<impl Read>,
-        parameters: &PlantParameters,
-        log: &str,
+        (parameters, log): (&PlantParameters, &str),
+        is_first: bool,
     ) -> Result<Self, Failure> {
-        let Some(recording) = rows.next()? else {
+        let Some(recording) = rows.next(log)? else {
             return Ok(Self::default());
         };
-        let failed = |error| Failure::Replay {
-            path: PathBuf::from(log),
-            error,
+        let failed = |error| match error {
+            // These name the log themselves.
+            ReplayError::MissingSignal(_) | ReplayError::NoCommand { .. } => {
+                Failure::Compare(CompareError::Replay(error))
+            }
+            error => Failure::Replay {
+                path: PathBuf::from(log),
+                error,
+            },
         };
-        let (base, inputs) = inputs(parameters, &recording).map_err(failed)?;
+        // A command may be missing throughout a chunk, but not from the beginning.
+        let inputs = match is_first {
+            true => inputs(parameters, &recording),
+            false => inputs_of_part(parameters, &recording),
+        };
+        let (base, inputs) = inputs.map_err(failed)?;
         Ok(Self {
             rows: base.times_s().iter().copied().zip(inputs).collect(),
             median_step_s: base.sampling().median_step_s,

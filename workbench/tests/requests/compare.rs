@@ -208,10 +208,10 @@ fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
         let row = |index: u32| {
             let duty = if index % 20 < 10 { 40 } else { 0 };
             let pressure_bar = f64::from(index * index) * 1e-3;
-            format!("{},{duty},{pressure_bar:.3}\n", index + delay)
+            format!("{},{duty},0,{pressure_bar:.3}\n", index + delay)
         };
         let rows: String = (0..100).map(row).collect();
-        format!("time_s,duty_fill_pct,p_ch_bar_gauge\n{rows}")
+        format!("time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge\n{rows}")
     };
     browser.upload(&session, "now.csv", log(0).as_bytes());
     browser.upload(&session, "late.csv", log(5).as_bytes());
