@@ -49,11 +49,11 @@ impl Scenario {
     /// pressure to the end of the profile.
     pub fn new(name: impl Into<String>, reference: ReferenceProfile) -> Self {
         let plant = PlantParameters::nominal();
-        let samples = reference.end_ns() / plant.ecu.sample_time_ns().max(1);
+        let duration_samples = samples(reference.end_ns(), &plant);
         Self {
             name: name.into(),
             reference,
-            duration_samples: u32::try_from(samples).unwrap_or(u32::MAX).saturating_add(1),
+            duration_samples: duration_samples.saturating_add(1),
             supervision: supervision(&plant),
             plant,
             start_pressure_bar: 0.0,
@@ -63,20 +63,25 @@ impl Scenario {
         }
     }
 
-    /// The same on another kind of plant, which the ECU is told.
+    /// The same on another kind of plant, which the ECU is told. It lasts as long (s), whatever the sample time.
     #[must_use]
     pub fn on(self, plant: PlantParameters) -> Self {
         Self {
             supervision: supervision(&plant),
-            plant,
-            ..self
+            ..self.on_rig(plant)
         }
     }
 
     /// The same on another rig of the same kind: the ECU's settings stay.
     #[must_use]
     pub fn on_rig(self, plant: PlantParameters) -> Self {
-        Self { plant, ..self }
+        let intervals = u64::from(self.duration_samples.saturating_sub(1));
+        let duration_ns = intervals.saturating_mul(self.plant.ecu.sample_time_ns());
+        Self {
+            duration_samples: samples(duration_ns, &plant).saturating_add(1),
+            plant,
+            ..self
+        }
     }
 
     /// The same with another controller.
@@ -110,7 +115,7 @@ impl Scenario {
 
     /// What happens before time 0.
     pub fn lead_in(&self) -> LeadIn {
-        LeadIn::to(self.start_pressure_bar)
+        LeadIn::to(self.start_pressure_bar, self.plant.ecu.sample_time_s)
     }
 
     /// Chamber pressure at time 0 [Pa abs].
@@ -152,6 +157,11 @@ impl Scenario {
         }
         Ok(())
     }
+}
+
+/// Whole samples of the ECU of `plant` in a time.
+fn samples(time_ns: u64, plant: &PlantParameters) -> u32 {
+    u32::try_from(time_ns / plant.ecu.sample_time_ns().max(1)).unwrap_or(u32::MAX)
 }
 
 impl fmt::Display for Scenario {
@@ -453,6 +463,33 @@ mod tests {
         );
         let [low, high] = requirement.operating_range_psup.map(psup);
         assert!(references.contains(&low) && references.contains(&high));
+    }
+
+    /// A profile of 30 s ran for 60 s on a plant that samples every 20 ms.
+    #[test]
+    fn a_scenario_lasts_as_long_whatever_the_sample_time() {
+        for built_in in BUILT_IN {
+            let scenario = built_in.scenario();
+            let end_s = scenario.reference.end_ns() as f64 * 1e-9;
+            for sample_time_s in [0.001, 0.005, 0.01, 0.02, 0.1] {
+                let mut plant = scenario.plant.clone();
+                plant.ecu.sample_time_s = sample_time_s;
+                let there = scenario.clone().on(plant.clone());
+                let last_s = f64::from(there.duration_samples - 1) * sample_time_s;
+                assert!(
+                    (last_s - end_s).abs() < sample_time_s + 1e-9,
+                    "{}: {last_s} s, not {end_s} s",
+                    built_in.name
+                );
+                let lead_in_s = f64::from(there.lead_in().samples()) * sample_time_s;
+                assert!(there.start_pressure_bar == 0.0 || lead_in_s >= 2.0);
+                // There and back nothing is lost.
+                let back = there.on_rig(scenario.plant.clone());
+                assert!(back.duration_samples.abs_diff(scenario.duration_samples) <= 10);
+            }
+            let same = scenario.clone().on(scenario.plant.clone());
+            assert_eq!(same.duration_samples, scenario.duration_samples);
+        }
     }
 
     #[test]

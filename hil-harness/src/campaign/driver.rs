@@ -17,7 +17,7 @@ use crate::requirement::Requirement;
 
 /// From power-on to the first reference above zero \[samples\].
 pub(super) fn lead_in_samples() -> u32 {
-    LeadIn::to(0.0).samples()
+    LeadIn::to(0.0, f64::from(SAMPLE_MS) * 1e-3).samples()
 }
 
 /// From the end of the fault until the level is asked for that the loop has to reach by itself \[samples\].

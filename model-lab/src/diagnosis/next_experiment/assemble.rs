@@ -4,8 +4,7 @@ use super::super::verdict::DISTINGUISHABLE;
 use super::distance::Rival;
 use super::manoeuvre::Sequence;
 use super::result::{
-    INTERVAL_S, Limits, Manoeuvre, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect,
-    Sensor,
+    Limits, Manoeuvre, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor,
 };
 
 /// What is to be told apart, and by what.
@@ -31,6 +30,7 @@ pub(super) fn assemble(
         sentence: sentence(&rivals, best, &sensors),
         rivals,
         limits,
+        sample_time_s: best.0.interval_s,
         distance_now,
         distinguishable_from: DISTINGUISHABLE,
         sequence: phases(&best.0),
@@ -39,7 +39,7 @@ pub(super) fn assemble(
             .map(|(sequence, distance)| Manoeuvre {
                 name: sequence.name.to_owned(),
                 about: sequence.about.to_owned(),
-                duration_s: sequence.duties.len() as f64 * INTERVAL_S,
+                duration_s: sequence.duties.len() as f64 * sequence.interval_s,
                 highest_bar: sequence.highest_bar,
                 distance: *distance,
             })
@@ -55,7 +55,7 @@ fn phases(sequence: &Sequence) -> Vec<Phase> {
             last.duty_fill_pct == duty_fill_pct && last.duty_vent_pct == duty_vent_pct
         };
         if !phases.last().is_some_and(is_same) {
-            let time_s = row as f64 * INTERVAL_S;
+            let time_s = row as f64 * sequence.interval_s;
             phases.push(Phase {
                 time_s,
                 duty_fill_pct,

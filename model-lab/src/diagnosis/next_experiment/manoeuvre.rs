@@ -4,7 +4,7 @@ use plant_sim::plant::{FILL, VENT};
 use plant_sim::{Command, PlantParameters, Simulator};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
-use super::result::{INTERVAL_S, Limits};
+use super::result::Limits;
 
 /// A run that leaves the limits is ended this long (s) before, and emptied for as long.
 const EARLIER_S: f64 = 0.1;
@@ -22,6 +22,8 @@ pub(super) struct Sequence {
     pub(super) name: &'static str,
     pub(super) about: &'static str,
     pub(super) duties: Vec<[f64; 2]>,
+    /// Time from row to row (s).
+    pub(super) interval_s: f64,
     /// Highest chamber pressure in any rival's model (bar gauge).
     pub(super) highest_bar: f64,
 }
@@ -29,7 +31,7 @@ pub(super) struct Sequence {
 impl Sequence {
     pub(super) fn recording(&self) -> Recording {
         let mut log = Recording::new(Provenance::from_source(self.name));
-        let base = TimeBase::uniform(0.0, INTERVAL_S, self.duties.len());
+        let base = TimeBase::uniform(0.0, self.interval_s, self.duties.len());
         let base = log.add_time_base(base.expect("a sequence has rows"));
         for (valve, name) in crate::commands::DUTIES.into_iter().enumerate() {
             let duty = self.duties.iter().map(|duties| duties[valve]).collect();
@@ -66,13 +68,13 @@ static PLANS: [Plan; 9] = [
         round: |driver, _| {
             for step in 0..16 {
                 let duty = 20.0 + 5.0 * f64::from(step);
-                driver.fill(duty, 0.02);
+                driver.pulse(FILL, duty, 2);
                 driver.hold(0.2);
                 driver.vent_above(HIGH, 0.3);
             }
             driver.fill_to(100.0, HIGH);
             for step in 0..16 {
-                driver.vent(20.0 + 5.0 * f64::from(step), 0.02);
+                driver.pulse(VENT, 20.0 + 5.0 * f64::from(step), 2);
                 driver.hold(0.2);
             }
             driver.vent_to(100.0, 0.0);
@@ -90,7 +92,7 @@ static PLANS: [Plan; 9] = [
                 if driver.is_above(HIGH) {
                     break;
                 }
-                driver.fill(80.0, 0.02);
+                driver.pulse(FILL, 80.0, 2);
                 driver.hold(0.15);
             }
             driver.hold(0.7);
@@ -145,7 +147,7 @@ static PLANS: [Plan; 9] = [
         round: |driver, _| {
             driver.fill(100.0, 1.5);
             driver.hold(0.3);
-            driver.vent(100.0, 0.05);
+            driver.pulse(VENT, 100.0, 5);
             driver.hold(0.2);
             driver.fill(60.0, 0.5);
             driver.hold(0.3);
@@ -165,7 +167,7 @@ static PLANS: [Plan; 9] = [
                     } {
                         break;
                     }
-                    driver.go(valve, 60.0, 0.03);
+                    driver.pulse(valve, 60.0, 3);
                     driver.hold(0.25);
                 }
             }
@@ -177,10 +179,9 @@ static PLANS: [Plan; 9] = [
         round: |driver, _| {
             driver.fill_to(100.0, MIDDLE);
             for periods in [12, 8, 6, 4, 3, 2] {
-                let span_s = f64::from(periods) * INTERVAL_S;
                 for _ in 0..4 {
-                    driver.fill(70.0, span_s);
-                    driver.vent(70.0, span_s);
+                    driver.pulse(FILL, 70.0, periods);
+                    driver.pulse(VENT, 70.0, periods);
                 }
                 driver.hold(0.1);
                 driver.vent_above(HIGH, 0.2);
@@ -215,9 +216,10 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
         }
         round += 1;
     }
+    let interval_s = driver.interval_s;
     let mut duties = driver.duties;
     // Each cut leaves a shorter run; the emptying at its end may leave the limits no more.
-    let rows = |span_s: f64| (span_s / INTERVAL_S).round() as usize;
+    let rows = |span_s: f64| (span_s / interval_s).round() as usize;
     for _ in 0..3 {
         let does_something = duties.iter().flatten().any(|duty| *duty > 0.0);
         if duties.len() < rows(SHORTEST_S) || !does_something {
@@ -225,7 +227,7 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
         }
         let courses: Vec<Vec<f64>> = plants
             .iter()
-            .map(|plant| pressures_bar(plant, &duties))
+            .map(|plant| pressures_bar(plant, &duties, interval_s))
             .collect();
         let highest_bar = courses.iter().flatten().copied().fold(0.0, f64::max);
         if highest_bar <= limits.max_bar {
@@ -234,6 +236,7 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
                 name,
                 about,
                 duties,
+                interval_s,
                 highest_bar,
             });
         }
@@ -249,21 +252,24 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
     None
 }
 
-fn pressures_bar(plant: &PlantParameters, duties: &[[f64; 2]]) -> Vec<f64> {
+fn pressures_bar(plant: &PlantParameters, duties: &[[f64; 2]], interval_s: f64) -> Vec<f64> {
     let mut simulator = Simulator::new(plant);
-    let mut end_ns = 0;
+    let duties = duties.iter().enumerate();
     duties
-        .iter()
-        .map(|&[duty_fill_pct, duty_vent_pct]| {
+        .map(|(row, &[duty_fill_pct, duty_vent_pct])| {
             simulator.command(Command {
                 duty_fill_pct,
                 duty_vent_pct,
             });
-            end_ns += (INTERVAL_S * 1e9) as u64;
-            simulator.advance_to_ns(end_ns);
+            simulator.advance_to_ns(end_ns(row, interval_s));
             (simulator.state().pressure - plant.gas.ambient_pressure_pa) * 1e-5
         })
         .collect()
+}
+
+/// End of a row (ns).
+pub(super) fn end_ns(row: usize, interval_s: f64) -> u64 {
+    ((row + 1) as f64 * interval_s * 1e9).round() as u64
 }
 
 /// Drives a plant by a plan, and writes down what it commands.
@@ -271,6 +277,10 @@ struct Driver<'a> {
     simulator: Simulator,
     ambient_pa: f64,
     limits: &'a Limits,
+    /// Sample time of the ECU (s).
+    interval_s: f64,
+    /// Time in which one duty cycle acts (s): a PWM period, or a sample where that is longer.
+    period_s: f64,
     duties: Vec<[f64; 2]>,
     /// Pressure a row ago (Pa abs).
     before: f64,
@@ -282,6 +292,11 @@ impl<'a> Driver<'a> {
             simulator: Simulator::new(plant),
             ambient_pa: plant.gas.ambient_pressure_pa,
             limits,
+            interval_s: plant.ecu.sample_time_s,
+            period_s: plant
+                .ecu
+                .sample_time_s
+                .max(1.0 / plant.ecu.pwm_frequency_hz),
             duties: Vec::new(),
             before: plant.gas.ambient_pressure_pa,
         };
@@ -291,7 +306,7 @@ impl<'a> Driver<'a> {
     }
 
     fn is_over(&self) -> bool {
-        self.duties.len() as f64 * INTERVAL_S >= self.limits.duration_s - 1e-9
+        self.duties.len() as f64 * self.interval_s >= self.limits.duration_s - 1e-9
     }
 
     /// Where the pressure is going (Pa gauge) when the command ends now.
@@ -317,12 +332,12 @@ impl<'a> Driver<'a> {
             duty_fill_pct,
             duty_vent_pct,
         });
-        self.simulator
-            .advance_to_ns((self.duties.len() as f64 * INTERVAL_S * 1e9).round() as u64);
+        let row = self.duties.len() - 1;
+        self.simulator.advance_to_ns(end_ns(row, self.interval_s));
     }
 
     fn rows(&mut self, duties: [f64; 2], span_s: f64) {
-        for _ in 0..(span_s / INTERVAL_S).round() as usize {
+        for _ in 0..(span_s / self.interval_s).round() as usize {
             self.row(duties);
         }
     }
@@ -345,8 +360,13 @@ impl<'a> Driver<'a> {
         self.go(VENT, duty, span_s);
     }
 
+    /// A valve for some PWM periods.
+    fn pulse(&mut self, valve: usize, duty: f64, periods: u32) {
+        self.go(valve, duty, f64::from(periods) * self.period_s);
+    }
+
     fn fill_to(&mut self, duty: f64, share: f64) {
-        let most = self.duties.len() + (LONGEST_WAIT_S / INTERVAL_S) as usize;
+        let most = self.duties.len() + (LONGEST_WAIT_S / self.interval_s) as usize;
         let sought = share * self.limits.max_bar * 1e5;
         while self.coming() < sought && self.duties.len() < most && !self.is_over() {
             self.row([duty, 0.0]);
@@ -354,7 +374,7 @@ impl<'a> Driver<'a> {
     }
 
     fn vent_to(&mut self, duty: f64, share: f64) {
-        let most = self.duties.len() + (LONGEST_WAIT_S / INTERVAL_S) as usize;
+        let most = self.duties.len() + (LONGEST_WAIT_S / self.interval_s) as usize;
         let sought = share.max(0.01) * self.limits.max_bar * 1e5;
         while self.coming() > sought && self.duties.len() < most && !self.is_over() {
             self.row([0.0, duty]);

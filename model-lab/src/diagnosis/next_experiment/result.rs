@@ -6,9 +6,6 @@ use plant_sim::PlantParameters;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-/// Interval of the commands (s), as an ECU's.
-pub(super) const INTERVAL_S: f64 = 0.01;
-
 /// Name and version of the JSON format.
 pub const NEXT_EXPERIMENT_SCHEMA: &str = "retarder.next-experiment/1";
 
@@ -50,6 +47,8 @@ pub struct NextExperiment {
     pub rivals: Vec<RivalEffect>,
     /// The limits that every manoeuvre keeps.
     pub limits: Limits,
+    /// Interval of the commands (s): the sample time of the plant's ECU.
+    pub sample_time_s: f64,
     /// Distance of the closest two rivals on the logs, in standard deviations of the noise.
     pub distance_now: f64,
     /// Distance from which on two effects are swapped in less than one of twenty logs.
@@ -134,18 +133,32 @@ impl NextExperiment {
     pub fn csv(&self) -> String {
         let mut csv = String::from("time_s,duty_fill_pct,duty_vent_pct\n");
         let end_s = self.ranking.first().map_or(0.0, |best| best.duration_s);
-        let rows = (end_s / INTERVAL_S).round() as usize;
+        let interval_s = self.sample_time_s;
+        let rows = (end_s / interval_s).round() as usize;
+        let decimals = decimals(interval_s);
         let mut phases = self.sequence.iter().peekable();
         let mut duties = (0.0, 0.0);
         for row in 0..rows {
-            let time_s = row as f64 * INTERVAL_S;
-            while let Some(phase) = phases.next_if(|phase| phase.time_s < time_s + 0.5 * INTERVAL_S)
-            {
+            let time_s = row as f64 * interval_s;
+            let has_begun = |phase: &&Phase| phase.time_s < time_s + 0.5 * interval_s;
+            while let Some(phase) = phases.next_if(has_begun) {
                 duties = (phase.duty_fill_pct, phase.duty_vent_pct);
             }
-            writeln!(csv, "{time_s:.2},{:.1},{:.1}", duties.0, duties.1)
+            writeln!(csv, "{time_s:.decimals$},{:.1},{:.1}", duties.0, duties.1)
                 .expect("a string takes all");
         }
         csv
     }
+}
+
+/// Most decimals of a time (s): nanoseconds.
+const DECIMALS_MAX: usize = 9;
+
+/// Decimals that every multiple of `interval_s` needs.
+fn decimals(interval_s: f64) -> usize {
+    let is_enough = |decimals: &usize| {
+        let units = interval_s * 10_f64.powi(*decimals as i32);
+        (units - units.round()).abs() < 1e-6
+    };
+    (2..DECIMALS_MAX).find(is_enough).unwrap_or(DECIMALS_MAX)
 }

@@ -5,7 +5,8 @@ use plant_sim::{Command, PlantParameters, Simulator};
 use super::super::evidence::Evidence;
 use super::distance::Rival;
 use super::manoeuvre::Sequence;
-use super::result::{INTERVAL_S, Sensor};
+use super::manoeuvre::end_ns;
+use super::result::Sensor;
 use crate::measured::PRESSURE;
 
 /// A quantity that could be logged as well.
@@ -133,17 +134,14 @@ pub(super) fn sensors(rivals: &[Rival], sequence: &Sequence, logged: &Evidence) 
 
 fn course(plant: &PlantParameters, sequence: &Sequence, quantity: &Quantity) -> Vec<f64> {
     let mut simulator = Simulator::new(plant);
-    let mut end_ns = 0;
-    sequence
-        .duties
-        .iter()
-        .map(|&[duty_fill_pct, duty_vent_pct]| {
+    let duties = sequence.duties.iter().enumerate();
+    duties
+        .map(|(row, &[duty_fill_pct, duty_vent_pct])| {
             simulator.command(Command {
                 duty_fill_pct,
                 duty_vent_pct,
             });
-            end_ns += (INTERVAL_S * 1e9) as u64;
-            simulator.advance_to_ns(end_ns);
+            simulator.advance_to_ns(end_ns(row, sequence.interval_s));
             (quantity.value)(&mut simulator, plant)
         })
         .collect()

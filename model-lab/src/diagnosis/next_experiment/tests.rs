@@ -6,7 +6,6 @@ use recording::csv;
 
 use super::super::verdict::DISTINGUISHABLE;
 use super::distance::made;
-use super::result::INTERVAL_S;
 use super::*;
 use crate::bench::Bench as Rig;
 
@@ -61,6 +60,7 @@ fn the_best_manoeuvre_tells_what_the_log_could_not() {
         name: "next",
         about: "",
         duties: expanded(&next),
+        interval_s: next.sample_time_s,
         highest_bar: 0.0,
     };
     let second = made(&rig(RIVALS[0]), &sequence, &noises).unwrap();
@@ -109,13 +109,41 @@ fn every_manoeuvre_keeps_the_limits() {
         );
     }
     let duties = expanded(&next);
-    assert_eq!(duties.len() as f64 * INTERVAL_S, next.ranking[0].duration_s);
+    assert_eq!(
+        duties.len() as f64 * next.sample_time_s,
+        next.ranking[0].duration_s
+    );
     assert!(
         duties
             .iter()
             .flatten()
             .all(|duty| (0.0..=60.0).contains(duty))
     );
+}
+
+/// Commands every 10 ms told nothing to an ECU that takes them every 20 ms.
+#[test]
+fn commands_follow_the_sample_time_and_the_pwm_period_of_the_plant() {
+    let mut plant = PlantParameters::nominal();
+    plant.ecu.sample_time_s = 0.02;
+    plant.ecu.pwm_frequency_hz = 25.0;
+    let sequences = manoeuvre::sequences(&[&plant], &LIMITS);
+    assert!(sequences.len() >= 4);
+    for sequence in &sequences {
+        let base = sequence.recording();
+        let (_, base) = base.time_bases().next().unwrap();
+        let step_s = base.sampling().median_step_s.unwrap();
+        assert!((step_s - 0.02).abs() < 1e-9, "{step_s}");
+        assert!(base.end_s() <= LIMITS.duration_s);
+    }
+    let staircase = sequences
+        .iter()
+        .find(|one| one.name == "pulse-width staircase");
+    let duties = &staircase.unwrap().duties;
+    let begin = duties.iter().position(|[fill, _]| *fill > 0.0).unwrap();
+    let pulse = duties[begin..].iter().take_while(|[fill, _]| *fill > 0.0);
+    // Two periods of 40 ms.
+    assert_eq!(pulse.count(), 4);
 }
 
 #[test]
@@ -210,6 +238,7 @@ fn a_manoeuvre_without_a_distance_is_not_ranked() {
         name,
         about: "",
         duties: Vec::new(),
+        interval_s: 0.01,
         highest_bar: 0.0,
     };
     let tried = |distance: fn(&Sequence) -> Option<f64>| {
