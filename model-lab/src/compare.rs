@@ -18,6 +18,7 @@ use crate::result::{
 };
 use crate::run::{Activity, Columns, FineRun, Setup};
 use crate::summary::summary;
+use crate::warning::warnings;
 
 /// The time offset is taken from this many samples at most, which bounds memory on long logs.
 const OFFSET_ROWS: usize = 12_000;
@@ -142,6 +143,7 @@ pub fn compare_watched(
         signals,
         not_compared,
         defects: LogDefects::of(log, &commands, pressure),
+        warnings: warnings(parameters, log, &commands, &measured),
         traces,
     })
 }

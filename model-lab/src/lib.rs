@@ -20,6 +20,7 @@ pub mod result;
 mod run;
 mod summary;
 pub mod thesis;
+mod warning;
 mod whiteness;
 
 pub use compare::{compare, compare_watched};

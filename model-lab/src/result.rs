@@ -41,6 +41,9 @@ pub struct Comparison {
     /// Gaps and missing cells of the log; absent where it has none.
     #[serde(default, skip_serializing_if = "LogDefects::is_empty")]
     pub defects: LogDefects,
+    /// What in the log probably is not what it is declared to be.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
     /// Whether the model holds.
     pub verdict: Verdict,
     /// Courses for plots; not part of the JSON.
@@ -176,6 +179,30 @@ pub struct MissingCells {
     pub cells: usize,
     /// How many of them held a value outside the hard bounds of the quantity.
     pub out_of_bounds: u64,
+}
+
+/// A reason to doubt a log before its model.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Warning {
+    /// What is doubted.
+    pub kind: WarningKind,
+    /// What was seen, what it may be and what to do, in one sentence.
+    pub statement: String,
+}
+
+/// What a warning doubts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WarningKind {
+    /// The pressure falls while only the fill valve is commanded, and rises while only the vent valve is.
+    SwappedValves,
+    /// A pressure declared as gauge begins where an absolute one does at rest.
+    AbsolutePressure,
+    /// The pressure is further above the supply than any sensor is wrong.
+    PressureAboveSupply,
+    /// A signal has a name that the model does not know, and may be one that the log lacks.
+    UnknownSignal,
 }
 
 /// One signal, measured and modelled.

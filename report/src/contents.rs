@@ -67,7 +67,7 @@ pub struct ModelPart<'a> {
 pub struct DiagnosisPart<'a> {
     /// The result.
     pub diagnosis: &'a Diagnosis,
-    /// The worst log with the plain and with the refined model; none where no effect is named.
+    /// The worst log with the plain and with the refined model.
     pub runs: Option<&'a BeforeAndAfter<'a>>,
     /// The command that adds what is named.
     pub next_command: Option<&'a str>,
@@ -80,27 +80,27 @@ pub struct BeforeAndAfter<'a> {
     pub log: &'a Recording,
     /// With the plain model, refitted.
     pub before: Comparison,
-    /// With the named effects.
-    pub after: Comparison,
+    /// With the named effects; none where no effect is named.
+    pub after: Option<Comparison>,
 }
 
 impl<'a> BeforeAndAfter<'a> {
-    /// The one of `logs` on which `plant`, refitted, is furthest off; none where `diagnosis` names no effect.
+    /// The one of `logs` on which `plant`, refitted, is furthest off; none where none can be compared.
     pub fn worst(
         diagnosis: &Diagnosis,
         plant: &PlantParameters,
         logs: &[&'a Recording],
     ) -> Option<Self> {
-        if diagnosis.effects.is_empty() {
-            return None;
-        }
         let [plain, refined] = diagnosis.plain_and_refined(plant);
         let against = |plant, log| compare(plant, log, &CompareOptions::default()).ok();
         let runs = logs
             .iter()
             .filter_map(|log| Some((*log, against(&plain, log)?)));
         let (log, before) = runs.max_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
-        let after = against(&refined, log)?;
+        let after = match diagnosis.effects.is_empty() {
+            true => None,
+            false => Some(against(&refined, log)?),
+        };
         Some(Self { log, before, after })
     }
 }

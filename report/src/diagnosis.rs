@@ -1,6 +1,7 @@
 //! Which physical effect is missing.
 
 use maud::{Markup, html};
+use model_lab::Comparison;
 use model_lab::diagnosis::result::{
     Candidate, DetectionLimit, Diagnosis, NuisanceValue, Regime, Step, Verdict,
 };
@@ -36,6 +37,11 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
         section #diagnosis {
             h2 { "Which effect is missing? " (badge(diagnosis)) }
             p.rule { "Judged on " (foreign(&diagnosis.held_out)) "; " (foreign(&diagnosis.predictor)) "." }
+            @for (log, warnings) in &diagnosis.warnings {
+                @for warning in warnings {
+                    p.finding { strong { "Warning" } " about " (foreign(log)) ": " (foreign(&warning.statement)) "." }
+                }
+            }
             @for (log, signals) in &diagnosis.not_compared {
                 @for signal in signals {
                     p.finding { strong { (foreign(&signal.name)) } " of " (foreign(log)) " was not weighed: " (foreign(&signal.reason)) "." }
@@ -119,7 +125,11 @@ fn before_and_after(part: &DiagnosisPart<'_>) -> Markup {
     let Some(runs) = &part.runs else {
         return html! {};
     };
-    let both = [&runs.before, &runs.after];
+    let both: Vec<&Comparison> = [&runs.before].into_iter().chain(&runs.after).collect();
+    let heading = match runs.after {
+        Some(_) => "Before and after, ",
+        None => "Measured and modelled, ",
+    };
     let caption = |signal: &SignalComparison, after: Option<&SignalComparison>| {
         let unit = SmallUnit::of_errors_in(&signal.unit);
         let of = |signal: &SignalComparison| number(signal.free_run.rms * unit.per_unit);
@@ -129,22 +139,22 @@ fn before_and_after(part: &DiagnosisPart<'_>) -> Markup {
         format!("Free run: {} {}{after} rms.", of(signal), unit.symbol)
     };
     html! {
-        h3 { "Before and after, " (foreign(&runs.before.log)) }
+        h3 { (heading) (foreign(&runs.before.log)) }
         @for signal in &runs.before.signals {
-            @let after = runs.after.signals.iter().find(|one| one.name == signal.name);
+            @let after = runs.after.iter().flat_map(|after| &after.signals).find(|one| one.name == signal.name);
             @let excerpt_s = plot::excerpt(&runs.before, &signal.name, EXCERPT_S);
             article {
                 h3 { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }
                 p.finding { (caption(signal, after)) }
                 @if let Some(excerpt_s) = excerpt_s {
                     p.lead { "Where the plain model is furthest off:" }
-                    (figure(plot::before_and_after(runs.log, both, signal, Some(excerpt_s))))
+                    (figure(plot::before_and_after(runs.log, &both, signal, Some(excerpt_s))))
                     details {
                         summary { "The whole log" }
-                        (figure(plot::before_and_after(runs.log, both, signal, None)))
+                        (figure(plot::before_and_after(runs.log, &both, signal, None)))
                     }
                 } @else {
-                    (figure(plot::before_and_after(runs.log, both, signal, None)))
+                    (figure(plot::before_and_after(runs.log, &both, signal, None)))
                 }
             }
         }
@@ -213,11 +223,15 @@ fn neighbours(diagnosis: &Diagnosis) -> Markup {
                 } @else {
                     "Nothing else in the library does what " strong { (foreign(&title(id))) } " does in these logs. "
                 }
-                "Nearest, in standard deviations of the noise: "
-                @for (index, (other, far)) in nearest.iter().enumerate() {
-                    @if index > 0 { ", " } (foreign(other)) " " (number(*far))
+                @if nearest.is_empty() {
+                    "No other effect explains anything here."
+                } @else {
+                    "Nearest, in standard deviations of the noise: "
+                    @for (index, (other, far)) in nearest.iter().enumerate() {
+                        @if index > 0 { ", " } (foreign(other)) " " (number(*far))
+                    }
+                    ". Below 3.3 they are mistaken for each other in more than one of twenty logs."
                 }
-                ". Below 3.3 they are mistaken for each other in more than one of twenty logs."
             }
         }
     }

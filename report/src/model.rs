@@ -79,6 +79,9 @@ pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
             h2 { "Model against measurement, " (foreign(&comparison.log)) " " (standing(comparison).badge()) }
             p.rule { "The rule: " (foreign(&comparison.verdict.rule)) "." }
             @for sentence in &comparison.defects.sentences { p.finding { (foreign(&format!("{}.", capitalised(sentence)))) } }
+            @for warning in &comparison.warnings {
+                p.finding { strong { "Warning" } ": " (foreign(&warning.statement)) "." }
+            }
             (signal_table(comparison))
             (how_to_read(comparison))
             @for signal in &comparison.signals { (signal_section(part, signal)) }

@@ -217,7 +217,7 @@ fn hostile_text_in_a_diagnosis_stays_text() {
     let runs = BeforeAndAfter {
         log: &bench.log,
         before: bench.comparison.clone(),
-        after: bench.comparison.clone(),
+        after: Some(bench.comparison.clone()),
     };
     let report = html(&Contents {
         title: HOSTILE,

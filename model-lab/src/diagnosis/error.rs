@@ -14,6 +14,23 @@ pub enum DiagnoseError {
     /// Nothing was given to fit.
     #[error("no log to fit: give at least one, `--log A.csv`")]
     NoLog,
+    /// The same log again.
+    #[error(
+        "{log} has the same bytes as {other}, which is given as well: {}",
+        if *is_check {
+            "a fit is not validated by what was fitted; give another log with --check, or none"
+        } else {
+            "fitted twice, it would count twice; give it once"
+        }
+    )]
+    LogTwice {
+        /// Source of the log.
+        log: String,
+        /// Source of the one that is the same.
+        other: String,
+        /// Whether it was to judge.
+        is_check: bool,
+    },
     /// No signal whose noise can be estimated.
     #[error(
         "{log}: neither the chamber pressure nor a coil current changes, so that nothing can be weighed; \

@@ -11,7 +11,8 @@ use super::sensor_noise::SensorNoise;
 use crate::commands::Commands;
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, Restart, measured_signals, start};
-use crate::result::{LogDefects, NotCompared};
+use crate::result::{LogDefects, NotCompared, Warning};
+use crate::warning::warnings;
 
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
 const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
@@ -34,6 +35,8 @@ pub(crate) struct Log {
     pub(super) not_compared: Vec<NotCompared>,
     /// Gaps and missing cells.
     pub(super) defects: LogDefects,
+    /// What in the log probably is not what it is declared to be.
+    pub(super) warnings: Vec<Warning>,
     /// Rows that count.
     pub(crate) counted: Vec<bool>,
     /// Whether the supply was shut off: nothing in the log tells, and it explains the currents better.
@@ -71,6 +74,7 @@ pub(super) struct Read {
     interval_s: f64,
     measured: Vec<Measured>,
     not_compared: Vec<NotCompared>,
+    warnings: Vec<Warning>,
 }
 
 impl Read {
@@ -81,6 +85,7 @@ impl Read {
         let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
         not_compared.retain(|signal| SIGNALS.contains(&signal.name.as_str()));
         Ok(Self {
+            warnings: warnings(parameters, log, &commands, &measured),
             interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
             commands,
             inputs,
@@ -108,6 +113,7 @@ impl Log {
             interval_s,
             measured,
             mut not_compared,
+            warnings,
         } = read;
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let (_, start_pressure) = start(parameters, pressure, &commands);
@@ -160,6 +166,7 @@ impl Log {
             channels,
             not_compared,
             defects,
+            warnings,
             counted: vec![true; samples],
             is_without_supply: false,
         };

@@ -133,6 +133,7 @@ pub fn diagnose_with(
         check: split.check_sources(),
         not_compared: split.not_compared(),
         defects: split.defects(),
+        warnings: split.warnings(),
         held_out: split.held_out().to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict(),

@@ -18,7 +18,7 @@ use super::search::{Tried, Watch, best_form, report};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
-use crate::result::{LogDefects, NotCompared};
+use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
 pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/1";
@@ -48,6 +48,9 @@ pub struct Refinement {
     /// From the source of a log to its gaps and missing cells; absent where no log has any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub defects: BTreeMap<String, LogDefects>,
+    /// From the source of a log to what in it probably is not what it is declared to be.
+    #[serde(default)]
+    pub warnings: BTreeMap<String, Vec<Warning>>,
     /// What judged, in words.
     pub held_out: String,
     /// The result in words.
@@ -148,6 +151,7 @@ pub fn refine(
         check: split.check_sources(),
         not_compared: split.not_compared(),
         defects: split.defects(),
+        warnings: split.warnings(),
         held_out: split.held_out().to_owned(),
         sentence: sentence(&ladder),
         effects: effects.collect(),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use crate::result::{LogDefects, NotCompared};
+use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
 pub const DIAGNOSIS_SCHEMA: &str = "retarder.diagnosis/1";
@@ -29,6 +29,9 @@ pub struct Diagnosis {
     /// From the source of a log to its gaps and missing cells; absent where no log has any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub defects: BTreeMap<String, LogDefects>,
+    /// From the source of a log to what in it probably is not what it is declared to be.
+    #[serde(default)]
+    pub warnings: BTreeMap<String, Vec<Warning>>,
     /// What judged, in words.
     pub held_out: String,
     /// How the errors were made and what they are weighed against, in words.

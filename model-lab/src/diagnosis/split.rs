@@ -12,7 +12,7 @@ use super::gather::gather;
 use super::log::Log;
 use super::result::Cost;
 use super::trial::{Bench, Trial};
-use crate::result::{LogDefects, NotCompared};
+use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Blocks of a log, of which every third is held out.
 const BLOCKS: usize = 12;
@@ -46,6 +46,7 @@ impl Split {
         logs: &[Recording],
         check: &[Recording],
     ) -> Result<Self, DiagnoseError> {
+        refuse_repeated(logs, check)?;
         if check.is_empty() {
             return Self::blocks(plant, logs, HeldOut::Blocks);
         }
@@ -165,6 +166,15 @@ impl Split {
             .collect()
     }
 
+    /// What of each log is doubted.
+    pub(super) fn warnings(&self) -> BTreeMap<String, Vec<Warning>> {
+        let logs = self.fitting.logs.iter().chain(self.check_logs());
+        let doubted = logs.filter(|log| !log.warnings.is_empty());
+        doubted
+            .map(|log| (log.source.clone(), log.warnings.clone()))
+            .collect()
+    }
+
     /// What was simulated since `begin`.
     pub(super) fn cost(&self, begin: Instant) -> Cost {
         let fitted = &self.fitting;
@@ -192,6 +202,32 @@ impl Split {
             }
         }
     }
+}
+
+/// Refuses a log that is given twice, under whatever name: fitted twice it narrows every interval, and it cannot judge a
+/// fit to itself.
+fn refuse_repeated(logs: &[Recording], check: &[Recording]) -> Result<(), DiagnoseError> {
+    let all: Vec<&Recording> = logs.iter().chain(check).collect();
+    let is_same = |one: &Recording, other: &Recording| {
+        let input = |log: &Recording| log.provenance().input;
+        // A mapping can make two logs of one file, by windows that do not overlap.
+        input(one).is_some()
+            && input(one) == input(other)
+            && one
+                .time_bases()
+                .map(|(_, base)| base)
+                .eq(other.time_bases().map(|(_, base)| base))
+    };
+    for (index, log) in all.iter().enumerate() {
+        if let Some(other) = all[..index].iter().find(|other| is_same(log, other)) {
+            return Err(DiagnoseError::LogTwice {
+                log: log.provenance().source.clone(),
+                other: other.provenance().source.clone(),
+                is_check: index >= logs.len(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Of two copies of the same logs, one counts the blocks that the other does not.

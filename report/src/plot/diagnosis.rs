@@ -133,31 +133,37 @@ pub(crate) fn candidates(diagnosis: &Diagnosis) -> Result<Figure, PlotError> {
     })
 }
 
-/// One signal of a log with the plain and the refined model, both driven by the commands alone, and both residuals.
+/// One signal of a log with the plain model and, where there is one, the refined model, driven by the commands alone,
+/// and their residuals. `models` begins with the plain one.
 ///
 /// # Errors
 /// The drawing itself fails.
 pub(crate) fn before_and_after(
     log: &Recording,
-    [before, after]: [&Comparison; 2],
+    models: &[&Comparison],
     signal: &SignalComparison,
     window_s: Option<Range<f64>>,
 ) -> Result<Figure, PlotError> {
-    let runs = [
-        Run::of(before, signal, "plain model", palette::MODEL),
-        Run::of(after, signal, "refined model", palette::SHORT_HORIZON),
+    let styles = [
+        ("plain model", palette::MODEL),
+        ("refined model", palette::SHORT_HORIZON),
     ];
+    let runs: Vec<Run<'_>> = models
+        .iter()
+        .zip(styles)
+        .map(|(model, (name, colour))| Run::of(model, signal, name, colour))
+        .collect();
     let window_s = window_s
-        .or_else(|| runs[0].modelled.as_ref().map(Course::window_s))
+        .or_else(|| runs.first()?.modelled.as_ref().map(Course::window_s))
         .unwrap_or(0.0..1.0);
     let height_px = FIRST_TOP_PX + OVERLAY_PX + RESIDUAL_PX + 2 * BETWEEN_PX + DUTIES_PX + 46;
     let words = signal_words(&signal.name);
     let title = format!("{}, {}", capitalised(words), span(&window_s));
     figure(WIDTH_PX, height_px, title.clone(), |sheet| {
         sheet.title(&title)?;
-        let free_run = &before.traces.free_run;
-        let unit = free_run
-            .signal(&signal.name)
+        let plain = models.first();
+        let unit = plain
+            .and_then(|plain| plain.traces.free_run.signal(&signal.name))
             .map_or("", |signal| signal.unit().symbol());
         let caption = format!("{} [{unit}]", capitalised(words));
         draw_overlay(sheet, &caption, &runs, &window_s)?;
@@ -193,26 +199,32 @@ impl<'a> Run<'a> {
     }
 }
 
+fn legend(first: (&'static str, RGBColor), runs: &[Run<'_>]) -> Vec<(&'static str, RGBColor)> {
+    let models = runs.iter().map(|run| (run.name, run.colour));
+    [first].into_iter().chain(models).collect()
+}
+
 fn draw_overlay(
     sheet: &Sheet<'_>,
     caption: &str,
-    runs: &[Run<'_>; 2],
+    runs: &[Run<'_>],
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
     // Residuals are measured minus modelled, on the same instants.
-    let measured = runs[0]
-        .modelled
-        .as_ref()
-        .zip(runs[0].residual.as_ref())
-        .and_then(|(modelled, residual)| modelled.plus(residual));
-    let curves = [
-        (measured.as_ref(), palette::INK, 2.0),
-        (runs[0].modelled.as_ref(), runs[0].colour, 1.25),
-        (runs[1].modelled.as_ref(), runs[1].colour, 1.25),
-    ];
-    let extents = curves
+    let measured = runs.first().and_then(|plain| {
+        let both = plain.modelled.as_ref().zip(plain.residual.as_ref());
+        both.and_then(|(modelled, residual)| modelled.plus(residual))
+    });
+    let modelled = runs
         .iter()
-        .filter_map(|(course, ..)| course.and_then(|course| course.extent(window_s)));
+        .map(|run| (run.modelled.as_ref(), run.colour, 1.25));
+    let curves = || {
+        [(measured.as_ref(), palette::INK, 2.0)]
+            .into_iter()
+            .chain(modelled.clone())
+    };
+    let extents =
+        curves().filter_map(|(course, ..)| course.and_then(|course| course.extent(window_s)));
     let mut chart = sheet.panel(&Panel {
         corner: (LABELS_PX, FIRST_TOP_PX),
         size: (PLOT_PX, OVERLAY_PX),
@@ -221,13 +233,9 @@ fn draw_overlay(
         x_caption: None,
         y_caption: caption,
     })?;
-    let legend = [
-        ("measured", palette::INK),
-        (runs[0].name, runs[0].colour),
-        (runs[1].name, runs[1].colour),
-    ];
+    let legend = legend(("measured", palette::INK), runs);
     sheet.legend((LABELS_PX + PLOT_PX, FIRST_TOP_PX - 16), &legend)?;
-    for (course, colour, width_px) in curves {
+    for (course, colour, width_px) in curves() {
         draw(&mut chart, course, colour, width_px, window_s)?;
     }
     Ok(())
@@ -237,14 +245,14 @@ fn draw_residuals(
     sheet: &Sheet<'_>,
     top_px: i32,
     signal: &SignalComparison,
-    runs: &[Run<'_>; 2],
+    runs: &[Run<'_>],
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
     let unit = SmallUnit::of_errors_in(&signal.unit);
-    let courses = runs.each_ref().map(|run| {
-        let course = run.residual.clone();
-        course.map(|course| course.times(unit.per_unit))
-    });
+    let residuals = runs.iter().map(|run| run.residual.clone());
+    let courses: Vec<_> = residuals
+        .map(|course| course.map(|course| course.times(unit.per_unit)))
+        .collect();
     let sigma = signal.noise_floor.value.unwrap_or(0.0) * unit.per_unit;
     let extents = courses
         .iter()
@@ -263,11 +271,7 @@ fn draw_residuals(
         ),
     })?;
     chart.band(-3.0 * sigma..3.0 * sigma, palette::BAND_OUTER)?;
-    let legend = [
-        ("noise ±3 σ", palette::BAND_OUTER),
-        (runs[0].name, runs[0].colour),
-        (runs[1].name, runs[1].colour),
-    ];
+    let legend = legend(("noise ±3 σ", palette::BAND_OUTER), runs);
     sheet.legend((LABELS_PX + PLOT_PX, top_px - 16), &legend)?;
     chart.level(0.0, palette::AXIS)?;
     for (run, course) in runs.iter().zip(&courses) {

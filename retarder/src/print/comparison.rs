@@ -1,6 +1,6 @@
 //! Model against measurement.
 
-use model_lab::result::{Horizon, RegimeBin, RegimeShares, SignalComparison, TimeOffset};
+use model_lab::result::{Horizon, RegimeBin, RegimeShares, SignalComparison, TimeOffset, Warning};
 use recording::{Recording, Unit};
 
 use super::chart::{Chart, Course};
@@ -58,7 +58,17 @@ pub(super) fn head(compared: &Compared, terminal: &Terminal) -> String {
     for sentence in &comparison.defects.sentences {
         text += &painted_paragraph(Colour::Notice, &format!("Log: {sentence}."), terminal);
     }
-    text
+    text + &warnings(&comparison.warnings, terminal)
+}
+
+/// What in a log probably is not what it is declared to be.
+pub(super) fn warnings(found: &[Warning], terminal: &Terminal) -> String {
+    let sentences = found
+        .iter()
+        .map(|warning| format!("Warning: {}.", warning.statement));
+    sentences
+        .map(|sentence| painted_paragraph(Colour::Notice, &sentence, terminal))
+        .collect()
 }
 
 /// One row per signal.

@@ -6,8 +6,9 @@ use model_lab::diagnosis::result::{
     Candidate, Cost, DetectionLimit, Diagnosis, FittedParameter, NuisanceValue, Regime, Step,
     Verdict,
 };
-use model_lab::result::{LogDefects, NotCompared};
+use model_lab::result::{LogDefects, NotCompared, Warning};
 
+use super::comparison::warnings;
 use super::number::{percent, significant};
 use super::table::{Align, Entry, Table, bar, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
@@ -29,6 +30,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
         &capital(&found.sentence),
         terminal,
     );
+    text += &doubted(&found.warnings, terminal);
     text += &not_weighed(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     for candidate in named(found) {
@@ -64,6 +66,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     let plant = &refined.task.plant.name;
     let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
     text += &paragraph(&(capital(&found.sentence) + "."), terminal);
+    text += &doubted(&found.warnings, terminal);
     text += &not_weighed(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     text += "\n";
@@ -107,6 +110,18 @@ fn defects(found: &BTreeMap<String, LogDefects>, terminal: &Terminal) -> String 
     sentences
         .map(|sentence| painted_paragraph(Colour::Notice, &sentence, terminal))
         .collect()
+}
+
+/// What in the logs probably is not what it is declared to be.
+fn doubted(of_logs: &BTreeMap<String, Vec<Warning>>, terminal: &Terminal) -> String {
+    let of_log = |(log, found): (&String, &Vec<Warning>)| {
+        let mut found = found.clone();
+        for warning in &mut found {
+            warning.statement.insert_str(0, &format!("{log}: "));
+        }
+        warnings(&found, terminal)
+    };
+    of_logs.iter().map(of_log).collect()
 }
 
 /// What the fit did not see, with the reason.
@@ -335,13 +350,15 @@ fn neighbours(found: &Diagnosis, terminal: &Terminal) -> String {
         } else {
             format!("These logs cannot tell {id} from {}.", others.join(", "))
         };
-        text += &paragraph(
-            &format!(
-                "{beginning} Nearest, in standard deviations of the noise: {} (below 3.3 they are mistaken for each other).",
+        let end = if listed.is_empty() {
+            "No other effect explains anything.".to_owned()
+        } else {
+            format!(
+                "Nearest, in standard deviations of the noise: {} (below 3.3 they are mistaken for each other).",
                 listed.join(", ")
-            ),
-            terminal,
-        );
+            )
+        };
+        text += &paragraph(&format!("{beginning} {end}"), terminal);
     }
     text
 }

@@ -13,6 +13,7 @@ pub(super) fn report(reported: &Reported, terminal: &Terminal) -> String {
             compared.plant.name, compared.comparison.log
         );
         text += &title(&heading, terminal);
+        text += &comparison::warnings(&compared.comparison.warnings, terminal);
         text += &comparison::signals(compared, terminal);
         text += &comparison::answer(compared, terminal);
         text += "\n";

@@ -3,7 +3,7 @@ use std::process::Stdio;
 
 use model_lab::Comparison;
 
-use crate::runner::{Bench, assert_contains, data};
+use crate::runner::{Bench, assert_contains, beginning_of, data};
 
 #[test]
 fn a_log_of_another_rig_does_not_hold_and_one_that_is_allowed_more_does() {
@@ -79,11 +79,11 @@ fn a_verdict_that_cannot_be_given_is_neither_yes_nor_no() {
     let bench = Bench::new();
     // Always under current: no stretch that shows the noise.
     let rows: String = (0..100)
-        .map(|row| format!("{:.2},60,{}\n", f64::from(row) * 0.01, row % 7))
+        .map(|row| format!("{:.2},60,0,{}\n", f64::from(row) * 0.01, row % 7))
         .collect();
     bench.file(
         "busy.csv",
-        &format!("time_s,duty_fill_pct,i_fill_mA\n{rows}"),
+        &format!("time_s,duty_fill_pct,duty_vent_pct,i_fill_mA\n{rows}"),
     );
     let ran = bench.run(&["compare", "--log", "busy.csv"]);
     assert_contains(&ran.out, &["No verdict", "--tolerance i_fill=RMS"]);
@@ -101,7 +101,8 @@ fn a_mapping_explains_a_file_of_the_wild() {
         "wild.toml",
         "schema = 1\n[dialect]\nheader = false\ndecimal = \",\"\ndelimiter = \"semicolon\"\n\
          [time]\ncolumn = 1\nunit = \"ms\"\n[signal.duty_fill]\ncolumn = 2\nunit = \"pct\"\n\
-         [signal.p_ch]\ncolumn = 3\nunit = \"bar_gauge\"\nscale = 0.5\noffset = -0.25\n",
+         [signal.p_ch]\ncolumn = 3\nunit = \"bar_gauge\"\nscale = 0.5\noffset = -0.25\n\
+         [constant.duty_vent]\nvalue = 0\nunit = \"pct\"\n",
     );
     let out = bench
         .run(&[
@@ -133,4 +134,47 @@ fn a_reader_who_has_seen_enough_does_not_change_the_answer() {
         .unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(1));
     assert_eq!(err, "");
+}
+
+/// The signs are unmistakable, and no model fits such a log.
+#[test]
+fn swapped_valves_and_a_column_of_another_name_are_told_in_text_and_json() {
+    let bench = Bench::new();
+    let log = beginning_of("synthetic/practice-00-id.csv", 10.0);
+    bench
+        .file(
+            "swapped.csv",
+            &log.replace("duty_fill_pct,duty_vent_pct", "duty_vent_pct,duty_fill_pct"),
+        )
+        .file(
+            "renamed.csv",
+            &log.replace("p_ch_bar_gauge", "pressure_bar_gauge"),
+        );
+    for (log, kind, said) in [
+        (
+            "swapped.csv",
+            "swapped_valves",
+            &[
+                "p_ch falls while only the fill valve is commanded",
+                "swapped?",
+            ],
+        ),
+        (
+            "renamed.csv",
+            "unknown_signal",
+            &["pressure is no signal of the model", "is it p_ch?"],
+        ),
+    ] {
+        let arguments = [
+            "compare", "--log", log, "--json", "c.json", "--html", "c.html",
+        ];
+        let ran = bench.run(&arguments);
+        let out = ran.out.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_contains(&out, said);
+        assert_contains(&bench.read("c.json"), &[kind]);
+        assert_contains(
+            &bench.read("c.html"),
+            &["<strong>Warning</strong>", said[0]],
+        );
+    }
 }

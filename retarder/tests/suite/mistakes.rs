@@ -1,7 +1,7 @@
 //! Every kind of mistake once: status 2, nothing on the standard output, and a message that names culprit, value,
 //! bound and what to do.
 
-use crate::runner::{Bench, assert_contains, data, short_log};
+use crate::runner::{Bench, assert_contains, beginning_of, data, short_log};
 
 fn bench() -> Bench {
     let bench = Bench::new();
@@ -154,7 +154,17 @@ fn parameters_on_the_command_line() {
     check(
         &bench,
         &set("coil.resistance=80"),
-        &["unknown parameter `coil.resistance`", "retarder parameters"],
+        &["unknown parameter `coil.resistance`; write `coil.resistance_20c_ohm`"],
+    );
+    check(
+        &bench,
+        &set("chamber.volume=80e-6"),
+        &["unknown parameter `chamber.volume`; write `chamber.volume_m3`"],
+    );
+    check(
+        &bench,
+        &set("humidity=3"),
+        &["unknown parameter `humidity`", "retarder parameters"],
     );
     check(
         &bench,
@@ -251,6 +261,116 @@ fn references() {
         &["control", "--scenario", "figure-9.9"],
         &["figure-9.9", "figure-6.5"],
     );
+}
+
+/// A misspelt column was taken for 0 %, and `diagnose` then found something.
+#[test]
+fn commands_that_are_not_in_the_log() {
+    let bench = bench();
+    let log = beginning_of("synthetic/practice-00-id.csv", 5.0);
+    bench
+        .file(
+            "misspelt.csv",
+            &log.replace("duty_fill_pct", "duty_filll_pct"),
+        )
+        .file("renamed.csv", &log.replace("duty_vent_pct", "PWM2_pct"));
+    let damaged = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/damaged-name.mf4");
+    for command in [
+        "simulate",
+        "compare",
+        "diagnose",
+        "refine --add chamber_leak --out new.toml",
+        "next-experiment --for chamber_leak",
+        "report --without diagnosis",
+    ] {
+        for (log, expected) in [
+            (
+                "misspelt.csv",
+                [
+                    "misspelt.csv has no duty cycle `duty_fill`",
+                    "is it duty_filll?",
+                ],
+            ),
+            (
+                "renamed.csv",
+                ["renamed.csv has no duty cycle `duty_vent`", "is it PWM2?"],
+            ),
+            (
+                damaged,
+                ["damaged-name.mf4 has no duty cycle `duty_fill`", "is it l?"],
+            ),
+        ] {
+            let mut arguments: Vec<&str> = command.split(' ').collect();
+            arguments.extend(["--log", log]);
+            check(&bench, &arguments, &expected);
+        }
+    }
+    // What was declared is no guess.
+    bench.file(
+        "constant.toml",
+        "schema = 1\n[signal.duty_fill]\ncolumn = \"duty_fill_pct\"\nunit = \"pct\"\n\
+         [signal.pwm]\ncolumn = \"PWM2_pct\"\nunit = \"pct\"\n\
+         [constant.duty_vent]\nvalue = 0\nunit = \"pct\"\n",
+    );
+    let declared = [
+        "simulate",
+        "--log",
+        "renamed.csv",
+        "--mapping",
+        "constant.toml",
+    ];
+    bench.run(&declared).ended_with(0);
+}
+
+/// One mapping for logs with a command and without.
+#[test]
+fn a_constant_is_added_where_the_log_does_not_have_it() {
+    let bench = Bench::new();
+    let [with, without, mapping] = [
+        "practice-03-id.csv",
+        "practice-03-scope-40.csv",
+        "scope.toml",
+    ]
+    .map(|name| data(&format!("synthetic/{name}")));
+    let simulate = |log: &str, more: &[&str]| {
+        let arguments = [&["simulate", "--log", log, "--out", "m.csv"], more].concat();
+        bench.run(&arguments)
+    };
+    let declared = ["--mapping", mapping.as_str()];
+    let duties = |text: &str| {
+        let rows = text
+            .lines()
+            .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+        rows.filter(|row| row.split(',').nth(2) != Some("0"))
+            .count()
+    };
+    simulate(&with, &declared).ended_with(0);
+    assert!(duties(&bench.read("m.csv")) > 100);
+    assert_eq!(simulate(&without, &[]).status, 2);
+    simulate(&without, &declared).ended_with(0);
+    assert_eq!(duties(&bench.read("m.csv")), 0);
+}
+
+/// A fit is not validated by what was fitted, under whatever name.
+#[test]
+fn the_same_log_twice() {
+    let bench = bench();
+    let log = beginning_of("synthetic/practice-00-id.csv", 5.0);
+    bench.file("one.csv", &log).file("copy.csv", &log);
+    for (other, said) in [
+        (
+            ["--check", "one.csv"],
+            "a fit is not validated by what was fitted",
+        ),
+        (
+            ["--check", "copy.csv"],
+            "copy.csv has the same bytes as one.csv",
+        ),
+        (["--log", "copy.csv"], "fitted twice, it would count twice"),
+    ] {
+        let arguments = [&log_of("diagnose", "one.csv")[..], &other].concat();
+        check(&bench, &arguments, &[said]);
+    }
 }
 
 fn log_of<'a>(command: &'a str, log: &'a str) -> [&'a str; 3] {

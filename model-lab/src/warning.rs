@@ -1,0 +1,275 @@
+//! Warnings: what in a log probably is not what it is declared to be, so that no model could fit it.
+
+use plant_sim::PlantParameters;
+use plant_sim::parameters::PA_PER_BAR;
+use plant_sim::plant::{FILL, VENT};
+use plant_sim::replay::{UnknownSignal, unknown_signals};
+use plant_sim::valve::ValveFunction;
+use recording::{PressureReference, Recording, Signal, Unit};
+
+use crate::commands::Commands;
+use crate::measured::{Measured, PRESSURE};
+use crate::metrics::present;
+use crate::result::{Warning, WarningKind};
+
+/// Returns what is odd about `log`, whose signals are `measured`.
+pub(crate) fn warnings(
+    parameters: &PlantParameters,
+    log: &Recording,
+    commands: &Commands,
+    measured: &[Measured],
+) -> Vec<Warning> {
+    let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
+    let of_pressure = pressure.into_iter().flat_map(|pressure| {
+        [
+            swapped_valves(commands, &pressure.values),
+            absolute(parameters, log, &pressure.values),
+            above_supply(parameters, log, &pressure.values),
+        ]
+    });
+    let unknown = unknown_signals(parameters, log).into_iter();
+    of_pressure
+        .flatten()
+        .chain(unknown.map(unknown_signal))
+        .collect()
+}
+
+/// Changes that noise and drift do not make add up to this much at least (bar).
+const CHANGE_BAR: f64 = 0.3;
+/// Share of all change that goes the wrong way where two valves are swapped; a leak or noise leaves it below a half.
+const WRONG_SHARE: f64 = 0.9;
+
+fn swapped_valves(commands: &Commands, pressure: &[f64]) -> Option<Warning> {
+    let [fill, vent] = [[FILL, VENT], [VENT, FILL]].map(|[only, other]| {
+        Change::while_only(commands, pressure, |row| {
+            commands.opens(only, row) && !commands.opens(other, row)
+        })
+    });
+    if !(fill.is_mostly(fill.fall) && vent.is_mostly(vent.rise)) {
+        return None;
+    }
+    Some(Warning {
+        kind: WarningKind::SwappedValves,
+        statement: format!(
+            "{PRESSURE} falls while only the fill valve is commanded ({:.1} of {:.1} bar of change) and rises while only the \
+             vent valve is ({:.1} of {:.1} bar): are duty_fill and duty_vent, or the valves, swapped? Exchange the columns \
+             in a mapping, or the plugs",
+            fill.fall,
+            fill.sum(),
+            vent.rise,
+            vent.sum()
+        ),
+    })
+}
+
+/// Changes of the pressure over intervals of one command (bar).
+#[derive(Default)]
+struct Change {
+    rise: f64,
+    fall: f64,
+}
+
+impl Change {
+    /// Sums over the intervals in which a command that `is_meant` is in force.
+    fn while_only(commands: &Commands, pressure: &[f64], is_meant: impl Fn(usize) -> bool) -> Self {
+        let mut change = Self::default();
+        // Pressure at the beginning of an interval and at its last sample so far.
+        let mut interval: Option<[f64; 2]> = None;
+        let mut close = |interval: &mut Option<[f64; 2]>| {
+            if let Some([begin, end]) = interval.take() {
+                change.rise += (end - begin).max(0.0);
+                change.fall += (begin - end).max(0.0);
+            }
+        };
+        for (&time_s, &value) in commands.times_s.iter().zip(pressure) {
+            let is_in_force = commands.row_in_force(time_s).is_some_and(&is_meant);
+            if !is_in_force {
+                close(&mut interval);
+            } else if !value.is_nan() {
+                interval = Some([interval.map_or(value, |[begin, _]| begin), value]);
+            }
+        }
+        close(&mut interval);
+        change
+    }
+
+    fn sum(&self) -> f64 {
+        self.rise + self.fall
+    }
+
+    fn is_mostly(&self, part: f64) -> bool {
+        part >= CHANGE_BAR && part >= WRONG_SHARE * self.sum()
+    }
+}
+
+/// A rig at rest shows the atmosphere; the weather and the height of the place change it by this much (bar).
+const ATMOSPHERE_BAR: std::ops::RangeInclusive<f64> = 0.9..=1.06;
+
+fn is_gauge(log: &Recording) -> bool {
+    let unit = log.signal(PRESSURE).map(Signal::unit);
+    let reference = unit.and_then(Unit::pressure_reference);
+    reference == Some(PressureReference::Gauge)
+}
+
+fn absolute(parameters: &PlantParameters, log: &Recording, pressure: &[f64]) -> Option<Warning> {
+    let first = present(pressure).next()?;
+    let least = present(pressure).fold(f64::INFINITY, f64::min);
+    // An absolute pressure of a rig that is not evacuated never falls much below the atmosphere.
+    if !is_gauge(log) || !ATMOSPHERE_BAR.contains(&first) || least < *ATMOSPHERE_BAR.start() {
+        return None;
+    }
+    let ambient = parameters.gas.ambient_pressure_pa / PA_PER_BAR;
+    Some(Warning {
+        kind: WarningKind::AbsolutePressure,
+        statement: format!(
+            "{PRESSURE} begins at {first:.3} bar gauge and never falls below {least:.3}, as an absolute pressure does about the \
+             atmosphere of {ambient:.3} bar: is the sensor absolute? Then declare its unit so, as in {PRESSURE}_bar_abs"
+        ),
+    })
+}
+
+/// No sensor is wrong by this factor.
+const ABOVE_SUPPLY: f64 = 1.5;
+/// Sizes of units of pressure that are taken for one another (bar), largest first.
+const UNITS_BAR: [(&str, f64); 3] = [("psi", 0.068_947_57), ("kPa", 0.01), ("mbar", 0.001)];
+
+fn above_supply(
+    parameters: &PlantParameters,
+    log: &Recording,
+    pressure: &[f64],
+) -> Option<Warning> {
+    let supply = parameters.gas.supply_pressure_bar_gauge;
+    let has_supply = parameters.functions[FILL] != ValveFunction::Absent;
+    let largest = present(pressure).fold(0.0, f64::max);
+    if !has_supply || supply <= 0.0 || largest <= ABOVE_SUPPLY * supply {
+        return None;
+    }
+    let unit = UNITS_BAR
+        .iter()
+        .find(|(_, size_bar)| largest * size_bar <= ABOVE_SUPPLY * supply);
+    let declared = log
+        .signal(PRESSURE)
+        .map_or("", |signal| signal.unit().symbol());
+    let perhaps = match unit {
+        Some((unit, size_bar)) if declared.starts_with("bar") => format!(
+            "are the numbers in {unit}, which makes {:.2} bar of them? Then declare that unit; else",
+            largest * size_bar
+        ),
+        _ => "is the unit right? If so,".to_owned(),
+    };
+    Some(Warning {
+        kind: WarningKind::PressureAboveSupply,
+        statement: format!(
+            "{PRESSURE} reaches {largest:.1} bar gauge, and the supply of the plant has {supply:.1} bar: {perhaps} set \
+             gas.supply_pressure_bar_gauge"
+        ),
+    })
+}
+
+fn unknown_signal(unknown: UnknownSignal) -> Warning {
+    let UnknownSignal { name, nearest } = unknown;
+    Warning {
+        kind: WarningKind::UnknownSignal,
+        statement: format!(
+            "{name} is no signal of the model and is not used; is it {}? Then rename the column, or map it, as in \
+             signal.{} = {{ column = ..., unit = ... }}",
+            nearest.join(" or "),
+            nearest[0]
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use recording::{Provenance, TimeBase};
+
+    use super::*;
+    use crate::bench::Bench;
+    use crate::{CompareOptions, compare};
+
+    /// What is said of a log.
+    fn kinds(log: &Recording) -> Vec<WarningKind> {
+        let plant = PlantParameters::nominal();
+        let comparison = compare(&plant, log, &CompareOptions::default()).unwrap();
+        let warnings = comparison.warnings.iter();
+        warnings.map(|warning| warning.kind).collect()
+    }
+
+    /// The log with each signal as `change` says: its name, and its values.
+    fn changed(log: &Recording, change: impl Fn(&str, f64) -> (&'static str, f64)) -> Recording {
+        let mut other = Recording::new(Provenance::from_source("changed"));
+        let (_, base) = log.time_bases().next().unwrap();
+        let id = other.add_time_base(TimeBase::new(base.times_s().to_vec()).unwrap());
+        for signal in log.signals() {
+            let values = signal.values_or_nan().iter();
+            let name = change(signal.name(), 0.0).0;
+            let values = values.map(|value| change(signal.name(), *value).1);
+            other
+                .add_signal(name, signal.unit(), id, values.collect())
+                .unwrap();
+        }
+        other
+    }
+
+    fn named(name: &str) -> &'static str {
+        let all = plant_sim::replay::ROW_SIGNALS.into_iter();
+        let mut found = all.map(|(known, _)| known).filter(|known| *known == name);
+        found.next().unwrap()
+    }
+
+    #[test]
+    fn a_sound_log_is_not_doubted_even_with_a_leak() {
+        assert_eq!(kinds(&Bench::default().measure()), []);
+        let leaking = Bench {
+            leak_per_s: 2.0,
+            ..Bench::default()
+        };
+        assert_eq!(kinds(&leaking.measure()), []);
+    }
+
+    #[test]
+    fn swapped_commands_are_seen_by_the_signs() {
+        let log = Bench::default().measure();
+        let swapped = changed(&log, |name, value| match name {
+            "duty_fill" => ("duty_vent", value),
+            "duty_vent" => ("duty_fill", value),
+            other => (named(other), value),
+        });
+        assert_eq!(kinds(&swapped), [WarningKind::SwappedValves]);
+    }
+
+    #[test]
+    fn an_absolute_sensor_declared_as_gauge_is_asked_for() {
+        let log = Bench::default().measure();
+        let absolute = changed(&log, |name, value| match name {
+            "p_ch" => ("p_ch", value + 1.01325),
+            other => (named(other), value),
+        });
+        assert_eq!(kinds(&absolute), [WarningKind::AbsolutePressure]);
+        // One that begins there and is vented to the atmosphere is gauge indeed.
+        let charged = Bench {
+            initial_bar: 1.0,
+            ..Bench::default()
+        };
+        assert_eq!(kinds(&charged.measure()), []);
+    }
+
+    #[test]
+    fn a_pressure_above_the_supply_asks_for_the_unit() {
+        let log = Bench::default().measure();
+        let psi = changed(&log, |name, value| match name {
+            "p_ch" => ("p_ch", value * 14.504),
+            other => (named(other), value),
+        });
+        let plant = PlantParameters::nominal();
+        let comparison = compare(&plant, &psi, &CompareOptions::default()).unwrap();
+        let [warning] = &comparison.warnings[..] else {
+            panic!("{:?}", comparison.warnings);
+        };
+        assert_eq!(warning.kind, WarningKind::PressureAboveSupply);
+        assert!(
+            warning.statement.contains("in psi, which makes"),
+            "{warning:?}"
+        );
+    }
+}
