@@ -1,7 +1,7 @@
 use crate::commands::DUTIES;
 use crate::metrics::{fit_pct, mean, rms, worst};
 use crate::result::{ErrorSummary, Horizon};
-use crate::whiteness::{autocorrelation_time_samples, input_correlation, ljung_box};
+use crate::whiteness::{autocorrelation_time_samples, input_correlations, ljung_box};
 
 /// Everything that is said of one residual. `floors` are the noise floor and the rms of a perfect model, 0 where
 /// unknown.
@@ -30,10 +30,9 @@ pub(crate) fn summary(
             Horizon::FreeRun => ljung_box(residual),
             Horizon::ShortHorizon => None,
         },
-        input_correlation: DUTIES
-            .iter()
-            .zip(duty_pct)
-            .filter_map(|(name, duty)| input_correlation(name, duty, residual))
-            .collect(),
+        input_correlation: input_correlations(
+            DUTIES.into_iter().zip(duty_pct.iter().map(Vec::as_slice)),
+            residual,
+        ),
     }
 }

@@ -9,8 +9,8 @@ pub(crate) struct Dimension {
     /// For people.
     pub(crate) title: &'static str,
     pub(crate) bins: Vec<Bin>,
-    /// Bin of each sample.
-    pub(crate) bin_of: Vec<usize>,
+    /// Bin of each sample: some hundred bins at most.
+    pub(crate) bin_of: Vec<u16>,
     /// Whether the finder combines it with valve state and pressure; those that follow from these do not help it.
     pub(crate) combines: bool,
 }
@@ -40,6 +40,7 @@ impl Features {
             rate if rate < -STEADY_BAR_PER_S => 1,
             _ => 2,
         };
+        let narrow = |bins: &[u8]| bins.iter().map(|&bin| u16::from(bin)).collect();
         let trend_of = self.pressure_rate_bar_per_s.iter().map(trend).collect();
         let trends = ["rising", "falling", "steady"];
         vec![
@@ -47,10 +48,10 @@ impl Features {
                 "valve_state",
                 "valves",
                 &VALVE_STATES,
-                self.valve_state.clone(),
+                narrow(&self.valve_state),
             ),
             self.duty_band(),
-            Dimension::of_names("flow", "pressure ratio", &FLOWS, self.flow.clone()),
+            Dimension::of_names("flow", "pressure ratio", &FLOWS, narrow(&self.flow)),
             Dimension::of_names("pressure_trend", "pressure of the model", &trends, trend_of),
             self.since_switch(),
             self.under_current(),
@@ -71,7 +72,7 @@ impl Features {
             bin_of: self
                 .duty_pct
                 .iter()
-                .map(|duty| duty_band(duty.abs()))
+                .map(|duty| duty_band(duty.abs()) as u16)
                 .collect(),
             combines: true,
         }
@@ -86,7 +87,7 @@ impl Features {
             phrase: "before any command".to_owned(),
         });
         let bin = |since: &Option<f64>| {
-            since.map_or(bins.len() - 1, |since| band(&SINCE_SWITCH_S, since))
+            since.map_or(bins.len() - 1, |since| band(&SINCE_SWITCH_S, since)) as u16
         };
         Dimension {
             id: "since_switch",
@@ -107,7 +108,7 @@ impl Features {
             bin_of: self
                 .energised_s
                 .iter()
-                .map(|&time_s| band(&ENERGISED_S, time_s))
+                .map(|&time_s| band(&ENERGISED_S, time_s) as u16)
                 .collect(),
             combines: true,
         }
@@ -125,7 +126,7 @@ impl Features {
             bin_of: self
                 .pressure_bar
                 .iter()
-                .map(|&pressure| pressure_band(pressure))
+                .map(|&pressure| pressure_band(pressure) as u16)
                 .collect(),
             combines: false,
         }
@@ -141,7 +142,7 @@ impl Features {
                 label,
             }
         };
-        let tenth = |time_s: &f64| ((time_s / end_s.max(f64::MIN_POSITIVE) * 10.0) as usize).min(9);
+        let tenth = |time_s: &f64| ((time_s / end_s.max(f64::MIN_POSITIVE) * 10.0) as u16).min(9);
         Dimension {
             id: "tenth_of_log",
             title: "time in the log",
@@ -161,7 +162,7 @@ impl Features {
 }
 
 impl Dimension {
-    fn of_names(id: &'static str, title: &'static str, names: &[&str], bin_of: Vec<usize>) -> Self {
+    fn of_names(id: &'static str, title: &'static str, names: &[&str], bin_of: Vec<u16>) -> Self {
         let bin = |name: &&str| Bin {
             label: (*name).to_owned(),
             phrase: (*name).to_owned(),
@@ -250,7 +251,7 @@ mod tests {
                 dimension
                     .bin_of
                     .iter()
-                    .all(|&bin| bin < dimension.bins.len()),
+                    .all(|&bin| usize::from(bin) < dimension.bins.len()),
                 "{}",
                 dimension.id
             );

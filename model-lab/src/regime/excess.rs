@@ -87,7 +87,7 @@ impl<'a> Excess<'a> {
     }
 
     /// Sums over the compared samples of each of `bins` bins.
-    pub(crate) fn sums(&self, bin_of: &[usize], bins: usize) -> Vec<Sums> {
+    pub(crate) fn sums(&self, bin_of: &[u16], bins: usize) -> Vec<Sums> {
         let mut sums = vec![Sums::default(); bins];
         for (&error, &bin) in self
             .residual
@@ -95,7 +95,7 @@ impl<'a> Excess<'a> {
             .zip(bin_of)
             .filter(|(error, _)| !error.is_nan())
         {
-            sums[bin].add(error);
+            sums[usize::from(bin)].add(error);
         }
         sums
     }
@@ -126,7 +126,7 @@ mod tests {
         let residual: Vec<f64> = (0..4000)
             .map(|n| noise.normal() + if n % 4 == 0 { 3.0 } else { 0.0 })
             .collect();
-        let bin_of: Vec<usize> = (0..4000).map(|n| usize::from(n % 4 == 0)).collect();
+        let bin_of: Vec<u16> = (0..4000).map(|n| u16::from(n % 4 == 0)).collect();
         let excess = Excess::new(&residual, 1.0, 1000.0);
         let sums = excess.sums(&bin_of, 2);
         let shares = sums

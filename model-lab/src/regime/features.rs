@@ -21,9 +21,9 @@ pub(crate) const FLOWS: [&str; 6] = [
 /// What was going on at each sample, as one signal sees it: a current has its own coil, a pressure both valves.
 pub(crate) struct Features {
     /// Index into [`VALVE_STATES`].
-    pub(crate) valve_state: Vec<usize>,
+    pub(crate) valve_state: Vec<u8>,
     /// Index into [`FLOWS`].
-    pub(crate) flow: Vec<usize>,
+    pub(crate) flow: Vec<u8>,
     /// Chamber pressure of the model [bar gauge].
     pub(crate) pressure_bar: Vec<f64>,
     /// Its mean rate of change [bar/s].
@@ -74,11 +74,11 @@ impl Features {
             ];
             features
                 .valve_state
-                .push(usize::from(open[FILL]) + 2 * usize::from(open[VENT]));
+                .push(u8::from(open[FILL]) + 2 * u8::from(open[VENT]));
             features.flow.push(match open {
                 [false, false] => 0,
-                [true, false] => 2 - usize::from(choked[FILL]),
-                [false, true] => 4 - usize::from(choked[VENT]),
+                [true, false] => 2 - u8::from(choked[FILL]),
+                [false, true] => 4 - u8::from(choked[VENT]),
                 [true, true] => 5,
             });
             features
@@ -176,7 +176,8 @@ mod tests {
         ] {
             let features = features(&shut_for(1, 0.01), &[at(pressure_bar, open)], None);
             assert_eq!(
-                FLOWS[features.flow[0]], expected,
+                FLOWS[usize::from(features.flow[0])],
+                expected,
                 "{pressure_bar} bar, {open:?}"
             );
         }

@@ -141,7 +141,7 @@ fn histograms(
         .filter(|(_, error)| !error.is_nan())
     {
         let cell = cell(features.pressure_bar[sample]);
-        let state = 1 + features.valve_state[sample];
+        let state = 1 + usize::from(features.valve_state[sample]);
         let mut first = 1;
         let mut add = |phrase: usize| {
             histograms[phrase * STATES][cell].add(error);
@@ -149,7 +149,7 @@ fn histograms(
         };
         add(0);
         for dimension in combined {
-            add(first + dimension.bin_of[sample]);
+            add(first + usize::from(dimension.bin_of[sample]));
             first += dimension.bins.len();
         }
     }
@@ -219,16 +219,16 @@ mod tests {
     use super::*;
     use crate::noise::Noise;
 
-    const SHUT: usize = 0;
-    const FILLING: usize = 1;
-    const VENTING: usize = 2;
+    const SHUT: u8 = 0;
+    const FILLING: u8 = 1;
+    const VENTING: u8 = 2;
 
     /// 6000 samples: every third one shut, filling or venting, pressures spread over 0 to 8 bar, duties over 0 to 100 %.
     fn spread() -> Features {
         let count = 6000;
         let spread = |step: usize| (0..count).map(move |n| (n * step % 1000) as f64 / 1000.0);
         Features {
-            valve_state: (0..count).map(|n| n % 3).collect(),
+            valve_state: (0..count).map(|n| (n % 3) as u8).collect(),
             flow: vec![0; count],
             pressure_bar: spread(7).map(|part| 8.0 * part).collect(),
             pressure_rate_bar_per_s: vec![0.0; count],

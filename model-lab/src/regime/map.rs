@@ -27,11 +27,11 @@ pub(crate) fn error_map(
         }
     };
     let columns = pressure_bands.len();
-    let cell_of: Vec<usize> = features
+    let cell_of: Vec<u16> = features
         .duty_pct
         .iter()
         .zip(&features.pressure_bar)
-        .map(|(&duty, &pressure)| row(duty) * columns + pressure_band(pressure))
+        .map(|(&duty, &pressure)| (row(duty) * columns + pressure_band(pressure)) as u16)
         .collect();
     let sums = excess.sums(&cell_of, duty_bands.len() * columns);
     let cells = sums
@@ -52,7 +52,7 @@ pub(crate) fn error_map(
         signal: String::new(),
         dimension: ERROR_MAP.to_owned(),
         labels: labels.collect(),
-        bin_of: compact(&cell_of),
+        bin_of: cell_of,
     };
     let map = ErrorMap {
         horizon,
@@ -61,11 +61,6 @@ pub(crate) fn error_map(
         pressure_bands,
     };
     (map, placement)
-}
-
-/// Bins as a placement keeps them: some hundred at most.
-pub(crate) fn compact(bin_of: &[usize]) -> Vec<u16> {
-    bin_of.iter().map(|&bin| bin as u16).collect()
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ pub(crate) use dimension::Dimension;
 pub(crate) use excess::Excess;
 pub(crate) use features::Features;
 pub(crate) use finder::find;
-pub(crate) use map::{compact, error_map};
+pub(crate) use map::error_map;
 
 use crate::result::{Placement, RegimeBin, RegimeShares};
 
@@ -56,6 +56,6 @@ pub(crate) fn placement(signal: &str, dimension: &Dimension) -> Placement {
         signal: signal.to_owned(),
         dimension: dimension.id.to_owned(),
         labels: dimension.bins.iter().map(|bin| bin.label.clone()).collect(),
-        bin_of: compact(&dimension.bin_of),
+        bin_of: dimension.bin_of.clone(),
     }
 }
