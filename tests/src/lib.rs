@@ -2,7 +2,14 @@
 
 pub mod bench_log;
 pub mod blind;
+pub mod chance;
+#[cfg(unix)]
+pub mod damage;
+#[cfg(unix)]
+pub mod kills;
 pub mod least_squares;
 pub mod plain_fit;
 pub mod reference_plant;
+#[cfg(unix)]
+mod served;
 pub mod stiff_solver;

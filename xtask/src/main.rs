@@ -1,6 +1,6 @@
 //! The verbs of the workshop: `cargo xtask --help` lists them, `docs/building.md` explains them.
 //!
-//! One file per group of verbs ([`host`], [`arm`], [`publish`], [`blind`]); below them what a machine has and lacks ([`toolchain`],
+//! One file per group of verbs ([`host`], [`arm`], [`publish`], [`blind`], [`hostile`]); below them what a machine has and lacks ([`toolchain`],
 //! [`qemu`], [`packages`]), and how a step runs, ends and is told ([`process`], [`report`]) and the tests are called ([`tests`]).
 
 mod arm;
@@ -10,6 +10,7 @@ mod coverage;
 mod digests;
 mod failure;
 mod host;
+mod hostile;
 mod mutants;
 mod packages;
 mod process;
@@ -86,6 +87,30 @@ enum Verb {
         #[arg(long, default_value_t = 1.0)]
         share: f64,
     },
+    /// Let the command read damaged files under limits of time and memory. Takes half an hour; Ctrl-C ends it with the table so far.
+    Damage {
+        /// Number of damaged files.
+        #[arg(long, default_value_t = 100_000)]
+        cases: u64,
+        /// Seed of the damages.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Runs at a time.
+        #[arg(long, default_value_t = 2)]
+        jobs: usize,
+        /// Folder for the files and the command line of each finding.
+        #[arg(long, value_name = "FOLDER", default_value = "target/damage")]
+        failures: PathBuf,
+    },
+    /// Kill the command and the server at random moments: nothing may be lost. Takes some minutes.
+    Kills {
+        /// Kills of each of the two.
+        #[arg(long, default_value_t = 50)]
+        kills: u64,
+        /// Seed of the moments.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
     /// Install what the other verbs need, and run nothing.
     Setup {
         #[command(flatten)]
@@ -153,6 +178,13 @@ fn main() -> ExitCode {
         Verb::Coverage => coverage::check(&mut report),
         Verb::Mutants { only, shard } => mutants::check(&mut report, only, shard),
         Verb::Blind { draw, seed, share } => blind::run(&mut report, &draw, seed, share),
+        Verb::Damage {
+            cases,
+            seed,
+            jobs,
+            failures,
+        } => hostile::damage(&mut report, cases, seed, jobs, &failures),
+        Verb::Kills { kills, seed } => hostile::kills(&mut report, kills, seed),
         Verb::Setup { arm } => {
             host::setup(&mut report);
             arm::setup(&mut report, arm.toolchain);

@@ -2,6 +2,8 @@
 
 mod compare;
 mod control;
+#[cfg(unix)]
+mod damage;
 mod device;
 mod diagnose;
 mod files;

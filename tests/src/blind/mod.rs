@@ -9,7 +9,6 @@
 //!
 //! `docs/blind-benchmark.md` has the rules of the game: kinds of rigs, what counts as right, gates, seeds.
 
-pub mod chance;
 pub mod draw;
 pub mod format;
 pub mod pairs;

@@ -1,6 +1,6 @@
 //! A simple pressure controller, so that some logs are recorded in closed loop.
 
-use super::super::chance::Chance;
+use crate::chance::Chance;
 
 /// Error within which both valves are off (bar).
 const TOLERANCE: f64 = 0.1;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::super::chance::Chance;
+use crate::chance::Chance;
 use crate::reference_plant::Reading;
 
 /// What measures the rig.

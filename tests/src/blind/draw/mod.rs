@@ -13,8 +13,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use thiserror::Error;
 
-use super::chance::Chance;
 use super::format::{Answer, Folders, Hidden, Poor, Profile, SCHEMA};
+use crate::chance::Chance;
 use crate::reference_plant::{
     Departures, Reading, ReferencePlant, Rig, SCATTERED, Scatter, replay,
 };

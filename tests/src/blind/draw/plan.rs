@@ -1,7 +1,7 @@
 //! Which rigs a draw has.
 
-use super::super::chance::Chance;
 use super::super::format::{Class, Poor};
+use crate::chance::Chance;
 use crate::reference_plant::catalogue::{Form, Kinship, forms_of};
 
 /// Pairs that act in different places, so that neither can stand in for the other.

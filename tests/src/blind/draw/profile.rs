@@ -1,8 +1,8 @@
 //! What a rig is commanded to do while it is logged.
 
-use super::super::chance::Chance;
 use super::super::format::Profile;
 use super::closed_loop::ClosedLoop;
+use crate::chance::Chance;
 
 /// Where the duty cycles (%) of each sample come from, fill and vent.
 #[derive(Debug, Clone)]

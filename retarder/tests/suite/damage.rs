@@ -1,0 +1,48 @@
+//! Damaged files of every kind: a small part of what `cargo xtask damage` does.
+
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use retarder_tests::damage::campaign::Campaign;
+use retarder_tests::damage::commands::Effort;
+use retarder_tests::damage::limits::Limits;
+
+const RETARDER: &str = env!("CARGO_BIN_EXE_retarder");
+
+/// Goal: whatever a file says, the program ends with an answer or a reason. Method: 300 damaged inputs of the cheap
+/// commands. Half a minute of computing.
+#[test]
+fn no_damaged_file_ends_a_command_without_an_answer_or_a_reason() {
+    let failures = tempfile::tempdir().unwrap();
+    let campaign = Campaign {
+        retarder: RETARDER.into(),
+        seed: 1,
+        cases: 0..300,
+        jobs: 2,
+        limits: Limits {
+            // This build may be slow, and the machine busy: only what never ends is found.
+            processor_time: Duration::MAX,
+            time: Duration::from_secs(300),
+            ..Limits::default()
+        },
+        effort: Effort::Cheap,
+        failures: failures.path().to_owned(),
+        keeps_all: false,
+    };
+    let found = Mutex::new(String::new());
+    let counted = campaign.run(&AtomicBool::new(false), |_, failure| {
+        if let Some(failure) = failure {
+            let (finding, case) = (failure.finding, &failure.case);
+            let (story, line) = (case.story(), case.line());
+            *found.lock().unwrap() +=
+                &format!("\n{finding}: case {}\n{story}$ {line}\n", case.number);
+        }
+    });
+    let counted = counted.unwrap();
+    assert_eq!(*found.lock().unwrap(), "", "{counted}");
+    // The damages leave enough to be read, or only the readers would be tried.
+    let answered = counted.ended_with(0) + counted.ended_with(1);
+    assert_eq!(counted.cases(), 300);
+    assert!(answered >= 40 && counted.ended_with(2) >= 40, "{counted}");
+}

@@ -1,0 +1,47 @@
+//! Somebody who opens the project of a server, looks at it, computes, and ends it.
+
+use std::io;
+use std::process::Child;
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::json;
+
+use super::case::Case;
+use crate::served::{Client, address};
+
+/// Talks to a server whose standard output is piped, and ends it as Ctrl-C does. What it refuses is its right.
+pub(super) fn talk(server: &mut Child, case: &Case) {
+    let _ = look_around(server, case);
+    // Fails only if it has ended already.
+    let _ = kill_process(Pid::from_child(server), Signal::TERM);
+}
+
+fn look_around(server: &mut Child, case: &Case) -> io::Result<()> {
+    let out = server.stdout.take().expect("the standard output is piped");
+    let Some(address) = address(out)? else {
+        return Ok(());
+    };
+    let client = Client::open(&address)?;
+    let session = client.session(project(case))?;
+    for page in [
+        "project",
+        "logs/1/preview",
+        "diagnosis",
+        "refine",
+        "control",
+    ] {
+        client.get(&format!("{session}/{page}"))?;
+    }
+    client.work(&session, "logs/1/compare", &json!({}))?;
+    client.get(&format!("{session}/logs/1/comparison"))?;
+    client.work(&session, "control/run", &json!({}))
+}
+
+/// The name of the project: 32 hexadecimal digits.
+fn project(case: &Case) -> Option<&str> {
+    let mut names = case
+        .files
+        .iter()
+        .filter_map(|file| file.path.file_stem()?.to_str());
+    names.find(|name| name.len() == 32)
+}

@@ -1,0 +1,80 @@
+//! A running server of the page, and a browser that talks to it.
+
+mod http;
+
+use std::fs;
+use std::io::{self, BufRead as _, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use rustix::process::{Pid, Signal, kill_process};
+
+pub(crate) use http::Client;
+
+/// A running server; killed by SIGKILL when this value goes.
+pub(crate) struct Server {
+    running: Child,
+    address: String,
+}
+
+impl Server {
+    /// Starts a server on a project folder, and waits until it says where it is. What it complains of is thrown away.
+    pub(crate) fn start(retarder: &Path, project: &Path) -> io::Result<Self> {
+        let mut running = Command::new(retarder)
+            .args(["serve", "--project"])
+            .arg(project)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()?;
+        let out = running.stdout.take().expect("the standard output is piped");
+        match address(out)? {
+            Some(address) => Ok(Self { running, address }),
+            None => {
+                let status = running.wait()?;
+                Err(io::Error::other(format!("the server ended with {status}")))
+            }
+        }
+    }
+
+    /// A browser that has exchanged the token.
+    pub(crate) fn client(&self) -> io::Result<Client> {
+        Client::open(&self.address)
+    }
+
+    /// Ends it as Ctrl-C does, and waits.
+    pub(crate) fn end(mut self) -> io::Result<()> {
+        kill_process(Pid::from_child(&self.running), Signal::TERM)?;
+        self.running.wait().map(drop)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // Fails only if it has ended already.
+        let _ = self.running.kill();
+        let _ = self.running.wait();
+    }
+}
+
+/// The address that a server prints, once it does; nothing if it ends before.
+pub(crate) fn address(out: impl Read) -> io::Result<Option<String>> {
+    let mut line = String::new();
+    BufReader::new(out).read_line(&mut line)?;
+    let address = line.trim().strip_prefix("Open http://");
+    Ok(address.map(str::to_owned))
+}
+
+/// Files below a folder, in no order.
+pub(crate) fn files_below(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            files.extend(files_below(&path)?);
+        } else {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
