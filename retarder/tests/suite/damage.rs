@@ -1,4 +1,4 @@
-//! Damaged files of every kind: a small part of what `cargo xtask damage` does.
+//! Damaged files of every kind, and kills: a small part of what `cargo xtask damage` and `cargo xtask kills` do.
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
@@ -7,6 +7,7 @@ use std::time::Duration;
 use retarder_tests::damage::campaign::Campaign;
 use retarder_tests::damage::commands::Effort;
 use retarder_tests::damage::limits::Limits;
+use retarder_tests::kills;
 
 const RETARDER: &str = env!("CARGO_BIN_EXE_retarder");
 
@@ -45,4 +46,18 @@ fn no_damaged_file_ends_a_command_without_an_answer_or_a_reason() {
     let answered = counted.ended_with(0) + counted.ended_with(1);
     assert_eq!(counted.cases(), 300);
     assert!(answered >= 40 && counted.ended_with(2) >= 40, "{counted}");
+}
+
+#[test]
+fn a_diagnosis_that_is_killed_loses_nothing() {
+    let counted =
+        kills::diagnose::kill(RETARDER.as_ref(), 1, 3).unwrap_or_else(|loss| panic!("{loss}"));
+    assert!(counted.at_work + counted.too_late >= 3, "{counted:?}");
+}
+
+#[test]
+fn a_server_that_is_killed_loses_nothing() {
+    let counted =
+        kills::serve::kill(RETARDER.as_ref(), 1, 3).unwrap_or_else(|loss| panic!("{loss}"));
+    assert!(counted.at_work + counted.too_late >= 3, "{counted:?}");
 }

@@ -34,8 +34,7 @@ mod program {
         for (name, kill) in targets {
             match kill(&retarder, options.seed, options.kills) {
                 Ok(kills) => println!(
-                    "{name}: {} kills, seed {}: {} at work, {} after the end; {} with a temporary file until the next run, {} with the new state; nothing lost",
-                    options.kills,
+                    "{name}: seed {}: {} kills at work, {} after the end; {} with a temporary file until the next run, {} with the new state; nothing lost",
                     options.seed,
                     kills.at_work,
                     kills.too_late,
