@@ -10,6 +10,7 @@ pub mod effects;
 pub mod experiment;
 pub mod hooks;
 pub mod linearisation;
+pub mod logger_clock;
 pub mod magnet;
 pub mod orifice;
 pub mod parameters;

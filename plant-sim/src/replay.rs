@@ -22,6 +22,8 @@ use crate::simulator::{Sample, Simulator, Statistics, Tolerance};
 pub struct ReplayInput {
     /// Instant (ns) since the start of the log.
     pub time_ns: u64,
+    /// Instant (ns) at which the ECU gave the command, not after `time_ns`.
+    pub issued_ns: u64,
     /// Commanded duty cycles; none where the log misses them, which holds the last ones.
     pub command: Option<Command>,
     /// Supply voltage at the ECU (V), where logged; none holds the last one.
@@ -162,9 +164,17 @@ impl Replay {
         self.simulator.set_work_limit(self.work_limit);
     }
 
-    /// Advances to the instant of `input`, samples, then hands over the command.
+    /// Hands over the command at the instant at which it was given, advances to the instant of `input` and samples.
     pub fn row(&mut self, input: ReplayInput) -> Row {
         self.begin_row(input.time_ns);
+        if let Some(command) = input.command
+            && command != self.command
+        {
+            self.command = command;
+            if self.has_coil {
+                self.simulator.command_at(input.issued_ns, command);
+            }
+        }
         self.simulator.advance_to_ns(input.time_ns);
         let sample = self.simulator.sample();
         let plunger = self.advance_plunger(&sample);
@@ -174,12 +184,6 @@ impl Replay {
         {
             self.supply_voltage_v = volt;
             self.simulator.set_supply_voltage(volt);
-        }
-        if let Some(command) = input.command {
-            self.command = command;
-        }
-        if self.has_coil {
-            self.simulator.command(self.command);
         }
         let current = match self.sampling {
             CurrentSampling::MeanOfInterval => sample.mean_current,
@@ -350,8 +354,10 @@ pub fn inputs_of_part<'a>(
             duty_vent_pct: at(&vent, index),
         };
         let complete = !command.duty_fill_pct.is_nan() && !command.duty_vent_pct.is_nan();
+        let time_ns = ((time_s - start_s) * 1e9).round() as u64;
         ReplayInput {
-            time_ns: ((time_s - start_s) * 1e9).round() as u64,
+            time_ns,
+            issued_ns: time_ns,
             command: complete.then_some(command),
             supply_voltage_v: supply
                 .as_ref()

@@ -46,6 +46,7 @@ fn check(plant: &PlantParameters, what: &str) {
         };
         let row = replay.row(ReplayInput {
             time_ns,
+            issued_ns: time_ns,
             command: Some(Command {
                 duty_fill_pct: duty(0),
                 duty_vent_pct: duty(20),

@@ -2,7 +2,7 @@
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::EffectSetting;
-use plant_sim::parameters::{NOMINAL_PLANT_TOML, PARAMETERS, Part};
+use plant_sim::parameters::{Knowledge, NOMINAL_PLANT_TOML, PARAMETERS, Part};
 use plant_sim::valve::ValveFunction;
 
 const REGULATING_VALVE: &str = "
@@ -85,6 +85,70 @@ fn every_parameter_is_refused_beyond_its_range_and_accepted_at_its_ends() {
 }
 
 #[test]
+fn a_value_says_how_well_it_is_known_and_is_written_the_same() {
+    let read = |value: &str| {
+        let text = changed("volume_m3 = 75e-6", &format!("volume_m3 = {value}"));
+        let plant = PlantParameters::from_toml(&text, "rig.toml").unwrap();
+        let again = PlantParameters::from_toml(&plant.to_toml(), "written").unwrap();
+        assert_eq!(
+            (again.knowledge.clone(), again.chamber.volume_m3),
+            (plant.knowledge.clone(), plant.chamber.volume_m3),
+            "{value}"
+        );
+        let knowledge = plant.knowledge.get("chamber.volume_m3").copied();
+        (plant.chamber.volume_m3, knowledge)
+    };
+    assert_eq!(read("80e-6"), (80e-6, None));
+    for (value, knowledge) in [
+        ("{ value = 80e-6, exact = true }", Knowledge::Exact),
+        (
+            "{ value = 80e-6, tolerance_pct = 30 }",
+            Knowledge::TolerancePct(30.0),
+        ),
+        (
+            "{ value = 80e-6, tolerance = 1e-5 }",
+            Knowledge::Tolerance(1e-5),
+        ),
+        (
+            "{ value = 80e-6, min = 4e-5, max = 1e-4 }",
+            Knowledge::Range(4e-5, 1e-4),
+        ),
+    ] {
+        assert_eq!(read(value), (80e-6, Some(knowledge)));
+    }
+    let (middle, _) = read("{ min = 40e-6, max = 160e-6 }");
+    assert!((middle - 80e-6).abs() < 1e-12, "{middle}");
+    // An unknown value begins at that of the shipped plant.
+    assert_eq!(read("\"unknown\""), (75e-6, Some(Knowledge::Unknown)));
+}
+
+#[test]
+fn a_statement_that_makes_no_sense_is_refused_with_the_forms_that_do() {
+    for value in [
+        "{ value = 80e-6, tolerance_pct = -1 }",
+        "{ value = 80e-6, tolerance = nan }",
+        "{ min = 1e-4, max = 4e-5 }",
+        "{ min = 4e-5 }",
+        "{ value = 1e-3, min = 4e-5, max = 1e-4 }",
+        "{ value = 80e-6, exact = true, tolerance_pct = 3 }",
+        "{ value = 80e-6, exact = false }",
+        "{ value = 80e-6, tolerances = 3 }",
+        "{ tolerance_pct = 3 }",
+        "\"about 80e-6\"",
+    ] {
+        let text = changed("volume_m3 = 75e-6", &format!("volume_m3 = {value}"));
+        let error = PlantParameters::from_toml(&text, "rig.toml")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("rig.toml:47: `chamber.volume_m3`")
+                && error.contains("tolerance_pct = T"),
+            "{value}: {error}"
+        );
+    }
+}
+
+#[test]
 fn refusals_name_file_line_value_bound_and_what_to_do() {
     for (text, says) in [
         (
@@ -97,7 +161,7 @@ fn refusals_name_file_line_value_bound_and_what_to_do() {
         ),
         (
             changed("mass_kg = 5.0e-3", "mass_kg = \"5 g\""),
-            "`armature.mass_kg` is string, expected a number",
+            "`armature.mass_kg` is string, expected a number, { value = V, tolerance_pct = T }",
         ),
         (
             changed("[chamber]", "[chambre]"),

@@ -2,11 +2,14 @@
 //! against this; who knows all of them stands above.
 
 mod about;
+mod knowledge;
 mod parameters;
 mod sections;
 mod spec;
 
 pub use about::{About, EntryPoint, Variant};
+pub use knowledge::Knowledge;
+pub(crate) use knowledge::middle;
 pub use parameters::{Effect, EffectSetting, PlantParameters};
 pub use sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,

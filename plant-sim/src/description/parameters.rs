@@ -5,6 +5,7 @@ use core::fmt::Debug;
 use std::collections::BTreeMap;
 
 use super::about::{About, Variant};
+use super::knowledge::Knowledge;
 use super::sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, MagnetParameters, RegulatingValveParameters,
@@ -38,6 +39,8 @@ pub struct PlantParameters {
     pub effects: Vec<EffectSetting>,
     /// Where each value comes from, by `section.key`; the comment behind the value in the file.
     pub provenance: BTreeMap<String, String>,
+    /// How well values are known, by `section.key`; a value without a statement has the usual tolerance of its part.
+    pub knowledge: BTreeMap<String, Knowledge>,
 }
 
 /// A physical effect.
@@ -217,6 +220,7 @@ impl PlantParameters {
             regulating_valve: None,
             effects: Vec::new(),
             provenance: BTreeMap::new(),
+            knowledge: BTreeMap::new(),
         }
     }
 }

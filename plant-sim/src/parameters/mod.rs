@@ -7,6 +7,7 @@ mod access;
 mod build;
 mod consistency;
 mod error;
+mod knowledge;
 mod names;
 mod parts;
 mod read;
@@ -16,7 +17,7 @@ mod write;
 
 pub use crate::description::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, MagnetParameters, PA_PER_BAR, ParameterSpec, PlantParameters,
+    GasParameters, Knowledge, MagnetParameters, PA_PER_BAR, ParameterSpec, PlantParameters,
     RegulatingValveParameters, Scale, Size,
 };
 pub use error::{ParameterError, Problem};
@@ -173,6 +174,13 @@ impl PlantParameters {
             return Err(refuse(Problem::AbsentSection { spec }));
         };
         *slot = value;
+        // A statement that the value contradicts is no longer one.
+        if let Some(knowledge) = changed.knowledge.get(name) {
+            let (least, most) = knowledge.bounds(spec, value);
+            if !(least..=most).contains(&value) || *knowledge == Knowledge::Unknown {
+                changed.knowledge.remove(name);
+            }
+        }
         changed
             .provenance
             .insert(name.to_owned(), provenance.to_owned());

@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use recording::nearest_name;
-use toml_edit::{Document, Item, TableLike, Value};
+use toml_edit::{Document, Item, TableLike};
 
 use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
+use super::knowledge::{self, FORMS, number};
 use super::names::{
     CHAMBER, FUNCTIONS, REGULATING_VALVE, THERMOMETER, VALVE_KEYS, VALVES, VARIANT,
 };
@@ -172,12 +173,12 @@ impl Reader<'_> {
                 continue;
             };
             present.push((spec, line));
-            let Some(value) = number(item) else {
+            let Some((value, knowledge)) = knowledge::read(spec, item) else {
                 self.problems.push(Problem::WrongType {
                     line,
                     key: name,
                     found: item.type_name(),
-                    expected: "a number",
+                    expected: FORMS,
                 });
                 continue;
             };
@@ -188,6 +189,9 @@ impl Reader<'_> {
             }
             if let Some(slot) = spec.slot(&mut self.parameters) {
                 *slot = value;
+            }
+            if let Some(knowledge) = knowledge {
+                self.parameters.knowledge.insert(name.clone(), knowledge);
             }
             if let Some(comment) = self.comment_behind(item) {
                 self.parameters.provenance.insert(name, comment);
@@ -310,14 +314,6 @@ fn quotable(text: &str) -> String {
         .take(80)
         .flat_map(char::escape_default)
         .collect()
-}
-
-fn number(item: &Item) -> Option<f64> {
-    match item.as_value()? {
-        Value::Float(value) => Some(*value.value()),
-        Value::Integer(value) => Some(*value.value() as f64),
-        _ => None,
-    }
 }
 
 fn line_of(text: &str, span: Option<Range<usize>>) -> usize {

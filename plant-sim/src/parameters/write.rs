@@ -2,6 +2,7 @@
 
 use core::fmt::Write as _;
 
+use super::knowledge;
 use super::names::{FUNCTIONS, THERMOMETER, VALVE_KEYS, VALVES, VARIANT};
 use super::table::PARAMETERS;
 use crate::description::{EffectSetting, ParameterSpec, PlantParameters};
@@ -47,11 +48,13 @@ fn effect(parameters: &PlantParameters, setting: &EffectSetting) -> String {
     text
 }
 
-/// `key = value   # provenance`
+/// `key = value, with what is known of it   # provenance`
 fn assignment(parameters: &PlantParameters, spec: &ParameterSpec, value: f64) -> String {
     let comment = match parameters.provenance.get(&spec.name()) {
         Some(provenance) => format!("   # {}", provenance.replace(char::is_control, " ")),
         None => String::new(),
     };
-    format!("{} = {value:?}{comment}\n", spec.key)
+    let knowledge = parameters.knowledge.get(&spec.name()).copied();
+    let value = knowledge::write(value, knowledge);
+    format!("{} = {value}{comment}\n", spec.key)
 }

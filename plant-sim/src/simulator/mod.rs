@@ -189,7 +189,13 @@ impl Simulator {
 
     /// Commands duty cycles now; they take effect after the command delay.
     pub fn command(&mut self, command: Command) {
-        self.ecu_output.command(self.time_ns, command);
+        self.command_at(self.time_ns, command);
+    }
+
+    /// Commands duty cycles at `instant_ns`, which may be in the past: they take effect after the command delay, or now if that
+    /// is past as well. Commands are given in the order of their instants.
+    pub fn command_at(&mut self, instant_ns: u64, command: Command) {
+        self.ecu_output.command(instant_ns, command);
     }
 
     /// Sets the supply voltage at the ECU (V) from now on.
