@@ -15,8 +15,10 @@ use recording::TimeBase;
 const GAP_SAMPLES: f64 = 10.0;
 /// From a command in force to a valve that has moved and a current that no longer knows the one before (s).
 const SETTLE_S: f64 = 0.05;
-/// A gap is simulated with the last command for this long at most (ns).
+/// A gap is simulated with the last command for this long and less than a second more (ns).
 const SIMULATED_NS: u64 = 1_000_000_000;
+/// Whole seconds are taken out of longer ones (ns): samples and PWM periods keep their phase.
+const WHOLE_NS: u64 = 1_000_000_000;
 
 /// The gaps of a log in order of time.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -157,9 +159,10 @@ impl Gaps {
             let span_ns = input.time_ns - before_ns;
             before_ns = input.time_ns;
             if span_ns > SIMULATED_NS && span_ns as f64 > pause_ns {
-                taken_ns += span_ns - SIMULATED_NS;
+                taken_ns += (span_ns - SIMULATED_NS) / WHOLE_NS * WHOLE_NS;
             }
             input.time_ns -= taken_ns;
+            input.issued_ns -= taken_ns;
         }
     }
 }
@@ -169,8 +172,10 @@ mod tests {
     use super::*;
 
     fn inputs(base: &TimeBase, silent: Range<usize>) -> Vec<ReplayInput> {
-        let input = |(row, time_s): (usize, &f64)| ReplayInput {
-            time_ns: ((time_s - base.start_s()) * 1e9).round() as u64,
+        let time_ns = |time_s: f64| ((time_s - base.start_s()) * 1e9).round() as u64;
+        let input = |(row, &time_s): (usize, &f64)| ReplayInput {
+            time_ns: time_ns(time_s),
+            issued_ns: time_ns(time_s),
             command: (!silent.contains(&row)).then(Default::default),
             supply_voltage_v: None,
         };
@@ -214,11 +219,13 @@ mod tests {
     }
 
     #[test]
-    fn a_long_gap_is_simulated_for_a_second() {
+    fn a_long_gap_is_simulated_for_a_second_and_keeps_the_phase_of_the_samples() {
         let base = paused(500);
         let mut inputs = inputs(&base, 0..0);
         gaps(&base, 0..0).shorten(&mut inputs);
-        assert_eq!(inputs[50].time_ns, 490_000_000 + SIMULATED_NS);
+        // 5.01 s of pause, 4 s of it taken out.
+        assert_eq!(inputs[50].time_ns, 490_000_000 + 1_010_000_000);
+        assert_eq!(inputs[50].issued_ns, inputs[50].time_ns);
         assert_eq!(inputs[99].time_ns, inputs[50].time_ns + 490_000_000);
         let mut short = self::inputs(&paused(20), 0..0);
         let before = short.clone();

@@ -222,6 +222,7 @@ impl<'a> Setup<'a> {
                 // To hold the last command changes nothing.
                 fine.columns.push(replay.row(ReplayInput {
                     time_ns,
+                    issued_ns: time_ns,
                     command: None,
                     supply_voltage_v: None,
                 }));

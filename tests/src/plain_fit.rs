@@ -100,6 +100,7 @@ fn simulated(plant: &PlantParameters, commands: &[[f64; 2]]) -> Vec<f64> {
     let rows = commands.iter().flat_map(|&[duty_fill_pct, duty_vent_pct]| {
         let row = model.row(ReplayInput {
             time_ns,
+            issued_ns: time_ns,
             command: Some(Command {
                 duty_fill_pct,
                 duty_vent_pct,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use plant_sim::PlantParameters;
-use plant_sim::parameters::ParameterSpec;
+use plant_sim::effects::EffectSetting;
 use recording::Recording;
 
 use super::detection::detection_limit;
@@ -35,18 +35,28 @@ pub(crate) fn ladder(bench: &Bench, ladder: &Ladder) -> Result<Vec<Step>, Diagno
         .enumerate()
         .map(|(index, trial)| {
             let added = (index > 0).then(|| trial.effects.last()).flatten();
-            Ok(Step {
-                added: added.map(|effect| effect.id().to_owned()),
-                variant: added.map(|effect| effect.variant().name.to_owned()),
-                fit_rms: trial.fitted.rms(),
-                check_rms: trial.checked.rms(),
-                noise_floor: trial.checked.floor(),
-                free_run_check_rms: free_run(bench, trial),
-                explained_share: trial.share_of(plain),
-                free_parameters: trial.unknowns.len(),
-            })
+            Ok(step(bench, trial, plain, added))
         })
         .collect()
+}
+
+/// The errors of one trial; `added` is the effect that it has beyond the one before.
+pub(crate) fn step(
+    bench: &Bench,
+    trial: &Trial,
+    plain: &Trial,
+    added: Option<&EffectSetting>,
+) -> Step {
+    Step {
+        added: added.map(|effect| effect.id().to_owned()),
+        variant: added.map(|effect| effect.variant().name.to_owned()),
+        fit_rms: trial.fitted.rms(),
+        check_rms: trial.checked.rms(),
+        noise_floor: trial.checked.floor(),
+        free_run_check_rms: free_run(bench, trial),
+        explained_share: trial.share_of(plain),
+        free_parameters: trial.unknowns.len(),
+    }
 }
 
 fn free_run(bench: &Bench, trial: &Trial) -> BySignal {
@@ -182,17 +192,13 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
     let list = last.unknowns.list().iter().enumerate();
     let is_named = last.effects.len() > plain.effects.len();
     list.filter_map(|(index, unknown)| {
-        let Unknown::Nuisance {
-            nuisance,
-            datasheet,
-            tolerance,
-            range: (least, most),
-        } = unknown
-        else {
+        let Unknown::Nuisance(nuisance) = unknown else {
             return None;
         };
+        let (least, most) = unknown.range();
         let (before, after) = (plain.fit.z[index], last.fit.z[index]);
-        let at_end = |z: f64| z.abs() > 1.0 - AT_BOUND;
+        let (lower, upper) = unknown.bounds();
+        let at_end = |z: f64| z - lower < AT_BOUND || upper - z < AT_BOUND;
         let alarm = match (at_end(before), at_end(after)) {
             (_, true) if !is_named => {
                 Some("ran to the end of its tolerance: it may hide missing physics")
@@ -205,16 +211,15 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
             }
             (false, false) => None,
         };
-        let spec = ParameterSpec::by_name(nuisance.name)?;
         Some(NuisanceValue {
-            name: nuisance.name.to_owned(),
-            unit: spec.unit.to_owned(),
-            datasheet: *datasheet,
-            tolerance: *tolerance,
+            name: nuisance.spec.name(),
+            unit: nuisance.spec.unit.to_owned(),
+            datasheet: nuisance.datasheet,
+            tolerance: nuisance.tolerance,
             plain: unknown.value(before),
             fitted: unknown.value(after),
-            low: unknown.value((after - widths[index]).max(*least)),
-            high: unknown.value((after + widths[index]).min(*most)),
+            low: unknown.value((after - widths[index]).max(least)),
+            high: unknown.value((after + widths[index]).min(most)),
             alarm: alarm
                 .filter(|_| is_named || at_end(after))
                 .map(str::to_owned),

@@ -3,6 +3,7 @@
 use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
+use plant_sim::logger_clock::LoggerClock;
 use plant_sim::{PlantParameters, Tolerance};
 
 use super::log::{Channel, Log, Residuals, Run};
@@ -29,8 +30,7 @@ impl Evidence {
 
     /// Logged time of all logs (s).
     pub(crate) fn duration_s(&self) -> f64 {
-        let of = |log: &Log| log.commands.times_s.last().copied().unwrap_or(0.0);
-        self.logs.iter().map(of).sum()
+        self.logs.iter().map(Log::duration_s).sum()
     }
 
     /// How often all logs were simulated.
@@ -74,12 +74,36 @@ impl Evidence {
         run: Run,
         tolerance: Tolerance,
     ) -> Option<Residuals> {
+        self.residuals_on(parameters, &self.clocks(), run, tolerance)
+    }
+
+    /// The clocks of the loggers, log after log.
+    pub(crate) fn clocks(&self) -> Vec<Option<LoggerClock>> {
+        self.logs.iter().map(|log| log.clock).collect()
+    }
+
+    /// Takes these clocks for those of the loggers, and assigns the commands by them.
+    pub(crate) fn set_clocks(&mut self, clocks: &[Option<LoggerClock>], plant: &PlantParameters) {
+        for (log, clock) in self.logs.iter_mut().zip(clocks) {
+            if let Some(clock) = *clock {
+                log.set_clock(clock, plant);
+            }
+        }
+    }
+
+    /// As [`Self::residuals_within`], with these clocks of the loggers, log after log.
+    pub(crate) fn residuals_on(
+        &self,
+        parameters: &PlantParameters,
+        clocks: &[Option<LoggerClock>],
+        run: Run,
+        tolerance: Tolerance,
+    ) -> Option<Residuals> {
         let begin = Instant::now();
         let mut all = Residuals::new();
-        let done = self
-            .logs
-            .iter()
-            .try_for_each(|log| log.residuals_into(parameters, (run, tolerance), &mut all));
+        let done = self.logs.iter().zip(clocks).try_for_each(|(log, &clock)| {
+            log.residuals_into(parameters, log.timing(clock), (run, tolerance), &mut all)
+        });
         self.simulations.fetch_add(1, Ordering::Relaxed);
         let elapsed_ns = begin.elapsed().as_nanos() as u64;
         self.computing_ns.fetch_add(elapsed_ns, Ordering::Relaxed);

@@ -121,6 +121,21 @@ pub(crate) struct Fitter<'a> {
     pub(crate) evidence: &'a Evidence,
     pub(crate) unknowns: &'a Unknowns,
     tolerance: Tolerance,
+    pub(crate) run: Run,
+    /// Steps of forward differences, over the usual ones.
+    pub(crate) step_scale: f64,
+    /// A decrease below this share of the cost is none.
+    pub(crate) converged_share: f64,
+    /// Residuals count with their square up to about this size, and in proportion beyond it; none counts all with their
+    /// square.
+    pub(crate) outlier_scale: Option<f64>,
+}
+
+/// The residual whose square is the pseudo-Huber loss of `residual`.
+fn soften(residual: f64, scale: f64) -> f64 {
+    let ratio = residual / scale;
+    let loss = 2.0 * ((1.0 + ratio * ratio).sqrt() - 1.0);
+    scale * loss.sqrt().copysign(residual)
 }
 
 impl<'a> Fitter<'a> {
@@ -129,6 +144,10 @@ impl<'a> Fitter<'a> {
             evidence,
             unknowns,
             tolerance: Tolerance::default(),
+            run: Run::Predicted,
+            step_scale: 1.0,
+            converged_share: CONVERGED_SHARE,
+            outlier_scale: None,
         }
     }
 
@@ -143,8 +162,17 @@ impl<'a> Fitter<'a> {
     fn residuals(&self, z: &[f64]) -> Option<Residuals> {
         let plant = self.unknowns.plant(z);
         plant.check().ok()?;
-        self.evidence
-            .residuals_within(&plant, Run::Predicted, self.tolerance)
+        let mut clocks = self.evidence.clocks();
+        self.unknowns.clocks(z, &mut clocks);
+        let mut residuals =
+            self.evidence
+                .residuals_on(&plant, &clocks, self.run, self.tolerance)?;
+        if let Some(scale) = self.outlier_scale {
+            residuals
+                .iter_mut()
+                .for_each(|residual| *residual = soften(*residual, scale));
+        }
+        Some(residuals)
     }
 
     fn cost(&self, z: &[f64], residuals: &Residuals) -> f64 {
@@ -181,7 +209,7 @@ impl<'a> Fitter<'a> {
             self.residuals(&z)
         };
         let step = match difference {
-            Difference::Forward => unknown.step(),
+            Difference::Forward => self.step_scale * unknown.step(),
             Difference::Central => unknown.wide_step(),
             Difference::Fine => FINE * unknown.step(),
         };
@@ -234,7 +262,7 @@ impl<'a> Fitter<'a> {
         let mut secants = 0;
         for _ in 0..descent.iterations() {
             let (z, expected) = self.step(&fit, damping);
-            let mut renew = expected < converged(fit.cost);
+            let mut renew = expected < self.converged(fit.cost);
             if renew && (fresh || descent == Descent::Begun) {
                 break;
             }
@@ -245,7 +273,7 @@ impl<'a> Fitter<'a> {
             if let Some(next) = next.filter(|_| reached > 0.0) {
                 fit = fit.moved_to(next);
                 damping = (damping * 0.2).max(1e-6);
-                if fresh && reached < converged(fit.cost) {
+                if fresh && reached < self.converged(fit.cost) {
                     break;
                 }
                 fresh = false;
@@ -268,6 +296,10 @@ impl<'a> Fitter<'a> {
             }
         }
         Some(fit)
+    }
+
+    fn converged(&self, cost: f64) -> f64 {
+        CONVERGED.max(self.converged_share * cost)
     }
 
     /// The damped step from `fit` within the bounds, and by how much a linear model's cost falls.
@@ -349,10 +381,6 @@ impl<'a> Fitter<'a> {
         }
         (hessian, gradient)
     }
-}
-
-fn converged(cost: f64) -> f64 {
-    CONVERGED.max(CONVERGED_SHARE * cost)
 }
 
 #[cfg(test)]

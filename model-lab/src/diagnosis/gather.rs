@@ -6,6 +6,7 @@ use recording::Recording;
 use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::log::{Log, Read};
+use super::logger_time::{Delay, find_clock};
 use super::sensor_noise::SensorNoise;
 use super::supply::find_supply;
 
@@ -22,7 +23,9 @@ pub(super) fn gather<'a>(
     });
     let read = read.collect::<Result<Vec<_>, DiagnoseError>>()?;
     let logs = read.into_iter().map(|(log, read)| {
-        let mut alone = Evidence::of(vec![Log::new(parameters, log, read, &noise)?]);
+        let mut log = Log::new(parameters, log, read, &noise)?;
+        find_clock(parameters, &mut log, Delay::Searched);
+        let mut alone = Evidence::of(vec![log]);
         find_supply(parameters, &mut alone);
         Ok(alone.logs)
     });

@@ -47,6 +47,11 @@ pub(crate) fn half_widths_of_noise(evidence: &Evidence, trial: &Trial) -> Vec<f6
         .collect()
 }
 
+/// Covariance of the coordinates if nothing but the noise is left.
+pub(crate) fn covariance(evidence: &Evidence, trial: &Trial) -> Option<DMatrix<f64>> {
+    inverse_curvature(evidence, trial)
+}
+
 fn inverse_curvature(evidence: &Evidence, trial: &Trial) -> Option<DMatrix<f64>> {
     let fitter = Fitter::new(evidence, &trial.unknowns);
     let (mut hessian, _) = fitter.normal(&trial.fit);

@@ -1,5 +1,6 @@
 //! A log as the diagnosis sees it: what drives the model, and what it has to answer.
 
+use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
 use plant_sim::{PlantParameters, Simulator, Tolerance};
@@ -24,7 +25,17 @@ pub(crate) struct Log {
     pub(crate) source: String,
     pub(crate) commands: Commands,
     inputs: Vec<ReplayInput>,
-    sampling: CurrentSampling,
+    /// Sample time of the ECU (s).
+    pub(crate) sample_time_s: f64,
+    /// Median time from row to row (s).
+    pub(crate) interval_s: f64,
+    pub(crate) sampling: CurrentSampling,
+    /// Clock of the logger; none where each row is an instant of the ECU's own clock at which it gave the row's command.
+    pub(crate) clock: Option<LoggerClock>,
+    /// Phase of the clock (s) that the logged commands tell, with its standard deviation: infinite where they do not.
+    pub(crate) known_phase_s: (f64, f64),
+    /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
+    issued_ns: Vec<u64>,
     /// Chamber pressure to begin with (Pa abs); none starts at rest.
     start_pressure: Option<f64>,
     /// Where the model begins again behind a gap.
@@ -52,6 +63,14 @@ pub(crate) struct Channel {
     pub(crate) values: Vec<f64>,
     /// Standard deviation of the measurement noise.
     pub(crate) sigma: f64,
+}
+
+/// When the rows of a log were taken, in the time of the ECU.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Timing<'a> {
+    pub(crate) clock: LoggerClock,
+    /// Of each row, the instant (ns, ECU time) at which its command was given.
+    pub(crate) issued_ns: &'a [u64],
 }
 
 /// Which error of the model is looked at.
@@ -160,6 +179,11 @@ impl Log {
             commands,
             inputs,
             sampling: CurrentSampling::of_interval(interval_s, parameters),
+            clock: None,
+            known_phase_s: (0.0, f64::INFINITY),
+            issued_ns: Vec::new(),
+            sample_time_s: parameters.ecu.sample_time_s,
+            interval_s,
             start_pressure,
             restarts,
             predictor: Predictor::free_run(samples),
@@ -172,6 +196,94 @@ impl Log {
         };
         log.find_predictor(parameters);
         Ok(log)
+    }
+
+    pub(crate) fn inputs(&self) -> &[ReplayInput] {
+        &self.inputs
+    }
+
+    /// A row in the time of the ECU, less what was taken out of pauses before it.
+    fn on_ecu_time(&self, row: usize, Timing { clock, issued_ns }: Timing) -> ReplayInput {
+        let input = self.inputs[row];
+        let taken_ns = self.log_ns(row) - input.time_ns;
+        let time_ns = clock.ecu_time_ns(self.log_ns(row)).saturating_sub(taken_ns);
+        ReplayInput {
+            time_ns,
+            issued_ns: issued_ns[row].saturating_sub(taken_ns).min(time_ns),
+            ..input
+        }
+    }
+
+    /// Time of a row since the first one (ns), by the clock of the logger.
+    fn log_ns(&self, row: usize) -> u64 {
+        (self.commands.times_s[row] * 1e9).round() as u64
+    }
+
+    /// Takes `clock` for the clock of the logger, and by it assigns the command of each row to a sample of the ECU.
+    pub(crate) fn set_clock(&mut self, clock: LoggerClock, parameters: &PlantParameters) {
+        self.clock = Some(clock);
+        self.issued_ns = self.issued_by(clock, parameters);
+    }
+
+    /// Of each row, the instant (ns, ECU time) at which its command was given if the logger has `clock`.
+    fn issued_by(&self, clock: LoggerClock, parameters: &PlantParameters) -> Vec<u64> {
+        let sample_time_ns = parameters.ecu.sample_time_ns();
+        let interval_ns = (self.interval_s * 1e9) as u64;
+        (0..self.inputs.len())
+            .map(|row| {
+                sample_time_ns * clock.ecu_sample(self.log_ns(row), interval_ns, sample_time_ns)
+            })
+            .collect()
+    }
+
+    /// The residuals of `parameters` with `clock`, by which the commands are assigned anew.
+    pub(super) fn residuals_assigned(
+        &self,
+        parameters: &PlantParameters,
+        clock: Option<LoggerClock>,
+        run: Run,
+    ) -> Option<Residuals> {
+        let issued_ns = clock.map(|clock| self.issued_by(clock, parameters));
+        let timing = clock.zip(issued_ns.as_deref());
+        let timing = timing.map(|(clock, issued_ns)| Timing { clock, issued_ns });
+        let mut residuals = Residuals::new();
+        self.residuals_into(
+            parameters,
+            timing,
+            (run, Tolerance::default()),
+            &mut residuals,
+        )?;
+        Some(residuals)
+    }
+
+    /// Time from the first row to the last (s).
+    pub(crate) fn duration_s(&self) -> f64 {
+        self.commands.times_s.last().copied().unwrap_or(0.0)
+    }
+
+    /// The timing by `clock`, with the commands assigned as by the log's own clock.
+    pub(crate) fn timing(&self, clock: Option<LoggerClock>) -> Option<Timing<'_>> {
+        Some(Timing {
+            clock: clock?,
+            issued_ns: &self.issued_ns,
+        })
+    }
+
+    /// Samples of all channels that count.
+    pub(crate) fn counted_samples(&self) -> usize {
+        let counts = |channel: &Channel| {
+            let samples = channel.values.iter().zip(&self.counted);
+            samples
+                .filter(|(value, counted)| **counted && !value.is_nan())
+                .count()
+        };
+        self.channels.iter().map(counts).sum()
+    }
+
+    pub(crate) fn has_current(&self) -> bool {
+        self.channels
+            .iter()
+            .any(|channel| channel.signal != PRESSURE)
     }
 
     pub(super) fn pressure(&self) -> Option<&Channel> {
@@ -191,6 +303,7 @@ impl Log {
         let mut last_s = 0.0;
         self.run(
             parameters,
+            None,
             (Run::Free, Tolerance::default()),
             |row, values, _| {
                 let span_s = self.commands.times_s[row] - last_s;
@@ -218,6 +331,7 @@ impl Log {
     fn run(
         &self,
         parameters: &PlantParameters,
+        timing: Option<Timing>,
         (run, tolerance): (Run, Tolerance),
         mut see: impl FnMut(usize, &Row, &mut Simulator),
     ) -> Option<()> {
@@ -234,7 +348,10 @@ impl Log {
         }
         let pressure = self.pressure().filter(|_| run == Run::Predicted);
         for (index, &input) in self.inputs.iter().enumerate() {
-            let row = replay.row(input);
+            let row = replay.row(match timing {
+                Some(timing) => self.on_ecu_time(index, timing),
+                None => input,
+            });
             if replay.simulator().is_given_up() {
                 return None;
             }
@@ -259,7 +376,9 @@ impl Log {
     pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
         let mut rows = Vec::with_capacity(self.inputs.len());
         let run = (Run::Predicted, Tolerance::default());
-        self.run(parameters, run, |_, row, _| rows.push(*row))?;
+        self.run(parameters, self.timing(self.clock), run, |_, row, _| {
+            rows.push(*row)
+        })?;
         Some(rows)
     }
 
@@ -267,13 +386,14 @@ impl Log {
     pub(super) fn residuals_into(
         &self,
         parameters: &PlantParameters,
+        timing: Option<Timing>,
         (run, tolerance): (Run, Tolerance),
         all: &mut Residuals,
     ) -> Option<()> {
         let rows = self.inputs.len();
         let begin = all.len();
         all.resize(begin + rows * self.channels.len(), 0.0);
-        self.run(parameters, (run, tolerance), |index, row, _| {
+        self.run(parameters, timing, (run, tolerance), |index, row, _| {
             for (n, channel) in self.channels.iter().enumerate() {
                 let error = channel.values[index] - row[channel.column];
                 if error.is_finite() && self.counted[index] {

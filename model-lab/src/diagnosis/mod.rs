@@ -9,12 +9,15 @@ mod assemble;
 mod detection;
 mod error;
 mod errors;
+mod estimation;
 mod evidence;
 mod fit;
 mod gather;
 mod interval;
+mod knowledge;
 mod ladder;
 mod log;
+mod logger_time;
 pub mod next_experiment;
 mod nuisance;
 mod predictor;
@@ -44,6 +47,11 @@ use rayon::prelude::*;
 use recording::Recording;
 
 pub use error::DiagnoseError;
+pub use estimation::{
+    Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
+    EstimationStep, EstimationStepKind, estimate,
+};
+pub use knowledge::{KnowledgeError, fix, free};
 pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement, refine};
 pub use remaining::MissingFlow;
 pub use result::Diagnosis;

@@ -1,94 +1,305 @@
-//! What differs from rig to rig without any physics missing: the datasheet's tolerances.
+//! Ordinary parameters: what differs from rig to rig without any physics missing.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::ParameterSpec;
 
-/// A parameter that every fit may move within the tolerance of the datasheet.
+/// An ordinary parameter in the list of those that a fit moves.
 #[derive(Debug)]
-pub(crate) struct Nuisance {
+struct Ordinary {
     /// Name in a plant file.
-    pub(crate) name: &'static str,
-    /// Parameters that move in proportion with it.
-    pub(crate) together_with: &'static [&'static str],
-    pub(crate) tolerance: Tolerance,
+    name: &'static str,
+    /// Parameters that move in proportion with it, unless the plant file frees them by themselves.
+    together_with: &'static [&'static str],
+    /// Usual tolerance of the part; none if a datasheet value counts as exact.
+    usual: Option<Spread>,
+    /// How far a first plant file may be off.
+    first_file: Spread,
     /// Signals that show it.
-    pub(crate) shown_by: Shown,
+    shown_by: Shown,
+    /// What would determine it, for people.
+    determined_by: &'static str,
+    /// Standard deviation between two correct programs of one plant, as a share of the value.
+    between_programs: f64,
 }
 
-/// How far from its datasheet value a part may be.
+/// Distance from a value on which a parameter is centred.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Tolerance {
-    /// Share of the datasheet value.
+enum Spread {
+    /// Share of the value.
     Relative(f64),
     /// In the unit of the parameter.
     Absolute(f64),
 }
 
-/// What has to be logged for it to matter.
+impl Spread {
+    /// The half width around `value`, in the unit of the parameter.
+    fn around(self, value: f64) -> f64 {
+        match self {
+            Self::Relative(share) => share * value.abs(),
+            Self::Absolute(half_width) => half_width,
+        }
+    }
+}
+
+/// What has to be logged for a parameter to matter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shown {
+enum Shown {
     Always,
     /// By the chamber pressure alone.
     InPressure,
 }
 
-const fn relative(name: &'static str, tolerance: f64, shown_by: Shown) -> Nuisance {
-    Nuisance {
+const fn relative(
+    name: &'static str,
+    usual: f64,
+    shown_by: Shown,
+    determined_by: &'static str,
+) -> Ordinary {
+    Ordinary {
         name,
         together_with: &[],
-        tolerance: Tolerance::Relative(tolerance),
+        usual: Some(Spread::Relative(usual)),
+        first_file: Spread::Relative(0.4),
         shown_by,
+        determined_by,
+        between_programs: 0.01,
     }
 }
 
 /// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume
 /// 4 %, magnetic circuits 8 %; the delay of an output stage, and a pressure regulator with its gauge.
-pub(crate) static NUISANCES: [Nuisance; 10] = [
-    relative("flow.discharge_fill", 0.10, Shown::InPressure),
-    relative("flow.discharge_vent", 0.10, Shown::InPressure),
-    relative("chamber.volume_m3", 0.04, Shown::InPressure),
-    Nuisance {
-        name: "gas.supply_pressure_bar_gauge",
-        together_with: &[],
-        tolerance: Tolerance::Absolute(0.2),
-        shown_by: Shown::InPressure,
+static ORDINARY: [Ordinary; 13] = [
+    relative(
+        "flow.discharge_fill",
+        0.10,
+        Shown::InPressure,
+        "fill the chamber from ambient pressure with the fill valve fully open; fix the volume",
+    ),
+    relative(
+        "flow.discharge_vent",
+        0.10,
+        Shown::InPressure,
+        "vent the full chamber with the vent valve fully open; fix the volume",
+    ),
+    relative(
+        "chamber.volume_m3",
+        0.04,
+        Shown::InPressure,
+        "measure the volume, or the flow of one valve, and fix it; pressures alone show their ratio",
+    ),
+    Ordinary {
+        between_programs: 5e-4,
+        usual: Some(Spread::Absolute(0.2)),
+        first_file: Spread::Absolute(0.8),
+        ..relative(
+            "gas.supply_pressure_bar_gauge",
+            0.0,
+            Shown::InPressure,
+            "fill until the pressure no longer rises",
+        )
     },
-    Nuisance {
-        name: "ecu.command_delay_s",
-        together_with: &[],
-        tolerance: Tolerance::Absolute(2e-3),
-        shown_by: Shown::Always,
+    Ordinary {
+        usual: Some(Spread::Absolute(2e-3)),
+        first_file: Spread::Absolute(8e-3),
+        ..relative(
+            "ecu.command_delay_s",
+            0.0,
+            Shown::Always,
+            "log the coil currents, faster than the ECU samples",
+        )
     },
-    relative("coil.resistance_20c_ohm", 0.05, Shown::Always),
-    Nuisance {
-        name: "coil.inductance_closed_h",
+    Ordinary {
+        between_programs: 0.001,
+        first_file: Spread::Relative(0.2),
+        ..relative(
+            "coil.resistance_20c_ohm",
+            0.05,
+            Shown::Always,
+            "log the coil currents with one coil at 100 % for a second",
+        )
+    },
+    Ordinary {
+        between_programs: 0.001,
         together_with: &["coil.inductance_open_h"],
-        tolerance: Tolerance::Relative(0.08),
-        shown_by: Shown::Always,
+        ..relative(
+            "coil.inductance_closed_h",
+            0.08,
+            Shown::Always,
+            "log the coil currents while the duty cycle changes, with the valve shut",
+        )
     },
-    relative("armature.preload_fill_n", 0.05, Shown::Always),
-    relative("armature.preload_vent_n", 0.05, Shown::Always),
-    relative("armature.spring_n_per_m", 0.08, Shown::Always),
+    Ordinary {
+        between_programs: 0.001,
+        usual: None,
+        ..relative(
+            "coil.inductance_open_h",
+            0.0,
+            Shown::Always,
+            "log the coil currents while the duty cycle changes, with the valve open",
+        )
+    },
+    relative(
+        "armature.preload_fill_n",
+        0.05,
+        Shown::Always,
+        "fill with duty cycles around the one at which the valve begins to open, at several pressures",
+    ),
+    relative(
+        "armature.preload_vent_n",
+        0.05,
+        Shown::Always,
+        "vent with duty cycles around the one at which the valve begins to open, at several pressures",
+    ),
+    Ordinary {
+        between_programs: 0.025,
+        ..relative(
+            "armature.spring_n_per_m",
+            0.08,
+            Shown::Always,
+            "log duty cycles at which a valve stays open only just",
+        )
+    },
+    Ordinary {
+        between_programs: 0.025,
+        usual: None,
+        ..relative(
+            "armature.mass_kg",
+            0.0,
+            Shown::Always,
+            "log the coil currents at 20 kHz while the valve opens, or weigh the armature and fix the value",
+        )
+    },
+    Ordinary {
+        usual: None,
+        ..relative(
+            "magnet.force_constant_n_m2_per_a2",
+            0.0,
+            Shown::Always,
+            "log the coil currents at 20 kHz while the valve opens, at several pressures",
+        )
+    },
 ];
 
+/// Names of the ordinary parameters.
+pub(crate) fn ordinary_names() -> impl Iterator<Item = &'static str> {
+    ORDINARY.iter().map(|ordinary| ordinary.name)
+}
+
+/// How far the value of an ordinary parameter may be off in a first plant file, in its unit; none for other parameters.
+pub(crate) fn first_file_spread(name: &str, value: f64) -> Option<f64> {
+    let ordinary = ORDINARY.iter().find(|ordinary| ordinary.name == name)?;
+    Some(ordinary.first_file.around(value))
+}
+
+/// How far ordinary parameters may be from the values of a plant file that does not say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Trust {
+    /// Within the usual tolerances of parts.
+    Usual,
+    /// As far as a first plant file may be off.
+    FirstFile,
+}
+
+/// A parameter that a fit moves, with where it may be.
+#[derive(Debug, Clone)]
+pub(crate) struct Nuisance {
+    pub(crate) spec: &'static ParameterSpec,
+    together_with: Vec<&'static ParameterSpec>,
+    /// What would determine it, for people.
+    pub(crate) determined_by: &'static str,
+    /// Standard deviation of the value between two correct programs of one plant, in the unit of the parameter.
+    pub(crate) between_programs: f64,
+    /// Half width of the usual tolerance of the part, in the unit of the parameter; none if it has none.
+    pub(crate) usual: Option<f64>,
+    /// Value of the plant file.
+    pub(crate) datasheet: f64,
+    /// One unit of its coordinate, in the unit of the parameter.
+    pub(crate) tolerance: f64,
+    /// Least and largest coordinate, (value - datasheet) / tolerance, of a fit.
+    pub(crate) bounds: (f64, f64),
+}
+
+/// The parameters of `plant` that a fit moves; those that only the chamber pressure shows are left out if it `has_pressure`
+/// not.
+pub(crate) fn nuisances(
+    plant: &PlantParameters,
+    trust: Trust,
+    has_pressure: bool,
+) -> Vec<Nuisance> {
+    let ordinary = |name: &str| ORDINARY.iter().find(|ordinary| ordinary.name == name);
+    let listed = ORDINARY
+        .iter()
+        .filter_map(|ordinary| ParameterSpec::by_name(ordinary.name));
+    let asked = plant.knowledge.keys();
+    let asked = asked.filter(|name| ordinary(name).is_none());
+    let asked = asked.filter_map(|name| ParameterSpec::by_name(name));
+    listed
+        .chain(asked)
+        .filter_map(|spec| {
+            let name = spec.name();
+            let ordinary = ordinary(&name);
+            if !has_pressure && ordinary.is_some_and(|one| one.shown_by == Shown::InPressure) {
+                return None;
+            }
+            let there = plant.get(&name)?;
+            let knowledge = plant.knowledge.get(&name).copied();
+            let (tolerance, bounds) = match knowledge {
+                Some(knowledge) => {
+                    let (least, most) = knowledge.bounds(spec, there);
+                    let half = 0.5 * (most - least);
+                    (half, ((least - there) / half, (most - there) / half))
+                }
+                None => {
+                    let ordinary = ordinary?;
+                    let (tolerance, reach) = match trust {
+                        Trust::Usual => (ordinary.usual?.around(there), 1.0),
+                        Trust::FirstFile => (0.5 * ordinary.first_file.around(there), 2.0),
+                    };
+                    let (least, most) = spec.range;
+                    let coordinate = |value: f64| (value - there) / tolerance;
+                    (
+                        tolerance,
+                        (coordinate(least).max(-reach), coordinate(most).min(reach)),
+                    )
+                }
+            };
+            let together_with = ordinary.map_or(&[][..], |ordinary| ordinary.together_with);
+            let together_with = together_with
+                .iter()
+                .filter(|name| trust == Trust::Usual && !plant.knowledge.contains_key(**name))
+                .filter_map(|name| ParameterSpec::by_name(name));
+            (tolerance > 0.0).then(|| Nuisance {
+                spec,
+                together_with: together_with.collect(),
+                determined_by: ordinary.map_or(
+                    "excite the part that it describes, or measure it and fix the value",
+                    |ordinary| ordinary.determined_by,
+                ),
+                between_programs: ordinary.map_or(0.0, |one| one.between_programs * there.abs()),
+                usual: ordinary
+                    .and_then(|one| one.usual)
+                    .map(|usual| usual.around(there)),
+                datasheet: there,
+                tolerance,
+                bounds,
+            })
+        })
+        .collect()
+}
+
 impl Nuisance {
-    /// The tolerance in the unit of the parameter.
-    pub(crate) fn tolerance_of(&self, datasheet: f64) -> f64 {
-        match self.tolerance {
-            Tolerance::Relative(share) => share * datasheet.abs(),
-            Tolerance::Absolute(tolerance) => tolerance,
+    /// Sets it to `value`, and what moves with it in proportion.
+    pub(crate) fn set(&self, plant: &mut PlantParameters, datasheet: &PlantParameters, value: f64) {
+        self.spec.put(plant, value);
+        for other in &self.together_with {
+            if let Some(there) = other.value(datasheet) {
+                other.put(plant, there * (value / self.datasheet));
+            }
         }
     }
 
-    /// Sets it to `value`, and what moves with it in proportion.
-    pub(crate) fn set(&self, plant: &mut PlantParameters, datasheet: &PlantParameters, value: f64) {
-        let spec = |name| ParameterSpec::by_name(name).zip(datasheet.get(name));
-        let Some((own, nominal)) = spec(self.name) else {
-            return;
-        };
-        own.put(plant, value);
-        for (other, there) in self.together_with.iter().copied().filter_map(spec) {
-            other.put(plant, there * (value / nominal));
-        }
+    /// Names of the parameters that move in proportion with it.
+    pub(crate) fn together_with(&self) -> impl Iterator<Item = String> {
+        self.together_with.iter().map(|spec| spec.name())
     }
 }

@@ -221,27 +221,21 @@ fn sentence(ladder: &[Step]) -> String {
 }
 
 /// The fitted plant; each fitted value says which logs it comes from.
-fn with_provenance(trial: &Trial, logs: &[String]) -> PlantParameters {
+pub(super) fn with_provenance(trial: &Trial, logs: &[String]) -> PlantParameters {
     let mut plant = trial.plant();
     let origin = format!("fitted by retarder refine to {}", logs.join(", "));
     for unknown in trial.unknowns.list() {
         match unknown {
             Unknown::Effect { spec, .. } => say(&mut plant, &spec.name(), &origin),
-            Unknown::Nuisance {
-                nuisance,
-                datasheet,
-                ..
-            } => {
-                let origin = format!("{origin}; was {datasheet}");
-                say(&mut plant, nuisance.name, &origin);
-                for name in nuisance.together_with {
-                    say(
-                        &mut plant,
-                        name,
-                        &format!("in proportion with {}", nuisance.name),
-                    );
+            Unknown::Nuisance(nuisance) => {
+                let name = nuisance.spec.name();
+                let origin = format!("{origin}; was {}", nuisance.datasheet);
+                say(&mut plant, &name, &origin);
+                for other in nuisance.together_with() {
+                    say(&mut plant, &other, &format!("in proportion with {name}"));
                 }
             }
+            Unknown::Clock(_) => {}
         }
     }
     plant

@@ -10,7 +10,7 @@ use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::gather::gather;
 use super::log::Log;
-use super::result::Cost;
+use super::result::{Cost, FoundClock};
 use super::trial::{Bench, Trial};
 use crate::result::{LogDefects, NotCompared, Warning};
 
@@ -173,6 +173,12 @@ impl Split {
         doubted
             .map(|log| (log.source.clone(), log.warnings.clone()))
             .collect()
+    }
+
+    /// The clocks that were found of the loggers, log after log.
+    pub(super) fn clocks(&self) -> Vec<FoundClock> {
+        let logs = self.fitting.logs.iter().chain(self.check_logs());
+        logs.filter_map(FoundClock::of).collect()
     }
 
     /// What was simulated since `begin`.

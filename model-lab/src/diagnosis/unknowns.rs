@@ -2,9 +2,11 @@
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::EffectSetting;
+use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{ParameterSpec, Scale, Size};
 
-use super::nuisance::{NUISANCES, Nuisance, Shown};
+use super::log::Log;
+use super::nuisance::{Nuisance, Trust, nuisances};
 
 /// Standard deviation of a nuisance parameter in tolerances: even within the tolerance, 1/sqrt(3).
 const NUISANCE_SD: f64 = 0.577;
@@ -15,6 +17,11 @@ const NUISANCE_STEP: f64 = 0.04;
 /// ... or this change of an effect's coordinate. Both are far above the solver's error.
 const EFFECT_STEP: f64 = 0.04;
 
+/// Units of the clocks' coordinates, ...
+const PHASE_UNIT_S: f64 = 1e-3;
+const DRIFT_UNIT_PPM: f64 = 20.0;
+/// ... and how far a drift may move from where it was begun (ppm).
+const DRIFT_REACH_PPM: f64 = 300.0;
 /// So near to the end of its range in its coordinate, a strength ran to it.
 const NEAR_END: f64 = 0.01;
 
@@ -25,17 +32,37 @@ pub(crate) struct Unknowns {
     list: Vec<Unknown>,
 }
 
+/// A figure of the clock of one logger.
+#[derive(Debug, Clone)]
+pub(crate) struct ClockUnknown {
+    /// Index of the log.
+    pub(crate) log: usize,
+    pub(crate) figure: ClockFigure,
+    pub(crate) start: f64,
+    /// Value and standard deviation that are known without the model; the deviation is infinite where nothing is.
+    pub(crate) known: (f64, f64),
+    /// One unit of its coordinate.
+    pub(crate) unit: f64,
+    /// Least and largest value.
+    pub(crate) range: (f64, f64),
+}
+
+/// Figure of a logger's clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ClockFigure {
+    /// [`LoggerClock::phase_s`].
+    PhaseS,
+    /// [`LoggerClock::drift_ppm`].
+    DriftPpm,
+}
+
 /// One coordinate.
 #[derive(Debug, Clone)]
 pub(crate) enum Unknown {
     /// (value - datasheet) / tolerance.
-    Nuisance {
-        nuisance: &'static Nuisance,
-        datasheet: f64,
-        tolerance: f64,
-        /// Coordinates of what a plant file may have.
-        range: (f64, f64),
-    },
+    Nuisance(Nuisance),
+    /// Clock of the logger of one of the logs: (value - start) / unit.
+    Clock(ClockUnknown),
     /// ln(value / typical) on a logarithmic scale, (value - off) / |typical - off| on a linear one.
     Effect {
         spec: &'static ParameterSpec,
@@ -50,23 +77,13 @@ impl Unknowns {
     pub(crate) fn new(
         datasheet: &PlantParameters,
         fitted: &[EffectSetting],
+        trust: Trust,
         has_pressure: bool,
     ) -> Self {
         let mut plant = datasheet.clone();
-        let mut list: Vec<Unknown> = NUISANCES
-            .iter()
-            .filter(|nuisance| has_pressure || nuisance.shown_by == Shown::Always)
-            .filter_map(|nuisance| {
-                let there = datasheet.get(nuisance.name)?;
-                let tolerance = nuisance.tolerance_of(there);
-                let (least, most) = ParameterSpec::by_name(nuisance.name)?.range;
-                (tolerance > 0.0).then_some(Unknown::Nuisance {
-                    nuisance,
-                    datasheet: there,
-                    tolerance,
-                    range: ((least - there) / tolerance, (most - there) / tolerance),
-                })
-            })
+        let mut list: Vec<Unknown> = nuisances(datasheet, trust, has_pressure)
+            .into_iter()
+            .map(Unknown::Nuisance)
             .collect();
         for setting in fitted {
             plant = plant.with_effect(setting.clone());
@@ -97,6 +114,57 @@ impl Unknowns {
             .iter()
             .map(|unknown| unknown.coordinate(&self.datasheet))
             .collect()
+    }
+
+    /// The clocks of the loggers alone.
+    pub(crate) fn of_clocks(plant: &PlantParameters, logs: &[Log]) -> Self {
+        let of_plant = Self {
+            datasheet: plant.clone(),
+            list: Vec::new(),
+        };
+        of_plant.with_clocks(logs)
+    }
+
+    /// Adds the clocks of the loggers to what is fitted: phase and drift of each log that has one.
+    pub(crate) fn with_clocks(mut self, logs: &[Log]) -> Self {
+        for (index, log) in logs.iter().enumerate() {
+            let Some(clock) = log.clock else { continue };
+            let (phase_s, drift_ppm) = (clock.phase_s, clock.drift_ppm);
+            let reach_s = 0.5 * log.sample_time_s;
+            self.list.extend([
+                Unknown::Clock(ClockUnknown {
+                    log: index,
+                    figure: ClockFigure::PhaseS,
+                    start: phase_s,
+                    known: log.known_phase_s,
+                    unit: PHASE_UNIT_S,
+                    range: ((phase_s - reach_s).max(0.0), phase_s + reach_s),
+                }),
+                Unknown::Clock(ClockUnknown {
+                    log: index,
+                    figure: ClockFigure::DriftPpm,
+                    start: drift_ppm,
+                    known: (drift_ppm, f64::INFINITY),
+                    unit: DRIFT_UNIT_PPM,
+                    range: (drift_ppm - DRIFT_REACH_PPM, drift_ppm + DRIFT_REACH_PPM),
+                }),
+            ]);
+        }
+        self
+    }
+
+    /// The clocks at the coordinates `z`: those of the logs in `clocks`, but for what is fitted.
+    pub(crate) fn clocks(&self, z: &[f64], clocks: &mut [Option<LoggerClock>]) {
+        for (unknown, &z) in self.list.iter().zip(z) {
+            let Unknown::Clock(fitted) = unknown else {
+                continue;
+            };
+            let clock = clocks[fitted.log].get_or_insert_default();
+            match fitted.figure {
+                ClockFigure::PhaseS => clock.phase_s = unknown.value(z),
+                ClockFigure::DriftPpm => clock.drift_ppm = unknown.value(z),
+            }
+        }
     }
 
     /// The plant at the coordinates `z`.
@@ -184,23 +252,17 @@ impl Unknown {
 
     pub(crate) fn value(&self, z: f64) -> f64 {
         match self {
-            Self::Nuisance {
-                datasheet,
-                tolerance,
-                ..
-            } => datasheet + z * tolerance,
+            Self::Nuisance(nuisance) => nuisance.datasheet + z * nuisance.tolerance,
+            Self::Clock(clock) => clock.start + z * clock.unit,
             Self::Effect { spec, origin, .. } if Self::is_log(spec) => origin * z.exp(),
             Self::Effect { origin, unit, .. } => origin + z * unit,
         }
     }
 
-    fn coordinate_of(&self, value: f64) -> f64 {
+    pub(crate) fn coordinate_of(&self, value: f64) -> f64 {
         match self {
-            Self::Nuisance {
-                datasheet,
-                tolerance,
-                ..
-            } => (value - datasheet) / tolerance,
+            Self::Nuisance(nuisance) => (value - nuisance.datasheet) / nuisance.tolerance,
+            Self::Clock(clock) => (value - clock.start) / clock.unit,
             Self::Effect { spec, origin, .. } if Self::is_log(spec) => (value / origin).ln(),
             Self::Effect { origin, unit, .. } => (value - origin) / unit,
         }
@@ -208,7 +270,8 @@ impl Unknown {
 
     fn coordinate(&self, plant: &PlantParameters) -> f64 {
         match self {
-            Self::Nuisance { .. } => 0.0,
+            Self::Nuisance(Nuisance { bounds, .. }) => 0.0_f64.clamp(bounds.0, bounds.1),
+            Self::Clock(_) => 0.0,
             Self::Effect { spec, .. } => spec
                 .value(plant)
                 .map_or(0.0, |value| self.coordinate_of(value)),
@@ -217,7 +280,8 @@ impl Unknown {
 
     fn put(&self, plant: &mut PlantParameters, datasheet: &PlantParameters, z: f64) {
         match self {
-            Self::Nuisance { nuisance, .. } => nuisance.set(plant, datasheet, self.value(z)),
+            Self::Nuisance(nuisance) => nuisance.set(plant, datasheet, self.value(z)),
+            Self::Clock(_) => {}
             Self::Effect { spec, .. } => {
                 let (least, most) = spec.range;
                 spec.put(plant, self.value(z).clamp(least, most));
@@ -227,20 +291,22 @@ impl Unknown {
 
     /// Least and largest coordinate of a fit: a nuisance parameter ends at its tolerance.
     pub(crate) fn bounds(&self) -> (f64, f64) {
-        let (least, most) = self.range();
         match self {
-            Self::Nuisance { .. } => (least.max(-1.0), most.min(1.0)),
-            Self::Effect { .. } => (least, most),
+            Self::Nuisance(Nuisance { bounds, .. }) => *bounds,
+            Self::Clock(_) | Self::Effect { .. } => self.range(),
         }
     }
 
     /// Least and largest coordinate that a plant may have: a difference may look beyond a tolerance.
     pub(crate) fn range(&self) -> (f64, f64) {
         match self {
-            Self::Nuisance { range, .. } => *range,
-            Self::Effect { spec, .. } => (
+            Self::Nuisance(Nuisance { spec, .. }) | Self::Effect { spec, .. } => (
                 self.coordinate_of(spec.range.0),
                 self.coordinate_of(spec.range.1),
+            ),
+            Self::Clock(clock) => (
+                self.coordinate_of(clock.range.0),
+                self.coordinate_of(clock.range.1),
             ),
         }
     }
@@ -248,7 +314,8 @@ impl Unknown {
     /// Standard deviation that is believed before anything is measured; infinite for a strength.
     pub(crate) fn prior_sd(&self) -> f64 {
         match self {
-            Self::Nuisance { .. } => NUISANCE_SD,
+            Self::Nuisance(_) => NUISANCE_SD,
+            Self::Clock(clock) => clock.known.1 / clock.unit,
             Self::Effect { .. } if self.is_strength() => f64::INFINITY,
             Self::Effect { .. } => FORM_SD,
         }
@@ -257,7 +324,8 @@ impl Unknown {
     /// Where the prior is centred.
     pub(crate) fn prior_mean(&self) -> f64 {
         match self {
-            Self::Nuisance { .. } => 0.0,
+            Self::Nuisance(_) => 0.0,
+            Self::Clock(clock) => self.coordinate_of(clock.known.0),
             Self::Effect { spec, .. } => spec
                 .size
                 .map_or(0.0, |size| self.coordinate_of(size.typical)),
@@ -267,15 +335,15 @@ impl Unknown {
     /// Step of a difference to both sides, which takes no harm from curvature, but would from the solver's error.
     pub(crate) fn wide_step(&self) -> f64 {
         match self {
-            Self::Nuisance { .. } => 5.0 * NUISANCE_STEP,
-            Self::Effect { .. } => EFFECT_STEP,
+            Self::Nuisance(_) => 5.0 * NUISANCE_STEP,
+            Self::Clock(_) | Self::Effect { .. } => EFFECT_STEP,
         }
     }
 
     pub(crate) fn step(&self) -> f64 {
         match self {
-            Self::Nuisance { .. } => NUISANCE_STEP,
-            Self::Effect { .. } => EFFECT_STEP,
+            Self::Nuisance(_) => NUISANCE_STEP,
+            Self::Clock(_) | Self::Effect { .. } => EFFECT_STEP,
         }
     }
 }

@@ -4,7 +4,7 @@ use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::parameters::ParameterSpec;
 
-use super::nuisance::NUISANCES;
+use super::nuisance::{Nuisance, Trust, nuisances};
 use super::result::{Candidate, DetectionLimit, Diagnosis};
 
 /// A share of the excess error that is worth figures.
@@ -17,11 +17,10 @@ impl Diagnosis {
     /// same with the named effects. `plant` is the one that was diagnosed.
     pub fn plain_and_refined(&self, plant: &PlantParameters) -> [PlantParameters; 2] {
         let [mut plain, mut refined] = [plant.clone(), plant.clone()];
+        let nuisances = nuisances(plant, Trust::Usual, true);
         for value in &self.nuisance {
-            if let Some(nuisance) = NUISANCES
-                .iter()
-                .find(|nuisance| nuisance.name == value.name)
-            {
+            let of_value = |nuisance: &&Nuisance| nuisance.spec.name() == value.name;
+            if let Some(nuisance) = nuisances.iter().find(of_value) {
                 nuisance.set(&mut plain, plant, value.plain);
                 nuisance.set(&mut refined, plant, value.fitted);
             }

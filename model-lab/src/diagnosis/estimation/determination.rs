@@ -1,0 +1,122 @@
+//! How well each parameter is known: from its own interval, and from the parameters that can make up for it.
+
+use nalgebra::DMatrix;
+
+use super::result::{Determination, EstimatedParameter};
+use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::interval::{covariance, half_widths};
+use crate::diagnosis::trial::Trial;
+use crate::diagnosis::unknowns::{Unknown, Unknowns};
+
+/// A parameter is determined if the logs narrow its interval to this share of what was possible before.
+const DETERMINED: f64 = 0.35;
+/// A parameter is not excited if the logs could not narrow its interval to this share, were all others known.
+const NOT_EXCITED: f64 = 0.35;
+/// Two parameters make up for each other from this magnitude of their correlation on.
+const MAKES_UP: f64 = 0.5;
+/// Half width of a 95 % interval in standard deviations.
+const NORMAL_95: f64 = 1.96;
+/// Within this coordinate of a bound a parameter has run to it.
+const AT_LIMIT: f64 = 1e-6;
+
+/// The parameters of `trial`, whose Jacobian is accurate, with what `evidence` says of each.
+pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<EstimatedParameter> {
+    let mut widths = half_widths(evidence, trial);
+    for (unknown, width) in trial.unknowns.list().iter().zip(&mut widths) {
+        if let Unknown::Nuisance(nuisance) = unknown {
+            *width = width.hypot(NORMAL_95 * nuisance.between_programs / nuisance.tolerance);
+        }
+    }
+    let covariance = covariance(evidence, trial);
+    let list = trial.unknowns.list();
+    let parameters = list.iter().enumerate().filter_map(|(n, unknown)| {
+        let spec = match unknown {
+            Unknown::Nuisance(nuisance) => nuisance.spec,
+            Unknown::Effect { spec, .. } => spec,
+            Unknown::Clock(_) => return None,
+        };
+        let z = trial.fit.z[n];
+        let (least, most) = unknown.bounds();
+        let value_at = |z: f64| unknown.value(z.clamp(least, most));
+        let is_at_limit = z - least < AT_LIMIT || most - z < AT_LIMIT;
+        let possible = NORMAL_95 * prior_sd(unknown);
+        let alone = NORMAL_95
+            / trial.fit.jacobian[n]
+                .iter()
+                .map(|slope| slope * slope)
+                .sum::<f64>()
+                .sqrt();
+        let determination = if is_at_limit {
+            Determination::AtLimit
+        } else if widths[n] <= DETERMINED * possible {
+            Determination::Determined
+        } else {
+            let together = partners(&trial.unknowns, covariance.as_ref(), n);
+            if alone > NOT_EXCITED * possible || together.is_empty() {
+                Determination::NotExcited
+            } else {
+                Determination::OnlyTogetherWith {
+                    parameters: together,
+                }
+            }
+        };
+        let (low, high) = (value_at(z - widths[n]), value_at(z + widths[n]));
+        Some(EstimatedParameter {
+            name: spec.name(),
+            unit: spec.unit.to_owned(),
+            before: unknown.value(trial.unknowns.start()[n]),
+            after: value_at(z),
+            low: low.min(high),
+            high: high.max(low),
+            determined_by: match unknown {
+                Unknown::Nuisance(nuisance) if determination != Determination::Determined => {
+                    Some(nuisance.determined_by.to_owned())
+                }
+                _ => None,
+            },
+            is_beyond_usual: match unknown {
+                Unknown::Nuisance(nuisance) => nuisance.usual.is_some_and(|usual| {
+                    let (to_low, to_high) = (value_at(z - widths[n]), value_at(z + widths[n]));
+                    to_low > nuisance.datasheet + usual || to_high < nuisance.datasheet - usual
+                }),
+                _ => false,
+            },
+            determination,
+        })
+    });
+    parameters.collect()
+}
+
+/// Standard deviation that was believed before; of a strength, which may be anything, a factor of ten.
+fn prior_sd(unknown: &Unknown) -> f64 {
+    let sd = unknown.prior_sd();
+    if sd.is_finite() { sd } else { 1.0 }
+}
+
+/// The names of the parameters whose errors go along with those of parameter `n`, the closest first.
+fn partners(unknowns: &Unknowns, covariance: Option<&DMatrix<f64>>, n: usize) -> Vec<String> {
+    let Some(covariance) = covariance else {
+        return Vec::new();
+    };
+    let correlation = |m: usize| {
+        let scale = (covariance[(n, n)] * covariance[(m, m)]).sqrt();
+        (covariance[(n, m)] / scale).abs()
+    };
+    let mut partners: Vec<(f64, String)> = unknowns
+        .list()
+        .iter()
+        .enumerate()
+        .filter(|&(m, _)| m != n && correlation(m) > MAKES_UP)
+        .map(|(m, unknown)| (correlation(m), name(unknown)))
+        .collect();
+    partners.sort_by(|a, b| b.0.total_cmp(&a.0));
+    partners.into_iter().map(|(_, name)| name).collect()
+}
+
+fn name(unknown: &Unknown) -> String {
+    match unknown {
+        Unknown::Nuisance(nuisance) => nuisance.spec.name(),
+        Unknown::Effect { spec, .. } => spec.name(),
+        Unknown::Clock(_) => "clock of the logger".to_owned(),
+    }
+}

@@ -1,0 +1,165 @@
+//! An estimation, as it stands in its JSON.
+
+use std::collections::BTreeMap;
+
+use plant_sim::PlantParameters;
+use plant_sim::parameters::{Knowledge, ParameterSpec};
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+
+use crate::diagnosis::result::{Cost, FoundClock, Step};
+use crate::result::{LogDefects, NotCompared};
+
+/// Name and version of the JSON format.
+pub const ESTIMATION_SCHEMA: &str = "retarder.estimation/1";
+
+/// A plant with estimated parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimatedPlant {
+    /// The plant as given with the estimated values, each with its provenance.
+    pub plant: PlantParameters,
+    /// What the estimation says of them.
+    pub estimation: Estimation,
+}
+
+/// Estimated ordinary parameters, and how the error fell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Estimation {
+    /// Name and version of this format, `retarder.estimation/1`.
+    pub schema: String,
+    /// Sources of the logs that were fitted.
+    pub logs: Vec<String>,
+    /// Sources of the validation logs; empty if blocks of the fitted logs were held out.
+    pub check: Vec<String>,
+    /// From the source of a log to its signals that are excluded from the fit, and why.
+    pub not_compared: BTreeMap<String, Vec<NotCompared>>,
+    /// From the source of a log to its gaps and missing cells; absent where no log has any.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub defects: BTreeMap<String, LogDefects>,
+    /// Validation data, in words.
+    pub held_out: String,
+    /// The result in words.
+    pub sentence: String,
+    /// Whether the estimated model leaves no more than the noise.
+    pub is_adequate: bool,
+    /// The errors, from the plant as given on.
+    pub steps: Vec<EstimationStep>,
+    /// The parameters.
+    pub parameters: Vec<EstimatedParameter>,
+    /// Clocks of the loggers, where they are not that of the ECU.
+    pub clocks: Vec<FoundClock>,
+    /// What the answer cost.
+    pub cost: Cost,
+}
+
+impl Estimation {
+    /// The JSON Schema of an estimation.
+    pub fn json_schema() -> Schema {
+        schemars::schema_for!(Self)
+    }
+}
+
+/// The errors of one step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EstimationStep {
+    /// Which step.
+    pub kind: EstimationStepKind,
+    /// Its errors.
+    pub errors: Step,
+}
+
+/// Step of an estimation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EstimationStepKind {
+    /// The values of the plant file.
+    PlantAsGiven,
+    /// The estimated values.
+    ParametersEstimated,
+}
+
+/// One estimated parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EstimatedParameter {
+    /// Name in the plant file.
+    pub name: String,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+    /// Value of the plant file.
+    pub before: f64,
+    /// Estimated value.
+    pub after: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end of the 95 % interval.
+    pub high: f64,
+    /// How well the logs determine it.
+    pub determination: Determination,
+    /// What would determine it; null if the logs do.
+    pub determined_by: Option<String>,
+    /// Whether the whole interval is outside the usual tolerance of the part around the value of the plant file.
+    pub is_beyond_usual: bool,
+}
+
+/// How well logs determine a parameter.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Determination {
+    /// The interval is a fraction of what was possible before.
+    Determined,
+    /// Only a combination with other parameters is.
+    OnlyTogetherWith {
+        /// Names of the others, the closest first.
+        parameters: Vec<String>,
+    },
+    /// The logs hardly depend on it.
+    NotExcited,
+    /// It ended at the limit of what the plant file allows.
+    AtLimit,
+}
+
+/// Returns the result in words.
+pub(super) fn sentence(is_adequate: bool, parameters: &[EstimatedParameter]) -> String {
+    let determined = |one: &&EstimatedParameter| one.determination == Determination::Determined;
+    let count = parameters.iter().filter(determined).count();
+    let known = format!("{count} of {} parameters are determined", parameters.len());
+    if is_adequate {
+        format!("the estimated model leaves no more than the noise; {known}")
+    } else {
+        format!(
+            "the estimated model leaves more than the noise, so physics is missing and its error biases the estimates; {known}"
+        )
+    }
+}
+
+/// Least tolerance that a refined file states (%): another day, another log.
+const TOLERANCE_MIN_PCT: f64 = 0.5;
+/// Digits of a tolerance in a file.
+const TOLERANCE_DIGITS: usize = 2;
+
+/// Puts into `plant` how well each estimated value is known: for the next fit, and for readers. What a model that leaves more
+/// than the noise says of its parameters is not worth a tolerance; they keep the usual ones of their parts.
+pub(super) fn state_knowledge(plant: &mut PlantParameters, estimation: &Estimation) {
+    for parameter in &estimation.parameters {
+        let name = &parameter.name;
+        let half = (parameter.high - parameter.after).max(parameter.after - parameter.low);
+        if let Some(origin) = plant.provenance.get_mut(name) {
+            *origin += &format!("; 95 %: {:.4e} to {:.4e}", parameter.low, parameter.high);
+        }
+        plant.knowledge.remove(name);
+        let is_nuisance =
+            ParameterSpec::by_name(name).is_some_and(|spec| spec.effect_id().is_none());
+        if !estimation.is_adequate || !is_nuisance || parameter.after == 0.0 {
+            continue;
+        }
+        let percent = (100.0 * half / parameter.after.abs()).max(TOLERANCE_MIN_PCT);
+        if let Ok(percent) = format!("{percent:.*e}", TOLERANCE_DIGITS - 1).parse() {
+            plant
+                .knowledge
+                .insert(name.clone(), Knowledge::TolerancePct(percent));
+        }
+    }
+}

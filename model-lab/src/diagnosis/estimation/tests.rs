@@ -1,0 +1,179 @@
+use core::ops::ControlFlow;
+
+use plant_sim::logger_clock::LoggerClock;
+use plant_sim::parameters::Knowledge;
+use plant_sim::replay::{CurrentSampling, Replay, ReplayInput};
+use plant_sim::{Command, PlantParameters, Tolerance};
+use recording::{Provenance, Recording, TimeBase, Unit};
+
+use super::*;
+use crate::bench::Bench;
+use crate::noise::Noise;
+
+/// Noise of the logger: pressure (bar), currents (mA).
+const NOISE: [f64; 3] = [2e-3, 0.7, 0.7];
+
+/// A plant whose ordinary values are up to a quarter off the nominal ones, and whose coils are 6 % off.
+fn another_rig() -> PlantParameters {
+    let mut plant = PlantParameters::nominal();
+    plant.flow.discharge_fill *= 0.78;
+    plant.flow.discharge_vent *= 1.12;
+    plant.armature.preload_fill_n *= 0.9;
+    plant.armature.preload_vent_n *= 1.08;
+    plant.armature.spring_n_per_m *= 1.1;
+    plant.coil.resistance_20c_ohm *= 1.06;
+    plant.coil.inductance_closed_h *= 0.9;
+    plant.coil.inductance_open_h *= 0.93;
+    plant.ecu.command_delay_s = 19e-3;
+    plant.gas.supply_pressure_bar_gauge = 8.1;
+    plant
+}
+
+/// What a logger with `clock` writes of `plant` every `interval_s`: fills, holds and vents.
+fn logged(plant: &PlantParameters, clock: LoggerClock, interval_s: f64, seed: u64) -> Recording {
+    let sample_time_ns = plant.ecu.sample_time_ns();
+    let phases = Bench::default().phases;
+    let profile: Vec<Command> = phases
+        .iter()
+        .flat_map(|&(seconds, duty_fill_pct, duty_vent_pct)| {
+            let command = Command {
+                duty_fill_pct,
+                duty_vent_pct,
+            };
+            std::iter::repeat_n(command, (seconds / 0.01_f64).round() as usize)
+        })
+        .collect();
+    let rows = ((profile.len() - 2) as f64 * 0.01 / interval_s) as usize;
+    let mut replay = Replay::new(plant, CurrentSampling::MeanOfInterval, Tolerance::default());
+    let mut noise = Noise::new(seed);
+    let mut columns: [Vec<f64>; 5] = Default::default();
+    for row in 0..rows {
+        let log_ns = (row as f64 * interval_s * 1e9).round() as u64;
+        let time_ns = clock.ecu_time_ns(log_ns);
+        let sample = time_ns / sample_time_ns;
+        let row = replay.row(ReplayInput {
+            time_ns,
+            issued_ns: sample * sample_time_ns,
+            command: Some(profile[sample as usize]),
+            supply_voltage_v: None,
+        });
+        for (column, value) in columns.iter_mut().zip(row) {
+            column.push(value);
+        }
+    }
+    for (column, sigma) in columns[2..].iter_mut().zip(NOISE) {
+        column
+            .iter_mut()
+            .for_each(|value| *value += sigma * noise.normal());
+    }
+    let mut log = Recording::new(Provenance::from_source(format!("logger-{seed}")));
+    let id = log.add_time_base(TimeBase::uniform(0.0, interval_s, rows).unwrap());
+    let signals = [
+        ("duty_fill", Unit::Percent),
+        ("duty_vent", Unit::Percent),
+        ("p_ch", Unit::BarGauge),
+        ("i_fill", Unit::Milliampere),
+        ("i_vent", Unit::Milliampere),
+    ];
+    for ((name, unit), column) in signals.into_iter().zip(columns) {
+        log.add_signal(name, unit, id, column).unwrap();
+    }
+    log
+}
+
+fn estimated(plant: &PlantParameters, logs: &[Recording], check: &[Recording]) -> EstimatedPlant {
+    estimate(plant, logs, check, &|_| ControlFlow::Continue(())).unwrap()
+}
+
+fn parameter<'a>(estimated: &'a EstimatedPlant, name: &str) -> &'a EstimatedParameter {
+    let mut parameters = estimated.estimation.parameters.iter();
+    parameters.find(|parameter| parameter.name == name).unwrap()
+}
+
+/// Goal: a first plant file and an ordinary logger, with a clock of its own, lead to a model that leaves the noise, and what is
+/// called determined is right. Method: a rig of the same simulator, so that nothing but the fit can fail.
+#[test]
+fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of_its_own() {
+    let rig = another_rig();
+    let [fitted, check] =
+        [(3.3e-3, 140.0, 1), (8.1e-3, 140.0, 2)].map(|(phase_s, drift_ppm, seed)| {
+            logged(&rig, LoggerClock { phase_s, drift_ppm }, 2e-3, seed)
+        });
+    let found = estimated(&PlantParameters::nominal(), &[fitted], &[check]);
+    let estimation = &found.estimation;
+    assert!(estimation.is_adequate, "{}", estimation.sentence);
+    let [given, after] = &estimation.steps[..] else {
+        panic!("{:?}", estimation.steps)
+    };
+    assert!(given.errors.worst_in_noise() > 5.0, "{:?}", given.errors);
+    assert!(after.errors.worst_in_noise() < 1.1, "{:?}", after.errors);
+    for (clock, phase_s) in estimation.clocks.iter().zip([3.3e-3, 8.1e-3]) {
+        assert!((clock.drift_ppm - 140.0).abs() < 10.0, "{clock:?}");
+        // Commands that change with the rows leave the phase open within a row.
+        assert!((clock.phase_s - phase_s).abs() < 2e-3, "{clock:?}");
+    }
+    assert_eq!(estimation.clocks.len(), 2);
+    let mut determined = 0;
+    for parameter in &estimation.parameters {
+        let truth = rig.get(&parameter.name).unwrap();
+        if parameter.determination == Determination::Determined {
+            determined += 1;
+            let width = parameter.high - parameter.low;
+            assert!(
+                truth > parameter.low - 0.5 * width && truth < parameter.high + 0.5 * width,
+                "{truth}: {parameter:?}"
+            );
+        }
+    }
+    assert!(determined >= 6, "{:?}", estimation.parameters);
+    // Pressures alone tell the ratio of flow and volume.
+    let volume = parameter(&found, "chamber.volume_m3");
+    let Determination::OnlyTogetherWith { parameters } = &volume.determination else {
+        panic!("{volume:?}")
+    };
+    assert!(
+        parameters.iter().any(|name| name == "flow.discharge_fill"),
+        "{parameters:?}"
+    );
+    assert!(volume.determined_by.is_some());
+    // The refined file is a plant file that says how well each value is known.
+    let read = PlantParameters::from_toml(&found.plant.to_toml(), "refined").unwrap();
+    let resistance = read.knowledge["coil.resistance_20c_ohm"];
+    assert!(
+        matches!(resistance, Knowledge::TolerancePct(percent) if percent < 2.0),
+        "{resistance:?}"
+    );
+}
+
+#[test]
+fn a_log_of_the_ecu_itself_has_no_clock_of_its_own_and_what_is_fixed_stays() {
+    let mut plant = PlantParameters::nominal();
+    for name in ["chamber.volume_m3", "coil.resistance_20c_ohm"] {
+        plant.knowledge.insert(name.to_owned(), Knowledge::Exact);
+    }
+    let stated = Knowledge::Range(3.0, 3.2);
+    plant
+        .knowledge
+        .insert("armature.preload_fill_n".to_owned(), stated);
+    let log = Bench::default().measure();
+    let found = estimated(&plant, &[log], &[]);
+    assert!(
+        found.estimation.clocks.is_empty(),
+        "{:?}",
+        found.estimation.clocks
+    );
+    let names = found
+        .estimation
+        .parameters
+        .iter()
+        .map(|parameter| &*parameter.name);
+    assert!(!names.clone().any(|name| name == "chamber.volume_m3"));
+    assert_eq!(
+        found.plant.coil.resistance_20c_ohm,
+        plant.coil.resistance_20c_ohm
+    );
+    // The rig has 3.58 N.
+    let preload = parameter(&found, "armature.preload_fill_n");
+    assert_eq!(preload.determination, Determination::AtLimit);
+    assert!(preload.after <= 3.2, "{preload:?}");
+}

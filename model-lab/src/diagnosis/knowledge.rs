@@ -1,0 +1,188 @@
+//! Frees and fixes parameters of a plant for a fit.
+
+use plant_sim::PlantParameters;
+use plant_sim::parameters::{Knowledge, ParameterSpec};
+
+use super::nuisance::{first_file_spread, ordinary_names};
+
+/// Name that stands for all ordinary parameters.
+const ALL: &str = "all";
+
+/// Reason why a parameter can be neither freed nor fixed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum KnowledgeError {
+    /// No parameter, and no table, of this name.
+    #[error(
+        "the plant has no parameter or table `{name}`; write a key such as `{example}`, a table such as `coil`, or `all`; \
+         `retarder parameters` lists the keys"
+    )]
+    Unknown {
+        /// Name that was given.
+        name: String,
+        /// Name that exists.
+        example: &'static str,
+    },
+    /// A range for more than one parameter.
+    #[error("a range needs one parameter, not `{name}`; write `section.key={low}..{high}`")]
+    RangeOfMany {
+        /// Name that was given.
+        name: String,
+        /// Lower end of the range.
+        low: f64,
+        /// Upper end of the range.
+        high: f64,
+    },
+    /// A range that is empty or outside of what the parameter may be.
+    #[error(
+        "`{name}` = {low}..{high} is no range of it: the lower end comes first, and both lie in {least} to {most} {unit}"
+    )]
+    Range {
+        /// Name of the parameter.
+        name: String,
+        /// Lower end of the range.
+        low: f64,
+        /// Upper end of the range.
+        high: f64,
+        /// Least possible value.
+        least: f64,
+        /// Largest possible value.
+        most: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+}
+
+/// Lets fits move `what`: a parameter `section.key`, the ordinary parameters of a table such as `coil`, or `all` ordinary
+/// parameters. They may move within `range`, and without it as far as a first plant file may be off; a parameter that is no
+/// ordinary one anywhere in its physical range.
+///
+/// # Errors
+/// [`KnowledgeError`]; the plant is unchanged then.
+pub fn free(
+    plant: &mut PlantParameters,
+    what: &str,
+    range: Option<(f64, f64)>,
+) -> Result<(), KnowledgeError> {
+    let names = named(plant, what)?;
+    if let Some((low, high)) = range {
+        let [name] = &names[..] else {
+            let name = what.to_owned();
+            return Err(KnowledgeError::RangeOfMany { name, low, high });
+        };
+        return free_within(plant, name, low, high);
+    }
+    for name in names {
+        let value = plant.get(&name).unwrap_or_default();
+        let knowledge =
+            first_file_spread(&name, value).map_or(Knowledge::Unknown, Knowledge::Tolerance);
+        plant.knowledge.insert(name, knowledge);
+    }
+    Ok(())
+}
+
+fn free_within(
+    plant: &mut PlantParameters,
+    name: &str,
+    low: f64,
+    high: f64,
+) -> Result<(), KnowledgeError> {
+    let spec = ParameterSpec::by_name(name).expect("a name of the plant");
+    let (least, most) = spec.range;
+    if !(low < high && low >= least && high <= most) {
+        return Err(KnowledgeError::Range {
+            name: name.to_owned(),
+            low,
+            high,
+            least,
+            most,
+            unit: spec.unit,
+        });
+    }
+    let value = plant.get(name).unwrap_or(low);
+    spec.put(plant, value.clamp(low, high));
+    plant
+        .knowledge
+        .insert(name.to_owned(), Knowledge::Range(low, high));
+    Ok(())
+}
+
+/// Keeps fits from moving `what`, named as for [`free`].
+///
+/// # Errors
+/// [`KnowledgeError::Unknown`].
+pub fn fix(plant: &mut PlantParameters, what: &str) -> Result<(), KnowledgeError> {
+    for name in named(plant, what)? {
+        plant.knowledge.insert(name, Knowledge::Exact);
+    }
+    Ok(())
+}
+
+/// The parameters that `what` names.
+fn named(plant: &PlantParameters, what: &str) -> Result<Vec<String>, KnowledgeError> {
+    if plant.get(what).is_some() {
+        return Ok(vec![what.to_owned()]);
+    }
+    let is_meant =
+        |name: &&str| what == ALL || name.split_once('.').is_some_and(|(table, _)| table == what);
+    let names: Vec<String> = ordinary_names()
+        .filter(is_meant)
+        .filter(|name| plant.get(name).is_some())
+        .map(str::to_owned)
+        .collect();
+    if names.is_empty() {
+        return Err(KnowledgeError::Unknown {
+            name: what.to_owned(),
+            example: "chamber.volume_m3",
+        });
+    }
+    Ok(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_a_table_or_all_can_be_freed_and_fixed() {
+        let mut plant = PlantParameters::nominal();
+        free(&mut plant, "coil", None).unwrap();
+        let freed: Vec<&str> = plant.knowledge.keys().map(String::as_str).collect();
+        assert_eq!(
+            freed,
+            [
+                "coil.inductance_closed_h",
+                "coil.inductance_open_h",
+                "coil.resistance_20c_ohm"
+            ]
+        );
+        fix(&mut plant, "coil.resistance_20c_ohm").unwrap();
+        assert_eq!(plant.knowledge["coil.resistance_20c_ohm"], Knowledge::Exact);
+        free(&mut plant, "armature.stroke_m", None).unwrap();
+        assert_eq!(plant.knowledge["armature.stroke_m"], Knowledge::Unknown);
+        free(&mut plant, "all", None).unwrap();
+        assert_eq!(plant.knowledge.len(), ordinary_names().count() + 1);
+    }
+
+    #[test]
+    fn a_range_moves_the_value_into_it() {
+        let mut plant = PlantParameters::nominal();
+        free(&mut plant, "chamber.volume_m3", Some((80e-6, 120e-6))).unwrap();
+        assert_eq!(plant.chamber.volume_m3, 80e-6);
+        assert_eq!(
+            plant.knowledge["chamber.volume_m3"],
+            Knowledge::Range(80e-6, 120e-6)
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_freed_is_refused_with_what_can() {
+        let mut plant = PlantParameters::nominal();
+        let mut refused = |what, range| free(&mut plant, what, range).unwrap_err().to_string();
+        assert!(refused("chamber.volume", None).contains("`chamber.volume_m3`"));
+        assert!(refused("coil", Some((1.0, 2.0))).contains("`section.key=1..2`"));
+        let empty = refused("chamber.volume_m3", Some((2e-6, 1e-6)));
+        assert!(empty.contains("in 0.0000001 to 1 m3"), "{empty}");
+        assert_eq!(plant, PlantParameters::nominal());
+    }
+}

@@ -1,0 +1,219 @@
+//! The clock of a logger: when its rows were taken, in the time of the ECU.
+//!
+//! A log need not start on a sample instant of the ECU, and its clock may run fast or slow. What it says of the commands gives
+//! the clock of a fast logger at once; of a slow one it is found by trying clocks on the model, together with the delay of the
+//! commands, for which a wrong clock would be taken.
+
+mod commands;
+
+use plant_sim::PlantParameters;
+use plant_sim::logger_clock::LoggerClock;
+use plant_sim::replay::CurrentSampling;
+use rayon::prelude::*;
+
+use super::evidence::Evidence;
+use super::fit::{Descent, Fitter};
+use super::log::{Log, Run};
+use super::unknowns::Unknowns;
+use commands::{DRIFT_MAX_PPM, clocks_from_commands};
+
+/// Delays are tried as far as this to either side of the plant file's (s), ...
+const DELAY_REACH_S: f64 = 8e-3;
+/// ... in these steps (s); a clock of a slow logger in wider ones.
+const DELAY_STEP_S: f64 = 1e-3;
+const WIDE_DELAY_STEP_S: f64 = 2e-3;
+/// Phases of a slow logger that are tried, over the sample time of the ECU.
+const PHASES: [f64; 3] = [0.17, 0.5, 0.83];
+/// Drifts of a slow logger are tried in steps that move the last row by this time (s).
+const DRIFT_STEP_S: f64 = 3e-3;
+/// Drifts of a slow logger are tried up to this (ppm).
+const SLOW_DRIFT_MAX_PPM: f64 = 0.6 * DRIFT_MAX_PPM;
+/// Steps to either side at most.
+const DRIFTS_MAX: f64 = 8.0;
+/// Errors above this many noise floors count in proportion, not with their square.
+const OUTLIER: f64 = 3.0;
+/// Mean loss of a sample below which rows are taken to be samples of the ECU.
+const IN_TIME: f64 = 2.0;
+/// A clock is believed if it leaves at most this share of the loss without one.
+const CLEAR: f64 = 0.7;
+/// Fits of the clocks, with the commands assigned anew after each.
+const ROUNDS: usize = 2;
+/// Clocks up to which each is tried with many delays.
+const FEW: usize = 3;
+/// Least standard deviation of a phase that the commands tell, over the time from row to row.
+const TOLD_PHASE_SD: f64 = 0.1;
+/// Standard deviation of what lies evenly within a slack to either side.
+const EVEN_SD: f64 = 0.577;
+/// Rows closer than this (s) show a current of an instant; those further apart may show means.
+const SCOPE_INTERVAL_S: f64 = 2e-4;
+
+/// What is known of the delay of the commands while a clock is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Delay {
+    /// The plant's delay is right.
+    AsGiven,
+    /// The delay may be milliseconds off, which looks like a wrong clock.
+    Searched,
+}
+
+impl Delay {
+    /// Delays to try with each clock (s), `step_s` apart.
+    fn candidates_s(self, plant: &PlantParameters, step_s: f64) -> Vec<f64> {
+        let there_s = plant.ecu.command_delay_s;
+        match self {
+            Self::AsGiven => vec![there_s],
+            Self::Searched => {
+                let steps = (DELAY_REACH_S / step_s).round() as i32;
+                let delays_s = (-steps..=steps).map(|step| there_s + f64::from(step) * step_s);
+                delays_s.filter(|&delay_s| delay_s >= 0.0).collect()
+            }
+        }
+    }
+}
+
+/// A clock with a delay, and what they leave.
+#[derive(Debug, Clone, Copy)]
+struct Tried {
+    clock: Option<LoggerClock>,
+    loss: f64,
+}
+
+/// Finds the clock of the logger of `log`, and whether its currents are means, with `plant` as far as it is known.
+pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay) {
+    let has_coil = plant.functions.iter().any(|function| function.has_coil());
+    let (interval_s, duration_s) = (log.interval_s, log.duration_s());
+    if !has_coil || !(interval_s > 0.0 && duration_s > interval_s) {
+        return;
+    }
+    let sample_time_s = plant.ecu.sample_time_s;
+    let told = clocks_from_commands(log.inputs(), interval_s, sample_time_s);
+    let is_told = !told.is_empty();
+    let found = if !is_told {
+        let as_ecu = best(plant, log, &[None], delay.candidates_s(plant, DELAY_STEP_S));
+        if as_ecu.loss < IN_TIME * log.counted_samples().max(1) as f64 {
+            return;
+        }
+        let clocks = slow_clocks(sample_time_s, duration_s);
+        let found = best(
+            plant,
+            log,
+            &clocks,
+            delay.candidates_s(plant, WIDE_DELAY_STEP_S),
+        );
+        if found.loss > CLEAR * as_ecu.loss {
+            return;
+        }
+        found
+    } else {
+        let told: Vec<_> = told.iter().map(|told| Some(told.clock)).collect();
+        let step_s = if told.len() > FEW {
+            WIDE_DELAY_STEP_S
+        } else {
+            DELAY_STEP_S
+        };
+        best(plant, log, &told, delay.candidates_s(plant, step_s))
+    };
+    if let Some(clock) = found.clock {
+        // A sample time later the phase has room to either side.
+        let phase_s = clock.phase_s + sample_time_s;
+        log.set_clock(LoggerClock { phase_s, ..clock }, plant);
+        if is_told {
+            let told = told.iter().find(|told| told.clock == clock);
+            let slack_s = told.map_or(interval_s, |told| told.phase_slack_s);
+            let least_s = TOLD_PHASE_SD * interval_s;
+            log.known_phase_s = (phase_s, (EVEN_SD * slack_s).max(least_s));
+        }
+    }
+    find_sampling(plant, log, delay);
+}
+
+/// Finds whether the currents of `log` are means since the row before or values of the instant: what leaves less.
+fn find_sampling(plant: &PlantParameters, log: &mut Log, delay: Delay) {
+    let is_scope = log.interval_s < SCOPE_INTERVAL_S;
+    if !log.has_current() || log.sampling == CurrentSampling::MeanOfInterval || is_scope {
+        return;
+    }
+    let clock = [log.clock];
+    let loss = |log: &Log| best(plant, log, &clock, delay.candidates_s(plant, DELAY_STEP_S)).loss;
+    let of_instants = loss(log);
+    log.sampling = CurrentSampling::MeanOfInterval;
+    if of_instants < loss(log) {
+        log.sampling = CurrentSampling::Instant;
+    }
+}
+
+/// Finds the clocks of all logs in `evidence` with `plant`, whose parameters are right, and fits them.
+pub(crate) fn set_clocks(plant: &PlantParameters, evidence: &mut Evidence) {
+    for log in &mut evidence.logs {
+        find_clock(plant, log, Delay::AsGiven);
+    }
+    for _ in 0..ROUNDS {
+        let unknowns = Unknowns::of_clocks(plant, &evidence.logs);
+        let fitter = Fitter::new(evidence, &unknowns);
+        let start = fitter.at(unknowns.start());
+        let Some(fit) = start.and_then(|start| fitter.descend(start, Descent::Whole)) else {
+            return;
+        };
+        let mut clocks = evidence.clocks();
+        unknowns.clocks(&fit.z, &mut clocks);
+        evidence.set_clocks(&clocks, plant);
+    }
+}
+
+/// Returns the delay of the commands (s) that suits all logs in `evidence` best.
+pub(crate) fn best_delay_s(plant: &PlantParameters, evidence: &Evidence) -> f64 {
+    let delays_s = Delay::Searched.candidates_s(plant, DELAY_STEP_S);
+    let losses = delays_s.into_par_iter().map(|delay_s| {
+        let of_log = |log: &Log| loss(plant, log, log.clock, delay_s);
+        (delay_s, evidence.logs.iter().map(of_log).sum::<f64>())
+    });
+    let best = losses.min_by(|a, b| a.1.total_cmp(&b.1));
+    best.map_or(plant.ecu.command_delay_s, |(delay_s, _)| delay_s)
+}
+
+/// Clocks all over the sample time, and all drifts of usual quartzes.
+fn slow_clocks(sample_time_s: f64, duration_s: f64) -> Vec<Option<LoggerClock>> {
+    let step_ppm = DRIFT_STEP_S / duration_s * 1e6;
+    let steps = (SLOW_DRIFT_MAX_PPM / step_ppm).ceil().min(DRIFTS_MAX) as i32;
+    let drifts = (-steps..=steps).map(|step| f64::from(step) * step_ppm);
+    let clock = |drift_ppm: f64, phase: f64| LoggerClock {
+        phase_s: phase * sample_time_s,
+        drift_ppm,
+    };
+    drifts
+        .flat_map(|drift_ppm| PHASES.map(|phase| Some(clock(drift_ppm, phase))))
+        .collect()
+}
+
+/// The best of `clocks`, each with the delay that suits it best.
+fn best(
+    plant: &PlantParameters,
+    log: &Log,
+    clocks: &[Option<LoggerClock>],
+    delays_s: Vec<f64>,
+) -> Tried {
+    let pairs: Vec<_> = clocks
+        .iter()
+        .flat_map(|&clock| delays_s.iter().map(move |&delay_s| (clock, delay_s)))
+        .collect();
+    let tried = pairs.into_par_iter().map(|(clock, delay_s)| Tried {
+        clock,
+        loss: loss(plant, log, clock, delay_s),
+    });
+    tried
+        .min_by(|a, b| a.loss.total_cmp(&b.loss))
+        .expect("the delay of the plant is one of them")
+}
+
+/// What `clock` leaves with commands delayed by `delay_s`: squares of small errors, large ones in proportion.
+fn loss(plant: &PlantParameters, log: &Log, clock: Option<LoggerClock>, delay_s: f64) -> f64 {
+    let mut plant = plant.clone();
+    plant.ecu.command_delay_s = delay_s;
+    let residuals = log.residuals_assigned(&plant, clock, Run::Predicted);
+    residuals.map_or(f64::INFINITY, |residuals| {
+        residuals
+            .iter()
+            .map(|residual| residual * residual / (1.0 + residual.abs() / OUTLIER))
+            .sum()
+    })
+}
