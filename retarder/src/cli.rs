@@ -18,7 +18,7 @@ use crate::targets::Existing;
 pub(crate) use device::{
     BlackBoxArgs, CalibrateArgs, CalibrateCommand, MeasureArgs, ReadArgs, WriteArgs,
 };
-pub(crate) use diagnosis::{DiagnoseArgs, LogsArgs, RefineArgs};
+pub(crate) use diagnosis::{DiagnoseArgs, Freed, KnowledgeArgs, LogsArgs, RefineArgs};
 pub(crate) use next_experiment::NextExperimentArgs;
 pub(crate) use report::{ReportArgs, ReportPart};
 
@@ -356,7 +356,9 @@ pub(crate) enum SchemaName {
     Device,
     /// retarder.diagnosis/1, of `diagnose`
     Diagnosis,
-    /// retarder.refinement/1, of `refine`
+    /// retarder.estimation/1, of `refine` without --add
+    Estimation,
+    /// retarder.refinement/1, of `refine --add`
     Refinement,
     /// retarder.next-experiment/1, of `next-experiment`
     NextExperiment,

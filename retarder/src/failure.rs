@@ -17,7 +17,7 @@ use hil_harness::rigs::RigError;
 use hil_harness::signals;
 use hil_protocol::MEASURED_MAX;
 use model_lab::CompareError;
-use model_lab::diagnosis::DiagnoseError;
+use model_lab::diagnosis::{DiagnoseError, KnowledgeError};
 use plant_sim::ParameterError;
 use plant_sim::parameters::Part;
 use plant_sim::replay::ReplayError;
@@ -53,6 +53,8 @@ pub(crate) enum Failure {
     },
     #[error("--set {error}")]
     Set { error: ParameterError },
+    #[error("--free or --fix: {error}")]
+    Knowledge { error: KnowledgeError },
     #[error(
         "--set {name}: the plant has no [regulating_valve]; add the table to its plant file first"
     )]

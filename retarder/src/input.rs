@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use hil_harness::{ReferenceProfile, Scenario, controller_file};
+use model_lab::diagnosis::{fix, free};
 use plant_sim::PlantParameters;
 use plant_sim::parameters::Part;
 use plant_sim::plant::{FILL, VENT};
@@ -14,7 +15,7 @@ use recording::{
 };
 use sha2::{Digest as _, Sha256};
 
-use crate::cli::{ControlArgs, ControllerArg, LogArgs, LogsArgs, PlantArgs};
+use crate::cli::{ControlArgs, ControllerArg, Freed, KnowledgeArgs, LogArgs, LogsArgs, PlantArgs};
 use crate::failure::{Failure, SourceLines};
 use report::Input;
 
@@ -77,6 +78,18 @@ impl NamedPlant {
             plant.name += &format!(", {} = {}", change.name, change.value);
         }
         Ok(plant)
+    }
+
+    /// The plant with what the options say of how well it is known.
+    pub(crate) fn knowing(mut self, args: &KnowledgeArgs) -> Result<Self, Failure> {
+        let refused = |error| Failure::Knowledge { error };
+        for Freed { what, range } in &args.free {
+            free(&mut self.parameters, what, *range).map_err(refused)?;
+        }
+        for what in &args.fix {
+            fix(&mut self.parameters, what).map_err(refused)?;
+        }
+        Ok(self)
     }
 
     /// The plant, if it has both valves and the chamber.

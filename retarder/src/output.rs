@@ -28,6 +28,9 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
     if let (Some(path), Outcome::Refinement(refined)) = (&targets.plant, &outcome) {
         is_taken |= write(path, existing, &refined.refined.plant.to_toml())?;
     }
+    if let (Some(path), Outcome::Estimation(estimated)) = (&targets.plant, &outcome) {
+        is_taken |= write(path, existing, &estimated.estimated.plant.to_toml())?;
+    }
     if let Some(path) = &targets.html
         && let Some(html) = page::html(&outcome)
     {
@@ -92,6 +95,9 @@ fn json(outcome: &Outcome) -> Option<String> {
         Outcome::Simulation(simulation) => serde_json::to_string_pretty(simulation),
         Outcome::Comparison(compared) => serde_json::to_string_pretty(&compared.comparison),
         Outcome::Diagnosis(diagnosed) => serde_json::to_string_pretty(&diagnosed.diagnosis),
+        Outcome::Estimation(estimated) => {
+            serde_json::to_string_pretty(&estimated.estimated.estimation)
+        }
         Outcome::Refinement(refined) => serde_json::to_string_pretty(&refined.refined.refinement),
         Outcome::NextExperiment(planned) => serde_json::to_string_pretty(&planned.next),
         Outcome::Control(controlled) => match &controlled.device {

@@ -99,6 +99,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
         Outcome::Diagnosis(diagnosed) => diagnosis(diagnosed),
         Outcome::Report(reported) => session(reported),
         Outcome::Simulation(_)
+        | Outcome::Estimation(_)
         | Outcome::Refinement(_)
         | Outcome::ThesisExplanation(_)
         | Outcome::NextExperiment(_)

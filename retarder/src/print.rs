@@ -5,6 +5,7 @@ mod comparison;
 mod control;
 mod device;
 mod diagnosis;
+mod estimation;
 mod live;
 mod next_experiment;
 mod number;
@@ -126,6 +127,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::Simulation(result) => simulation(result, terminal),
         Outcome::Comparison(compared) => comparison::comparison(compared, terminal),
         Outcome::Diagnosis(diagnosed) => diagnosis::diagnosis(diagnosed, terminal),
+        Outcome::Estimation(estimated) => estimation::estimation(estimated, terminal),
         Outcome::Refinement(refined) => diagnosis::refinement(refined, terminal),
         Outcome::NextExperiment(planned) => next_experiment::next_experiment(planned, terminal),
         Outcome::Control(controlled) => control::control(controlled, terminal),

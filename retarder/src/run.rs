@@ -25,6 +25,7 @@ pub(crate) enum Outcome {
     Simulation(simulate::Simulation),
     Comparison(Box<compare::Compared>),
     Diagnosis(Box<diagnose::Diagnosed>),
+    Estimation(Box<diagnose::EstimatedPlant>),
     Refinement(Box<diagnose::RefinedPlant>),
     NextExperiment(Box<next_experiment::Planned>),
     Control(Box<control::Controlled>),
@@ -76,6 +77,7 @@ impl Outcome {
             Self::ThesisExplanation(explained) => Answer::of(explained.explanation.brings_in()),
             Self::Tour(_)
             | Self::Simulation(_)
+            | Self::Estimation(_)
             | Self::Refinement(_)
             | Self::BlackBox(_)
             | Self::DeviceSettings(_)

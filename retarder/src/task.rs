@@ -13,8 +13,8 @@ use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
     Assignment, BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs,
-    DiagnoseArgs, LogsArgs, NextExperimentArgs, PlantArgs, RefineArgs, ReportArgs, SchemaName,
-    SimulateArgs, TabArgs,
+    DiagnoseArgs, Freed, LogsArgs, NextExperimentArgs, PlantArgs, RefineArgs, ReportArgs,
+    SchemaName, SimulateArgs, TabArgs,
 };
 use crate::failure::Failure;
 use crate::files::{DEMO_REPORT, Files};
@@ -154,6 +154,9 @@ impl Task {
                 Outcome::Comparison(Box::new(compared))
             }
             Work::Diagnose(task) => Outcome::Diagnosis(Box::new(run::diagnose::run(task)?)),
+            Work::Refine(task, add) if add.is_empty() => {
+                Outcome::Estimation(Box::new(run::diagnose::estimate(task)?))
+            }
             Work::Refine(task, add) => {
                 Outcome::Refinement(Box::new(run::diagnose::refine(task, &add)?))
             }
@@ -278,8 +281,9 @@ fn refine(args: RefineArgs, targets: &mut Targets) -> Result<Work, Failure> {
 }
 
 fn to_explain(logs: &LogsArgs, plant: &PlantArgs) -> Result<run::diagnose::Task, Failure> {
+    let plant_as_given = NamedPlant::from_args(plant, NamedPlant::nominal())?;
     let task = run::diagnose::Task {
-        plant: NamedPlant::from_args(plant, NamedPlant::nominal())?,
+        plant: plant_as_given.knowing(&logs.knowledge)?,
         logs: input::logs(&logs.log, logs)?,
         check: input::logs(&logs.check, logs)?,
         options: options(logs, plant),
@@ -305,6 +309,13 @@ fn options(logs: &LogsArgs, plant: &PlantArgs) -> String {
     }
     for Assignment { name, value } in &plant.set {
         add("--set", &format!("{name}={value}"));
+    }
+    for Freed { what, range } in &logs.knowledge.free {
+        let range = range.map(|(low, high)| format!("={low}..{high}"));
+        add("--free", &format!("{what}{}", range.unwrap_or_default()));
+    }
+    for what in &logs.knowledge.fix {
+        add("--fix", what);
     }
     text
 }

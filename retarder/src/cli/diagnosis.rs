@@ -30,20 +30,25 @@ pub(crate) struct DiagnoseArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
+  retarder refine --plant my-plant.toml --log bench.csv --check other.csv --out fitted.toml
+  retarder refine --plant my-plant.toml --log bench.csv --free coil --fix chamber.volume_m3 --out fitted.toml
   retarder refine --log bench.csv --add chamber_leak --out refined.toml
   retarder refine --plant my-plant.toml --log bench.csv --check other.csv --add chamber_leak:laminar --add coil_heating --out refined.toml
   retarder compare --plant refined.toml --log other.csv
 
-The effects and what differs from rig to rig are fitted together. `retarder parameters` lists the
-effects.
+Without --add: estimates the ordinary parameters, such as discharge, volume, preload and coil, and the sizes
+of the effects that the plant file has. A value may be far off; its statement in the plant file or --free and
+--fix say how far. With --add: adds the effects, fitted together with the ordinary parameters within their
+tolerances. `retarder parameters` lists parameters and effects.
 Exit status: 0 the plant file is written, 2 could not run.")]
 pub(crate) struct RefineArgs {
     #[command(flatten)]
     pub(crate) logs: LogsArgs,
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
-    /// Effect of the library to add, with the form of its law or else the one that fits best; may be repeated
-    #[arg(long, value_name = "EFFECT[:VARIANT]", required = true)]
+    /// Effect of the library to add, with the form of its law or else the one that fits best; may be repeated. Without
+    /// it the ordinary parameters are estimated
+    #[arg(long, value_name = "EFFECT[:VARIANT]")]
     pub(crate) add: Vec<String>,
     /// Write the refined plant to this file; - is the standard output
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -53,7 +58,53 @@ pub(crate) struct RefineArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct KnowledgeArgs {
+    /// Let the fit move a parameter, those of a table (`coil`) or `all`, within a range or as far as a first plant
+    /// file may be off; may be repeated
+    #[arg(long, value_name = "KEY[=LOW..HIGH]", value_parser = freed)]
+    pub(crate) free: Vec<Freed>,
+    /// Keep a parameter, those of a table or `all` as the plant file has them; may be repeated
+    #[arg(long, value_name = "KEY")]
+    pub(crate) fix: Vec<String>,
+}
+
+/// What `--free` names, with its range.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Freed {
+    pub(crate) what: String,
+    pub(crate) range: Option<(f64, f64)>,
+}
+
+fn freed(text: &str) -> Result<Freed, String> {
+    let Some((what, range)) = text.split_once('=') else {
+        return Ok(Freed {
+            what: text.to_owned(),
+            range: None,
+        });
+    };
+    let ends = range.split_once("..");
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|end| end.is_finite())
+    };
+    let ends = ends.and_then(|(low, high)| number(low).zip(number(high)));
+    match ends {
+        Some(range) => Ok(Freed {
+            what: what.trim().to_owned(),
+            range: Some(range),
+        }),
+        None => Err(format!(
+            "`{range}` is no range; write two numbers, LOW..HIGH"
+        )),
+    }
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct LogsArgs {
+    #[command(flatten)]
+    pub(crate) knowledge: KnowledgeArgs,
     /// Bench log to fit, CSV with units in the header (`p_ch_bar_gauge`) or MF4; may be repeated
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, required = true)]
     pub(crate) log: Vec<PathBuf>,

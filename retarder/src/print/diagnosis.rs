@@ -102,7 +102,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
 }
 
 /// Gaps and missing cells of each log.
-fn defects(found: &BTreeMap<String, LogDefects>, terminal: &Terminal) -> String {
+pub(super) fn defects(found: &BTreeMap<String, LogDefects>, terminal: &Terminal) -> String {
     let sentences = found.iter().flat_map(|(log, defects)| {
         let told = defects.sentences.iter();
         told.map(move |sentence| format!("{log}: {sentence}."))
@@ -125,7 +125,10 @@ fn doubted(of_logs: &BTreeMap<String, Vec<Warning>>, terminal: &Terminal) -> Str
 }
 
 /// What the fit did not see, with the reason.
-fn not_weighed(of_logs: &BTreeMap<String, Vec<NotCompared>>, terminal: &Terminal) -> String {
+pub(super) fn not_weighed(
+    of_logs: &BTreeMap<String, Vec<NotCompared>>,
+    terminal: &Terminal,
+) -> String {
     let all = of_logs
         .iter()
         .flat_map(|(log, signals)| signals.iter().map(move |signal| (log, signal)));
@@ -136,7 +139,7 @@ fn not_weighed(of_logs: &BTreeMap<String, Vec<NotCompared>>, terminal: &Terminal
     .collect()
 }
 
-fn headline(plant: &str, logs: &[String], check: &[String]) -> String {
+pub(super) fn headline(plant: &str, logs: &[String], check: &[String]) -> String {
     let judged = if check.is_empty() {
         "blocks of the log, held out".to_owned()
     } else {
@@ -418,7 +421,7 @@ fn location(found: &Diagnosis, terminal: &Terminal) -> String {
     text
 }
 
-fn cost(cost: &Cost) -> String {
+pub(super) fn cost(cost: &Cost) -> String {
     let real_time = cost.log_s / (1e-3 * cost.per_simulation_ms);
     format!(
         "{} simulations of {} s of log in {} s; one takes {} ms, {} times real time.",

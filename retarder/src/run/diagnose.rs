@@ -4,7 +4,10 @@ use core::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use model_lab::diagnosis::result::Verdict;
-use model_lab::diagnosis::{Diagnosis, Progress as Stage, Refined, diagnose, refine as fit};
+use model_lab::diagnosis::{
+    Diagnosis, EstimatedPlant as Estimated, Progress as Stage, Refined, diagnose,
+    estimate as estimate_parameters, refine as fit,
+};
 use recording::Recording;
 
 use super::Answer;
@@ -37,6 +40,12 @@ pub(crate) struct RefinedPlant {
     pub(crate) refined: Refined,
 }
 
+/// A plant with estimated parameters, with what it was fitted to.
+pub(crate) struct EstimatedPlant {
+    pub(crate) task: Task,
+    pub(crate) estimated: Estimated,
+}
+
 /// Tries the library.
 pub(crate) fn run(task: Task) -> Result<Diagnosed, Failure> {
     let diagnosis =
@@ -49,6 +58,14 @@ pub(crate) fn refine(task: Task, add: &[Asked]) -> Result<RefinedPlant, Failure>
     let refined =
         watched(|watch| fit(&task.plant.parameters, &task.logs, &task.check, add, watch))?;
     Ok(RefinedPlant { task, refined })
+}
+
+/// Estimates the ordinary parameters.
+pub(crate) fn estimate(task: Task) -> Result<EstimatedPlant, Failure> {
+    let estimated = watched(|watch| {
+        estimate_parameters(&task.plant.parameters, &task.logs, &task.check, watch)
+    })?;
+    Ok(EstimatedPlant { task, estimated })
 }
 
 /// Does long work that shows how far it is, and that Ctrl-C stops.

@@ -3,7 +3,7 @@
 use hil_harness::checks::Verdict;
 use model_lab::Comparison;
 use model_lab::diagnosis::next_experiment::NextExperiment;
-use model_lab::diagnosis::{Diagnosis, Refinement};
+use model_lab::diagnosis::{Diagnosis, Estimation, Refinement};
 use model_lab::thesis::{Explanation, ThesisTable};
 use schemars::{Schema, schema_for};
 
@@ -21,6 +21,7 @@ pub(crate) fn of(result: SchemaName) -> Schema {
         SchemaName::Control => schema_for!(Verdict),
         SchemaName::Device => schema_for!(Device),
         SchemaName::Diagnosis => Diagnosis::json_schema(),
+        SchemaName::Estimation => Estimation::json_schema(),
         SchemaName::Refinement => Refinement::json_schema(),
         SchemaName::NextExperiment => NextExperiment::json_schema(),
         SchemaName::Rigs => schema_for!(Rigs),

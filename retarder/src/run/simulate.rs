@@ -239,7 +239,11 @@ impl Model {
         self.rows += 1;
         self.held_commands += u64::from(input.command.is_none());
         let time_ns = ((time_s - start_s) * 1e9).round() as u64;
-        let row = self.replay.row(ReplayInput { time_ns, ..input });
+        let row = self.replay.row(ReplayInput {
+            time_ns,
+            issued_ns: time_ns,
+            ..input
+        });
         match self.replay.simulator().is_given_up() {
             true => Err(ReplayError::given_up(time_ns)),
             false => Ok(row),

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use model_lab::Comparison;
 use model_lab::diagnosis::result::Verdict;
-use model_lab::diagnosis::{Diagnosis, Refinement};
+use model_lab::diagnosis::{Diagnosis, Estimation, Refinement};
 use serde_json::Value;
 
 use recording::{Provenance, Recording, TimeBase, Unit, csv, mf4};
@@ -119,6 +119,91 @@ fn a_leak_is_named_and_added_and_then_nothing_is_missing() {
         ],
     ] {
         assert!(bench.run(command).status < 2, "{command:?}");
+    }
+}
+
+/// Goal: from a first plant file to a fitted one. Method: a rig that lacks nothing, with a plant file whose discharge and delay are
+/// far off; the fitted file is enough for `diagnose`.
+///
+/// `BLESS=1` keeps the result as the example of its schema.
+#[test]
+fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
+    let bench = Bench::new();
+    bench.file(
+        "bench.csv",
+        &beginning_of("synthetic/practice-00-id.csv", 20.0),
+    );
+    let arguments = [
+        "refine",
+        "--log",
+        "bench.csv",
+        "--set",
+        "flow.discharge_fill=0.7",
+        "--set",
+        "ecu.command_delay_s=0.019",
+        "--fix",
+        "chamber.volume_m3",
+        "--out",
+        "fitted.toml",
+        "--json",
+        "e.json",
+    ];
+    let out = bench.run(&arguments).ended_with(0);
+    assert_contains(
+        &out,
+        &[
+            "plant as given",
+            "ordinary parameters estimated",
+            "flow.discharge_fill",
+            "determined",
+            "Written: fitted.toml",
+        ],
+    );
+    let estimation: Estimation = serde_json::from_str(&bench.read("e.json")).unwrap();
+    assert!(estimation.is_adequate, "{}", estimation.sentence);
+    let names = estimation
+        .parameters
+        .iter()
+        .map(|parameter| &*parameter.name);
+    assert!(!names.clone().any(|name| name == "chamber.volume_m3"));
+    let fitted = bench.read("fitted.toml");
+    assert_contains(
+        &fitted,
+        &[
+            "discharge_fill = { value = ",
+            "was 0.7; 95 %:",
+            "volume_m3 = { value = 7.5e-5, exact = true }",
+        ],
+    );
+    keep_example("estimation", &timeless(&bench.read("e.json")));
+    let diagnose = ["diagnose", "--plant", "fitted.toml", "--log", "bench.csv"];
+    assert_contains(
+        &bench.run(&diagnose).ended_with(0),
+        &["Nothing detectable is missing"],
+    );
+}
+
+#[test]
+fn what_cannot_be_freed_is_refused_before_any_work() {
+    let bench = Bench::new();
+    bench.file("bench.csv", &beginning_of(LEAKING.0, 1.0));
+    for (free, says) in [
+        ("chamber.volume", "`chamber.volume_m3`"),
+        ("chamber.volume_m3=2..1", "the lower end comes first"),
+        ("chamber.volume_m3=5", "LOW..HIGH"),
+    ] {
+        let arguments = [
+            "refine",
+            "--log",
+            "bench.csv",
+            "--free",
+            free,
+            "--out",
+            "r.toml",
+        ];
+        let run = bench.run(&arguments);
+        assert_eq!(run.status, 2, "{free}");
+        assert_contains(&run.err, &[says]);
     }
 }
 

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::runner::{Bench, data};
 
 /// Those of the commands that are run here first.
-const RESULTS: [&str; 11] = [
+const RESULTS: [&str; 12] = [
     "black-box",
     "comparison",
     "control",
@@ -20,6 +20,7 @@ const RESULTS: [&str; 11] = [
     "thesis-explanation",
     "diagnosis",
     "refinement",
+    "estimation",
 ];
 
 fn published(result: &str) -> PathBuf {

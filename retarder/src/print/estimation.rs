@@ -1,0 +1,130 @@
+//! Estimated parameters as a table.
+
+use model_lab::diagnosis::{Determination, EstimatedParameter, EstimationStepKind};
+
+use super::diagnosis::{cost, defects, headline, not_weighed};
+use super::number::significant;
+use super::table::{Align, Table, painted};
+use super::{Colour, Terminal, painted_paragraph, paragraph, title};
+use crate::run::diagnose::EstimatedPlant;
+
+/// The errors before and after, and every parameter.
+pub(super) fn estimation(estimated: &EstimatedPlant, terminal: &Terminal) -> String {
+    let found = &estimated.estimated.estimation;
+    let plant = &estimated.task.plant.name;
+    let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
+    text += &paragraph(&(report::capitalised(&found.sentence) + "."), terminal);
+    text += &not_weighed(&found.not_compared, terminal);
+    text += &defects(&found.defects, terminal);
+    for clock in &found.clocks {
+        let sentence = format!(
+            "{}: its rows were taken {} ms after samples of the ECU, and its clock counts {} ppm {} than the ECU's.",
+            clock.log,
+            significant(1e3 * clock.phase_s, 3),
+            significant(clock.drift_ppm.abs(), 3),
+            if clock.drift_ppm > 0.0 {
+                "slower"
+            } else {
+                "faster"
+            },
+        );
+        text += &painted_paragraph(Colour::Faint, &sentence, terminal);
+    }
+    text += "\n";
+    text += &errors(estimated, terminal);
+    text += "\n";
+    text += &parameters(&found.parameters, terminal);
+    text += "\n";
+    text + &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal)
+}
+
+fn errors(estimated: &EstimatedPlant, terminal: &Terminal) -> String {
+    let columns = [
+        ("error / noise floor", Align::Left),
+        ("training", Align::Right),
+        ("validation", Align::Right),
+        ("free run", Align::Right),
+    ];
+    let mut table = Table::new(columns, terminal);
+    for step in &estimated.estimated.estimation.steps {
+        table.heading(match step.kind {
+            EstimationStepKind::PlantAsGiven => "plant as given",
+            EstimationStepKind::ParametersEstimated => "ordinary parameters estimated",
+        });
+        let errors = &step.errors;
+        for (signal, floor) in &errors.noise_floor {
+            let over = |rms: Option<&f64>| {
+                rms.map_or_else(|| "-".to_owned(), |rms| format!("{:.2}", rms / floor))
+            };
+            table.row([
+                format!("  {signal}").into(),
+                over(errors.fit_rms.get(signal)).into(),
+                over(errors.check_rms.get(signal)).into(),
+                over(errors.free_run_check_rms.get(signal)).into(),
+            ]);
+        }
+    }
+    table.to_string()
+}
+
+fn parameters(parameters: &[EstimatedParameter], terminal: &Terminal) -> String {
+    let columns = [
+        ("parameter", Align::Left),
+        ("before", Align::Right),
+        ("after", Align::Right),
+        ("95 % interval", Align::Left),
+        ("unit", Align::Left),
+        ("", Align::Left),
+    ];
+    let mut table = Table::new(columns, terminal);
+    for parameter in parameters {
+        let (colour, word) = match &parameter.determination {
+            Determination::Determined => (Colour::Good, "determined"),
+            Determination::OnlyTogetherWith { .. } => (Colour::Notice, "only with others"),
+            Determination::NotExcited => (Colour::Faint, "not excited"),
+            Determination::AtLimit => (Colour::Bad, "AT LIMIT"),
+        };
+        table.row([
+            parameter.name.as_str().into(),
+            significant(parameter.before, 4).into(),
+            significant(parameter.after, 4).into(),
+            format!(
+                "{} to {}",
+                significant(parameter.low, 3),
+                significant(parameter.high, 3)
+            )
+            .into(),
+            parameter.unit.as_str().into(),
+            painted(colour, word),
+        ]);
+        for remark in remarks(parameter) {
+            table.remark(&remark);
+        }
+    }
+    table.to_string()
+}
+
+/// What a reader needs to know beside the value.
+fn remarks(parameter: &EstimatedParameter) -> Vec<String> {
+    let mut remarks = Vec::new();
+    match &parameter.determination {
+        Determination::OnlyTogetherWith { parameters } => {
+            remarks.push(format!(
+                "Only a combination with {} is determined.",
+                parameters.join(", ")
+            ));
+        }
+        Determination::AtLimit => remarks
+            .push("Ended at its limit: widen it with --free, or physics is missing.".to_owned()),
+        Determination::NotExcited | Determination::Determined => {}
+    }
+    if let Some(determined_by) = &parameter.determined_by {
+        remarks.push(format!("To determine it, {determined_by}."));
+    }
+    if parameter.is_beyond_usual {
+        remarks.push(
+            "Beyond the usual tolerance of the part: the plant file is wrong here.".to_owned(),
+        );
+    }
+    remarks
+}
