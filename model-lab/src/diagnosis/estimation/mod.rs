@@ -64,8 +64,7 @@ pub fn estimate(
     report(watch, "clocks of the loggers", 0.0)?;
     let mut split = Split::as_given(plant, logs, check)?;
     let given = judged_as_given(plant, &split).ok_or_else(|| split.not_simulated())?;
-    let fitted = fit(plant, &mut split, watch)?;
-    let (unknowns, fit) = fitted;
+    let (unknowns, fit) = fit(plant, &mut split, watch)?;
     let trial = bench(plant, &split).judge(plant.effects.clone(), unknowns, fit);
     let trial = trial.ok_or_else(|| split.not_simulated())?;
     report(watch, "intervals", 0.0)?;

@@ -141,7 +141,7 @@ const TOLERANCE_MIN_PCT: f64 = 0.5;
 const TOLERANCE_DIGITS: usize = 2;
 
 /// Puts into `plant` how well each estimated value is known: for the next fit, and for readers. What a model that leaves more
-/// than the noise says of its parameters is not worth a tolerance; they keep the usual ones of their parts.
+/// than the noise says of its parameters is not worth a tolerance; they keep what the plant file says of them.
 pub(super) fn state_knowledge(plant: &mut PlantParameters, estimation: &Estimation) {
     for parameter in &estimation.parameters {
         let name = &parameter.name;
@@ -149,7 +149,9 @@ pub(super) fn state_knowledge(plant: &mut PlantParameters, estimation: &Estimati
         if let Some(origin) = plant.provenance.get_mut(name) {
             *origin += &format!("; 95 %: {:.4e} to {:.4e}", parameter.low, parameter.high);
         }
-        plant.knowledge.remove(name);
+        if plant.knowledge.get(name) == Some(&Knowledge::Unknown) {
+            plant.knowledge.remove(name);
+        }
         let is_nuisance =
             ParameterSpec::by_name(name).is_some_and(|spec| spec.effect_id().is_none());
         if !estimation.is_adequate || !is_nuisance || parameter.after == 0.0 {

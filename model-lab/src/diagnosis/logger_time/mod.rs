@@ -82,7 +82,8 @@ struct Tried {
 pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay) {
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
     let (interval_s, duration_s) = (log.interval_s, log.duration_s());
-    if !has_coil || !(interval_s > 0.0 && duration_s > interval_s) {
+    let has_rows = interval_s > 0.0 && duration_s > interval_s;
+    if !has_coil || !has_rows {
         return;
     }
     let sample_time_s = plant.ecu.sample_time_s;
