@@ -284,6 +284,7 @@ pub(crate) struct ServeArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TabArgs {
+    #[arg(value_hint = ValueHint::DirPath)]
     pub(crate) project: PathBuf,
     pub(crate) memory_bytes: u64,
 }

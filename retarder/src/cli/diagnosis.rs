@@ -31,7 +31,7 @@ pub(crate) struct DiagnoseArgs {
 #[command(after_help = "\
 Examples:
   retarder refine --plant my-plant.toml --log bench.csv --check other.csv --out fitted.toml
-  retarder refine --plant my-plant.toml --log bench.csv --free coil --fix chamber.volume_m3 --out fitted.toml
+  retarder refine --log bench.csv --free coil --fix chamber.volume_m3 --out fitted.toml
   retarder refine --log bench.csv --add chamber_leak --out refined.toml
   retarder refine --plant my-plant.toml --log bench.csv --check other.csv --add chamber_leak:laminar --add coil_heating --out refined.toml
   retarder compare --plant refined.toml --log other.csv
