@@ -219,14 +219,15 @@ fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
         let path = format!("{session}/logs/1/difference?other=2&points=400{more}");
         browser.get(&path).json()["signals"].clone()
     };
+    // Both duty cycles and the pressure, in the order of the columns.
     let apart = get("");
     assert_eq!(apart[0]["between"], "hold");
     assert_eq!(
-        (&apart[1]["between"], &apart[1]["unit"]),
+        (&apart[2]["between"], &apart[2]["unit"]),
         (&json!("linear"), &json!("bar"))
     );
-    assert_eq!(apart[1]["metrics"]["samples"], 95);
-    assert!(apart[1]["metrics"]["rms"].as_f64().unwrap() > 0.1);
+    assert_eq!(apart[2]["metrics"]["samples"], 95);
+    assert!(apart[2]["metrics"]["rms"].as_f64().unwrap() > 0.1);
 
     let shift = |offset_s: f64| {
         let body = json!({ "offset_s": offset_s });
@@ -242,19 +243,19 @@ fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
     let linear = get("&from_s=10&to_s=20");
     let worst = |difference: &Value| difference["metrics"]["highest"].as_f64().unwrap();
     // At i, in mbar: i² - ((i - 1)² + i²)/2 = i - 1/2, and held: i² - (i - 1)² = 2i - 1.
-    assert!((worst(&linear[1]) - 0.0195).abs() < 1e-9, "{linear}");
+    assert!((worst(&linear[2]) - 0.0195).abs() < 1e-9, "{linear}");
     let held = get("&from_s=10&to_s=20&between=hold");
-    assert_eq!(held[1]["between"], "hold");
-    assert!((worst(&held[1]) - 0.039).abs() < 1e-9, "{held}");
+    assert_eq!(held[2]["between"], "hold");
+    assert!((worst(&held[2]) - 0.039).abs() < 1e-9, "{held}");
     // Beside the view the course goes on, and the numbers do not.
     let beside = get("&from_s=10&to_s=20&beside=0.5");
-    assert_eq!(beside[1]["metrics"], linear[1]["metrics"]);
+    assert_eq!(beside[2]["metrics"], linear[2]["metrics"]);
     let ends = |difference: &Value| {
         let times = difference["course"]["t"].as_array().unwrap();
         [times[0].clone(), times[times.len() - 1].clone()]
     };
-    assert_eq!(ends(&linear[1]), [10.0, 20.0]);
-    assert_eq!(ends(&beside[1]), [5.0, 25.0]);
+    assert_eq!(ends(&linear[2]), [10.0, 20.0]);
+    assert_eq!(ends(&beside[2]), [5.0, 25.0]);
 
     shift(-1000.0);
     assert_eq!(get("")[1]["metrics"], Value::Null);
