@@ -10,6 +10,7 @@ use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::gather::gather;
 use super::log::Log;
+use super::logger_time::fit_clocks;
 use super::result::{Cost, FoundClock};
 use super::trial::{Bench, Trial};
 use crate::result::{LogDefects, NotCompared, Warning};
@@ -68,7 +69,9 @@ impl Split {
         logs: &[Recording],
         check: &[Recording],
     ) -> Result<(Self, Trial), DiagnoseError> {
-        let given = Self::as_given(plant, logs, check)?;
+        let mut given = Self::as_given(plant, logs, check)?;
+        fit_clocks(plant, &mut given.fitting);
+        fit_clocks(plant, &mut given.checking);
         let plain = given.plain(plant)?;
         if plain.fitted.is_material() || !plain.checked.is_material() {
             return Ok((given, plain));

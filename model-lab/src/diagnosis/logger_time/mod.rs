@@ -148,6 +148,14 @@ pub(crate) fn set_clocks(plant: &PlantParameters, evidence: &mut Evidence) {
     for log in &mut evidence.logs {
         find_clock(plant, log, Delay::AsGiven);
     }
+    fit_clocks(plant, evidence);
+}
+
+/// Fits the clocks that were found of the logs in `evidence` with `plant`, whose parameters are right.
+pub(crate) fn fit_clocks(plant: &PlantParameters, evidence: &mut Evidence) {
+    if evidence.clocks().iter().all(Option::is_none) {
+        return;
+    }
     for _ in 0..ROUNDS {
         let unknowns = Unknowns::of_clocks(plant, &evidence.logs);
         let fitter = Fitter::new(evidence, &unknowns);
