@@ -1,4 +1,4 @@
-//! How well each parameter is known: from its own interval, and from the parameters that can make up for it.
+//! Classes of determination: from the interval of a parameter, and from its correlation with others.
 
 use nalgebra::DMatrix;
 
