@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use plant_sim::PlantParameters;
+use plant_sim::parameters::ParameterSpec;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{ReplayError, inputs};
 use plant_sim::valve::ValveFunction;
@@ -10,6 +11,8 @@ use recording::Recording;
 
 use crate::gaps::Gaps;
 
+/// Name of the time from a command to its effect in a plant file.
+pub(crate) const COMMAND_DELAY: &str = "ecu.command_delay_s";
 /// Names of the commands, fill and vent.
 pub(crate) const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
 
@@ -24,10 +27,23 @@ pub(crate) struct Commands {
     shut_pct: [f64; 2],
     /// Time from a command to its effect [s].
     delay_s: f64,
+    /// The same, at least and at most [s].
+    delay_range_s: (f64, f64),
     /// Time for which a command may still be in force after the next one took over [s].
     pub(crate) pwm_period_s: f64,
     /// Where the log does not say what was commanded.
     pub(crate) gaps: Gaps,
+}
+
+/// The least and the longest time from a command to its effect [s], as far as the plant file knows it. Where it says nothing,
+/// a command may act a fifth earlier.
+fn delay_range_s(parameters: &PlantParameters) -> (f64, f64) {
+    let delay_s = parameters.ecu.command_delay_s;
+    let spec = ParameterSpec::by_name(COMMAND_DELAY);
+    match (parameters.knowledge.get(COMMAND_DELAY), spec) {
+        (Some(knowledge), Some(spec)) => knowledge.bounds(spec, delay_s),
+        _ => (0.8 * delay_s, delay_s),
+    }
 }
 
 impl Commands {
@@ -59,6 +75,7 @@ impl Commands {
                 ValveFunction::AlwaysOpen => f64::NAN,
             }),
             delay_s: parameters.ecu.command_delay_s,
+            delay_range_s: delay_range_s(parameters),
             pwm_period_s: 1.0 / parameters.ecu.pwm_frequency_hz,
             gaps: Gaps::of(parameters, base, &inputs),
         })
@@ -85,9 +102,8 @@ impl Commands {
     }
 
     fn stretches_without(&self, acts: impl Fn(usize) -> bool, settle_s: f64) -> Vec<Range<usize>> {
-        // The plant file's delay is a nominal value: a command may act a fifth earlier.
-        let earliest_s = 0.8 * self.delay_s;
-        let latest_s = self.delay_s + self.pwm_period_s + settle_s;
+        let (earliest_s, delay_s) = self.delay_range_s;
+        let latest_s = delay_s + self.pwm_period_s + settle_s;
         let mut stretches = Vec::new();
         let mut begin = 0;
         let mut close = |from: usize, until_s: f64| {
@@ -134,6 +150,7 @@ mod tests {
             duty_pct: [duty_fill.to_vec(), duty_vent.to_vec()],
             shut_pct: [0.0, 0.0],
             delay_s: 0.015,
+            delay_range_s: (0.012, 0.015),
             pwm_period_s: 0.01,
             gaps: Gaps::default(),
         }

@@ -6,7 +6,6 @@ use plant_sim::effects::EffectSetting;
 use super::errors::Errors;
 use super::fit::Fitter;
 use super::log::Run;
-use super::nuisance::Trust;
 use super::result::DetectionLimit;
 use super::trial::{Bench, Trial};
 use super::unknowns::{Unknown, Unknowns};
@@ -32,12 +31,7 @@ pub(crate) fn detection_limit(
     };
     let mut effects = base.effects.clone();
     effects.push(effect.clone());
-    let unknowns = Unknowns::new(
-        bench.plant,
-        &effects,
-        Trust::Usual,
-        bench.fitting.has_pressure(),
-    );
+    let unknowns = Unknowns::new(bench.plant, &effects, bench.fitting.has_pressure());
     let own = &unknowns.list()[base.unknowns.len()..];
     let mut size = FIRST_SIZE;
     for _ in 0..=CORRECTIONS {

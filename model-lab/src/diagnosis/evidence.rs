@@ -4,9 +4,11 @@ use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use plant_sim::logger_clock::LoggerClock;
+use plant_sim::replay::CurrentSampling;
 use plant_sim::{PlantParameters, Tolerance};
 
 use super::log::{Channel, Log, Residuals, Run};
+use super::unknowns::Unknowns;
 
 /// All logs of one kind: for fitting, or for checking.
 pub(crate) struct Evidence {
@@ -89,6 +91,21 @@ impl Evidence {
                 log.set_clock(clock, plant);
             }
         }
+    }
+
+    /// Takes the clocks at the coordinates `z` of `unknowns` for those of the loggers; the commands stay assigned as they are.
+    pub(crate) fn take_clocks(&mut self, unknowns: &Unknowns, z: &[f64]) {
+        let mut clocks = self.clocks();
+        unknowns.clocks(z, &mut clocks);
+        for (log, clock) in self.logs.iter_mut().zip(clocks) {
+            log.clock = clock;
+        }
+    }
+
+    /// Takes the currents of each log that leaves it open for `sampling`; returns whether there is such a log.
+    pub(crate) fn set_open_sampling(&mut self, sampling: CurrentSampling) -> bool {
+        let open = self.logs.iter_mut().filter(|log| log.is_sampling_open());
+        open.map(|log| log.sampling = sampling).count() > 0
     }
 
     /// As [`Self::residuals_within`], with these clocks of the loggers, log after log.

@@ -11,8 +11,9 @@ use rayon::prelude::*;
 
 use super::evidence::Evidence;
 use super::log::{Residuals, Run};
-use super::unknowns::Unknowns;
-use super::vector::{dot, square};
+use super::unknowns::{Unknown, Unknowns};
+use super::vector::{dot, square, weighted_dot};
+use crate::measured::PRESSURE;
 
 /// Iterations at most, of a fit that is only begun and of a whole one.
 const FIRST_ITERATIONS: usize = 5;
@@ -24,8 +25,10 @@ const FINE: f64 = 0.25;
 /// An expected or reached decrease of the cost below this is none, nor is one below this share of the cost.
 const CONVERGED: f64 = 0.5;
 const CONVERGED_SHARE: f64 = 1e-4;
-/// A step is at most this long in each coordinate.
+/// A step is at most this long in each coordinate, ...
 const LONGEST_STEP: f64 = 1.5;
+/// ... and this long where large errors are forgiven: the way is long, and the model hardly linear.
+const LONGEST_FORGIVING_STEP: f64 = 0.75;
 /// A decrease of the cost that is off by this share of what was expected, to either side, makes the Jacobian stale: with
 /// one that is too large the steps are short for ever.
 const STALE: f64 = 0.3;
@@ -126,16 +129,70 @@ pub(crate) struct Fitter<'a> {
     pub(crate) step_scale: f64,
     /// A decrease below this share of the cost is none.
     pub(crate) converged_share: f64,
-    /// Residuals count with their square up to about this size, and in proportion beyond it; none counts all with their
-    /// square.
-    pub(crate) outlier_scale: Option<f64>,
+    /// How residuals count.
+    pub(crate) loss: Loss,
+    /// What is fitted to what.
+    pub(crate) scope: Scope,
 }
 
-/// The residual whose square is the pseudo-Huber loss of `residual`.
-fn soften(residual: f64, scale: f64) -> f64 {
-    let ratio = residual / scale;
-    let loss = 2.0 * ((1.0 + ratio * ratio).sqrt() - 1.0);
-    scale * loss.sqrt().copysign(residual)
+/// Part of the plant that a fit is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// All unknowns, fitted to all signals.
+    Whole,
+    /// What the currents show however wrong the rest of the plant is, fitted to the currents.
+    Coils,
+}
+
+impl Scope {
+    fn moves(self, unknown: &Unknown) -> bool {
+        self == Self::Whole || unknown.is_shown_by_currents()
+    }
+
+    fn counts(self, signal: &str) -> bool {
+        self == Self::Whole || signal != PRESSURE
+    }
+}
+
+/// How the residuals of a fit count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Loss {
+    /// With their square.
+    Square,
+    /// Pseudo-Huber: with their square up to about this size, and in proportion beyond it.
+    ///
+    /// A. Charbonnier, L. Blanc-Féraud, G. Aubert, M. Barlaud, Deterministic edge-preserving regularization in computed imaging,
+    /// IEEE Transactions on Image Processing 6 (1997).
+    Forgiving(f64),
+}
+
+impl Loss {
+    fn sum(self, residuals: &[f64]) -> f64 {
+        match self {
+            Self::Square => square(residuals),
+            Self::Forgiving(scale) => {
+                let over = |residual: &f64| (1.0 + (residual / scale).powi(2)).sqrt() - 1.0;
+                2.0 * scale * scale * residuals.iter().map(over).sum::<f64>()
+            }
+        }
+    }
+
+    fn longest_step(self) -> f64 {
+        match self {
+            Self::Square => LONGEST_STEP,
+            Self::Forgiving(_) => LONGEST_FORGIVING_STEP,
+        }
+    }
+
+    /// Returns the weights with which squares touch the loss from above: a step by them never overshoots a linear model.
+    /// None where all are 1.
+    fn weights(self, residuals: &[f64]) -> Option<Vec<f64>> {
+        let Self::Forgiving(scale) = self else {
+            return None;
+        };
+        let weight = |residual: &f64| (1.0 + (residual / scale).powi(2)).sqrt().recip();
+        Some(residuals.iter().map(weight).collect())
+    }
 }
 
 impl<'a> Fitter<'a> {
@@ -147,7 +204,8 @@ impl<'a> Fitter<'a> {
             run: Run::Predicted,
             step_scale: 1.0,
             converged_share: CONVERGED_SHARE,
-            outlier_scale: None,
+            loss: Loss::Square,
+            scope: Scope::Whole,
         }
     }
 
@@ -167,16 +225,15 @@ impl<'a> Fitter<'a> {
         let mut residuals =
             self.evidence
                 .residuals_on(&plant, &clocks, self.run, self.tolerance)?;
-        if let Some(scale) = self.outlier_scale {
-            residuals
-                .iter_mut()
-                .for_each(|residual| *residual = soften(*residual, scale));
+        let left_out = self.evidence.channels();
+        for (_, _, range) in left_out.filter(|(_, channel, _)| !self.scope.counts(channel.signal)) {
+            residuals[range].fill(0.0);
         }
         Some(residuals)
     }
 
     fn cost(&self, z: &[f64], residuals: &Residuals) -> f64 {
-        square(residuals) + self.prior(z)
+        self.loss.sum(residuals) + self.prior(z)
     }
 
     fn prior(&self, z: &[f64]) -> f64 {
@@ -202,6 +259,9 @@ impl<'a> Fitter<'a> {
     /// The column of the Jacobian for unknown `n` at `fit`; away from the end of a range.
     fn column(&self, fit: &Fit, n: usize, difference: Difference) -> Option<Residuals> {
         let unknown = &self.unknowns.list()[n];
+        if !self.scope.moves(unknown) {
+            return Some(vec![0.0; fit.residuals.len()]);
+        }
         let (least, most) = unknown.range();
         let moved = |step: f64| {
             let mut z = fit.z.clone();
@@ -262,6 +322,18 @@ impl<'a> Fitter<'a> {
         let mut secants = 0;
         for _ in 0..descent.iterations() {
             let (z, expected) = self.step(&fit, damping);
+                eprintln!(
+                    "cost {:.1} expected {:.2} damping {:.1e} fresh {} z {:?}",
+                    fit.cost,
+                    expected,
+                    damping,
+                    fresh,
+                    fit.z
+                        .iter()
+                        .map(|z| (z * 100.0).round() / 100.0)
+                        .collect::<Vec<_>>()
+                );
+            }
             let mut renew = expected < self.converged(fit.cost);
             if renew && (fresh || descent == Descent::Begun) {
                 break;
@@ -313,7 +385,8 @@ impl<'a> Fitter<'a> {
             .iter()
             .map(|unknown| unknown.bounds())
             .collect();
-        let mut free: Vec<usize> = (0..count).collect();
+        let list = self.unknowns.list();
+        let mut free: Vec<usize> = (0..count).filter(|&n| self.scope.moves(&list[n])).collect();
         let mut step = vec![0.0; count];
         // Each pass fixes what would leave its bounds; the rest is solved again.
         for _ in 0..=count {
@@ -341,7 +414,7 @@ impl<'a> Fitter<'a> {
             let mut outside = Vec::new();
             for (a, &n) in free.iter().enumerate() {
                 let (least, most) = bounds[n];
-                let longest = LONGEST_STEP;
+                let longest = self.loss.longest_step();
                 let low = (least - fit.z[n]).max(-longest);
                 let high = (most - fit.z[n]).min(longest);
                 step[n] = solution[a].clamp(low, high);
@@ -370,6 +443,11 @@ impl<'a> Fitter<'a> {
         let list = self.unknowns.list();
         let mut hessian = DMatrix::zeros(columns.len(), columns.len());
         let mut gradient = DVector::zeros(columns.len());
+        let weights = self.loss.weights(&fit.residuals);
+        let dot = |a: &[f64], b: &[f64]| match &weights {
+            Some(weights) => weighted_dot(a, b, weights),
+            None => dot(a, b),
+        };
         for (a, column) in columns.iter().enumerate() {
             for (b, other) in columns.iter().enumerate().take(a + 1) {
                 hessian[(a, b)] = dot(column, other);

@@ -81,6 +81,23 @@ pub fn free(
     Ok(())
 }
 
+/// States of every ordinary parameter of which `plant` says nothing that it may be as far off as in a first plant file.
+pub(super) fn state_first_file(plant: &mut PlantParameters) {
+    for name in ordinary_names() {
+        let Some(value) = plant
+            .get(name)
+            .filter(|_| !plant.knowledge.contains_key(name))
+        else {
+            continue;
+        };
+        if let Some(half) = first_file_spread(name, value) {
+            plant
+                .knowledge
+                .insert(name.to_owned(), Knowledge::Tolerance(half));
+        }
+    }
+}
+
 fn free_within(
     plant: &mut PlantParameters,
     name: &str,

@@ -1,7 +1,7 @@
 //! A log as the diagnosis sees it: what drives the model, and what it has to answer.
 
 use plant_sim::logger_clock::LoggerClock;
-use plant_sim::parameters::PA_PER_BAR;
+use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
 use plant_sim::{PlantParameters, Simulator, Tolerance};
 use recording::Recording;
@@ -9,6 +9,7 @@ use recording::Recording;
 use super::error::DiagnoseError;
 use super::predictor::Predictor;
 use super::sensor_noise::SensorNoise;
+use super::verdict::MODEL_ERROR;
 use crate::commands::Commands;
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, Restart, measured_signals, start};
@@ -17,6 +18,8 @@ use crate::warning::warnings;
 
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
 const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
+/// Rows closer than this (s) show a current of an instant; those further apart may show means.
+const SCOPE_INTERVAL_S: f64 = 2e-4;
 /// A correction leaves at least this pressure (Pa abs).
 const LEAST_PRESSURE: f64 = 1e3;
 
@@ -30,6 +33,8 @@ pub(crate) struct Log {
     /// Median time from row to row (s).
     pub(crate) interval_s: f64,
     pub(crate) sampling: CurrentSampling,
+    /// Whether several rows show each PWM period.
+    resolves_pwm: bool,
     /// Clock of the logger; none where each row is an instant of the ECU's own clock at which it gave the row's command.
     pub(crate) clock: Option<LoggerClock>,
     /// Phase of the clock (s) that the logged commands tell, with its standard deviation: infinite where they do not.
@@ -63,6 +68,8 @@ pub(crate) struct Channel {
     pub(crate) values: Vec<f64>,
     /// Standard deviation of the measurement noise.
     pub(crate) sigma: f64,
+    /// Error that a correct model may have, in the unit of the model.
+    pub(crate) model_error: f64,
 }
 
 /// When the rows of a log were taken, in the time of the ECU.
@@ -163,6 +170,7 @@ impl Log {
                 Channel {
                     signal: signal.name,
                     column,
+                    model_error: MODEL_ERROR * full_scale(parameters, signal.name),
                     sigma,
                     values: signal.values,
                 }
@@ -174,11 +182,13 @@ impl Log {
             });
         }
         let samples = commands.len();
+        let usual_sampling = CurrentSampling::of_interval(interval_s, parameters);
         let mut log = Self {
             source: log.provenance().source.clone(),
             commands,
             inputs,
-            sampling: CurrentSampling::of_interval(interval_s, parameters),
+            sampling: usual_sampling,
+            resolves_pwm: usual_sampling == CurrentSampling::Instant,
             clock: None,
             known_phase_s: (0.0, f64::INFINITY),
             issued_ns: Vec::new(),
@@ -278,6 +288,12 @@ impl Log {
                 .count()
         };
         self.channels.iter().map(counts).sum()
+    }
+
+    /// Whether its currents may be means since the row before as well as values of the instant: a logger between an ECU, which
+    /// averages, and an oscilloscope, which does not.
+    pub(crate) fn is_sampling_open(&self) -> bool {
+        self.has_current() && self.interval_s >= SCOPE_INTERVAL_S && self.resolves_pwm
     }
 
     pub(crate) fn has_current(&self) -> bool {
@@ -410,6 +426,17 @@ impl Log {
         } else {
             channel.sigma
         }
+    }
+}
+
+/// The pressure of the supply (bar) or the current of a coil that stays on (mA); nothing without valves that switch.
+fn full_scale(parameters: &PlantParameters, signal: &str) -> f64 {
+    if !Part::Coil.is_in(parameters) {
+        0.0
+    } else if signal == PRESSURE {
+        parameters.gas.supply_pressure_bar_gauge
+    } else {
+        parameters.ecu.supply_voltage_v / parameters.coil.resistance_20c_ohm * 1e3
     }
 }
 

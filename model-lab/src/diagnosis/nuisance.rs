@@ -191,15 +191,6 @@ pub(crate) fn first_file_spread(name: &str, value: f64) -> Option<f64> {
     Some(ordinary.first_file.around(value))
 }
 
-/// How far ordinary parameters may be from the values of a plant file that does not say.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Trust {
-    /// Within the usual tolerances of parts.
-    Usual,
-    /// As far as a first plant file may be off.
-    FirstFile,
-}
-
 /// A parameter that a fit moves, with where it may be.
 #[derive(Debug, Clone)]
 pub(crate) struct Nuisance {
@@ -221,11 +212,7 @@ pub(crate) struct Nuisance {
 
 /// The parameters of `plant` that a fit moves; those that only the chamber pressure shows are left out if it `has_pressure`
 /// not.
-pub(crate) fn nuisances(
-    plant: &PlantParameters,
-    trust: Trust,
-    has_pressure: bool,
-) -> Vec<Nuisance> {
+pub(crate) fn nuisances(plant: &PlantParameters, has_pressure: bool) -> Vec<Nuisance> {
     let ordinary = |name: &str| ORDINARY.iter().find(|ordinary| ordinary.name == name);
     let listed = ORDINARY
         .iter()
@@ -250,23 +237,19 @@ pub(crate) fn nuisances(
                     (half, ((least - there) / half, (most - there) / half))
                 }
                 None => {
-                    let ordinary = ordinary?;
-                    let (tolerance, reach) = match trust {
-                        Trust::Usual => (ordinary.usual?.around(there), 1.0),
-                        Trust::FirstFile => (0.5 * ordinary.first_file.around(there), 2.0),
-                    };
+                    let tolerance = ordinary?.usual?.around(there);
                     let (least, most) = spec.range;
                     let coordinate = |value: f64| (value - there) / tolerance;
                     (
                         tolerance,
-                        (coordinate(least).max(-reach), coordinate(most).min(reach)),
+                        (coordinate(least).max(-1.0), coordinate(most).min(1.0)),
                     )
                 }
             };
             let together_with = ordinary.map_or(&[][..], |ordinary| ordinary.together_with);
             let together_with = together_with
                 .iter()
-                .filter(|name| trust == Trust::Usual && !plant.knowledge.contains_key(**name))
+                .filter(|name| !plant.knowledge.contains_key(**name))
                 .filter_map(|name| ParameterSpec::by_name(name));
             (tolerance > 0.0).then(|| Nuisance {
                 spec,

@@ -7,7 +7,6 @@ use super::errors::Errors;
 use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
 use super::log::Run;
-use super::nuisance::Trust;
 use super::start::{Start, most_promising};
 use super::unknowns::Unknowns;
 use crate::whiteness::autocorrelation_time_samples;
@@ -56,12 +55,7 @@ impl Bench<'_> {
     /// The plant as given, with its nuisance parameters and those of its effects fitted.
     pub(crate) fn plain(&self) -> Option<Trial> {
         let effects = self.plant.effects.clone();
-        let unknowns = Unknowns::new(
-            self.plant,
-            &effects,
-            Trust::Usual,
-            self.fitting.has_pressure(),
-        );
+        let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
         let fitter = Fitter::new(self.fitting, &unknowns);
         let start = fitter.at(unknowns.start())?;
         let fit = fitter.descend(start, Descent::Whole)?;
@@ -75,12 +69,7 @@ impl Bench<'_> {
     pub(crate) fn sketch(&self, base: &Trial, effect: EffectSetting) -> Option<Sketch> {
         let mut effects = base.effects.clone();
         effects.push(effect);
-        let unknowns = Unknowns::new(
-            self.plant,
-            &effects,
-            Trust::Usual,
-            self.fitting.has_pressure(),
-        );
+        let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
         let start = most_promising(&Fitter::new(self.fitting, &unknowns), &base.fit)?;
         Some(Sketch {
             promised_gain: base.fit.cost - start.promised,
@@ -267,7 +256,7 @@ mod tests {
             checking: &evidence,
         };
         let effects = vec![EffectSetting::typical(by_id("chamber_leak").unwrap())];
-        let unknowns = Unknowns::new(&plant, &effects, Trust::Usual, true);
+        let unknowns = Unknowns::new(&plant, &effects, true);
         let of_size = |size: f64, cost: f64| {
             let z = unknowns.list().iter().map(|unknown| unknown.of_size(size));
             let mut fit = Fitter::new(&evidence, &unknowns).at(z.collect()).unwrap();

@@ -6,7 +6,8 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{ParameterSpec, Scale, Size};
 
 use super::log::Log;
-use super::nuisance::{Nuisance, Trust, nuisances};
+use super::nuisance::{Nuisance, nuisances};
+use crate::commands::COMMAND_DELAY;
 
 /// Standard deviation of a nuisance parameter in tolerances: even within the tolerance, 1/sqrt(3).
 const NUISANCE_SD: f64 = 0.577;
@@ -20,6 +21,8 @@ const EFFECT_STEP: f64 = 0.04;
 /// Units of the clocks' coordinates, ...
 const PHASE_UNIT_S: f64 = 1e-3;
 const DRIFT_UNIT_PPM: f64 = 20.0;
+/// ... how far a phase may move from what the commands tell, in standard deviations, ...
+const PHASE_REACH_SD: f64 = 3.0;
 /// ... and how far a drift may move from where it was begun (ppm).
 const DRIFT_REACH_PPM: f64 = 300.0;
 /// So near to the end of its range in its coordinate, a strength ran to it.
@@ -77,11 +80,10 @@ impl Unknowns {
     pub(crate) fn new(
         datasheet: &PlantParameters,
         fitted: &[EffectSetting],
-        trust: Trust,
         has_pressure: bool,
     ) -> Self {
         let mut plant = datasheet.clone();
-        let mut list: Vec<Unknown> = nuisances(datasheet, trust, has_pressure)
+        let mut list: Vec<Unknown> = nuisances(datasheet, has_pressure)
             .into_iter()
             .map(Unknown::Nuisance)
             .collect();
@@ -130,7 +132,16 @@ impl Unknowns {
         for (index, log) in logs.iter().enumerate() {
             let Some(clock) = log.clock else { continue };
             let (phase_s, drift_ppm) = (clock.phase_s, clock.drift_ppm);
+            let (known_s, sd_s) = log.known_phase_s;
             let reach_s = 0.5 * log.sample_time_s;
+            let phase_range = if PHASE_REACH_SD * sd_s < reach_s {
+                (
+                    known_s - PHASE_REACH_SD * sd_s,
+                    known_s + PHASE_REACH_SD * sd_s,
+                )
+            } else {
+                (phase_s - reach_s, phase_s + reach_s)
+            };
             self.list.extend([
                 Unknown::Clock(ClockUnknown {
                     log: index,
@@ -138,7 +149,7 @@ impl Unknowns {
                     start: phase_s,
                     known: log.known_phase_s,
                     unit: PHASE_UNIT_S,
-                    range: ((phase_s - reach_s).max(0.0), phase_s + reach_s),
+                    range: (phase_range.0.max(0.0), phase_range.1),
                 }),
                 Unknown::Clock(ClockUnknown {
                     log: index,
@@ -199,6 +210,20 @@ impl Unknown {
 
     fn is_log(spec: &ParameterSpec) -> bool {
         spec.size.is_some_and(|size| size.scale == Scale::Log)
+    }
+
+    /// Whether it is the delay of the commands.
+    pub(crate) fn is_delay(&self) -> bool {
+        matches!(self, Self::Nuisance(nuisance) if nuisance.spec.name() == COMMAND_DELAY)
+    }
+
+    /// Whether currents show it by themselves, however wrong the rest of the plant is.
+    pub(crate) fn is_shown_by_currents(&self) -> bool {
+        match self {
+            Self::Nuisance(nuisance) => nuisance.spec.section == "coil" || self.is_delay(),
+            Self::Clock(_) => true,
+            Self::Effect { .. } => false,
+        }
     }
 
     /// Whether it is the strength of an effect.

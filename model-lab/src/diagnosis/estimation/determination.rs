@@ -9,9 +9,9 @@ use crate::diagnosis::trial::Trial;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
 /// A parameter is determined if the logs narrow its interval to this share of what was possible before.
-const DETERMINED: f64 = 0.35;
+const DETERMINED: f64 = 0.18;
 /// A parameter is not excited if the logs could not narrow its interval to this share, were all others known.
-const NOT_EXCITED: f64 = 0.35;
+const NOT_EXCITED: f64 = 0.18;
 /// Two parameters make up for each other from this magnitude of their correlation on.
 const MAKES_UP: f64 = 0.5;
 /// Half width of a 95 % interval in standard deviations.

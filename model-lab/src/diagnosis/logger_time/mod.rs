@@ -44,8 +44,6 @@ const FEW: usize = 3;
 const TOLD_PHASE_SD: f64 = 0.1;
 /// Standard deviation of what lies evenly within a slack to either side.
 const EVEN_SD: f64 = 0.577;
-/// Rows closer than this (s) show a current of an instant; those further apart may show means.
-const SCOPE_INTERVAL_S: f64 = 2e-4;
 
 /// What is known of the delay of the commands while a clock is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,8 +128,7 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay) {
 
 /// Finds whether the currents of `log` are means since the row before or values of the instant: what leaves less.
 fn find_sampling(plant: &PlantParameters, log: &mut Log, delay: Delay) {
-    let is_scope = log.interval_s < SCOPE_INTERVAL_S;
-    if !log.has_current() || log.sampling == CurrentSampling::MeanOfInterval || is_scope {
+    if !log.is_sampling_open() || log.sampling == CurrentSampling::MeanOfInterval {
         return;
     }
     let clock = [log.clock];

@@ -1,0 +1,253 @@
+//! The stages of the estimation, each of which follows what it can see.
+//!
+//! Currents come first: they show the coils, the delay and the clocks of the loggers whatever the rest of the plant is. Then all
+//! parameters are fitted with a loss that forgives large errors, since a first plant file may be 30 % off; where that leaves more
+//! than the noise, from several other starts too. Least squares come last, unless they leave more than the noise: then physics is
+//! missing, whose errors they would spread over the parameters, and the forgiving estimate stays.
+
+use plant_sim::PlantParameters;
+use plant_sim::replay::CurrentSampling;
+use rayon::prelude::*;
+
+use super::unknowns_of;
+use crate::diagnosis::error::DiagnoseError;
+use crate::diagnosis::errors::Errors;
+use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::fit::{Descent, Fit, Fitter, Loss, Scope};
+use crate::diagnosis::log::{Log, Run};
+use crate::diagnosis::logger_time::{Delay, best_delay_s, find_clock, set_clocks};
+use crate::diagnosis::search::{Watch, report};
+use crate::diagnosis::split::Split;
+use crate::diagnosis::unknowns::{Unknown, Unknowns};
+
+/// Residuals beyond this many noise floors count in proportion where large errors are forgiven.
+const OUTLIER: f64 = 3.0;
+/// Steps of the differences over the usual ones: a first plant file leaves more room than tolerances of parts, ...
+const COARSE: f64 = 0.5;
+/// ... and in the last stage a parameter may be known to a hundredth of its range.
+const FINE: f64 = 0.05;
+/// A decrease below this share of the cost ends the last stage: what hardly shows in the cost is wanted as well.
+const CONVERGED_SHARE: f64 = 1e-6;
+/// The forgiving stage is run this often; the commands are assigned to the samples of the ECU anew after each.
+const ROUNDS: usize = 2;
+/// Delays from which the coils are fitted are this far apart (s), and this many at most.
+const DELAY_STEP_S: f64 = 1.5e-3;
+const DELAYS_MAX: f64 = 16.0;
+/// Other starts that are begun, ...
+const STARTS: usize = 8;
+/// ... how far from the middle of its range each parameter begins at most, over half the range, ...
+const START_REACH: f64 = 0.7;
+/// ... how many of them are fitted to the end, ...
+const FINISHED: usize = 2;
+/// ... and the share of the cost that one has to save to be another valley.
+const BETTER_VALLEY: f64 = 0.01;
+
+/// A fit with the coordinates that it is in.
+pub(super) type Fitted = (Unknowns, Fit);
+
+/// Fits the ordinary parameters of `plant`, the parameters of its effects and the clocks of the loggers.
+pub(super) fn fit(
+    plant: &PlantParameters,
+    split: &mut Split,
+    watch: Watch,
+) -> Result<Fitted, DiagnoseError> {
+    let mut unknowns = unknowns_of(plant, &split.fitting);
+    let mut z = unknowns.start();
+    begin_at_delay(&unknowns, &mut z, best_delay_s(plant, &split.fitting));
+    let has_current = split.fitting.logs.iter().any(Log::has_current);
+    if has_current {
+        report(watch, "estimating the coils from their currents", 0.0)?;
+        z = fit_coils(split, &unknowns, &z)?;
+    }
+    for round in 0..ROUNDS {
+        let done = round as f64 / ROUNDS as f64;
+        report(watch, "estimating, large errors forgiven", done)?;
+        let fit = forgiving(&split.fitting, &unknowns, z, Descent::Whole);
+        let fit = fit.ok_or_else(|| split.not_simulated())?;
+        (unknowns, z) = assigned_anew(plant, split, &unknowns, &fit.z);
+    }
+    if leaves_more_than_noise(split, &unknowns, &z)? {
+        report(watch, "estimating, from other starts", 0.0)?;
+        if let Some(other) = from_other_starts(&split.fitting, &unknowns, &z, has_current) {
+            (unknowns, z) = assigned_anew(plant, split, &unknowns, &other.z);
+        }
+    }
+    report(watch, "estimating, least squares", 0.0)?;
+    let mut fitter = Fitter::new(&split.fitting, &unknowns);
+    fitter.step_scale = FINE;
+    fitter.converged_share = CONVERGED_SHARE;
+    let forgiving = fitter.at(z).ok_or_else(|| split.not_simulated())?;
+    let least = fitter.descend(forgiving.clone(), Descent::Whole);
+    let least = least.ok_or_else(|| split.not_simulated())?;
+    let errors = Errors::new(&split.fitting, &least.residuals, Run::Predicted);
+    let kept = if errors.is_material() {
+        forgiving
+    } else {
+        least
+    };
+    split.fitting.take_clocks(&unknowns, &kept.z);
+    set_clocks(&unknowns.plant(&kept.z), &mut split.checking);
+    Ok((unknowns, kept))
+}
+
+/// Fits from `z` with large errors forgiven.
+fn forgiving(
+    evidence: &Evidence,
+    unknowns: &Unknowns,
+    z: Vec<f64>,
+    descent: Descent,
+) -> Option<Fit> {
+    let fitter = forgiving_fitter(evidence, unknowns);
+    fitter.descend(fitter.at(z)?, descent)
+}
+
+fn forgiving_fitter<'a>(evidence: &'a Evidence, unknowns: &'a Unknowns) -> Fitter<'a> {
+    let mut fitter = Fitter::new(evidence, unknowns);
+    fitter.loss = Loss::Forgiving(OUTLIER);
+    fitter.step_scale = COARSE;
+    fitter
+}
+
+fn leaves_more_than_noise(
+    split: &Split,
+    unknowns: &Unknowns,
+    z: &[f64],
+) -> Result<bool, DiagnoseError> {
+    let there = Fitter::new(&split.fitting, unknowns).at(z.to_vec());
+    let there = there.ok_or_else(|| split.not_simulated())?;
+    Ok(Errors::new(&split.fitting, &there.residuals, Run::Predicted).is_material())
+}
+
+/// Fits what the currents show, from every delay that is possible: a delay that is two milliseconds off has a valley of its own.
+/// Where the currents of a log may be values of instants as well as means, what suits all of them better is taken.
+fn fit_coils(split: &mut Split, unknowns: &Unknowns, z: &[f64]) -> Result<Vec<f64>, DiagnoseError> {
+    let coils = |evidence: &Evidence, z: Vec<f64>, descent: Descent| {
+        let mut fitter = forgiving_fitter(evidence, unknowns);
+        fitter.scope = Scope::Coils;
+        fitter.descend(fitter.at(z)?, descent)
+    };
+    let mut begun = Vec::new();
+    for sampling in [CurrentSampling::MeanOfInterval, CurrentSampling::Instant] {
+        let is_open = split.fitting.set_open_sampling(sampling);
+        let fits = delays_all_over(unknowns, z).into_par_iter();
+        let fits = fits.filter_map(|z| coils(&split.fitting, z, Descent::Begun));
+        let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        begun.extend(best.map(|fit| (sampling, fit)));
+        if !is_open {
+            break;
+        }
+    }
+    let best = begun
+        .into_iter()
+        .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    let (sampling, fit) = best.ok_or_else(|| split.not_simulated())?;
+    split.fitting.set_open_sampling(sampling);
+    let fit = coils(&split.fitting, fit.z, Descent::Whole);
+    Ok(fit.ok_or_else(|| split.not_simulated())?.z)
+}
+
+/// Copies of the coordinates `z`, with delays all over what is possible.
+fn delays_all_over(unknowns: &Unknowns, z: &[f64]) -> Vec<Vec<f64>> {
+    let Some(delay) = unknowns.list().iter().position(Unknown::is_delay) else {
+        return vec![z.to_vec()];
+    };
+    let unknown = &unknowns.list()[delay];
+    let (least, most) = unknown.bounds();
+    let span_s = unknown.value(most) - unknown.value(least);
+    let parts = (span_s / DELAY_STEP_S).ceil().clamp(1.0, DELAYS_MAX);
+    let place = |part: usize| least + (part as f64 + 0.5) / parts * (most - least);
+    let with_delay = |part: usize| {
+        let mut z = z.to_vec();
+        z[delay] = place(part);
+        z
+    };
+    (0..parts as usize).map(with_delay).collect()
+}
+
+/// Returns the best fit from starts all over the ranges of the parameters, if it is another valley than that of `z`. What currents
+/// show stays where it is if they `show_coils`.
+fn from_other_starts(
+    evidence: &Evidence,
+    unknowns: &Unknowns,
+    z: &[f64],
+    show_coils: bool,
+) -> Option<Fit> {
+    let here = forgiving_fitter(evidence, unknowns).at(z.to_vec())?;
+    let starts = (1..=STARTS).into_par_iter();
+    let begun = starts.filter_map(|n| {
+        let start = all_over(unknowns, z, show_coils, n);
+        forgiving(evidence, unknowns, start, Descent::Begun)
+    });
+    let mut begun: Vec<Fit> = begun.collect();
+    begun.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    begun.truncate(FINISHED);
+    let finished = begun.into_par_iter();
+    let finished = finished.filter_map(|fit| forgiving(evidence, unknowns, fit.z, Descent::Whole));
+    let best = finished.min_by(|a, b| a.cost.total_cmp(&b.cost));
+    best.filter(|fit| fit.cost < (1.0 - BETTER_VALLEY) * here.cost)
+}
+
+/// The point `number` of a sequence that is even all over the ranges of the ordinary parameters; the rest as in `z`.
+fn all_over(unknowns: &Unknowns, z: &[f64], show_coils: bool, number: usize) -> Vec<f64> {
+    let mut z = z.to_vec();
+    let list = unknowns.list().iter().enumerate();
+    let moved = list.filter(|(_, unknown)| {
+        matches!(unknown, Unknown::Nuisance(_)) && !(show_coils && unknown.is_shown_by_currents())
+    });
+    for (dimension, (n, unknown)) in moved.enumerate() {
+        let (least, most) = unknown.bounds();
+        let share = START_REACH * (2.0 * additive_recurrence(dimension, number) - 1.0);
+        z[n] = 0.5 * (least + most) + 0.5 * share * (most - least);
+    }
+    z
+}
+
+/// Element `number` of a low-discrepancy sequence in [0, 1): multiples of the square root of a prime, one prime for each dimension.
+///
+/// H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM (1992), chapter 3.
+fn additive_recurrence(dimension: usize, number: usize) -> f64 {
+    const PRIMES: [f64; 16] = [
+        2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0,
+    ];
+    (number as f64 * PRIMES[dimension % PRIMES.len()].sqrt()).fract()
+}
+
+/// Puts the delay of the commands where the logs show it best: a step of a fit sees no further than a pulse.
+fn begin_at_delay(unknowns: &Unknowns, z: &mut [f64], delay_s: f64) {
+    for (unknown, z) in unknowns.list().iter().zip(z) {
+        if unknown.is_delay() {
+            let (least, most) = unknown.bounds();
+            *z = unknown.coordinate_of(delay_s).clamp(least, most);
+        }
+    }
+}
+
+/// Takes the fitted clocks for those of the loggers, looks for those that are not known yet, and assigns the commands by all of
+/// them. The coordinates of the clocks begin there.
+fn assigned_anew(
+    plant: &PlantParameters,
+    split: &mut Split,
+    fitted: &Unknowns,
+    z: &[f64],
+) -> (Unknowns, Vec<f64>) {
+    let there = fitted.plant(z);
+    let mut clocks = split.fitting.clocks();
+    fitted.clocks(z, &mut clocks);
+    split.fitting.set_clocks(&clocks, &there);
+    for log in split
+        .fitting
+        .logs
+        .iter_mut()
+        .filter(|log| log.clock.is_none())
+    {
+        find_clock(&there, log, Delay::AsGiven);
+    }
+    let unknowns = unknowns_of(plant, &split.fitting);
+    let mut next = unknowns.start();
+    for ((to, unknown), from) in next.iter_mut().zip(unknowns.list()).zip(z) {
+        if !matches!(unknown, Unknown::Clock(_)) {
+            *to = *from;
+        }
+    }
+    (unknowns, next)
+}
