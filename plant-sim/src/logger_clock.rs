@@ -4,6 +4,9 @@
 //! runs fast or slow by some parts per million, so that its rows wander through the ECU's samples. A row shows the
 //! command in force at its instant: the one that the ECU gave at its last sample before.
 
+/// Samples of the ECU that [`LoggerClock::later`] leaves before the first row.
+const SAMPLES_OF_ROOM: f64 = 3.0;
+
 /// Clock of a logger beside that of the ECU.
 ///
 /// The row at `t` seconds after the first row of the log has the ECU time `phase_s + t (1 + drift_ppm 1e-6)`.
@@ -16,6 +19,28 @@ pub struct LoggerClock {
 }
 
 impl LoggerClock {
+    /// Returns the clock of `drift_ppm` that is `phase_s` later than the logger's count at `log_s` after the first row.
+    pub fn with_phase_at(log_s: f64, phase_s: f64, drift_ppm: f64) -> Self {
+        Self {
+            phase_s: phase_s - log_s * drift_ppm * 1e-6,
+            drift_ppm,
+        }
+    }
+
+    /// Returns the clock some whole samples of the ECU later, so that no row lies before the beginning: a clock that runs fast may
+    /// reach back before the first sample.
+    pub fn later(self, sample_time_s: f64) -> Self {
+        Self {
+            phase_s: self.phase_s.rem_euclid(sample_time_s) + SAMPLES_OF_ROOM * sample_time_s,
+            ..self
+        }
+    }
+
+    /// Returns by how much (s) the ECU time of an instant `log_s` after the first row is later than the logger's count.
+    pub fn phase_at_s(&self, log_s: f64) -> f64 {
+        self.phase_s + log_s * self.drift_ppm * 1e-6
+    }
+
     /// Returns the ECU time (ns) of an instant `log_ns` after the first row of the log.
     pub fn ecu_time_ns(&self, log_ns: u64) -> u64 {
         let log_ns = log_ns as f64;

@@ -322,18 +322,6 @@ impl<'a> Fitter<'a> {
         let mut secants = 0;
         for _ in 0..descent.iterations() {
             let (z, expected) = self.step(&fit, damping);
-                eprintln!(
-                    "cost {:.1} expected {:.2} damping {:.1e} fresh {} z {:?}",
-                    fit.cost,
-                    expected,
-                    damping,
-                    fresh,
-                    fit.z
-                        .iter()
-                        .map(|z| (z * 100.0).round() / 100.0)
-                        .collect::<Vec<_>>()
-                );
-            }
             let mut renew = expected < self.converged(fit.cost);
             if renew && (fresh || descent == Descent::Begun) {
                 break;

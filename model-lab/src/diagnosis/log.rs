@@ -3,7 +3,7 @@
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
-use plant_sim::{PlantParameters, Simulator, Tolerance};
+use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
 use super::error::DiagnoseError;
@@ -20,6 +20,14 @@ use crate::warning::warnings;
 const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
 /// Rows closer than this (s) show a current of an instant; those further apart may show means.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
+/// Rows further apart than this many samples of the ECU leave open at which of them a command was given.
+const SLOWER: f64 = 0.95;
+/// A command has shown this many PWM periods after it took effect.
+const SHOWS_PERIODS: f64 = 2.0;
+/// A command may have been given this share of a sample time outside of the rows that enclose it: the clock may be slightly wrong.
+const EDGE: f64 = 0.1;
+/// More samples of the ECU than these between two rows are a gap.
+const SAMPLES_MAX: u64 = 20;
 /// A correction leaves at least this pressure (Pa abs).
 const LEAST_PRESSURE: f64 = 1e3;
 
@@ -35,9 +43,12 @@ pub(crate) struct Log {
     pub(crate) sampling: CurrentSampling,
     /// Whether several rows show each PWM period.
     resolves_pwm: bool,
+    /// Whether the plant has coils.
+    has_coil: bool,
     /// Clock of the logger; none where each row is an instant of the ECU's own clock at which it gave the row's command.
     pub(crate) clock: Option<LoggerClock>,
-    /// Phase of the clock (s) that the logged commands tell, with its standard deviation: infinite where they do not.
+    /// Phase of the clock (s) in the middle of the log that the logged commands tell, with its standard deviation: infinite where
+    /// they do not.
     pub(crate) known_phase_s: (f64, f64),
     /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
     issued_ns: Vec<u64>,
@@ -187,6 +198,7 @@ impl Log {
             source: log.provenance().source.clone(),
             commands,
             inputs,
+            has_coil: Part::Coil.is_in(parameters),
             sampling: usual_sampling,
             resolves_pwm: usual_sampling == CurrentSampling::Instant,
             clock: None,
@@ -213,13 +225,13 @@ impl Log {
     }
 
     /// A row in the time of the ECU, less what was taken out of pauses before it.
-    fn on_ecu_time(&self, row: usize, Timing { clock, issued_ns }: Timing) -> ReplayInput {
+    fn on_ecu_time(&self, row: usize, (clock, issued_ns): (LoggerClock, u64)) -> ReplayInput {
         let input = self.inputs[row];
         let taken_ns = self.log_ns(row) - input.time_ns;
         let time_ns = clock.ecu_time_ns(self.log_ns(row)).saturating_sub(taken_ns);
         ReplayInput {
             time_ns,
-            issued_ns: issued_ns[row].saturating_sub(taken_ns).min(time_ns),
+            issued_ns: issued_ns.saturating_sub(taken_ns).min(time_ns),
             ..input
         }
     }
@@ -235,15 +247,102 @@ impl Log {
         self.issued_ns = self.issued_by(clock, parameters);
     }
 
-    /// Of each row, the instant (ns, ECU time) at which its command was given if the logger has `clock`.
+    /// Of each row, the instant (ns, ECU time) at which its command was given if the logger has `clock`. Where several samples of the
+    /// ECU lie between two rows, the one that explains the next rows best, by the model.
     fn issued_by(&self, clock: LoggerClock, parameters: &PlantParameters) -> Vec<u64> {
         let sample_time_ns = parameters.ecu.sample_time_ns();
         let interval_ns = (self.interval_s * 1e9) as u64;
-        (0..self.inputs.len())
-            .map(|row| {
-                sample_time_ns * clock.ecu_sample(self.log_ns(row), interval_ns, sample_time_ns)
-            })
-            .collect()
+        let sample = |row| clock.ecu_sample(self.log_ns(row), interval_ns, sample_time_ns);
+        let mut issued_ns: Vec<u64> = (0..self.inputs.len())
+            .map(|row| sample_time_ns * sample(row))
+            .collect();
+        if self.interval_s > SLOWER * self.sample_time_s {
+            self.assign_by_model(clock, parameters, &mut issued_ns);
+        }
+        issued_ns
+    }
+
+    /// Assigns each change of the commands to the sample of the ECU between its two rows that explains the rows until it shows best.
+    fn assign_by_model(
+        &self,
+        clock: LoggerClock,
+        parameters: &PlantParameters,
+        issued_ns: &mut [u64],
+    ) {
+        let sample_time_ns = parameters.ecu.sample_time_ns();
+        let shows_s =
+            parameters.ecu.command_delay_s + SHOWS_PERIODS / parameters.ecu.pwm_frequency_hz;
+        let rows_until_shown = (shows_s / self.interval_s).ceil() as usize + 1;
+        let mut replay = self.begin(parameters, Tolerance::default());
+        for row in 0..self.inputs.len() {
+            let samples = self.possible_samples(row, clock, sample_time_ns);
+            if samples.end() > samples.start() {
+                let until = (row + rows_until_shown).min(self.inputs.len());
+                let loss = |sample: u64| {
+                    let mut trial = issued_ns[row..until].to_vec();
+                    trial[0] = sample * sample_time_ns;
+                    let mut replay = replay.clone();
+                    let errors = (row..until).map(|next| {
+                        let timing = (clock, trial[next - row]);
+                        self.step(&mut replay, next, Some(timing), Run::Predicted)
+                            .map_or(f64::INFINITY, |values| self.square_error(&values, next))
+                    });
+                    errors.sum::<f64>()
+                };
+                let tried = samples.map(|sample| (loss(sample), sample));
+                let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+                if let Some((_, sample)) = best {
+                    issued_ns[row] = sample * sample_time_ns;
+                }
+            }
+            let timing = (clock, issued_ns[row]);
+            if self
+                .step(&mut replay, row, Some(timing), Run::Predicted)
+                .is_none()
+            {
+                return;
+            }
+        }
+    }
+
+    /// Samples of the ECU at which the command of `row` may have been given first: those since the row before, and a little more,
+    /// for the clock may be slightly wrong. Empty where the command does not change.
+    fn possible_samples(
+        &self,
+        row: usize,
+        clock: LoggerClock,
+        sample_time_ns: u64,
+    ) -> core::ops::RangeInclusive<u64> {
+        const NONE: core::ops::RangeInclusive<u64> = 1..=0;
+        let Some(before) = row.checked_sub(1) else {
+            return NONE;
+        };
+        let command = |row: usize| self.inputs[row].command;
+        if command(row).is_none() || command(row) == command(before) {
+            return NONE;
+        }
+        let slack_ns = (EDGE * sample_time_ns as f64) as u64;
+        let after_ns = clock
+            .ecu_time_ns(self.log_ns(before))
+            .saturating_sub(slack_ns);
+        let until_ns = clock.ecu_time_ns(self.log_ns(row)) + slack_ns;
+        let (first, last) = (after_ns / sample_time_ns + 1, until_ns / sample_time_ns);
+        if last - first.min(last) > SAMPLES_MAX {
+            return NONE;
+        }
+        first..=last
+    }
+
+    /// Sum of the squared residuals of a predicted row.
+    fn square_error(&self, values: &Row, row: usize) -> f64 {
+        let errors = self.channels.iter().map(|channel| {
+            let error = channel.values[row] - values[channel.column];
+            error / self.floor(channel, Run::Predicted, row)
+        });
+        errors
+            .filter(|error| error.is_finite())
+            .map(|error| error * error)
+            .sum()
     }
 
     /// The residuals of `parameters` with `clock`, by which the commands are assigned anew.
@@ -269,6 +368,16 @@ impl Log {
     /// Time from the first row to the last (s).
     pub(crate) fn duration_s(&self) -> f64 {
         self.commands.times_s.last().copied().unwrap_or(0.0)
+    }
+
+    /// Whether a model alone can tell the clock of the logger: it has coils that are commanded, and the commands do not tell it.
+    pub(crate) fn is_clock_open(&self) -> bool {
+        self.has_coil && self.known_phase_s.1.is_infinite() && self.duration_s() > self.interval_s
+    }
+
+    /// The middle of the log since its first row (s): there a phase does not depend on the drift.
+    pub(crate) fn middle_s(&self) -> f64 {
+        0.5 * self.duration_s()
     }
 
     /// The timing by `clock`, with the commands assigned as by the log's own clock.
@@ -321,7 +430,7 @@ impl Log {
             parameters,
             None,
             (Run::Free, Tolerance::default()),
-            |row, values, _| {
+            |row, values| {
                 let span_s = self.commands.times_s[row] - last_s;
                 let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
                 largest = largest.max((values[column] - last).abs() / periods);
@@ -349,7 +458,7 @@ impl Log {
         parameters: &PlantParameters,
         timing: Option<Timing>,
         (run, tolerance): (Run, Tolerance),
-        mut see: impl FnMut(usize, &Row, &mut Simulator),
+        mut see: impl FnMut(usize, &Row),
     ) -> Option<()> {
         let without_supply;
         let parameters = if self.is_without_supply {
@@ -358,41 +467,59 @@ impl Log {
         } else {
             parameters
         };
+        let mut replay = self.begin(parameters, tolerance);
+        for index in 0..self.inputs.len() {
+            let timing = timing.map(|Timing { clock, issued_ns }| (clock, issued_ns[index]));
+            let row = self.step(&mut replay, index, timing, run)?;
+            see(index, &row);
+        }
+        Some(())
+    }
+
+    fn begin(&self, parameters: &PlantParameters, tolerance: Tolerance) -> Replay {
         let mut replay = Replay::new(parameters, self.sampling, tolerance);
         if let Some(pressure) = self.start_pressure {
             replay.begin_showing(pressure);
         }
-        let pressure = self.pressure().filter(|_| run == Run::Predicted);
-        for (index, &input) in self.inputs.iter().enumerate() {
-            let row = replay.row(match timing {
-                Some(timing) => self.on_ecu_time(index, timing),
-                None => input,
-            });
-            if replay.simulator().is_given_up() {
-                return None;
-            }
-            see(index, &row, replay.simulator());
-            if let Some(restart) = Restart::at(&self.restarts, index) {
-                replay.begin_showing(restart.pressure);
-            }
-            if let Some(channel) = pressure {
-                let error = channel.values[index] - row[channel.column];
-                let gain = self.predictor.gains[index];
-                if error.is_finite() && gain > 0.0 {
-                    let simulator = replay.simulator();
-                    let corrected = simulator.state().pressure + gain * error * PA_PER_BAR;
-                    simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
-                }
+        replay
+    }
+
+    /// Advances to row `index`, whose command was given at an instant by a clock, and corrects the model there; none where the
+    /// simulation was given up.
+    fn step(
+        &self,
+        replay: &mut Replay,
+        index: usize,
+        timing: Option<(LoggerClock, u64)>,
+        run: Run,
+    ) -> Option<Row> {
+        let row = replay.row(match timing {
+            Some(timing) => self.on_ecu_time(index, timing),
+            None => self.inputs[index],
+        });
+        if replay.simulator().is_given_up() {
+            return None;
+        }
+        if let Some(restart) = Restart::at(&self.restarts, index) {
+            replay.begin_showing(restart.pressure);
+        }
+        if let Some(channel) = self.pressure().filter(|_| run == Run::Predicted) {
+            let error = channel.values[index] - row[channel.column];
+            let gain = self.predictor.gains[index];
+            if error.is_finite() && gain > 0.0 {
+                let simulator = replay.simulator();
+                let corrected = simulator.state().pressure + gain * error * PA_PER_BAR;
+                simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
             }
         }
-        Some(())
+        Some(row)
     }
 
     /// The rows of the model, corrected by the measured pressure; none where the simulation was given up.
     pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
         let mut rows = Vec::with_capacity(self.inputs.len());
         let run = (Run::Predicted, Tolerance::default());
-        self.run(parameters, self.timing(self.clock), run, |_, row, _| {
+        self.run(parameters, self.timing(self.clock), run, |_, row| {
             rows.push(*row)
         })?;
         Some(rows)
@@ -409,7 +536,7 @@ impl Log {
         let rows = self.inputs.len();
         let begin = all.len();
         all.resize(begin + rows * self.channels.len(), 0.0);
-        self.run(parameters, timing, (run, tolerance), |index, row, _| {
+        self.run(parameters, timing, (run, tolerance), |index, row| {
             for (n, channel) in self.channels.iter().enumerate() {
                 let error = channel.values[index] - row[channel.column];
                 if error.is_finite() && self.counted[index] {

@@ -41,6 +41,8 @@ pub(crate) struct ClockUnknown {
     /// Index of the log.
     pub(crate) log: usize,
     pub(crate) figure: ClockFigure,
+    /// The middle of the log since its first row (s).
+    middle_s: f64,
     pub(crate) start: f64,
     /// Value and standard deviation that are known without the model; the deviation is infinite where nothing is.
     pub(crate) known: (f64, f64),
@@ -53,7 +55,7 @@ pub(crate) struct ClockUnknown {
 /// Figure of a logger's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ClockFigure {
-    /// [`LoggerClock::phase_s`].
+    /// [`LoggerClock::phase_at_s`] in the middle of the log, where it does not depend on the drift.
     PhaseS,
     /// [`LoggerClock::drift_ppm`].
     DriftPpm,
@@ -131,7 +133,8 @@ impl Unknowns {
     pub(crate) fn with_clocks(mut self, logs: &[Log]) -> Self {
         for (index, log) in logs.iter().enumerate() {
             let Some(clock) = log.clock else { continue };
-            let (phase_s, drift_ppm) = (clock.phase_s, clock.drift_ppm);
+            let middle_s = log.middle_s();
+            let (phase_s, drift_ppm) = (clock.phase_at_s(middle_s), clock.drift_ppm);
             let (known_s, sd_s) = log.known_phase_s;
             let reach_s = 0.5 * log.sample_time_s;
             let phase_range = if PHASE_REACH_SD * sd_s < reach_s {
@@ -146,6 +149,7 @@ impl Unknowns {
                 Unknown::Clock(ClockUnknown {
                     log: index,
                     figure: ClockFigure::PhaseS,
+                    middle_s,
                     start: phase_s,
                     known: log.known_phase_s,
                     unit: PHASE_UNIT_S,
@@ -154,6 +158,7 @@ impl Unknowns {
                 Unknown::Clock(ClockUnknown {
                     log: index,
                     figure: ClockFigure::DriftPpm,
+                    middle_s,
                     start: drift_ppm,
                     known: (drift_ppm, f64::INFINITY),
                     unit: DRIFT_UNIT_PPM,
@@ -171,10 +176,15 @@ impl Unknowns {
                 continue;
             };
             let clock = clocks[fitted.log].get_or_insert_default();
-            match fitted.figure {
-                ClockFigure::PhaseS => clock.phase_s = unknown.value(z),
-                ClockFigure::DriftPpm => clock.drift_ppm = unknown.value(z),
-            }
+            let phase_s = clock.phase_at_s(fitted.middle_s);
+            *clock = match fitted.figure {
+                ClockFigure::PhaseS => {
+                    LoggerClock::with_phase_at(fitted.middle_s, unknown.value(z), clock.drift_ppm)
+                }
+                ClockFigure::DriftPpm => {
+                    LoggerClock::with_phase_at(fitted.middle_s, phase_s, unknown.value(z))
+                }
+            };
         }
     }
 

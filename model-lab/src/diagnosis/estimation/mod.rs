@@ -12,23 +12,18 @@ mod tests;
 use std::time::Instant;
 
 use plant_sim::PlantParameters;
-use plant_sim::replay::CurrentSampling;
-use rayon::prelude::*;
 use recording::Recording;
 
 use super::assemble;
 use super::error::DiagnoseError;
-use super::errors::Errors;
 use super::evidence::Evidence;
-use super::fit::{Descent, Fit, Fitter, Loss, Scope};
+use super::fit::Fitter;
 use super::knowledge::state_first_file;
-use super::log::{Log, Run};
-use super::logger_time::{Delay, best_delay_s, find_clock, set_clocks};
 use super::refine::with_provenance;
 use super::search::{Watch, report};
 use super::split::Split;
 use super::trial::{Bench, Trial};
-use super::unknowns::{Unknown, Unknowns};
+use super::unknowns::Unknowns;
 use determination::estimated_parameters;
 pub use result::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
@@ -53,7 +48,6 @@ pub fn estimate(
         return Err(DiagnoseError::NoLog);
     }
     report(watch, "clocks of the loggers", 0.0)?;
-    let stated = &plant.knowledge;
     let mut plant = plant.clone();
     state_first_file(&mut plant);
     let plant = &plant;

@@ -15,7 +15,9 @@ use crate::diagnosis::errors::Errors;
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::fit::{Descent, Fit, Fitter, Loss, Scope};
 use crate::diagnosis::log::{Log, Run};
-use crate::diagnosis::logger_time::{Delay, best_delay_s, find_clock, set_clocks};
+use crate::diagnosis::logger_time::{
+    Delay, best_delay_s, find_clock, find_slow_clocks, set_clocks,
+};
 use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
@@ -76,15 +78,15 @@ pub(super) fn fit(
     let mut fitter = Fitter::new(&split.fitting, &unknowns);
     fitter.step_scale = FINE;
     fitter.converged_share = CONVERGED_SHARE;
-    let forgiving = fitter.at(z).ok_or_else(|| split.not_simulated())?;
-    let least = fitter.descend(forgiving.clone(), Descent::Whole);
-    let least = least.ok_or_else(|| split.not_simulated())?;
-    let errors = Errors::new(&split.fitting, &least.residuals, Run::Predicted);
-    let kept = if errors.is_material() {
-        forgiving
-    } else {
-        least
-    };
+    let start = fitter.at(z).ok_or_else(|| split.not_simulated())?;
+    let mut kept = fitter.descend(start.clone(), Descent::Whole);
+    let is_material =
+        |fit: &Fit| Errors::new(&split.fitting, &fit.residuals, Run::Predicted).is_material();
+    if kept.as_ref().is_none_or(is_material) {
+        fitter.loss = Loss::Forgiving(OUTLIER);
+        kept = fitter.descend(start, Descent::Whole);
+    }
+    let kept = kept.ok_or_else(|| split.not_simulated())?;
     split.fitting.take_clocks(&unknowns, &kept.z);
     set_clocks(&unknowns.plant(&kept.z), &mut split.checking);
     Ok((unknowns, kept))
@@ -242,12 +244,24 @@ fn assigned_anew(
     {
         find_clock(&there, log, Delay::AsGiven);
     }
+    let delay = fitted.list().iter().find(|unknown| unknown.is_delay());
+    let delays_s = delay.map_or(
+        (there.ecu.command_delay_s, there.ecu.command_delay_s),
+        |delay| {
+            let (least, most) = delay.bounds();
+            (delay.value(least), delay.value(most))
+        },
+    );
+    let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s);
     let unknowns = unknowns_of(plant, &split.fitting);
     let mut next = unknowns.start();
     for ((to, unknown), from) in next.iter_mut().zip(unknowns.list()).zip(z) {
         if !matches!(unknown, Unknown::Clock(_)) {
             *to = *from;
         }
+    }
+    if let Some(delay_s) = delay_s {
+        begin_at_delay(&unknowns, &mut next, delay_s);
     }
     (unknowns, next)
 }

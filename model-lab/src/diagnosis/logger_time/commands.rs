@@ -1,23 +1,26 @@
 //! The clock of a logger, from the commands that it logged.
 //!
 //! The ECU commands on its own grid, so every change of a logged duty cycle lies between the two rows that enclose a sample
-//! instant of the ECU. A logger that is faster than the ECU thereby shows phase and drift of its clock without any model.
+//! instant of the ECU. Each change therefore admits only some phases of the logger's clock. A logger whose rows are closer than
+//! the ECU's samples thereby shows phase and drift of its clock without any model.
 
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::ReplayInput;
 
 /// Drifts beyond this are no logger's clock (ppm).
 pub(super) const DRIFT_MAX_PPM: f64 = 400.0;
-/// A logger is faster than the ECU if its rows are closer than this share of the ECU's sample time.
+/// A change tells something of the clock if its rows are closer than this share of the ECU's sample time.
 const FASTER: f64 = 0.75;
 /// Changes of a command from which on a clock is believed.
 const CHANGES_MIN: usize = 5;
-/// Drifts are tried in steps that move the last change by this share of the row interval.
-const STEP_SHARE: f64 = 0.01;
-/// Clocks are this share of the row interval apart at the last change.
+/// Drifts are tried in steps that move the last change by this share of the time between its rows.
+const STEP_SHARE: f64 = 0.02;
+/// Clocks are this share of it apart at the last change.
 const APART_SHARE: f64 = 0.3;
-/// The changes may spread over this much more than a row interval: rounded times.
-const SLACK: f64 = 1.02;
+/// Changes may lie outside of their rows by this share of the time between them: rounded times.
+const SLACK: f64 = 0.02;
+/// Share of the changes that a clock has to explain: a command may be set by hand, between the samples of the ECU.
+const EXPLAINED: f64 = 0.98;
 
 /// A clock as the commands tell it.
 #[derive(Debug, Clone, Copy)]
@@ -27,97 +30,164 @@ pub(super) struct ToldClock {
     pub(super) phase_slack_s: f64,
 }
 
-/// Returns clocks in whose time all changes of the commands follow the sample instants of the ECU by less than a row, all over
-/// the drifts for which that is so. None for a logger that is hardly faster than the ECU, for few changes, and for commands
-/// that are on no such grid.
-pub(super) fn clocks_from_commands(
-    inputs: &[ReplayInput],
-    interval_s: f64,
-    sample_time_s: f64,
-) -> Vec<ToldClock> {
-    let changes = changes_s(inputs, interval_s);
-    if interval_s > FASTER * sample_time_s || changes.len() < CHANGES_MIN {
+/// A change of a command: somewhere between two rows.
+#[derive(Debug, Clone, Copy)]
+struct Change {
+    /// Instants of the two rows since the first one of the log (s).
+    before_s: f64,
+    at_s: f64,
+}
+
+/// Returns clocks in whose time all changes of the commands enclose a sample instant of the ECU, all over the drifts for which
+/// that is so. None for a logger that is hardly faster than the ECU, for few changes, and for commands that are on no such grid.
+pub(super) fn clocks_from_commands(inputs: &[ReplayInput], sample_time_s: f64) -> Vec<ToldClock> {
+    let changes = changes(inputs, FASTER * sample_time_s);
+    if changes.len() < CHANGES_MIN {
         return Vec::new();
     }
-    let span_s = changes[changes.len() - 1] - changes[0];
+    let span_s = changes[changes.len() - 1].at_s - changes[0].at_s;
+    let mut widths: Vec<f64> = changes.iter().map(|one| one.at_s - one.before_s).collect();
+    widths.sort_by(f64::total_cmp);
+    let interval_s = widths[widths.len() / 2];
     let step_ppm = (STEP_SHARE * interval_s / span_s * 1e6).min(DRIFT_MAX_PPM);
     let steps = (DRIFT_MAX_PPM / step_ppm).ceil() as i32;
     let drifts = (-steps..=steps).map(|step| f64::from(step) * step_ppm);
-    let is_possible = |drift_ppm: &f64| {
-        Arc::of(&changes, *drift_ppm, sample_time_s).length_s <= SLACK * interval_s
-    };
     let mut ranges: Vec<(f64, f64)> = Vec::new();
-    for drift_ppm in drifts.filter(is_possible) {
+    for drift_ppm in
+        drifts.filter(|&drift_ppm| phases(&changes, drift_ppm, sample_time_s).is_some())
+    {
         match ranges.last_mut() {
             Some(last) if drift_ppm - last.1 < 1.5 * step_ppm => last.1 = drift_ppm,
             _ => ranges.push((drift_ppm, drift_ppm)),
         }
     }
-    let clock = |drift_ppm: f64| {
-        let arc = Arc::of(&changes, drift_ppm, sample_time_s);
-        // The arc lies in the middle of the row that follows a sample instant.
-        let before_s = 0.5 * (interval_s - arc.length_s);
-        ToldClock {
-            clock: LoggerClock {
-                phase_s: (before_s - arc.begin_s).rem_euclid(sample_time_s),
-                drift_ppm,
-            },
-            phase_slack_s: before_s.max(0.0),
-        }
-    };
     let apart_ppm = APART_SHARE * interval_s / span_s * 1e6;
     let drifts = ranges.into_iter().flat_map(|(least_ppm, most_ppm)| {
         let count = ((most_ppm - least_ppm) / apart_ppm).ceil().max(1.0);
         let place = move |n: usize| (n as f64 + 0.5) / count;
         (0..count as usize).map(move |n| least_ppm + place(n) * (most_ppm - least_ppm))
     });
-    drifts.map(clock).collect()
-}
-
-/// The instants of the rows, since the first one (s), that show a new command right after a row with the old one.
-fn changes_s(inputs: &[ReplayInput], interval_s: f64) -> Vec<f64> {
-    inputs
-        .windows(2)
-        .filter(|pair| pair[0].command.is_some() && pair[1].command.is_some())
-        .filter(|pair| pair[0].command != pair[1].command)
-        .filter(|pair| (pair[1].time_ns - pair[0].time_ns) as f64 * 1e-9 < 1.5 * interval_s)
-        .map(|pair| pair[1].time_ns as f64 * 1e-9)
+    drifts
+        .filter_map(|drift_ppm| {
+            let (least_s, most_s) = phases(&changes, drift_ppm, sample_time_s)?;
+            Some(ToldClock {
+                clock: LoggerClock {
+                    phase_s: (0.5 * (least_s + most_s)).rem_euclid(sample_time_s),
+                    drift_ppm,
+                },
+                phase_slack_s: 0.5 * (most_s - least_s),
+            })
+        })
         .collect()
 }
 
-/// The shortest arc of the ECU's sample time that holds all instants.
-#[derive(Debug, Clone, Copy)]
-struct Arc {
-    begin_s: f64,
-    length_s: f64,
+/// Returns the changes between rows that are closer than `closest_s`.
+fn changes(inputs: &[ReplayInput], closest_s: f64) -> Vec<Change> {
+    let pairs = inputs.windows(2).filter(|pair| {
+        let (before, at) = (pair[0].command, pair[1].command);
+        before.is_some() && at.is_some() && before != at
+    });
+    let change = |pair: &[ReplayInput]| Change {
+        before_s: pair[0].time_ns as f64 * 1e-9,
+        at_s: pair[1].time_ns as f64 * 1e-9,
+    };
+    pairs
+        .map(change)
+        .filter(|change| change.at_s - change.before_s < closest_s)
+        .collect()
 }
 
-impl Arc {
-    fn of(instants_s: &[f64], drift_ppm: f64, sample_time_s: f64) -> Self {
-        let mut places: Vec<f64> = instants_s
-            .iter()
-            .map(|instant_s| (instant_s * (1.0 + drift_ppm * 1e-6)).rem_euclid(sample_time_s))
-            .collect();
-        places.sort_by(f64::total_cmp);
-        let last = places.len() - 1;
-        let around = places[0] + sample_time_s - places[last];
-        let gaps = places.windows(2).map(|pair| pair[1] - pair[0]);
-        // The arc is what the widest gap leaves.
-        gaps.enumerate().fold(
-            Self {
-                begin_s: places[0],
-                length_s: sample_time_s - around,
-            },
-            |arc, (index, gap)| {
-                if sample_time_s - gap < arc.length_s {
-                    Self {
-                        begin_s: places[index + 1],
-                        length_s: sample_time_s - gap,
-                    }
-                } else {
-                    arc
-                }
-            },
-        )
+/// Returns the least and the largest phase (s) with which a clock of `drift_ppm` explains the changes; none if it does not. Phases
+/// are cyclic in the sample time of the ECU.
+fn phases(changes: &[Change], drift_ppm: f64, sample_time_s: f64) -> Option<(f64, f64)> {
+    let rate = 1.0 + drift_ppm * 1e-6;
+    // Each change admits an arc of phases; +1 where one begins, -1 where one ends.
+    let mut turns: Vec<(f64, i32)> = Vec::with_capacity(2 * changes.len());
+    let mut admitted = 0;
+    for change in changes {
+        let slack_s = SLACK * (change.at_s - change.before_s);
+        let begin_s = (-(change.at_s * rate + slack_s)).rem_euclid(sample_time_s);
+        let end_s = begin_s + (change.at_s - change.before_s) * rate + 2.0 * slack_s;
+        turns.extend([(begin_s, 1), (end_s.rem_euclid(sample_time_s), -1)]);
+        admitted += i32::from(end_s >= sample_time_s);
+    }
+    turns.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = (0, 0.0, 0.0);
+    for (n, &(begin_s, turn)) in turns.iter().enumerate() {
+        admitted += turn;
+        if admitted > best.0 {
+            let end_s = match turns.get(n + 1) {
+                Some(&(end_s, _)) => end_s,
+                None => turns[0].0 + sample_time_s,
+            };
+            best = (admitted, begin_s, end_s);
+        }
+    }
+    let (count, least_s, most_s) = best;
+    (f64::from(count) >= EXPLAINED * changes.len() as f64).then_some((least_s, most_s))
+}
+
+#[cfg(test)]
+mod tests {
+    use plant_sim::Command;
+
+    use super::*;
+
+    const SAMPLE_TIME_S: f64 = 10e-3;
+
+    /// What a logger with `clock` shows at `instants_s` of commands that change at samples of the ECU all over the log.
+    fn logged(clock: LoggerClock, instants_s: impl Iterator<Item = f64>) -> Vec<ReplayInput> {
+        let row = |instant_s: f64| {
+            let time_ns = (instant_s * 1e9) as u64;
+            let sample = clock.ecu_time_ns(time_ns) / 10_000_000;
+            // Changes every 7 to 9 samples.
+            let duty_fill_pct = (sample / 8 + sample / 71) as f64 % 2.0 * 50.0;
+            ReplayInput {
+                time_ns,
+                issued_ns: time_ns,
+                command: Some(Command {
+                    duty_fill_pct,
+                    duty_vent_pct: 0.0,
+                }),
+                supply_voltage_v: None,
+            }
+        };
+        instants_s.map(row).collect()
+    }
+
+    fn check(clock: LoggerClock, instants_s: impl Iterator<Item = f64>) {
+        let told = clocks_from_commands(&logged(clock, instants_s), SAMPLE_TIME_S);
+        let is_right = |told: &ToldClock| {
+            let off_s = told.clock.phase_s - clock.phase_s
+                + (told.clock.drift_ppm - clock.drift_ppm) * 1e-6 * 15.0;
+            let off_s = off_s - (off_s / SAMPLE_TIME_S).round() * SAMPLE_TIME_S;
+            off_s.abs() < told.phase_slack_s + 5e-4
+        };
+        assert!(told.iter().any(is_right), "{clock:?}: {told:?}");
+    }
+
+    #[test]
+    fn even_and_uneven_rows_tell_phase_and_drift() {
+        for (phase_s, drift_ppm) in [(0.3e-3, 0.0), (6.2e-3, 180.0), (9.9e-3, -150.0)] {
+            let clock = LoggerClock { phase_s, drift_ppm };
+            for interval_s in [0.2e-3, 2e-3, 5e-3] {
+                let rows = (30.0 / interval_s) as usize;
+                check(clock, (0..rows).map(|row| row as f64 * interval_s));
+                // Rows up to 0.8 intervals late, in no order.
+                let late = |row: usize| (row as f64 * 0.618).fract() * 0.8;
+                check(
+                    clock,
+                    (0..rows).map(|row| (row as f64 + late(row)) * interval_s),
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn rows_that_are_further_apart_than_samples_tell_nothing() {
+        let rows = (0..3000).map(|row| f64::from(row) * 10e-3);
+        assert!(
+            clocks_from_commands(&logged(LoggerClock::default(), rows), SAMPLE_TIME_S).is_empty()
+        );
     }
 }

@@ -5,6 +5,7 @@
 //! commands, for which a wrong clock would be taken.
 
 mod commands;
+mod slow;
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -15,7 +16,8 @@ use super::evidence::Evidence;
 use super::fit::{Descent, Fitter};
 use super::log::{Log, Run};
 use super::unknowns::Unknowns;
-use commands::{DRIFT_MAX_PPM, clocks_from_commands};
+use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
+pub(crate) use slow::find_slow_clocks;
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...
 const DELAY_REACH_S: f64 = 8e-3;
@@ -38,8 +40,8 @@ const IN_TIME: f64 = 2.0;
 const CLEAR: f64 = 0.7;
 /// Fits of the clocks, with the commands assigned anew after each.
 const ROUNDS: usize = 2;
-/// Clocks up to which each is tried with many delays.
-const FEW: usize = 3;
+/// Phases that are tried within what the commands leave open, over half of it.
+const WITHIN_SLACK: [f64; 3] = [-0.67, 0.0, 0.67];
 /// Least standard deviation of a phase that the commands tell, over the time from row to row.
 const TOLD_PHASE_SD: f64 = 0.1;
 /// Standard deviation of what lies evenly within a slack to either side.
@@ -55,6 +57,19 @@ pub(crate) enum Delay {
 }
 
 impl Delay {
+    /// Clocks to try of what the commands tell. A delay that is searched makes up for a phase.
+    fn clocks(self, told: &ToldClock) -> Vec<Option<LoggerClock>> {
+        let shares = match self {
+            Self::AsGiven => &WITHIN_SLACK[..],
+            Self::Searched => &[0.0],
+        };
+        let later = |share: &f64| LoggerClock {
+            phase_s: told.clock.phase_s + share * told.phase_slack_s,
+            ..told.clock
+        };
+        shares.iter().map(|share| Some(later(share))).collect()
+    }
+
     /// Delays to try with each clock (s), `step_s` apart.
     fn candidates_s(self, plant: &PlantParameters, step_s: f64) -> Vec<f64> {
         let there_s = plant.ecu.command_delay_s;
@@ -85,7 +100,7 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay) {
         return;
     }
     let sample_time_s = plant.ecu.sample_time_s;
-    let told = clocks_from_commands(log.inputs(), interval_s, sample_time_s);
+    let told = clocks_from_commands(log.inputs(), sample_time_s);
     let is_told = !told.is_empty();
     let found = if !is_told {
         let as_ecu = best(plant, log, &[None], delay.candidates_s(plant, DELAY_STEP_S));
@@ -104,23 +119,24 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay) {
         }
         found
     } else {
-        let told: Vec<_> = told.iter().map(|told| Some(told.clock)).collect();
-        let step_s = if told.len() > FEW {
-            WIDE_DELAY_STEP_S
-        } else {
-            DELAY_STEP_S
-        };
-        best(plant, log, &told, delay.candidates_s(plant, step_s))
+        let clocks: Vec<_> = told.iter().flat_map(|told| delay.clocks(told)).collect();
+        best(plant, log, &clocks, delay.candidates_s(plant, DELAY_STEP_S))
     };
     if let Some(clock) = found.clock {
-        // A sample time later the phase has room to either side.
-        let phase_s = clock.phase_s + sample_time_s;
-        log.set_clock(LoggerClock { phase_s, ..clock }, plant);
+        let clock = clock.later(sample_time_s);
+        log.set_clock(clock, plant);
         if is_told {
-            let told = told.iter().find(|told| told.clock == clock);
+            let told = told
+                .iter()
+                .find(|told| told.clock.drift_ppm == clock.drift_ppm);
             let slack_s = told.map_or(interval_s, |told| told.phase_slack_s);
+            // The same sample of the ECU for both.
+            let apart_s = told.map_or(0.0, |told| told.clock.phase_s - clock.phase_s);
+            let apart_s = apart_s - (apart_s / sample_time_s).round() * sample_time_s;
+            let phase_s = clock.phase_at_s(log.middle_s()) + apart_s;
             let least_s = TOLD_PHASE_SD * interval_s;
-            log.known_phase_s = (phase_s, (EVEN_SD * slack_s).max(least_s));
+            let sd_s = (EVEN_SD * slack_s).max(least_s);
+            log.known_phase_s = (phase_s, sd_s);
         }
     }
     find_sampling(plant, log, delay);

@@ -1,0 +1,118 @@
+//! The clock of a logger that is no faster than the ECU.
+//!
+//! Such a log says nothing of its clock but through the model. What a fit of the plant has found by then is the time from a row to
+//! the effect of its command, delay less phase. Clocks that keep this time in the middle of the log are tried: all delays, since the
+//! phase decides which sample of the ECU a row can show, and all drifts, which spread the ends of the log.
+
+use plant_sim::PlantParameters;
+use plant_sim::logger_clock::LoggerClock;
+use rayon::prelude::*;
+
+use super::{DELAY_STEP_S, DRIFT_MAX_PPM, loss};
+use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::log::Log;
+
+/// Drifts are tried in steps that move the last row by this time (s).
+const DRIFT_STEP_S: f64 = 1e-3;
+/// Drifts up to this are tried (ppm), in this many steps to either side at most.
+const DRIFT_REACH_PPM: f64 = 0.6 * DRIFT_MAX_PPM;
+const STEPS_MAX: f64 = 12.0;
+/// A clock is believed if it leaves at most this share of the loss without one.
+const CLEAR: f64 = 0.98;
+
+/// A log without a clock that its commands tell, with the time (s) from a row in its middle to the effect of the row's command.
+struct Open {
+    log: usize,
+    effect_s: f64,
+    drift_ppm: f64,
+}
+
+impl Open {
+    fn clock(&self, log: &Log, delay_s: f64, drift_ppm: f64) -> LoggerClock {
+        LoggerClock::with_phase_at(log.middle_s(), delay_s - self.effect_s, drift_ppm)
+    }
+}
+
+/// Finds the clocks of logs that are no faster than the ECU with `plant`, whose delay lies within `delays_s`, and returns the delay
+/// that goes with them; none if no clock leaves less than before.
+pub(crate) fn find_slow_clocks(
+    plant: &PlantParameters,
+    evidence: &mut Evidence,
+    delays_s: (f64, f64),
+) -> Option<f64> {
+    let there_s = plant.ecu.command_delay_s;
+    let logs = evidence.logs.iter().enumerate();
+    let mut open: Vec<Open> = logs
+        .filter(|(_, log)| log.is_clock_open())
+        .map(|(index, log)| {
+            let clock = log.clock.unwrap_or_default();
+            Open {
+                log: index,
+                effect_s: there_s - clock.phase_at_s(log.middle_s()),
+                drift_ppm: clock.drift_ppm,
+            }
+        })
+        .collect();
+    if open.is_empty() {
+        return None;
+    }
+    let logs = &evidence.logs;
+    let before: f64 = open
+        .iter()
+        .map(|one| loss(plant, &logs[one.log], logs[one.log].clock, there_s))
+        .sum();
+    let loss_of = |one: &Open, delay_s: f64, drift_ppm: f64| {
+        let log = &logs[one.log];
+        let clock = one.clock(log, delay_s, drift_ppm);
+        loss(plant, log, Some(clock), delay_s)
+    };
+    // A log of which the commands tell the clock pins the delay.
+    let is_pinned = open.len() < logs.len();
+    let mut best = (before, there_s);
+    for _ in 0..2 {
+        for one in &mut open {
+            let tried = drifts_ppm(logs[one.log].duration_s(), one.drift_ppm).into_par_iter();
+            let tried = tried.map(|drift_ppm| (loss_of(one, best.1, drift_ppm), drift_ppm));
+            let least = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+            one.drift_ppm = least.map_or(one.drift_ppm, |(_, drift_ppm)| drift_ppm);
+        }
+        let candidates = if is_pinned {
+            vec![there_s]
+        } else {
+            delays_between(delays_s)
+        };
+        let tried = candidates.into_par_iter().map(|delay_s| {
+            let loss: f64 = open
+                .iter()
+                .map(|one| loss_of(one, delay_s, one.drift_ppm))
+                .sum();
+            (loss, delay_s)
+        });
+        best = tried.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or(best);
+    }
+    if best.0 > CLEAR * before {
+        return None;
+    }
+    for one in open {
+        let clock = one.clock(&evidence.logs[one.log], best.1, one.drift_ppm);
+        let mut there = plant.clone();
+        there.ecu.command_delay_s = best.1;
+        evidence.logs[one.log].set_clock(clock.later(plant.ecu.sample_time_s), &there);
+    }
+    Some(best.1)
+}
+
+/// Drifts to try, the present one among them (ppm).
+fn drifts_ppm(duration_s: f64, there_ppm: f64) -> Vec<f64> {
+    let step_ppm = (DRIFT_STEP_S / duration_s * 1e6).max(DRIFT_REACH_PPM / STEPS_MAX);
+    let steps = (DRIFT_REACH_PPM / step_ppm).ceil() as i32;
+    let all = (-steps..=steps).map(|step| f64::from(step) * step_ppm);
+    all.chain([there_ppm]).collect()
+}
+
+/// Delays to try (s).
+fn delays_between((least_s, most_s): (f64, f64)) -> Vec<f64> {
+    let parts = ((most_s - least_s) / DELAY_STEP_S).ceil().max(1.0);
+    let place = |part: usize| least_s + (part as f64 + 0.5) / parts * (most_s - least_s);
+    (0..parts as usize).map(place).collect()
+}
