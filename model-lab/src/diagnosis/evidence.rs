@@ -3,10 +3,10 @@
 use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
-use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::CurrentSampling;
 use plant_sim::{PlantParameters, Tolerance};
 
+use super::conditions::Conditions;
 use super::log::{Channel, Log, Residuals, Run};
 use super::unknowns::Unknowns;
 
@@ -76,29 +76,30 @@ impl Evidence {
         run: Run,
         tolerance: Tolerance,
     ) -> Option<Residuals> {
-        self.residuals_on(parameters, &self.clocks(), run, tolerance)
+        self.residuals_on(parameters, &self.conditions(), run, tolerance)
     }
 
-    /// The clocks of the loggers, log after log.
-    pub(crate) fn clocks(&self) -> Vec<Option<LoggerClock>> {
-        self.logs.iter().map(|log| log.clock).collect()
+    /// The conditions, log after log.
+    pub(crate) fn conditions(&self) -> Vec<Conditions> {
+        self.logs.iter().map(|log| log.conditions).collect()
     }
 
-    /// Takes these clocks for those of the loggers, and assigns the commands by them.
-    pub(crate) fn set_clocks(&mut self, clocks: &[Option<LoggerClock>], plant: &PlantParameters) {
-        for (log, clock) in self.logs.iter_mut().zip(clocks) {
-            if let Some(clock) = *clock {
+    /// Takes these conditions for those of the logs, and assigns the commands by their clocks.
+    pub(crate) fn set_conditions(&mut self, conditions: &[Conditions], plant: &PlantParameters) {
+        for (log, conditions) in self.logs.iter_mut().zip(conditions) {
+            log.conditions = *conditions;
+            if let Some(clock) = conditions.clock {
                 log.set_clock(clock, plant);
             }
         }
     }
 
-    /// Takes the clocks at the coordinates `z` of `unknowns` for those of the loggers; the commands stay assigned as they are.
-    pub(crate) fn take_clocks(&mut self, unknowns: &Unknowns, z: &[f64]) {
-        let mut clocks = self.clocks();
-        unknowns.clocks(z, &mut clocks);
-        for (log, clock) in self.logs.iter_mut().zip(clocks) {
-            log.clock = clock;
+    /// Takes the conditions at the coordinates `z` of `unknowns` for those of the logs; the commands stay assigned as they are.
+    pub(crate) fn take_conditions(&mut self, unknowns: &Unknowns, z: &[f64]) {
+        let mut conditions = self.conditions();
+        unknowns.conditions(z, &mut conditions);
+        for (log, conditions) in self.logs.iter_mut().zip(conditions) {
+            log.conditions = conditions;
         }
     }
 
@@ -108,19 +109,24 @@ impl Evidence {
         open.map(|log| log.sampling = sampling).count() > 0
     }
 
-    /// As [`Self::residuals_within`], with these clocks of the loggers, log after log.
+    /// As [`Self::residuals_within`], under these conditions, log after log.
     pub(crate) fn residuals_on(
         &self,
         parameters: &PlantParameters,
-        clocks: &[Option<LoggerClock>],
+        conditions: &[Conditions],
         run: Run,
         tolerance: Tolerance,
     ) -> Option<Residuals> {
         let begin = Instant::now();
         let mut all = Residuals::new();
-        let done = self.logs.iter().zip(clocks).try_for_each(|(log, &clock)| {
-            log.residuals_into(parameters, log.timing(clock), (run, tolerance), &mut all)
-        });
+        let done = self
+            .logs
+            .iter()
+            .zip(conditions)
+            .try_for_each(|(log, conditions)| {
+                let timing = (conditions, log.issued_ns());
+                log.residuals_into(parameters, timing, (run, tolerance), &mut all)
+            });
         self.simulations.fetch_add(1, Ordering::Relaxed);
         let elapsed_ns = begin.elapsed().as_nanos() as u64;
         self.computing_ns.fetch_add(elapsed_ns, Ordering::Relaxed);

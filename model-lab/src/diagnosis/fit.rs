@@ -220,11 +220,11 @@ impl<'a> Fitter<'a> {
     fn residuals(&self, z: &[f64]) -> Option<Residuals> {
         let plant = self.unknowns.plant(z);
         plant.check().ok()?;
-        let mut clocks = self.evidence.clocks();
-        self.unknowns.clocks(z, &mut clocks);
+        let mut conditions = self.evidence.conditions();
+        self.unknowns.conditions(z, &mut conditions);
         let mut residuals =
             self.evidence
-                .residuals_on(&plant, &clocks, self.run, self.tolerance)?;
+                .residuals_on(&plant, &conditions, self.run, self.tolerance)?;
         let left_out = self.evidence.channels();
         for (_, _, range) in left_out.filter(|(_, channel, _)| !self.scope.counts(channel.signal)) {
             residuals[range].fill(0.0);

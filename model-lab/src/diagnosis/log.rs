@@ -6,6 +6,7 @@ use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, 
 use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
+use super::conditions::Conditions;
 use super::error::DiagnoseError;
 use super::predictor::Predictor;
 use super::sensor_noise::SensorNoise;
@@ -26,6 +27,8 @@ const SLOWER: f64 = 0.95;
 const SHOWS_PERIODS: f64 = 2.0;
 /// A command may have been given this share of a sample time outside of the rows that enclose it: the clock may be slightly wrong.
 const EDGE: f64 = 0.1;
+/// A chamber this much above ambient pressure, over it, is filled.
+const FILLED: f64 = 0.1;
 /// More samples of the ECU than these between two rows are a gap.
 const SAMPLES_MAX: u64 = 20;
 /// A correction leaves at least this pressure (Pa abs).
@@ -45,8 +48,7 @@ pub(crate) struct Log {
     resolves_pwm: bool,
     /// Whether the plant has coils.
     has_coil: bool,
-    /// Clock of the logger; none where each row is an instant of the ECU's own clock at which it gave the row's command.
-    pub(crate) clock: Option<LoggerClock>,
+    pub(crate) conditions: Conditions,
     /// Phase of the clock (s) in the middle of the log that the logged commands tell, with its standard deviation: infinite where
     /// they do not.
     pub(crate) known_phase_s: (f64, f64),
@@ -54,6 +56,9 @@ pub(crate) struct Log {
     issued_ns: Vec<u64>,
     /// Chamber pressure to begin with (Pa abs); none starts at rest.
     start_pressure: Option<f64>,
+    /// Ambient pressure (bar abs) and temperature of the chamber's wall (K).
+    ambient_bar: f64,
+    wall_k: f64,
     /// Where the model begins again behind a gap.
     restarts: Vec<Restart>,
     pub(crate) predictor: Predictor,
@@ -81,14 +86,6 @@ pub(crate) struct Channel {
     pub(crate) sigma: f64,
     /// Error that a correct model may have, in the unit of the model.
     pub(crate) model_error: f64,
-}
-
-/// When the rows of a log were taken, in the time of the ECU.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Timing<'a> {
-    pub(crate) clock: LoggerClock,
-    /// Of each row, the instant (ns, ECU time) at which its command was given.
-    pub(crate) issued_ns: &'a [u64],
 }
 
 /// Which error of the model is looked at.
@@ -201,12 +198,14 @@ impl Log {
             has_coil: Part::Coil.is_in(parameters),
             sampling: usual_sampling,
             resolves_pwm: usual_sampling == CurrentSampling::Instant,
-            clock: None,
+            conditions: Conditions::default(),
             known_phase_s: (0.0, f64::INFINITY),
             issued_ns: Vec::new(),
             sample_time_s: parameters.ecu.sample_time_s,
             interval_s,
             start_pressure,
+            ambient_bar: parameters.gas.ambient_pressure_pa / PA_PER_BAR,
+            wall_k: parameters.gas.temperature_k,
             restarts,
             predictor: Predictor::free_run(samples),
             channels,
@@ -218,6 +217,11 @@ impl Log {
         };
         log.find_predictor(parameters);
         Ok(log)
+    }
+
+    /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
+    pub(crate) fn issued_ns(&self) -> &[u64] {
+        &self.issued_ns
     }
 
     pub(crate) fn inputs(&self) -> &[ReplayInput] {
@@ -243,7 +247,7 @@ impl Log {
 
     /// Takes `clock` for the clock of the logger, and by it assigns the command of each row to a sample of the ECU.
     pub(crate) fn set_clock(&mut self, clock: LoggerClock, parameters: &PlantParameters) {
-        self.clock = Some(clock);
+        self.conditions.clock = Some(clock);
         self.issued_ns = self.issued_by(clock, parameters);
     }
 
@@ -273,7 +277,11 @@ impl Log {
         let shows_s =
             parameters.ecu.command_delay_s + SHOWS_PERIODS / parameters.ecu.pwm_frequency_hz;
         let rows_until_shown = (shows_s / self.interval_s).ceil() as usize + 1;
-        let mut replay = self.begin(parameters, Tolerance::default());
+        let conditions = Conditions {
+            clock: Some(clock),
+            ..self.conditions
+        };
+        let mut replay = self.begin(parameters, &conditions, Tolerance::default());
         for row in 0..self.inputs.len() {
             let samples = self.possible_samples(row, clock, sample_time_ns);
             if samples.end() > samples.start() {
@@ -283,8 +291,8 @@ impl Log {
                     trial[0] = sample * sample_time_ns;
                     let mut replay = replay.clone();
                     let errors = (row..until).map(|next| {
-                        let timing = (clock, trial[next - row]);
-                        self.step(&mut replay, next, Some(timing), Run::Predicted)
+                        let timing = (&conditions, Some(trial[next - row]));
+                        self.step(&mut replay, next, timing, Run::Predicted)
                             .map_or(f64::INFINITY, |values| self.square_error(&values, next))
                     });
                     errors.sum::<f64>()
@@ -295,9 +303,9 @@ impl Log {
                     issued_ns[row] = sample * sample_time_ns;
                 }
             }
-            let timing = (clock, issued_ns[row]);
+            let timing = (&conditions, Some(issued_ns[row]));
             if self
-                .step(&mut replay, row, Some(timing), Run::Predicted)
+                .step(&mut replay, row, timing, Run::Predicted)
                 .is_none()
             {
                 return;
@@ -353,12 +361,15 @@ impl Log {
         run: Run,
     ) -> Option<Residuals> {
         let issued_ns = clock.map(|clock| self.issued_by(clock, parameters));
-        let timing = clock.zip(issued_ns.as_deref());
-        let timing = timing.map(|(clock, issued_ns)| Timing { clock, issued_ns });
+        let conditions = Conditions {
+            clock,
+            ..self.conditions
+        };
+        let issued_ns = issued_ns.as_deref().unwrap_or_default();
         let mut residuals = Residuals::new();
         self.residuals_into(
             parameters,
-            timing,
+            (&conditions, issued_ns),
             (run, Tolerance::default()),
             &mut residuals,
         )?;
@@ -375,17 +386,15 @@ impl Log {
         self.has_coil && self.known_phase_s.1.is_infinite() && self.duration_s() > self.interval_s
     }
 
+    /// Whether it begins with a filled chamber, whose gas may still be warm.
+    pub(crate) fn begins_filled(&self) -> bool {
+        let above = |start: f64| start > (1.0 + FILLED) * self.ambient_bar * PA_PER_BAR;
+        self.start_pressure.is_some_and(above) && self.pressure().is_some()
+    }
+
     /// The middle of the log since its first row (s): there a phase does not depend on the drift.
     pub(crate) fn middle_s(&self) -> f64 {
         0.5 * self.duration_s()
-    }
-
-    /// The timing by `clock`, with the commands assigned as by the log's own clock.
-    pub(crate) fn timing(&self, clock: Option<LoggerClock>) -> Option<Timing<'_>> {
-        Some(Timing {
-            clock: clock?,
-            issued_ns: &self.issued_ns,
-        })
     }
 
     /// Samples of all channels that count.
@@ -428,7 +437,7 @@ impl Log {
         let mut last_s = 0.0;
         self.run(
             parameters,
-            None,
+            (&Conditions::default(), &[]),
             (Run::Free, Tolerance::default()),
             |row, values| {
                 let span_s = self.commands.times_s[row] - last_s;
@@ -456,7 +465,7 @@ impl Log {
     fn run(
         &self,
         parameters: &PlantParameters,
-        timing: Option<Timing>,
+        (conditions, issued_ns): (&Conditions, &[u64]),
         (run, tolerance): (Run, Tolerance),
         mut see: impl FnMut(usize, &Row),
     ) -> Option<()> {
@@ -467,38 +476,50 @@ impl Log {
         } else {
             parameters
         };
-        let mut replay = self.begin(parameters, tolerance);
+        let mut replay = self.begin(parameters, conditions, tolerance);
         for index in 0..self.inputs.len() {
-            let timing = timing.map(|Timing { clock, issued_ns }| (clock, issued_ns[index]));
-            let row = self.step(&mut replay, index, timing, run)?;
+            let issued_ns = issued_ns.get(index).copied();
+            let row = self.step(&mut replay, index, (conditions, issued_ns), run)?;
             see(index, &row);
         }
         Some(())
     }
 
-    fn begin(&self, parameters: &PlantParameters, tolerance: Tolerance) -> Replay {
+    fn begin(
+        &self,
+        parameters: &PlantParameters,
+        conditions: &Conditions,
+        tolerance: Tolerance,
+    ) -> Replay {
         let mut replay = Replay::new(parameters, self.sampling, tolerance);
         if let Some(pressure) = self.start_pressure {
-            replay.begin_showing(pressure);
+            let ratio = conditions.start_gas.pressure_ratio(self.wall_k, 0.0);
+            replay.begin_showing(pressure / ratio);
         }
         replay
     }
 
-    /// Advances to row `index`, whose command was given at an instant by a clock, and corrects the model there; none where the
-    /// simulation was given up.
+    /// Advances to row `index`, whose command was given at an instant of the ECU if the logger has a clock of its own, and corrects the
+    /// model there; none where the simulation was given up.
     fn step(
         &self,
         replay: &mut Replay,
         index: usize,
-        timing: Option<(LoggerClock, u64)>,
+        (conditions, issued_ns): (&Conditions, Option<u64>),
         run: Run,
     ) -> Option<Row> {
-        let row = replay.row(match timing {
+        let mut row = replay.row(match conditions.clock.zip(issued_ns) {
             Some(timing) => self.on_ecu_time(index, timing),
             None => self.inputs[index],
         });
         if replay.simulator().is_given_up() {
             return None;
+        }
+        let time_s = self.commands.times_s[index];
+        let warm = conditions.start_gas.pressure_ratio(self.wall_k, time_s);
+        if let Some(channel) = self.pressure().filter(|_| warm != 1.0) {
+            let shown = &mut row[channel.column];
+            *shown = (*shown + self.ambient_bar) * warm - self.ambient_bar;
         }
         if let Some(restart) = Restart::at(&self.restarts, index) {
             replay.begin_showing(restart.pressure);
@@ -508,7 +529,7 @@ impl Log {
             let gain = self.predictor.gains[index];
             if error.is_finite() && gain > 0.0 {
                 let simulator = replay.simulator();
-                let corrected = simulator.state().pressure + gain * error * PA_PER_BAR;
+                let corrected = simulator.state().pressure + gain * error * PA_PER_BAR / warm;
                 simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
             }
         }
@@ -519,9 +540,12 @@ impl Log {
     pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
         let mut rows = Vec::with_capacity(self.inputs.len());
         let run = (Run::Predicted, Tolerance::default());
-        self.run(parameters, self.timing(self.clock), run, |_, row| {
-            rows.push(*row)
-        })?;
+        self.run(
+            parameters,
+            (&self.conditions, &self.issued_ns),
+            run,
+            |_, row| rows.push(*row),
+        )?;
         Some(rows)
     }
 
@@ -529,21 +553,26 @@ impl Log {
     pub(super) fn residuals_into(
         &self,
         parameters: &PlantParameters,
-        timing: Option<Timing>,
+        (conditions, issued_ns): (&Conditions, &[u64]),
         (run, tolerance): (Run, Tolerance),
         all: &mut Residuals,
     ) -> Option<()> {
         let rows = self.inputs.len();
         let begin = all.len();
         all.resize(begin + rows * self.channels.len(), 0.0);
-        self.run(parameters, timing, (run, tolerance), |index, row| {
-            for (n, channel) in self.channels.iter().enumerate() {
-                let error = channel.values[index] - row[channel.column];
-                if error.is_finite() && self.counted[index] {
-                    all[begin + n * rows + index] = error / self.floor(channel, run, index);
+        self.run(
+            parameters,
+            (conditions, issued_ns),
+            (run, tolerance),
+            |index, row| {
+                for (n, channel) in self.channels.iter().enumerate() {
+                    let error = channel.values[index] - row[channel.column];
+                    if error.is_finite() && self.counted[index] {
+                        all[begin + n * rows + index] = error / self.floor(channel, run, index);
+                    }
                 }
-            }
-        })
+            },
+        )
     }
 
     /// What a perfect model has there, in the unit of the channel.

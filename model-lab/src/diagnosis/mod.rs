@@ -6,6 +6,7 @@
 //! ```
 
 mod assemble;
+mod conditions;
 mod detection;
 mod error;
 mod errors;

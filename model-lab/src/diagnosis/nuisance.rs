@@ -88,7 +88,7 @@ static ORDINARY: [Ordinary; 13] = [
         "measure the volume, or the flow of one valve, and fix it; pressures alone show their ratio",
     ),
     Ordinary {
-        between_programs: 5e-4,
+        between_programs: 1e-3,
         usual: Some(Spread::Absolute(0.2)),
         first_file: Spread::Absolute(0.8),
         ..relative(

@@ -235,7 +235,7 @@ pub(super) fn with_provenance(trial: &Trial, logs: &[String]) -> PlantParameters
                     say(&mut plant, &other, &format!("in proportion with {name}"));
                 }
             }
-            Unknown::Clock(_) => {}
+            Unknown::Log(_) => {}
         }
     }
     plant

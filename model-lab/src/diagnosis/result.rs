@@ -339,7 +339,7 @@ pub struct FoundClock {
 
 impl FoundClock {
     pub(super) fn of(log: &Log) -> Option<Self> {
-        let clock = log.clock?;
+        let clock = log.conditions.clock?;
         Some(Self {
             log: log.source.clone(),
             phase_s: clock.phase_s.rem_euclid(log.sample_time_s),

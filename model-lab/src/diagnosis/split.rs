@@ -10,7 +10,7 @@ use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::gather::gather;
 use super::log::Log;
-use super::logger_time::fit_clocks;
+use super::logger_time::fit_conditions;
 use super::result::{Cost, FoundClock};
 use super::trial::{Bench, Trial};
 use crate::result::{LogDefects, NotCompared, Warning};
@@ -70,8 +70,8 @@ impl Split {
         check: &[Recording],
     ) -> Result<(Self, Trial), DiagnoseError> {
         let mut given = Self::as_given(plant, logs, check)?;
-        fit_clocks(plant, &mut given.fitting);
-        fit_clocks(plant, &mut given.checking);
+        fit_conditions(plant, &mut given.fitting);
+        fit_conditions(plant, &mut given.checking);
         let plain = given.plain(plant)?;
         if plain.fitted.is_material() || !plain.checked.is_material() {
             return Ok((given, plain));

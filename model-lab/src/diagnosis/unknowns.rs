@@ -5,6 +5,7 @@ use plant_sim::effects::EffectSetting;
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{ParameterSpec, Scale, Size};
 
+use super::conditions::{Conditions, USUAL_COOLING_S};
 use super::log::Log;
 use super::nuisance::{Nuisance, nuisances};
 use crate::commands::COMMAND_DELAY;
@@ -25,6 +26,12 @@ const DRIFT_UNIT_PPM: f64 = 20.0;
 const PHASE_REACH_SD: f64 = 3.0;
 /// ... and how far a drift may move from where it was begun (ppm).
 const DRIFT_REACH_PPM: f64 = 300.0;
+/// Temperature of the gas above that of the wall when a log begins (K): standard deviation, and least and largest; adiabatic filling
+/// ends 120 K above the supply.
+const START_EXCESS_SD_K: f64 = 40.0;
+const START_EXCESS_K: (f64, f64) = (-100.0, 150.0);
+/// Least and largest cooling time of a chamber (s).
+const COOLING_S: (f64, f64) = (0.01, 10.0);
 /// So near to the end of its range in its coordinate, a strength ran to it.
 const NEAR_END: f64 = 0.01;
 
@@ -35,12 +42,12 @@ pub(crate) struct Unknowns {
     list: Vec<Unknown>,
 }
 
-/// A figure of the clock of one logger.
+/// A condition of one log that is fitted.
 #[derive(Debug, Clone)]
-pub(crate) struct ClockUnknown {
+pub(crate) struct LogUnknown {
     /// Index of the log.
     pub(crate) log: usize,
-    pub(crate) figure: ClockFigure,
+    pub(crate) figure: LogFigure,
     /// The middle of the log since its first row (s).
     middle_s: f64,
     pub(crate) start: f64,
@@ -52,13 +59,17 @@ pub(crate) struct ClockUnknown {
     pub(crate) range: (f64, f64),
 }
 
-/// Figure of a logger's clock.
+/// Which of the conditions of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ClockFigure {
+pub(crate) enum LogFigure {
     /// [`LoggerClock::phase_at_s`] in the middle of the log, where it does not depend on the drift.
     PhaseS,
     /// [`LoggerClock::drift_ppm`].
     DriftPpm,
+    /// [`StartGas::excess_k`](super::conditions::StartGas::excess_k).
+    StartExcessK,
+    /// Logarithm of [`StartGas::cooling_s`](super::conditions::StartGas::cooling_s).
+    LnCoolingS,
 }
 
 /// One coordinate.
@@ -66,8 +77,8 @@ pub(crate) enum ClockFigure {
 pub(crate) enum Unknown {
     /// (value - datasheet) / tolerance.
     Nuisance(Nuisance),
-    /// Clock of the logger of one of the logs: (value - start) / unit.
-    Clock(ClockUnknown),
+    /// A condition of one of the logs: (value - start) / unit.
+    Log(LogUnknown),
     /// ln(value / typical) on a logarithmic scale, (value - off) / |typical - off| on a linear one.
     Effect {
         spec: &'static ParameterSpec,
@@ -120,19 +131,21 @@ impl Unknowns {
             .collect()
     }
 
-    /// The clocks of the loggers alone.
-    pub(crate) fn of_clocks(plant: &PlantParameters, logs: &[Log]) -> Self {
+    /// The conditions of the logs alone.
+    pub(crate) fn of_logs(plant: &PlantParameters, logs: &[Log]) -> Self {
         let of_plant = Self {
             datasheet: plant.clone(),
             list: Vec::new(),
         };
-        of_plant.with_clocks(logs)
+        of_plant.with_clocks(logs).with_starts(logs)
     }
 
     /// Adds the clocks of the loggers to what is fitted: phase and drift of each log that has one.
     pub(crate) fn with_clocks(mut self, logs: &[Log]) -> Self {
         for (index, log) in logs.iter().enumerate() {
-            let Some(clock) = log.clock else { continue };
+            let Some(clock) = log.conditions.clock else {
+                continue;
+            };
             let middle_s = log.middle_s();
             let (phase_s, drift_ppm) = (clock.phase_at_s(middle_s), clock.drift_ppm);
             let (known_s, sd_s) = log.known_phase_s;
@@ -146,18 +159,18 @@ impl Unknowns {
                 (phase_s - reach_s, phase_s + reach_s)
             };
             self.list.extend([
-                Unknown::Clock(ClockUnknown {
+                Unknown::Log(LogUnknown {
                     log: index,
-                    figure: ClockFigure::PhaseS,
+                    figure: LogFigure::PhaseS,
                     middle_s,
                     start: phase_s,
                     known: log.known_phase_s,
                     unit: PHASE_UNIT_S,
                     range: (phase_range.0.max(0.0), phase_range.1),
                 }),
-                Unknown::Clock(ClockUnknown {
+                Unknown::Log(LogUnknown {
                     log: index,
-                    figure: ClockFigure::DriftPpm,
+                    figure: LogFigure::DriftPpm,
                     middle_s,
                     start: drift_ppm,
                     known: (drift_ppm, f64::INFINITY),
@@ -169,22 +182,60 @@ impl Unknowns {
         self
     }
 
-    /// The clocks at the coordinates `z`: those of the logs in `clocks`, but for what is fitted.
-    pub(crate) fn clocks(&self, z: &[f64], clocks: &mut [Option<LoggerClock>]) {
+    /// Adds the state in which logs begin to what is fitted: the temperature of the gas in a filled chamber.
+    pub(crate) fn with_starts(mut self, logs: &[Log]) -> Self {
+        let filled = logs
+            .iter()
+            .enumerate()
+            .filter(|(_, log)| log.begins_filled());
+        for (index, log) in filled {
+            let gas = log.conditions.start_gas;
+            self.list.extend([
+                Unknown::Log(LogUnknown {
+                    log: index,
+                    figure: LogFigure::StartExcessK,
+                    middle_s: 0.0,
+                    start: gas.excess_k,
+                    known: (0.0, START_EXCESS_SD_K),
+                    unit: START_EXCESS_SD_K,
+                    range: START_EXCESS_K,
+                }),
+                Unknown::Log(LogUnknown {
+                    log: index,
+                    figure: LogFigure::LnCoolingS,
+                    middle_s: 0.0,
+                    start: gas.cooling_s.ln(),
+                    known: (USUAL_COOLING_S.ln(), 1.0),
+                    unit: 1.0,
+                    range: (COOLING_S.0.ln(), COOLING_S.1.ln()),
+                }),
+            ]);
+        }
+        self
+    }
+
+    /// The conditions at the coordinates `z`: those of the logs in `conditions`, but for what is fitted.
+    pub(crate) fn conditions(&self, z: &[f64], conditions: &mut [Conditions]) {
         for (unknown, &z) in self.list.iter().zip(z) {
-            let Unknown::Clock(fitted) = unknown else {
+            let Unknown::Log(fitted) = unknown else {
                 continue;
             };
-            let clock = clocks[fitted.log].get_or_insert_default();
-            let phase_s = clock.phase_at_s(fitted.middle_s);
-            *clock = match fitted.figure {
-                ClockFigure::PhaseS => {
-                    LoggerClock::with_phase_at(fitted.middle_s, unknown.value(z), clock.drift_ppm)
+            let value = unknown.value(z);
+            let there = &mut conditions[fitted.log];
+            match fitted.figure {
+                LogFigure::PhaseS => {
+                    let drift_ppm = there.clock.unwrap_or_default().drift_ppm;
+                    let clock = LoggerClock::with_phase_at(fitted.middle_s, value, drift_ppm);
+                    there.clock = Some(clock);
                 }
-                ClockFigure::DriftPpm => {
-                    LoggerClock::with_phase_at(fitted.middle_s, phase_s, unknown.value(z))
+                LogFigure::DriftPpm => {
+                    let phase_s = there.clock.unwrap_or_default().phase_at_s(fitted.middle_s);
+                    let clock = LoggerClock::with_phase_at(fitted.middle_s, phase_s, value);
+                    there.clock = Some(clock);
                 }
-            };
+                LogFigure::StartExcessK => there.start_gas.excess_k = value,
+                LogFigure::LnCoolingS => there.start_gas.cooling_s = value.exp(),
+            }
         }
     }
 
@@ -231,7 +282,9 @@ impl Unknown {
     pub(crate) fn is_shown_by_currents(&self) -> bool {
         match self {
             Self::Nuisance(nuisance) => nuisance.spec.section == "coil" || self.is_delay(),
-            Self::Clock(_) => true,
+            Self::Log(fitted) => {
+                matches!(fitted.figure, LogFigure::PhaseS | LogFigure::DriftPpm)
+            }
             Self::Effect { .. } => false,
         }
     }
@@ -288,7 +341,7 @@ impl Unknown {
     pub(crate) fn value(&self, z: f64) -> f64 {
         match self {
             Self::Nuisance(nuisance) => nuisance.datasheet + z * nuisance.tolerance,
-            Self::Clock(clock) => clock.start + z * clock.unit,
+            Self::Log(fitted) => fitted.start + z * fitted.unit,
             Self::Effect { spec, origin, .. } if Self::is_log(spec) => origin * z.exp(),
             Self::Effect { origin, unit, .. } => origin + z * unit,
         }
@@ -297,7 +350,7 @@ impl Unknown {
     pub(crate) fn coordinate_of(&self, value: f64) -> f64 {
         match self {
             Self::Nuisance(nuisance) => (value - nuisance.datasheet) / nuisance.tolerance,
-            Self::Clock(clock) => (value - clock.start) / clock.unit,
+            Self::Log(fitted) => (value - fitted.start) / fitted.unit,
             Self::Effect { spec, origin, .. } if Self::is_log(spec) => (value / origin).ln(),
             Self::Effect { origin, unit, .. } => (value - origin) / unit,
         }
@@ -306,7 +359,7 @@ impl Unknown {
     fn coordinate(&self, plant: &PlantParameters) -> f64 {
         match self {
             Self::Nuisance(Nuisance { bounds, .. }) => 0.0_f64.clamp(bounds.0, bounds.1),
-            Self::Clock(_) => 0.0,
+            Self::Log(_) => 0.0,
             Self::Effect { spec, .. } => spec
                 .value(plant)
                 .map_or(0.0, |value| self.coordinate_of(value)),
@@ -316,7 +369,7 @@ impl Unknown {
     fn put(&self, plant: &mut PlantParameters, datasheet: &PlantParameters, z: f64) {
         match self {
             Self::Nuisance(nuisance) => nuisance.set(plant, datasheet, self.value(z)),
-            Self::Clock(_) => {}
+            Self::Log(_) => {}
             Self::Effect { spec, .. } => {
                 let (least, most) = spec.range;
                 spec.put(plant, self.value(z).clamp(least, most));
@@ -328,7 +381,7 @@ impl Unknown {
     pub(crate) fn bounds(&self) -> (f64, f64) {
         match self {
             Self::Nuisance(Nuisance { bounds, .. }) => *bounds,
-            Self::Clock(_) | Self::Effect { .. } => self.range(),
+            Self::Log(_) | Self::Effect { .. } => self.range(),
         }
     }
 
@@ -339,9 +392,9 @@ impl Unknown {
                 self.coordinate_of(spec.range.0),
                 self.coordinate_of(spec.range.1),
             ),
-            Self::Clock(clock) => (
-                self.coordinate_of(clock.range.0),
-                self.coordinate_of(clock.range.1),
+            Self::Log(fitted) => (
+                self.coordinate_of(fitted.range.0),
+                self.coordinate_of(fitted.range.1),
             ),
         }
     }
@@ -350,7 +403,7 @@ impl Unknown {
     pub(crate) fn prior_sd(&self) -> f64 {
         match self {
             Self::Nuisance(_) => NUISANCE_SD,
-            Self::Clock(clock) => clock.known.1 / clock.unit,
+            Self::Log(fitted) => fitted.known.1 / fitted.unit,
             Self::Effect { .. } if self.is_strength() => f64::INFINITY,
             Self::Effect { .. } => FORM_SD,
         }
@@ -360,7 +413,7 @@ impl Unknown {
     pub(crate) fn prior_mean(&self) -> f64 {
         match self {
             Self::Nuisance(_) => 0.0,
-            Self::Clock(clock) => self.coordinate_of(clock.known.0),
+            Self::Log(fitted) => self.coordinate_of(fitted.known.0),
             Self::Effect { spec, .. } => spec
                 .size
                 .map_or(0.0, |size| self.coordinate_of(size.typical)),
@@ -371,14 +424,14 @@ impl Unknown {
     pub(crate) fn wide_step(&self) -> f64 {
         match self {
             Self::Nuisance(_) => 5.0 * NUISANCE_STEP,
-            Self::Clock(_) | Self::Effect { .. } => EFFECT_STEP,
+            Self::Log(_) | Self::Effect { .. } => EFFECT_STEP,
         }
     }
 
     pub(crate) fn step(&self) -> f64 {
         match self {
             Self::Nuisance(_) => NUISANCE_STEP,
-            Self::Clock(_) | Self::Effect { .. } => EFFECT_STEP,
+            Self::Log(_) | Self::Effect { .. } => EFFECT_STEP,
         }
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
         let spec = match unknown {
             Unknown::Nuisance(nuisance) => nuisance.spec,
             Unknown::Effect { spec, .. } => spec,
-            Unknown::Clock(_) => return None,
+            Unknown::Log(_) => return None,
         };
         let z = trial.fit.z[n];
         let (least, most) = unknown.bounds();
@@ -117,6 +117,6 @@ fn name(unknown: &Unknown) -> String {
     match unknown {
         Unknown::Nuisance(nuisance) => nuisance.spec.name(),
         Unknown::Effect { spec, .. } => spec.name(),
-        Unknown::Clock(_) => "clock of the logger".to_owned(),
+        Unknown::Log(_) => "clock of the logger".to_owned(),
     }
 }

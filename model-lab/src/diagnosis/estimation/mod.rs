@@ -8,6 +8,7 @@ mod result;
 mod stages;
 #[cfg(test)]
 mod tests;
+mod weak_directions;
 
 use std::time::Instant;
 
@@ -29,6 +30,7 @@ pub use result::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
     EstimationStep, EstimationStepKind,
 };
+use stages::Fitted;
 
 /// Estimates the ordinary parameters of `plant`, and the parameters of the effects that it has, from `logs`. Validation uses data
 /// that was not fitted: `check`, or without it, blocks of the logs.
@@ -53,13 +55,18 @@ pub fn estimate(
     let plant = &plant;
     let mut split = Split::as_given(plant, logs, check)?;
     let given = judged_as_given(plant, &split).ok_or_else(|| split.not_simulated())?;
-    let (unknowns, fit) = stages::fit(plant, &mut split, watch)?;
-    let trial = bench(plant, &split).judge(plant.effects.clone(), unknowns, fit);
-    let trial = trial.ok_or_else(|| split.not_simulated())?;
-    report(watch, "intervals", 0.0)?;
+    let Fitted {
+        unknowns,
+        fit,
+        sharp,
+    } = stages::fit(plant, &mut split, watch)?;
     let bench = bench(plant, &split);
-    let mut sharp = trial.clone();
-    sharp.sharpen(&bench).ok_or_else(|| split.not_simulated())?;
+    let trial = bench.judge(plant.effects.clone(), unknowns, fit);
+    let trial = trial.ok_or_else(|| split.not_simulated())?;
+    let sharp = Trial {
+        fit: sharp,
+        ..trial.clone()
+    };
     let parameters = estimated_parameters(&split.fitting, &sharp);
     let steps = [
         (EstimationStepKind::PlantAsGiven, &given),
@@ -98,7 +105,9 @@ fn bench<'a>(plant: &'a PlantParameters, split: &'a Split) -> Bench<'a> {
 }
 
 fn unknowns_of(plant: &PlantParameters, evidence: &Evidence) -> Unknowns {
-    Unknowns::new(plant, &plant.effects, evidence.has_pressure()).with_clocks(&evidence.logs)
+    Unknowns::new(plant, &plant.effects, evidence.has_pressure())
+        .with_clocks(&evidence.logs)
+        .with_starts(&evidence.logs)
 }
 
 /// The plant as given, without any fit but of the loggers' clocks.

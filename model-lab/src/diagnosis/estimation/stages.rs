@@ -10,13 +10,14 @@ use plant_sim::replay::CurrentSampling;
 use rayon::prelude::*;
 
 use super::unknowns_of;
+use super::weak_directions::{measure_weak_directions, settled};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::errors::Errors;
 use crate::diagnosis::evidence::Evidence;
-use crate::diagnosis::fit::{Descent, Fit, Fitter, Loss, Scope};
+use crate::diagnosis::fit::{Descent, Difference, Fit, Fitter, Loss, Scope};
 use crate::diagnosis::log::{Log, Run};
 use crate::diagnosis::logger_time::{
-    Delay, best_delay_s, find_clock, find_slow_clocks, set_clocks,
+    Delay, best_delay_s, find_clock, find_conditions, find_slow_clocks,
 };
 use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
@@ -44,8 +45,14 @@ const FINISHED: usize = 2;
 /// ... and the share of the cost that one has to save to be another valley.
 const BETTER_VALLEY: f64 = 0.01;
 
-/// A fit with the coordinates that it is in.
-pub(super) type Fitted = (Unknowns, Fit);
+/// A fit of the ordinary parameters.
+pub(super) struct Fitted {
+    /// The coordinates that it is in.
+    pub(super) unknowns: Unknowns,
+    pub(super) fit: Fit,
+    /// The same point, simulated accurately, with a Jacobian in which what the logs leave open is open.
+    pub(super) sharp: Fit,
+}
 
 /// Fits the ordinary parameters of `plant`, the parameters of its effects and the clocks of the loggers.
 pub(super) fn fit(
@@ -86,10 +93,27 @@ pub(super) fn fit(
         fitter.loss = Loss::Forgiving(OUTLIER);
         kept = fitter.descend(start, Descent::Whole);
     }
-    let kept = kept.ok_or_else(|| split.not_simulated())?;
-    split.fitting.take_clocks(&unknowns, &kept.z);
-    set_clocks(&unknowns.plant(&kept.z), &mut split.checking);
-    Ok((unknowns, kept))
+    let mut kept = kept.ok_or_else(|| split.not_simulated())?;
+    report(watch, "intervals", 0.0)?;
+    let fitter = Fitter::accurate(&split.fitting, &unknowns);
+    let sharp = fitter.at(kept.z.clone()).and_then(|mut sharp| {
+        fitter.differentiate(&mut sharp, 0, Difference::Fine)?;
+        Some(sharp)
+    });
+    let mut sharp = sharp.ok_or_else(|| split.not_simulated())?;
+    measure_weak_directions(&fitter, &mut sharp);
+    if !is_material(&kept)
+        && let Some(fit) = settled(&fitter, &sharp)
+    {
+        (kept, sharp) = (fit.clone(), fit);
+    }
+    split.fitting.take_conditions(&unknowns, &kept.z);
+    find_conditions(&unknowns.plant(&kept.z), &mut split.checking);
+    Ok(Fitted {
+        unknowns,
+        fit: kept,
+        sharp,
+    })
 }
 
 /// Fits from `z` with large errors forgiven.
@@ -225,7 +249,7 @@ fn begin_at_delay(unknowns: &Unknowns, z: &mut [f64], delay_s: f64) {
 }
 
 /// Takes the fitted clocks for those of the loggers, looks for those that are not known yet, and assigns the commands by all of
-/// them. The coordinates of the clocks begin there.
+/// them. The coordinates of the logs' conditions begin there.
 fn assigned_anew(
     plant: &PlantParameters,
     split: &mut Split,
@@ -233,14 +257,14 @@ fn assigned_anew(
     z: &[f64],
 ) -> (Unknowns, Vec<f64>) {
     let there = fitted.plant(z);
-    let mut clocks = split.fitting.clocks();
-    fitted.clocks(z, &mut clocks);
-    split.fitting.set_clocks(&clocks, &there);
+    let mut conditions = split.fitting.conditions();
+    fitted.conditions(z, &mut conditions);
+    split.fitting.set_conditions(&conditions, &there);
     for log in split
         .fitting
         .logs
         .iter_mut()
-        .filter(|log| log.clock.is_none())
+        .filter(|log| log.conditions.clock.is_none())
     {
         find_clock(&there, log, Delay::AsGiven);
     }
@@ -256,7 +280,7 @@ fn assigned_anew(
     let unknowns = unknowns_of(plant, &split.fitting);
     let mut next = unknowns.start();
     for ((to, unknown), from) in next.iter_mut().zip(unknowns.list()).zip(z) {
-        if !matches!(unknown, Unknown::Clock(_)) {
+        if !matches!(unknown, Unknown::Log(_)) {
             *to = *from;
         }
     }

@@ -147,7 +147,7 @@ fn find_sampling(plant: &PlantParameters, log: &mut Log, delay: Delay) {
     if !log.is_sampling_open() || log.sampling == CurrentSampling::MeanOfInterval {
         return;
     }
-    let clock = [log.clock];
+    let clock = [log.conditions.clock];
     let loss = |log: &Log| best(plant, log, &clock, delay.candidates_s(plant, DELAY_STEP_S)).loss;
     let of_instants = loss(log);
     log.sampling = CurrentSampling::MeanOfInterval;
@@ -156,29 +156,29 @@ fn find_sampling(plant: &PlantParameters, log: &mut Log, delay: Delay) {
     }
 }
 
-/// Finds the clocks of all logs in `evidence` with `plant`, whose parameters are right, and fits them.
-pub(crate) fn set_clocks(plant: &PlantParameters, evidence: &mut Evidence) {
+/// Finds the clocks of all logs in `evidence` with `plant`, whose parameters are right, and fits all conditions.
+pub(crate) fn find_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
     for log in &mut evidence.logs {
         find_clock(plant, log, Delay::AsGiven);
     }
-    fit_clocks(plant, evidence);
+    fit_conditions(plant, evidence);
 }
 
-/// Fits the clocks that were found of the logs in `evidence` with `plant`, whose parameters are right.
-pub(crate) fn fit_clocks(plant: &PlantParameters, evidence: &mut Evidence) {
-    if evidence.clocks().iter().all(Option::is_none) {
-        return;
-    }
+/// Fits the conditions of the logs in `evidence`, clocks that were found among them, with `plant`, whose parameters are right.
+pub(crate) fn fit_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
     for _ in 0..ROUNDS {
-        let unknowns = Unknowns::of_clocks(plant, &evidence.logs);
+        let unknowns = Unknowns::of_logs(plant, &evidence.logs);
+        if unknowns.list().is_empty() {
+            return;
+        }
         let fitter = Fitter::new(evidence, &unknowns);
         let start = fitter.at(unknowns.start());
         let Some(fit) = start.and_then(|start| fitter.descend(start, Descent::Whole)) else {
             return;
         };
-        let mut clocks = evidence.clocks();
-        unknowns.clocks(&fit.z, &mut clocks);
-        evidence.set_clocks(&clocks, plant);
+        let mut conditions = evidence.conditions();
+        unknowns.conditions(&fit.z, &mut conditions);
+        evidence.set_conditions(&conditions, plant);
     }
 }
 
@@ -186,7 +186,7 @@ pub(crate) fn fit_clocks(plant: &PlantParameters, evidence: &mut Evidence) {
 pub(crate) fn best_delay_s(plant: &PlantParameters, evidence: &Evidence) -> f64 {
     let delays_s = Delay::Searched.candidates_s(plant, DELAY_STEP_S);
     let losses = delays_s.into_par_iter().map(|delay_s| {
-        let of_log = |log: &Log| loss(plant, log, log.clock, delay_s);
+        let of_log = |log: &Log| loss(plant, log, log.conditions.clock, delay_s);
         (delay_s, evidence.logs.iter().map(of_log).sum::<f64>())
     });
     let best = losses.min_by(|a, b| a.1.total_cmp(&b.1));

@@ -45,7 +45,7 @@ pub(crate) fn find_slow_clocks(
     let mut open: Vec<Open> = logs
         .filter(|(_, log)| log.is_clock_open())
         .map(|(index, log)| {
-            let clock = log.clock.unwrap_or_default();
+            let clock = log.conditions.clock.unwrap_or_default();
             Open {
                 log: index,
                 effect_s: there_s - clock.phase_at_s(log.middle_s()),
@@ -59,7 +59,14 @@ pub(crate) fn find_slow_clocks(
     let logs = &evidence.logs;
     let before: f64 = open
         .iter()
-        .map(|one| loss(plant, &logs[one.log], logs[one.log].clock, there_s))
+        .map(|one| {
+            loss(
+                plant,
+                &logs[one.log],
+                logs[one.log].conditions.clock,
+                there_s,
+            )
+        })
         .sum();
     let loss_of = |one: &Open, delay_s: f64, drift_ppm: f64| {
         let log = &logs[one.log];

@@ -1,0 +1,88 @@
+//! Derivatives in the directions that the logs leave open.
+//!
+//! Some combinations of parameters change nothing: all flows and the volume in proportion, or without currents the resistance,
+//! the inductances and the force constant. Each difference quotient of a single parameter carries the solver's error, and their
+//! combination shows a curvature that is not there. Along the combination itself the step can be as long as the parameters are
+//! uncertain, so its quotient is accurate where it matters.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::diagnosis::fit::{Fit, Fitter};
+use crate::diagnosis::log::Residuals;
+
+/// A direction is weak if its standard deviation, in units of the coordinates, is more than this: about the step of the difference
+/// quotients of single parameters.
+const WEAK_SD: f64 = 0.004;
+/// Steps along a weak direction, over its standard deviation, ...
+const STEP_SD: f64 = 0.7;
+/// ... and in the coordinate that moves most, at least and at most.
+const STEP: (f64, f64) = (0.02, 0.25);
+/// A direction that was measured may still be mixed with stronger ones; later passes have them apart.
+const PASSES: usize = 3;
+
+/// Takes the Jacobian of `fit` anew along the directions that are weak in it; unchanged where nothing can be simulated there.
+pub(super) fn measure_weak_directions(fitter: &Fitter, fit: &mut Fit) {
+    for _ in 0..PASSES {
+        let (curvature, _) = fitter.normal(fit);
+        let eigen = curvature.symmetric_eigen();
+        let directions: Vec<DVector<f64>> = eigen
+            .eigenvectors
+            .column_iter()
+            .map(|direction| direction.into_owned())
+            .collect();
+        let count = fit.jacobian.len();
+        let mut along: Vec<Residuals> = Vec::with_capacity(count);
+        for (direction, &curvature) in directions.iter().zip(eigen.eigenvalues.iter()) {
+            let sd = curvature.max(f64::MIN_POSITIVE).sqrt().recip();
+            let measured = (sd > WEAK_SD)
+                .then(|| slope_along(fitter, &fit.z, direction, sd))
+                .flatten();
+            along.push(measured.unwrap_or_else(|| combined(&fit.jacobian, direction)));
+        }
+        let back = DMatrix::from_columns(&directions).transpose();
+        for n in 0..count {
+            let weights = back.column(n).into_owned();
+            fit.jacobian[n] = combined(&along, &weights);
+        }
+    }
+}
+
+/// Returns the fit where a step by the Jacobian of `sharp` leads: along what the logs leave open to what the plant file says. None
+/// where that costs more.
+pub(super) fn settled(fitter: &Fitter, sharp: &Fit) -> Option<Fit> {
+    let (z, _) = fitter.step(sharp, 0.0);
+    let there = fitter.at(z)?;
+    (there.cost < sharp.cost).then(|| Fit {
+        jacobian: sharp.jacobian.clone(),
+        ..there
+    })
+}
+
+/// d residual / d step along `direction` from `z`, by a difference to both sides.
+fn slope_along(fitter: &Fitter, z: &[f64], direction: &DVector<f64>, sd: f64) -> Option<Residuals> {
+    let (least, most) = STEP;
+    let step = (STEP_SD * sd * direction.amax()).clamp(least, most) / direction.amax();
+    let moved = |step: f64| {
+        let moved = z.iter().zip(direction.iter()).map(|(z, d)| z + step * d);
+        fitter.at(moved.collect())
+    };
+    let (above, below) = rayon::join(|| moved(step), || moved(-step));
+    let (above, below) = (above?.residuals, below?.residuals);
+    let pairs = above.iter().zip(&below);
+    Some(
+        pairs
+            .map(|(above, below)| (above - below) / (2.0 * step))
+            .collect(),
+    )
+}
+
+/// The sum of `columns`, each times its weight.
+fn combined(columns: &[Residuals], weights: &DVector<f64>) -> Residuals {
+    let mut sum = vec![0.0; columns.first().map_or(0, Vec::len)];
+    for (column, weight) in columns.iter().zip(weights.iter()) {
+        for (sum, value) in sum.iter_mut().zip(column) {
+            *sum += weight * value;
+        }
+    }
+    sum
+}
