@@ -357,3 +357,76 @@ pub fn replay(rig: &Rig, commands: &[[f64; 2]]) -> Vec<Reading> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run_for(plant: &mut ReferencePlant, samples: usize, duty_pct: [f64; 2]) {
+        for _ in 0..samples {
+            plant.run(duty_pct);
+        }
+    }
+
+    #[test]
+    fn a_normally_open_vent_valve_is_shut_by_its_current() {
+        let mut rig = Rig::nominal();
+        rig.is_vent_normally_open = true;
+        rig.datasheet.armature.preload_vent_n = 1.4;
+        let mut plant = ReferencePlant::new(&rig);
+        run_for(&mut plant, 10, [0.0, 100.0]);
+        run_for(&mut plant, 40, [100.0, 100.0]);
+        run_for(&mut plant, 10, [0.0, 100.0]);
+        let filled = plant.chamber_pressure();
+        run_for(&mut plant, 20, [0.0, 100.0]);
+        let held = plant.chamber_pressure();
+        assert!(filled > 5e5 && (held / filled - 1.0).abs() < 1e-6);
+        run_for(&mut plant, 100, [0.0, 0.0]);
+        assert!(plant.chamber_pressure() < 1.1e5);
+    }
+
+    #[test]
+    fn warm_gas_cools_to_its_wall_and_the_pressure_with_it() {
+        let rig = Rig::nominal();
+        let wall = rig.datasheet.gas.temperature_k;
+        let mut plant = ReferencePlant::new(&rig);
+        run_for(&mut plant, 20, [100.0, 0.0]);
+        run_for(&mut plant, 10, [0.0, 0.0]);
+        let before = plant.chamber_pressure();
+        plant.warm_gas(20.0, 0.1);
+        let warm = plant.chamber_pressure();
+        assert!((warm / before - 1.0).abs() < 1e-9, "{warm}");
+        assert!((plant.gas_temperature() - wall - 20.0).abs() < 1e-6);
+        run_for(&mut plant, 10, [0.0, 0.0]);
+        let surplus = plant.gas_temperature() - wall;
+        assert!(
+            (surplus / (20.0 / 1.0_f64.exp()) - 1.0).abs() < 1e-3,
+            "{surplus}"
+        );
+        run_for(&mut plant, 200, [0.0, 0.0]);
+        let cold = plant.chamber_pressure();
+        assert!(
+            (cold / warm / (wall / (wall + 20.0)) - 1.0).abs() < 1e-6,
+            "{cold}"
+        );
+    }
+
+    /// Halves of a sample, each with a mean of its own, have the mean of the whole between them.
+    #[test]
+    fn means_are_over_the_interval_that_was_begun() {
+        let mut whole = ReferencePlant::new(&Rig::nominal());
+        run_for(&mut whole, 3, [60.0, 0.0]);
+        let mut halves = whole.clone();
+        whole.run([60.0, 0.0]);
+        halves.command([60.0, 0.0]);
+        let mut means = Vec::new();
+        for end_ns in [35_000_000, 40_000_000] {
+            halves.begin_means();
+            halves.run_until(end_ns);
+            means.push(halves.reading().currents[0]);
+        }
+        let mean = 0.5 * (means[0] + means[1]);
+        assert!((mean / whole.reading().currents[0] - 1.0).abs() < 1e-6);
+        assert!((means[0] / means[1] - 1.0).abs() > 0.01, "{means:?}");
+    }
+}

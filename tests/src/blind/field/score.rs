@@ -44,8 +44,12 @@ impl FieldScored {
     }
 
     fn reaches_the_floor(&self) -> bool {
-        self.check_error()
-            .is_some_and(|worst| worst.floors <= CHECK_ERROR_MAX_FLOORS)
+        self.check_error().is_some_and(is_at_the_floor)
+    }
+
+    /// Check error of the true parameters.
+    fn truths_check_error(&self) -> Option<Worst> {
+        self.truth.as_ref()?.check_error()
     }
 
     fn is_in_time(&self) -> bool {
@@ -128,8 +132,10 @@ impl FieldScored {
         };
         let mut misses = Vec::new();
         if let Some(worst) = refined.check_error().filter(|_| !self.reaches_the_floor()) {
+            let truth = self.truths_check_error();
+            let truth = truth.map_or(f64::NAN, |truth| truth.floors);
             misses.push(format!(
-                "check error {:.2} floors of {}",
+                "check error {:.2} floors of {}, with the true parameters {truth:.2}",
                 worst.floors, worst.signal
             ));
         }
@@ -160,6 +166,10 @@ impl FieldScored {
     }
 }
 
+fn is_at_the_floor(worst: Worst) -> bool {
+    worst.floors <= CHECK_ERROR_MAX_FLOORS
+}
+
 /// What a score says.
 #[derive(Debug, Clone, Serialize)]
 pub struct FieldReport {
@@ -182,6 +192,8 @@ pub struct Group {
     pub label: &'static str,
     /// Those whose check error is at the floor.
     pub at_the_floor: Share,
+    /// Those for which that of the true parameters is.
+    pub truth_at_the_floor: Share,
     /// Those in time.
     pub in_time: Share,
     /// Those whose free run is as good as that of the true parameters.
@@ -338,6 +350,9 @@ impl Group {
         Some(Self {
             label,
             at_the_floor: Share::of(&of, |rig| rig.reaches_the_floor()),
+            truth_at_the_floor: Share::of(&of, |rig| {
+                rig.truths_check_error().is_some_and(is_at_the_floor)
+            }),
             in_time: Share::of(&of, |rig| rig.is_in_time()),
             free_run: Share::of(&of, |rig| rig.runs_free_like_truth()),
             median_floors: median(|rig| rig.check_error().map(|worst| worst.floors))?,
@@ -363,15 +378,16 @@ impl fmt::Display for FieldReport {
         let kind = "kind";
         writeln!(
             f,
-            "\n{kind:34} rigs at floor in time free run   median floors, s"
+            "\n{kind:34} rigs at floor truth in time free run   median floors, s"
         )?;
         for group in &self.groups {
             writeln!(
                 f,
-                "  {:32} {:4} {:8} {:7} {:8} {:15.2} {:4.0}",
+                "  {:32} {:4} {:8} {:5} {:7} {:8} {:15.2} {:4.0}",
                 group.label,
                 group.at_the_floor.of,
                 group.at_the_floor.count,
+                group.truth_at_the_floor.count,
                 group.in_time.count,
                 group.free_run.count,
                 group.median_floors,
