@@ -12,4 +12,6 @@ pub mod plain_fit;
 pub mod reference_plant;
 #[cfg(unix)]
 mod served;
+#[cfg(unix)]
+pub mod stand_in;
 pub mod stiff_solver;

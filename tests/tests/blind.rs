@@ -3,8 +3,6 @@
 #![cfg(unix)]
 
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
 
 use retarder_tests::blind::draw::{Counts, Draw, DrawError};
 use retarder_tests::blind::format::{Answer, Class, Folders, Hidden};
@@ -12,6 +10,7 @@ use retarder_tests::blind::pairs;
 use retarder_tests::blind::run::{Released, run};
 use retarder_tests::blind::score::score;
 use retarder_tests::reference_plant::catalogue::Kinship;
+use retarder_tests::stand_in::stand_in;
 
 /// Poor logs of the first kind alone, 10 to 20 s long.
 const SHORT: Counts = Counts {
@@ -22,19 +21,6 @@ const SHORT: Counts = Counts {
     beyond: 0,
     poor: 1,
 };
-
-/// A command that takes the diagnosis' place: writes `says` where it is told to, and a mark into `calls`.
-fn stand_in(folder: &Path, says: &str) -> PathBuf {
-    let path = folder.join("stand-in");
-    // The last argument is the file of the JSON.
-    let script = format!(
-        "#!/bin/sh\necho \"$*\" >> {}/calls\nfor last; do :; done\ncat > \"$last\" <<'END'\n{says}\nEND\n",
-        folder.display()
-    );
-    fs::write(&path, script).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
-    path
-}
 
 fn finding(effects: &str) -> String {
     let figures = r#"{"p_ch": 0.004, "i_fill": 0.7, "i_vent": 0.7}"#;

@@ -1,4 +1,4 @@
-//! The blind benchmark of the diagnosis: programs, each of which reads what the ones before wrote.
+//! The blind benchmarks, of the diagnosis and of the estimation: programs, each of which reads what the ones before wrote.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,13 +13,7 @@ const DEADLINE: Duration = Duration::from_secs(12 * 3600);
 
 /// Draws rigs unless `draw` has them, lets the command diagnose those that it has not yet diagnosed, and scores.
 pub(crate) fn run(report: &mut Report, draw: &Path, seed: u64, share: f64) {
-    let built = report.step("programs of the blind benchmark", || {
-        let mut build = cargo();
-        build.args(["build", "--release"]);
-        build.args(["--package", "retarder", "--package", "retarder-tests"]);
-        process::run(build.arg("--bins"), DEADLINE)
-    });
-    if built.is_none() {
+    if !build(report) {
         return;
     }
     report.step("rigs drawn", || {
@@ -44,6 +38,46 @@ pub(crate) fn run(report: &mut Report, draw: &Path, seed: u64, share: f64) {
     report.step("names scored", || {
         process::run(program("blind-score").arg("--draw").arg(draw), DEADLINE)
     });
+}
+
+/// Draws field rigs unless `draw` has them, lets the command refine those that it has not yet refined, and scores.
+pub(crate) fn field(report: &mut Report, draw: &Path, seed: u64, rigs: usize) {
+    if !build(report) {
+        return;
+    }
+    report.step("field rigs drawn", || {
+        if draw.join("sealed").exists() {
+            return Ok(());
+        }
+        let (seed, rigs) = (seed.to_string(), rigs.to_string());
+        let mut program = program("field-draw");
+        program.arg("--out").arg(draw);
+        process::run(program.args(["--seed", &seed, "--rigs", &rigs]), DEADLINE)
+    });
+    for (step, name) in [
+        ("plant files refined", "field-run"),
+        ("true parameters judged", "field-truth"),
+    ] {
+        report.step(step, || {
+            let mut program = program(name);
+            program.arg("--draw").arg(draw);
+            process::run(program.arg("--retarder").arg(release("retarder")), DEADLINE)
+        });
+    }
+    report.step("plants scored", || {
+        process::run(program("field-score").arg("--draw").arg(draw), DEADLINE)
+    });
+}
+
+/// Builds the programs and the command.
+fn build(report: &mut Report) -> bool {
+    let built = report.step("programs of the blind benchmarks", || {
+        let mut build = cargo();
+        build.args(["build", "--release"]);
+        build.args(["--package", "retarder", "--package", "retarder-tests"]);
+        process::run(build.arg("--bins"), DEADLINE)
+    });
+    built.is_some()
 }
 
 fn program(name: &str) -> Command {

@@ -87,6 +87,18 @@ enum Verb {
         #[arg(long, default_value_t = 1.0)]
         share: f64,
     },
+    /// The field benchmark of the estimation: draw field rigs, refine their plant files, score. Goes on where it was stopped.
+    Field {
+        /// Folder of the draw; what is there already is kept.
+        #[arg(long, value_name = "FOLDER")]
+        draw: PathBuf,
+        /// Seed of the rigs.
+        #[arg(long)]
+        seed: u64,
+        /// Number of rigs.
+        #[arg(long, default_value_t = 100)]
+        rigs: usize,
+    },
     /// Let the command read damaged files under limits of time and memory. Takes half an hour; Ctrl-C ends it with the table so far.
     Damage {
         /// Number of damaged files.
@@ -178,6 +190,7 @@ fn main() -> ExitCode {
         Verb::Coverage => coverage::check(&mut report),
         Verb::Mutants { only, shard } => mutants::check(&mut report, only, shard),
         Verb::Blind { draw, seed, share } => blind::run(&mut report, &draw, seed, share),
+        Verb::Field { draw, seed, rigs } => blind::field(&mut report, &draw, seed, rigs),
         Verb::Damage {
             cases,
             seed,

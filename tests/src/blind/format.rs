@@ -40,9 +40,39 @@ impl Folders {
         self.0.join("sealed")
     }
 
+    /// The answer of a rig.
+    pub fn answer(&self, rig: &str) -> PathBuf {
+        self.sealed().join(format!("{rig}.json"))
+    }
+
+    /// The plant file that a person would have of a field rig.
+    pub fn plant(&self, rig: &str) -> PathBuf {
+        self.logs().join(format!("{rig}.toml"))
+    }
+
+    /// The refined plant of a field rig.
+    pub fn refined(&self, rig: &str) -> PathBuf {
+        self.found().join(format!("{rig}.toml"))
+    }
+
+    /// What the true parameters of field rigs leave.
+    pub fn truth(&self) -> PathBuf {
+        self.0.join("truth")
+    }
+
+    /// What the true parameters of a field rig leave.
+    pub fn judged_truth(&self, rig: &str) -> PathBuf {
+        self.truth().join(format!("{rig}.json"))
+    }
+
     /// What the diagnosis said.
     pub fn found(&self) -> PathBuf {
         self.0.join("found")
+    }
+
+    /// How long each rig took (s), and the exit code: one line a run.
+    pub fn times(&self) -> PathBuf {
+        self.found().join("times.csv")
     }
 
     /// What it said of a rig.

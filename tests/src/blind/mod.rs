@@ -10,6 +10,7 @@
 //! `docs/blind-benchmark.md` has the rules of the game: kinds of rigs, what counts as right, gates, seeds.
 
 pub mod draw;
+pub mod field;
 pub mod format;
 pub mod pairs;
 pub mod run;

@@ -44,7 +44,7 @@ pub fn run(
 ) -> Result<(), PairsError> {
     let alone = folders.alone();
     fs::create_dir_all(&alone).map_err(|error| RunError::File(alone, error))?;
-    let pairs = answers(folders)?;
+    let pairs: Vec<Answer> = answers(folders)?;
     let pairs = pairs.iter().filter(|answer| answer.class == Class::Two);
     let told: Vec<(&Answer, &str)> = pairs
         .flat_map(|answer| {

@@ -40,23 +40,39 @@ pub struct Released {
 impl Released {
     /// A subcommand with the logs of a rig; nothing to read from the standard input.
     pub(super) fn on(&self, subcommand: &str, folders: &Folders, rig: &str) -> Command {
-        let mut command = Command::new(&self.retarder);
-        command
-            .args([subcommand, "--plant"])
-            .arg(&self.plant)
-            .arg("--log")
-            .arg(folders.id_log(rig))
-            .arg("--check")
-            .arg(folders.check_log(rig))
-            .stdin(Stdio::null());
-        command
+        on_rig(&self.retarder, &self.plant, subcommand, folders, rig)
     }
 
     /// What `command` printed, and how it ended.
     pub(super) fn output(&self, command: &mut Command) -> Result<Output, RunError> {
-        let started = command.output();
-        started.map_err(|error| RunError::Start(self.retarder.clone(), error))
+        output(&self.retarder, command)
     }
+}
+
+/// A subcommand of `retarder` with a plant and the logs of a rig; nothing to read from the standard input.
+pub(super) fn on_rig(
+    retarder: &Path,
+    plant: &Path,
+    subcommand: &str,
+    folders: &Folders,
+    rig: &str,
+) -> Command {
+    let mut command = Command::new(retarder);
+    command
+        .args([subcommand, "--plant"])
+        .arg(plant)
+        .arg("--log")
+        .arg(folders.id_log(rig))
+        .arg("--check")
+        .arg(folders.check_log(rig))
+        .stdin(Stdio::null());
+    command
+}
+
+/// Returns what a command of `retarder` printed, and how it ended.
+pub(super) fn output(retarder: &Path, command: &mut Command) -> Result<Output, RunError> {
+    let started = command.output();
+    started.map_err(|error| RunError::Start(retarder.to_owned(), error))
 }
 
 /// How far a run is.
@@ -81,13 +97,34 @@ pub fn run(
     jobs: usize,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<usize, RunError> {
+    run_each(folders, jobs, progress, |rig| {
+        command.output(
+            command
+                .on("diagnose", folders, rig)
+                .arg("--json")
+                .arg(folders.finding(rig)),
+        )
+    })
+}
+
+/// Lets `find` write the finding of every rig of `folders` that has none yet, `jobs` at a time. A rig without a finding leaves a
+/// file with what the command said; the next run tries it again. Gives the number of those.
+///
+/// # Errors
+/// If files cannot be read or written, or the command does not start.
+pub(super) fn run_each(
+    folders: &Folders,
+    jobs: usize,
+    progress: impl Fn(Progress) + Sync,
+    find: impl Fn(&str) -> Result<Output, RunError> + Sync,
+) -> Result<usize, RunError> {
     let file = |path: &Path| {
         let path = path.to_owned();
         move |error| RunError::File(path, error)
     };
     let (found, rigs) = (folders.found(), rigs(&folders.logs())?);
     fs::create_dir_all(&found).map_err(file(&found))?;
-    let times = found.join("times.csv");
+    let times = folders.times();
     let mut log = fs::OpenOptions::new();
     let log = log.create(true).append(true).open(&times);
     let log = Mutex::new(log.map_err(file(&times))?);
@@ -99,8 +136,10 @@ pub fn run(
     let work = || -> Result<(), RunError> {
         while let Some(rig) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
             let began = Instant::now();
-            let code = diagnose(folders, command, rig)?;
-            let line = format!("{rig},{:.2},{code}\n", began.elapsed().as_secs_f64());
+            let output = find(rig)?;
+            let seconds = began.elapsed().as_secs_f64();
+            let code = keep(folders, rig, &output)?;
+            let line = format!("{rig},{seconds:.2},{code}\n");
             let mut log = log.lock().expect("no thread panics while it writes");
             log.write_all(line.as_bytes()).map_err(file(&times))?;
             let now = 1 + done.fetch_add(1, Ordering::Relaxed);
@@ -141,19 +180,14 @@ fn rigs(logs: &Path) -> Result<Vec<String>, RunError> {
     Ok(rigs)
 }
 
-/// Diagnoses one rig; the exit code of the command, -1 if it was killed.
-fn diagnose(folders: &Folders, command: &Released, rig: &str) -> Result<i32, RunError> {
-    let (finding, said) = (
-        folders.finding(rig),
-        folders.found().join(format!("{rig}.failed")),
-    );
-    let mut diagnosis = command.on("diagnose", folders, rig);
-    let output = command.output(diagnosis.arg("--json").arg(&finding))?;
-    if finding.exists() {
+/// Keeps what the command said where it left no finding; the exit code of the command, -1 if it was killed.
+fn keep(folders: &Folders, rig: &str, output: &Output) -> Result<i32, RunError> {
+    let said = folders.found().join(format!("{rig}.failed"));
+    if folders.finding(rig).exists() {
         // Of an earlier run; most often not there.
         _ = fs::remove_file(&said);
     } else {
-        let text = [output.stdout, output.stderr].concat();
+        let text = [&output.stdout[..], &output.stderr].concat();
         fs::write(&said, text).map_err(|error| RunError::File(said, error))?;
     }
     Ok(output.status.code().unwrap_or(-1))

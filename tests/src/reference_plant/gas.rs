@@ -52,6 +52,11 @@ pub(super) struct GasPath {
     supply: f64,
     ambient: f64,
     volume: f64,
+    /// Stroke of the armatures (m), and whether the vent valve is open without current.
+    stroke: f64,
+    is_vent_normally_open: bool,
+    /// Time constant with which the wall takes out what the gas was warmed by before the log (s); 0 at once.
+    relaxation: f64,
     departures: Departures,
 }
 
@@ -95,6 +100,9 @@ impl GasPath {
             supply: gas.supply_pressure_bar_gauge * PA_PER_BAR + gas.ambient_pressure_pa,
             ambient: gas.ambient_pressure_pa,
             volume: sheet.chamber.volume_m3,
+            stroke: sheet.armature.stroke_m,
+            is_vent_normally_open: rig.is_vent_normally_open,
+            relaxation: 0.0,
             departures,
         }
     }
@@ -102,6 +110,27 @@ impl GasPath {
     /// Ambient pressure (Pa abs).
     pub(super) fn ambient(&self) -> f64 {
         self.ambient
+    }
+
+    /// Whether a valve is open without current.
+    pub(super) fn is_normally_open(&self, valve: usize) -> bool {
+        valve == 1 && self.is_vent_normally_open
+    }
+
+    /// Lift of a valve's seat (m) with the armature at `position`.
+    pub(super) fn lift(&self, valve: usize, position: f64) -> f64 {
+        if self.is_normally_open(valve) {
+            self.stroke - position
+        } else {
+            position
+        }
+    }
+
+    /// Makes the gas in the chamber warmer than the wall by this (K) at the same pressure; the wall takes it out with this time
+    /// constant (s).
+    pub(super) fn warm(&mut self, by_k: f64, relaxation_s: f64, state: &mut State) {
+        state[MASS] = state[ENERGY] / (self.heat_capacity * (self.temperature + by_k));
+        self.relaxation = relaxation_s;
     }
 
     /// Chamber vented, lines charged.
@@ -186,7 +215,12 @@ impl GasPath {
             let flows = [inflow, -vented, -leaked, -into_cavity];
             self.energy_rate(at, flows, state, rate)
         } else {
-            self.heat_capacity * self.temperature * rate[MASS]
+            let of_wall = self.heat_capacity * self.temperature;
+            let mut energy = of_wall * rate[MASS];
+            if self.relaxation > 0.0 {
+                energy -= (state[ENERGY] - of_wall * state[MASS]) / self.relaxation;
+            }
+            energy
         };
     }
 

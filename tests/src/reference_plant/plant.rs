@@ -30,6 +30,8 @@ pub struct ReferencePlant {
     coarse_step: f64,
     sample_ns: u64,
     now_ns: u64,
+    /// Instant from which the mean currents count (ns).
+    means_since_ns: u64,
     state: State,
     /// Where the sensor's reading stands within its play (Pa gauge).
     play: f64,
@@ -59,6 +61,7 @@ impl ReferencePlant {
             coarse_step: if rubs { FINE_STEP } else { COARSE_STEP },
             sample_ns: (sheet.ecu.sample_time_s * 1e9).round() as u64,
             now_ns: 0,
+            means_since_ns: 0,
             state,
             play: 0.0,
             rig: rig.clone(),
@@ -71,7 +74,7 @@ impl ReferencePlant {
     fn seat(&mut self) {
         let at = self.gas.pressures(0.0, &self.state);
         for valve in 0..2 {
-            let load = self.preloads[valve] - self.pressure_area * pressure_drop(&at, valve);
+            let load = self.preloads[valve] - self.pressure_force(&at, valve);
             let spring = self.rig.datasheet.armature.spring_n_per_m;
             self.state[POSITION + valve] = -Stops::depth(load, spring);
         }
@@ -83,7 +86,11 @@ impl ReferencePlant {
         let shown = sensor::shown(&sensor);
         let gauge = self.state[shown] - self.gas.ambient();
         let rate = self.rates(&self.state, time, [false; 2])[shown];
-        let span = self.sample_ns as f64 * 1e-9;
+        let span_ns = match self.now_ns - self.means_since_ns {
+            0 => self.sample_ns,
+            span_ns => span_ns,
+        };
+        let span = span_ns as f64 * 1e-9;
         Reading {
             pressure: sensor::distorted(&sensor, gauge, time, &mut self.play),
             pressure_rate: rate,
@@ -95,15 +102,36 @@ impl ReferencePlant {
 
     /// Hands over the duty cycles (%) of this sample, fill and vent, and runs to the next one.
     pub fn run(&mut self, duty_pct: [f64; 2]) {
+        self.command(duty_pct);
+        self.begin_means();
+        self.run_until(self.now_ns + self.sample_ns);
+    }
+
+    /// Hands over the duty cycles (%) of the next sample, fill and vent.
+    pub fn command(&mut self, duty_pct: [f64; 2]) {
         self.pulses.command(duty_pct);
+    }
+
+    /// Begins the interval over which the next reading has the mean currents.
+    pub fn begin_means(&mut self) {
         self.state[CHARGE..CHARGE + 2].fill(0.0);
-        let end_ns = self.now_ns + self.sample_ns;
+        self.means_since_ns = self.now_ns;
+    }
+
+    /// Runs to an instant (ns). The commands of all samples before it have been handed over.
+    pub fn run_until(&mut self, end_ns: u64) {
         while self.now_ns < end_ns {
             let (high, known_until_ns) = self.pulses.at(self.now_ns);
             let next_ns = known_until_ns.min(end_ns);
             self.integrate(high, (next_ns - self.now_ns) as f64 * 1e-9);
             self.now_ns = next_ns;
         }
+    }
+
+    /// Makes the gas in the chamber warmer than the wall by this (K) at the same pressure, as a fast fill does. The wall takes the
+    /// heat out with this time constant (s).
+    pub fn warm_gas(&mut self, by_k: f64, relaxation_s: f64) {
+        self.gas.warm(by_k, relaxation_s, &mut self.state);
     }
 
     /// Mass (kg) and internal energy (J) of the gas in the chamber.
@@ -114,6 +142,11 @@ impl ReferencePlant {
     /// Chamber pressure itself (Pa abs).
     pub fn chamber_pressure(&self) -> f64 {
         self.gas.pressures(self.time(), &self.state).chamber
+    }
+
+    /// Temperature of the gas in the chamber (K).
+    pub fn gas_temperature(&self) -> f64 {
+        self.gas.pressures(self.time(), &self.state).temperature
     }
 
     /// Armature positions (m), fill and vent.
@@ -171,13 +204,24 @@ impl ReferencePlant {
         for valve in 0..2 {
             self.armature_rates(valve, state, &at, &mut rate);
         }
-        let lifts = [state[POSITION], state[POSITION + 1]];
+        let lifts = [0, 1].map(|valve| self.gas.lift(valve, state[POSITION + valve]));
         self.gas.rates(&at, lifts, state, &mut rate);
         let sensor = &self.rig.departures.sensor;
         let in_cavity = self.rig.departures.chamber.sensor_in_cavity;
         let seen = if in_cavity { at.cavity } else { at.chamber };
         sensor::rates(sensor, seen, state, &mut rate);
         rate
+    }
+
+    /// Force of the pressure on an armature in the direction of its magnet (N). It lifts the seat, which the magnet of a normally
+    /// open valve presses down.
+    fn pressure_force(&self, at: &Pressures, valve: usize) -> f64 {
+        let lifts = self.pressure_area * pressure_drop(at, valve);
+        if self.gas.is_normally_open(valve) {
+            -lifts
+        } else {
+            lifts
+        }
     }
 
     fn electric_rates(&self, state: &State, time: f64, high: [bool; 2], rate: &mut State) {
@@ -249,9 +293,10 @@ impl ReferencePlant {
         let sheet = &self.rig.datasheet.armature;
         let departures = &self.rig.departures.armature;
         let (position, velocity) = (state[POSITION + valve], state[VELOCITY + valve]);
-        let pressure = self.pressure_area * pressure_drop(at, valve);
+        let pressure = self.pressure_force(at, valve);
+        let lift = self.gas.lift(valve, position);
         let force = self.coil.force(state[FLUX + valve], position)
-            + pressure * (1.0 - pressure_force_loss(departures, position))
+            + pressure * (1.0 - pressure_force_loss(departures, lift))
             - self.preloads[valve]
             - sheet.spring_n_per_m * position
             - sheet.viscous_friction_ns_per_m * velocity
@@ -311,4 +356,77 @@ pub fn replay(rig: &Rig, commands: &[[f64; 2]]) -> Vec<Reading> {
             reading
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run_for(plant: &mut ReferencePlant, samples: usize, duty_pct: [f64; 2]) {
+        for _ in 0..samples {
+            plant.run(duty_pct);
+        }
+    }
+
+    #[test]
+    fn a_normally_open_vent_valve_is_shut_by_its_current() {
+        let mut rig = Rig::nominal();
+        rig.is_vent_normally_open = true;
+        rig.datasheet.armature.preload_vent_n = 1.4;
+        let mut plant = ReferencePlant::new(&rig);
+        run_for(&mut plant, 10, [0.0, 100.0]);
+        run_for(&mut plant, 40, [100.0, 100.0]);
+        run_for(&mut plant, 10, [0.0, 100.0]);
+        let filled = plant.chamber_pressure();
+        run_for(&mut plant, 20, [0.0, 100.0]);
+        let held = plant.chamber_pressure();
+        assert!(filled > 5e5 && (held / filled - 1.0).abs() < 1e-6);
+        run_for(&mut plant, 100, [0.0, 0.0]);
+        assert!(plant.chamber_pressure() < 1.1e5);
+    }
+
+    #[test]
+    fn warm_gas_cools_to_its_wall_and_the_pressure_with_it() {
+        let rig = Rig::nominal();
+        let wall = rig.datasheet.gas.temperature_k;
+        let mut plant = ReferencePlant::new(&rig);
+        run_for(&mut plant, 20, [100.0, 0.0]);
+        run_for(&mut plant, 10, [0.0, 0.0]);
+        let before = plant.chamber_pressure();
+        plant.warm_gas(20.0, 0.1);
+        let warm = plant.chamber_pressure();
+        assert!((warm / before - 1.0).abs() < 1e-9, "{warm}");
+        assert!((plant.gas_temperature() - wall - 20.0).abs() < 1e-6);
+        run_for(&mut plant, 10, [0.0, 0.0]);
+        let surplus = plant.gas_temperature() - wall;
+        assert!(
+            (surplus / (20.0 / 1.0_f64.exp()) - 1.0).abs() < 1e-3,
+            "{surplus}"
+        );
+        run_for(&mut plant, 200, [0.0, 0.0]);
+        let cold = plant.chamber_pressure();
+        assert!(
+            (cold / warm / (wall / (wall + 20.0)) - 1.0).abs() < 1e-6,
+            "{cold}"
+        );
+    }
+
+    /// Halves of a sample, each with a mean of its own, have the mean of the whole between them.
+    #[test]
+    fn means_are_over_the_interval_that_was_begun() {
+        let mut whole = ReferencePlant::new(&Rig::nominal());
+        run_for(&mut whole, 3, [60.0, 0.0]);
+        let mut halves = whole.clone();
+        whole.run([60.0, 0.0]);
+        halves.command([60.0, 0.0]);
+        let mut means = Vec::new();
+        for end_ns in [35_000_000, 40_000_000] {
+            halves.begin_means();
+            halves.run_until(end_ns);
+            means.push(halves.reading().currents[0]);
+        }
+        let mean = 0.5 * (means[0] + means[1]);
+        assert!((mean / whole.reading().currents[0] - 1.0).abs() < 1e-6);
+        assert!((means[0] / means[1] - 1.0).abs() > 0.01, "{means:?}");
+    }
 }

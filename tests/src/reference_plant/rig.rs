@@ -12,6 +12,8 @@ pub struct Rig {
     pub datasheet: Datasheet,
     /// What it has beyond the plain plant.
     pub departures: Departures,
+    /// Whether the vent valve is open without current.
+    pub is_vent_normally_open: bool,
 }
 
 /// Name and half width of each scattered quantity: relative, but for the delay (s) and the supply pressure (bar).
@@ -38,6 +40,7 @@ impl Rig {
         Self {
             datasheet: Datasheet::bundled(),
             departures: Departures::default(),
+            is_vent_normally_open: false,
         }
     }
 

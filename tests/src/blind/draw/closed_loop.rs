@@ -9,7 +9,7 @@ const SAMPLE: f64 = 0.01;
 
 /// Proportional and integral action on references that change now and then.
 #[derive(Debug, Clone)]
-pub(super) struct ClosedLoop {
+pub(in crate::blind) struct ClosedLoop {
     /// Reference of each sample (bar gauge).
     references: Vec<f64>,
     grid: usize,

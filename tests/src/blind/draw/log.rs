@@ -19,12 +19,14 @@ pub(super) struct Logger {
 }
 
 /// A quantity's noise (rms) and the step of its converter.
-struct Channel {
-    noise: f64,
-    step: f64,
+#[derive(Debug, Clone, Copy)]
+pub(in crate::blind) struct Channel {
+    pub(in crate::blind) noise: f64,
+    pub(in crate::blind) step: f64,
 }
 
-const PRESSURE_BAR: Channel = Channel {
+/// Pressure as the ECU of a good rig reads it.
+pub(in crate::blind) const PRESSURE_BAR: Channel = Channel {
     noise: 4e-3,
     step: 5.1e-3,
 };
@@ -39,7 +41,8 @@ const BATTERY_V: Channel = Channel {
 const BATTERY: f64 = 24.0;
 
 impl Channel {
-    fn read(&self, value: f64, noise: f64, chance: &mut Chance) -> f64 {
+    /// Returns what the converter shows of `value` with `noise` times its noise.
+    pub(in crate::blind) fn read(&self, value: f64, noise: f64, chance: &mut Chance) -> f64 {
         let noisy = value + noise * self.noise * chance.normal();
         // Adding zero takes the sign off a zero.
         (noisy / self.step).round() * self.step + 0.0

@@ -1,9 +1,9 @@
 //! Draws rigs, runs them in the reference plant, and writes logs and sealed answers.
 
 mod closed_loop;
-mod log;
-mod plan;
-mod profile;
+pub(super) mod log;
+pub(super) mod plan;
+pub(super) mod profile;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,6 +11,7 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use serde::Serialize;
 use thiserror::Error;
 
 use super::format::{Answer, Folders, Hidden, Poor, Profile, SCHEMA};
@@ -72,11 +73,7 @@ impl Draw {
     /// # Errors
     /// If a number is that of no rig.
     pub fn only(mut self, numbers: &[usize]) -> Result<Self, DrawError> {
-        let count = self.count();
-        if let Some(&number) = numbers.iter().find(|number| !(1..=count).contains(number)) {
-            return Err(DrawError::NoSuchRig(number, count));
-        }
-        self.plans.retain(|(number, _)| numbers.contains(number));
+        only(&mut self.plans, numbers)?;
         Ok(self)
     }
 
@@ -105,30 +102,46 @@ impl Draw {
         threads: usize,
         progress: impl Fn(usize) + Sync,
     ) -> Result<(), DrawError> {
-        if folders.logs().exists() || folders.sealed().exists() {
-            return Err(DrawError::Occupied(folders.root().to_owned()));
-        }
-        for folder in [folders.logs(), folders.sealed()] {
-            fs::create_dir_all(&folder).map_err(|error| DrawError::Write(folder, error))?;
-        }
-        let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let work = || -> Result<(), DrawError> {
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= self.count() {
-                    return Ok(());
-                }
-                self.rig(index).write(folders)?;
-                progress(1 + done.fetch_add(1, Ordering::Relaxed));
-            }
-        };
-        std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
-            workers
-                .into_iter()
-                .try_for_each(|worker| worker.join().expect("a worker does not panic"))
+        write_rigs(folders, threads, self.count(), progress, |index| {
+            self.rig(index).write(folders)
         })
     }
+}
+
+/// Writes `count` rigs into `folders` on `threads` threads; `progress` hears how many are done.
+///
+/// # Errors
+/// If the folder is there already, or a file cannot be written.
+pub(super) fn write_rigs(
+    folders: &Folders,
+    threads: usize,
+    count: usize,
+    progress: impl Fn(usize) + Sync,
+    write: impl Fn(usize) -> Result<(), DrawError> + Sync,
+) -> Result<(), DrawError> {
+    if folders.logs().exists() || folders.sealed().exists() {
+        return Err(DrawError::Occupied(folders.root().to_owned()));
+    }
+    for folder in [folders.logs(), folders.sealed()] {
+        fs::create_dir_all(&folder).map_err(|error| DrawError::Write(folder, error))?;
+    }
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || -> Result<(), DrawError> {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= count {
+                return Ok(());
+            }
+            write(index)?;
+            progress(1 + done.fetch_add(1, Ordering::Relaxed));
+        }
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
+        workers
+            .into_iter()
+            .try_for_each(|worker| worker.join().expect("a worker does not panic"))
+    })
 }
 
 impl Drawn {
@@ -137,24 +150,48 @@ impl Drawn {
     /// # Errors
     /// If a file cannot be written.
     pub fn write(&self, folders: &Folders) -> Result<(), DrawError> {
-        let rig = &self.answer.rig;
-        let answer = serde_json::to_string_pretty(&self.answer).expect("an answer is plain data");
-        let [id, check] = &self.logs;
-        for (path, text) in [
-            (folders.id_log(rig), id),
-            (folders.check_log(rig), check),
-            (folders.sealed().join(format!("{rig}.json")), &answer),
-        ] {
-            fs::write(&path, text).map_err(|error| DrawError::Write(path, error))?;
-        }
-        Ok(())
+        write_rig(folders, &self.answer.rig, &self.logs, &self.answer)
     }
+}
+
+/// Writes the logs and the answer of one rig into `folders`, whose folders are there.
+///
+/// # Errors
+/// If a file cannot be written.
+pub(super) fn write_rig(
+    folders: &Folders,
+    rig: &str,
+    [id, check]: &[String; 2],
+    answer: &impl Serialize,
+) -> Result<(), DrawError> {
+    let answer = serde_json::to_string_pretty(answer).expect("an answer is plain data");
+    for (path, text) in [
+        (folders.id_log(rig), id),
+        (folders.check_log(rig), check),
+        (folders.answer(rig), &answer),
+    ] {
+        fs::write(&path, text).map_err(|error| DrawError::Write(path, error))?;
+    }
+    Ok(())
+}
+
+/// The plans with these numbers, which count from 1.
+///
+/// # Errors
+/// If a number is that of no rig.
+pub(super) fn only<T>(plans: &mut Vec<(usize, T)>, numbers: &[usize]) -> Result<(), DrawError> {
+    let count = plans.len();
+    if let Some(&number) = numbers.iter().find(|number| !(1..=count).contains(number)) {
+        return Err(DrawError::NoSuchRig(number, count));
+    }
+    plans.retain(|(number, _)| numbers.contains(number));
+    Ok(())
 }
 
 fn drawn(name: String, plan: &Plan, chance: &mut Chance) -> Drawn {
     let scatter = Scatter([0.0; SCATTERED.len()].map(|_: f64| chance.between(-1.0, 1.0)));
     let plain = Rig::nominal().scattered(&scatter);
-    let rig = plain.with(departures(plan, &plain));
+    let rig = plain.with(departures(&plan.hidden, &plain));
     let logger = logger(plan.poor);
     let profiles = profiles(plan.poor, chance);
     let lengths = match plan.poor {
@@ -190,9 +227,10 @@ fn drawn(name: String, plan: &Plan, chance: &mut Chance) -> Drawn {
     }
 }
 
-fn departures(plan: &Plan, plain: &Rig) -> Departures {
+/// What these effects change on a plain rig.
+pub(super) fn departures(doses: &[Dose], plain: &Rig) -> Departures {
     let mut departures = Departures::default();
-    for dose in &plan.hidden {
+    for dose in doses {
         let size = dose.size_over_typical * dose.form.typical;
         dose.form
             .apply(size, dose.shape, &plain.datasheet, &mut departures);
@@ -200,7 +238,8 @@ fn departures(plan: &Plan, plain: &Rig) -> Departures {
     departures
 }
 
-fn hidden(dose: &Dose, plain: &Rig) -> Hidden {
+/// The entry of an answer for an effect on a plain rig.
+pub(super) fn hidden(dose: &Dose, plain: &Rig) -> Hidden {
     let form = dose.form;
     let size = dose.size_over_typical * form.typical;
     Hidden {
@@ -227,7 +266,8 @@ fn logger(poor: Option<Poor>) -> Logger {
     }
 }
 
-fn profiles(poor: Option<Poor>, chance: &mut Chance) -> [Profile; 2] {
+/// How the id log and the check log are commanded.
+pub(super) fn profiles(poor: Option<Poor>, chance: &mut Chance) -> [Profile; 2] {
     use Profile::{Bench, Chance as ByChance, ClosedLoop, Pulses, Restless};
     match poor {
         Some(Poor::NoHold) => [Restless; 2],

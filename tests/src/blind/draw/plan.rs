@@ -85,10 +85,10 @@ pub(super) struct Plan {
 
 /// How much of which law.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Dose {
-    pub(super) form: &'static Form,
-    pub(super) size_over_typical: f64,
-    pub(super) shape: f64,
+pub(in crate::blind) struct Dose {
+    pub(in crate::blind) form: &'static Form,
+    pub(in crate::blind) size_over_typical: f64,
+    pub(in crate::blind) shape: f64,
 }
 
 impl Dose {
@@ -151,7 +151,7 @@ fn plan(class: Class, poor: Option<Poor>, hidden: Vec<Dose>) -> Plan {
 }
 
 /// A strong dose of one matched form that is wanted.
-fn strong(wanted: impl Fn(&Form) -> bool, chance: &mut Chance) -> Dose {
+pub(in crate::blind) fn strong(wanted: impl Fn(&Form) -> bool, chance: &mut Chance) -> Dose {
     let forms: Vec<_> = forms_of(Kinship::Matched)
         .filter(|form| wanted(form))
         .collect();

@@ -6,14 +6,19 @@ use crate::chance::Chance;
 
 /// Where the duty cycles (%) of each sample come from, fill and vent.
 #[derive(Debug, Clone)]
-pub(super) enum Commands {
+pub(in crate::blind) enum Commands {
     Listed(Vec<[f64; 2]>),
     Controlled(Box<ClosedLoop>),
 }
 
 impl Commands {
     /// Commands for `samples` ECU samples, each held for a multiple of `grid` of them.
-    pub(super) fn new(profile: Profile, samples: usize, grid: usize, chance: &mut Chance) -> Self {
+    pub(in crate::blind) fn new(
+        profile: Profile,
+        samples: usize,
+        grid: usize,
+        chance: &mut Chance,
+    ) -> Self {
         let mut list = List {
             commands: Vec::with_capacity(samples),
             grid,
@@ -32,7 +37,7 @@ impl Commands {
     }
 
     /// The command of sample `n`, in which the ECU reads this pressure (bar gauge).
-    pub(super) fn at(&mut self, n: usize, pressure: f64) -> [f64; 2] {
+    pub(in crate::blind) fn at(&mut self, n: usize, pressure: f64) -> [f64; 2] {
         match self {
             Self::Listed(list) => list[n],
             Self::Controlled(controller) => controller.command(n, pressure),

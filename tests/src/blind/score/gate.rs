@@ -93,7 +93,13 @@ impl Quality {
     }
 }
 
-fn gate(promise: &'static str, share: Share, bound: f64, is_least: bool) -> Gate {
+/// Returns the gate of a share that is to be at least, or at most, `bound`.
+pub(in crate::blind) fn gate(
+    promise: &'static str,
+    share: Share,
+    bound: f64,
+    is_least: bool,
+) -> Gate {
     Gate {
         promise,
         share,

@@ -1,7 +1,7 @@
 //! Holds what the diagnosis said against the sealed answers: shares with limits, gates, misses, simple rules beside it.
 
 pub mod finding;
-mod gate;
+pub(super) mod gate;
 mod judge;
 mod log;
 mod rules;
@@ -119,7 +119,7 @@ impl Scored {
 /// # Errors
 /// If an answer or a finding cannot be read. A finding that is not there is a rig without names.
 pub fn score(folders: &Folders) -> Result<Report, ScoreError> {
-    let rigs = answers(folders)?.into_iter().map(|answer| {
+    let rigs = answers::<Answer>(folders)?.into_iter().map(|answer| {
         let finding = folders.finding(&answer.rig);
         let finding = finding.exists().then(|| parse(&finding)).transpose()?;
         let alone = alone(folders, &answer)?;
@@ -144,7 +144,7 @@ fn alone(folders: &Folders, answer: &Answer) -> Result<Vec<f64>, ScoreError> {
 }
 
 /// The answers of a draw, in the order of their rigs.
-pub(super) fn answers(folders: &Folders) -> Result<Vec<Answer>, ScoreError> {
+pub(super) fn answers<T: DeserializeOwned>(folders: &Folders) -> Result<Vec<T>, ScoreError> {
     let sealed = folders.sealed();
     let read = fs::read_dir(&sealed).map_err(|error| ScoreError::Read(sealed.clone(), error))?;
     let mut paths: Vec<PathBuf> = read
@@ -158,7 +158,7 @@ pub(super) fn answers(folders: &Folders) -> Result<Vec<Answer>, ScoreError> {
     paths.iter().map(|path| parse(path)).collect()
 }
 
-fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, ScoreError> {
+pub(super) fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, ScoreError> {
     let text =
         fs::read_to_string(path).map_err(|error| ScoreError::Read(path.to_owned(), error))?;
     serde_json::from_str(&text).map_err(|error| ScoreError::Form(path.to_owned(), error))

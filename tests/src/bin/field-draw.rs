@@ -1,0 +1,55 @@
+//! Draws field rigs from a seed: `docs/field-benchmark.md`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use retarder_tests::blind::draw::DrawError;
+use retarder_tests::blind::field::draw::{Effects, FieldDraw};
+use retarder_tests::blind::format::Folders;
+
+/// Draws field rigs from a seed.
+#[derive(Parser)]
+struct Options {
+    /// Folder that the draw goes to; `logs` and `sealed` in it must not exist.
+    #[arg(long)]
+    out: PathBuf,
+    /// The seed.
+    #[arg(long)]
+    seed: u64,
+    /// Number of rigs.
+    #[arg(long, default_value_t = 100)]
+    rigs: usize,
+    /// Numbers of rigs; without it all of them.
+    #[arg(long)]
+    rig: Vec<usize>,
+    /// Hidden effects of each rig: a number, or two as in 0..4.
+    #[arg(long, default_value = "0")]
+    effects: Effects,
+    /// Threads.
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
+}
+
+fn main() -> ExitCode {
+    match draw(Options::parse()) {
+        Ok(()) => {
+            eprintln!();
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("\n{error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn draw(options: Options) -> Result<(), DrawError> {
+    let mut draw = FieldDraw::new(options.seed, options.rigs, options.effects);
+    if !options.rig.is_empty() {
+        draw = draw.only(&options.rig)?;
+    }
+    let count = draw.count();
+    let progress = |done| eprint!("\r{done} of {count} rigs");
+    draw.write(&Folders::new(options.out), options.threads, progress)
+}

@@ -1,0 +1,106 @@
+//! Draws field rigs, runs them in the reference plant, and writes logs, plant files and sealed answers.
+
+use std::fs;
+
+use super::super::draw::plan::Dose;
+use super::super::draw::{DrawError, departures, hidden, only, write_rig, write_rigs};
+use super::super::format::Folders;
+use super::format::{FIELD_SCHEMA, FieldAnswer};
+use super::logger::record;
+use super::ordinary::{first_file, parameters};
+pub use super::plan::Effects;
+use super::plan::FieldPlan;
+use crate::chance::Chance;
+
+/// Field rigs of a seed.
+#[derive(Debug, Clone)]
+pub struct FieldDraw {
+    seed: u64,
+    /// Effects by the number of the rig, from 1 on.
+    doses: Vec<(usize, Vec<Dose>)>,
+}
+
+/// One field rig, drawn.
+#[derive(Debug, Clone)]
+pub struct FieldRig {
+    /// What it is.
+    pub answer: FieldAnswer,
+    /// The plant file that a person would have.
+    pub plant: String,
+    /// Its id log and its check log as CSV.
+    pub logs: [String; 2],
+}
+
+impl FieldDraw {
+    /// The first `rigs` rigs of `seed`, each with a number of hidden effects.
+    pub fn new(seed: u64, rigs: usize, effects: Effects) -> Self {
+        let mut chance = Chance::new(seed);
+        let doses = (1..=rigs).map(|number| (number, effects.draw(&mut chance)));
+        Self {
+            seed,
+            doses: doses.collect(),
+        }
+    }
+
+    /// Of these rigs those with one of `numbers`, as they are in the whole draw.
+    ///
+    /// # Errors
+    /// If a number is that of no rig.
+    pub fn only(mut self, numbers: &[usize]) -> Result<Self, DrawError> {
+        only(&mut self.doses, numbers)?;
+        Ok(self)
+    }
+
+    /// Number of rigs.
+    pub fn count(&self) -> usize {
+        self.doses.len()
+    }
+
+    /// Runs one of these rigs.
+    pub fn rig(&self, index: usize) -> FieldRig {
+        let (number, doses) = &self.doses[index];
+        let mut chance = Chance::of(self.seed, *number as u64);
+        let FieldPlan {
+            plain,
+            logger,
+            logs,
+        } = FieldPlan::draw(*number, &mut chance);
+        let rig = plain.with(departures(doses, &plain));
+        let [id, check] = logs.map(|plan| record(&rig, &logger, &plan, &mut chance));
+        FieldRig {
+            answer: FieldAnswer {
+                schema: FIELD_SCHEMA.to_owned(),
+                rig: format!("rig-{number:03}"),
+                hidden: doses.iter().map(|dose| hidden(dose, &plain)).collect(),
+                is_vent_normally_open: plain.is_vent_normally_open,
+                parameters: parameters(&plain),
+                logger,
+                logs: [id.0, check.0],
+            },
+            plant: first_file(plain.is_vent_normally_open),
+            logs: [id.1, check.1],
+        }
+    }
+
+    /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` hears how many are done.
+    ///
+    /// # Errors
+    /// If the folder is there already, or a file cannot be written.
+    pub fn write(
+        &self,
+        folders: &Folders,
+        threads: usize,
+        progress: impl Fn(usize) + Sync,
+    ) -> Result<(), DrawError> {
+        write_rigs(folders, threads, self.count(), progress, |index| {
+            let FieldRig {
+                answer,
+                plant,
+                logs,
+            } = self.rig(index);
+            let path = folders.plant(&answer.rig);
+            fs::write(&path, plant).map_err(|error| DrawError::Write(path, error))?;
+            write_rig(folders, &answer.rig, &logs, &answer)
+        })
+    }
+}

@@ -1,0 +1,70 @@
+//! Sealed answer of a field rig.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::super::format::{Hidden, Profile};
+
+/// Version of the sealed answers.
+pub const FIELD_SCHEMA: &str = "retarder.field-answer/1";
+
+/// What a field rig is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldAnswer {
+    /// [`FIELD_SCHEMA`].
+    pub schema: String,
+    /// Name of the rig, as in the names of its logs.
+    pub rig: String,
+    /// Effects beyond the plain plant.
+    pub hidden: Vec<Hidden>,
+    /// Whether the vent valve is open without current.
+    pub is_vent_normally_open: bool,
+    /// True values by their names in a plant file, of every parameter that the draw moves.
+    pub parameters: BTreeMap<String, f64>,
+    /// The logger.
+    pub logger: LoggerAnswer,
+    /// The id log and the check log.
+    pub logs: [LogAnswer; 2],
+}
+
+/// The logger of a field rig.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoggerAnswer {
+    /// Rows per logged second.
+    pub rate_hz: f64,
+    /// True time beyond the logged one (ppm).
+    pub clock_error_ppm: f64,
+    /// Largest shift of a row from an even time base, as a share of the interval; its time stamp is true to it.
+    pub unevenness: f64,
+    /// Resolution of the converter over its range.
+    pub bits: usize,
+    /// Noise of the pressure (bar, rms).
+    pub noise_bar: f64,
+    /// Whether the currents are logged.
+    pub currents: bool,
+    /// Whether the supply pressure is logged.
+    pub supply_pressure: bool,
+}
+
+/// One log of a field rig.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LogAnswer {
+    /// How it is commanded.
+    pub profile: Profile,
+    /// Least number of ECU samples for which a command stands.
+    pub command_grid: usize,
+    /// True time from the sample of the ECU before the first row to that row (s).
+    pub phase_s: f64,
+    /// Begin and end of the gaps in logged time (s).
+    pub gaps: Vec<[f64; 2]>,
+    /// Pressure in the chamber at the first row (bar gauge).
+    pub first_pressure_bar_gauge: f64,
+    /// Temperature of the gas over that of the wall at the first row (K).
+    pub first_surplus_k: f64,
+    /// Time constant with which the wall takes that out (s); 0 if the log begins at rest.
+    pub relaxation_s: f64,
+}

@@ -1,0 +1,185 @@
+//! The programs of the field benchmark, end to end on one rig.
+
+#![cfg(unix)]
+
+use std::fs;
+
+use retarder_tests::blind::field::draw::{Effects, FieldDraw, FieldRig};
+use retarder_tests::blind::field::format::FieldAnswer;
+use retarder_tests::blind::field::run::{Retarder, run};
+use retarder_tests::blind::field::score::{FieldReport, score};
+use retarder_tests::blind::field::truth;
+use retarder_tests::blind::format::Folders;
+use retarder_tests::stand_in::stand_in;
+
+const SAMPLE_S: f64 = 0.01;
+/// Resolution of a time stamp (s).
+const STAMP_S: f64 = 1e-6;
+/// Range of the pressure's converter (bar).
+const RANGE_BAR: f64 = 12.0;
+
+fn draw(seed: u64, rigs: usize) -> FieldDraw {
+    FieldDraw::new(seed, rigs, Effects::default())
+}
+
+/// The rows of a log without its header.
+fn rows(log: &str) -> Vec<Vec<f64>> {
+    let cells = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
+    log.lines().skip(1).map(cells).collect()
+}
+
+/// Its id log begins warm and has a gap; its logger has 1218 Hz and a clock that is 85 ppm off.
+fn rig_with_gaps() -> FieldRig {
+    draw(1, 12).only(&[12]).unwrap().rig(0)
+}
+
+#[test]
+fn a_field_rig_is_the_same_from_the_same_seed_and_another_from_another() {
+    let (rig, again, other) = (draw(1, 2).rig(1), draw(1, 2).rig(1), draw(2, 2).rig(1));
+    assert_eq!(rig.answer, again.answer);
+    assert_eq!(rig.logs, again.logs);
+    assert_ne!(rig.logs, other.logs);
+    let alone = draw(1, 2).only(&[2]).unwrap();
+    assert_eq!(alone.count(), 1);
+    assert_eq!(alone.rig(0).logs, rig.logs);
+    assert!(draw(1, 2).only(&[3]).is_err());
+}
+
+#[test]
+fn hidden_effects_change_the_logs_and_nothing_else_of_a_rig() {
+    let hiding = FieldDraw::new(1, 2, "2".parse().unwrap()).rig(1);
+    let plain = draw(1, 2).rig(1);
+    assert_eq!(hiding.answer.hidden.len(), 2);
+    assert_eq!(hiding.answer.parameters, plain.answer.parameters);
+    assert_eq!(hiding.answer.logger, plain.answer.logger);
+    assert_eq!(hiding.plant, plain.plant);
+    assert_ne!(hiding.logs, plain.logs);
+}
+
+/// A command changes at a sample of the ECU: one lies between the row before and the row that shows it, by the clock of the answers.
+#[test]
+fn the_clock_of_a_log_is_that_of_its_answer() {
+    let FieldRig { answer, logs, .. } = rig_with_gaps();
+    let mut changes = 0;
+    for (log, text) in answer.logs.iter().zip(&logs) {
+        let rate = 1.0 + 1e-6 * answer.logger.clock_error_ppm;
+        let sample_of = |logged_s: f64| ((log.phase_s + logged_s * rate) / SAMPLE_S).floor();
+        let rows = rows(text);
+        for pair in rows.windows(2) {
+            if pair[0][1..3] != pair[1][1..3] {
+                changes += 1;
+                assert!(
+                    sample_of(pair[1][0] + STAMP_S) > sample_of(pair[0][0] - STAMP_S),
+                    "no sample before {} s",
+                    pair[1][0]
+                );
+            }
+        }
+    }
+    assert!(changes > 50, "{changes}");
+    assert!(answer.logger.clock_error_ppm.abs() > 50.0);
+}
+
+#[test]
+fn gaps_and_steps_of_a_log_are_those_of_its_answer() {
+    let FieldRig { answer, logs, .. } = rig_with_gaps();
+    let interval_s = 1.0 / answer.logger.rate_hz;
+    let step = RANGE_BAR / f64::from(1_u32 << answer.logger.bits);
+    for (log, text) in answer.logs.iter().zip(&logs) {
+        let rows = rows(text);
+        let found: Vec<f64> = rows
+            .windows(2)
+            .map(|pair| pair[1][0] - pair[0][0])
+            .filter(|apart_s| *apart_s > 0.1)
+            .collect();
+        let gaps = log.gaps.iter().map(|gap| gap[1] - gap[0]);
+        assert_eq!(found.len(), log.gaps.len());
+        for (found_s, gap_s) in found.iter().zip(gaps) {
+            assert!(
+                (found_s - gap_s).abs() < 2.0 * interval_s,
+                "{found_s} {gap_s}"
+            );
+        }
+        for row in &rows {
+            let steps = row[3] / step;
+            assert!((steps - steps.round()).abs() < 0.1, "{}", row[3]);
+        }
+        // By the sensor's noise and the ECU's first samples alone.
+        let first = log.first_pressure_bar_gauge;
+        assert!((rows[0][3] - first).abs() < 0.1, "{} {first}", rows[0][3]);
+        assert_eq!(log.relaxation_s > 0.0, log.first_surplus_k > 1.0);
+    }
+    assert!(answer.logs.iter().any(|log| !log.gaps.is_empty()));
+}
+
+/// What `retarder refine --json` says: a check error (noise floors), a free-run error, and the interval of one parameter.
+fn finding(check: f64, free_run: f64, name: &str, [low, after, high]: [f64; 3]) -> String {
+    format!(
+        r#"{{"steps": [{{"errors": {{"check_rms": {{"p_ch": {check}}}, "noise_floor": {{"p_ch": 1.0}},
+            "free_run_check_rms": {{"p_ch": {free_run}}}}}}}],
+            "parameters": [{{"name": "{name}", "after": {after}, "low": {low}, "high": {high},
+                "determination": "determined"}}]}}"#
+    )
+}
+
+fn scored(folders: &Folders, says: &str) -> FieldReport {
+    let rig = "rig-001";
+    fs::write(folders.finding(rig), says).unwrap();
+    score(folders).unwrap()
+}
+
+#[test]
+fn a_refined_rig_is_scored_and_each_broken_finding_fails_its_gate() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders::new(folder.path().join("draw"));
+    let draw = draw(1, 1);
+    draw.write(&folders, 1, |_| ()).unwrap();
+    assert!(
+        draw.write(&folders, 1, |_| ()).is_err(),
+        "it is there already"
+    );
+    let answer = fs::read(folders.answer("rig-001")).unwrap();
+    let answer: FieldAnswer = serde_json::from_slice(&answer).unwrap();
+    let name = "chamber.volume_m3";
+    let volume = answer.parameters[name];
+    let around = |value: f64| [0.99 * value, value, 1.01 * value];
+    let good = finding(1.0, 2.0, name, around(volume));
+
+    let retarder = Retarder {
+        retarder: stand_in(folder.path(), &good),
+    };
+    for _ in 0..2 {
+        assert_eq!(run(&folders, &retarder, 1, |_| ()).unwrap(), 0);
+    }
+    let calls = fs::read_to_string(folder.path().join("calls")).unwrap();
+    assert_eq!(calls.lines().count(), 1, "the second run has nothing left");
+    assert!(!calls.contains("sealed"), "{calls}");
+    assert!(calls.contains("logs/rig-001.toml"), "{calls}");
+    truth::run(&folders, &retarder, 1, |_, _| ()).unwrap();
+    let calls = fs::read_to_string(folder.path().join("calls")).unwrap();
+    assert!(
+        calls.lines().last().unwrap().contains("--fix all"),
+        "{calls}"
+    );
+
+    let report = score(&folders).unwrap();
+    assert!(report.holds(), "{report}");
+    let broken = [
+        finding(1.11, 2.0, name, around(volume)),
+        finding(1.0, 2.41, name, around(volume)),
+        finding(1.0, 2.0, name, around(1.015 * volume)),
+        finding(1.0, 2.0, name, around(0.9 * volume)),
+    ];
+    for (gate, says) in broken.iter().enumerate() {
+        let report = scored(&folders, says);
+        assert!(!report.gates[gate].holds, "{report}");
+        assert!(!report.holds() && !report.misses.is_empty(), "{report}");
+    }
+    let times = fs::read_to_string(folders.times()).unwrap();
+    fs::write(folders.times(), times + "rig-001,91.0,0\n").unwrap();
+    assert!(!scored(&folders, &good).gates[0].holds, "too slow");
+    fs::remove_file(folders.finding("rig-001")).unwrap();
+    let report = score(&folders).unwrap();
+    assert!(!report.holds(), "no answer");
+    assert_eq!(report.misses.len(), 1);
+}
