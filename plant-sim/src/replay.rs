@@ -111,7 +111,12 @@ pub struct Replay {
     command: Command,
     supply_voltage_v: f64,
     last: Option<Sample>,
+    /// Simulated time before the first row (ns).
+    lead_ns: u64,
 }
+
+/// Time (s) after which a coil and an armature rest under a lasting command.
+const LEAD_S: f64 = 0.2;
 
 impl Replay {
     /// Starts at rest; `tolerance` sets the accuracy.
@@ -136,7 +141,25 @@ impl Replay {
             command: Command::default(),
             supply_voltage_v: parameters.ecu.supply_voltage_v,
             last: None,
+            lead_ns: 0,
         }
+    }
+
+    /// Begins under a `command` that has been in force for long: currents and armatures have come to rest. Called once, before the
+    /// first row and before [`Self::begin_showing`].
+    pub fn begin_under(&mut self, command: Command) {
+        let periods = (LEAD_S * 1e9 / self.pwm_period_ns as f64).ceil() as u64;
+        let lead_ns = periods * self.pwm_period_ns;
+        for time_ns in [0, lead_ns] {
+            self.row(ReplayInput {
+                time_ns,
+                issued_ns: 0,
+                command: Some(command),
+                supply_voltage_v: None,
+            });
+        }
+        self.last = None;
+        self.lead_ns = lead_ns;
     }
 
     /// The simulator, to correct its state or to read its statistics.
@@ -165,7 +188,9 @@ impl Replay {
     }
 
     /// Hands over the command at the instant at which it was given, advances to the instant of `input` and samples.
-    pub fn row(&mut self, input: ReplayInput) -> Row {
+    pub fn row(&mut self, mut input: ReplayInput) -> Row {
+        input.time_ns += self.lead_ns;
+        input.issued_ns += self.lead_ns;
         self.begin_row(input.time_ns);
         if let Some(command) = input.command
             && command != self.command

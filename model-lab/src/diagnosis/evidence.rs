@@ -84,6 +84,12 @@ impl Evidence {
         self.logs.iter().map(|log| log.conditions).collect()
     }
 
+    /// Drifts of the loggers' clocks that are known (ppm).
+    pub(crate) fn drifts_ppm(&self) -> Vec<f64> {
+        let clocks = self.logs.iter().filter_map(|log| log.conditions.clock);
+        clocks.map(|clock| clock.drift_ppm).collect()
+    }
+
     /// Takes these conditions for those of the logs, and assigns the commands by their clocks.
     pub(crate) fn set_conditions(&mut self, conditions: &[Conditions], plant: &PlantParameters) {
         for (log, conditions) in self.logs.iter_mut().zip(conditions) {

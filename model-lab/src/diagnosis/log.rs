@@ -3,7 +3,7 @@
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
-use plant_sim::{PlantParameters, Tolerance};
+use plant_sim::{Command, PlantParameters, Tolerance};
 use recording::Recording;
 
 use super::conditions::Conditions;
@@ -260,7 +260,7 @@ impl Log {
         let mut issued_ns: Vec<u64> = (0..self.inputs.len())
             .map(|row| sample_time_ns * sample(row))
             .collect();
-        if self.interval_s > SLOWER * self.sample_time_s {
+        if self.is_slow() {
             self.assign_by_model(clock, parameters, &mut issued_ns);
         }
         issued_ns
@@ -386,10 +386,15 @@ impl Log {
         self.has_coil && self.known_phase_s.1.is_infinite() && self.duration_s() > self.interval_s
     }
 
-    /// Whether it begins with a filled chamber, whose gas may still be warm.
+    /// Whether it begins with a chamber that valves with coils have filled, whose gas may still be warm.
     pub(crate) fn begins_filled(&self) -> bool {
         let above = |start: f64| start > (1.0 + FILLED) * self.ambient_bar * PA_PER_BAR;
-        self.start_pressure.is_some_and(above) && self.pressure().is_some()
+        self.has_coil && self.start_pressure.is_some_and(above) && self.pressure().is_some()
+    }
+
+    /// Whether its rows leave open at which sample of the ECU a command was given.
+    pub(crate) fn is_slow(&self) -> bool {
+        self.interval_s > SLOWER * self.sample_time_s
     }
 
     /// The middle of the log since its first row (s): there a phase does not depend on the drift.
@@ -492,6 +497,13 @@ impl Log {
         tolerance: Tolerance,
     ) -> Replay {
         let mut replay = Replay::new(parameters, self.sampling, tolerance);
+        // Whoever filled the chamber had commanded before the log began.
+        if let Some(command) = self.inputs.first().and_then(|input| input.command)
+            && self.begins_filled()
+            && command != Command::default()
+        {
+            replay.begin_under(command);
+        }
         if let Some(pressure) = self.start_pressure {
             let ratio = conditions.start_gas.pressure_ratio(self.wall_k, 0.0);
             replay.begin_showing(pressure / ratio);

@@ -18,6 +18,7 @@ mod interval;
 mod knowledge;
 mod ladder;
 mod log;
+mod logged_supply;
 mod logger_time;
 pub mod next_experiment;
 mod nuisance;
@@ -59,6 +60,7 @@ pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 
 use gather::gather;
+use logged_supply::with_logged_supply;
 use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
 use split::Split;
 use trial::Bench;
@@ -95,6 +97,7 @@ pub fn diagnose_with(
         return Err(DiagnoseError::NoLog);
     }
     search::report(watch, "the plain model", 0.0)?;
+    let plant = &with_logged_supply(plant, logs.iter().chain(check));
     let (split, plain) = Split::that_shows(plant, logs, check)?;
     // An effect of a part that the plant leaves out has nothing to act on.
     let library: Vec<&'static dyn Effect> = library
@@ -143,6 +146,8 @@ pub fn diagnose_with(
         not_compared: split.not_compared(),
         defects: split.defects(),
         warnings: split.warnings(),
+        clocks: split.clocks(),
+        starts: split.starts(),
         held_out: split.held_out().to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict(),

@@ -33,6 +33,12 @@ pub struct Diagnosis {
     /// From the source of a log to what in it probably is not what it is declared to be.
     #[serde(default)]
     pub warnings: BTreeMap<String, Vec<Warning>>,
+    /// Clocks of the loggers, where they are not that of the ECU.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clocks: Vec<FoundClock>,
+    /// Temperatures of the gas where logs begin with a filled chamber.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub starts: Vec<FoundStart>,
     /// What judged, in words.
     pub held_out: String,
     /// How the errors were made and what they are weighed against, in words.
@@ -344,6 +350,29 @@ impl FoundClock {
             log: log.source.clone(),
             phase_s: clock.phase_s.rem_euclid(log.sample_time_s),
             drift_ppm: clock.drift_ppm,
+        })
+    }
+}
+
+/// State of the gas in the chamber when a log begins.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundStart {
+    /// Source of the log.
+    pub log: String,
+    /// Temperature of the gas above that of the wall (K).
+    pub excess_k: f64,
+    /// Time constant with which the gas takes the temperature of the wall (s).
+    pub cooling_s: f64,
+}
+
+impl FoundStart {
+    pub(super) fn of(log: &Log) -> Option<Self> {
+        let gas = log.conditions.start_gas;
+        log.begins_filled().then(|| Self {
+            log: log.source.clone(),
+            excess_k: gas.excess_k,
+            cooling_s: gas.cooling_s,
         })
     }
 }

@@ -11,7 +11,7 @@ use super::evidence::Evidence;
 use super::gather::gather;
 use super::log::Log;
 use super::logger_time::fit_conditions;
-use super::result::{Cost, FoundClock};
+use super::result::{Cost, FoundClock, FoundStart};
 use super::trial::{Bench, Trial};
 use crate::result::{LogDefects, NotCompared, Warning};
 
@@ -182,6 +182,12 @@ impl Split {
     pub(super) fn clocks(&self) -> Vec<FoundClock> {
         let logs = self.fitting.logs.iter().chain(self.check_logs());
         logs.filter_map(FoundClock::of).collect()
+    }
+
+    /// The state in which logs with a filled chamber begin, log after log.
+    pub(super) fn starts(&self) -> Vec<FoundStart> {
+        let logs = self.fitting.logs.iter().chain(self.check_logs());
+        logs.filter_map(FoundStart::of).collect()
     }
 
     /// What was simulated since `begin`.

@@ -72,6 +72,16 @@ pub(crate) enum LogFigure {
     LnCoolingS,
 }
 
+impl LogFigure {
+    /// The condition, for people.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::PhaseS | Self::DriftPpm => "clock of the logger",
+            Self::StartExcessK | Self::LnCoolingS => "temperature of the gas at the start",
+        }
+    }
+}
+
 /// One coordinate.
 #[derive(Debug, Clone)]
 pub(crate) enum Unknown {

@@ -2,7 +2,7 @@
 
 use model_lab::diagnosis::{Determination, EstimatedParameter, EstimationStepKind};
 
-use super::diagnosis::{cost, defects, headline, not_weighed};
+use super::diagnosis::{conditions, cost, defects, headline, not_weighed};
 use super::number::significant;
 use super::table::{Align, Table, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
@@ -16,20 +16,7 @@ pub(super) fn estimation(estimated: &EstimatedPlant, terminal: &Terminal) -> Str
     text += &paragraph(&(report::capitalised(&found.sentence) + "."), terminal);
     text += &not_weighed(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
-    for clock in &found.clocks {
-        let sentence = format!(
-            "{}: its rows were taken {} ms after samples of the ECU, and its clock counts {} ppm {} than the ECU's.",
-            clock.log,
-            significant(1e3 * clock.phase_s, 3),
-            significant(clock.drift_ppm.abs(), 3),
-            if clock.drift_ppm > 0.0 {
-                "slower"
-            } else {
-                "faster"
-            },
-        );
-        text += &painted_paragraph(Colour::Faint, &sentence, terminal);
-    }
+    text += &conditions(&found.clocks, &found.starts, terminal);
     text += "\n";
     text += &errors(estimated, terminal);
     text += "\n";

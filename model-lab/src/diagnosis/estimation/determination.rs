@@ -110,13 +110,15 @@ fn partners(unknowns: &Unknowns, covariance: Option<&DMatrix<f64>>, n: usize) ->
         .map(|(m, unknown)| (correlation(m), name(unknown)))
         .collect();
     partners.sort_by(|a, b| b.0.total_cmp(&a.0));
-    partners.into_iter().map(|(_, name)| name).collect()
+    let mut names: Vec<String> = partners.into_iter().map(|(_, name)| name).collect();
+    names.dedup();
+    names
 }
 
 fn name(unknown: &Unknown) -> String {
     match unknown {
         Unknown::Nuisance(nuisance) => nuisance.spec.name(),
         Unknown::Effect { spec, .. } => spec.name(),
-        Unknown::Log(_) => "clock of the logger".to_owned(),
+        Unknown::Log(condition) => condition.figure.name().to_owned(),
     }
 }

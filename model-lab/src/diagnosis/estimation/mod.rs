@@ -20,6 +20,7 @@ use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::fit::Fitter;
 use super::knowledge::state_first_file;
+use super::logged_supply::with_logged_supply;
 use super::refine::with_provenance;
 use super::search::{Watch, report};
 use super::split::Split;
@@ -50,7 +51,7 @@ pub fn estimate(
         return Err(DiagnoseError::NoLog);
     }
     report(watch, "clocks of the loggers", 0.0)?;
-    let mut plant = plant.clone();
+    let mut plant = with_logged_supply(plant, logs.iter().chain(check));
     state_first_file(&mut plant);
     let plant = &plant;
     let mut split = Split::as_given(plant, logs, check)?;
@@ -88,11 +89,15 @@ pub fn estimate(
         steps: steps.into(),
         parameters,
         clocks: split.clocks(),
+        starts: split.starts(),
         cost: split.cost(begin),
     };
-    let mut plant = with_provenance(&trial, &estimation.logs);
-    result::state_knowledge(&mut plant, &estimation);
-    Ok(EstimatedPlant { plant, estimation })
+    let mut refined = with_provenance(&trial, &estimation.logs);
+    result::state_knowledge(&mut refined, plant, &estimation);
+    Ok(EstimatedPlant {
+        plant: refined,
+        estimation,
+    })
 }
 
 fn bench<'a>(plant: &'a PlantParameters, split: &'a Split) -> Bench<'a> {

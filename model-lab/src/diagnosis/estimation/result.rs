@@ -7,7 +7,7 @@ use plant_sim::parameters::{Knowledge, ParameterSpec};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use crate::diagnosis::result::{Cost, FoundClock, Step};
+use crate::diagnosis::result::{Cost, FoundClock, FoundStart, Step};
 use crate::result::{LogDefects, NotCompared};
 
 /// Name and version of the JSON format.
@@ -49,6 +49,8 @@ pub struct Estimation {
     pub parameters: Vec<EstimatedParameter>,
     /// Clocks of the loggers, where they are not that of the ECU.
     pub clocks: Vec<FoundClock>,
+    /// Temperatures of the gas where logs begin with a filled chamber.
+    pub starts: Vec<FoundStart>,
     /// What the answer cost.
     pub cost: Cost,
 }
@@ -141,20 +143,31 @@ const TOLERANCE_MIN_PCT: f64 = 0.5;
 const TOLERANCE_DIGITS: usize = 2;
 
 /// Puts into `plant` how well each estimated value is known: for the next fit, and for readers. What a model that leaves more
-/// than the noise says of its parameters is not worth a tolerance; they keep what the plant file says of them.
-pub(super) fn state_knowledge(plant: &mut PlantParameters, estimation: &Estimation) {
+/// than the noise says of its parameters is not worth a tolerance: they keep the range that they had in the plant `before`, within
+/// which a diagnosis may move them.
+pub(super) fn state_knowledge(
+    plant: &mut PlantParameters,
+    before: &PlantParameters,
+    estimation: &Estimation,
+) {
     for parameter in &estimation.parameters {
         let name = &parameter.name;
         let half = (parameter.high - parameter.after).max(parameter.after - parameter.low);
         if let Some(origin) = plant.provenance.get_mut(name) {
             *origin += &format!("; 95 %: {:.4e} to {:.4e}", parameter.low, parameter.high);
         }
-        if plant.knowledge.get(name) == Some(&Knowledge::Unknown) {
-            plant.knowledge.remove(name);
-        }
-        let is_nuisance =
-            ParameterSpec::by_name(name).is_some_and(|spec| spec.effect_id().is_none());
-        if !estimation.is_adequate || !is_nuisance || parameter.after == 0.0 {
+        let Some(spec) = ParameterSpec::by_name(name).filter(|spec| spec.effect_id().is_none())
+        else {
+            continue;
+        };
+        let is_at_limit = parameter.determination == Determination::AtLimit;
+        if !estimation.is_adequate || is_at_limit || parameter.after == 0.0 {
+            if let Some(&stated) = before.knowledge.get(name) {
+                let (least, most) = stated.bounds(spec, parameter.before);
+                let value = plant.get(name).unwrap_or(parameter.after);
+                let range = Knowledge::Range(least.min(value), most.max(value));
+                plant.knowledge.insert(name.clone(), range);
+            }
             continue;
         }
         let percent = (100.0 * half / parameter.after.abs()).max(TOLERANCE_MIN_PCT);

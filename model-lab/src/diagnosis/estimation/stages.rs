@@ -31,8 +31,10 @@ const COARSE: f64 = 0.5;
 const FINE: f64 = 0.05;
 /// A decrease below this share of the cost ends the last stage: what hardly shows in the cost is wanted as well.
 const CONVERGED_SHARE: f64 = 1e-6;
-/// The forgiving stage is run this often; the commands are assigned to the samples of the ECU anew after each.
+/// The forgiving stage is run this often; the commands are assigned to the samples of the ECU anew after each, which needs more
+/// rounds where several samples lie between two rows.
 const ROUNDS: usize = 2;
+const ROUNDS_OF_SLOW_LOGS: usize = 5;
 /// Delays from which the coils are fitted are this far apart (s), and this many at most.
 const DELAY_STEP_S: f64 = 1.5e-3;
 const DELAYS_MAX: f64 = 16.0;
@@ -68,8 +70,10 @@ pub(super) fn fit(
         report(watch, "estimating the coils from their currents", 0.0)?;
         z = fit_coils(split, &unknowns, &z)?;
     }
-    for round in 0..ROUNDS {
-        let done = round as f64 / ROUNDS as f64;
+    let is_slow = split.fitting.logs.iter().any(Log::is_slow);
+    let rounds = if is_slow { ROUNDS_OF_SLOW_LOGS } else { ROUNDS };
+    for round in 0..rounds {
+        let done = round as f64 / rounds as f64;
         report(watch, "estimating, large errors forgiven", done)?;
         let fit = forgiving(&split.fitting, &unknowns, z, Descent::Whole);
         let fit = fit.ok_or_else(|| split.not_simulated())?;
@@ -108,7 +112,8 @@ pub(super) fn fit(
         (kept, sharp) = (fit.clone(), fit);
     }
     split.fitting.take_conditions(&unknowns, &kept.z);
-    find_conditions(&unknowns.plant(&kept.z), &mut split.checking);
+    let drifts_ppm = split.fitting.drifts_ppm();
+    find_conditions(&unknowns.plant(&kept.z), &mut split.checking, &drifts_ppm);
     Ok(Fitted {
         unknowns,
         fit: kept,
@@ -260,13 +265,14 @@ fn assigned_anew(
     let mut conditions = split.fitting.conditions();
     fitted.conditions(z, &mut conditions);
     split.fitting.set_conditions(&conditions, &there);
+    let drifts_ppm = split.fitting.drifts_ppm();
     for log in split
         .fitting
         .logs
         .iter_mut()
         .filter(|log| log.conditions.clock.is_none())
     {
-        find_clock(&there, log, Delay::AsGiven);
+        find_clock(&there, log, Delay::AsGiven, &drifts_ppm);
     }
     let delay = fitted.list().iter().find(|unknown| unknown.is_delay());
     let delays_s = delay.map_or(

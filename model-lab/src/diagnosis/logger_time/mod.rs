@@ -13,7 +13,7 @@ use plant_sim::replay::CurrentSampling;
 use rayon::prelude::*;
 
 use super::evidence::Evidence;
-use super::fit::{Descent, Fitter};
+use super::fit::{Descent, Fitter, Loss};
 use super::log::{Log, Run};
 use super::unknowns::Unknowns;
 use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
@@ -24,8 +24,10 @@ const DELAY_REACH_S: f64 = 8e-3;
 /// ... in these steps (s); a clock of a slow logger in wider ones.
 const DELAY_STEP_S: f64 = 1e-3;
 const WIDE_DELAY_STEP_S: f64 = 2e-3;
-/// Phases of a slow logger that are tried, over the sample time of the ECU.
+/// Phases of a slow logger that are tried, over the sample time of the ECU: where a delay is searched, which makes up for a phase, and
+/// where it is not.
 const PHASES: [f64; 3] = [0.17, 0.5, 0.83];
+const CLOSE_PHASES: [f64; 9] = [0.05, 0.17, 0.28, 0.39, 0.5, 0.61, 0.72, 0.83, 0.95];
 /// Drifts of a slow logger are tried in steps that move the last row by this time (s).
 const DRIFT_STEP_S: f64 = 3e-3;
 /// Drifts of a slow logger are tried up to this (ppm).
@@ -34,10 +36,13 @@ const SLOW_DRIFT_MAX_PPM: f64 = 0.6 * DRIFT_MAX_PPM;
 const DRIFTS_MAX: f64 = 8.0;
 /// Errors above this many noise floors count in proportion, not with their square.
 const OUTLIER: f64 = 3.0;
-/// Mean loss of a sample below which rows are taken to be samples of the ECU.
+/// Mean loss of a sample below which rows are taken to be samples of the ECU, by a first plant file and by a fitted plant. White noise
+/// has 0.7.
 const IN_TIME: f64 = 2.0;
-/// A clock is believed if it leaves at most this share of the loss without one.
+const IN_TIME_FITTED: f64 = 0.8;
+/// A clock is believed if it leaves at most this share of the loss without one, by a first plant file and by a fitted plant.
 const CLEAR: f64 = 0.7;
+const CLEAR_FITTED: f64 = 0.98;
 /// Fits of the clocks, with the commands assigned anew after each.
 const ROUNDS: usize = 2;
 /// Phases that are tried within what the commands leave open, over half of it.
@@ -70,6 +75,27 @@ impl Delay {
         shares.iter().map(|share| Some(later(share))).collect()
     }
 
+    fn phases(self) -> &'static [f64] {
+        match self {
+            Self::AsGiven => &CLOSE_PHASES,
+            Self::Searched => &PHASES,
+        }
+    }
+
+    fn in_time(self) -> f64 {
+        match self {
+            Self::AsGiven => IN_TIME_FITTED,
+            Self::Searched => IN_TIME,
+        }
+    }
+
+    fn clear(self) -> f64 {
+        match self {
+            Self::AsGiven => CLEAR_FITTED,
+            Self::Searched => CLEAR,
+        }
+    }
+
     /// Delays to try with each clock (s), `step_s` apart.
     fn candidates_s(self, plant: &PlantParameters, step_s: f64) -> Vec<f64> {
         let there_s = plant.ecu.command_delay_s;
@@ -91,8 +117,9 @@ struct Tried {
     loss: f64,
 }
 
-/// Finds the clock of the logger of `log`, and whether its currents are means, with `plant` as far as it is known.
-pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay) {
+/// Finds the clock of the logger of `log`, and whether its currents are means, with `plant` as far as it is known. `drifts_ppm` are
+/// those of other logs, perhaps of the same logger.
+pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
     let (interval_s, duration_s) = (log.interval_s, log.duration_s());
     let has_rows = interval_s > 0.0 && duration_s > interval_s;
@@ -104,17 +131,19 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay) {
     let is_told = !told.is_empty();
     let found = if !is_told {
         let as_ecu = best(plant, log, &[None], delay.candidates_s(plant, DELAY_STEP_S));
-        if as_ecu.loss < IN_TIME * log.counted_samples().max(1) as f64 {
+        if as_ecu.loss < delay.in_time() * log.counted_samples().max(1) as f64 {
             return;
         }
-        let clocks = slow_clocks(sample_time_s, duration_s);
-        let found = best(
-            plant,
-            log,
-            &clocks,
-            delay.candidates_s(plant, WIDE_DELAY_STEP_S),
-        );
-        if found.loss > CLEAR * as_ecu.loss {
+        let phases = delay.phases();
+        let delays_s = delay.candidates_s(plant, WIDE_DELAY_STEP_S);
+        let of_drifts = |drifts_ppm: &[f64]| {
+            let clocks = clocks_of(drifts_ppm, phases, sample_time_s);
+            best(plant, log, &clocks, delays_s.clone())
+        };
+        let mut drifts: Vec<f64> = drifts_ppm.to_vec();
+        drifts.extend(usual_drifts_ppm(duration_s));
+        let found = of_drifts(&drifts);
+        if found.loss > delay.clear() * as_ecu.loss {
             return;
         }
         found
@@ -144,11 +173,12 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay) {
 
 /// Finds whether the currents of `log` are means since the row before or values of the instant: what leaves less.
 fn find_sampling(plant: &PlantParameters, log: &mut Log, delay: Delay) {
-    if !log.is_sampling_open() || log.sampling == CurrentSampling::MeanOfInterval {
+    if !log.is_sampling_open() {
         return;
     }
     let clock = [log.conditions.clock];
     let loss = |log: &Log| best(plant, log, &clock, delay.candidates_s(plant, DELAY_STEP_S)).loss;
+    log.sampling = CurrentSampling::Instant;
     let of_instants = loss(log);
     log.sampling = CurrentSampling::MeanOfInterval;
     if of_instants < loss(log) {
@@ -156,10 +186,16 @@ fn find_sampling(plant: &PlantParameters, log: &mut Log, delay: Delay) {
     }
 }
 
-/// Finds the clocks of all logs in `evidence` with `plant`, whose parameters are right, and fits all conditions.
-pub(crate) fn find_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
+/// Finds the clocks of all logs in `evidence` with `plant`, whose parameters are right, and fits all conditions. `drifts_ppm` are those
+/// of other logs, perhaps of the same logger.
+pub(crate) fn find_conditions(
+    plant: &PlantParameters,
+    evidence: &mut Evidence,
+    drifts_ppm: &[f64],
+) {
     for log in &mut evidence.logs {
-        find_clock(plant, log, Delay::AsGiven);
+        log.conditions.clock = None;
+        find_clock(plant, log, Delay::AsGiven, drifts_ppm);
     }
     fit_conditions(plant, evidence);
 }
@@ -171,7 +207,8 @@ pub(crate) fn fit_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
         if unknowns.list().is_empty() {
             return;
         }
-        let fitter = Fitter::new(evidence, &unknowns);
+        let mut fitter = Fitter::new(evidence, &unknowns);
+        fitter.loss = Loss::Forgiving(OUTLIER);
         let start = fitter.at(unknowns.start());
         let Some(fit) = start.and_then(|start| fitter.descend(start, Descent::Whole)) else {
             return;
@@ -193,18 +230,24 @@ pub(crate) fn best_delay_s(plant: &PlantParameters, evidence: &Evidence) -> f64 
     best.map_or(plant.ecu.command_delay_s, |(delay_s, _)| delay_s)
 }
 
-/// Clocks all over the sample time, and all drifts of usual quartzes.
-fn slow_clocks(sample_time_s: f64, duration_s: f64) -> Vec<Option<LoggerClock>> {
+/// Drifts of usual quartzes (ppm).
+fn usual_drifts_ppm(duration_s: f64) -> impl Iterator<Item = f64> {
     let step_ppm = DRIFT_STEP_S / duration_s * 1e6;
     let steps = (SLOW_DRIFT_MAX_PPM / step_ppm).ceil().min(DRIFTS_MAX) as i32;
-    let drifts = (-steps..=steps).map(|step| f64::from(step) * step_ppm);
+    (-steps..=steps).map(move |step| f64::from(step) * step_ppm)
+}
+
+/// Clocks of these drifts and of these phases over the sample time of the ECU.
+fn clocks_of(drifts_ppm: &[f64], phases: &[f64], sample_time_s: f64) -> Vec<Option<LoggerClock>> {
     let clock = |drift_ppm: f64, phase: f64| LoggerClock {
         phase_s: phase * sample_time_s,
         drift_ppm,
     };
-    drifts
-        .flat_map(|drift_ppm| PHASES.map(|phase| Some(clock(drift_ppm, phase))))
-        .collect()
+    let of_drift = |&drift_ppm: &f64| {
+        let phases = phases.iter();
+        phases.map(move |&phase| Some(clock(drift_ppm, phase)))
+    };
+    drifts_ppm.iter().flat_map(of_drift).collect()
 }
 
 /// The best of `clocks`, each with the delay that suits it best.

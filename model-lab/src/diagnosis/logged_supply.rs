@@ -1,0 +1,86 @@
+//! The supply pressure where it was logged.
+
+use plant_sim::PlantParameters;
+use plant_sim::parameters::{Knowledge, Part};
+use recording::{Quantity, Recording, Unit};
+
+use crate::metrics::{mean, present};
+
+/// Name of the supply pressure, as a signal and in a plant file.
+const SIGNAL: &str = "p_sup";
+const PARAMETER: &str = "gas.supply_pressure_bar_gauge";
+/// How far a pressure gauge may be off (bar): 0.5 % of 10 bar.
+const GAUGE_BAR: f64 = 0.05;
+/// Logs of one supply pressure agree within this (bar).
+const AGREES_BAR: f64 = 0.05;
+
+/// Returns `plant` with the supply pressure that all of `logs` show, known as well as a gauge knows it. Unchanged where a log does
+/// not show it, where they differ, and where the plant file says how well it is known.
+pub(super) fn with_logged_supply<'a>(
+    plant: &PlantParameters,
+    logs: impl IntoIterator<Item = &'a Recording>,
+) -> PlantParameters {
+    let mut plant = plant.clone();
+    if plant.knowledge.contains_key(PARAMETER) || !Part::Chamber.is_in(&plant) {
+        return plant;
+    }
+    let levels: Option<Vec<f64>> = logs.into_iter().map(|log| level_bar(&plant, log)).collect();
+    let Some(mean_bar) = levels.as_deref().and_then(mean) else {
+        return plant;
+    };
+    let agrees = |level: &f64| (level - mean_bar).abs() <= AGREES_BAR;
+    if mean_bar > 0.0 && levels.iter().flatten().all(agrees) {
+        plant.gas.supply_pressure_bar_gauge = mean_bar;
+        let knowledge = Knowledge::Tolerance(GAUGE_BAR);
+        plant.knowledge.insert(PARAMETER.to_owned(), knowledge);
+    }
+    plant
+}
+
+/// Mean supply pressure of `log` (bar gauge); none if it was not logged.
+fn level_bar(plant: &PlantParameters, log: &Recording) -> Option<f64> {
+    let signal = log.require(SIGNAL, Quantity::Pressure).ok()?;
+    let ambient = plant.gas.ambient_pressure_pa;
+    let values = signal.values_at_ambient(Unit::BarGauge, ambient).ok()?;
+    let values: Vec<f64> = present(&values).collect();
+    mean(&values)
+}
+
+#[cfg(test)]
+mod tests {
+    use recording::{Provenance, TimeBase};
+
+    use super::*;
+
+    fn log(supply_bar: f64) -> Recording {
+        let mut log = Recording::new(Provenance::from_source("log"));
+        let id = log.add_time_base(TimeBase::uniform(0.0, 0.01, 3).unwrap());
+        let column = vec![supply_bar - 0.01, supply_bar, supply_bar + 0.01];
+        log.add_signal(SIGNAL, Unit::BarGauge, id, column).unwrap();
+        log
+    }
+
+    fn supply(plant: &PlantParameters, logs: &[Recording]) -> (f64, Option<Knowledge>) {
+        let plant = with_logged_supply(plant, logs);
+        let value = plant.gas.supply_pressure_bar_gauge;
+        (value, plant.knowledge.get(PARAMETER).copied())
+    }
+
+    #[test]
+    fn a_logged_supply_pressure_is_taken_as_a_gauge_knows_it() {
+        let plant = PlantParameters::nominal();
+        let (value, knowledge) = supply(&plant, &[log(8.1), log(8.12)]);
+        assert!((value - 8.11).abs() < 1e-9, "{value}");
+        assert_eq!(knowledge, Some(Knowledge::Tolerance(GAUGE_BAR)));
+    }
+
+    #[test]
+    fn what_the_plant_file_states_and_what_logs_differ_in_stays() {
+        let mut plant = PlantParameters::nominal();
+        let there = plant.gas.supply_pressure_bar_gauge;
+        assert_eq!(supply(&plant, &[log(8.1), log(8.3)]), (there, None));
+        let exact = Knowledge::Exact;
+        plant.knowledge.insert(PARAMETER.to_owned(), exact);
+        assert_eq!(supply(&plant, &[log(8.1)]), (there, Some(exact)));
+    }
+}
