@@ -1,5 +1,7 @@
 //! A log as the diagnosis sees it: what drives the model, and what it has to answer.
 
+use std::sync::Arc;
+
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
@@ -16,7 +18,7 @@ use crate::result::{LogDefects, NotCompared, Warning};
 use crate::warning::warnings;
 
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
-const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
+pub(super) const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
 /// A correction leaves at least this pressure (Pa abs).
 const LEAST_PRESSURE: f64 = 1e3;
 
@@ -60,7 +62,7 @@ pub(crate) struct Channel {
     /// Where it stands in a row of the model.
     pub(super) column: usize,
     /// In the unit of the model; NaN where missing.
-    pub(crate) values: Vec<f64>,
+    pub(crate) values: Arc<Vec<f64>>,
     /// Standard deviation of the measurement noise.
     pub(crate) sigma: f64,
 }
