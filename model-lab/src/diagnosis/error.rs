@@ -100,7 +100,7 @@ pub enum DiagnoseError {
          log {} of this rig as well and give that log with --log",
         logged.join(" and "),
         effects.join(" and "),
-        unlogged(logged).join(" and ")
+        unlogged(logged).join(" or ")
     )]
     NoManoeuvreShows {
         /// Ids of the rivals.
