@@ -7,7 +7,7 @@ use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::CurrentSampling;
 use recording::{Provenance, Recording, TimeBase, Unit};
 
-use crate::commands::{Commands, DUTIES};
+use crate::commands::{Commands, DUTIES, shared};
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, measured_signals, start};
 use crate::noise_floor::Floor;
@@ -112,8 +112,11 @@ pub fn compare_watched(
     let source = &log.provenance().source;
     let traces = Traces {
         measured: recorded(&measured, source, setup.base)?,
-        free_run: free_run
-            .into_recording(format!("free run of the model of {source}"), setup.base)?,
+        free_run: with_inputs(
+            free_run.into_recording(format!("free run of the model of {source}"), setup.base)?,
+            (log, &setup),
+            &commands,
+        )?,
         short_horizon: match &predictor {
             Some(_) => short_horizon
                 .into_recording(format!("short-horizon prediction of {source}"), setup.base)?,
@@ -162,6 +165,36 @@ fn recorded(
     }
     Ok(recording)
 }
+
+/// The free run with what drove it, as far as the log has it: a command that was missing is the one that was held. Where
+/// nothing was missing, it is the log's.
+fn with_inputs(
+    mut run: Recording,
+    (log, setup): (&Recording, &Setup),
+    commands: &Commands,
+) -> Result<Recording, CompareError> {
+    let Some((id, _)) = run.time_bases().next() else {
+        return Ok(run);
+    };
+    for (name, duty_pct) in DUTIES.into_iter().zip(&commands.duty_pct) {
+        if log.signal(name).is_some() {
+            run.add_shared_signal(name, Unit::Percent, id, Arc::clone(duty_pct))?;
+        }
+    }
+    if let Some(supply) = log.signal(SUPPLY) {
+        let mut last = setup.parameters.ecu.supply_voltage_v;
+        let held = setup.inputs.iter().map(|input| {
+            last = input.supply_voltage_v.unwrap_or(last);
+            last
+        });
+        let held = shared(Some(supply.shared_values()), held.collect());
+        run.add_shared_signal(SUPPLY, Unit::Volt, id, held)?;
+    }
+    Ok(run)
+}
+
+/// Name of the supply voltage.
+const SUPPLY: &str = "u_bat";
 
 /// What the comparison of each signal needs.
 struct Lab<'a> {
