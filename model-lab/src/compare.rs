@@ -1,24 +1,27 @@
 //! The comparison, put together.
 
-use plant_sim::PlantParameters;
-use plant_sim::replay::CurrentSampling;
-use recording::{Recording, TimeBase, Unit};
+use std::sync::Arc;
 
-use crate::commands::Commands;
+use plant_sim::PlantParameters;
+use plant_sim::plant::{FILL, VENT};
+use plant_sim::replay::CurrentSampling;
+use recording::{Provenance, Recording, TimeBase, Unit};
+
+use crate::commands::{Commands, DUTIES, shared};
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, measured_signals, start};
-use crate::metrics::{present, residual};
 use crate::noise_floor::Floor;
 use crate::offset::{FineCourse, time_offset};
 use crate::options::CompareOptions;
-use crate::regime::{Excess, Features, error_map, find, placement, shares};
+use crate::regime::{Excess, Features, States, Watched, error_map, find, placement, shares};
 use crate::result::{
     COMPARISON_SCHEMA, Comparison, CurrentMeaning, Horizon, LimitFrom, LogDefects, Placement,
-    Predictor, RESIDUAL_SIGN, SignalComparison, TimeOffset, Traces, Verdict,
+    Predictor, RESIDUAL_SIGN, Residual, SignalComparison, TimeOffset, Traces, Verdict,
 };
-use crate::run::{Activity, Columns, FineRun, Setup};
+use crate::run::{FineRun, Setup};
 use crate::summary::summary;
 use crate::warning::warnings;
+use crate::whiteness::Input;
 
 /// The time offset is taken from this many samples at most, which bounds memory on long logs.
 const OFFSET_ROWS: usize = 12_000;
@@ -52,8 +55,9 @@ pub fn compare_watched(
     options.check()?;
     let commands = Commands::new(parameters, log)?;
     let setup = Setup::new(parameters, log, options.tolerance)?;
-    let mut setup = setup.watched(goes_on, OFFSET_ROWS);
     let (measured, not_compared) = measured_signals(parameters, (log, setup.base), &commands)?;
+    let is_measured = |name: &str| measured.iter().any(|signal| signal.name == name);
+    let mut setup = setup.watched(goes_on, OFFSET_ROWS).keeping(is_measured);
     options.check_tolerances(&measured)?;
 
     let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
@@ -62,14 +66,20 @@ pub fn compare_watched(
     setup.restarts = pressure.map_or_else(Vec::new, |signal| signal.restarts.clone());
 
     let free_run = setup.free_run()?;
-    let no_pressure = vec![f64::NAN; commands.len()];
     let gain = if pressure.is_some() {
         options.predictor_gain
     } else {
         0.0
     };
-    let (short_horizon, activities) =
-        setup.predict(pressure.map_or(&no_pressure, |signal| &signal.values), gain)?;
+    // What happened within this many samples still shows.
+    let memory = match pressure {
+        Some(_) => (1.0 / gain).ceil() as usize,
+        None => 1,
+    };
+    let mut watched = Watched::new(parameters, commands.len(), memory);
+    let measured_bar = pressure.map(|signal| &signal.values[..]);
+    let short_horizon = setup.predict(measured_bar, gain, |now| watched.push(now))?;
+    let states = watched.finish(&commands.times_s);
     let fine_run = setup.fine_run(OFFSET_ROWS)?;
     let predictor = pressure.map(|_| Predictor {
         signal: PRESSURE.to_owned(),
@@ -82,43 +92,36 @@ pub fn compare_watched(
         options,
         commands: &commands,
         setup: &setup,
-        activities: &activities,
+        inputs: [FILL, VENT].map(|valve| Input::new(DUTIES[valve], &commands.duty_pct[valve])),
+        states: &states,
         predictor: predictor.as_ref(),
         fine_run: &fine_run,
     };
     let mut signals = Vec::new();
     let mut placements = Vec::new();
-    let mut residuals = [Columns::default(), Columns::default()];
     for signal in &measured {
-        let of = |run: &Columns| {
-            run.get(signal.name)
-                .map(|modelled| residual(&signal.values, modelled))
-        };
-        let free = of(&free_run).unwrap_or_default();
-        let short = of(&short_horizon).filter(|_| predictor.is_some());
-        let (compared, placed) = lab.compare_signal(signal, &free, short.as_deref());
+        let free = free_run.get(signal.name).unwrap_or_default();
+        let free = Residual::new(&signal.values, free);
+        let short = short_horizon.get(signal.name);
+        let short = short.map(|short| Residual::new(&signal.values, short));
+        let short = short.filter(|_| predictor.is_some());
+        let (compared, placed) = lab.compare_signal(signal, free, short);
         signals.push(compared);
         placements.extend(placed);
-        residuals[0]
-            .signals
-            .push((signal.name, signal.error_unit, free));
-        residuals[1]
-            .signals
-            .extend(short.map(|short| (signal.name, signal.error_unit, short)));
     }
-    let [free_run_residual, short_horizon_residual] = residuals;
     let source = &log.provenance().source;
-    let recording = |columns: Columns, what: &str| {
-        columns.into_recording(format!("{what} {source}"), setup.base)
-    };
     let traces = Traces {
-        free_run: recording(free_run, "free run of the model of")?,
+        measured: recorded(&measured, source, setup.base)?,
+        free_run: with_inputs(
+            free_run.into_recording(format!("free run of the model of {source}"), setup.base)?,
+            (log, &setup),
+            &commands,
+        )?,
         short_horizon: match &predictor {
-            Some(_) => recording(short_horizon, "short-horizon prediction of")?,
+            Some(_) => short_horizon
+                .into_recording(format!("short-horizon prediction of {source}"), setup.base)?,
             None => Recording::default(),
         },
-        free_run_residual: recording(free_run_residual, "free-run residual of")?,
-        short_horizon_residual: recording(short_horizon_residual, "short-horizon residual of")?,
         placements,
     };
     Ok(Comparison {
@@ -148,12 +151,59 @@ pub fn compare_watched(
     })
 }
 
+/// The measured signals in the units of the model.
+fn recorded(
+    measured: &[Measured],
+    source: &str,
+    base: &TimeBase,
+) -> Result<Recording, CompareError> {
+    let mut recording = Recording::new(Provenance::from_source(source));
+    let id = recording.add_time_base(base.clone());
+    for signal in measured {
+        let values = Arc::clone(&signal.values);
+        recording.add_shared_signal(signal.name, signal.unit, id, values)?;
+    }
+    Ok(recording)
+}
+
+/// The free run with what drove it, as far as the log has it: a command that was missing is the one that was held. Where
+/// nothing was missing, it is the log's.
+fn with_inputs(
+    mut run: Recording,
+    (log, setup): (&Recording, &Setup),
+    commands: &Commands,
+) -> Result<Recording, CompareError> {
+    let Some((id, _)) = run.time_bases().next() else {
+        return Ok(run);
+    };
+    for (name, duty_pct) in DUTIES.into_iter().zip(&commands.duty_pct) {
+        if log.signal(name).is_some() {
+            run.add_shared_signal(name, Unit::Percent, id, Arc::clone(duty_pct))?;
+        }
+    }
+    if let Some(supply) = log.signal(SUPPLY) {
+        let mut last = setup.parameters.ecu.supply_voltage_v;
+        let held = setup.inputs.iter().map(|input| {
+            last = input.supply_voltage_v.unwrap_or(last);
+            last
+        });
+        let held = shared(Some(supply.shared_values()), held.collect());
+        run.add_shared_signal(SUPPLY, Unit::Volt, id, held)?;
+    }
+    Ok(run)
+}
+
+/// Name of the supply voltage.
+const SUPPLY: &str = "u_bat";
+
 /// What the comparison of each signal needs.
 struct Lab<'a> {
     options: &'a CompareOptions,
     commands: &'a Commands,
     setup: &'a Setup<'a>,
-    activities: &'a [Activity],
+    /// The duty cycles.
+    inputs: [Input<'a>; 2],
+    states: &'a States,
     predictor: Option<&'a Predictor>,
     fine_run: &'a FineRun,
 }
@@ -162,8 +212,8 @@ impl Lab<'_> {
     fn compare_signal(
         &self,
         signal: &Measured,
-        free: &[f64],
-        short: Option<&[f64]>,
+        free: Residual,
+        short: Option<Residual>,
     ) -> (SignalComparison, Vec<Placement>) {
         let Floor { sigma, freedom, .. } = signal.floor;
         let short_sigma =
@@ -179,16 +229,16 @@ impl Lab<'_> {
             Some(short) => (Horizon::ShortHorizon, short),
             None => (Horizon::FreeRun, &free_excess),
         };
-        let features = self.features(signal);
+        let features = Features::new(self.states, self.commands, signal.coil());
         let dimensions = features.dimensions();
-        let summary = |errors, expected, horizon| {
+        let summary = |errors: Residual, expected, horizon| {
             let base: &TimeBase = self.setup.base;
             summary(
-                errors,
+                &errors.iter().collect::<Vec<_>>(),
                 &signal.values,
                 base.times_s(),
                 (sigma, expected),
-                &self.commands.duty_pct,
+                &self.inputs,
                 horizon,
             )
         };
@@ -201,11 +251,12 @@ impl Lab<'_> {
             .map(|dimension| placement(signal.name, dimension))
             .chain([cells]);
         let placements = placements.collect();
+        let compared_samples = free.iter().filter(|error| !error.is_nan()).count();
         let compared = SignalComparison {
             name: signal.name.to_owned(),
             unit: signal.error_unit.symbol().to_owned(),
-            compared: present(free).count(),
-            missing: free.len() - present(free).count(),
+            compared: compared_samples,
+            missing: free.len() - compared_samples,
             noise_floor: signal.floor.summary.clone(),
             short_horizon: short.map(|short| summary(short, short_sigma, Horizon::ShortHorizon)),
             time_offset: self.time_offset(signal),
@@ -221,20 +272,6 @@ impl Lab<'_> {
             finding: find(&dimensions, &features, local, horizon),
         };
         (compared, placements)
-    }
-
-    fn features(&self, signal: &Measured) -> Features {
-        let memory = self
-            .predictor
-            .map_or(1.0, |predictor| (1.0 / predictor.gain).ceil());
-        let coil = signal.coil();
-        Features::new(
-            self.setup.parameters,
-            self.commands,
-            self.activities,
-            memory as usize,
-            coil,
-        )
     }
 
     fn limit(&self, signal: &Measured) -> (Option<f64>, LimitFrom) {

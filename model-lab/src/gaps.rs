@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::Part;
-use plant_sim::replay::ReplayInput;
+use plant_sim::replay::{Inputs, ReplayInput};
 use recording::TimeBase;
 
 /// A pause longer than this many median steps is a gap, and so are more rows than this without a command.
@@ -44,10 +44,17 @@ pub(crate) struct Gap {
 
 impl Gaps {
     /// The gaps of a log with these rows.
-    pub(crate) fn of(
+    pub(crate) fn of(parameters: &PlantParameters, inputs: &Inputs) -> Self {
+        Self::at(parameters, inputs.base(), |row| {
+            inputs.row(row).command.is_some()
+        })
+    }
+
+    /// The gaps of a log on `base` of which it is known whether a row has a command.
+    fn at(
         parameters: &PlantParameters,
         base: &TimeBase,
-        inputs: &[ReplayInput],
+        is_commanded: impl Fn(usize) -> bool,
     ) -> Self {
         let has_coil = Part::Coil.is_in(parameters);
         let times_s = base.times_s();
@@ -77,11 +84,11 @@ impl Gaps {
         let mut gaps: Vec<Gap> = Vec::new();
         // The last row whose command is known.
         let mut known = None;
-        for row in 0..inputs.len() {
+        for row in 0..base.len() {
             if row > 0 && times_s[row] - times_s[row - 1] > pause_s {
                 gaps.push(gap(row - 1, row, false));
             }
-            if has_coil && inputs[row].command.is_none() {
+            if has_coil && !is_commanded(row) {
                 continue;
             }
             if let Some(before) = known
@@ -92,9 +99,9 @@ impl Gaps {
             known = Some(row);
         }
         // A log that ends without commands has nothing to compare there.
-        if let Some(last) = known.filter(|&last| (inputs.len() - last) as f64 > GAP_SAMPLES + 1.0) {
+        if let Some(last) = known.filter(|&last| (base.len() - last) as f64 > GAP_SAMPLES + 1.0) {
             gaps.push(Gap {
-                rows: last + 1..inputs.len(),
+                rows: last + 1..base.len(),
                 start_s: times_s[last],
                 end_s: base.end_s(),
                 is_without_commands: true,
@@ -111,6 +118,10 @@ impl Gaps {
             list: gaps,
             pause_s,
         }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list.is_empty()
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Gap> {
@@ -152,10 +163,18 @@ impl Gaps {
     /// Takes time out of long pauses, so that they cost no more than short ones: the plant sees the rows behind a pause
     /// earlier.
     pub(crate) fn shorten(&self, inputs: &mut [ReplayInput]) {
+        let mut shortened = self.shortening();
+        for input in inputs {
+            *input = shortened(*input);
+        }
+    }
+
+    /// As [`Gaps::shorten`], for whoever takes one row after the other.
+    pub(crate) fn shortening(&self) -> impl FnMut(ReplayInput) -> ReplayInput + use<> {
         let pause_ns = self.pause_s * 1e9;
         let mut taken_ns = 0;
         let mut before_ns = 0;
-        for input in inputs {
+        move |mut input| {
             let span_ns = input.time_ns - before_ns;
             before_ns = input.time_ns;
             if span_ns > SIMULATED_NS && span_ns as f64 > pause_ns {
@@ -163,6 +182,7 @@ impl Gaps {
             }
             input.time_ns -= taken_ns;
             input.issued_ns -= taken_ns;
+            input
         }
     }
 }
@@ -189,7 +209,10 @@ mod tests {
     }
 
     fn gaps(base: &TimeBase, silent: Range<usize>) -> Gaps {
-        Gaps::of(&PlantParameters::nominal(), base, &inputs(base, silent))
+        let inputs = inputs(base, silent);
+        Gaps::at(&PlantParameters::nominal(), base, |row| {
+            inputs[row].command.is_some()
+        })
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod bench;
+mod bins;
 mod commands;
 mod compare;
 mod defects;
@@ -23,6 +24,7 @@ pub mod thesis;
 mod warning;
 mod whiteness;
 
+pub use bins::Bins;
 pub use compare::{compare, compare_watched};
 pub use error::CompareError;
 pub use free_run::{FreeRun, SignalError, free_run};

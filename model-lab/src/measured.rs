@@ -1,17 +1,19 @@
 //! The log as the comparison sees it: signals in the unit of the model, with their noise, and where the run begins.
 
+use std::sync::Arc;
+
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{signals, unknown_signals};
 use recording::{Bounds, Quantity, Recording, TimeBase, Unit};
 
-use crate::commands::{Commands, DUTIES};
+use crate::commands::{Commands, DUTIES, shared};
 use crate::error::CompareError;
 use crate::gaps::Gap;
 use crate::metrics::{mean, present};
 use crate::noise_floor::{Floor, Quiet, noise_floor};
-use crate::result::{NotCompared, Start, StartFrom};
+use crate::result::{NotCompared, Start, StartFrom, error_unit};
 
 /// The measured signal that corrects the predictor.
 pub(crate) const PRESSURE: &str = "p_ch";
@@ -27,10 +29,12 @@ const START_S: f64 = 1.0;
 /// A signal of the log in the unit of the model.
 pub(crate) struct Measured {
     pub(crate) name: &'static str,
+    /// Unit of the values.
+    pub(crate) unit: Unit,
     /// Unit of the errors.
     pub(crate) error_unit: Unit,
     /// NaN where missing.
-    pub(crate) values: Vec<f64>,
+    pub(crate) values: Arc<Vec<f64>>,
     pub(crate) floor: Floor,
     /// Ambient pressure of the plant (Pa abs).
     pub(crate) ambient: f64,
@@ -112,17 +116,13 @@ pub(crate) fn measured_signals(
             Unit::BarGauge => take_out_vacuum(&mut values, ambient),
             _ => 0,
         };
-        let shown = (name == PRESSURE).then(|| values.clone());
+        let shown = (name == PRESSURE && !commands.gaps.is_empty()).then(|| values.clone());
         commands.gaps.blank(&mut values);
         if present(&values).next().is_none() {
             refuse("every sample is missing, below vacuum or in a gap");
             continue;
         }
-        let error_unit = if unit == Unit::BarGauge {
-            Unit::BarDifference
-        } else {
-            unit
-        };
+        let error_unit = error_unit(unit);
         let floor = noise_floor(
             &values,
             error_unit.symbol(),
@@ -134,8 +134,9 @@ pub(crate) fn measured_signals(
         });
         measured.push(Measured {
             name,
+            unit,
             error_unit,
-            values,
+            values: shared(Some(signal.shared_values()), values),
             floor,
             ambient,
             below_vacuum,

@@ -1,8 +1,10 @@
 //! What a comparison says, as it stands in its JSON.
 
-use recording::Recording;
+use recording::{Recording, Unit};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
+
+use crate::bins::Bins;
 
 /// Name and version of the JSON format.
 pub const COMPARISON_SCHEMA: &str = "retarder.comparison/1";
@@ -58,19 +60,98 @@ impl Comparison {
     }
 }
 
-/// Courses on the instants of the log. Residuals have the names of their signals.
+/// Time series of the compared signals on the instants of the log.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Traces {
+    /// The measurement in the units of the model, NaN where it is missing or in a gap. A signal of the log that is this
+    /// already is shared with it.
+    pub measured: Recording,
     /// The model driven by the commands alone.
     pub free_run: Recording,
     /// The model corrected by the measured pressure; empty where none was logged.
     pub short_horizon: Recording,
-    /// Measured minus free run.
-    pub free_run_residual: Recording,
-    /// Measured minus short-horizon prediction: the innovations. Empty where no pressure was logged.
-    pub short_horizon_residual: Recording,
     /// The bin of each instant, for each compared signal and each way to sort.
     pub placements: Vec<Placement>,
+}
+
+impl Traces {
+    /// Returns measured minus free run of the signal `name`; none where it is not compared.
+    pub fn free_run_residual(&self, name: &str) -> Option<Residual<'_>> {
+        self.residual(&self.free_run, name)
+    }
+
+    /// Returns measured minus short-horizon prediction of the signal `name`: the innovations. None where it is not
+    /// compared, or where no pressure was logged.
+    pub fn short_horizon_residual(&self, name: &str) -> Option<Residual<'_>> {
+        self.residual(&self.short_horizon, name)
+    }
+
+    fn residual<'a>(&'a self, run: &'a Recording, name: &str) -> Option<Residual<'a>> {
+        let measured = self.measured.signal(name)?;
+        Some(Residual {
+            measured: measured.values_or_nan(),
+            modelled: run.signal(name)?.values_or_nan(),
+        })
+    }
+
+    /// Returns the unit of a difference of two values of the signal `name`; none where it is not compared.
+    pub fn residual_unit(&self, name: &str) -> Option<Unit> {
+        Some(error_unit(self.measured.signal(name)?.unit()))
+    }
+}
+
+/// The unit of the difference of two values in a unit of the model.
+pub(crate) fn error_unit(unit: Unit) -> Unit {
+    match unit {
+        Unit::BarGauge => Unit::BarDifference,
+        unit => unit,
+    }
+}
+
+/// Measured minus modelled, sample by sample: computed where it is read, since it would take as much memory as either.
+#[derive(Debug, Clone, Copy)]
+pub struct Residual<'a> {
+    measured: &'a [f64],
+    modelled: &'a [f64],
+}
+
+impl<'a> Residual<'a> {
+    /// Both have one value for each instant.
+    pub(crate) fn new(measured: &'a [f64], modelled: &'a [f64]) -> Self {
+        Self { measured, modelled }
+    }
+
+    /// Returns the number of samples, missing ones included.
+    pub fn len(&self) -> usize {
+        self.measured.len().min(self.modelled.len())
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the value at instant `index`, NaN where the measurement is missing.
+    ///
+    /// # Panics
+    /// If there is no such instant.
+    pub fn at(&self, index: usize) -> f64 {
+        self.measured[index] - self.modelled[index]
+    }
+
+    /// Returns all values in turn, NaN where the measurement is missing.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = f64> + Clone + 'a {
+        let pairs = self.measured.iter().zip(self.modelled);
+        pairs.map(|(measured, modelled)| measured - modelled)
+    }
+
+    /// Returns the residual at the instants of `range`.
+    ///
+    /// # Panics
+    /// If there is no such instant.
+    pub fn part(&self, range: std::ops::Range<usize>) -> Self {
+        Self::new(&self.measured[range.clone()], &self.modelled[range])
+    }
 }
 
 /// Dimension of the [`Placement`] into the cells of [`ErrorMap`]; labels are `duty band, pressure band`.
@@ -86,7 +167,7 @@ pub struct Placement {
     /// Labels of all bins, those without samples included.
     pub labels: Vec<String>,
     /// For each instant of the log, an index into `labels`.
-    pub bin_of: Vec<u16>,
+    pub bin_of: Bins,
 }
 
 /// How a current sample is meant.

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{
-    CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, inputs,
+    CurrentSampling, Inputs, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row,
 };
 use plant_sim::{PlantParameters, Simulator, Tolerance};
 use recording::{AddSignalError, Provenance, Recording, TimeBase, Unit};
@@ -27,7 +27,10 @@ const FINE_POINTS_MAX: usize = 1_200_000;
 pub(crate) struct Setup<'a> {
     pub(crate) parameters: &'a PlantParameters,
     pub(crate) base: &'a TimeBase,
-    pub(crate) inputs: Vec<ReplayInput>,
+    pub(crate) inputs: Inputs<'a>,
+    gaps: Gaps,
+    /// Signals of the model that its runs keep: names, units and places in a row.
+    signals: Vec<(&'static str, Unit, usize)>,
     pub(crate) sampling: CurrentSampling,
     pub(crate) tolerance: Tolerance,
     /// Chamber pressure to begin with [Pa abs]; none starts at rest.
@@ -63,6 +66,8 @@ impl Watch<'_> {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Columns {
     pub(crate) signals: Vec<(&'static str, Unit, Vec<f64>)>,
+    /// Place of each in a row of the model.
+    places: Vec<usize>,
 }
 
 /// What the model did between two samples; decides the regime of the later one.
@@ -82,14 +87,20 @@ impl<'a> Setup<'a> {
         log: &'a Recording,
         tolerance: Tolerance,
     ) -> Result<Self, ReplayError> {
-        let (base, mut inputs) = inputs(parameters, log)?;
-        Gaps::of(parameters, base, &inputs).shorten(&mut inputs);
+        let inputs = Inputs::of(parameters, log)?;
+        let base = inputs.base();
         let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
         let sampling = CurrentSampling::of_interval(interval_s, parameters);
         Ok(Self {
             parameters,
             base,
+            gaps: Gaps::of(parameters, &inputs),
             inputs,
+            signals: ROW_SIGNALS
+                .into_iter()
+                .enumerate()
+                .map(|(place, (name, unit))| (name, unit, place))
+                .collect(),
             sampling,
             tolerance,
             start_pressure: None,
@@ -109,6 +120,17 @@ impl<'a> Setup<'a> {
         self
     }
 
+    /// Keeps of each run what `is_kept` says of its name: an hour at 1 kHz takes 29 MB for each signal.
+    pub(crate) fn keeping(mut self, is_kept: impl Fn(&str) -> bool) -> Self {
+        self.signals.retain(|(name, ..)| is_kept(name));
+        self
+    }
+
+    /// The rows of the log with their numbers, pauses shortened.
+    fn rows(&self) -> impl Iterator<Item = (usize, ReplayInput)> + '_ {
+        self.inputs.iter().map(self.gaps.shortening()).enumerate()
+    }
+
     fn count_row(&self) -> Result<(), CompareError> {
         self.watch.as_ref().map_or(Ok(()), Watch::count_row)
     }
@@ -121,9 +143,8 @@ impl<'a> Setup<'a> {
         replay
     }
 
-    /// The row of the model at instant `index`.
-    fn row(&self, index: usize, replay: &mut Replay) -> Result<Row, CompareError> {
-        let input = self.inputs[index];
+    /// The row of the model at the instant of `input`.
+    fn row(&self, input: ReplayInput, replay: &mut Replay) -> Result<Row, CompareError> {
         let row = replay.row(input);
         match replay.simulator().is_given_up() {
             true => Err(ReplayError::given_up(input.time_ns).into()),
@@ -141,26 +162,26 @@ impl<'a> Setup<'a> {
     /// The model driven by the commands alone.
     pub(crate) fn free_run(&self) -> Result<Columns, CompareError> {
         let mut replay = self.begin();
-        let mut columns = Columns::with_capacity(self);
-        for index in 0..self.inputs.len() {
+        let mut columns = Columns::of(self, self.inputs.len());
+        for (index, input) in self.rows() {
             self.count_row()?;
-            columns.push(self.row(index, &mut replay)?);
+            columns.push(self.row(input, &mut replay)?);
             self.restart(index, &mut replay);
         }
         Ok(columns)
     }
 
     /// The model corrected after each sample by `gain` times (measured - predicted) pressure, measured in bar gauge,
-    /// NaN where missing. Gain 0 watches the free run.
+    /// NaN where missing. Without a measurement, or with gain 0, it is the free run. `watch` sees what it does.
     pub(crate) fn predict(
         &self,
-        measured_bar: &[f64],
+        measured_bar: Option<&[f64]>,
         gain: f64,
-    ) -> Result<(Columns, Vec<Activity>), CompareError> {
+        mut watch: impl FnMut(Activity),
+    ) -> Result<Columns, CompareError> {
         let mut replay = self.begin();
-        let mut columns = Columns::with_capacity(self);
-        let mut activities = Vec::with_capacity(self.inputs.len());
-        for (row, &input) in self.inputs.iter().enumerate() {
+        let mut columns = Columns::of(self, self.inputs.len());
+        for (row, input) in self.rows() {
             self.count_row()?;
             let begin = (
                 replay.simulator().time_ns(),
@@ -173,11 +194,11 @@ impl<'a> Setup<'a> {
                 simulator.advance_to_ns(time_ns);
                 open = [FILL, VENT].map(|valve| open[valve] || is_open(simulator, valve));
             }
-            columns.push(self.row(row, &mut replay)?);
+            columns.push(self.row(input, &mut replay)?);
             let simulator = replay.simulator();
             let pressure = simulator.state().pressure;
             let span_s = (input.time_ns - begin.0) as f64 * 1e-9;
-            activities.push(Activity {
+            watch(Activity {
                 open,
                 pressure,
                 pressure_rate: if span_s > 0.0 {
@@ -188,13 +209,14 @@ impl<'a> Setup<'a> {
             });
             self.restart(row, &mut replay);
             let simulator = replay.simulator();
+            let measured_bar = measured_bar.map_or(f64::NAN, |measured_bar| measured_bar[row]);
             let error =
-                measured_bar[row] * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa - pressure;
+                measured_bar * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa - pressure;
             if gain > 0.0 && error.is_finite() {
                 simulator.set_chamber_pressure(pressure + gain * error);
             }
         }
-        Ok((columns, activities))
+        Ok(columns)
     }
 
     /// The free run on a grid of at most 1 ms over the first `rows` instants, or fewer where these are far apart: times
@@ -204,11 +226,11 @@ impl<'a> Setup<'a> {
         let mut fine = FineRun {
             rows: 0,
             times_s: Vec::new(),
-            columns: Columns::with_capacity(self),
+            columns: Columns::of(self, 0),
         };
         let mut last_ns = 0;
         let start_s = self.base.start_s();
-        for (index, &input) in self.inputs.iter().enumerate().take(rows) {
+        for (index, input) in self.rows().take(rows) {
             self.count_row()?;
             if fine.times_s.len() > FINE_POINTS_MAX {
                 break;
@@ -228,7 +250,7 @@ impl<'a> Setup<'a> {
                 }));
                 fine.times_s.push((time_ns + later_ns) as f64 * 1e-9);
             }
-            fine.columns.push(self.row(index, &mut replay)?);
+            fine.columns.push(self.row(input, &mut replay)?);
             fine.times_s.push(log_ns as f64 * 1e-9);
             self.restart(index, &mut replay);
             last_ns = input.time_ns;
@@ -248,16 +270,19 @@ pub(crate) struct FineRun {
 }
 
 impl Columns {
-    fn with_capacity(setup: &Setup) -> Self {
-        let column = |(name, unit)| (name, unit, Vec::with_capacity(setup.inputs.len()));
+    /// Columns for about so many rows of the signals that `setup` keeps.
+    fn of(setup: &Setup, rows: usize) -> Self {
+        let signals = setup.signals.iter();
+        let column = |&(name, unit, _): &(_, _, _)| (name, unit, Vec::with_capacity(rows));
         Self {
-            signals: ROW_SIGNALS.into_iter().map(column).collect(),
+            signals: signals.clone().map(column).collect(),
+            places: signals.map(|&(_, _, place)| place).collect(),
         }
     }
 
     fn push(&mut self, row: Row) {
-        for ((_, _, column), value) in self.signals.iter_mut().zip(row) {
-            column.push(value);
+        for ((_, _, column), &place) in self.signals.iter_mut().zip(&self.places) {
+            column.push(row[place]);
         }
     }
 
@@ -327,9 +352,7 @@ mod tests {
         let log = bench.measure();
         let setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
         let free = setup.free_run().unwrap();
-        let (watched, _) = setup
-            .predict(&vec![f64::NAN; log.signals()[0].len()], 0.0)
-            .unwrap();
+        let watched = setup.predict(None, 0.0, |_| ()).unwrap();
         let FineRun {
             times_s,
             columns: fine,
@@ -356,7 +379,10 @@ mod tests {
         let mut setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
         setup.start_pressure = Some(3e5);
         let measured = vec![2.5; log.signals()[0].len()];
-        let (columns, activity) = setup.predict(&measured, 1.0).unwrap();
+        let mut activity = Vec::new();
+        let columns = setup
+            .predict(Some(&measured), 1.0, |now| activity.push(now))
+            .unwrap();
         let still = activity
             .iter()
             .position(|activity| activity.open != [false; 2])

@@ -1,7 +1,6 @@
-use crate::commands::DUTIES;
 use crate::metrics::{fit_pct, mean, rms, worst};
 use crate::result::{ErrorSummary, Horizon};
-use crate::whiteness::{autocorrelation_time_samples, input_correlations, ljung_box};
+use crate::whiteness::{Input, Whiteness};
 
 /// Everything that is said of one residual. `floors` are the noise floor and the rms of a perfect model, 0 where
 /// unknown.
@@ -10,11 +9,12 @@ pub(crate) fn summary(
     measured: &[f64],
     times_s: &[f64],
     (floor, expected): (f64, f64),
-    duty_pct: &[Vec<f64>; 2],
+    inputs: &[Input],
     horizon: Horizon,
 ) -> ErrorSummary {
     let rms = rms(residual).unwrap_or_default();
     let (worst_index, worst) = worst(residual).unwrap_or_default();
+    let whiteness = Whiteness::of(residual);
     let in_noise = |error: f64| (floor > 0.0).then(|| error / floor);
     ErrorSummary {
         rms,
@@ -25,14 +25,11 @@ pub(crate) fn summary(
         worst_time_s: times_s[worst_index],
         bias: mean(residual).unwrap_or_default(),
         fit_pct: fit_pct(measured, residual),
-        autocorrelation_time_samples: autocorrelation_time_samples(residual),
+        autocorrelation_time_samples: whiteness.autocorrelation_time_samples(),
         whiteness: match horizon {
-            Horizon::FreeRun => ljung_box(residual),
+            Horizon::FreeRun => whiteness.ljung_box(),
             Horizon::ShortHorizon => None,
         },
-        input_correlation: input_correlations(
-            DUTIES.into_iter().zip(duty_pct.iter().map(Vec::as_slice)),
-            residual,
-        ),
+        input_correlation: whiteness.input_correlations(inputs),
     }
 }

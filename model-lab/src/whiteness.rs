@@ -17,27 +17,41 @@ const LONGEST_LAG: usize = 500;
 const WINDOW: f64 = 5.0;
 
 /// A sequence without its mean; missing samples count as zero, so that they add to no product.
-struct Centred {
-    values: Vec<f64>,
+pub(crate) struct Centred<'a> {
+    values: &'a [f64],
+    mean: f64,
     count: usize,
     variance: f64,
 }
 
-impl Centred {
+impl<'a> Centred<'a> {
     /// None for a sequence that does not vary.
-    fn new(values: &[f64]) -> Option<Self> {
+    pub(crate) fn new(values: &'a [f64]) -> Option<Self> {
         let mean = mean(values)?;
         let count = present(values).count();
         let variance = present(values)
             .map(|value| (value - mean).powi(2))
             .sum::<f64>()
             / count as f64;
-        let centre = |&value: &f64| if value.is_nan() { 0.0 } else { value - mean };
-        (variance > 0.0).then(|| Self {
-            values: values.iter().map(centre).collect(),
+        (variance > 0.0).then_some(Self {
+            values,
+            mean,
             count,
             variance,
         })
+    }
+
+    /// Writes the values from `first` on without their mean, as far as there are, and returns their number.
+    fn fill(&self, first: usize, block: &mut [f64]) -> usize {
+        let values = self.values.get(first..).unwrap_or_default();
+        for (centred, &value) in block.iter_mut().zip(values) {
+            *centred = if value.is_nan() {
+                0.0
+            } else {
+                value - self.mean
+            };
+        }
+        values.len().min(block.len())
     }
 
     /// Autocorrelation coefficients at `lags`.
@@ -46,16 +60,12 @@ impl Centred {
     }
 
     /// Correlations of this with `earlier` by each of `lags` samples.
-    fn correlations<'a>(
-        &'a self,
-        earlier: &'a Self,
-        lags: Range<usize>,
-    ) -> impl Iterator<Item = f64> + 'a {
+    fn correlations(&self, earlier: &Centred<'_>, lags: Range<usize>) -> impl Iterator<Item = f64> {
         let scale =
             (self.variance * earlier.variance).sqrt() * self.count.min(earlier.count) as f64;
         let count = lags.len();
         lags.step_by(LANES)
-            .flat_map(|first| sums_of_products(&self.values, &earlier.values, first))
+            .flat_map(|first| sums_of_products(self, earlier, first))
             .take(count)
             .map(move |sum| sum / scale)
     }
@@ -63,113 +73,177 @@ impl Centred {
     fn longest_lag(&self) -> usize {
         (self.count / 4).min(LONGEST_LAG)
     }
+
+    /// Autocorrelations at the lags from 1 to the longest.
+    fn memory(&self) -> Vec<f64> {
+        self.autocorrelations(1..self.longest_lag() + 1).collect()
+    }
 }
 
 /// Lags that are summed at one time: the additions of one lag wait for each other, those of several do not.
-const LANES: usize = 8;
+const LANES: usize = 16;
+
+/// Samples that are centred at one time: they stay in the nearest cache, and take no memory worth a word.
+const BLOCK: usize = 1024;
 
 /// Sums of `late` times `early` at the lags from `first` on, each added up in the order of the samples; 0 beyond the end.
-fn sums_of_products(late: &[f64], early: &[f64], first: usize) -> [f64; LANES] {
+fn sums_of_products(late: &Centred, early: &Centred, first: usize) -> [f64; LANES] {
     // The neutral element of floating-point addition, as `Iterator::sum` has it.
     let mut sums = [-0.0; LANES];
-    let windows = late.get(first..).unwrap_or_default().windows(LANES);
-    let whole = windows.len().min(early.len());
-    for (late, &early) in windows.zip(early) {
-        for (sum, &late) in sums.iter_mut().zip(late) {
-            *sum += late * early;
+    let (mut late_block, mut early_block) = ([0.0; BLOCK + LANES - 1], [0.0; BLOCK]);
+    for begin in (0..early.values.len()).step_by(BLOCK) {
+        let late_count = late.fill(first + begin, &mut late_block);
+        let early_count = early.fill(begin, &mut early_block);
+        let (late_block, early_block) = (&late_block[..late_count], &early_block[..early_count]);
+        let whole = late_block.windows(LANES).len().min(early_block.len());
+        for (late, &early) in late_block.windows(LANES).zip(early_block) {
+            for (sum, &late) in sums.iter_mut().zip(late) {
+                *sum += late * early;
+            }
+        }
+        // The last samples have a partner at some of the lags only.
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            let late_block = late_block.get(lane..).unwrap_or_default();
+            for (late, early) in late_block.iter().zip(early_block).skip(whole) {
+                *sum += late * early;
+            }
+        }
+        if late_count < late_block.len() {
+            break;
         }
     }
     for (lane, sum) in sums.iter_mut().enumerate() {
-        match late.get(first + lane..) {
-            Some(late) if !late.is_empty() => {
-                for (late, early) in late.iter().zip(early).skip(whole) {
-                    *sum += late * early;
-                }
-            }
-            _ => *sum = 0.0,
+        if first + lane >= late.values.len() {
+            *sum = 0.0;
         }
     }
     sums
 }
 
-/// Ljung-Box test over 20 lags; none for fewer than 80 samples or a constant.
-pub(crate) fn ljung_box(residual: &[f64]) -> Option<LjungBox> {
-    let residual = Centred::new(residual)?;
-    if residual.longest_lag() < LJUNG_BOX_LAGS {
-        return None;
-    }
-    let n = residual.count as f64;
-    let sum: f64 = (1..)
-        .zip(residual.autocorrelations(1..LJUNG_BOX_LAGS + 1))
-        .map(|(lag, rho)| rho.powi(2) / (n - f64::from(lag)))
-        .sum();
-    let q = n * (n + 2.0) * sum;
-    let distribution = ChiSquared::new(LJUNG_BOX_LAGS as f64).ok()?;
-    Some(LjungBox {
-        lags: LJUNG_BOX_LAGS,
-        q,
-        p_value: distribution.sf(q),
-    })
+/// What is said of the memory of a residual.
+pub(crate) struct Whiteness<'a> {
+    /// None for a residual that does not vary.
+    residual: Option<(Centred<'a>, Vec<f64>)>,
 }
 
-/// Integrated autocorrelation time 1 + 2 Σ ρ [samples]; none for a constant.
+impl<'a> Whiteness<'a> {
+    pub(crate) fn of(residual: &'a [f64]) -> Self {
+        Self {
+            residual: Centred::new(residual).map(|residual| {
+                let memory = residual.memory();
+                (residual, memory)
+            }),
+        }
+    }
+
+    /// Ljung-Box test over 20 lags; none for fewer than 80 samples or a constant.
+    pub(crate) fn ljung_box(&self) -> Option<LjungBox> {
+        let (residual, memory) = self.residual.as_ref()?;
+        if residual.longest_lag() < LJUNG_BOX_LAGS {
+            return None;
+        }
+        let n = residual.count as f64;
+        let sum: f64 = (1..)
+            .zip(&memory[..LJUNG_BOX_LAGS])
+            .map(|(lag, rho)| rho.powi(2) / (n - f64::from(lag)))
+            .sum();
+        let q = n * (n + 2.0) * sum;
+        let distribution = ChiSquared::new(LJUNG_BOX_LAGS as f64).ok()?;
+        Some(LjungBox {
+            lags: LJUNG_BOX_LAGS,
+            q,
+            p_value: distribution.sf(q),
+        })
+    }
+
+    /// Integrated autocorrelation time 1 + 2 Σ ρ [samples]; none for a constant.
+    pub(crate) fn autocorrelation_time_samples(&self) -> Option<f64> {
+        let (_, memory) = self.residual.as_ref()?;
+        let summed = memory.len().saturating_sub(1);
+        Some(summed_within_window(memory[..summed].iter().copied()))
+    }
+
+    /// The largest correlation with each of `inputs` at the same instant or earlier; none of an input that is constant,
+    /// or of a constant residual.
+    ///
+    /// Later inputs are left out: under closed-loop control the residual causes them.
+    pub(crate) fn input_correlations(&self, inputs: &[Input]) -> Vec<InputCorrelation> {
+        let Some((residual, memory)) = &self.residual else {
+            return Vec::new();
+        };
+        let lags = INPUT_LAGS.min(residual.longest_lag());
+        let correlation = |input: &Input| {
+            let (values, memory_of_input) = input.varying.as_ref()?;
+            let (lag_samples, rho) = residual.correlations(values, 0..lags + 1).enumerate().fold(
+                (0, 0.0_f64),
+                |best, now| {
+                    if now.1.abs() > best.1.abs() {
+                        now
+                    } else {
+                        best
+                    }
+                },
+            );
+            Some(InputCorrelation {
+                input: input.name.to_owned(),
+                rho,
+                lag_samples,
+                bound_99: chance_bound((residual, memory), (values, memory_of_input), lags)?,
+            })
+        };
+        inputs.iter().filter_map(correlation).collect()
+    }
+}
+
+/// An input with what is needed of it for each residual.
+pub(crate) struct Input<'a> {
+    name: &'a str,
+    /// None for one that is constant.
+    varying: Option<(Centred<'a>, Vec<f64>)>,
+}
+
+impl<'a> Input<'a> {
+    pub(crate) fn new(name: &'a str, values: &'a [f64]) -> Self {
+        Self {
+            name,
+            varying: Centred::new(values).map(|values| {
+                let memory = values.memory();
+                (values, memory)
+            }),
+        }
+    }
+}
+
+/// Integrated autocorrelation time 1 + 2 Σ ρ [samples]; none for a constant. No more lags are summed than it takes.
 pub(crate) fn autocorrelation_time_samples(residual: &[f64]) -> Option<f64> {
     let residual = Centred::new(residual)?;
+    Some(summed_within_window(
+        residual.autocorrelations(1..residual.longest_lag()),
+    ))
+}
+
+fn summed_within_window(autocorrelations: impl Iterator<Item = f64>) -> f64 {
     let mut time = 1.0;
-    for (lag, rho) in (1..).zip(residual.autocorrelations(1..residual.longest_lag())) {
+    for (lag, rho) in (1..).zip(autocorrelations) {
         time += 2.0 * rho;
         if f64::from(lag) >= WINDOW * time {
             break;
         }
     }
-    Some(time)
-}
-
-/// The largest correlation of `residual` with each of `inputs`, by its name, at the same instant or earlier; none of an input
-/// that is constant, or of a constant residual.
-///
-/// Later inputs are left out: under closed-loop control the residual causes them.
-pub(crate) fn input_correlations<'a>(
-    inputs: impl Iterator<Item = (&'a str, &'a [f64])>,
-    residual: &[f64],
-) -> Vec<InputCorrelation> {
-    let Some(residual) = Centred::new(residual) else {
-        return Vec::new();
-    };
-    let lags = INPUT_LAGS.min(residual.longest_lag());
-    // Of all lags that an input may ask for, once for all inputs.
-    let memory: Vec<f64> = residual
-        .autocorrelations(1..residual.longest_lag() + 1)
-        .collect();
-    let correlation = |(name, input): (&str, &[f64])| {
-        let input = Centred::new(input)?;
-        let (lag_samples, rho) = residual.correlations(&input, 0..lags + 1).enumerate().fold(
-            (0, 0.0_f64),
-            |best, now| {
-                if now.1.abs() > best.1.abs() {
-                    now
-                } else {
-                    best
-                }
-            },
-        );
-        Some(InputCorrelation {
-            input: name.to_owned(),
-            rho,
-            lag_samples,
-            bound_99: chance_bound((&residual, &memory), &input, lags)?,
-        })
-    };
-    inputs.filter_map(correlation).collect()
+    time
 }
 
 /// Bartlett: two independent sequences correlate with variance Σ ρ_a ρ_b / n, more than 1 / n where both have a
 /// memory. The level is shared among the lags that are searched.
-fn chance_bound((a, memory_of_a): (&Centred, &[f64]), b: &Centred, lags: usize) -> Option<f64> {
+fn chance_bound(
+    (a, memory_of_a): (&Centred, &[f64]),
+    (b, memory_of_b): (&Centred, &[f64]),
+    lags: usize,
+) -> Option<f64> {
     let longest = a.longest_lag().min(b.longest_lag());
     let memory: f64 = (1..=longest)
         .zip(memory_of_a)
-        .zip(b.autocorrelations(1..longest + 1))
+        .zip(memory_of_b)
         .map(|((lag, rho_a), rho_b)| {
             // A triangular window keeps the scatter of far lags out of the sum.
             let weight = 1.0 - lag as f64 / (longest + 1) as f64;
@@ -187,22 +261,39 @@ mod tests {
     use crate::noise::Noise;
 
     fn input_correlation(name: &str, input: &[f64], residual: &[f64]) -> Option<InputCorrelation> {
-        input_correlations([(name, input)].into_iter(), residual).pop()
+        Whiteness::of(residual)
+            .input_correlations(&[Input::new(name, input)])
+            .pop()
+    }
+
+    fn ljung_box(residual: &[f64]) -> Option<LjungBox> {
+        Whiteness::of(residual).ljung_box()
     }
 
     /// Goal: an hour at 1 kHz once took three minutes, of which the sums of one lag after the other took nearly all. Several
     /// lags at one time give the same bits.
     #[test]
     fn lags_that_are_summed_together_are_those_summed_alone() {
-        for count in [3, 8, 9, 200] {
-            let (late, early) = (white(6, count), white(7, count));
-            for first in [0, 1, 5, 190, 199, 300] {
+        for count in [3, 8, 9, 16, 17, 200, 1023, 1024, 1040, 3000] {
+            let mut sequences = [white(6, count), white(7, count)];
+            sequences[0][1] = f64::NAN;
+            let [late, early] = sequences
+                .each_ref()
+                .map(|values| Centred::new(values).unwrap());
+            let centred = |sequence: &Centred| {
+                let mut values = vec![0.0; count];
+                assert_eq!(sequence.fill(0, &mut values), count);
+                values
+            };
+            let values = [centred(&late), centred(&early)];
+            for first in [0, 1, 5, 190, 199, 300, 1000, 1023, 1024, 2999] {
                 let together = sums_of_products(&late, &early, first);
+                let [late, early] = &values;
                 for (lane, together) in together.into_iter().enumerate() {
                     let lag = first + lane;
                     let alone = match late.get(lag..) {
                         Some(late) if !late.is_empty() => {
-                            late.iter().zip(&early).map(|(a, b)| a * b).sum::<f64>()
+                            late.iter().zip(early).map(|(a, b)| a * b).sum::<f64>()
                         }
                         _ => 0.0,
                     };

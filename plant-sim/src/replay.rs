@@ -9,7 +9,7 @@ mod names;
 pub use names::{UnknownSignal, unknown_signals};
 
 use recording::{AddSignalError, Provenance, Quantity, Recording, Signal, TimeBase, Unit};
-use recording::{ConversionError, MissingSignal};
+use recording::{ConversionError, Converter, MissingSignal};
 
 use crate::ecu_output::Command;
 use crate::parameters::{Part, PlantParameters};
@@ -269,7 +269,8 @@ pub fn replay(
     tolerance: Tolerance,
     mut correct: impl FnMut(usize, &mut Simulator),
 ) -> Result<Replayed, ReplayError> {
-    let (base, inputs) = inputs(parameters, log)?;
+    let inputs = Inputs::of(parameters, log)?;
+    let base = inputs.base();
     let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
     let sampling = CurrentSampling::of_interval(interval_s, parameters);
     let mut replay = Replay::new(parameters, sampling, tolerance);
@@ -279,7 +280,7 @@ pub fn replay(
     let mut columns: [Vec<f64>; ROW_SIGNALS.len()] =
         core::array::from_fn(|_| Vec::with_capacity(inputs.len()));
     let mut held_commands = 0;
-    for (index, &input) in inputs.iter().enumerate() {
+    for (index, input) in inputs.iter().enumerate() {
         held_commands += usize::from(input.command.is_none());
         let row = replay.row(input);
         if replay.simulator().is_given_up() {
@@ -314,83 +315,155 @@ pub const LONGEST_GAP_S: f64 = 3600.0;
 /// Names of the commands, fill and vent.
 const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
 
-/// The commands of a log to a plant, with the time base that they share. A plant without coils is not commanded: the
-/// time base is that of the first signal that it has.
+/// What a log tells a plant, row by row. It is read from the log itself: an hour at 1 kHz takes no memory of its own.
+#[derive(Debug, Clone)]
+pub struct Inputs<'a> {
+    base: &'a TimeBase,
+    duties: [Option<Column<'a>>; 2],
+    supply: Option<Column<'a>>,
+}
+
+/// A signal of the log in the unit of the model.
+#[derive(Debug, Clone, Copy)]
+struct Column<'a> {
+    samples: &'a [f64],
+    converter: Converter,
+}
+
+impl Column<'_> {
+    fn at(&self, index: usize) -> f64 {
+        self.converter.apply(self.samples[index])
+    }
+}
+
+impl<'a> Inputs<'a> {
+    /// Finds the commands of a log to a plant. A plant without coils is not commanded: the time base is that of the first
+    /// signal that it has.
+    ///
+    /// # Errors
+    /// As [`Inputs::of_part`], and a duty cycle without any value.
+    pub fn of(parameters: &PlantParameters, log: &'a Recording) -> Result<Self, ReplayError> {
+        let inputs = Self::of_part(parameters, log)?;
+        let is_empty = |name: &&str| {
+            let signal = log.signal(name);
+            signal.is_some_and(|signal| signal.missing_count() == signal.len())
+        };
+        match commanded(parameters).find(is_empty) {
+            Some(name) => Err(ReplayError::EmptyCommand { name }),
+            None => Ok(inputs),
+        }
+    }
+
+    /// As [`Inputs::of`], for some rows of a log, in which a command may be missing throughout.
+    ///
+    /// # Errors
+    /// No duty cycle for a coil that the plant has, one of another kind, a duty cycle for a coil that the plant has not,
+    /// signals that were not sampled together, or a gap of more than [`LONGEST_GAP_S`].
+    pub fn of_part(parameters: &PlantParameters, log: &'a Recording) -> Result<Self, ReplayError> {
+        for name in commanded(parameters) {
+            require_command(parameters, log, name)?;
+        }
+        let id = driving_signal(parameters, log)?.time_base();
+        let base = log.time_base(id).ok_or(ReplayError::NoTimeBase)?;
+        for pair in base.times_s().windows(2) {
+            check_gap(pair[0], pair[1])?;
+        }
+        let column = |name: &'static str, quantity, unit| -> Result<Option<Column>, ReplayError> {
+            if !log.mentions(name) {
+                return Ok(None);
+            }
+            let signal = log.require(name, quantity)?;
+            if signal.time_base() != id {
+                return Err(ReplayError::OtherTimeBase { name });
+            }
+            Ok(Some(Column {
+                samples: signal.values_or_nan(),
+                converter: signal.unit().converter(unit)?,
+            }))
+        };
+        let duty = |valve: usize| column(DUTIES[valve], Quantity::DutyCycle, Unit::Percent);
+        let duties = [duty(FILL)?, duty(VENT)?];
+        for (valve, duty) in duties.iter().enumerate() {
+            let acts = |duty: &Column| (0..duty.samples.len()).any(|index| duty.at(index) > 0.0);
+            if !parameters.functions[valve].has_coil() && duty.as_ref().is_some_and(acts) {
+                let name = DUTIES[valve];
+                return Err(ReplayError::NoCoil { name });
+            }
+        }
+        let supply = column("u_bat", Quantity::Voltage, Unit::Volt)?;
+        Ok(Self {
+            base,
+            duties,
+            supply,
+        })
+    }
+
+    /// Returns the time base that the commands share.
+    pub fn base(&self) -> &'a TimeBase {
+        self.base
+    }
+
+    /// Returns the number of rows, at least 1.
+    #[expect(
+        clippy::len_without_is_empty,
+        reason = "as its time base, it is never empty"
+    )]
+    pub fn len(&self) -> usize {
+        self.base.len()
+    }
+
+    /// Returns what the log tells at instant `index`.
+    ///
+    /// # Panics
+    /// If there is no such instant.
+    pub fn row(&self, index: usize) -> ReplayInput {
+        let duty = |valve: usize| self.duties[valve].map_or(0.0, |column| column.at(index));
+        let command = Command {
+            duty_fill_pct: duty(FILL),
+            duty_vent_pct: duty(VENT),
+        };
+        let complete = !command.duty_fill_pct.is_nan() && !command.duty_vent_pct.is_nan();
+        let times_s = self.base.times_s();
+        let time_ns = ((times_s[index] - times_s[0]) * 1e9).round() as u64;
+        ReplayInput {
+            time_ns,
+            issued_ns: time_ns,
+            command: complete.then_some(command),
+            supply_voltage_v: self
+                .supply
+                .map(|column| column.at(index))
+                .filter(|volt| volt.is_finite()),
+        }
+    }
+
+    /// Returns what the log tells at each instant.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = ReplayInput> + '_ {
+        (0..self.len()).map(|index| self.row(index))
+    }
+}
+
+/// The commands of a log to a plant as a list, with the time base that they share.
 ///
 /// # Errors
-/// As [`inputs_of_part`], and a duty cycle without any value.
+/// As [`Inputs::of`].
 pub fn inputs<'a>(
     parameters: &PlantParameters,
     log: &'a Recording,
 ) -> Result<(&'a TimeBase, Vec<ReplayInput>), ReplayError> {
-    let inputs = inputs_of_part(parameters, log)?;
-    let is_empty = |name: &&str| {
-        let signal = log.signal(name);
-        signal.is_some_and(|signal| signal.missing_count() == signal.len())
-    };
-    match commanded(parameters).find(is_empty) {
-        Some(name) => Err(ReplayError::EmptyCommand { name }),
-        None => Ok(inputs),
-    }
+    let inputs = Inputs::of(parameters, log)?;
+    Ok((inputs.base(), inputs.iter().collect()))
 }
 
 /// As [`inputs`], for some rows of a log, in which a command may be missing throughout.
 ///
 /// # Errors
-/// No duty cycle for a coil that the plant has, one of another kind, a duty cycle for a coil that the plant has not,
-/// signals that were not sampled together, or a gap of more than [`LONGEST_GAP_S`].
+/// As [`Inputs::of_part`].
 pub fn inputs_of_part<'a>(
     parameters: &PlantParameters,
     log: &'a Recording,
 ) -> Result<(&'a TimeBase, Vec<ReplayInput>), ReplayError> {
-    for name in commanded(parameters) {
-        require_command(parameters, log, name)?;
-    }
-    let id = driving_signal(parameters, log)?.time_base();
-    let base = log.time_base(id).ok_or(ReplayError::NoTimeBase)?;
-    for pair in base.times_s().windows(2) {
-        check_gap(pair[0], pair[1])?;
-    }
-    let column = |name: &'static str, quantity, unit| -> Result<Option<Vec<f64>>, ReplayError> {
-        if !log.mentions(name) {
-            return Ok(None);
-        }
-        let signal = log.require(name, quantity)?;
-        if signal.time_base() != id {
-            return Err(ReplayError::OtherTimeBase { name });
-        }
-        Ok(Some(signal.values_in(unit)?))
-    };
-    let duty = |valve: usize| column(DUTIES[valve], Quantity::DutyCycle, Unit::Percent);
-    let (fill, vent) = (duty(FILL)?, duty(VENT)?);
-    for (valve, duty) in [&fill, &vent].into_iter().enumerate() {
-        let acts = || duty.iter().flatten().any(|duty| *duty > 0.0);
-        if !parameters.functions[valve].has_coil() && acts() {
-            let name = DUTIES[valve];
-            return Err(ReplayError::NoCoil { name });
-        }
-    }
-    let supply = column("u_bat", Quantity::Voltage, Unit::Volt)?;
-    let at = |column: &Option<Vec<f64>>, index: usize| column.as_ref().map_or(0.0, |c| c[index]);
-    let start_s = base.start_s();
-    let inputs = base.times_s().iter().enumerate().map(|(index, time_s)| {
-        let command = Command {
-            duty_fill_pct: at(&fill, index),
-            duty_vent_pct: at(&vent, index),
-        };
-        let complete = !command.duty_fill_pct.is_nan() && !command.duty_vent_pct.is_nan();
-        let time_ns = ((time_s - start_s) * 1e9).round() as u64;
-        ReplayInput {
-            time_ns,
-            issued_ns: time_ns,
-            command: complete.then_some(command),
-            supply_voltage_v: supply
-                .as_ref()
-                .map(|column| column[index])
-                .filter(|volt| volt.is_finite()),
-        }
-    });
-    Ok((base, inputs.collect()))
+    let inputs = Inputs::of_part(parameters, log)?;
+    Ok((inputs.base(), inputs.iter().collect()))
 }
 
 /// The chamber pressure (Pa abs) to begin with, where the log alone tells it: the first one of a plant without coils,

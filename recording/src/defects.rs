@@ -1,6 +1,6 @@
 //! What a recording lacks: rows that the logger did not write, and cells without a value.
 
-use crate::{OutOfBounds, Recording};
+use crate::{OutOfBounds, Recording, Sampling, Signal};
 
 /// Gaps and missing cells of a recording; one sentence for each in [`Defects::sentences`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,6 +79,97 @@ impl Recording {
     }
 }
 
+/// Counts the defects of a log that is read in pieces, in memory that does not grow with the log.
+#[derive(Clone, Debug, Default)]
+pub struct DefectCounter {
+    /// Median distance of two rows of the first piece, in s.
+    step_s: Option<f64>,
+    last_s: Option<f64>,
+    gaps: Vec<Pause>,
+    gap_count: usize,
+    signals: Vec<Cells>,
+}
+
+/// Cells of a signal as far as they are counted.
+#[derive(Clone, Debug)]
+struct Cells {
+    signal: String,
+    missing: usize,
+    of: usize,
+    first_s: Option<f64>,
+}
+
+impl DefectCounter {
+    /// Adds the next rows: each piece has the same signals on one time base. How far apart rows are is that of the first piece.
+    pub fn add(&mut self, piece: &Recording) {
+        let Some((_, base)) = piece.time_bases().next() else {
+            return;
+        };
+        let step_s = *self
+            .step_s
+            .get_or_insert_with(|| base.sampling().median_step_s.unwrap_or(f64::INFINITY));
+        for &time_s in base.times_s() {
+            let last_s = self.last_s.replace(time_s).unwrap_or(time_s);
+            if time_s - last_s > Sampling::GAP_IN_MEDIAN_STEPS * step_s {
+                self.gap_count += 1;
+                if self.gaps.len() < Defects::LISTED_MAX {
+                    self.gaps.push(Pause {
+                        start_s: last_s,
+                        end_s: time_s,
+                        rows: (time_s - last_s) / step_s - 1.0,
+                    });
+                }
+            }
+        }
+        if self.signals.is_empty() {
+            self.signals = piece.signals().iter().map(Cells::none_of).collect();
+        }
+        for (cells, signal) in self.signals.iter_mut().zip(piece.signals()) {
+            cells.of += signal.len();
+            let values = signal.values_or_nan().iter().zip(base.times_s());
+            for (_, &time_s) in values.filter(|(value, _)| value.is_nan()) {
+                cells.missing += 1;
+                cells.first_s.get_or_insert(time_s);
+            }
+        }
+    }
+
+    /// Returns what was counted; `out_of_bounds` are the cells that the reader refused.
+    pub fn finish<'a>(
+        self,
+        out_of_bounds: impl Iterator<Item = &'a OutOfBounds> + Clone,
+    ) -> Defects {
+        let missing = self.signals.into_iter().filter_map(|cells| {
+            Some(MissingCells {
+                first_s: cells.first_s?,
+                cells: cells.missing,
+                of: cells.of,
+                out_of_bounds: out_of_bounds
+                    .clone()
+                    .find(|outside| outside.signal == cells.signal)
+                    .cloned(),
+                signal: cells.signal,
+            })
+        });
+        Defects {
+            missing: missing.collect(),
+            gaps: self.gaps,
+            gap_count: self.gap_count,
+        }
+    }
+}
+
+impl Cells {
+    fn none_of(signal: &Signal) -> Self {
+        Self {
+            signal: signal.name().to_owned(),
+            missing: 0,
+            of: 0,
+            first_s: None,
+        }
+    }
+}
+
 impl Defects {
     /// Number of pauses that are listed.
     pub const LISTED_MAX: usize = 100;
@@ -138,6 +229,7 @@ impl MissingCells {
 
 #[cfg(test)]
 mod tests {
+    use super::DefectCounter;
     use crate::csv::{Options, read};
 
     #[test]
@@ -167,5 +259,39 @@ mod tests {
                  1e200 mA"
             ]
         );
+    }
+
+    /// However the rows are cut, the defects are those of the whole.
+    #[test]
+    fn defects_that_are_counted_in_pieces_are_those_of_the_whole() {
+        let cell = |row: u32| match row {
+            7 | 8 | 40 => String::new(),
+            12 => "1e200".to_owned(),
+            _ => "1.5".to_owned(),
+        };
+        let line = |row: u32| format!("{:.2},{},280\n", f64::from(row) * 0.01, cell(row));
+        let log = |rows: &mut dyn Iterator<Item = u32>| {
+            let lines: String = rows.map(line).collect();
+            let log = format!("time_s,p_ch_bar_gauge,i_fill_mA\n{lines}");
+            read("log.csv", log.as_bytes(), &Options::default()).unwrap()
+        };
+        let is_there = |row: &u32| !(20..30).contains(row);
+        let whole = log(&mut (0..60).filter(is_there));
+        for piece in [3, 10, 20, 25, 60] {
+            let mut counter = DefectCounter::default();
+            for begin in (0..60).step_by(piece) {
+                let end = begin + piece as u32;
+                let mut rows = (begin..end.min(60)).filter(is_there).peekable();
+                if rows.peek().is_some() {
+                    counter.add(&log(&mut rows));
+                }
+            }
+            assert_eq!(
+                counter.finish(whole.out_of_bounds().iter()).sentences(),
+                whole.defects().sentences(),
+                "{piece}"
+            );
+        }
+        assert_eq!(whole.defects().sentences().len(), 2);
     }
 }

@@ -20,7 +20,7 @@ mod time_base;
 mod unit;
 
 pub use bounds::{Bounds, OutOfBounds, Outlier};
-pub use defects::{Defects, MissingCells, Pause};
+pub use defects::{DefectCounter, Defects, MissingCells, Pause};
 pub use file::{AtomicFile, FileIdentity, write_file_atomically};
 pub use log::{
     LogError, LogFormat, LogOptions, OpenLog, open_log, open_log_file, read_log, read_log_file,

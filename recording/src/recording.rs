@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use crate::name::{NameError, check_name, is_time_column};
 use crate::signal::quantity_of;
 use crate::{OutOfBounds, Provenance, Quantity, Signal, TimeBase, Unit};
@@ -51,6 +53,20 @@ impl Recording {
         unit: Unit,
         time_base: TimeBaseId,
         samples: Vec<f64>,
+    ) -> Result<&Signal, AddSignalError> {
+        self.add_shared_signal(name, unit, time_base, Arc::new(samples))
+    }
+
+    /// Adds a signal whose samples somebody else has, too: they are not copied.
+    ///
+    /// # Errors
+    /// As [`Recording::add_signal`].
+    pub fn add_shared_signal(
+        &mut self,
+        name: impl Into<String>,
+        unit: Unit,
+        time_base: TimeBaseId,
+        samples: Arc<Vec<f64>>,
     ) -> Result<&Signal, AddSignalError> {
         let name = name.into();
         check_name(&name).map_err(|problem| AddSignalError::Name {

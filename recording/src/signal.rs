@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use crate::{ConversionError, Quantity, TimeBaseId, Unit};
 
 /// Samples of one quantity over one time base of its [`Recording`](crate::Recording), in the unit in which they were
@@ -8,7 +10,7 @@ pub struct Signal {
     pub(crate) unit: Unit,
     pub(crate) time_base: TimeBaseId,
     /// Finite, or NaN where missing.
-    pub(crate) samples: Vec<f64>,
+    pub(crate) samples: Arc<Vec<f64>>,
 }
 
 impl Signal {
@@ -59,6 +61,11 @@ impl Signal {
     /// The samples in the logged unit, NaN where missing.
     pub fn values_or_nan(&self) -> &[f64] {
         &self.samples
+    }
+
+    /// Returns the samples in the logged unit, NaN where missing, for whoever keeps them: they are not copied.
+    pub fn shared_values(&self) -> Arc<Vec<f64>> {
+        Arc::clone(&self.samples)
     }
 
     /// Number of missing samples.

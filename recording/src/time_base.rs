@@ -1,9 +1,11 @@
+use std::sync::Arc;
+
 use crate::{Bounds, Quantity};
 
-/// The instants at which signals were sampled: seconds, at least one, strictly increasing.
+/// The instants at which signals were sampled: seconds, at least one, strictly increasing. A clone shares them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeBase {
-    times_s: Vec<f64>,
+    times_s: Arc<Vec<f64>>,
 }
 
 impl TimeBase {
@@ -35,7 +37,9 @@ impl TimeBase {
                 });
             }
         }
-        Ok(Self { times_s })
+        Ok(Self {
+            times_s: Arc::new(times_s),
+        })
     }
 
     /// `count` instants from `start_s`, `step_s` apart; each is computed from its index, so no error adds up.
@@ -53,6 +57,11 @@ impl TimeBase {
     /// The instants in s.
     pub fn times_s(&self) -> &[f64] {
         &self.times_s
+    }
+
+    /// Returns the instants in s for whoever keeps them: they are not copied.
+    pub fn shared_times_s(&self) -> Arc<Vec<f64>> {
+        Arc::clone(&self.times_s)
     }
 
     /// Number of instants, at least 1.

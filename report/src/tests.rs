@@ -2,7 +2,7 @@
 
 use hil_harness::{Requirement, Run, Scenario, Verdict, run_in_process};
 use model_lab::diagnosis::Diagnosis;
-use model_lab::diagnosis::result::{FlowCurve, FlowPoint};
+use model_lab::diagnosis::result::{FlowCurve, FlowPoint, Verdict as DiagnosisVerdict};
 use model_lab::result::{LogDefects, NotCompared};
 use model_lab::thesis::{Measurements, ThesisTable, compare_with_model};
 use model_lab::{CompareOptions, Comparison, compare};
@@ -229,6 +229,55 @@ fn hostile_text_in_a_diagnosis_stays_text() {
         ..Contents::default()
     });
     assert_harmless(&report);
+}
+
+/// The page of a diagnosis of the bundled log, as `retarder diagnose --html` makes it.
+fn page_of(bench: &Bench, diagnosis: &Diagnosis) -> String {
+    let runs = BeforeAndAfter::worst(diagnosis, &bench.plant, &[&bench.log]);
+    html(&Contents {
+        title: "diagnosis",
+        diagnosis: Some(DiagnosisPart {
+            diagnosis,
+            runs: runs.as_ref(),
+            next_command: None,
+        }),
+        ..Contents::default()
+    })
+}
+
+/// "Nearest, in standard deviations of the noise: ." was once a whole sentence.
+#[test]
+fn an_effect_without_a_neighbour_has_no_empty_list_of_them() {
+    let bench = Bench::new();
+    let mut diagnosis: Diagnosis = serde_json::from_str(DIAGNOSIS).unwrap();
+    let (list, none) = (
+        "Nearest, in standard deviations",
+        "No other effect explains anything",
+    );
+    let neighbours = [("dead_volume".to_owned(), 7.5)].into();
+    diagnosis.distinguishability = [("chamber_leak".to_owned(), neighbours)].into();
+    let with = page_of(&bench, &diagnosis);
+    assert!(with.contains(list) && !with.contains(none));
+    diagnosis.distinguishability = [("chamber_leak".to_owned(), [].into())].into();
+    let without = page_of(&bench, &diagnosis);
+    assert!(!without.contains(list) && without.contains(none));
+}
+
+/// A verdict without a name once had no plot at all: what was measured and what the plain model makes of it is there for
+/// every signal that was compared.
+#[test]
+fn a_diagnosis_that_names_nothing_shows_measured_against_modelled() {
+    let bench = Bench::new();
+    let mut diagnosis: Diagnosis = serde_json::from_str(DIAGNOSIS).unwrap();
+    let named = page_of(&bench, &diagnosis).matches("<svg").count();
+    diagnosis.verdict = DiagnosisVerdict::NotInLibrary;
+    diagnosis.effects.clear();
+    diagnosis.ladder.truncate(1);
+    let page = page_of(&bench, &diagnosis);
+    assert!(page.contains("not in the library"));
+    let plots = page.matches("<svg").count();
+    assert!(plots >= 3 && plots == named, "{plots} of {named} plots");
+    assert_well_formed(&page);
 }
 
 fn assert_harmless(report: &str) {

@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use model_lab::result::Residual;
+
 /// Samples or pieces that a piece of the next level has.
 const FANOUT: usize = 8;
 
@@ -15,6 +17,44 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pyramid {
     levels: Vec<Vec<Extremes>>,
+}
+
+/// The values of a time series, kept or computed.
+pub(crate) trait Series {
+    /// Returns the number of samples.
+    fn count(&self) -> usize;
+    /// Returns a sample, NaN where it is missing.
+    fn value(&self, index: usize) -> f64;
+}
+
+impl Series for [f64] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn value(&self, index: usize) -> f64 {
+        self[index]
+    }
+}
+
+impl<S: Series + ?Sized> Series for &S {
+    fn count(&self) -> usize {
+        (**self).count()
+    }
+
+    fn value(&self, index: usize) -> f64 {
+        (**self).value(index)
+    }
+}
+
+impl Series for Residual<'_> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn value(&self, index: usize) -> f64 {
+        self.at(index)
+    }
 }
 
 /// Indices of the lowest and the highest sample.
@@ -30,8 +70,8 @@ impl Extremes {
         highest: NONE,
     };
 
-    fn of_sample(index: usize, values: &[f64]) -> Self {
-        if values[index].is_nan() {
+    fn of_sample(index: usize, values: &(impl Series + ?Sized)) -> Self {
+        if values.value(index).is_nan() {
             return Self::NONE;
         }
         Self {
@@ -40,14 +80,14 @@ impl Extremes {
         }
     }
 
-    fn with(self, other: Self, values: &[f64]) -> Self {
+    fn with(self, other: Self, values: &(impl Series + ?Sized)) -> Self {
         if self == Self::NONE {
             return other;
         }
         if other == Self::NONE {
             return self;
         }
-        let value = |index: u32| values[index as usize];
+        let value = |index: u32| values.value(index as usize);
         Self {
             lowest: if value(other.lowest) < value(self.lowest) {
                 other.lowest
@@ -65,9 +105,9 @@ impl Extremes {
 
 impl Pyramid {
     /// The pyramid of `values`, NaN where missing; at most 2³² - 1 of them.
-    pub(crate) fn new(values: &[f64]) -> Self {
+    pub(crate) fn new(values: &(impl Series + ?Sized)) -> Self {
         let mut levels: Vec<Vec<Extremes>> = Vec::new();
-        let mut below = values.len();
+        let mut below = values.count();
         while below > FANOUT {
             let pieces = below.div_ceil(FANOUT);
             let level = (0..pieces).map(|piece| {
@@ -88,7 +128,7 @@ impl Pyramid {
     }
 
     /// Extremes of the samples in `range`, by the largest pieces that lie within.
-    fn extremes(&self, values: &[f64], range: Range<usize>) -> Extremes {
+    fn extremes(&self, values: &(impl Series + ?Sized), range: Range<usize>) -> Extremes {
         let mut extremes = Extremes::NONE;
         let mut at = range.start;
         while at < range.end {
@@ -113,7 +153,7 @@ impl Pyramid {
     /// and the one after; none in the list is a gap.
     pub(crate) fn thin(
         &self,
-        (times_s, values): (&[f64], &[f64]),
+        (times_s, values): (&[f64], &(impl Series + ?Sized)),
         (from_s, to_s): (f64, f64),
         points: usize,
         gap_s: f64,
@@ -123,7 +163,7 @@ impl Pyramid {
         let range = first.saturating_sub(1)..(last + 1).min(times_s.len());
         let shown = if range.len() <= points {
             range
-                .map(|index| (!values[index].is_nan()).then_some(index))
+                .map(|index| (!values.value(index).is_nan()).then_some(index))
                 .collect()
         } else {
             self.extremes_of_pieces((times_s, values), range, points / 2)
@@ -133,7 +173,7 @@ impl Pyramid {
 
     fn extremes_of_pieces(
         &self,
-        (times_s, values): (&[f64], &[f64]),
+        (times_s, values): (&[f64], &(impl Series + ?Sized)),
         range: Range<usize>,
         pieces: usize,
     ) -> Vec<Option<usize>> {
@@ -206,7 +246,7 @@ mod tests {
     fn extremes_of_any_range_are_those_of_its_samples() {
         let mut values = course(5000);
         values[700..1500].fill(f64::NAN);
-        let pyramid = Pyramid::new(&values);
+        let pyramid = Pyramid::new(&values[..]);
         for (from, to) in [
             (0, 5000),
             (1, 4999),
@@ -215,7 +255,7 @@ mod tests {
             (1000, 1400),
             (513, 4097),
         ] {
-            let found = pyramid.extremes(&values, from..to);
+            let found = pyramid.extremes(&values[..], from..to);
             let there = || {
                 values[from..to]
                     .iter()
@@ -238,7 +278,7 @@ mod tests {
         let mut values = vec![0.0; 1_000_000];
         values[654_321] = 9.0;
         let times = times(values.len());
-        let shown = Pyramid::new(&values).thin((&times, &values), (0.0, 1000.0), 800, 1.0);
+        let shown = Pyramid::new(&values[..]).thin((&times, &values[..]), (0.0, 1000.0), 800, 1.0);
         assert!(shown.len() <= 1000, "{}", shown.len());
         assert!(shown.contains(&Some(654_321)));
         let indices: Vec<usize> = shown.into_iter().flatten().collect();
@@ -249,7 +289,8 @@ mod tests {
     fn a_narrow_view_has_every_sample_and_its_neighbours() {
         let values = course(10_000);
         let times = times(values.len());
-        let shown = Pyramid::new(&values).thin((&times, &values), (5.0005, 5.0025), 800, 1.0);
+        let shown =
+            Pyramid::new(&values[..]).thin((&times, &values[..]), (5.0005, 5.0025), 800, 1.0);
         assert_eq!(shown, [5000, 5001, 5002, 5003].map(Some));
     }
 
@@ -257,7 +298,7 @@ mod tests {
     fn missing_samples_and_pauses_of_the_log_are_gaps() {
         let values = [1.0, f64::NAN, 2.0, 3.0];
         let times = [0.0, 0.1, 0.2, 5.0];
-        let shown = Pyramid::new(&values).thin((&times, &values), (0.0, 9.0), 800, 0.5);
+        let shown = Pyramid::new(&values[..]).thin((&times, &values[..]), (0.0, 9.0), 800, 0.5);
         assert_eq!(shown, [Some(0), None, Some(2), None, Some(3)]);
     }
 }

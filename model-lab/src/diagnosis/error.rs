@@ -2,6 +2,7 @@
 
 use plant_sim::parameters::{Part, effects_meant};
 
+use super::log::SIGNALS;
 use crate::error::CompareError;
 
 /// Why a diagnosis cannot be made.
@@ -93,6 +94,20 @@ pub enum DiagnoseError {
         /// How many were tried.
         manoeuvres: usize,
     },
+    /// The logs lack the signals in which the rivals show.
+    #[error(
+        "the logs have {} alone, which show nothing of {} whatever is commanded, so that no manoeuvre is worth planning; \
+         log {} of this rig as well and give that log with --log",
+        logged.join(" and "),
+        effects.join(" and "),
+        unlogged(logged).join(" or ")
+    )]
+    NoManoeuvreShows {
+        /// Ids of the rivals.
+        effects: Vec<String>,
+        /// Signals that the logs have.
+        logged: Vec<String>,
+    },
     /// The limits leave nothing to do.
     #[error(
         "no manoeuvre of at most {duration_s} s keeps below {max_bar} bar with duty cycles up to {max_duty_pct} %; allow more"
@@ -108,6 +123,12 @@ pub enum DiagnoseError {
     /// Somebody stopped it.
     #[error("stopped; nothing was written")]
     Interrupted,
+}
+
+/// The signals of a diagnosis that no log has.
+fn unlogged(logged: &[String]) -> Vec<&'static str> {
+    let is_absent = |signal: &&str| logged.iter().all(|one| one != signal);
+    SIGNALS.into_iter().filter(is_absent).collect()
 }
 
 /// What may have been meant.

@@ -1,5 +1,7 @@
 //! A log as the diagnosis sees it: what drives the model, and what it has to answer.
 
+use std::sync::Arc;
+
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
@@ -18,7 +20,7 @@ use crate::result::{LogDefects, NotCompared, Warning};
 use crate::warning::warnings;
 
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
-const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
+pub(super) const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
 /// Rows closer than this (s) show a current of an instant; those further apart may show means.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
 /// Rows further apart than this many samples of the ECU leave open at which of them a command was given.
@@ -81,7 +83,7 @@ pub(crate) struct Channel {
     /// Where it stands in a row of the model.
     pub(super) column: usize,
     /// In the unit of the model; NaN where missing.
-    pub(crate) values: Vec<f64>,
+    pub(crate) values: Arc<Vec<f64>>,
     /// Standard deviation of the measurement noise.
     pub(crate) sigma: f64,
     /// Error that a correct model may have, in the unit of the model.

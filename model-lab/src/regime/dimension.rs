@@ -1,6 +1,7 @@
 //! The dimensions along which an error is placed; each sample falls into one bin of each.
 
-use super::features::{FLOWS, Features, VALVE_STATES};
+use super::features::{FLOWS, Features, States, VALVE_STATES};
+use crate::bins::Bins;
 
 /// One way to sort the samples.
 pub(crate) struct Dimension {
@@ -10,7 +11,7 @@ pub(crate) struct Dimension {
     pub(crate) title: &'static str,
     pub(crate) bins: Vec<Bin>,
     /// Bin of each sample: some hundred bins at most.
-    pub(crate) bin_of: Vec<u16>,
+    pub(crate) bin_of: Bins,
     /// Whether the finder combines it with valve state and pressure; those that follow from these do not help it.
     pub(crate) combines: bool,
 }
@@ -32,27 +33,26 @@ const ENERGISED_S: [f64; 5] = [1.0, 3.0, 6.0, 12.0, 24.0];
 /// A pressure that changes less counts as steady [bar/s].
 const STEADY_BAR_PER_S: f64 = 0.05;
 
-impl Features {
+impl Features<'_> {
     /// Every dimension.
     pub(crate) fn dimensions(&self) -> Vec<Dimension> {
-        let trend = |&rate: &f64| match rate {
-            rate if rate > STEADY_BAR_PER_S => 0,
-            rate if rate < -STEADY_BAR_PER_S => 1,
-            _ => 2,
-        };
-        let narrow = |bins: &[u8]| bins.iter().map(|&bin| u16::from(bin)).collect();
-        let trend_of = self.pressure_rate_bar_per_s.iter().map(trend).collect();
+        let states = self.states;
         let trends = ["rising", "falling", "steady"];
         vec![
             Dimension::of_names(
                 "valve_state",
                 "valves",
                 &VALVE_STATES,
-                narrow(&self.valve_state),
+                states.valve_state.clone(),
             ),
             self.duty_band(),
-            Dimension::of_names("flow", "pressure ratio", &FLOWS, narrow(&self.flow)),
-            Dimension::of_names("pressure_trend", "pressure of the model", &trends, trend_of),
+            Dimension::of_names("flow", "pressure ratio", &FLOWS, states.flow.clone()),
+            Dimension::of_names(
+                "pressure_trend",
+                "pressure of the model",
+                &trends,
+                states.trend.clone(),
+            ),
             self.since_switch(),
             self.under_current(),
             self.pressure_band(),
@@ -70,9 +70,9 @@ impl Features {
             title: "duty cycle of the acting valve",
             bins: duty_band_labels().into_iter().map(bin).collect(),
             bin_of: self
-                .duty_pct
+                .acting
                 .iter()
-                .map(|duty| duty_band(duty.abs()) as u16)
+                .map(|acting| acting.abs_diff(SHUT))
                 .collect(),
             combines: true,
         }
@@ -86,13 +86,10 @@ impl Features {
             label: "before any".to_owned(),
             phrase: "before any command".to_owned(),
         });
-        let bin = |since: &Option<f64>| {
-            since.map_or(bins.len() - 1, |since| band(&SINCE_SWITCH_S, since)) as u16
-        };
         Dimension {
             id: "since_switch",
             title: "time since a command was switched on or off",
-            bin_of: self.since_switch_s.iter().map(bin).collect(),
+            bin_of: self.since_switch.clone(),
             bins,
             combines: true,
         }
@@ -105,11 +102,7 @@ impl Features {
             bins: bands(&ENERGISED_S, 1.0, "s", |label| {
                 format!("after {label} under current")
             }),
-            bin_of: self
-                .energised_s
-                .iter()
-                .map(|&time_s| band(&ENERGISED_S, time_s) as u16)
-                .collect(),
+            bin_of: self.energised.clone(),
             combines: true,
         }
     }
@@ -122,18 +115,19 @@ impl Features {
         Dimension {
             id: "pressure_band",
             title: "chamber pressure of the model",
-            bins: self.pressure_band_labels().into_iter().map(bin).collect(),
-            bin_of: self
-                .pressure_bar
-                .iter()
-                .map(|&pressure| pressure_band(pressure) as u16)
+            bins: self
+                .states
+                .pressure_band_labels()
+                .into_iter()
+                .map(bin)
                 .collect(),
+            bin_of: self.states.pressure_band.clone(),
             combines: false,
         }
     }
 
     fn tenth_of_log(&self) -> Dimension {
-        let end_s = self.times_s.last().copied().unwrap_or(0.0);
+        let end_s = self.states.end_s;
         let bin = |part: usize| {
             let [from, to] = [part, part + 1].map(|part| end_s * part as f64 / 10.0);
             let label = format!("{from:.1} to {to:.1} s");
@@ -142,27 +136,27 @@ impl Features {
                 label,
             }
         };
-        let tenth = |time_s: &f64| ((time_s / end_s.max(f64::MIN_POSITIVE) * 10.0) as u16).min(9);
         Dimension {
             id: "tenth_of_log",
             title: "time in the log",
             bins: (0..10).map(bin).collect(),
-            bin_of: self.times_s.iter().map(tenth).collect(),
+            bin_of: self.states.tenth.clone(),
             combines: true,
         }
     }
+}
 
+impl States {
     /// Whole bars up to the highest pressure.
     pub(crate) fn pressure_band_labels(&self) -> Vec<String> {
-        let highest = self.pressure_bar.iter().copied().fold(0.0, f64::max);
-        (0..=pressure_band(highest))
+        (0..=pressure_band(self.highest_bar))
             .map(|bar| format!("{bar} to {} bar", bar + 1))
             .collect()
     }
 }
 
 impl Dimension {
-    fn of_names(id: &'static str, title: &'static str, names: &[&str], bin_of: Vec<u16>) -> Self {
+    fn of_names(id: &'static str, title: &'static str, names: &[&str], bin_of: Bins) -> Self {
         let bin = |name: &&str| Bin {
             label: (*name).to_owned(),
             phrase: (*name).to_owned(),
@@ -184,6 +178,40 @@ const PRESSURE_BANDS_MAX: usize = 1000;
 pub(crate) fn pressure_band(pressure_bar: f64) -> usize {
     (pressure_bar.max(0.0) as usize).min(PRESSURE_BANDS_MAX - 1)
 }
+
+/// Bin of a mean rate of change of the pressure [bar/s]: rising, falling or steady.
+pub(crate) fn trend(rate_bar_per_s: f64) -> u16 {
+    match rate_bar_per_s {
+        rate if rate > STEADY_BAR_PER_S => 0,
+        rate if rate < -STEADY_BAR_PER_S => 1,
+        _ => 2,
+    }
+}
+
+/// Bin of a time since the last switch [s]; the last one is before any.
+pub(crate) fn since_switch_band(since_s: Option<f64>) -> u16 {
+    since_s.map_or(SINCE_SWITCH_S.len() + 1, |since_s| {
+        band(&SINCE_SWITCH_S, since_s)
+    }) as u16
+}
+
+/// Bin of a time under current [s].
+pub(crate) fn energised_band(time_s: f64) -> u16 {
+    band(&ENERGISED_S, time_s) as u16
+}
+
+/// Bin of a duty cycle with its valve [%]: negative is the vent valve's. It is [`SHUT`], more by the band of the fill valve,
+/// less by that of the vent valve.
+pub(crate) fn acting_band(duty_pct: f64) -> u16 {
+    if duty_pct < 0.0 {
+        SHUT - duty_band(-duty_pct) as u16
+    } else {
+        SHUT + duty_band(duty_pct) as u16
+    }
+}
+
+/// What [`acting_band`] is at 0 %: below lie as many bands as the vent valve has.
+pub(crate) const SHUT: u16 = DUTY_PCT.len() as u16 + 1;
 
 /// Labels of the duty bands.
 pub(crate) fn duty_band_labels() -> Vec<String> {
@@ -231,6 +259,7 @@ fn bands(edges: &[f64], scale: f64, unit: &str, phrase: impl Fn(&str) -> String)
 mod tests {
     use plant_sim::PlantParameters;
 
+    use super::super::features::Watched;
     use super::*;
     use crate::bench::shut_for;
     use crate::run::Activity;
@@ -242,16 +271,19 @@ mod tests {
             pressure: 60_000.0 + 11_000.0 * f64::from(n),
             pressure_rate: f64::from(n % 5) * 1e5 - 2e5,
         };
-        let activities: Vec<Activity> = (0..100).map(at).collect();
         let parameters = PlantParameters::nominal();
-        let features = Features::new(&parameters, &shut_for(100, 0.01), &activities, 1, None);
+        let mut watched = Watched::new(&parameters, 100, 1);
+        (0..100).map(at).for_each(|now| watched.push(now));
+        let commands = shut_for(100, 0.01);
+        let states = watched.finish(&commands.times_s);
+        let features = Features::new(&states, &commands, None);
         for dimension in features.dimensions() {
             assert_eq!(dimension.bin_of.len(), 100, "{}", dimension.id);
             assert!(
                 dimension
                     .bin_of
                     .iter()
-                    .all(|&bin| usize::from(bin) < dimension.bins.len()),
+                    .all(|bin| usize::from(bin) < dimension.bins.len()),
                 "{}",
                 dimension.id
             );

@@ -1,4 +1,5 @@
-use crate::result::BinError;
+use crate::bins::Bins;
+use crate::result::{BinError, Residual};
 
 /// Standard deviations by which the excess must stand out of chance before it is shared out.
 const SIGNIFICANT: f64 = 3.0;
@@ -6,7 +7,7 @@ const SIGNIFICANT: f64 = 3.0;
 /// A residual with the noise that a perfect model would leave in it.
 pub(crate) struct Excess<'a> {
     /// NaN where the measurement is missing.
-    pub(crate) residual: &'a [f64],
+    pub(crate) residual: Residual<'a>,
     variance: f64,
     /// Σ (e² - variance); none where it is within chance.
     total: Option<f64>,
@@ -55,12 +56,12 @@ impl Sums {
 impl<'a> Excess<'a> {
     /// `sigma` is the rms of a perfect model, known with `freedom` degrees of freedom; 0 where unknown, which makes
     /// every error excess.
-    pub(crate) fn new(residual: &'a [f64], sigma: f64, freedom: f64) -> Self {
+    pub(crate) fn new(residual: Residual<'a>, sigma: f64, freedom: f64) -> Self {
         let mut all = Sums::default();
         residual
             .iter()
             .filter(|error| !error.is_nan())
-            .for_each(|&error| all.add(error));
+            .for_each(|error| all.add(error));
         let variance = sigma * sigma;
         let count = all.count as f64;
         let total = all.square - count * variance;
@@ -87,12 +88,12 @@ impl<'a> Excess<'a> {
     }
 
     /// Sums over the compared samples of each of `bins` bins.
-    pub(crate) fn sums(&self, bin_of: &[u16], bins: usize) -> Vec<Sums> {
+    pub(crate) fn sums(&self, bin_of: &Bins, bins: usize) -> Vec<Sums> {
         let mut sums = vec![Sums::default(); bins];
-        for (&error, &bin) in self
+        for (error, bin) in self
             .residual
             .iter()
-            .zip(bin_of)
+            .zip(bin_of.iter())
             .filter(|(error, _)| !error.is_nan())
         {
             sums[usize::from(bin)].add(error);
@@ -120,14 +121,19 @@ mod tests {
     use super::*;
     use crate::noise::Noise;
 
+    /// The residual of a model that is zero.
+    fn residual(values: &[f64]) -> Residual<'_> {
+        Residual::new(values, &[0.0; 4000][..values.len()])
+    }
+
     #[test]
     fn shares_sum_to_one_and_an_innocent_bin_has_next_to_none() {
         let mut noise = Noise::new(1);
-        let residual: Vec<f64> = (0..4000)
+        let values: Vec<f64> = (0..4000)
             .map(|n| noise.normal() + if n % 4 == 0 { 3.0 } else { 0.0 })
             .collect();
-        let bin_of: Vec<u16> = (0..4000).map(|n| u16::from(n % 4 == 0)).collect();
-        let excess = Excess::new(&residual, 1.0, 1000.0);
+        let bin_of: Bins = (0..4000).map(|n| u16::from(n % 4 == 0)).collect();
+        let excess = Excess::new(residual(&values), 1.0, 1000.0);
         let sums = excess.sums(&bin_of, 2);
         let shares = sums
             .iter()
@@ -143,23 +149,24 @@ mod tests {
     fn pure_noise_has_no_excess_to_share() {
         let significant = (0..300).filter(|&seed| {
             let mut noise = Noise::new(seed);
-            let residual: Vec<f64> = (0..1000).map(|_| noise.normal()).collect();
-            Excess::new(&residual, 1.0, 1e9).is_significant()
+            let values: Vec<f64> = (0..1000).map(|_| noise.normal()).collect();
+            Excess::new(residual(&values), 1.0, 1e9).is_significant()
         });
         assert!(significant.count() <= 3);
     }
 
     #[test]
     fn an_uncertain_floor_asks_for_more_excess() {
-        let residual = [1.05_f64; 2000];
-        assert!(Excess::new(&residual, 0.95, 1e6).is_significant());
-        assert!(!Excess::new(&residual, 0.95, 20.0).is_significant());
+        let values = [1.05_f64; 2000];
+        assert!(Excess::new(residual(&values), 0.95, 1e6).is_significant());
+        assert!(!Excess::new(residual(&values), 0.95, 20.0).is_significant());
     }
 
     #[test]
     fn missing_samples_belong_to_no_bin() {
-        let residual = [1.0, f64::NAN, 2.0];
-        let sums = Excess::new(&residual, 0.0, 0.0).sums(&[0, 0, 1], 2);
+        let values = [1.0, f64::NAN, 2.0];
+        let bin_of = [0, 0, 1].into_iter().collect();
+        let sums = Excess::new(residual(&values), 0.0, 0.0).sums(&bin_of, 2);
         assert_eq!((sums[0].count, sums[1].count), (1, 1));
     }
 }

@@ -1,9 +1,14 @@
 //! What was going on at each sample.
 
+use std::collections::VecDeque;
+
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 
+use super::dimension::{acting_band, energised_band, pressure_band, since_switch_band, trend};
+use super::finder::cell_bar;
+use crate::bins::{Bins, BinsBuilder};
 use crate::commands::Commands;
 use crate::run::Activity;
 
@@ -18,80 +23,161 @@ pub(crate) const FLOWS: [&str; 6] = [
     "both valves open",
 ];
 
-/// What was going on at each sample, as one signal sees it: a current has its own coil, a pressure both valves.
-pub(crate) struct Features {
+/// What the plant did at each sample, which is the same for every signal.
+#[derive(Clone)]
+pub(crate) struct States {
     /// Index into [`VALVE_STATES`].
-    pub(crate) valve_state: Vec<u8>,
+    pub(crate) valve_state: Bins,
     /// Index into [`FLOWS`].
-    pub(crate) flow: Vec<u8>,
-    /// Chamber pressure of the model [bar gauge].
-    pub(crate) pressure_bar: Vec<f64>,
-    /// Its mean rate of change [bar/s].
-    pub(crate) pressure_rate_bar_per_s: Vec<f64>,
-    /// Duty cycle in force [%], the larger of the two valves; negative where it is the vent valve's.
-    pub(crate) duty_pct: Vec<f64>,
-    /// Time since a command last went to zero or left it [s].
-    pub(crate) since_switch_s: Vec<Option<f64>>,
-    /// Time for which the output was commanded high, on-times added up [s]; of the coil that has more in the end.
-    pub(crate) energised_s: Vec<f64>,
-    /// Instants [s].
-    pub(crate) times_s: Vec<f64>,
+    pub(crate) flow: Bins,
+    /// Whether the pressure of the model rises, falls or is steady.
+    pub(crate) trend: Bins,
+    /// Chamber pressure of the model, in cells of [`States::cell_bar`].
+    pub(crate) pressure_cell: Bins,
+    /// The same, in whole bars.
+    pub(crate) pressure_band: Bins,
+    /// Tenth of the log.
+    pub(crate) tenth: Bins,
+    /// Width of a cell of pressure \[bar\].
+    pub(crate) cell_bar: f64,
+    /// Highest pressure \[bar gauge\].
+    pub(crate) highest_bar: f64,
+    /// Last instant \[s\].
+    pub(crate) end_s: f64,
 }
 
-impl Features {
-    /// `memory` is the number of samples over which the predictor remembers: what happened that lately still shows.
-    /// With `coil`, only the commands of that valve count.
+impl States {
+    /// Sorts what the plant did: valve states, flows and trends, and the pressures \[bar gauge\] at `times_s`.
     pub(crate) fn new(
-        parameters: &PlantParameters,
-        commands: &Commands,
-        activities: &[Activity],
-        memory: usize,
-        coil: Option<usize>,
+        [valve_state, flow, trend]: [Bins; 3],
+        pressure_bar: &[f64],
+        times_s: &[f64],
     ) -> Self {
-        let gas = &parameters.gas;
-        let valves: Vec<usize> = coil.map_or(vec![FILL, VENT], |coil| vec![coil]);
-        let energised_s = valves.iter().map(|&valve| energised_s(commands, valve));
-        let mut features = Self {
-            valve_state: Vec::with_capacity(activities.len()),
-            flow: Vec::with_capacity(activities.len()),
-            pressure_bar: Vec::with_capacity(activities.len()),
-            pressure_rate_bar_per_s: Vec::with_capacity(activities.len()),
-            duty_pct: (0..commands.len())
-                .map(|row| duty_in_force(commands, &valves, row))
-                .collect(),
-            since_switch_s: since_switch_s(commands, &valves),
-            energised_s: energised_s
-                .max_by(|a, b| f64::total_cmp(&a[a.len() - 1], &b[b.len() - 1]))
-                .unwrap_or_default(),
-            times_s: commands.times_s.clone(),
-        };
-        for (row, now) in activities.iter().enumerate() {
-            let lately = &activities[(row + 1).saturating_sub(memory)..=row];
-            let open = [FILL, VENT].map(|valve| lately.iter().any(|activity| activity.open[valve]));
-            let choked = [
-                now.pressure <= parameters.flow.critical_ratio * gas.supply_pressure_pa(),
-                gas.ambient_pressure_pa <= parameters.flow.critical_ratio * now.pressure,
-            ];
-            features
-                .valve_state
-                .push(u8::from(open[FILL]) + 2 * u8::from(open[VENT]));
-            features.flow.push(match open {
-                [false, false] => 0,
-                [true, false] => 2 - u8::from(choked[FILL]),
-                [false, true] => 4 - u8::from(choked[VENT]),
-                [true, true] => 5,
-            });
-            features
-                .pressure_bar
-                .push((now.pressure - gas.ambient_pressure_pa) / PA_PER_BAR);
-            let rates = lately
-                .iter()
-                .map(|activity| activity.pressure_rate / PA_PER_BAR);
-            features
-                .pressure_rate_bar_per_s
-                .push(rates.sum::<f64>() / lately.len() as f64);
+        let highest_bar = pressure_bar.iter().copied().fold(0.0, f64::max);
+        let cell_bar = cell_bar(highest_bar);
+        let cell = |&pressure: &f64| (pressure.max(0.0) / cell_bar) as u16;
+        let band = |&pressure: &f64| pressure_band(pressure) as u16;
+        let end_s = times_s.last().copied().unwrap_or(0.0);
+        let tenth = |time_s: &f64| ((time_s / end_s.max(f64::MIN_POSITIVE) * 10.0) as u16).min(9);
+        Self {
+            valve_state,
+            flow,
+            trend,
+            pressure_cell: pressure_bar.iter().map(cell).collect(),
+            pressure_band: pressure_bar.iter().map(band).collect(),
+            tenth: times_s.iter().map(tenth).collect(),
+            cell_bar,
+            highest_bar,
+            end_s,
         }
-        features
+    }
+}
+
+/// [`States`] of a run that is under way.
+pub(crate) struct Watched<'a> {
+    parameters: &'a PlantParameters,
+    /// What happened lately, in order of time, and the number of samples that count as this.
+    lately: VecDeque<Activity>,
+    memory: usize,
+    bins: [BinsBuilder; 3],
+    pressure_bar: Vec<f64>,
+}
+
+impl<'a> Watched<'a> {
+    /// `memory` is the number of samples over which the predictor remembers: what happened that lately still shows.
+    pub(crate) fn new(parameters: &'a PlantParameters, rows: usize, memory: usize) -> Self {
+        Self {
+            parameters,
+            lately: VecDeque::new(),
+            memory,
+            bins: std::array::from_fn(|_| BinsBuilder::for_about(rows)),
+            pressure_bar: Vec::with_capacity(rows),
+        }
+    }
+
+    pub(crate) fn push(&mut self, now: Activity) {
+        if self.lately.len() >= self.memory {
+            self.lately.pop_front();
+        }
+        self.lately.push_back(now);
+        let (gas, flow) = (&self.parameters.gas, &self.parameters.flow);
+        let open =
+            [FILL, VENT].map(|valve| self.lately.iter().any(|activity| activity.open[valve]));
+        let choked = [
+            now.pressure <= flow.critical_ratio * gas.supply_pressure_pa(),
+            gas.ambient_pressure_pa <= flow.critical_ratio * now.pressure,
+        ];
+        let rates = self.lately.iter();
+        let rates = rates.map(|activity| activity.pressure_rate / PA_PER_BAR);
+        let rate_bar_per_s = rates.sum::<f64>() / self.lately.len() as f64;
+        let valve_state = u16::from(open[FILL]) + 2 * u16::from(open[VENT]);
+        let flow = match open {
+            [false, false] => 0,
+            [true, false] => 2 - u16::from(choked[FILL]),
+            [false, true] => 4 - u16::from(choked[VENT]),
+            [true, true] => 5,
+        };
+        let bins = [valve_state, flow, trend(rate_bar_per_s)];
+        for (builder, bin) in self.bins.iter_mut().zip(bins) {
+            builder.push(bin);
+        }
+        self.pressure_bar
+            .push((now.pressure - gas.ambient_pressure_pa) / PA_PER_BAR);
+    }
+
+    pub(crate) fn finish(self, times_s: &[f64]) -> States {
+        States::new(
+            self.bins.map(BinsBuilder::finish),
+            &self.pressure_bar,
+            times_s,
+        )
+    }
+}
+
+/// What was going on at each sample, as one signal sees it: a current has its own coil, a pressure both valves.
+pub(crate) struct Features<'a> {
+    pub(crate) states: &'a States,
+    /// Band of the duty cycle in force, the larger of the two valves; see [`acting_band`].
+    pub(crate) acting: Bins,
+    /// Band of the time since a command last went to zero or left it.
+    pub(crate) since_switch: Bins,
+    /// Band of the time for which the output was commanded high, on-times added up; of the coil that has more in the end.
+    pub(crate) energised: Bins,
+}
+
+impl<'a> Features<'a> {
+    /// With `coil`, only the commands of that valve count.
+    pub(crate) fn new(states: &'a States, commands: &Commands, coil: Option<usize>) -> Self {
+        let valves: Vec<usize> = coil.map_or(vec![FILL, VENT], |coil| vec![coil]);
+        let duty_pct = (0..commands.len()).map(|row| duty_in_force(commands, &valves, row));
+        let total_s = |valve: usize| energised_s(commands, valve).last().unwrap_or(0.0);
+        let most = valves
+            .iter()
+            .copied()
+            .max_by(|&a, &b| f64::total_cmp(&total_s(a), &total_s(b)))
+            .unwrap_or(FILL);
+        Self::sorted(
+            states,
+            duty_pct,
+            since_switch_s(commands, &valves),
+            energised_s(commands, most),
+        )
+    }
+
+    /// Sorts duty cycles in force \[%\], negative where it is the vent valve's, times since a switch and times under
+    /// current \[s\].
+    pub(crate) fn sorted(
+        states: &'a States,
+        duty_pct: impl Iterator<Item = f64>,
+        since_switch_s: impl Iterator<Item = Option<f64>>,
+        energised_s: impl Iterator<Item = f64>,
+    ) -> Self {
+        Self {
+            states,
+            acting: duty_pct.map(acting_band).collect(),
+            since_switch: since_switch_s.map(since_switch_band).collect(),
+            energised: energised_s.map(energised_band).collect(),
+        }
     }
 }
 
@@ -110,40 +196,34 @@ fn duty_in_force(commands: &Commands, valves: &[usize], row: usize) -> f64 {
     })
 }
 
-fn since_switch_s(commands: &Commands, valves: &[usize]) -> Vec<Option<f64>> {
-    let on = |row: usize| -> Vec<bool> {
-        valves
-            .iter()
-            .map(|&valve| commands.duty_pct[valve][row] > 0.0)
-            .collect()
-    };
-    let mut state = vec![false; valves.len()];
+fn since_switch_s(
+    commands: &Commands,
+    valves: &[usize],
+) -> impl ExactSizeIterator<Item = Option<f64>> {
+    let mut state = [false; 2];
     let mut switched_s = None;
-    (0..commands.len())
-        .map(|row| {
-            // A command given now cannot show in the sample of now.
-            let since = switched_s.map(|switched_s| commands.times_s[row] - switched_s);
-            let now = on(row);
-            if now != state {
-                state = now;
-                switched_s = Some(commands.times_s[row]);
-            }
-            since
-        })
-        .collect()
+    (0..commands.len()).map(move |row| {
+        // A command given now cannot show in the sample of now.
+        let since = switched_s.map(|switched_s| commands.times_s[row] - switched_s);
+        let now = [FILL, VENT]
+            .map(|valve| valves.contains(&valve) && commands.duty_pct[valve][row] > 0.0);
+        if now != state {
+            state = now;
+            switched_s = Some(commands.times_s[row]);
+        }
+        since
+    })
 }
 
-fn energised_s(commands: &Commands, valve: usize) -> Vec<f64> {
+fn energised_s(commands: &Commands, valve: usize) -> impl ExactSizeIterator<Item = f64> {
     let mut sum_s = 0.0;
-    (0..commands.len())
-        .map(|row| {
-            if row > 0 {
-                let span_s = commands.times_s[row] - commands.times_s[row - 1];
-                sum_s += span_s * commands.duty_pct[valve][row - 1] / 100.0;
-            }
-            sum_s
-        })
-        .collect()
+    (0..commands.len()).map(move |row| {
+        if row > 0 {
+            let span_s = commands.times_s[row] - commands.times_s[row - 1];
+            sum_s += span_s * commands.duty_pct[valve][row - 1] / 100.0;
+        }
+        sum_s
+    })
 }
 
 #[cfg(test)]
@@ -151,8 +231,16 @@ mod tests {
     use super::*;
     use crate::bench::shut_for;
 
-    fn features(commands: &Commands, activities: &[Activity], coil: Option<usize>) -> Features {
-        Features::new(&PlantParameters::nominal(), commands, activities, 4, coil)
+    fn states(activities: &[Activity]) -> States {
+        let parameters = PlantParameters::nominal();
+        let mut watched = Watched::new(&parameters, activities.len(), 4);
+        activities.iter().for_each(|&now| watched.push(now));
+        let times_s: Vec<f64> = (0..activities.len()).map(|row| row as f64 * 0.01).collect();
+        watched.finish(&times_s)
+    }
+
+    fn fill(commands: &mut Commands, valve: usize, rows: std::ops::Range<usize>, duty_pct: f64) {
+        std::sync::Arc::make_mut(&mut commands.duty_pct[valve])[rows].fill(duty_pct);
     }
 
     fn at(pressure_bar: f64, open: [bool; 2]) -> Activity {
@@ -174,9 +262,9 @@ mod tests {
             (2.0, [true, true], "both valves open"),
             (2.0, [false, false], "no flow"),
         ] {
-            let features = features(&shut_for(1, 0.01), &[at(pressure_bar, open)], None);
+            let states = states(&[at(pressure_bar, open)]);
             assert_eq!(
-                FLOWS[usize::from(features.flow[0])],
+                FLOWS[usize::from(states.flow.iter().next().unwrap())],
                 expected,
                 "{pressure_bar} bar, {open:?}"
             );
@@ -187,47 +275,43 @@ mod tests {
     fn a_valve_counts_as_open_for_as_long_as_the_predictor_remembers() {
         let mut activities = [at(2.0, [false, false]); 8];
         activities[2].open = [true, false];
-        let features = features(&shut_for(8, 0.01), &activities, None);
-        assert_eq!(features.valve_state, [0, 0, 1, 1, 1, 1, 0, 0]);
+        let states: Vec<u16> = states(&activities).valve_state.iter().collect();
+        assert_eq!(states, [0, 0, 1, 1, 1, 1, 0, 0]);
     }
 
     #[test]
     fn a_switch_is_a_command_that_leaves_zero_or_returns_to_it() {
         let mut commands = shut_for(300, 0.01);
-        commands.duty_pct[FILL][100..200].fill(50.0);
-        commands.duty_pct[FILL][150..200].fill(80.0);
-        let since = features(&commands, &[at(0.0, [false; 2]); 300], None).since_switch_s;
+        fill(&mut commands, FILL, 100..200, 50.0);
+        fill(&mut commands, FILL, 150..200, 80.0);
+        let since: Vec<Option<f64>> = since_switch_s(&commands, &[FILL, VENT]).collect();
         assert_eq!(since[100], None);
         assert!(
             (since[160].unwrap() - 0.6).abs() < 1e-9,
             "another duty cycle is no switch"
         );
         assert!((since[201].unwrap() - 0.01).abs() < 1e-9);
-        assert_eq!(
-            features(&commands, &[at(0.0, [false; 2]); 300], Some(VENT)).since_switch_s[250],
-            None
-        );
+        assert_eq!(since_switch_s(&commands, &[VENT]).nth(250), Some(None));
     }
 
     #[test]
     fn on_times_of_the_coil_add_up() {
         let mut commands = shut_for(300, 0.01);
-        commands.duty_pct[FILL][100..150].fill(50.0);
-        commands.duty_pct[FILL][150..200].fill(80.0);
-        let total = |coil| features(&commands, &[at(0.0, [false; 2]); 300], coil).energised_s[299];
-        assert!((total(None) - (0.25 + 0.4)).abs() < 1e-9);
-        assert_eq!(total(Some(VENT)), 0.0);
+        fill(&mut commands, FILL, 100..150, 50.0);
+        fill(&mut commands, FILL, 150..200, 80.0);
+        let total_s = |valve| energised_s(&commands, valve).last().unwrap();
+        assert!((total_s(FILL) - (0.25 + 0.4)).abs() < 1e-9);
+        assert_eq!(total_s(VENT), 0.0);
     }
 
     #[test]
     fn the_duty_in_force_is_late_and_signed_by_its_valve() {
         let mut commands = shut_for(20, 0.01);
-        commands.duty_pct[FILL][5..].fill(30.0);
-        commands.duty_pct[VENT][5..].fill(60.0);
-        let activities = [at(0.0, [false; 2]); 20];
-        let duty = |coil| features(&commands, &activities, coil).duty_pct;
+        fill(&mut commands, FILL, 5..20, 30.0);
+        fill(&mut commands, VENT, 5..20, 60.0);
+        let duty = |valves: &[usize], row| duty_in_force(&commands, valves, row);
         // Commanded at 50 ms, in force from 65 ms, acting on the sample at 80 ms.
-        assert_eq!(duty(None)[7..9], [0.0, -60.0]);
-        assert_eq!(duty(Some(FILL))[8], 30.0);
+        assert_eq!([7, 8].map(|row| duty(&[FILL, VENT], row)), [0.0, -60.0]);
+        assert_eq!(duty(&[FILL], 8), 30.0);
     }
 }

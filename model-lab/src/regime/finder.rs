@@ -2,7 +2,7 @@
 
 use super::dimension::Dimension;
 use super::excess::{Excess, Sums};
-use super::features::{Features, VALVE_STATES};
+use super::features::{Features, States, VALVE_STATES};
 use crate::result::{Finding, Horizon};
 
 /// Thresholds of pressure are tried this far apart [bar] ...
@@ -62,8 +62,8 @@ pub(crate) fn find(
         .flat_map(|dimension| &dimension.bins)
         .map(|bin| &bin.phrase[..])
         .collect();
-    let cell_bar = cell_bar(features);
-    let histograms = histograms(&combined, phrases.len(), (features, cell_bar), excess);
+    let cell_bar = features.states.cell_bar;
+    let histograms = histograms(&combined, phrases.len(), features, excess);
     let all = histograms[0]
         .iter()
         .fold(Sums::default(), |sum, cell| sum.plus(cell));
@@ -113,44 +113,52 @@ pub(crate) fn find(
 /// Any valve state, or one of the four.
 const STATES: usize = VALVE_STATES.len() + 1;
 
-/// The distance of two thresholds [bar].
-fn cell_bar(features: &Features) -> f64 {
-    let highest = features.pressure_bar.iter().copied().fold(0.0, f64::max);
-    CELL_BAR.max(highest / CELLS_MAX)
+/// The distance of two thresholds [bar], where the highest pressure is this [bar].
+pub(crate) fn cell_bar(highest_bar: f64) -> f64 {
+    CELL_BAR.max(highest_bar / CELLS_MAX)
 }
 
 /// Sums over cells of pressure for each combination of (any or one phrase) and (any or one valve state).
 fn histograms(
     combined: &[&Dimension],
     phrases: usize,
-    (features, cell_bar): (&Features, f64),
+    features: &Features,
     excess: &Excess,
 ) -> Vec<Vec<Sums>> {
-    let cell = |pressure: f64| (pressure.max(0.0) / cell_bar) as usize;
-    let cells = 1 + features
-        .pressure_bar
-        .iter()
-        .map(|&pressure| cell(pressure))
-        .max()
-        .unwrap_or(0);
+    let States {
+        pressure_cell,
+        valve_state,
+        ..
+    } = features.states;
+    let cells = 1 + usize::from(pressure_cell.iter().max().unwrap_or(0));
     let mut histograms = vec![vec![Sums::default(); cells]; (phrases + 1) * STATES];
-    for (sample, &error) in excess
+    let mut placed: Vec<_> = combined
+        .iter()
+        .map(|dimension| (dimension.bin_of.iter(), dimension.bins.len()))
+        .collect();
+    let samples = excess
         .residual
         .iter()
-        .enumerate()
-        .filter(|(_, error)| !error.is_nan())
-    {
-        let cell = cell(features.pressure_bar[sample]);
-        let state = 1 + usize::from(features.valve_state[sample]);
+        .zip(pressure_cell.iter().zip(valve_state.iter()));
+    for (error, (cell, state)) in samples {
+        if error.is_nan() {
+            for (bins, _) in &mut placed {
+                bins.next();
+            }
+            continue;
+        }
+        let (cell, state) = (usize::from(cell), 1 + usize::from(state));
         let mut first = 1;
         let mut add = |phrase: usize| {
             histograms[phrase * STATES][cell].add(error);
             histograms[phrase * STATES + state][cell].add(error);
         };
         add(0);
-        for dimension in combined {
-            add(first + usize::from(dimension.bin_of[sample]));
-            first += dimension.bins.len();
+        for (bins, count) in &mut placed {
+            if let Some(bin) = bins.next() {
+                add(first + usize::from(bin));
+            }
+            first += *count;
         }
     }
     histograms
@@ -218,38 +226,73 @@ fn percent(share: f64) -> String {
 mod tests {
     use super::*;
     use crate::noise::Noise;
+    use crate::result::Residual;
 
-    const SHUT: u8 = 0;
-    const FILLING: u8 = 1;
-    const VENTING: u8 = 2;
+    const SHUT: u16 = 0;
+    const FILLING: u16 = 1;
+    const VENTING: u16 = 2;
+
+    /// What was going on at some samples, unsorted.
+    struct Spread {
+        valve_state: Vec<u16>,
+        pressure_bar: Vec<f64>,
+        duty_pct: Vec<f64>,
+        since_switch_s: Vec<f64>,
+        energised_s: Vec<f64>,
+        times_s: Vec<f64>,
+    }
 
     /// 6000 samples: every third one shut, filling or venting, pressures spread over 0 to 8 bar, duties over 0 to 100 %.
-    fn spread() -> Features {
+    fn spread() -> Spread {
         let count = 6000;
         let spread = |step: usize| (0..count).map(move |n| (n * step % 1000) as f64 / 1000.0);
-        Features {
-            valve_state: (0..count).map(|n| (n % 3) as u8).collect(),
-            flow: vec![0; count],
+        Spread {
+            valve_state: (0..count).map(|n| (n % 3) as u16).collect(),
             pressure_bar: spread(7).map(|part| 8.0 * part).collect(),
-            pressure_rate_bar_per_s: vec![0.0; count],
             duty_pct: spread(13).map(|part| 100.0 * part).collect(),
-            since_switch_s: spread(17).map(Some).collect(),
+            since_switch_s: spread(17).collect(),
             energised_s: (0..count).map(|n| n as f64 * 5e-3).collect(),
             times_s: (0..count).map(|n| n as f64 * 0.01).collect(),
         }
     }
 
+    impl Spread {
+        fn states(&self) -> States {
+            let constant = |bin: u16| self.times_s.iter().map(|_| bin).collect();
+            States::new(
+                [
+                    self.valve_state.iter().copied().collect(),
+                    constant(0),
+                    constant(2),
+                ],
+                &self.pressure_bar,
+                &self.times_s,
+            )
+        }
+
+        fn features<'a>(&self, states: &'a States) -> Features<'a> {
+            Features::sorted(
+                states,
+                self.duty_pct.iter().copied(),
+                self.since_switch_s.iter().copied().map(Some),
+                self.energised_s.iter().copied(),
+            )
+        }
+    }
+
     /// What is found where `error` (of feature and index) is added to white noise.
-    fn found(error: impl Fn(&Features, usize) -> f64) -> Finding {
-        let features = spread();
+    fn found(error: impl Fn(&Spread, usize) -> f64) -> Finding {
+        let spread = spread();
         let mut noise = Noise::new(1);
         let residual: Vec<f64> = (0..6000)
-            .map(|n| noise.normal() + error(&features, n))
+            .map(|n| noise.normal() + error(&spread, n))
             .collect();
+        let states = spread.states();
+        let features = spread.features(&states);
         find(
             &features.dimensions(),
             &features,
-            &Excess::new(&residual, 1.0, 1000.0),
+            &Excess::new(Residual::new(&residual, &[0.0; 6000]), 1.0, 1000.0),
             Horizon::ShortHorizon,
         )
     }
@@ -339,20 +382,19 @@ mod tests {
     #[test]
     fn cells_are_counted_by_no_value() {
         for highest in [8.0, 49.0, 1e3, 1e9, 1e300] {
-            let mut features = spread();
-            features.pressure_bar[7] = highest;
-            let residual = vec![1.0; 6000];
-            let excess = Excess::new(&residual, 0.0, 0.0);
-            let cell_bar = cell_bar(&features);
-            let found = histograms(&[], 0, (&features, cell_bar), &excess);
+            let mut spread = spread();
+            spread.pressure_bar[7] = highest;
+            let excess = Excess::new(Residual::new(&[1.0; 6000], &[0.0; 6000]), 0.0, 0.0);
+            let states = spread.states();
+            let found = histograms(&[], 0, &spread.features(&states), &excess);
             assert!(
                 found[0].len() <= CELLS_MAX as usize + 2,
                 "{highest}: {}",
                 found[0].len()
             );
-            assert!(features.pressure_band_labels().len() <= 1000);
+            assert!(states.pressure_band_labels().len() <= 1000);
             if highest < 50.0 {
-                assert_eq!(cell_bar, CELL_BAR);
+                assert_eq!(states.cell_bar, CELL_BAR);
             }
         }
     }

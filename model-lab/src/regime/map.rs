@@ -1,6 +1,7 @@
-use super::dimension::{duty_band, duty_band_labels, pressure_band};
+use super::dimension::duty_band_labels;
 use super::excess::Excess;
 use super::features::Features;
+use crate::bins::Bins;
 use crate::result::{ERROR_MAP, ErrorMap, Horizon, MapCell, Placement};
 
 /// The error over duty cycle of the acting valve (rows) and pressure (columns), and the cell of each sample.
@@ -10,7 +11,6 @@ pub(crate) fn error_map(
     horizon: Horizon,
 ) -> (ErrorMap, Placement) {
     let labels = duty_band_labels();
-    let bands = labels.len();
     let venting = labels
         .iter()
         .skip(1)
@@ -18,20 +18,13 @@ pub(crate) fn error_map(
         .map(|label| format!("vent {label}"));
     let filling = labels.iter().skip(1).map(|label| format!("fill {label}"));
     let duty_bands: Vec<String> = venting.chain(["0 %".to_owned()]).chain(filling).collect();
-    let pressure_bands = features.pressure_band_labels();
-    let row = |duty: f64| {
-        if duty < 0.0 {
-            bands - 1 - duty_band(-duty)
-        } else {
-            bands - 1 + duty_band(duty)
-        }
-    };
+    let pressure_bands = features.states.pressure_band_labels();
     let columns = pressure_bands.len();
-    let cell_of: Vec<u16> = features
-        .duty_pct
+    let cell_of: Bins = features
+        .acting
         .iter()
-        .zip(&features.pressure_bar)
-        .map(|(&duty, &pressure)| (row(duty) * columns + pressure_band(pressure)) as u16)
+        .zip(features.states.pressure_band.iter())
+        .map(|(row, band)| row * columns as u16 + band)
         .collect();
     let sums = excess.sums(&cell_of, duty_bands.len() * columns);
     let cells = sums
@@ -65,24 +58,28 @@ pub(crate) fn error_map(
 
 #[cfg(test)]
 mod tests {
+    use super::super::features::States;
     use super::*;
+    use crate::result::Residual;
 
     #[test]
     fn venting_lies_above_shut_and_filling_below_each_further_out_with_its_duty() {
-        let features = Features {
-            valve_state: vec![0; 5],
-            flow: vec![0; 5],
-            pressure_bar: vec![0.5, 2.5, 2.5, 0.5, 7.9],
-            pressure_rate_bar_per_s: vec![0.0; 5],
-            duty_pct: vec![-95.0, -20.0, 0.0, 20.0, 95.0],
-            since_switch_s: vec![None; 5],
-            energised_s: vec![0.0; 5],
-            times_s: vec![0.0, 1.0, 2.0, 3.0, 4.0],
-        };
+        let at = |bins: [u16; 5]| bins.into_iter().collect();
+        let states = States::new(
+            [at([0; 5]), at([0; 5]), at([2; 5])],
+            &[0.5, 2.5, 2.5, 0.5, 7.9],
+            &[0.0, 1.0, 2.0, 3.0, 4.0],
+        );
+        let features = Features::sorted(
+            &states,
+            [-95.0, -20.0, 0.0, 20.0, 95.0].into_iter(),
+            std::iter::repeat_n(None, 5),
+            std::iter::repeat_n(0.0, 5),
+        );
         let residual = [1.0, 2.0, 3.0, f64::NAN, 5.0];
         let (map, placement) = error_map(
             &features,
-            &Excess::new(&residual, 0.0, 0.0),
+            &Excess::new(Residual::new(&residual, &[0.0; 5]), 0.0, 0.0),
             Horizon::FreeRun,
         );
         let cell = |cell: &MapCell| {
@@ -101,7 +98,8 @@ mod tests {
                 ("fill 90 % and more", "7 to 8 bar", 5.0),
             ]
         );
-        let label = |sample: usize| &placement.labels[usize::from(placement.bin_of[sample])][..];
+        let bins: Vec<u16> = placement.bin_of.iter().collect();
+        let label = |sample: usize| &placement.labels[usize::from(bins[sample])][..];
         assert_eq!(label(0), "vent 90 % and more, 0 to 1 bar");
         assert_eq!(label(3), "fill below 30 %, 0 to 1 bar");
     }

@@ -12,7 +12,7 @@ mod map;
 
 pub(crate) use dimension::Dimension;
 pub(crate) use excess::Excess;
-pub(crate) use features::Features;
+pub(crate) use features::{Features, States, Watched};
 pub(crate) use finder::find;
 pub(crate) use map::error_map;
 

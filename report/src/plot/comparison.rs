@@ -34,11 +34,11 @@ pub(crate) fn comparison(
 ) -> Result<Figure, PlotError> {
     let traces = &comparison.traces;
     let modelled = Course::of(&traces.free_run, &signal.name);
-    let residual = Course::of(&traces.free_run_residual, &signal.name);
+    let residual = Course::of_free_run_residual(traces, &signal.name);
     let short_horizon = signal
         .short_horizon
         .as_ref()
-        .zip(Course::of(&traces.short_horizon_residual, &signal.name));
+        .zip(Course::of_short_horizon_residual(traces, &signal.name));
     let window_s = window_s
         .or_else(|| modelled.as_ref().map(Course::window_s))
         .unwrap_or(0.0..1.0);
@@ -108,7 +108,7 @@ const FEWEST_SAMPLES: f64 = 100.0;
 /// The window of `length_s`, or of [`FEWEST_SAMPLES`], in which the free-run residual of the signal `name` is largest; none
 /// if the log is not longer.
 pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Option<Range<f64>> {
-    let residual = Course::of(&comparison.traces.free_run_residual, name)?;
+    let residual = Course::of_free_run_residual(&comparison.traces, name)?;
     let length_s = length_s.max(FEWEST_SAMPLES * residual.step_s());
     let all_s = residual.window_s();
     if all_s.end - all_s.start <= length_s {
@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn the_excerpt_is_where_the_residual_is_largest() {
         let (_, comparison) = practice_log();
-        let residual = Course::of(&comparison.traces.free_run_residual, "p_ch").unwrap();
+        let residual = Course::of_free_run_residual(&comparison.traces, "p_ch").unwrap();
         let squares_in = |window_s: &Range<f64>| -> f64 {
             let inside = residual
                 .squares()

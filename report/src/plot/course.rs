@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use model_lab::result::Traces;
 use recording::{Recording, Sampling, Unit};
 
 /// A point: instant \[s\] and value.
@@ -27,6 +28,18 @@ impl<'a> Course<'a> {
     pub(super) fn of_in(recording: &'a Recording, name: &str, unit: Unit) -> Option<Self> {
         let values = recording.signal(name)?.values_in(unit).ok()?;
         Self::on(recording, name, values)
+    }
+
+    /// Measured minus the free run of a comparison; none where the signal is not compared.
+    pub(super) fn of_free_run_residual(traces: &'a Traces, name: &str) -> Option<Self> {
+        let values = traces.free_run_residual(name)?.iter().collect();
+        Self::on(&traces.free_run, name, values)
+    }
+
+    /// Measured minus the short-horizon prediction of a comparison; none where there is no such prediction.
+    pub(super) fn of_short_horizon_residual(traces: &'a Traces, name: &str) -> Option<Self> {
+        let values = traces.short_horizon_residual(name)?.iter().collect();
+        Self::on(&traces.short_horizon, name, values)
     }
 
     fn on(recording: &'a Recording, name: &str, values: Vec<f64>) -> Option<Self> {

@@ -194,7 +194,7 @@ impl<'a> Run<'a> {
             name,
             colour,
             modelled: Course::of(&traces.free_run, &signal.name),
-            residual: Course::of(&traces.free_run_residual, &signal.name),
+            residual: Course::of_free_run_residual(traces, &signal.name),
         }
     }
 }

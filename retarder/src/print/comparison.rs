@@ -1,6 +1,10 @@
 //! Model against measurement.
 
-use model_lab::result::{Horizon, RegimeBin, RegimeShares, SignalComparison, TimeOffset, Warning};
+use std::borrow::Cow;
+
+use model_lab::result::{
+    Horizon, RegimeBin, RegimeShares, SignalComparison, TimeOffset, Traces, Warning,
+};
 use recording::{Recording, Unit};
 
 use super::chart::{Chart, Course};
@@ -155,7 +159,7 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
         traces.free_run.signal(&signal.name).map(|s| s.unit()),
     );
     let modelled = course(&traces.free_run, &signal.name, None);
-    let residual = course(&traces.free_run_residual, &signal.name, None);
+    let residual = residual(traces, &signal.name);
     let (Some(measured), Some(modelled), Some(residual)) = (measured, modelled, residual) else {
         return String::new();
     };
@@ -171,14 +175,14 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
                 name: "measured",
                 colour: Colour::First,
                 mark: None,
-                times_s: &measured.times_s,
+                times_s: measured.times_s,
                 values: &measured.values,
             },
             Course {
                 name: "modelled",
                 colour: Colour::Second,
                 mark: Some('×'),
-                times_s: &modelled.times_s,
+                times_s: modelled.times_s,
                 values: &modelled.values,
             },
         ],
@@ -200,7 +204,7 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
             name: "residual",
             colour: Colour::First,
             mark: None,
-            times_s: &residual.times_s,
+            times_s: residual.times_s,
             values: &residual.values,
         }],
         band: noise.as_ref().map(|(value, name)| (*value, name.as_str())),
@@ -212,23 +216,32 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
 }
 
 /// A signal with its instants.
-struct OwnedCourse {
-    times_s: Vec<f64>,
-    values: Vec<f64>,
+struct ShownCourse<'a> {
+    times_s: &'a [f64],
+    values: Cow<'a, [f64]>,
     unit: Unit,
 }
 
+/// Measured minus modelled of the signal `name`.
+fn residual<'a>(traces: &'a Traces, name: &str) -> Option<ShownCourse<'a>> {
+    Some(ShownCourse {
+        times_s: traces.free_run.time_base_of(name)?.times_s(),
+        values: traces.free_run_residual(name)?.iter().collect(),
+        unit: traces.residual_unit(name)?,
+    })
+}
+
 /// The signal `name` in `unit`, or as it was logged where it cannot be converted.
-fn course(recording: &Recording, name: &str, unit: Option<Unit>) -> Option<OwnedCourse> {
+fn course<'a>(recording: &'a Recording, name: &str, unit: Option<Unit>) -> Option<ShownCourse<'a>> {
     let signal = recording.signal(name)?;
-    let times_s = recording.time_base_of(name)?.times_s().to_vec();
+    let times_s = recording.time_base_of(name)?.times_s();
     let logged = signal.unit();
-    let unit = unit.unwrap_or(logged);
-    let (values, unit) = match signal.values_at_ambient(unit, recording::STANDARD_ATMOSPHERE_PA) {
-        Ok(values) => (values, unit),
-        Err(_) => (signal.values_or_nan().to_vec(), logged),
-    };
-    Some(OwnedCourse {
+    let converted = unit.filter(|&unit| unit != logged).and_then(|unit| {
+        let values = signal.values_at_ambient(unit, recording::STANDARD_ATMOSPHERE_PA);
+        Some((Cow::Owned(values.ok()?), unit))
+    });
+    let (values, unit) = converted.unwrap_or((Cow::Borrowed(signal.values_or_nan()), logged));
+    Some(ShownCourse {
         times_s,
         values,
         unit,

@@ -479,3 +479,37 @@ pub(super) fn cost(cost: &Cost) -> String {
 fn capital(sentence: &str) -> String {
     report::capitalised(sentence)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXAMPLE: &str = include_str!(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../docs/schema/diagnosis.example.json"
+    ));
+
+    /// "Nearest, in standard deviations of the noise: ." was once a whole sentence.
+    #[test]
+    fn an_effect_without_a_neighbour_has_no_empty_list_of_them() {
+        let mut found: Diagnosis = serde_json::from_str(EXAMPLE).unwrap();
+        let mut text = |nearest: &[(&str, f64)]| {
+            let nearest = nearest.iter().map(|(id, far)| ((*id).to_owned(), *far));
+            found.distinguishability = [("chamber_leak".to_owned(), nearest.collect())].into();
+            let terminal = Terminal {
+                width: 100,
+                is_coloured: false,
+            };
+            let text = neighbours(&found, &terminal);
+            text.split_whitespace().collect::<Vec<_>>().join(" ")
+        };
+        let (list, none) = ("Nearest, in standard", "No other effect explains anything.");
+        let with = text(&[("dead_volume", 7.5)]);
+        assert!(with.contains(list) && with.contains("dead_volume 7.5") && !with.contains(none));
+        let without = text(&[]);
+        assert!(
+            !without.contains(list) && without.contains(none),
+            "{without}"
+        );
+    }
+}

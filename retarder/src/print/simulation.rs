@@ -1,7 +1,7 @@
 //! The work that a simulation took.
 
 use super::number::significant;
-use super::{Terminal, paragraph, title};
+use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::simulate::Simulation;
 
 /// What was simulated, and how fast.
@@ -34,6 +34,9 @@ pub(crate) fn simulation(simulation: &Simulation, terminal: &Terminal) -> String
         );
     }
     text += &paragraph(&facts, terminal);
+    for sentence in &simulation.defects.sentences {
+        text += &painted_paragraph(Colour::Notice, &format!("Log: {sentence}."), terminal);
+    }
     if let Some(path) = &simulation.recording {
         text += &format!("Written: {path}\n");
     }

@@ -6,13 +6,14 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use model_lab::CompareError;
+use model_lab::result::MissingCells;
 use plant_sim::replay::{
     CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, check_gap,
     initial_pressure, inputs, inputs_of_part, signals,
 };
 use plant_sim::{PlantParameters, Tolerance};
 use recording::csv::{Column, Decimals, Options, Reader, WriteError};
-use recording::{OpenLog, Provenance, Recording, TimeBase, Unit};
+use recording::{DefectCounter, Defects, OpenLog, Provenance, Recording, TimeBase, Unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -55,6 +56,8 @@ pub(crate) struct Simulation {
     pub(crate) duration_s: f64,
     /// Rows in which a command was missing and the last one was held.
     pub(crate) held_commands: u64,
+    /// What the log lacks.
+    pub(crate) defects: SimulatedDefects,
     /// How the currents are meant: means of the interval before the row, or values of the instant.
     pub(crate) currents_are_means: bool,
     /// Accepted integration steps.
@@ -73,6 +76,53 @@ pub(crate) struct Simulation {
     pub(crate) times_real_time: f64,
 }
 
+/// Gaps and missing cells of the log: over both, the last command is held.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SimulatedDefects {
+    /// Pauses of the logger, in order of time, the first hundred.
+    pub(crate) gaps: Vec<SimulatedGap>,
+    /// Number of all pauses.
+    pub(crate) gap_count: usize,
+    /// Signals with missing cells.
+    pub(crate) missing: Vec<MissingCells>,
+    /// All of it in words, one sentence without a full stop for each.
+    pub(crate) sentences: Vec<String>,
+}
+
+/// A time without rows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SimulatedGap {
+    /// Instant of the last row before it, s.
+    pub(crate) start_s: f64,
+    /// Instant of the first row after it, s.
+    pub(crate) end_s: f64,
+}
+
+impl SimulatedDefects {
+    fn of(defects: &Defects) -> Self {
+        let gap = |gap: &recording::Pause| SimulatedGap {
+            start_s: gap.start_s,
+            end_s: gap.end_s,
+        };
+        let missing = |cells: &recording::MissingCells| MissingCells {
+            signal: cells.signal.clone(),
+            cells: cells.cells,
+            out_of_bounds: cells
+                .out_of_bounds
+                .as_ref()
+                .map_or(0, |outside| outside.count),
+        };
+        Self {
+            gaps: defects.gaps.iter().map(gap).collect(),
+            gap_count: defects.gap_count,
+            missing: defects.missing.iter().map(missing).collect(),
+            sentences: defects.sentences(),
+        }
+    }
+}
+
 /// Rows that are held at a time.
 const CHUNK_ROWS: usize = 4096;
 
@@ -87,12 +137,14 @@ pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
     } = task;
     let progress = Progress::of_bytes("simulating", size);
     let rows = match log {
-        OpenLog::Csv(bytes) => Rows::Csv(Box::new(Reader::new(
-            &name,
-            progress.watch(bytes),
-            &options,
-        )?)),
-        OpenLog::Recording(recording) => Rows::Recording(Some(recording)),
+        OpenLog::Csv(bytes) => Rows::Csv(
+            Box::new(Reader::new(&name, progress.watch(bytes), &options)?),
+            DefectCounter::default(),
+        ),
+        OpenLog::Recording(recording) => {
+            let defects = recording.defects();
+            Rows::Recording(Some(recording), defects)
+        }
     };
     let never = AtomicBool::new(false);
     let is_interrupted = match &out {
@@ -148,6 +200,7 @@ fn simulate(
         rows: model.rows,
         duration_s,
         held_commands: model.held_commands,
+        defects: SimulatedDefects::of(&rows.defects()),
         currents_are_means: model.sampling == CurrentSampling::MeanOfInterval,
         steps: statistics.steps,
         rejected_steps: statistics.rejected_steps,
@@ -162,16 +215,33 @@ fn simulate(
 
 /// The rows of a log: a CSV as it is read, or a recording that was read as a whole.
 enum Rows<R: Read> {
-    Csv(Box<Reader<R>>),
-    Recording(Option<Box<Recording>>),
+    Csv(Box<Reader<R>>, DefectCounter),
+    Recording(Option<Box<Recording>>, Defects),
 }
 
 impl<R: Read> Rows<R> {
     /// The next rows, those of a recording all at once; none at the end.
     fn next(&mut self, log: &str) -> Result<Option<Recording>, Failure> {
         match self {
-            Self::Csv(reader) => next_rows(reader, log),
-            Self::Recording(recording) => Ok(recording.take().map(|recording| *recording)),
+            Self::Csv(reader, counter) => {
+                let rows = next_rows(reader, log)?;
+                if let Some(rows) = &rows {
+                    counter.add(rows);
+                }
+                Ok(rows)
+            }
+            Self::Recording(recording, _) => Ok(recording.take().map(|recording| *recording)),
+        }
+    }
+
+    /// What the rows so far lack.
+    fn defects(self) -> Defects {
+        match self {
+            Self::Csv(reader, counter) => {
+                let outside: Vec<_> = reader.out_of_bounds().collect();
+                counter.finish(outside.iter().copied())
+            }
+            Self::Recording(_, defects) => defects,
         }
     }
 }

@@ -88,6 +88,43 @@ fn the_same_log_gives_the_same_bytes_from_a_file_and_from_the_standard_input() {
     assert_eq!(rows(&from_input), rows(&from_file));
 }
 
+/// A pause and empty cells once passed in silence, while `compare` listed them.
+#[test]
+fn gaps_and_missing_cells_of_the_log_are_listed_as_compare_lists_them() {
+    let bench = Bench::new();
+    let row = |row: u32| {
+        let duty = if row % 40 < 10 { "60" } else { "0" };
+        let vent = if (100..103).contains(&row) { "" } else { "0" };
+        format!("{:.2},{duty},{vent}\n", f64::from(row) * 0.01)
+    };
+    let rows: String = (0..300)
+        .filter(|row| !(200..250).contains(row))
+        .map(row)
+        .collect();
+    bench.file(
+        "log.csv",
+        &format!("time_s,duty_fill_pct,duty_vent_pct\n{rows}"),
+    );
+    let told = [
+        "no rows from 1.990 to 2.500 s (0.510 s, about 50 samples)",
+        "3 of 250 cells of duty_vent are missing, the first at 1.000 s",
+    ];
+    let simulate = ["simulate", "--log", "log.csv", "--out", "model.csv"];
+    let ran = bench.run(&simulate);
+    let text = ran.err.split_whitespace().collect::<Vec<_>>().join(" ");
+    for told in told {
+        assert!(text.contains(&format!("Log: {told}.")), "{text}");
+    }
+    let json = bench
+        .run(&[&simulate[..], &["--json"]].concat())
+        .ended_with(0);
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let defects = &found["defects"];
+    assert_eq!(defects["sentences"], serde_json::json!(told));
+    assert_eq!(defects["gaps"][0]["start_s"], 1.99);
+    assert_eq!(defects["missing"][0]["cells"], 3);
+}
+
 #[test]
 fn a_log_that_breaks_off_leaves_the_older_file_as_it_was() {
     let bench = Bench::new();

@@ -24,27 +24,25 @@ impl Compared {
     /// Values that it keeps in memory.
     pub(crate) fn values(&self) -> usize {
         let traces = &self.comparison.traces;
-        let all = [
-            &traces.free_run,
-            &traces.free_run_residual,
-            &traces.short_horizon,
-            &traces.short_horizon_residual,
-        ];
-        all.into_iter().map(values_of).sum()
+        let all = [&traces.measured, &traces.free_run, &traces.short_horizon];
+        let placements = traces.placements.iter();
+        let bytes: usize = placements.map(|placement| placement.bin_of.bytes()).sum();
+        all.into_iter().map(values_of).sum::<usize>() + bytes / 8
     }
 
     pub(crate) fn new(comparison: Comparison, parameters: PlantParameters) -> Self {
         let traces = &comparison.traces;
-        let pyramid = |recording: &recording::Recording, name: &str| {
-            recording
-                .signal(name)
-                .map_or_else(Pyramid::default, |signal| {
-                    Pyramid::new(signal.values_or_nan())
-                })
-        };
-        let of_signal = |signal: &model_lab::result::SignalComparison| Pyramids {
-            model: pyramid(&traces.free_run, &signal.name),
-            residual: pyramid(&traces.free_run_residual, &signal.name),
+        let of_signal = |signal: &model_lab::result::SignalComparison| {
+            let model = traces.free_run.signal(&signal.name);
+            let residual = traces.free_run_residual(&signal.name);
+            Pyramids {
+                model: model
+                    .map(|model| Pyramid::new(model.values_or_nan()))
+                    .unwrap_or_default(),
+                residual: residual
+                    .map(|residual| Pyramid::new(&residual))
+                    .unwrap_or_default(),
+            }
         };
         Self {
             pyramids: comparison.signals.iter().map(of_signal).collect(),

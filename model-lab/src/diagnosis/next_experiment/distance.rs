@@ -6,6 +6,7 @@ use plant_sim::replay::replay;
 use plant_sim::{PlantParameters, Tolerance};
 use recording::{Recording, Unit};
 
+use super::super::error::DiagnoseError;
 use super::super::evidence::Evidence;
 use super::super::fit::{Difference, Fitter};
 use super::super::gather::gather;
@@ -60,6 +61,15 @@ impl Rival {
     }
 }
 
+/// Why a manoeuvre has no distance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Unseen {
+    /// A rival cannot be simulated on it in a bounded number of steps.
+    NotSimulated,
+    /// The signals of the logs show nothing of what a rival changes, so that no fit can find its size.
+    NotShown,
+}
+
 /// Noise of the signals that the logs have.
 pub(super) struct Noises(Vec<(&'static str, f64)>);
 
@@ -75,25 +85,40 @@ impl Noises {
     }
 }
 
+impl Noises {
+    /// Names of the signals.
+    pub(super) fn signals(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.0.iter().map(|(signal, _)| *signal)
+    }
+}
+
 /// Distance of two rivals on the logs that both were fitted to, in standard deviations of the noise.
 pub(super) fn on_the_logs(a: &Rival, b: &Rival) -> f64 {
     let remembered = a.correlation_samples.min(b.correlation_samples);
     ((a.cost - b.cost).abs() / remembered).sqrt()
 }
 
-/// Distance at which `model` sees a log of `sequence` that `truth` made; none where that cannot be simulated.
+/// Distance at which `model` sees a log of `sequence` that `truth` made.
+///
+/// # Errors
+/// [`Unseen`]: why there is none.
 pub(super) fn distance(
     truth: &Rival,
     model: &Rival,
     sequence: &Sequence,
     noises: &Noises,
-) -> Option<f64> {
-    let log = made(&truth.plant, sequence, noises)?;
-    let evidence = gather(&truth.plant, &[log]).ok()?;
-    let noise = evidence.residuals(&truth.plant, Run::Predicted)?;
+) -> Result<f64, Unseen> {
+    let log = made(&truth.plant, sequence, noises).ok_or(Unseen::NotSimulated)?;
+    let evidence = gather(&truth.plant, &[log]).map_err(|error| match error {
+        DiagnoseError::NothingToWeigh { .. } => Unseen::NotShown,
+        _ => Unseen::NotSimulated,
+    })?;
+    let noise = evidence.residuals(&truth.plant, Run::Predicted);
+    let noise = noise.ok_or(Unseen::NotSimulated)?;
     let fitter = Fitter::new(&evidence, &model.unknowns);
-    let mut fit = fitter.at(model.z.clone())?;
-    fitter.differentiate(&mut fit, 0, Difference::Forward)?;
+    let mut fit = fitter.at(model.z.clone()).ok_or(Unseen::NotSimulated)?;
+    let differentiated = fitter.differentiate(&mut fit, 0, Difference::Forward);
+    differentiated.ok_or(Unseen::NotSimulated)?;
     let columns = &fit.jacobian;
     let mut change: Vec<f64> = fit
         .residuals
@@ -104,7 +129,9 @@ pub(super) fn distance(
     let count = columns.len();
     let curvature = DMatrix::from_fn(count, count, |a, b| dot(&columns[a], &columns[b]));
     let pull = DVector::from_iterator(count, columns.iter().map(|column| -dot(column, &change)));
-    let moved = (curvature + &model.information).cholesky()?.solve(&pull);
+    // An unknown that neither the logs nor this one say anything of has no curvature.
+    let factor = (curvature + &model.information).cholesky();
+    let moved = factor.ok_or(Unseen::NotShown)?.solve(&pull);
     for (column, moved) in columns.iter().zip(moved.iter()) {
         for (change, column) in change.iter_mut().zip(column) {
             *change += moved * column;
@@ -112,7 +139,7 @@ pub(super) fn distance(
     }
     let resisted = moved.dot(&(&model.information * &moved));
     let remembered = truth.correlation_samples.min(model.correlation_samples);
-    Some(((square(&change) + resisted) / remembered).sqrt())
+    Ok(((square(&change) + resisted) / remembered).sqrt())
 }
 
 /// The log that `plant` would give.

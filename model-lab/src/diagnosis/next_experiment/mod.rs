@@ -23,7 +23,7 @@ use super::error::DiagnoseError;
 use super::gather::gather;
 use super::search::{Watch, best_form, report};
 use super::trial::{Bench, Trial};
-use distance::{Noises, Rival, distance};
+use distance::{Noises, Rival, Unseen, distance};
 use manoeuvre::Sequence;
 
 pub use result::{
@@ -89,11 +89,12 @@ pub fn next_experiment(
         let between = |a: &Rival, b: &Rival| distance(a, b, sequence, &noises);
         match question {
             Question::Between(_) => pairs(&rivals).try_fold(f64::INFINITY, |least, (a, b)| {
-                Some(least.min(between(a, b)?).min(between(b, a)?))
+                Ok(least.min(between(a, b)?).min(between(b, a)?))
             }),
             Question::For(_) => between(&rivals[1], &rivals[0]),
         }
-    })?;
+    });
+    let ranked = ranked.map_err(|none| none.error(&rivals, &noises))?;
     let sensors = sensors::sensors(&rivals, &ranked[0].0, &fitting);
     Ok(assemble::assemble(
         fitting.sources(),
@@ -122,23 +123,55 @@ fn check_parts(plant: &PlantParameters) -> Result<(), DiagnoseError> {
 fn ranked(
     sequences: Vec<Sequence>,
     watch: Watch,
-    distance: impl Fn(&Sequence) -> Option<f64> + Sync,
-) -> Result<Vec<(Sequence, f64)>, DiagnoseError> {
+    distance: impl Fn(&Sequence) -> Result<f64, Unseen> + Sync,
+) -> Result<Vec<(Sequence, f64)>, NoneRanked> {
     let manoeuvres = sequences.len();
     let tried = sequences
         .into_par_iter()
         .map(|sequence| {
             let distance = distance(&sequence);
-            report(watch, "manoeuvres", 0.5)?;
+            report(watch, "manoeuvres", 0.5).map_err(NoneRanked::Stopped)?;
             Ok(distance.map(|distance| (sequence, distance)))
         })
-        .collect::<Result<Vec<_>, DiagnoseError>>()?;
+        .collect::<Result<Vec<_>, _>>()?;
+    let is_unshown = tried.contains(&Err(Unseen::NotShown));
     let mut ranked: Vec<_> = tried.into_iter().flatten().collect();
     if ranked.is_empty() {
-        return Err(DiagnoseError::NoManoeuvreSimulated { manoeuvres });
+        return Err(if is_unshown {
+            NoneRanked::NotShown
+        } else {
+            NoneRanked::NotSimulated { manoeuvres }
+        });
     }
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
     Ok(ranked)
+}
+
+/// Why no manoeuvre is ranked.
+#[derive(Debug, Clone, PartialEq)]
+enum NoneRanked {
+    /// Somebody stopped it.
+    Stopped(DiagnoseError),
+    /// None can be simulated.
+    NotSimulated { manoeuvres: usize },
+    /// The signals of the logs show nothing of what a rival changes.
+    NotShown,
+}
+
+impl NoneRanked {
+    fn error(self, rivals: &[Rival], noises: &Noises) -> DiagnoseError {
+        match self {
+            Self::Stopped(error) => error,
+            Self::NotSimulated { manoeuvres } => DiagnoseError::NoManoeuvreSimulated { manoeuvres },
+            Self::NotShown => {
+                let ids = rivals.iter().filter_map(|rival| rival.effect.as_ref());
+                DiagnoseError::NoManoeuvreShows {
+                    effects: ids.map(|(id, _)| id.clone()).collect(),
+                    logged: noises.signals().map(str::to_owned).collect(),
+                }
+            }
+        }
+    }
 }
 
 /// Each two of the rivals once.

@@ -24,6 +24,19 @@ fn rig(hidden: &str) -> PlantParameters {
     PlantParameters::nominal().with_effect(settings(hidden).unwrap().swap_remove(0))
 }
 
+/// A log without the signal `name`.
+fn without_signal(log: &Recording, name: &str) -> Recording {
+    let mut rest = Recording::new(log.provenance().clone());
+    let (_, base) = log.time_bases().next().unwrap();
+    let id = rest.add_time_base(base.clone());
+    for signal in log.signals().iter().filter(|signal| signal.name() != name) {
+        let values = signal.shared_values();
+        rest.add_shared_signal(signal.name(), signal.unit(), id, values)
+            .unwrap();
+    }
+    rest
+}
+
 /// One fill at full duty: it is too slow, but for which reason?
 fn poor_log(plant: PlantParameters) -> Recording {
     let phases = vec![(1.0, 0.0, 0.0), (0.2, 100.0, 0.0), (0.4, 0.0, 0.0)];
@@ -241,14 +254,14 @@ fn a_manoeuvre_without_a_distance_is_not_ranked() {
         interval_s: 0.01,
         highest_bar: 0.0,
     };
-    let tried = |distance: fn(&Sequence) -> Option<f64>| {
+    let tried = |distance: fn(&Sequence) -> Result<f64, Unseen>| {
         let names = ["failed", "poor", "good"];
         ranked(names.map(sequence).into(), &go_on, distance)
     };
     let found = tried(|sequence| match sequence.name {
-        "failed" => None,
-        "poor" => Some(0.0),
-        _ => Some(9.0),
+        "failed" => Err(Unseen::NotSimulated),
+        "poor" => Ok(0.0),
+        _ => Ok(9.0),
     });
     let names: Vec<_> = found
         .unwrap()
@@ -256,8 +269,35 @@ fn a_manoeuvre_without_a_distance_is_not_ranked() {
         .map(|(sequence, _)| sequence.name)
         .collect();
     assert_eq!(names, ["good", "poor"]);
-    let error = tried(|_| None).unwrap_err();
-    assert_eq!(error, DiagnoseError::NoManoeuvreSimulated { manoeuvres: 3 });
+    let error = tried(|_| Err(Unseen::NotSimulated)).unwrap_err();
+    assert_eq!(error, NoneRanked::NotSimulated { manoeuvres: 3 });
+    let error = tried(|_| Err(Unseen::NotShown)).unwrap_err();
+    assert_eq!(error, NoneRanked::NotShown);
+}
+
+/// A lag and an offset of the pressure sensor, and a log with a current alone: the message blamed the simulation.
+#[test]
+fn rivals_that_the_logged_signals_cannot_show_are_said_to_need_another_signal() {
+    let rig = Rig {
+        phases: vec![(0.3, 0.0, 0.0), (0.2, 100.0, 0.0), (0.3, 0.0, 0.0)],
+        ..Rig::default()
+    };
+    let log = without_signal(&rig.measure(), "p_ch");
+    let error = next_experiment(
+        &PlantParameters::nominal(),
+        &[log],
+        Question::Between(&["sensor_lag", "sensor_offset"]),
+        LIMITS,
+        &go_on,
+    );
+    let error = error.unwrap_err().to_string();
+    for said in [
+        "i_fill and i_vent alone",
+        "sensor_lag and sensor_offset",
+        "log p_ch",
+    ] {
+        assert!(error.contains(said), "{error}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use recording::TimeBase;
 use serde::Serialize;
 
 use super::courses::{Course, Range};
-use crate::pyramid::Pyramid;
+use crate::pyramid::{Pyramid, Series};
 use crate::refusal::Refusal;
 use crate::tolerance::Tolerance;
 
@@ -30,7 +30,7 @@ impl Band {
     /// beside it too.
     pub(super) fn of(
         tolerance: &Tolerance,
-        (base, measured, errors): (&TimeBase, &[f64], &[f64]),
+        (base, measured, errors): (&TimeBase, &[f64], &(impl Series + ?Sized)),
         (seen, range): (Range, Range),
         points: usize,
     ) -> Result<Self, Refusal> {
@@ -40,7 +40,7 @@ impl Band {
         let drawn = within.start.saturating_sub(1)..(within.end + 1).min(times_s.len());
         let [low, high] = tolerance.bounds(times_s, measured, drawn.clone());
         let (judged, _) = seen.of(base)?;
-        let judged = judged.map(|row| (errors[row], row - drawn.start));
+        let judged = judged.map(|row| (errors.value(row), row - drawn.start));
         let judged = judged.filter(|(error, _)| !error.is_nan());
         let is_beyond = |(error, row): (f64, usize)| error < low[row] || error > high[row];
         let (mut samples, mut beyond) = (0, 0);
@@ -90,7 +90,13 @@ mod tests {
             to_s: Some(4.95),
         };
         let band = |tolerance: &Tolerance| {
-            Band::of(tolerance, (&base, &measured, &errors), (range, range), 100).unwrap()
+            Band::of(
+                tolerance,
+                (&base, &measured, &errors[..]),
+                (range, range),
+                100,
+            )
+            .unwrap()
         };
         let found = band(&tolerance);
         assert_eq!((found.samples, found.holds), (39, Some(false)));
@@ -103,7 +109,7 @@ mod tests {
         };
         let found = Band::of(
             &tolerance,
-            (&base, &measured, &errors),
+            (&base, &measured, &errors[..]),
             (nowhere, nowhere),
             100,
         )

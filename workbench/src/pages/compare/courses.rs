@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use model_lab::result::Residual;
 use plant_sim::parameters::PlantParameters;
 use recording::{Sampling, Signal, TimeBase};
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::band::Band;
 use super::selection::Selection;
 use super::states::{self, Stretch};
-use crate::pyramid::Pyramid;
+use crate::pyramid::{Pyramid, Series};
 use crate::refusal::Refusal;
 use crate::results::Compared;
 use crate::session::{LoadedLog, Session};
@@ -62,11 +63,11 @@ struct SignalCourses {
     is_input: bool,
     measured: Course,
     model: Option<Course>,
-    residual: Option<Residual>,
+    residual: Option<ResidualCourse>,
 }
 
 #[derive(Serialize)]
-struct Residual {
+struct ResidualCourse {
     course: Course,
     unit: String,
     /// Standard deviation of the measurement noise.
@@ -101,8 +102,8 @@ pub(super) struct Metrics {
 
 impl Metrics {
     /// None where nothing was compared.
-    pub(super) fn of(residual: &[f64]) -> Option<Self> {
-        let present = || residual.iter().copied().filter(|error| !error.is_nan());
+    pub(super) fn of(residual: impl Iterator<Item = f64> + Clone) -> Option<Self> {
+        let present = || residual.clone().filter(|error| !error.is_nan());
         let samples = present().count();
         if samples == 0 {
             return None;
@@ -260,28 +261,27 @@ impl Drawer<'_> {
         compared: &Compared,
         place: usize,
         (base, measured): (&TimeBase, &Signal),
-    ) -> Result<Option<Residual>, Refusal> {
+    ) -> Result<Option<ResidualCourse>, Refusal> {
         let signal = &compared.comparison.signals[place];
-        let errors = &compared.comparison.traces.free_run_residual;
-        let Some(errors) = errors.signal(&signal.name) else {
+        let traces = &compared.comparison.traces;
+        let Some(errors) = traces.free_run_residual(&signal.name) else {
             return Ok(None);
         };
-        let errors = errors.values_or_nan();
         let (within, _) = self.seen.of(base)?;
-        Ok(Some(Residual {
-            course: self.course(base, errors, &compared.pyramids[place].residual)?,
+        Ok(Some(ResidualCourse {
+            course: self.course(base, &errors, &compared.pyramids[place].residual)?,
             unit: signal.unit.clone(),
             noise: signal.noise_floor.value,
             limit: signal.limit,
             holds: signal.holds,
-            metrics: Metrics::of(&errors[within]),
+            metrics: Metrics::of(errors.part(within).iter()),
             band: self.band((base, measured, errors))?,
         }))
     }
 
     fn band(
         &self,
-        (base, measured, errors): (&TimeBase, &Signal, &[f64]),
+        (base, measured, errors): (&TimeBase, &Signal, Residual),
     ) -> Result<Option<Band>, Refusal> {
         let Some(tolerance) = self.tolerances.get(measured.name()) else {
             return Ok(None);
@@ -289,7 +289,7 @@ impl Drawer<'_> {
         let measured = shown_values(measured, self.parameters);
         let band = Band::of(
             tolerance,
-            (base, &measured, errors),
+            (base, &measured, &errors),
             (self.seen, self.range),
             self.points,
         )?;
@@ -299,7 +299,7 @@ impl Drawer<'_> {
     fn course(
         &self,
         base: &TimeBase,
-        values: &[f64],
+        values: &(impl Series + ?Sized),
         pyramid: &Pyramid,
     ) -> Result<Course, Refusal> {
         Course::of((base, values, pyramid), self.range, self.points)
@@ -314,7 +314,7 @@ pub(super) fn mean_step_s(base: &TimeBase) -> f64 {
 impl Course {
     /// What is seen of `values` in `range` in about so many points.
     pub(in crate::pages) fn of(
-        (base, values, pyramid): (&TimeBase, &[f64], &Pyramid),
+        (base, values, pyramid): (&TimeBase, &(impl Series + ?Sized), &Pyramid),
         range: Range,
         points: usize,
     ) -> Result<Self, Refusal> {
@@ -324,15 +324,14 @@ impl Course {
         let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
         let points = points.clamp(2, POINTS_MAX);
         let shown = pyramid.thin((times_s, values), view_s, points, gap_s);
-        let at = |values: &[f64]| {
-            shown
-                .iter()
-                .map(|index| index.map(|index| values[index]))
-                .collect()
-        };
+        let shown = || shown.iter().copied();
         Ok(Self {
-            t: at(times_s),
-            y: at(values),
+            t: shown()
+                .map(|index| index.map(|index| times_s[index]))
+                .collect(),
+            y: shown()
+                .map(|index| index.map(|index| values.value(index)))
+                .collect(),
         })
     }
 
@@ -350,7 +349,7 @@ mod tests {
 
     #[test]
     fn metrics_are_those_of_the_samples_that_are_there() {
-        let metrics = Metrics::of(&[1.0, f64::NAN, -3.0]).unwrap();
+        let metrics = Metrics::of([1.0, f64::NAN, -3.0].into_iter()).unwrap();
         assert_eq!(
             metrics,
             Metrics {
@@ -363,6 +362,6 @@ mod tests {
                 highest: 1.0,
             }
         );
-        assert_eq!(Metrics::of(&[f64::NAN]), None);
+        assert_eq!(Metrics::of([f64::NAN].into_iter()), None);
     }
 }

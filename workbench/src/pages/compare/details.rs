@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use model_lab::result::Residual;
 use recording::{Signal, TimeBase};
 use serde::{Deserialize, Serialize};
 
 use super::courses::Range;
 use super::selection::picked;
+use crate::pyramid::Series;
 use crate::refusal::Refusal;
 use crate::results::Compared;
 use crate::session::Session;
@@ -55,10 +57,11 @@ pub(super) fn values(session: &Session, number: u32, time_s: f64) -> Result<Valu
         let index = nearest(base, time_s);
         let (_, converter) = shown_unit(signal, &parameters);
         let measured = signal.get(index);
-        let of = |run: &recording::Recording| run.signal(signal.name())?.get(index);
-        let residual = traces.and_then(|traces| of(&traces.free_run_residual));
-        let is_compared =
-            traces.is_some_and(|traces| traces.free_run_residual.signal(signal.name()).is_some());
+        let errors = traces.and_then(|traces| traces.free_run_residual(signal.name()));
+        let residual = errors.filter(|errors| index < errors.len());
+        let residual = residual
+            .map(|errors| errors.at(index))
+            .filter(|error| !error.is_nan());
         Some(ValueOf {
             name: signal.name().to_owned(),
             time_s: base.times_s()[index],
@@ -67,8 +70,8 @@ pub(super) fn values(session: &Session, number: u32, time_s: f64) -> Result<Valu
                 None => measured,
             },
             model: traces
-                .filter(|_| is_compared)
-                .and_then(|traces| of(&traces.free_run)),
+                .filter(|_| errors.is_some())
+                .and_then(|traces| traces.free_run.signal(signal.name())?.get(index)),
             residual,
         })
     };
@@ -141,9 +144,8 @@ pub(super) fn scatter(session: &Session, number: u32, axes: &Axes) -> Result<Sca
         Some(select) => Some(picked(&compared, select)?.1),
         None => None,
     };
-    let errors = residual.values_or_nan();
     let usable: Vec<usize> = within
-        .filter(|&index| !errors[index].is_nan() && !over[index].is_nan())
+        .filter(|&index| !residual.at(index).is_nan() && !over[index].is_nan())
         .collect();
     let is_selected = |index: usize| is_in.as_ref().is_some_and(|is_in| is_in[index]);
     let of = |wanted: bool| {
@@ -154,9 +156,9 @@ pub(super) fn scatter(session: &Session, number: u32, axes: &Axes) -> Result<Sca
                 .filter(|&index| is_selected(index) == wanted)
         };
         let mut points = Points::default();
-        for index in one_of_each_cell(chosen, &over, errors) {
+        for index in one_of_each_cell(chosen, &over, &residual) {
             points.x.push(over[index]);
-            points.y.push(errors[index]);
+            points.y.push(residual.at(index));
             points.t.push(base.times_s()[index]);
         }
         points
@@ -174,9 +176,10 @@ pub(super) fn scatter(session: &Session, number: u32, axes: &Axes) -> Result<Sca
 pub(super) fn residual_of<'a>(
     compared: &'a Compared,
     name: &str,
-) -> Result<(&'a TimeBase, &'a Signal), Refusal> {
-    let residuals = &compared.comparison.traces.free_run_residual;
-    let found = residuals.time_base_of(name).zip(residuals.signal(name));
+) -> Result<(&'a TimeBase, Residual<'a>), Refusal> {
+    let traces = &compared.comparison.traces;
+    let base = traces.free_run.time_base_of(name);
+    let found = base.zip(traces.free_run_residual(name));
     found.ok_or_else(|| Refusal::not_found("compared signal"))
 }
 
@@ -227,15 +230,16 @@ fn over(
 fn one_of_each_cell<I: Iterator<Item = usize>>(
     samples: impl Fn() -> I,
     x: &[f64],
-    y: &[f64],
+    y: &(impl Series + ?Sized),
 ) -> Vec<usize> {
-    let range = |values: &[f64]| {
-        let values = || samples().map(|index| values[index]);
+    let range = |value: &dyn Fn(usize) -> f64| {
+        let values = || samples().map(value);
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
         (low, (high - low).max(f64::MIN_POSITIVE))
     };
-    let (x_range, y_range) = (range(x), range(y));
+    let x_range = range(&|index| x[index]);
+    let y_range = range(&|index| y.value(index));
     let cell = |value: f64, (low, span): (f64, f64), cells: usize| {
         (((value - low) / span * cells as f64) as usize).min(cells - 1)
     };
@@ -243,7 +247,7 @@ fn one_of_each_cell<I: Iterator<Item = usize>>(
     for index in samples() {
         let place = (
             cell(x[index], x_range, CELLS.0),
-            cell(y[index], y_range, CELLS.1),
+            cell(y.value(index), y_range, CELLS.1),
         );
         cells.entry(place).or_insert(index);
     }
@@ -372,7 +376,7 @@ mod tests {
         let x: Vec<f64> = (0..100_000).map(|index| (index % 1000) as f64).collect();
         let mut y = vec![0.0; x.len()];
         y[77_777] = 5.0;
-        let shown = one_of_each_cell(|| 0..x.len(), &x, &y);
+        let shown = one_of_each_cell(|| 0..x.len(), &x, &y[..]);
         assert!(shown.len() <= CELLS.0 + 1, "{}", shown.len());
         assert!(shown.contains(&77_777));
     }

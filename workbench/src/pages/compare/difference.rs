@@ -123,7 +123,11 @@ impl Pair<'_> {
         let pairs = self.values[within.clone()].iter().zip(other);
         let values: Vec<f64> = pairs.map(|(this, other)| this - other).collect();
         let course = match TimeBase::new(times_s.to_vec()) {
-            Ok(base) => Course::of((&base, &values, &Pyramid::new(&values)), range, wish.points)?,
+            Ok(base) => Course::of(
+                (&base, &values[..], &Pyramid::new(&values[..])),
+                range,
+                wish.points,
+            )?,
             // Nothing of this log is in the view.
             Err(_) => Course::default(),
         };
@@ -132,7 +136,11 @@ impl Pair<'_> {
             unit: unit_of_difference(unit),
             between,
             course,
-            metrics: Metrics::of(&values[seen.start - within.start..seen.end - within.start]),
+            metrics: Metrics::of(
+                values[seen.start - within.start..seen.end - within.start]
+                    .iter()
+                    .copied(),
+            ),
         })
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use recording::csv::Decimals;
-use recording::{Note, Provenance, Recording, Signal, TimeBase, TimeBaseId};
+use recording::{Note, Provenance, Recording, Signal, TimeBase, TimeBaseId, Unit};
 
 use super::courses::Range;
 use crate::refusal::Refusal;
@@ -48,9 +48,8 @@ fn visible(
     });
     let times_s = base.times_s()[within.clone()].to_vec();
     let out_id = out.add_time_base(TimeBase::new(times_s).map_err(not_written)?);
-    let mut add = |name: &str, signal: &Signal| {
-        let samples = signal.values_or_nan()[within.clone()].to_vec();
-        out.add_signal(name, signal.unit(), out_id, samples)
+    let mut add = |name: &str, unit: Unit, samples: Vec<f64>| {
+        out.add_signal(name, unit, out_id, samples)
             .map(drop)
             .map_err(not_written)
     };
@@ -58,16 +57,29 @@ fn visible(
     let on_base = |signal: &&Signal| signal.time_base() == id;
     let mut renamed = Vec::new();
     for signal in recording.signals().iter().filter(on_base) {
-        add(signal.name(), signal)?;
+        let visible = |signal: &Signal| {
+            (
+                signal.unit(),
+                signal.values_or_nan()[within.clone()].to_vec(),
+            )
+        };
+        let (unit, measured) = visible(signal);
+        add(signal.name(), unit, measured)?;
         let Some(compared) = &compared else { continue };
         let traces = &compared.comparison.traces;
-        let errors = traces.free_run_residual.signal(signal.name());
+        let errors = traces.free_run_residual(signal.name());
         let model = errors.and_then(|_| traces.free_run.signal(signal.name()));
+        let errors = errors.zip(traces.residual_unit(signal.name()));
+        let errors =
+            errors.map(|(errors, unit)| (unit, errors.part(within.clone()).iter().collect()));
+        let model = model.map(visible);
         for (kind, course) in [("model", model), ("residual", errors)] {
-            let Some(course) = course else { continue };
+            let Some((unit, samples)) = course else {
+                continue;
+            };
             let wanted = format!("{}_{kind}", signal.name());
             let name = free_name(recording, &wanted);
-            add(&name, course)?;
+            add(&name, unit, samples)?;
             if name != wanted {
                 renamed.push((
                     name,

@@ -61,7 +61,7 @@ pub(super) fn picked(compared: &Compared, select: &str) -> Result<(String, Vec<b
         Some((placement, bin))
     });
     let (placement, bin) = found.ok_or_else(|| Refusal::not_found("regime"))?;
-    let is_in = placement.bin_of.iter().map(|&one| usize::from(one) == bin);
+    let is_in = placement.bin_of.iter().map(|one| usize::from(one) == bin);
     Ok((placement.labels[bin].clone(), is_in.collect()))
 }
 

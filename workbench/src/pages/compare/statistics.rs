@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::courses::Range;
 use super::details::{residual_of, unit_of_errors};
 use crate::histogram::Histogram;
+use crate::pyramid::Series;
 use crate::refusal::Refusal;
 use crate::session::Session;
 use crate::shown_unit::shown_unit;
@@ -91,25 +92,30 @@ impl Course {
         let log = session.log(number)?;
         let log = log.as_ref().as_ref().map_err(Clone::clone)?;
         let traces = &compared.comparison.traces;
+        let (residual, values);
         let found = || Refusal::not_found("signal");
-        let (base, signal, unit, converter) = match wish.of {
+        let (base, values, unit, converter): (_, &dyn Series, _, _) = match wish.of {
             Side::Residual => {
                 let (base, errors) = residual_of(&compared, &wish.signal)?;
                 let unit = unit_of_errors(&compared, &wish.signal);
-                (base, errors, unit, None)
+                residual = errors;
+                (base, &residual, unit, None)
             }
             Side::Modelled => {
                 let run = &traces.free_run;
                 let model = run.signal(&wish.signal).ok_or_else(found)?;
                 let base = run.time_base_of(&wish.signal).ok_or_else(found)?;
-                (base, model, model.unit().symbol().to_owned(), None)
+                let unit = model.unit().symbol().to_owned();
+                values = model.values_or_nan();
+                (base, &values, unit, None)
             }
             Side::Measured => {
                 let log = &log.recording;
                 let measured = log.signal(&wish.signal).ok_or_else(found)?;
                 let base = log.time_base_of(&wish.signal).ok_or_else(found)?;
                 let (unit, converter) = shown_unit(measured, &compared.parameters);
-                (base, measured, unit.symbol().to_owned(), converter)
+                values = measured.values_or_nan();
+                (base, &values, unit.symbol().to_owned(), converter)
             }
         };
         let range = Range {
@@ -121,13 +127,13 @@ impl Course {
         let noise = signals
             .filter(|one| one.name == wish.signal && wish.of != Side::Modelled)
             .find_map(|one| one.noise_floor.value);
-        let values = signal.values_or_nan()[within.clone()].iter();
+        let values = within.clone().map(|index| values.value(index));
         Ok(Self {
             unit,
             noise,
             times_s: base.times_s()[within].to_vec(),
             values: values
-                .map(|&value| converter.map_or(value, |converter| converter.apply(value)))
+                .map(|value| converter.map_or(value, |converter| converter.apply(value)))
                 .collect(),
             step_s: base.sampling().median_step_s,
         })
