@@ -128,6 +128,8 @@ impl Store {
         let mut file = options.write(true).create_new(true).open(&unfinished)?;
         let written = file
             .write_all(bytes)
+            // File systems count in ticks of milliseconds: two projects saved within one would have no order.
+            .and_then(|()| file.set_modified(SystemTime::now()))
             .and_then(|()| file.sync_all())
             .and_then(|()| fs::rename(&unfinished, path));
         if written.is_err() {
