@@ -1,5 +1,6 @@
 //! A log as the diagnosis sees it: what drives the model, and what it has to answer.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use plant_sim::logger_clock::LoggerClock;
@@ -286,7 +287,7 @@ impl Log {
         let mut replay = self.begin(parameters, &conditions, Tolerance::default());
         for row in 0..self.inputs.len() {
             let samples = self.possible_samples(row, clock, sample_time_ns);
-            if samples.end() > samples.start() {
+            if let Some(samples) = samples.filter(|samples| samples.end() > samples.start()) {
                 let until = (row + rows_until_shown).min(self.inputs.len());
                 let loss = |sample: u64| {
                     let mut trial = issued_ns[row..until].to_vec();
@@ -316,31 +317,24 @@ impl Log {
     }
 
     /// Samples of the ECU at which the command of `row` may have been given first: those since the row before, and a little more,
-    /// for the clock may be slightly wrong. Empty where the command does not change.
+    /// for the clock may be slightly wrong. None where the command does not change, and in a gap.
     fn possible_samples(
         &self,
         row: usize,
         clock: LoggerClock,
         sample_time_ns: u64,
-    ) -> core::ops::RangeInclusive<u64> {
-        const NONE: core::ops::RangeInclusive<u64> = 1..=0;
-        let Some(before) = row.checked_sub(1) else {
-            return NONE;
-        };
-        let command = |row: usize| self.inputs[row].command;
-        if command(row).is_none() || command(row) == command(before) {
-            return NONE;
+    ) -> Option<RangeInclusive<u64>> {
+        let before = row.checked_sub(1)?;
+        let command = self.inputs[row].command?;
+        if Some(command) == self.inputs[before].command {
+            return None;
         }
         let slack_ns = (EDGE * sample_time_ns as f64) as u64;
-        let after_ns = clock
-            .ecu_time_ns(self.log_ns(before))
-            .saturating_sub(slack_ns);
+        let before_ns = clock.ecu_time_ns(self.log_ns(before));
         let until_ns = clock.ecu_time_ns(self.log_ns(row)) + slack_ns;
-        let (first, last) = (after_ns / sample_time_ns + 1, until_ns / sample_time_ns);
-        if last - first.min(last) > SAMPLES_MAX {
-            return NONE;
-        }
-        first..=last
+        let first = before_ns.saturating_sub(slack_ns) / sample_time_ns + 1;
+        let last = until_ns / sample_time_ns;
+        (last.saturating_sub(first) <= SAMPLES_MAX).then_some(first..=last)
     }
 
     /// Sum of the squared residuals of a predicted row.
