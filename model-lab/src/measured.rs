@@ -17,6 +17,8 @@ use crate::result::{NotCompared, Start, StartFrom, error_unit};
 
 /// The measured signal that corrects the predictor.
 pub(crate) const PRESSURE: &str = "p_ch";
+/// Signals of a log that the diagnosis weighs; armature positions are the model's own.
+pub(crate) const WEIGHED: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
 /// What drives the model is no result of it.
 const INPUTS: [&str; 3] = [DUTIES[FILL], DUTIES[VENT], "u_bat"];
 /// A first pressure this close to ambient [bar] is a start at rest ...

@@ -2,8 +2,8 @@
 
 use plant_sim::parameters::{Part, effects_meant};
 
-use super::log::SIGNALS;
 use crate::error::CompareError;
+use crate::measured::WEIGHED;
 
 /// Why a diagnosis cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -128,7 +128,7 @@ pub enum DiagnoseError {
 /// The signals of a diagnosis that no log has.
 fn unlogged(logged: &[String]) -> Vec<&'static str> {
     let is_absent = |signal: &&str| logged.iter().all(|one| one != signal);
-    SIGNALS.into_iter().filter(is_absent).collect()
+    WEIGHED.into_iter().filter(is_absent).collect()
 }
 
 /// What may have been meant.

@@ -16,12 +16,10 @@ use super::sensor_noise::SensorNoise;
 use super::verdict::MODEL_ERROR;
 use crate::commands::Commands;
 use crate::error::CompareError;
-use crate::measured::{Measured, PRESSURE, Restart, measured_signals, start};
+use crate::measured::{Measured, PRESSURE, Restart, WEIGHED, measured_signals, start};
 use crate::result::{LogDefects, NotCompared, Warning};
 use crate::warning::warnings;
 
-/// Signals of a log that the diagnosis weighs; armature positions are the model's own.
-pub(super) const SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
 /// Rows closer than this (s) show a current of an instant; those further apart may show means.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
 /// Rows further apart than this many samples of the ECU leave open at which of them a command was given.
@@ -120,7 +118,7 @@ impl Read {
         let (base, mut inputs) = inputs(parameters, log).map_err(CompareError::from)?;
         commands.gaps.shorten(&mut inputs);
         let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
-        not_compared.retain(|signal| SIGNALS.contains(&signal.name.as_str()));
+        not_compared.retain(|signal| WEIGHED.contains(&signal.name.as_str()));
         Ok(Self {
             warnings: warnings(parameters, log, &commands, &measured),
             interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
@@ -164,7 +162,7 @@ impl Log {
         let (weighed, still): (Vec<_>, Vec<_>) = measured
             .into_iter()
             .zip(sigmas)
-            .filter(|(signal, _)| SIGNALS.contains(&signal.name))
+            .filter(|(signal, _)| WEIGHED.contains(&signal.name))
             .partition(|(_, sigma)| *sigma > 0.0);
         not_compared.extend(
             still
