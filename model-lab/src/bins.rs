@@ -26,7 +26,7 @@ impl Default for Store {
 
 /// Bytes of a run: its length and its bin.
 const RUN_BYTES: usize = 6;
-/// So many runs are kept however short they are.
+/// Number of runs that are kept, however short they are.
 const FEW_RUNS: usize = 1024;
 
 impl Bins {

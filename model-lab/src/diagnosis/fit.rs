@@ -129,9 +129,9 @@ pub(crate) struct Fitter<'a> {
     pub(crate) step_scale: f64,
     /// A decrease below this share of the cost is none.
     pub(crate) converged_share: f64,
-    /// How residuals count.
+    /// Loss of the residuals.
     pub(crate) loss: Loss,
-    /// What is fitted to what.
+    /// Unknowns and signals that take part.
     pub(crate) scope: Scope,
 }
 
@@ -140,7 +140,7 @@ pub(crate) struct Fitter<'a> {
 pub(crate) enum Scope {
     /// All unknowns, fitted to all signals.
     Whole,
-    /// What the currents show however wrong the rest of the plant is, fitted to the currents.
+    /// Coils, delay and clocks, fitted to the currents: these show them however wrong the rest of the plant is.
     Coils,
 }
 
@@ -154,7 +154,7 @@ impl Scope {
     }
 }
 
-/// How the residuals of a fit count.
+/// Loss of the residuals of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Loss {
     /// With their square.

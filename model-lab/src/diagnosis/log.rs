@@ -506,7 +506,7 @@ impl Log {
     }
 
     /// Advances to row `index`, whose command was given at an instant of the ECU if the logger has a clock of its own, and corrects the
-    /// model there; none where the simulation was given up.
+    /// model there; none where the simulation was aborted.
     fn step(
         &self,
         replay: &mut Replay,
