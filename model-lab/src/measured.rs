@@ -183,7 +183,8 @@ fn take_out_vacuum(values: &mut [f64], ambient: f64) -> usize {
     below.map(|value| *value = f64::NAN).count()
 }
 
-/// Where the model begins again behind each gap, from the pressures [bar gauge] that were measured, also within gaps.
+/// Where the model begins again behind each gap, from the pressures [bar gauge] that were measured, also within gaps: at the first
+/// row behind it, so that what follows the chamber, as a slow sensor does, follows the right pressure, and at its last row.
 fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) -> Vec<Restart> {
     let holds = commands.holds(0.0);
     let restart = |gap: &Gap| {
@@ -197,13 +198,25 @@ fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) ->
         let rows = row..end;
         let still = (&commands.times_s[rows.clone()], &shown[rows.clone()]);
         let level_bar = level_above_vacuum(still, sigma, ambient)?;
-        Some(Restart {
+        let pressure = |level_bar: f64| level_bar * PA_PER_BAR + ambient;
+        let last = Restart {
             row,
-            pressure: level_bar * PA_PER_BAR + ambient,
+            pressure: pressure(level_bar),
             variance: 1.0 / present(&shown[rows]).count() as f64,
-        })
+        };
+        let behind = commands
+            .times_s
+            .partition_point(|&time_s| time_s < gap.end_s);
+        let first_level_bar = shown.get(behind).copied().unwrap_or(f64::NAN);
+        let first = Restart {
+            row: behind,
+            pressure: pressure(first_level_bar),
+            variance: 1.0,
+        };
+        let is_sound = behind < row && first.pressure >= least_pressure();
+        Some(is_sound.then_some(first).into_iter().chain([last]))
     };
-    commands.gaps.iter().filter_map(restart).collect()
+    commands.gaps.iter().filter_map(restart).flatten().collect()
 }
 
 /// As [`first_level`], but no line that leads below vacuum.

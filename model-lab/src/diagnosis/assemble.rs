@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use plant_sim::PlantParameters;
 use plant_sim::effects::EffectSetting;
+use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
 use super::detection::detection_limit;
@@ -60,7 +60,11 @@ pub(crate) fn step(
 }
 
 fn free_run(bench: &Bench, trial: &Trial) -> BySignal {
-    let residuals = bench.checking.residuals(&trial.plant(), Run::Free);
+    let (conditions, run) = (&trial.checked_conditions, Run::Free);
+    let residuals =
+        bench
+            .checking
+            .residuals_on(&trial.plant(), conditions, run, Tolerance::default());
     residuals.map_or_else(BySignal::new, |residuals| {
         Errors::new(bench.checking, &residuals, Run::Free).rms()
     })

@@ -31,7 +31,7 @@ pub(crate) fn detection_limit(
     };
     let mut effects = base.effects.clone();
     effects.push(effect.clone());
-    let unknowns = Unknowns::new(bench.plant, &effects, bench.fitting.has_pressure());
+    let unknowns = Unknowns::new(bench.plant, &effects, &bench.fitting.logs);
     let own = &unknowns.list()[base.unknowns.len()..];
     let mut size = FIRST_SIZE;
     for _ in 0..=CORRECTIONS {

@@ -13,6 +13,8 @@ use super::unknowns::Unknowns;
 /// All logs of one kind: for fitting, or for checking.
 pub(crate) struct Evidence {
     pub(crate) logs: Vec<Log>,
+    /// Whether it is the rest of the logs that are fitted, so that their conditions are the fitted ones.
+    pub(crate) is_rest_of_fitted: bool,
     simulations: AtomicUsize,
     computing_ns: AtomicU64,
 }
@@ -21,6 +23,7 @@ impl Evidence {
     pub(super) fn of(logs: Vec<Log>) -> Self {
         Self {
             logs,
+            is_rest_of_fitted: false,
             simulations: AtomicUsize::new(0),
             computing_ns: AtomicU64::new(0),
         }

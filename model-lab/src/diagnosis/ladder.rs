@@ -25,15 +25,28 @@ pub(crate) struct Ladder {
     pub(crate) rivals: Vec<Vec<Tried>>,
 }
 
-/// Climbs until nothing material remains, or nothing explains what does.
-pub(crate) fn climb(bench: &Bench, plain: Trial, watch: Watch) -> Result<Ladder, DiagnoseError> {
-    let is_adequate = !plain.is_material();
-    let effort = if is_adequate {
-        Effort::Glance
-    } else {
+/// Every effect alone on top of `plain`.
+pub(crate) fn singles(
+    bench: &Bench,
+    plain: &Trial,
+    watch: Watch,
+) -> Result<Vec<Tried>, DiagnoseError> {
+    let effort = if plain.is_material() {
         Effort::Alone
+    } else {
+        Effort::Glance
     };
-    let singles = try_all(bench, &plain, effort, "single effects", watch)?;
+    try_all(bench, plain, effort, "single effects", watch)
+}
+
+/// Climbs from `plain` and every effect alone until nothing material remains, or nothing explains what does.
+pub(crate) fn climb(
+    bench: &Bench,
+    plain: Trial,
+    singles: Vec<Tried>,
+    watch: Watch,
+) -> Result<Ladder, DiagnoseError> {
+    let is_adequate = !plain.is_material();
     let mut ladder = Ladder {
         steps: vec![plain],
         singles,

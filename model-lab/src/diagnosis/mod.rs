@@ -98,20 +98,24 @@ pub fn diagnose_with(
     }
     search::report(watch, "the plain model", 0.0)?;
     let plant = &with_logged_supply(plant, logs.iter().chain(check));
-    let (split, plain) = Split::that_shows(plant, logs, check)?;
+    let (mut split, mut plain) = Split::that_shows(plant, logs, check)?;
     // An effect of a part that the plant leaves out has nothing to act on.
     let library: Vec<&'static dyn Effect> = library
         .iter()
         .copied()
         .filter(|&effect| Part::of_effect(effect).is_in(plant))
         .collect();
-    let bench = Bench {
-        plant,
-        library: &library,
-        fitting: &split.fitting,
-        checking: &split.checking,
-    };
-    let mut found = ladder::climb(&bench, plain, watch)?;
+    let mut singles = ladder::singles(&split.bench(plant, &library), &plain, watch)?;
+    if plain.is_material()
+        && let Some(best) = singles.iter().find_map(|tried| tried.trial.as_ref())
+        && best.fitted.is_material()
+        && let Some(there) = split.assign_by(best)
+    {
+        plain = split.plain_from(plant, &there)?;
+        singles = ladder::singles(&split.bench(plant, &library), &plain, watch)?;
+    }
+    let bench = split.bench(plant, &library);
+    let mut found = ladder::climb(&bench, plain, singles, watch)?;
     let last = found.steps.last_mut().expect("at least the plain plant");
     search::report(watch, "the final fit", 0.0)?;
     last.polish(&bench).ok_or_else(|| split.not_simulated())?;
@@ -130,6 +134,10 @@ pub fn diagnose_with(
     } else {
         before.clone()
     };
+    let ladder = assemble::ladder(&bench, &found)?;
+    let nuisance = assemble::nuisance(&bench, plain, last);
+    let (equivalents, distinguishability) = assemble::equivalents(&found);
+    split.take_conditions(last);
     let logs_seen: Vec<_> = split
         .fitting
         .logs
@@ -137,8 +145,6 @@ pub fn diagnose_with(
         .chain(split.check_logs())
         .collect();
     let remaining = remaining::remaining(&last.plant(), &logs_seen, last.is_material());
-    let ladder = assemble::ladder(&bench, &found)?;
-    let (equivalents, distinguishability) = assemble::equivalents(&found);
     Ok(Diagnosis {
         schema: DIAGNOSIS_SCHEMA.to_owned(),
         logs: split.fitting.sources(),
@@ -159,7 +165,7 @@ pub fn diagnose_with(
         unexplained: found.is_unexplained(),
         equivalents,
         distinguishability,
-        nuisance: assemble::nuisance(&bench, plain, last),
+        nuisance,
         ladder,
         candidates,
         location: Location { before, after },

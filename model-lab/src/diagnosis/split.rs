@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use plant_sim::PlantParameters;
+use plant_sim::effects::Effect;
 use recording::Recording;
 
 use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::gather::gather;
 use super::log::Log;
-use super::logger_time::fit_conditions;
+use super::logger_time::{Search, find_slow_clocks, fit_conditions};
 use super::result::{Cost, FoundClock, FoundStart};
 use super::trial::{Bench, Trial};
 use crate::result::{LogDefects, NotCompared, Warning};
@@ -70,8 +71,7 @@ impl Split {
         check: &[Recording],
     ) -> Result<(Self, Trial), DiagnoseError> {
         let mut given = Self::as_given(plant, logs, check)?;
-        fit_conditions(plant, &mut given.fitting);
-        fit_conditions(plant, &mut given.checking);
+        given.fit_conditions(plant);
         let plain = given.plain(plant)?;
         if plain.fitted.is_material() || !plain.checked.is_material() {
             return Ok((given, plain));
@@ -81,7 +81,8 @@ impl Split {
         if check.is_empty() || !plain.checked.is_material() {
             return Ok((exchanged, plain));
         }
-        let all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
+        let mut all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
+        all.fit_conditions(plant);
         let plain = all.plain(plant)?;
         Ok((all, plain))
     }
@@ -101,6 +102,26 @@ impl Split {
         })
     }
 
+    /// Fits the conditions of all logs with `plant` as it is.
+    fn fit_conditions(&mut self, plant: &PlantParameters) {
+        fit_conditions(plant, &mut self.fitting);
+        if self.checking.is_rest_of_fitted {
+            let conditions = self.fitting.conditions();
+            self.checking.set_conditions(&conditions, plant);
+        } else {
+            fit_conditions(plant, &mut self.checking);
+        }
+    }
+
+    /// Takes the conditions that were fitted with `last` for those of the logs.
+    pub(super) fn take_conditions(&mut self, last: &Trial) {
+        self.fitting.take_conditions(&last.unknowns, &last.fit.z);
+        let logs = self.checking.logs.iter_mut();
+        for (log, conditions) in logs.zip(&last.checked_conditions) {
+            log.conditions = *conditions;
+        }
+    }
+
     fn exchanged(self) -> Self {
         Self {
             fitting: self.checking,
@@ -113,16 +134,58 @@ impl Split {
         }
     }
 
-    /// The fitted plain plant.
-    fn plain(&self, plant: &PlantParameters) -> Result<Trial, DiagnoseError> {
-        let plain = Bench {
+    /// What trials on these logs are held against.
+    pub(super) fn bench<'a>(
+        &'a self,
+        plant: &'a PlantParameters,
+        library: &'a [&'static dyn Effect],
+    ) -> Bench<'a> {
+        Bench {
             plant,
-            library: &[],
+            library,
             fitting: &self.fitting,
             checking: &self.checking,
         }
-        .plain();
+    }
+
+    /// The fitted plain plant.
+    fn plain(&self, plant: &PlantParameters) -> Result<Trial, DiagnoseError> {
+        let plain = self.bench(plant, &[]).plain();
         plain.ok_or_else(|| self.not_simulated())
+    }
+
+    /// The fitted plain plant, whose fit begins at the nuisance parameters of `there`.
+    pub(super) fn plain_from(
+        &self,
+        plant: &PlantParameters,
+        there: &PlantParameters,
+    ) -> Result<Trial, DiagnoseError> {
+        let plain = self.bench(plant, &[]).plain_from(there);
+        plain.ok_or_else(|| self.not_simulated())
+    }
+
+    /// Finds the clocks of logs that leave open at which sample of the ECU a command was given, and assigns their commands, by `best`:
+    /// what a wrong plant assigned hides what is missing. Returns the plant with the delay that goes with the clocks; none where
+    /// there is no such log, or no clocks that suit `best` better.
+    pub(super) fn assign_by(&mut self, best: &Trial) -> Option<PlantParameters> {
+        let is_open = |log: &Log| log.is_slow() && log.is_clock_open();
+        if !self.fitting.logs.iter().any(is_open) {
+            return None;
+        }
+        let mut plant = best.plant();
+        self.take_conditions(best);
+        let reach_s = 0.5 * plant.ecu.sample_time_s;
+        let there_s = plant.ecu.command_delay_s;
+        let delays_s = ((there_s - reach_s).max(0.0), there_s + reach_s);
+        let fitting = &mut self.fitting;
+        let delay_s = find_slow_clocks(&plant, fitting, delays_s, Search::Together)?;
+        if !self.checking.is_rest_of_fitted {
+            let delays_s = (delay_s, delay_s);
+            find_slow_clocks(&plant, &mut self.checking, delays_s, Search::Together);
+        }
+        plant.ecu.command_delay_s = delay_s;
+        self.fit_conditions(&plant);
+        Some(plant)
     }
 
     /// That the plant cannot be simulated on these logs.
@@ -247,6 +310,7 @@ fn refuse_repeated(logs: &[Recording], check: &[Recording]) -> Result<(), Diagno
 
 /// Of two copies of the same logs, one counts the blocks that the other does not.
 fn hold_out(fitting: &mut Evidence, checking: &mut Evidence) {
+    (fitting.is_rest_of_fitted, checking.is_rest_of_fitted) = (true, true);
     for (kept, out) in fitting.logs.iter_mut().zip(&mut checking.logs) {
         let rows = kept.counted.len();
         for row in 0..rows {

@@ -1,12 +1,14 @@
 //! The plant with some effects, fitted and judged.
 
-use plant_sim::PlantParameters;
 use plant_sim::effects::{Effect, EffectSetting};
+use plant_sim::{PlantParameters, Tolerance};
 
+use super::conditions::Conditions;
 use super::errors::Errors;
 use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
 use super::log::Run;
+use super::logger_time::fitted_conditions;
 use super::start::{Start, most_promising};
 use super::unknowns::Unknowns;
 use crate::whiteness::autocorrelation_time_samples;
@@ -47,6 +49,8 @@ pub(crate) struct Trial {
     /// Errors on the fitted logs and on what was held out.
     pub(crate) fitted: Errors,
     pub(crate) checked: Errors,
+    /// Conditions of the logs that judge, log after log.
+    pub(crate) checked_conditions: Vec<Conditions>,
     /// Samples over which the error remembers; at least 1.
     pub(crate) correlation_samples: f64,
 }
@@ -54,10 +58,15 @@ pub(crate) struct Trial {
 impl Bench<'_> {
     /// The plant as given, with its nuisance parameters and those of its effects fitted.
     pub(crate) fn plain(&self) -> Option<Trial> {
+        self.plain_from(self.plant)
+    }
+
+    /// The same, with a fit that begins at the nuisance parameters of `there`.
+    pub(crate) fn plain_from(&self, there: &PlantParameters) -> Option<Trial> {
         let effects = self.plant.effects.clone();
-        let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
+        let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
         let fitter = Fitter::new(self.fitting, &unknowns);
-        let start = fitter.at(unknowns.start())?;
+        let start = fitter.at(unknowns.at(there))?;
         let fit = fitter.descend(start, Descent::Whole)?;
         let mut trial = self.judge(effects, unknowns, fit)?;
         trial.refresh(self)?;
@@ -69,7 +78,7 @@ impl Bench<'_> {
     pub(crate) fn sketch(&self, base: &Trial, effect: EffectSetting) -> Option<Sketch> {
         let mut effects = base.effects.clone();
         effects.push(effect);
-        let unknowns = Unknowns::new(self.plant, &effects, self.fitting.has_pressure());
+        let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
         let start = most_promising(&Fitter::new(self.fitting, &unknowns), &base.fit)?;
         Some(Sketch {
             promised_gain: base.fit.cost - start.promised,
@@ -122,15 +131,32 @@ impl Bench<'_> {
         fit: Fit,
     ) -> Option<Trial> {
         let plant = unknowns.plant(&fit.z);
-        let residuals = self.checking.residuals(&plant, Run::Predicted)?;
+        let conditions = self.checked_conditions(&unknowns, &fit.z);
+        let run = Run::Predicted;
+        let residuals =
+            self.checking
+                .residuals_on(&plant, &conditions, run, Tolerance::default())?;
         Some(Trial {
             correlation_samples: correlation_samples(self.fitting, &fit.residuals),
             fitted: Errors::new(self.fitting, &fit.residuals, Run::Predicted),
             checked: Errors::new(self.checking, &residuals, Run::Predicted),
+            checked_conditions: conditions,
             effects,
             unknowns,
             fit,
         })
+    }
+
+    /// The conditions of the logs that judge: those that were fitted, where they are blocks of the same logs, or those that suit the
+    /// fitted plant best.
+    fn checked_conditions(&self, unknowns: &Unknowns, z: &[f64]) -> Vec<Conditions> {
+        if self.checking.is_rest_of_fitted {
+            let mut conditions = self.fitting.conditions();
+            unknowns.conditions(z, &mut conditions);
+            conditions
+        } else {
+            fitted_conditions(&unknowns.plant(z), self.checking)
+        }
     }
 }
 
@@ -256,7 +282,7 @@ mod tests {
             checking: &evidence,
         };
         let effects = vec![EffectSetting::typical(by_id("chamber_leak").unwrap())];
-        let unknowns = Unknowns::new(&plant, &effects, true);
+        let unknowns = Unknowns::new(&plant, &effects, &evidence.logs);
         let of_size = |size: f64, cost: f64| {
             let z = unknowns.list().iter().map(|unknown| unknown.of_size(size));
             let mut fit = Fitter::new(&evidence, &unknowns).at(z.collect()).unwrap();

@@ -98,31 +98,25 @@ pub(crate) enum Unknown {
 }
 
 impl Unknowns {
-    /// The nuisance parameters of `datasheet`, as far as the logs can show them, and then those of its effects
-    /// which are in `fitted`.
-    pub(crate) fn new(
-        datasheet: &PlantParameters,
-        fitted: &[EffectSetting],
-        has_pressure: bool,
-    ) -> Self {
-        let mut plant = datasheet.clone();
-        let mut list: Vec<Unknown> = nuisances(datasheet, has_pressure)
-            .into_iter()
-            .map(Unknown::Nuisance)
-            .collect();
+    /// The nuisance parameters of `datasheet`, as far as `logs` can show them, then the conditions of the logs, and then the
+    /// parameters of the effects in `fitted`, so that a further effect comes last.
+    pub(crate) fn new(datasheet: &PlantParameters, fitted: &[EffectSetting], logs: &[Log]) -> Self {
+        let has_pressure = logs.iter().any(|log| log.pressure().is_some());
+        let nuisances = nuisances(datasheet, has_pressure);
+        let mut unknowns = Self {
+            datasheet: datasheet.clone(),
+            list: nuisances.into_iter().map(Unknown::Nuisance).collect(),
+        }
+        .with_clocks(logs)
+        .with_starts(logs);
         for setting in fitted {
-            plant = plant.with_effect(setting.clone());
-            list.extend(
-                setting
-                    .parameters()
-                    .iter()
-                    .map(|&spec| Unknown::effect(spec)),
-            );
+            unknowns.datasheet = unknowns.datasheet.with_effect(setting.clone());
+            let own = setting.parameters();
+            unknowns
+                .list
+                .extend(own.iter().map(|&spec| Unknown::effect(spec)));
         }
-        Self {
-            datasheet: plant,
-            list,
-        }
+        unknowns
     }
 
     pub(crate) fn list(&self) -> &[Unknown] {
@@ -141,6 +135,29 @@ impl Unknowns {
             .collect()
     }
 
+    /// The coordinates of the nuisance parameters of `plant`; those of the rest as they were given.
+    pub(crate) fn at(&self, plant: &PlantParameters) -> Vec<f64> {
+        let coordinate = |unknown: &Unknown| match unknown {
+            Unknown::Nuisance(nuisance) => {
+                let (least, most) = unknown.bounds();
+                let value = nuisance.spec.value(plant);
+                let z = value.map_or(0.0, |value| unknown.coordinate_of(value));
+                z.clamp(least, most)
+            }
+            Unknown::Log(_) | Unknown::Effect { .. } => unknown.coordinate(&self.datasheet),
+        };
+        self.list.iter().map(coordinate).collect()
+    }
+
+    /// The same without the conditions of the logs, and the places in the list of those that stay.
+    pub(crate) fn without_logs(&self) -> (Self, Vec<usize>) {
+        let is_kept = |&n: &usize| !matches!(self.list[n], Unknown::Log(_));
+        let kept: Vec<usize> = (0..self.len()).filter(is_kept).collect();
+        let list = kept.iter().map(|&n| self.list[n].clone()).collect();
+        let datasheet = self.datasheet.clone();
+        (Self { datasheet, list }, kept)
+    }
+
     /// The conditions of the logs alone.
     pub(crate) fn of_logs(plant: &PlantParameters, logs: &[Log]) -> Self {
         let of_plant = Self {
@@ -151,7 +168,7 @@ impl Unknowns {
     }
 
     /// Adds the clocks of the loggers to what is fitted: phase and drift of each log that has one.
-    pub(crate) fn with_clocks(mut self, logs: &[Log]) -> Self {
+    fn with_clocks(mut self, logs: &[Log]) -> Self {
         for (index, log) in logs.iter().enumerate() {
             let Some(clock) = log.conditions.clock else {
                 continue;
@@ -193,7 +210,7 @@ impl Unknowns {
     }
 
     /// Adds the state in which logs begin to what is fitted: the temperature of the gas in a filled chamber.
-    pub(crate) fn with_starts(mut self, logs: &[Log]) -> Self {
+    fn with_starts(mut self, logs: &[Log]) -> Self {
         let filled = logs
             .iter()
             .enumerate()

@@ -110,9 +110,7 @@ fn bench<'a>(plant: &'a PlantParameters, split: &'a Split) -> Bench<'a> {
 }
 
 fn unknowns_of(plant: &PlantParameters, evidence: &Evidence) -> Unknowns {
-    Unknowns::new(plant, &plant.effects, evidence.has_pressure())
-        .with_clocks(&evidence.logs)
-        .with_starts(&evidence.logs)
+    Unknowns::new(plant, &plant.effects, &evidence.logs)
 }
 
 /// The plant as given, without any fit but of the loggers' clocks.

@@ -17,7 +17,7 @@ use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::fit::{Descent, Difference, Fit, Fitter, Loss, Scope};
 use crate::diagnosis::log::{Log, Run};
 use crate::diagnosis::logger_time::{
-    Delay, best_delay_s, find_clock, find_conditions, find_slow_clocks,
+    Delay, Search, best_delay_s, find_clock, find_conditions, find_slow_clocks,
 };
 use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
@@ -282,7 +282,7 @@ fn assigned_anew(
             (delay.value(least), delay.value(most))
         },
     );
-    let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s);
+    let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s, Search::InTurn);
     let unknowns = unknowns_of(plant, &split.fitting);
     let mut next = unknowns.start();
     for ((to, unknown), from) in next.iter_mut().zip(unknowns.list()).zip(z) {

@@ -12,12 +12,14 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::CurrentSampling;
 use rayon::prelude::*;
 
+use super::conditions::Conditions;
 use super::evidence::Evidence;
 use super::fit::{Descent, Fitter, Loss};
 use super::log::{Log, Run};
 use super::unknowns::Unknowns;
+use crate::commands::COMMAND_DELAY;
 use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
-pub(crate) use slow::find_slow_clocks;
+pub(crate) use slow::{Search, find_slow_clocks};
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...
 const DELAY_REACH_S: f64 = 8e-3;
@@ -130,22 +132,23 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, d
     let told = clocks_from_commands(log.inputs(), sample_time_s);
     let is_told = !told.is_empty();
     let found = if !is_told {
+        // A delay that was fitted together with a clock suits that clock alone.
+        let is_stated = plant.knowledge.contains_key(COMMAND_DELAY);
+        let fitted = (is_stated && delay == Delay::Searched).then_some(Delay::AsGiven);
+        let ways: Vec<Delay> = fitted.into_iter().chain([delay]).collect();
         let as_ecu = best(plant, log, &[None], delay.candidates_s(plant, DELAY_STEP_S));
-        if as_ecu.loss < delay.in_time() * log.counted_samples().max(1) as f64 {
+        if as_ecu.loss < ways[0].in_time() * log.counted_samples().max(1) as f64 {
             return;
         }
-        let phases = delay.phases();
-        let delays_s = delay.candidates_s(plant, WIDE_DELAY_STEP_S);
-        let of_drifts = |drifts_ppm: &[f64]| {
-            let clocks = clocks_of(drifts_ppm, phases, sample_time_s);
-            best(plant, log, &clocks, delays_s.clone())
-        };
         let mut drifts: Vec<f64> = drifts_ppm.to_vec();
         drifts.extend(usual_drifts_ppm(duration_s));
-        let found = of_drifts(&drifts);
-        if found.loss > delay.clear() * as_ecu.loss {
-            return;
-        }
+        let found = ways.into_iter().find_map(|delay| {
+            let clocks = clocks_of(&drifts, delay.phases(), sample_time_s);
+            let delays_s = delay.candidates_s(plant, WIDE_DELAY_STEP_S);
+            let found = best(plant, log, &clocks, delays_s);
+            (found.loss <= delay.clear() * as_ecu.loss).then_some(found)
+        });
+        let Some(found) = found else { return };
         found
     } else {
         let clocks: Vec<_> = told.iter().flat_map(|told| delay.clocks(told)).collect();
@@ -203,20 +206,25 @@ pub(crate) fn find_conditions(
 /// Fits the conditions of the logs in `evidence`, clocks that were found among them, with `plant`, whose parameters are right.
 pub(crate) fn fit_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
     for _ in 0..ROUNDS {
-        let unknowns = Unknowns::of_logs(plant, &evidence.logs);
-        if unknowns.list().is_empty() {
-            return;
-        }
-        let mut fitter = Fitter::new(evidence, &unknowns);
-        fitter.loss = Loss::Forgiving(OUTLIER);
-        let start = fitter.at(unknowns.start());
-        let Some(fit) = start.and_then(|start| fitter.descend(start, Descent::Whole)) else {
-            return;
-        };
-        let mut conditions = evidence.conditions();
-        unknowns.conditions(&fit.z, &mut conditions);
+        let conditions = fitted_conditions(plant, evidence);
         evidence.set_conditions(&conditions, plant);
     }
+}
+
+/// Returns the conditions of the logs in `evidence` that suit `plant` best, with the commands assigned as they are.
+pub(crate) fn fitted_conditions(plant: &PlantParameters, evidence: &Evidence) -> Vec<Conditions> {
+    let mut conditions = evidence.conditions();
+    let unknowns = Unknowns::of_logs(plant, &evidence.logs);
+    if unknowns.list().is_empty() {
+        return conditions;
+    }
+    let mut fitter = Fitter::new(evidence, &unknowns);
+    fitter.loss = Loss::Forgiving(OUTLIER);
+    let start = fitter.at(unknowns.start());
+    if let Some(fit) = start.and_then(|start| fitter.descend(start, Descent::Whole)) {
+        unknowns.conditions(&fit.z, &mut conditions);
+    }
+    conditions
 }
 
 /// Returns the delay of the commands (s) that suits all logs in `evidence` best.

@@ -20,6 +20,15 @@ const STEPS_MAX: f64 = 12.0;
 /// A clock is believed if it leaves at most this share of the loss without one.
 const CLEAR: f64 = 0.98;
 
+/// How delay and drifts are searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Search {
+    /// One after the other.
+    InTurn,
+    /// All drifts with each delay: a drift that is wrong by a sample of the ECU over the log has a valley of its own.
+    Together,
+}
+
 /// A log without a clock that its commands tell, with the time (s) from a row in its middle to the effect of the row's command.
 struct Open {
     log: usize,
@@ -39,6 +48,7 @@ pub(crate) fn find_slow_clocks(
     plant: &PlantParameters,
     evidence: &mut Evidence,
     delays_s: (f64, f64),
+    search: Search,
 ) -> Option<f64> {
     let there_s = plant.ecu.command_delay_s;
     let logs = evidence.logs.iter().enumerate();
@@ -75,27 +85,44 @@ pub(crate) fn find_slow_clocks(
     };
     // A log of which the commands tell the clock pins the delay.
     let is_pinned = open.len() < logs.len();
+    let candidates = if is_pinned {
+        vec![there_s]
+    } else {
+        delays_between(delays_s)
+    };
+    let best_drift = |one: &Open, delay_s: f64| {
+        let tried = drifts_ppm(logs[one.log].duration_s(), one.drift_ppm).into_par_iter();
+        let tried = tried.map(|drift_ppm| (loss_of(one, delay_s, drift_ppm), drift_ppm));
+        let least = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        least.unwrap_or((f64::INFINITY, one.drift_ppm))
+    };
     let mut best = (before, there_s);
-    for _ in 0..2 {
-        for one in &mut open {
-            let tried = drifts_ppm(logs[one.log].duration_s(), one.drift_ppm).into_par_iter();
-            let tried = tried.map(|drift_ppm| (loss_of(one, best.1, drift_ppm), drift_ppm));
-            let least = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-            one.drift_ppm = least.map_or(one.drift_ppm, |(_, drift_ppm)| drift_ppm);
+    match search {
+        Search::Together => {
+            let tried = candidates.into_par_iter().map(|delay_s| {
+                let drifts: Vec<_> = open.iter().map(|one| best_drift(one, delay_s)).collect();
+                let loss: f64 = drifts.iter().map(|(loss, _)| loss).sum();
+                (loss, delay_s, drifts)
+            });
+            if let Some((loss, delay_s, drifts)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                best = (loss, delay_s);
+                for (one, (_, drift_ppm)) in open.iter_mut().zip(drifts) {
+                    one.drift_ppm = drift_ppm;
+                }
+            }
         }
-        let candidates = if is_pinned {
-            vec![there_s]
-        } else {
-            delays_between(delays_s)
-        };
-        let tried = candidates.into_par_iter().map(|delay_s| {
-            let loss: f64 = open
-                .iter()
-                .map(|one| loss_of(one, delay_s, one.drift_ppm))
-                .sum();
-            (loss, delay_s)
-        });
-        best = tried.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or(best);
+        Search::InTurn => {
+            for _ in 0..2 {
+                for one in &mut open {
+                    (_, one.drift_ppm) = best_drift(one, best.1);
+                }
+                let tried = candidates.par_iter().map(|&delay_s| {
+                    let losses = open.iter().map(|one| loss_of(one, delay_s, one.drift_ppm));
+                    (losses.sum::<f64>(), delay_s)
+                });
+                best = tried.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or(best);
+            }
+        }
     }
     if best.0 > CLEAR * before {
         return None;

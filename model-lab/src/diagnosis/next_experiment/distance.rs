@@ -33,6 +33,8 @@ pub(super) struct Rival {
 impl Rival {
     pub(super) fn of_trial(bench: &Bench, trial: Trial, id: Option<&str>) -> Self {
         let (information, _) = Fitter::new(bench.fitting, &trial.unknowns).normal(&trial.fit);
+        // A log that was not made yet has conditions of its own.
+        let (unknowns, kept) = trial.unknowns.without_logs();
         let variant = trial
             .effects
             .last()
@@ -41,9 +43,9 @@ impl Rival {
             effect: id.map(|id| (id.to_owned(), variant.to_owned())),
             plant: trial.plant(),
             cost: trial.fit.cost,
-            z: trial.fit.z,
-            unknowns: trial.unknowns,
-            information,
+            z: kept.iter().map(|&n| trial.fit.z[n]).collect(),
+            unknowns,
+            information: marginal(information, &kept),
             correlation_samples: trial.correlation_samples,
         }
     }
@@ -58,6 +60,28 @@ impl Rival {
             information: self.information.clone(),
             ..*self
         }
+    }
+}
+
+/// The information on the unknowns `kept` where the others are unknown: their Schur complement; 0 where the logs say nothing of
+/// the others.
+fn marginal(information: DMatrix<f64>, kept: &[usize]) -> DMatrix<f64> {
+    let others: Vec<usize> = (0..information.nrows())
+        .filter(|n| !kept.contains(n))
+        .collect();
+    let part = |rows: &[usize], columns: &[usize]| {
+        DMatrix::from_fn(rows.len(), columns.len(), |a, b| {
+            information[(rows[a], columns[b])]
+        })
+    };
+    let of_kept = part(kept, kept);
+    if others.is_empty() {
+        return of_kept;
+    }
+    let across = part(&others, kept);
+    match part(&others, &others).cholesky() {
+        Some(factor) => of_kept - across.transpose() * factor.solve(&across),
+        None => DMatrix::zeros(kept.len(), kept.len()),
     }
 }
 
