@@ -635,16 +635,17 @@ fn scatter(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use plant_sim::effects::{EffectSetting, by_id};
+
     use super::super::gather::gather;
     use super::*;
     use crate::bench::{Bench, without_rows};
     use crate::metrics::rms;
 
-    /// Rms of the errors over the noise, of each channel.
-    fn errors(log: &Recording, run: Run) -> Vec<f64> {
-        let plant = PlantParameters::nominal();
-        let evidence = gather(&plant, [log]).unwrap();
-        let residuals = evidence.residuals(&plant, run).unwrap();
+    /// Rms of the errors of `plant` over the noise, of each channel.
+    fn errors(plant: &PlantParameters, log: &Recording, run: Run) -> Vec<f64> {
+        let evidence = gather(plant, [log]).unwrap();
+        let residuals = evidence.residuals(plant, run).unwrap();
         let of = |range: core::ops::Range<usize>| {
             let counted: Vec<f64> = residuals[range]
                 .iter()
@@ -659,19 +660,47 @@ mod tests {
     /// A logger that pauses for 0.7 s while a valve is open: what happens meanwhile was an error of the model.
     #[test]
     fn a_pause_of_the_logger_is_no_error_of_the_model() {
+        let plant = &PlantParameters::nominal();
         let whole = Bench::default().measure();
         let duty = whole.signal("duty_vent").unwrap().values_or_nan().to_vec();
         let opens = (150..duty.len()).find(|&row| duty[row] > 0.0).unwrap();
         for begin in [opens + 1, opens + 30, opens - 20] {
             let paused = without_rows(&whole, begin..begin + 70);
             for run in [Run::Predicted, Run::Free] {
-                for (error, of_whole) in errors(&paused, run).into_iter().zip(errors(&whole, run)) {
+                let errors = |log| errors(plant, log, run);
+                for (error, of_whole) in errors(&paused).into_iter().zip(errors(&whole)) {
                     assert!(
                         error < 1.3 * of_whole,
                         "{begin} {run:?}: {error} {of_whole}"
                     );
                 }
             }
+        }
+    }
+
+    /// A sensor that is slow still showed the pressure before the gap when the model began again behind it.
+    #[test]
+    fn behind_a_pause_a_slow_sensor_follows_the_pressure_that_is_there() {
+        let lag = EffectSetting::typical(by_id("sensor_lag").unwrap());
+        let plant = PlantParameters::nominal().with_effect(lag.with("time_constant_s", 0.012));
+        let bench = Bench {
+            plant: plant.clone(),
+            phases: vec![
+                (1.0, 0.0, 0.0),
+                (0.5, 70.0, 0.0),
+                (0.6, 0.0, 0.0),
+                (0.7, 0.0, 60.0),
+                (0.6, 0.0, 0.0),
+            ],
+            pressure_noise: (1e-3, 0.0),
+            ..Bench::default()
+        };
+        let whole = bench.measure();
+        // It ends while the chamber is being vented.
+        let paused = without_rows(&whole, 150..215);
+        for run in [Run::Predicted, Run::Free] {
+            let [error, of_whole] = [&paused, &whole].map(|log| errors(&plant, log, run)[0]);
+            assert!(error < 1.3 * of_whole, "{run:?}: {error} {of_whole}");
         }
     }
 }

@@ -11,7 +11,7 @@ use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::gather::gather;
 use super::log::Log;
-use super::logger_time::{Search, find_slow_clocks, fit_conditions};
+use super::logger_time::{Search, find_conditions, find_slow_clocks, fit_conditions};
 use super::result::{Cost, FoundClock, FoundStart};
 use super::trial::{Bench, Trial};
 use crate::result::{LogDefects, NotCompared, Warning};
@@ -73,6 +73,7 @@ impl Split {
         let mut given = Self::as_given(plant, logs, check)?;
         given.fit_conditions(plant);
         let plain = given.plain(plant)?;
+        let plain = given.with_checked_clocks(plant, plain)?;
         if plain.fitted.is_material() || !plain.checked.is_material() {
             return Ok((given, plain));
         }
@@ -132,6 +133,26 @@ impl Split {
                 there => there,
             },
         }
+    }
+
+    /// Looks for the clocks of the logs that judge with the fitted plant `plain`, which says of them what the plant as given cannot,
+    /// and returns the plant judged by them.
+    fn with_checked_clocks(
+        &mut self,
+        plant: &PlantParameters,
+        plain: Trial,
+    ) -> Result<Trial, DiagnoseError> {
+        let mut conditions = self.fitting.conditions();
+        plain.unknowns.conditions(&plain.fit.z, &mut conditions);
+        let clocks = conditions.iter().filter_map(|log| log.clock);
+        let drifts_ppm: Vec<f64> = clocks.map(|clock| clock.drift_ppm).collect();
+        if drifts_ppm.is_empty() || self.checking.is_rest_of_fitted {
+            return Ok(plain);
+        }
+        find_conditions(&plain.plant(), &mut self.checking, &drifts_ppm);
+        let bench = self.bench(plant, &[]);
+        let judged = bench.judge(plain.effects, plain.unknowns, plain.fit);
+        judged.ok_or_else(|| self.not_simulated())
     }
 
     /// What trials on these logs are held against.

@@ -189,3 +189,21 @@ pub(super) fn made(
     }
     Some(log)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is known of two coordinates once a third one is unknown is the inverse of their covariance.
+    #[test]
+    fn what_stays_of_the_information_is_the_inverse_of_the_covariance() {
+        let information =
+            DMatrix::from_row_slice(3, 3, &[4.0, 1.0, 0.5, 1.0, 3.0, -1.0, 0.5, -1.0, 2.0]);
+        let covariance = information.clone().try_inverse().unwrap();
+        let kept = [0, 2];
+        let of_kept = DMatrix::from_fn(2, 2, |a, b| covariance[(kept[a], kept[b])]);
+        let found = marginal(information, &kept);
+        let expected = of_kept.try_inverse().unwrap();
+        assert!((found - expected).abs().max() < 1e-12);
+    }
+}
