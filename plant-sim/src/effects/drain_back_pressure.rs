@@ -83,6 +83,7 @@ impl Effect for DrainBackPressure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::restriction::LINEAR_RATIO;
     use crate::{Command, Simulator};
 
     fn venting(setting: EffectSetting, milliseconds: u64) -> f64 {
@@ -157,5 +158,58 @@ mod tests {
             "{pressure} {expected}"
         );
         assert!(pressure < expected, "{pressure} {expected}");
+    }
+
+    /// Near ambient pressure the flows through valve and silencer are linear, so chamber and line are two linear volumes in
+    /// series. With x = p - p_atm and y = p_d - p_atm: dx/dt = -a (x - y), dy/dt = b (x - y) - c y (E11, E12, E56). Their
+    /// slow mode has a closed form. The explicit method ended 17 Pa above ambient pressure.
+    #[test]
+    fn chamber_and_line_come_to_ambient_pressure_as_two_linear_volumes() {
+        let check = |variant: usize, values: [f64; 2]| {
+            let mut setting =
+                EffectSetting::typical_variant(&DrainBackPressure, &ABOUT.variants[variant]);
+            setting.values_mut().copy_from_slice(&values);
+            let mut simulator = Simulator::new(&PlantParameters::nominal().with_effect(setting));
+            let plant = simulator.plant();
+            let (ambient, nozzle) = (plant.ambient_pressure, &plant.nozzle);
+            let gas = plant.chamber.pressure_per_mass * plant.chamber.volume;
+            let valve =
+                plant.valves[1].orifice.effective_area(f64::INFINITY) * nozzle.laminar_slope();
+            let silencer_slope = nozzle.flow_function(LINEAR_RATIO) / (1.0 - LINEAR_RATIO);
+            let a = gas / plant.chamber.volume * valve;
+            let [b, c] = match plant.additions.drain_line {
+                Some(Line::Volume(silencer, volume)) => {
+                    [valve, silencer.effective_area * silencer_slope]
+                        .map(|slope| gas / volume * slope)
+                }
+                Some(Line::Yielding {
+                    resistance,
+                    response,
+                }) => [resistance * valve / response, response.recip()],
+                _ => unreachable!("both variants have a line with a pressure"),
+            };
+            let sum = a + b + c;
+            let slow = 0.5 * (sum - (sum * sum - 4.0 * a * c).sqrt());
+
+            simulator.set_chamber_pressure(ambient + 500.0);
+            simulator.command(Command {
+                duty_fill_pct: 0.0,
+                duty_vent_pct: 100.0,
+            });
+            simulator.advance_to_ns(50_000_000);
+            let start = simulator.state().pressure - ambient;
+            for milliseconds in [60, 100, 150, 250, 1000] {
+                simulator.advance_to_ns(milliseconds * 1_000_000);
+                let expected = start * (-slow * (milliseconds as f64 - 50.0) * 1e-3).exp();
+                let found = simulator.state().pressure - ambient;
+                assert!(
+                    (found - expected).abs() < 2.0,
+                    "{variant}, {milliseconds} ms: {found} Pa, not {expected} Pa"
+                );
+            }
+        };
+        check(2, [3.78e-7, 0.913e-6]);
+        check(2, [3.78e-7, 0.1e-6]);
+        check(3, [1.27, 1e-3]);
     }
 }
