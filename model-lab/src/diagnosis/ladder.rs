@@ -15,6 +15,9 @@ const FIRSTS: usize = 3;
 /// ... if they explain at least this share of the excess on the fitted logs.
 const FIRST_SHARE: f64 = 0.05;
 
+/// Name of the stage in which effects are tried in the place of named ones.
+const RIVALS: &str = "what may stand for a named effect";
+
 /// What was found.
 pub(crate) struct Ladder {
     /// The plain plant first, then one trial per named effect.
@@ -56,7 +59,7 @@ pub(crate) fn climb(
         return Ok(ladder);
     }
     let plain = &ladder.steps[0];
-    let single = best_sound(bench, plain, &ladder.singles);
+    let single = best_credible(bench, plain, &ladder.singles);
     let single = single.filter(|single| single.is_evident_over(plain));
     let pair = match &single {
         Some(single) if single.leaves_nothing() => None,
@@ -68,21 +71,23 @@ pub(crate) fn climb(
             best_pair(bench, plain, firsts, &ladder.singles, watch)?
         }
     };
-    match (single, pair) {
-        (_, Some(pair)) if pair.last.explains(plain) => {
-            ladder.rivals = vec![
-                try_all(
-                    bench,
-                    &pair.other,
-                    Effort::Beside,
-                    "what may stand for the first effect",
-                    watch,
-                )?,
-                pair.tried,
-            ];
-            ladder.steps.extend([pair.first, pair.last]);
+    let chain = match pair {
+        Some(pair) if pair.last.explains(plain) => {
+            let rivals = try_all(bench, &pair.other, Effort::Beside, RIVALS, watch)?;
+            Some(Chain {
+                rivals: vec![rivals, pair.tried],
+                steps: vec![pair.first, pair.last],
+            })
         }
-        (Some(single), _) if single.is_named_on(plain) => {
+        Some(pair) => longer_chain(bench, plain, vec![pair.first, pair.last], watch)?,
+        None => None,
+    };
+    match (single, chain) {
+        (_, Some(chain)) => {
+            ladder.rivals = chain.rivals;
+            ladder.steps.extend(chain.steps);
+        }
+        (Some(single), None) if single.is_named_on(plain) => {
             ladder.rivals = vec![ladder.singles.clone()];
             ladder.steps.push(single);
         }
@@ -116,13 +121,29 @@ impl Ladder {
     }
 }
 
-/// The best trial, or one as good, whose effects on top of `plain` are sound.
-fn best_sound(bench: &Bench, plain: &Trial, tried: &[Tried]) -> Option<Trial> {
+/// The best trial, or one as good, whose effects on top of `plain` are credible.
+fn best_credible(bench: &Bench, plain: &Trial, tried: &[Tried]) -> Option<Trial> {
+    best(plain, tried, |trial| trial.is_credible(bench, plain))
+}
+
+/// The best trial, or one as good, whose effects on top of `plain` may be some of those that are missing: what it leaves, which
+/// others may explain, keeps its sizes open.
+fn best_step(bench: &Bench, plain: &Trial, tried: &[Tried]) -> Option<Trial> {
+    best(plain, tried, |trial| {
+        if trial.explains(plain) {
+            trial.is_credible(bench, plain)
+        } else {
+            trial.is_sound_but_for_the_rest(bench, plain)
+        }
+    })
+}
+
+fn best(plain: &Trial, tried: &[Tried], is_accepted: impl Fn(&Trial) -> bool) -> Option<Trial> {
     let trials = || tried.iter().filter_map(|tried| tried.trial.as_ref());
     let least = trials().next()?.mean_excess();
     let margin = ALIKE_EXCESS + ALIKE_SHARE * (plain.mean_excess() - least);
     let mut alike = trials().filter(|trial| trial.mean_excess() <= least + margin);
-    alike.find(|trial| trial.is_sound(bench, plain)).cloned()
+    alike.find(|trial| is_accepted(trial)).cloned()
 }
 
 /// Two effects together.
@@ -135,8 +156,8 @@ struct Pair {
     tried: Vec<Tried>,
 }
 
-/// The effects alone that may be the first of two: the best that are sound, and the best one of which only a large rest,
-/// which a second effect may explain, leaves open how strong it is.
+/// The effects alone that may be some of those that are missing, the best first: those that are sound, then those of which only what
+/// they leave, which others may explain, keeps open how strong they are.
 fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     let excess = plain.fitted.total_excess();
     // What is bent until it fits leaves nothing true for a second effect.
@@ -145,12 +166,18 @@ fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
         .filter_map(|tried| tried.trial.as_ref())
         .filter(|trial| trial.fitted.total_excess() <= (1.0 - FIRST_SHARE) * excess)
         .partition(|trial| trial.is_sound(bench, plain));
-    let dominant = unsound
+    let open: Vec<&Trial> = unsound
         .into_iter()
-        .filter(|trial| trial.share_of(plain) >= PARTLY_NAMED_SHARE)
-        .find(|trial| trial.is_sound_but_for_the_rest(bench, plain));
-    let sound = sound.into_iter().take(FIRSTS);
-    sound.chain(dominant).cloned().collect()
+        .filter(|trial| trial.is_sound_but_for_the_rest(bench, plain))
+        .collect();
+    let is_dominant = |trial: &&Trial| trial.share_of(plain) >= PARTLY_NAMED_SHARE;
+    let dominant = open.iter().copied().find(is_dominant);
+    let others = open.iter().copied().filter(|trial| !is_dominant(trial));
+    let mut firsts: Vec<&Trial> = sound.into_iter().take(FIRSTS).collect();
+    let room = FIRSTS - firsts.len();
+    firsts.extend(dominant);
+    firsts.extend(others.take(room));
+    firsts.into_iter().cloned().collect()
 }
 
 /// The best second effect for each of `firsts`, the most promising first, if both are needed.
@@ -167,7 +194,7 @@ fn best_pair(
             continue;
         }
         let tried = try_all(bench, &first, Effort::Beside, "pairs of effects", watch)?;
-        let Some(last) = best_sound(bench, plain, &tried) else {
+        let Some(last) = best_step(bench, plain, &tried) else {
             continue;
         };
         let second = last.effects.last().expect("one was added").id();
@@ -198,6 +225,53 @@ fn best_pair(
     Ok(best)
 }
 
+/// Several effects that explain what is missing.
+struct Chain {
+    /// One trial per effect, each with those before it.
+    steps: Vec<Trial>,
+    /// For each of them, what stands in its place beside the others.
+    rivals: Vec<Vec<Tried>>,
+}
+
+/// Adds effects to those of `steps`, the best at each step, until they explain what `plain` lacks; none where no further effect takes
+/// most of what is left, or one of them is not needed beside the others.
+fn longer_chain(
+    bench: &Bench,
+    plain: &Trial,
+    mut steps: Vec<Trial>,
+    watch: Watch,
+) -> Result<Option<Chain>, DiagnoseError> {
+    let mut tried = Vec::new();
+    loop {
+        let Some(last) = steps.last_mut() else {
+            return Ok(None);
+        };
+        if last.explains(plain) {
+            break;
+        }
+        if last.refresh(bench).is_none() {
+            return Ok(None);
+        }
+        tried = try_all(bench, last, Effort::Beside, "further effects", watch)?;
+        let next = best_step(bench, plain, &tried);
+        let Some(next) = next.filter(|next| next.is_further_than(last)) else {
+            return Ok(None);
+        };
+        steps.push(next);
+    }
+    let last = &steps[steps.len() - 1];
+    let mut rivals = Vec::new();
+    for effect in &last.effects[plain.effects.len()..last.effects.len() - 1] {
+        let without = bench.without(last, effect.id());
+        let Some(without) = without.filter(|without| last.is_further_than(without)) else {
+            return Ok(None);
+        };
+        rivals.push(try_all(bench, &without, Effort::Beside, RIVALS, watch)?);
+    }
+    rivals.push(tried);
+    Ok(Some(Chain { steps, rivals }))
+}
+
 impl Trial {
     /// Errors on the fitted logs and on what was held out.
     fn sets(&self) -> [&Errors; 2] {
@@ -218,6 +292,13 @@ impl Trial {
     /// Whether it explains nearly all of the excess of `plain`, or leaves nothing material.
     fn explains(&self, plain: &Self) -> bool {
         self.share_of(plain) >= FOUND_SHARE || !self.is_material()
+    }
+
+    /// Whether the logs tell how strong its effects on top of `plain` are, or it explains so much that only its rest keeps them open.
+    fn is_credible(&self, bench: &Bench, plain: &Self) -> bool {
+        let is_sound = self.is_sound(bench, plain);
+        let explains_most = || self.share_of(plain) >= FOUND_SHARE;
+        is_sound || explains_most() && self.is_sound_but_for_the_rest(bench, plain)
     }
 
     /// Whether its effect explains enough of the excess of `plain` to be named.

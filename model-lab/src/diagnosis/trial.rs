@@ -119,6 +119,25 @@ impl Bench<'_> {
         self.judge(effects, unknowns, fit)
     }
 
+    /// The plant of `trial` without the effect `id`, fitted anew, with a Jacobian of its own.
+    pub(crate) fn without(&self, trial: &Trial, id: &str) -> Option<Trial> {
+        let effects: Vec<EffectSetting> = trial
+            .effects
+            .iter()
+            .filter(|effect| effect.id() != id)
+            .cloned()
+            .collect();
+        let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
+        let there = trial.unknowns.list().iter().zip(&trial.fit.z);
+        let kept = there.filter(|(unknown, _)| unknown.effect_id() != Some(id));
+        let z = kept.map(|(_, &z)| z).collect();
+        let fitter = Fitter::new(self.fitting, &unknowns);
+        let fit = fitter.descend(fitter.at(z)?, Descent::Whole)?;
+        let mut without = self.judge(effects, unknowns, fit)?;
+        without.refresh(self)?;
+        Some(without)
+    }
+
     /// Judges what was begun as it is.
     pub(crate) fn leave(&self, opened: Opened) -> Option<Trial> {
         self.judge(opened.effects, opened.unknowns, opened.fit)

@@ -316,6 +316,14 @@ impl Unknown {
         }
     }
 
+    /// The effect that it is a parameter of.
+    pub(crate) fn effect_id(&self) -> Option<&'static str> {
+        match self {
+            Self::Effect { spec, .. } => spec.effect_id(),
+            Self::Nuisance(_) | Self::Log(_) => None,
+        }
+    }
+
     /// Whether it is the strength of an effect.
     pub(crate) fn is_strength(&self) -> bool {
         matches!(self, Self::Effect { spec, .. } if spec.size.is_some_and(|size| size.off.is_some()))
