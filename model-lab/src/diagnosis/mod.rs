@@ -6,7 +6,6 @@
 //! ```
 
 mod assemble;
-mod conditions;
 mod detection;
 mod error;
 mod errors;
@@ -54,6 +53,7 @@ pub use estimation::{
     EstimationStep, EstimationStepKind, estimate,
 };
 pub use knowledge::{KnowledgeError, fix, free};
+pub(crate) use logger_time::conditions_of;
 pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement, refine};
 pub use remaining::MissingFlow;
 pub use result::Diagnosis;
@@ -124,9 +124,10 @@ pub fn diagnose_with(
         .map(|tried| assemble::candidate(&bench, plain, last, tried))
         .collect();
     search::report(watch, "where the error is", 0.0)?;
-    let before = assemble::regimes(&plain.plant(), logs)?;
+    let seen = split.given_logs();
+    let before = assemble::regimes(&plain.plant(), (logs, seen))?;
     let after = if found.steps.len() > 1 {
-        assemble::regimes(&last.plant(), logs)?
+        assemble::regimes(&last.plant(), (logs, seen))?
     } else {
         before.clone()
     };

@@ -5,6 +5,7 @@
 //! commands, for which a wrong clock would be taken.
 
 mod commands;
+mod of_one_log;
 mod slow;
 
 use plant_sim::PlantParameters;
@@ -17,6 +18,7 @@ use super::fit::{Descent, Fitter, Loss};
 use super::log::{Log, Run};
 use super::unknowns::Unknowns;
 use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
+pub(crate) use of_one_log::conditions_of;
 pub(crate) use slow::find_slow_clocks;
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...
