@@ -1,7 +1,8 @@
 //! A made-up bench for tests: a plant of its own, a log of commands, noise and resolution, all from one seed.
 
-use plant_sim::replay::replay;
-use plant_sim::{PlantParameters, Tolerance};
+use plant_sim::logger_clock::LoggerClock;
+use plant_sim::replay::{CurrentSampling, Replay, ReplayInput, replay};
+use plant_sim::{Command, PlantParameters, Tolerance};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
 use crate::commands::Commands;
@@ -40,6 +41,66 @@ pub(crate) fn shut_for(count: usize, interval_s: f64) -> Commands {
             .unwrap();
     }
     Commands::new(&PlantParameters::nominal(), &log).unwrap()
+}
+
+/// Noise of the logger: pressure (bar), currents (mA).
+const NOISE: [f64; 3] = [2e-3, 0.7, 0.7];
+
+/// What a logger with `clock` writes of `plant` every `interval_s`: fills, holds and vents.
+pub(crate) fn logged(
+    plant: &PlantParameters,
+    clock: LoggerClock,
+    interval_s: f64,
+    seed: u64,
+) -> Recording {
+    let sample_time_ns = plant.ecu.sample_time_ns();
+    let phases = Bench::default().phases;
+    let profile: Vec<Command> = phases
+        .iter()
+        .flat_map(|&(seconds, duty_fill_pct, duty_vent_pct)| {
+            let command = Command {
+                duty_fill_pct,
+                duty_vent_pct,
+            };
+            std::iter::repeat_n(command, (seconds / 0.01_f64).round() as usize)
+        })
+        .collect();
+    let rows = ((profile.len() - 2) as f64 * 0.01 / interval_s) as usize;
+    let mut replay = Replay::new(plant, CurrentSampling::MeanOfInterval, Tolerance::default());
+    let mut noise = Noise::new(seed);
+    let mut columns: [Vec<f64>; 5] = Default::default();
+    for row in 0..rows {
+        let log_ns = (row as f64 * interval_s * 1e9).round() as u64;
+        let time_ns = clock.ecu_time_ns(log_ns);
+        let sample = time_ns / sample_time_ns;
+        let row = replay.row(ReplayInput {
+            time_ns,
+            issued_ns: sample * sample_time_ns,
+            command: Some(profile[sample as usize]),
+            supply_voltage_v: None,
+        });
+        for (column, value) in columns.iter_mut().zip(row) {
+            column.push(value);
+        }
+    }
+    for (column, sigma) in columns[2..].iter_mut().zip(NOISE) {
+        column
+            .iter_mut()
+            .for_each(|value| *value += sigma * noise.normal());
+    }
+    let mut log = Recording::new(Provenance::from_source(format!("logger-{seed}")));
+    let id = log.add_time_base(TimeBase::uniform(0.0, interval_s, rows).unwrap());
+    let signals = [
+        ("duty_fill", Unit::Percent),
+        ("duty_vent", Unit::Percent),
+        ("p_ch", Unit::BarGauge),
+        ("i_fill", Unit::Milliampere),
+        ("i_vent", Unit::Milliampere),
+    ];
+    for ((name, unit), column) in signals.into_iter().zip(columns) {
+        log.add_signal(name, unit, id, column).unwrap();
+    }
+    log
 }
 
 /// A rig: change the plant, then measure.

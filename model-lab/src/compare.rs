@@ -8,6 +8,7 @@ use plant_sim::replay::CurrentSampling;
 use recording::{Provenance, Recording, TimeBase, Unit};
 
 use crate::commands::{Commands, DUTIES, shared};
+use crate::conditions::LogConditions;
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, measured_signals, start};
 use crate::noise_floor::Floor;
@@ -15,55 +16,43 @@ use crate::offset::{FineCourse, time_offset};
 use crate::options::CompareOptions;
 use crate::regime::{Excess, Features, States, Watched, error_map, find, placement, shares};
 use crate::result::{
-    COMPARISON_SCHEMA, Comparison, CurrentMeaning, Horizon, LimitFrom, LogDefects, Placement,
-    Predictor, RESIDUAL_SIGN, Residual, SignalComparison, TimeOffset, Traces, Verdict,
+    COMPARISON_SCHEMA, Comparison, CurrentMeaning, Finding, FoundStart, Horizon, LimitFrom,
+    LogDefects, Placement, Predictor, RESIDUAL_SIGN, Residual, SignalComparison, TimeOffset,
+    Traces, Verdict, WarningKind,
 };
 use crate::run::{FineRun, Setup};
 use crate::summary::summary;
-use crate::warning::warnings;
+use crate::warning::{misaligned, warnings};
 use crate::whiteness::Input;
 
 /// The time offset is taken from this many samples at most, which bounds memory on long logs.
 const OFFSET_ROWS: usize = 12_000;
 
-/// Holds the model with `parameters` against `log`: simulates from the logged commands and tells, signal by signal,
-/// how large the error is beside the noise of the measurement, and where it is.
+/// Compares the model with `parameters` with `log`, which was made under `conditions`: simulates from the logged commands and tells,
+/// signal by signal, how large the error is beside the noise of the measurement, and where it is.
 ///
-/// Instants of the log are those of the model; nothing is resampled and no missing sample is filled in.
-///
-/// # Errors
-/// [`CompareError`]: the log cannot drive the model, has no signal of the model, or an option is out of range.
-pub fn compare(
-    parameters: &PlantParameters,
-    log: &Recording,
-    options: &CompareOptions,
-) -> Result<Comparison, CompareError> {
-    compare_watched(parameters, log, options, &|_| true)
-}
-
-/// As [`compare`], for somebody who waits: `goes_on` is told every few milliseconds which share of the work is done,
-/// 0 to 1, and ends it by saying false.
+/// Nothing is resampled and no missing sample is filled in. `goes_on` is told every few milliseconds which share of the work is done, 0 to
+/// 1, and ends it by saying false.
 ///
 /// # Errors
-/// Those of [`compare`], and [`CompareError::Stopped`].
-pub fn compare_watched(
+/// [`CompareError`]: the log cannot drive the model, has no signal of the model, an option is out of range, or `goes_on` ended it.
+pub fn compare_under(
     parameters: &PlantParameters,
-    log: &Recording,
+    (log, conditions): (&Recording, &LogConditions),
     options: &CompareOptions,
     goes_on: &dyn Fn(f64) -> bool,
 ) -> Result<Comparison, CompareError> {
     options.check()?;
     let commands = Commands::new(parameters, log)?;
-    let setup = Setup::new(parameters, log, options.tolerance)?;
+    let setup = Setup::new(parameters, (log, conditions), options.tolerance)?;
     let (measured, not_compared) = measured_signals(parameters, (log, setup.base), &commands)?;
     let is_measured = |name: &str| measured.iter().any(|signal| signal.name == name);
     let mut setup = setup.watched(goes_on, OFFSET_ROWS).keeping(is_measured);
     options.check_tolerances(&measured)?;
 
     let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
-    let (start, start_pressure) = start(parameters, pressure, &commands);
-    setup.start_pressure = start_pressure;
-    setup.restarts = pressure.map_or_else(Vec::new, |signal| signal.restarts.clone());
+    let (start, level) = start(parameters, pressure, &commands);
+    setup.begin_at(pressure, level);
 
     let free_run = setup.free_run()?;
     let gain = if pressure.is_some() {
@@ -99,13 +88,29 @@ pub fn compare_watched(
     };
     let mut signals = Vec::new();
     let mut placements = Vec::new();
+    let mut warnings = warnings(parameters, log, &commands, &measured);
+    let mut kinds = warnings.iter().map(|warning| warning.kind);
+    let is_swapped = kinds.any(|kind| kind == WarningKind::SwappedValves);
     for signal in &measured {
         let free = free_run.get(signal.name).unwrap_or_default();
         let free = Residual::new(&signal.values, free);
         let short = short_horizon.get(signal.name);
         let short = short.map(|short| Residual::new(&signal.values, short));
         let short = short.filter(|_| predictor.is_some());
-        let (compared, placed) = lab.compare_signal(signal, free, short);
+        let (mut compared, placed) = lab.compare_signal(signal, free, short);
+        if let Some(warning) = misaligned(parameters, &compared).filter(|_| !is_swapped) {
+            // Where such an error is says nothing of the plant.
+            compared.finding = Finding {
+                regime: None,
+                excess_share: None,
+                sample_share: None,
+                bias: None,
+                sentence: "rows and commands do not line up in time, so the error is not placed"
+                    .to_owned(),
+                ..compared.finding
+            };
+            warnings.push(warning);
+        }
         signals.push(compared);
         placements.extend(placed);
     }
@@ -141,12 +146,14 @@ pub fn compare_watched(
             .filter(|input| input.command.is_none())
             .count(),
         start,
+        clock: conditions.clock(source),
+        start_gas: conditions.start(source).filter(FoundStart::is_warm),
         predictor,
         verdict: verdict(&signals, options),
         signals,
         not_compared,
         defects: LogDefects::of(log, &commands, pressure),
-        warnings: warnings(parameters, log, &commands, &measured),
+        warnings,
         traces,
     })
 }
@@ -328,6 +335,8 @@ fn verdict(signals: &[SignalComparison], options: &CompareOptions) -> Verdict {
     }
 }
 
+#[cfg(test)]
+mod clock_tests;
 #[cfg(test)]
 mod gap_tests;
 #[cfg(test)]

@@ -4,6 +4,7 @@ use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
 use crate::commands::Commands;
+use crate::conditions::LogConditions;
 use crate::error::CompareError;
 use crate::measured::{PRESSURE, measured_signals, start};
 use crate::metrics::{residual, rms};
@@ -31,18 +32,22 @@ pub struct SignalError {
     pub noise_floor: Option<f64>,
 }
 
-/// The free run of [`compare`](crate::compare()), bit for bit, at the cost of one simulation and in a bounded number of
+/// The free run of [`compare_under`](crate::compare_under()) these conditions, bit for bit, at the cost of one simulation and in a bounded number of
 /// steps, whatever the parameters are.
 ///
 /// # Errors
 /// [`CompareError`]: the log cannot drive the model or has no signal of it, or the simulation was given up.
-pub fn free_run(parameters: &PlantParameters, log: &Recording) -> Result<FreeRun, CompareError> {
+pub fn free_run(
+    parameters: &PlantParameters,
+    log: &Recording,
+    conditions: &LogConditions,
+) -> Result<FreeRun, CompareError> {
     let commands = Commands::new(parameters, log)?;
-    let mut setup = Setup::new(parameters, log, Tolerance::default())?;
+    let mut setup = Setup::new(parameters, (log, conditions), Tolerance::default())?;
     let (measured, _) = measured_signals(parameters, (log, setup.base), &commands)?;
     let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
-    (_, setup.start_pressure) = start(parameters, pressure, &commands);
-    setup.restarts = pressure.map_or_else(Vec::new, |signal| signal.restarts.clone());
+    let (_, level) = start(parameters, pressure, &commands);
+    setup.begin_at(pressure, level);
     let run = setup.free_run()?;
     let errors = measured.iter().map(|signal| SignalError {
         name: signal.name,
@@ -72,7 +77,7 @@ mod tests {
         let log = Bench::default().measure();
         let plant = PlantParameters::nominal();
         let compared = compare(&plant, &log, &CompareOptions::default()).unwrap();
-        let found = free_run(&plant, &log).unwrap();
+        let found = free_run(&plant, &log, &LogConditions::default()).unwrap();
         assert_eq!(found.errors.len(), compared.signals.len());
         for (error, expected) in found.errors.iter().zip(&compared.signals) {
             assert_eq!(error.name, expected.name);

@@ -1,5 +1,6 @@
 //! What a comparison says, as it stands in its JSON.
 
+use plant_sim::logger_clock::LoggerClock;
 use recording::{Recording, Unit};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -34,6 +35,12 @@ pub struct Comparison {
     pub held_commands: usize,
     /// Where the model began.
     pub start: Start,
+    /// Clock of the logger; absent where the rows are samples of the ECU.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock: Option<FoundClock>,
+    /// Temperature of the gas when the log begins; absent where the chamber is empty or the gas as warm as its wall.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_gas: Option<FoundStart>,
     /// How the short-horizon error was made; null where no chamber pressure was logged.
     pub predictor: Option<Predictor>,
     /// Every signal that both sides have, chamber pressure first.
@@ -202,6 +209,108 @@ pub enum StartFrom {
     Measurement,
 }
 
+/// The clock of a logger, as it was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundClock {
+    /// Source of the log.
+    pub log: String,
+    /// Time from the ECU sample before the first row to that row (s).
+    pub phase_s: f64,
+    /// Time that the ECU counts beyond the logger's, per logged time (ppm).
+    pub drift_ppm: f64,
+    /// What it was found from.
+    #[serde(default)]
+    pub source: ClockSource,
+    /// All of it in words, without a full stop.
+    #[serde(default)]
+    pub statement: String,
+}
+
+/// What the clock of a logger was found from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ClockSource {
+    /// The instants at which the logged commands change.
+    Commands,
+    /// The model: this clock leaves the least error.
+    #[default]
+    Model,
+}
+
+impl FoundClock {
+    /// The `clock` of the logger of `log`, beside an ECU that samples every `sample_time_s`.
+    pub(crate) fn new(
+        log: &str,
+        clock: LoggerClock,
+        sample_time_s: f64,
+        source: ClockSource,
+    ) -> Self {
+        let phase_s = clock.phase_s.rem_euclid(sample_time_s);
+        let statement = format!(
+            "clock of the logger: the first row lies {:.2} ms behind a sample of the ECU, and the clock runs {:.1} ppm {}; found {}",
+            1e3 * phase_s,
+            clock.drift_ppm.abs(),
+            if clock.drift_ppm > 0.0 {
+                "slow"
+            } else {
+                "fast"
+            },
+            match source {
+                ClockSource::Commands => "from the logged commands",
+                ClockSource::Model => "with the model",
+            },
+        );
+        Self {
+            log: log.to_owned(),
+            phase_s,
+            drift_ppm: clock.drift_ppm,
+            source,
+            statement,
+        }
+    }
+}
+
+/// State of the gas in the chamber when a log begins.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundStart {
+    /// Source of the log.
+    pub log: String,
+    /// Temperature of the gas above that of the wall (K).
+    pub excess_k: f64,
+    /// Time constant with which the gas takes the temperature of the wall (s).
+    pub cooling_s: f64,
+    /// All of it in words, without a full stop.
+    #[serde(default)]
+    pub statement: String,
+}
+
+/// Temperatures of the gas that differ less than this from the wall's are not worth a sentence (K).
+const WARM_K: f64 = 1.0;
+
+impl FoundStart {
+    /// The gas in the chamber when `log` begins: `excess_k` warmer than the wall, whose temperature it takes within `cooling_s`.
+    pub(crate) fn new(log: &str, excess_k: f64, cooling_s: f64) -> Self {
+        Self {
+            log: log.to_owned(),
+            excess_k,
+            cooling_s,
+            statement: format!(
+                "the gas in the chamber was {:.1} K {} than the wall at first and took its temperature with a time constant of {cooling_s:.2} s",
+                excess_k.abs(),
+                if excess_k > 0.0 { "warmer" } else { "colder" },
+            ),
+        }
+    }
+
+    /// Whether the temperature differs so much from the wall's that it is worth a sentence.
+    #[must_use]
+    pub fn is_warm(&self) -> bool {
+        self.excess_k.abs() > WARM_K
+    }
+}
+
 /// The short-horizon predictor: after each sample, pressure += gain * (measured - predicted).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -284,6 +393,8 @@ pub enum WarningKind {
     PressureAboveSupply,
     /// A signal has a name that the model does not know, and may be one that the log lacks.
     UnknownSignal,
+    /// Rows and commands do not line up in time.
+    Misaligned,
 }
 
 /// One signal, measured and modelled.

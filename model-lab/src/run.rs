@@ -10,9 +10,11 @@ use plant_sim::replay::{
 use plant_sim::{PlantParameters, Simulator, Tolerance};
 use recording::{AddSignalError, Provenance, Recording, TimeBase, Unit};
 
+use crate::conditions::LogConditions;
 use crate::error::CompareError;
 use crate::gaps::Gaps;
-use crate::measured::Restart;
+use crate::log_start::LogStart;
+use crate::measured::Measured;
 use crate::metrics::present;
 
 /// Within a sample interval the valves are looked at this often [ns].
@@ -33,11 +35,23 @@ pub(crate) struct Setup<'a> {
     signals: Vec<(&'static str, Unit, usize)>,
     pub(crate) sampling: CurrentSampling,
     pub(crate) tolerance: Tolerance,
-    /// Chamber pressure to begin with [Pa abs]; none starts at rest.
-    pub(crate) start_pressure: Option<f64>,
-    /// Where it begins again behind a gap, in order of time.
-    pub(crate) restarts: Vec<Restart>,
+    /// How the log was made.
+    conditions: &'a LogConditions,
+    /// Where it begins, and begins again behind a gap.
+    pub(crate) start: LogStart,
     watch: Option<Watch<'a>>,
+}
+
+/// A row of the log as the model meets it.
+struct TimedRow {
+    index: usize,
+    /// In the time of the ECU, pauses shortened.
+    input: ReplayInput,
+    /// Time since the first row by the clock of the logger (ns), and the same with pauses shortened.
+    log_ns: u64,
+    shortened_ns: u64,
+    /// Pressure over what it is once the gas has the temperature of the wall.
+    warmth: f64,
 }
 
 /// Somebody who is told now and then which share of all rows is done, and says whether to go on.
@@ -84,13 +98,13 @@ pub(crate) struct Activity {
 impl<'a> Setup<'a> {
     pub(crate) fn new(
         parameters: &'a PlantParameters,
-        log: &'a Recording,
+        (log, conditions): (&'a Recording, &'a LogConditions),
         tolerance: Tolerance,
     ) -> Result<Self, ReplayError> {
         let inputs = Inputs::of(parameters, log)?;
         let base = inputs.base();
         let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
-        let sampling = CurrentSampling::of_interval(interval_s, parameters);
+        let sampling = conditions.sampling(interval_s, parameters);
         Ok(Self {
             parameters,
             base,
@@ -103,8 +117,8 @@ impl<'a> Setup<'a> {
                 .collect(),
             sampling,
             tolerance,
-            start_pressure: None,
-            restarts: Vec::new(),
+            conditions,
+            start: LogStart::at_rest(parameters),
             watch: None,
         })
     }
@@ -126,9 +140,27 @@ impl<'a> Setup<'a> {
         self
     }
 
-    /// The rows of the log with their numbers, pauses shortened.
-    fn rows(&self) -> impl Iterator<Item = (usize, ReplayInput)> + '_ {
-        self.inputs.iter().map(self.gaps.shortening()).enumerate()
+    /// Begins where the measured `pressure` does, `level` (Pa abs) where that is away from ambient.
+    pub(crate) fn begin_at(&mut self, pressure: Option<&Measured>, level: Option<f64>) {
+        let command = self.inputs.row(0).command;
+        self.start = LogStart::at(self.parameters, pressure, level, command);
+    }
+
+    /// The rows of the log, pauses shortened.
+    fn rows(&self) -> impl Iterator<Item = TimedRow> + '_ {
+        let mut shortened = self.gaps.shortening();
+        self.inputs.iter().enumerate().map(move |(index, input)| {
+            let log_ns = input.time_ns;
+            let input = shortened(input);
+            let time_s = log_ns as f64 * 1e-9;
+            TimedRow {
+                index,
+                input: self.conditions.on_ecu_time(index, input, log_ns),
+                log_ns,
+                shortened_ns: input.time_ns,
+                warmth: self.start.warmth(&self.conditions.conditions, time_s),
+            }
+        })
     }
 
     fn count_row(&self) -> Result<(), CompareError> {
@@ -136,37 +168,25 @@ impl<'a> Setup<'a> {
     }
 
     fn begin(&self) -> Replay {
-        let mut replay = Replay::new(self.parameters, self.sampling, self.tolerance);
-        if let Some(pressure) = self.start_pressure {
-            replay.begin_showing(pressure);
-        }
-        replay
+        let accuracy = (self.sampling, self.tolerance);
+        self.start
+            .begin(self.parameters, &self.conditions.conditions, accuracy)
     }
 
-    /// The row of the model at the instant of `input`.
-    fn row(&self, input: ReplayInput, replay: &mut Replay) -> Result<Row, CompareError> {
-        let row = replay.row(input);
-        match replay.simulator().is_given_up() {
-            true => Err(ReplayError::given_up(input.time_ns).into()),
-            false => Ok(row),
-        }
-    }
-
-    /// Begins again at the measured pressure where `index` is the last row of a gap.
-    fn restart(&self, index: usize, replay: &mut Replay) {
-        if let Some(restart) = Restart::at(&self.restarts, index) {
-            replay.begin_showing(restart.pressure);
-        }
+    /// The model at the instant of `row`.
+    fn row(&self, row: &TimedRow, replay: &mut Replay) -> Result<Row, CompareError> {
+        let values = self.start.row(replay, row.input, row.warmth);
+        values.ok_or_else(|| ReplayError::given_up(row.shortened_ns).into())
     }
 
     /// The model driven by the commands alone.
     pub(crate) fn free_run(&self) -> Result<Columns, CompareError> {
         let mut replay = self.begin();
         let mut columns = Columns::of(self, self.inputs.len());
-        for (index, input) in self.rows() {
+        for row in self.rows() {
             self.count_row()?;
-            columns.push(self.row(input, &mut replay)?);
-            self.restart(index, &mut replay);
+            columns.push(self.row(&row, &mut replay)?);
+            self.start.restart(&mut replay, row.index);
         }
         Ok(columns)
     }
@@ -181,23 +201,19 @@ impl<'a> Setup<'a> {
     ) -> Result<Columns, CompareError> {
         let mut replay = self.begin();
         let mut columns = Columns::of(self, self.inputs.len());
-        for (row, input) in self.rows() {
+        for row in self.rows() {
             self.count_row()?;
-            let begin = (
-                replay.simulator().time_ns(),
-                replay.simulator().state().pressure,
-            );
+            let begin = (replay.time_ns(), replay.simulator().state().pressure);
             let mut open = [false; 2];
-            replay.begin_row(input.time_ns);
-            for time_ns in instants_between(begin.0, input.time_ns) {
+            replay.begin_row(&row.input);
+            for time_ns in instants_between(begin.0, row.input.time_ns) {
+                replay.advance_to_ns(time_ns);
                 let simulator = replay.simulator();
-                simulator.advance_to_ns(time_ns);
                 open = [FILL, VENT].map(|valve| open[valve] || is_open(simulator, valve));
             }
-            columns.push(self.row(input, &mut replay)?);
-            let simulator = replay.simulator();
-            let pressure = simulator.state().pressure;
-            let span_s = (input.time_ns - begin.0) as f64 * 1e-9;
+            columns.push(self.row(&row, &mut replay)?);
+            let pressure = replay.simulator().state().pressure;
+            let span_s = row.input.time_ns.saturating_sub(begin.0) as f64 * 1e-9;
             watch(Activity {
                 open,
                 pressure,
@@ -207,13 +223,15 @@ impl<'a> Setup<'a> {
                     0.0
                 },
             });
-            self.restart(row, &mut replay);
-            let simulator = replay.simulator();
-            let measured_bar = measured_bar.map_or(f64::NAN, |measured_bar| measured_bar[row]);
-            let error =
-                measured_bar * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa - pressure;
+            self.start.restart(&mut replay, row.index);
+            let measured_bar =
+                measured_bar.map_or(f64::NAN, |measured_bar| measured_bar[row.index]);
+            let measured = measured_bar * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa;
+            // The model holds the gas at the temperature of the wall.
+            let error = measured / row.warmth - pressure;
             if gain > 0.0 && error.is_finite() {
-                simulator.set_chamber_pressure(pressure + gain * error);
+                let corrected = pressure + gain * error;
+                replay.simulator().set_chamber_pressure(corrected);
             }
         }
         Ok(columns)
@@ -228,33 +246,36 @@ impl<'a> Setup<'a> {
             times_s: Vec::new(),
             columns: Columns::of(self, 0),
         };
-        let mut last_ns = 0;
-        let start_s = self.base.start_s();
-        for (index, input) in self.rows().take(rows) {
+        let mut last_ns = None;
+        for row in self.rows().take(rows) {
             self.count_row()?;
             if fine.times_s.len() > FINE_POINTS_MAX {
                 break;
             }
-            let log_ns = ((self.base.times_s()[index] - start_s) * 1e9).round() as u64;
-            // What gaps were shortened by.
-            let later_ns = log_ns - input.time_ns;
+            let (log_ns, input) = (row.log_ns as i64, row.input);
+            // What the clocks differ by, and gaps were shortened by.
+            let later_ns = log_ns - input.time_ns as i64;
+            let begin_ns = last_ns.unwrap_or(input.time_ns);
+            replay.begin_row(&input);
             for time_ns in
-                instants_between(last_ns, input.time_ns).take_while(|&t| t < input.time_ns)
+                instants_between(begin_ns, input.time_ns).take_while(|&t| t < input.time_ns)
             {
-                // To hold the last command changes nothing.
-                fine.columns.push(replay.row(ReplayInput {
+                let on_the_way = ReplayInput {
                     time_ns,
                     issued_ns: time_ns,
                     command: None,
                     supply_voltage_v: None,
-                }));
-                fine.times_s.push((time_ns + later_ns) as f64 * 1e-9);
+                };
+                let values = self.start.row(&mut replay, on_the_way, row.warmth);
+                let values = values.ok_or_else(|| ReplayError::given_up(row.shortened_ns))?;
+                fine.columns.push(values);
+                fine.times_s.push((time_ns as i64 + later_ns) as f64 * 1e-9);
             }
-            fine.columns.push(self.row(input, &mut replay)?);
+            fine.columns.push(self.row(&row, &mut replay)?);
             fine.times_s.push(log_ns as f64 * 1e-9);
-            self.restart(index, &mut replay);
-            last_ns = input.time_ns;
-            fine.rows = index + 1;
+            self.start.restart(&mut replay, row.index);
+            last_ns = Some(input.time_ns);
+            fine.rows = row.index + 1;
         }
         Ok(fine)
     }
@@ -315,7 +336,7 @@ impl Columns {
 
 /// Equally spaced instants in (begin, end], [`LOOK_NS`] apart at most or [`LOOKS_MAX`] of them, `end` last.
 fn instants_between(begin_ns: u64, end_ns: u64) -> impl Iterator<Item = u64> {
-    let span = end_ns - begin_ns;
+    let span = end_ns.saturating_sub(begin_ns);
     let count = span.div_ceil(LOOK_NS).min(LOOKS_MAX);
     (1..=count).map(move |part| {
         begin_ns + (u128::from(span) * u128::from(part) / u128::from(count)) as u64
@@ -336,7 +357,8 @@ mod tests {
     fn the_free_run_is_the_replay_of_the_simulator_bit_for_bit() {
         let bench = Bench::default();
         let log = bench.measure();
-        let setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
+        let conditions = LogConditions::default();
+        let setup = Setup::new(&bench.plant, (&log, &conditions), Tolerance::default()).unwrap();
         let replayed =
             plant_sim::replay::replay(&bench.plant, &log, Tolerance::default(), |_, _| {}).unwrap();
         let pressure = replayed.recording.signal("p_ch").unwrap();
@@ -350,7 +372,8 @@ mod tests {
     fn looking_between_the_samples_changes_nothing_beyond_the_solver_tolerance() {
         let bench = Bench::default();
         let log = bench.measure();
-        let setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
+        let conditions = LogConditions::default();
+        let setup = Setup::new(&bench.plant, (&log, &conditions), Tolerance::default()).unwrap();
         let free = setup.free_run().unwrap();
         let watched = setup.predict(None, 0.0, |_| ()).unwrap();
         let FineRun {
@@ -376,8 +399,10 @@ mod tests {
     fn a_full_correction_follows_the_measurement() {
         let bench = Bench::default();
         let log = bench.measure();
-        let mut setup = Setup::new(&bench.plant, &log, Tolerance::default()).unwrap();
-        setup.start_pressure = Some(3e5);
+        let conditions = LogConditions::default();
+        let mut setup =
+            Setup::new(&bench.plant, (&log, &conditions), Tolerance::default()).unwrap();
+        setup.start.pressure = Some(3e5);
         let measured = vec![2.5; log.signals()[0].len()];
         let mut activity = Vec::new();
         let columns = setup

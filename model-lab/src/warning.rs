@@ -10,7 +10,7 @@ use recording::{PressureReference, Recording, Signal, Unit};
 use crate::commands::Commands;
 use crate::measured::{Measured, PRESSURE};
 use crate::metrics::present;
-use crate::result::{Warning, WarningKind};
+use crate::result::{SignalComparison, Warning, WarningKind};
 
 /// Returns what is odd about `log`, whose signals are `measured`.
 pub(crate) fn warnings(
@@ -179,6 +179,49 @@ fn unknown_signal(unknown: UnknownSignal) -> Warning {
     }
 }
 
+/// A current is far off from this error on, over the variation of what was measured: no plant file that fits any rig leaves so much.
+const FAR_OFF: f64 = 0.3;
+/// A lag below this (s) is no reason, ...
+const LAG_MIN_S: f64 = 0.5e-3;
+/// ... nor is one of this many samples of the ECU or more.
+const LAG_MAX_SAMPLES: f64 = 2.0;
+/// A lag is the reason if it accounts for this share of the mismatch of the changes, and if that is this share of the error: changes of
+/// another size correlate as well.
+const ACCOUNTS_FOR: f64 = 0.5;
+/// Returns that rows and commands do not line up in time, for a current of which the error is so.
+pub(crate) fn misaligned(
+    parameters: &PlantParameters,
+    signal: &SignalComparison,
+) -> Option<Warning> {
+    let is_current = signal.unit == Unit::Milliampere.symbol();
+    let off = 1.0 - signal.free_run.fit_pct? / 100.0;
+    if !is_current || off < FAR_OFF || signal.holds == Some(true) {
+        return None;
+    }
+    let offset = signal.time_offset.as_ref()?;
+    let lags_s = LAG_MIN_S..LAG_MAX_SAMPLES * parameters.ecu.sample_time_s;
+    let is_lag = lags_s.contains(&(1e-3 * offset.lag_ms.abs()));
+    let explained = offset.correlation_shifted.powi(2) - offset.correlation_unshifted.powi(2);
+    let is_all = offset.mismatch_explained >= ACCOUNTS_FOR
+        && explained >= ACCOUNTS_FOR * off.min(1.0).powi(2);
+    if !is_lag || !is_all {
+        return None;
+    }
+    let statement = format!(
+        "{} is off by {:.0} % of its own variation, and a shift by {:.1} ms accounts for {:.0} % of the mismatch of its changes: rows \
+         and commands do not line up in time. Let retarder refine find the clock of the logger and ecu.command_delay_s, or log \
+         commands and currents with one clock",
+        signal.name,
+        100.0 * off,
+        offset.lag_ms.abs(),
+        100.0 * offset.mismatch_explained
+    );
+    Some(Warning {
+        kind: WarningKind::Misaligned,
+        statement,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use recording::{Provenance, TimeBase};
@@ -236,6 +279,40 @@ mod tests {
             other => (named(other), value),
         });
         assert_eq!(kinds(&swapped), [WarningKind::SwappedValves]);
+    }
+
+    /// A delay that is wrong by most of a PWM period was told as the regime in which the error is.
+    #[test]
+    fn a_current_that_is_late_is_told_to_be_so_and_not_placed() {
+        let pulses = [
+            (0.03, 80.0, 0.0),
+            (0.07, 0.0, 0.0),
+            (0.03, 0.0, 80.0),
+            (0.07, 0.0, 0.0),
+        ];
+        let mut phases = vec![(1.0, 0.0, 0.0)];
+        phases.extend(pulses.into_iter().cycle().take(80));
+        let bench = Bench {
+            phases,
+            ..Bench::default()
+        };
+        let of = |log: &Recording, plant: &PlantParameters| {
+            compare(plant, log, &CompareOptions::default()).unwrap()
+        };
+        let mut late = bench.plant.clone();
+        late.ecu.command_delay_s += 7e-3;
+        let comparison = of(&bench.measure(), &late);
+        let told: Vec<_> = comparison.warnings.iter().map(|one| one.kind).collect();
+        assert_eq!(told, [WarningKind::Misaligned; 2]);
+        let statement = &comparison.warnings[0].statement;
+        assert!(statement.contains("a shift by 7."), "{statement}");
+        for signal in comparison.signals.iter().filter(|one| one.name != "p_ch") {
+            assert_eq!(signal.finding.regime, None, "{:?}", signal.finding);
+        }
+        // A coil of another resistance is physics.
+        let mut hot = bench.plant.clone();
+        hot.coil.resistance_20c_ohm *= 1.8;
+        assert_eq!(of(&bench.measure(), &hot).warnings, []);
     }
 
     #[test]

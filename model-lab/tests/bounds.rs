@@ -1,7 +1,7 @@
 //! Whatever a log holds within the hard bounds of its quantities, it is compared or refused: no panic, no hang, no memory
 //! beyond what its length asks for.
 
-use model_lab::{CompareError, CompareOptions, Comparison, compare, free_run};
+use model_lab::{CompareError, CompareOptions, Comparison, compare, find_conditions, free_run};
 use plant_sim::PlantParameters;
 use proptest::prelude::*;
 use recording::{Bounds, Provenance, Recording, TimeBase, Unit};
@@ -36,7 +36,7 @@ fn log(duties: &[(f64, f64)], signals: [Vec<f64>; 4], times_s: Vec<f64>) -> Reco
 fn compared(log: &Recording) -> Result<Comparison, CompareError> {
     let plant = PlantParameters::nominal();
     let whole = compare(&plant, log, &CompareOptions::default());
-    let free = free_run(&plant, log);
+    let free = free_run(&plant, log, &find_conditions(&plant, log));
     assert_eq!(
         whole.is_ok(),
         free.is_ok(),

@@ -78,7 +78,8 @@ fn shares_the_log(log: &Recording, compared: &Comparison) {
 /// row when every signal of the model, both residuals and every command were kept as columns of their own.
 #[test]
 fn a_comparison_takes_two_columns_for_each_signal_and_a_few_bytes() {
-    let [short, long] = [40_000, 120_000].map(taken);
+    // The conditions of a log are found in its first 40 000 rows, which takes as much as to compare some 120 000.
+    let [short, long] = [200_000, 280_000].map(taken);
     let per_row = |long: usize, short: usize| (long - short) as f64 / 80_000.0;
     let (peak, kept) = (per_row(long.0, short.0), per_row(long.1, short.1));
     // Free run and short-horizon prediction of two signals are 32 bytes.

@@ -179,28 +179,38 @@ impl Replay {
         }
     }
 
-    /// Allows the simulator the steps of a row that ends at `time_ns`: for whoever advances it on the way there.
-    pub fn begin_row(&mut self, time_ns: u64) {
-        let span_ns = time_ns.saturating_sub(self.simulator.time_ns());
+    /// Instant (ns) up to which the log has been simulated, since its first row; 0 before it.
+    pub fn time_ns(&self) -> u64 {
+        self.simulator.time_ns().saturating_sub(self.lead_ns)
+    }
+
+    /// Allows the simulator the steps of the row of `input` and hands over the command at the instant at which it was given: for
+    /// whoever advances it on the way there.
+    pub fn begin_row(&mut self, input: &ReplayInput) {
+        let span_ns = input.time_ns.saturating_sub(self.time_ns());
         let periods = span_ns.div_ceil(self.pwm_period_ns.max(1));
         self.work_limit += WORK_PER_PERIOD * periods.clamp(1, PERIODS_OF_ROW_MAX);
         self.simulator.set_work_limit(self.work_limit);
-    }
-
-    /// Hands over the command at the instant at which it was given, advances to the instant of `input` and samples.
-    pub fn row(&mut self, mut input: ReplayInput) -> Row {
-        input.time_ns += self.lead_ns;
-        input.issued_ns += self.lead_ns;
-        self.begin_row(input.time_ns);
         if let Some(command) = input.command
             && command != self.command
         {
             self.command = command;
             if self.has_coil {
-                self.simulator.command_at(input.issued_ns, command);
+                let issued_ns = input.issued_ns + self.lead_ns;
+                self.simulator.command_at(issued_ns, command);
             }
         }
-        self.simulator.advance_to_ns(input.time_ns);
+    }
+
+    /// Advances to an instant (ns) on the way to a row that was begun.
+    pub fn advance_to_ns(&mut self, time_ns: u64) {
+        self.simulator.advance_to_ns(time_ns + self.lead_ns);
+    }
+
+    /// Begins the row of `input` unless it was begun, advances to its instant and samples.
+    pub fn row(&mut self, input: ReplayInput) -> Row {
+        self.begin_row(&input);
+        self.advance_to_ns(input.time_ns);
         let sample = self.simulator.sample();
         let plunger = self.advance_plunger(&sample);
         self.last = Some(sample);

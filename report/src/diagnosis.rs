@@ -47,6 +47,10 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
                     p.finding { strong { (foreign(&signal.name)) } " of " (foreign(log)) " was not weighed: " (foreign(&signal.reason)) "." }
                 }
             }
+            @for clock in &diagnosis.clocks { p.rule { (foreign(&clock.log)) ": " (foreign(&clock.statement)) "." } }
+            @for start in diagnosis.starts.iter().filter(|start| start.is_warm()) {
+                p.rule { (foreign(&start.log)) ": " (foreign(&start.statement)) "." }
+            }
             @for (log, defects) in &diagnosis.defects {
                 @for sentence in &defects.sentences {
                     p.finding { (foreign(log)) ": " (foreign(sentence)) "." }

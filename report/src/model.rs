@@ -78,6 +78,7 @@ pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
         section id=(id) {
             h2 { "Model against measurement, " (foreign(&comparison.log)) " " (standing(comparison).badge()) }
             p.rule { "The rule: " (foreign(&comparison.verdict.rule)) "." }
+            @for sentence in conditions(comparison) { p.finding { (foreign(&format!("{}.", capitalised(sentence)))) } }
             @for sentence in &comparison.defects.sentences { p.finding { (foreign(&format!("{}.", capitalised(sentence)))) } }
             @for warning in &comparison.warnings {
                 p.finding { strong { "Warning" } ": " (foreign(&warning.statement)) "." }
@@ -95,6 +96,13 @@ pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
             }
         }
     }
+}
+
+/// How the log was made, as far as it is not the log of an ECU that begins at rest.
+fn conditions(comparison: &Comparison) -> impl Iterator<Item = &str> {
+    let clock = comparison.clock.iter().map(|clock| &*clock.statement);
+    let start_gas = comparison.start_gas.iter();
+    clock.chain(start_gas.map(|start| &*start.statement))
 }
 
 fn signal_table(comparison: &Comparison) -> Markup {

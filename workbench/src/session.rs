@@ -3,6 +3,8 @@
 
 use std::sync::{Arc, Mutex, OnceLock};
 
+use model_lab::{LogConditions, find_conditions};
+use plant_sim::PlantParameters;
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
@@ -89,6 +91,8 @@ pub(crate) struct LoadedLog {
     pub(crate) summary: LogSummary,
     /// Of each signal.
     pub(crate) pyramids: Vec<Pyramid>,
+    /// Conditions under which it was made, as they were found last.
+    conditions: Mutex<Option<LogConditions>>,
 }
 
 impl LoadedLog {
@@ -98,7 +102,16 @@ impl LoadedLog {
             pyramids: recording.signals().iter().map(pyramid).collect(),
             summary: LogSummary::of(&recording),
             recording,
+            conditions: Mutex::default(),
         }
+    }
+
+    /// Returns the conditions under which it was made, found with `plant` unless they are known: a slider that moves a parameter moves
+    /// no clock.
+    pub(crate) fn conditions(&self, plant: &PlantParameters) -> LogConditions {
+        let mut known = lock(&self.conditions);
+        let found = known.get_or_insert_with(|| find_conditions(plant, &self.recording));
+        found.clone()
     }
 }
 

@@ -4,12 +4,12 @@ use recording::{Recording, Unit};
 
 use super::*;
 use crate::bench::{Bench, without_rows};
-use crate::{CompareOptions, free_run};
+use crate::{CompareOptions, compare, free_run};
 
 fn compared(log: &Recording) -> Comparison {
     let plant = PlantParameters::nominal();
     let found = compare(&plant, log, &CompareOptions::default()).unwrap();
-    let free = free_run(&plant, log).unwrap();
+    let free = free_run(&plant, log, &LogConditions::default()).unwrap();
     assert_eq!(free.errors[0].rms, Some(found.signals[0].free_run.rms));
     found
 }

@@ -11,7 +11,7 @@ use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::interval::{half_widths, with_model_error};
 use super::ladder::Ladder;
-use super::log::Run;
+use super::log::{Log, Run};
 use super::result::{
     BySignal, Candidate, DetectionLimit, FittedParameter, NuisanceValue, Regime, Step, Verdict,
 };
@@ -19,7 +19,8 @@ use super::search::Tried;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
 use super::verdict::{ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE};
-use crate::{CompareOptions, compare};
+use crate::compare::compare_under;
+use crate::options::CompareOptions;
 
 /// Within this coordinate of a bound a parameter has run to it.
 const AT_BOUND: f64 = 1e-6;
@@ -232,14 +233,15 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
     .collect()
 }
 
-/// Where most of the excess of each signal is.
+/// Where most of the excess of each signal is; `seen` are the logs with what was found of them.
 pub(crate) fn regimes(
     plant: &PlantParameters,
-    logs: &[Recording],
+    (logs, seen): (&[Recording], &[Log]),
 ) -> Result<Vec<Regime>, DiagnoseError> {
     let mut regimes = Vec::new();
-    for log in logs {
-        let comparison = compare(plant, log, &CompareOptions::default())?;
+    for (log, seen) in logs.iter().zip(seen) {
+        let (conditions, options) = (seen.found(), CompareOptions::default());
+        let comparison = compare_under(plant, (log, &conditions), &options, &|_| true)?;
         for signal in comparison.signals {
             regimes.push(Regime {
                 log: comparison.log.clone(),

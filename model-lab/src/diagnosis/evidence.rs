@@ -6,9 +6,9 @@ use std::time::Instant;
 use plant_sim::replay::CurrentSampling;
 use plant_sim::{PlantParameters, Tolerance};
 
-use super::conditions::Conditions;
 use super::log::{Channel, Log, Residuals, Run};
 use super::unknowns::Unknowns;
+use crate::conditions::Conditions;
 
 /// All logs of one kind: for fitting, or for checking.
 pub(crate) struct Evidence {

@@ -6,18 +6,19 @@ use std::sync::Arc;
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
-use plant_sim::{Command, PlantParameters, Tolerance};
+use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
-use super::conditions::Conditions;
 use super::error::DiagnoseError;
 use super::predictor::Predictor;
 use super::sensor_noise::SensorNoise;
 use super::verdict::MODEL_ERROR;
 use crate::commands::Commands;
+use crate::conditions::{Conditions, LogConditions};
 use crate::error::CompareError;
+use crate::log_start::LogStart;
 use crate::measured::{Measured, PRESSURE, Restart, WEIGHED, measured_signals, start};
-use crate::result::{LogDefects, NotCompared, Warning};
+use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
 use crate::warning::warnings;
 
 /// Rows closer than this (s) show a current of an instant; those further apart may show means.
@@ -28,8 +29,6 @@ const SLOWER: f64 = 0.95;
 const SHOWS_PERIODS: f64 = 2.0;
 /// A command may have been given this share of a sample time outside of the rows that enclose it: the clock may be slightly wrong.
 const EDGE: f64 = 0.1;
-/// A chamber this much above ambient pressure, over it, is filled.
-const FILLED: f64 = 0.1;
 /// More samples of the ECU than these between two rows are a gap.
 const SAMPLES_MAX: u64 = 20;
 /// A correction leaves at least this pressure (Pa abs).
@@ -55,13 +54,8 @@ pub(crate) struct Log {
     pub(crate) known_phase_s: (f64, f64),
     /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
     issued_ns: Vec<u64>,
-    /// Chamber pressure to begin with (Pa abs); none starts at rest.
-    start_pressure: Option<f64>,
-    /// Ambient pressure (bar abs) and temperature of the chamber's wall (K).
-    ambient_bar: f64,
-    wall_k: f64,
-    /// Where the model begins again behind a gap.
-    restarts: Vec<Restart>,
+    /// Where the model begins, and begins again behind a gap.
+    start: LogStart,
     pub(crate) predictor: Predictor,
     pub(crate) channels: Vec<Channel>,
     /// Signals that would have been weighed, and why they are not.
@@ -151,8 +145,9 @@ impl Log {
             warnings,
         } = read;
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
-        let (_, start_pressure) = start(parameters, pressure, &commands);
-        let restarts = pressure.map_or_else(Vec::new, |signal| signal.restarts.clone());
+        let first_command = inputs.first().and_then(|input| input.command);
+        let (_, level) = start(parameters, pressure, &commands);
+        let start = LogStart::at(parameters, pressure, level, first_command);
         let defects = LogDefects::of(log, &commands, pressure);
         let sigma = |signal: &Measured| {
             let told = noise.of(signal.name, &signal.floor, interval_s);
@@ -204,10 +199,7 @@ impl Log {
             issued_ns: Vec::new(),
             sample_time_s: parameters.ecu.sample_time_s,
             interval_s,
-            start_pressure,
-            ambient_bar: parameters.gas.ambient_pressure_pa / PA_PER_BAR,
-            wall_k: parameters.gas.temperature_k,
-            restarts,
+            start,
             predictor: Predictor::free_run(samples),
             channels,
             not_compared,
@@ -227,18 +219,6 @@ impl Log {
 
     pub(crate) fn inputs(&self) -> &[ReplayInput] {
         &self.inputs
-    }
-
-    /// A row in the time of the ECU, less what was taken out of pauses before it.
-    fn on_ecu_time(&self, row: usize, (clock, issued_ns): (LoggerClock, u64)) -> ReplayInput {
-        let input = self.inputs[row];
-        let taken_ns = self.log_ns(row) - input.time_ns;
-        let time_ns = clock.ecu_time_ns(self.log_ns(row)).saturating_sub(taken_ns);
-        ReplayInput {
-            time_ns,
-            issued_ns: issued_ns.saturating_sub(taken_ns).min(time_ns),
-            ..input
-        }
     }
 
     /// Time of a row since the first one (ns), by the clock of the logger.
@@ -370,6 +350,33 @@ impl Log {
         Some(residuals)
     }
 
+    /// Everything that was found of how it was made.
+    pub(crate) fn found(&self) -> LogConditions {
+        LogConditions {
+            conditions: self.conditions,
+            clock_source: match self.known_phase_s.1.is_finite() {
+                true => ClockSource::Commands,
+                false => ClockSource::Model,
+            },
+            begins_filled: self.begins_filled(),
+            issued_ns: match self.is_slow() {
+                true => self.issued_ns.clone(),
+                false => Vec::new(),
+            },
+            interval_ns: (self.interval_s * 1e9) as u64,
+            sample_time_ns: (self.sample_time_s * 1e9).round() as u64,
+            sampling: Some(self.sampling),
+        }
+    }
+
+    pub(super) fn found_clock(&self) -> Option<FoundClock> {
+        self.found().clock(&self.source)
+    }
+
+    pub(super) fn found_start(&self) -> Option<FoundStart> {
+        self.found().start(&self.source)
+    }
+
     /// Time from the first row to the last (s).
     pub(crate) fn duration_s(&self) -> f64 {
         self.commands.times_s.last().copied().unwrap_or(0.0)
@@ -382,8 +389,7 @@ impl Log {
 
     /// Whether it begins with a chamber that valves with coils have filled, whose gas may still be warm.
     pub(crate) fn begins_filled(&self) -> bool {
-        let above = |start: f64| start > (1.0 + FILLED) * self.ambient_bar * PA_PER_BAR;
-        self.has_coil && self.start_pressure.is_some_and(above) && self.pressure().is_some()
+        self.start.is_filled && self.pressure().is_some()
     }
 
     /// Whether its rows leave open at which sample of the ECU a command was given.
@@ -443,7 +449,7 @@ impl Log {
                 let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
                 largest = largest.max((values[column] - last).abs() / periods);
                 // Behind a gap the model begins elsewhere: that is no change.
-                last = match Restart::at(&self.restarts, row) {
+                last = match Restart::at(&self.start.restarts, row) {
                     Some(_) => f64::NAN,
                     None => values[column],
                 };
@@ -456,7 +462,7 @@ impl Log {
             &pressure.values,
             sigma,
             largest,
-            (self.start_pressure.is_some(), &self.restarts),
+            (self.start.pressure.is_some(), &self.start.restarts),
         );
     }
 
@@ -490,19 +496,8 @@ impl Log {
         conditions: &Conditions,
         tolerance: Tolerance,
     ) -> Replay {
-        let mut replay = Replay::new(parameters, self.sampling, tolerance);
-        // Whoever filled the chamber had commanded before the log began.
-        if let Some(command) = self.inputs.first().and_then(|input| input.command)
-            && self.begins_filled()
-            && command != Command::default()
-        {
-            replay.begin_under(command);
-        }
-        if let Some(pressure) = self.start_pressure {
-            let ratio = conditions.start_gas.pressure_ratio(self.wall_k, 0.0);
-            replay.begin_showing(pressure / ratio);
-        }
-        replay
+        self.start
+            .begin(parameters, conditions, (self.sampling, tolerance))
     }
 
     /// Advances to row `index`, whose command was given at an instant of the ECU if the logger has a clock of its own, and corrects the
@@ -514,28 +509,16 @@ impl Log {
         (conditions, issued_ns): (&Conditions, Option<u64>),
         run: Run,
     ) -> Option<Row> {
-        let mut row = replay.row(match conditions.clock.zip(issued_ns) {
-            Some(timing) => self.on_ecu_time(index, timing),
-            None => self.inputs[index],
-        });
-        if replay.simulator().is_given_up() {
-            return None;
-        }
-        let time_s = self.commands.times_s[index];
-        let warm = conditions.start_gas.pressure_ratio(self.wall_k, time_s);
-        if let Some(channel) = self.pressure().filter(|_| warm != 1.0) {
-            let shown = &mut row[channel.column];
-            *shown = (*shown + self.ambient_bar) * warm - self.ambient_bar;
-        }
-        if let Some(restart) = Restart::at(&self.restarts, index) {
-            replay.begin_showing(restart.pressure);
-        }
+        let input = conditions.on_ecu_time(self.inputs[index], self.log_ns(index), issued_ns);
+        let warmth = self.start.warmth(conditions, self.commands.times_s[index]);
+        let row = self.start.row(replay, input, warmth)?;
+        self.start.restart(replay, index);
         if let Some(channel) = self.pressure().filter(|_| run == Run::Predicted) {
             let error = channel.values[index] - row[channel.column];
             let gain = self.predictor.gains[index];
             if error.is_finite() && gain > 0.0 {
                 let simulator = replay.simulator();
-                let corrected = simulator.state().pressure + gain * error * PA_PER_BAR / warm;
+                let corrected = simulator.state().pressure + gain * error * PA_PER_BAR / warmth;
                 simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
             }
         }

@@ -6,7 +6,6 @@
 //! ```
 
 mod assemble;
-mod conditions;
 mod detection;
 mod error;
 mod errors;
@@ -54,6 +53,7 @@ pub use estimation::{
     EstimationStep, EstimationStepKind, estimate,
 };
 pub use knowledge::{KnowledgeError, fix, free};
+pub(crate) use logger_time::conditions_of;
 pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement, refine};
 pub use remaining::MissingFlow;
 pub use result::Diagnosis;
@@ -127,17 +127,18 @@ pub fn diagnose_with(
         .par_iter()
         .map(|tried| assemble::candidate(&bench, plain, last, tried))
         .collect();
-    search::report(watch, "where the error is", 0.0)?;
-    let before = assemble::regimes(&plain.plant(), logs)?;
-    let after = if found.steps.len() > 1 {
-        assemble::regimes(&last.plant(), logs)?
-    } else {
-        before.clone()
-    };
     let ladder = assemble::ladder(&bench, &found)?;
     let nuisance = assemble::nuisance(&bench, plain, last);
     let (equivalents, distinguishability) = assemble::equivalents(&found);
-    split.take_conditions(last);
+    search::report(watch, "where the error is", 0.0)?;
+    split.take_conditions(plain);
+    let before = assemble::regimes(&plain.plant(), (logs, split.given_logs()))?;
+    let after = if found.steps.len() > 1 {
+        split.take_conditions(last);
+        assemble::regimes(&last.plant(), (logs, split.given_logs()))?
+    } else {
+        before.clone()
+    };
     let logs_seen: Vec<_> = split
         .fitting
         .logs

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use super::log::Log;
+pub use crate::result::{ClockSource, FoundClock, FoundStart};
 use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
@@ -329,52 +329,6 @@ pub struct LostPulse {
     pub jump_bar: f64,
     /// The same in standard deviations of what is usual there.
     pub in_noise: f64,
-}
-
-/// The clock of a logger, as it was found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FoundClock {
-    /// Source of the log.
-    pub log: String,
-    /// Time from the ECU sample before the first row to that row (s).
-    pub phase_s: f64,
-    /// Time that the ECU counts beyond the logger's, per logged time (ppm).
-    pub drift_ppm: f64,
-}
-
-impl FoundClock {
-    pub(super) fn of(log: &Log) -> Option<Self> {
-        let clock = log.conditions.clock?;
-        Some(Self {
-            log: log.source.clone(),
-            phase_s: clock.phase_s.rem_euclid(log.sample_time_s),
-            drift_ppm: clock.drift_ppm,
-        })
-    }
-}
-
-/// State of the gas in the chamber when a log begins.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FoundStart {
-    /// Source of the log.
-    pub log: String,
-    /// Temperature of the gas above that of the wall (K).
-    pub excess_k: f64,
-    /// Time constant with which the gas takes the temperature of the wall (s).
-    pub cooling_s: f64,
-}
-
-impl FoundStart {
-    pub(super) fn of(log: &Log) -> Option<Self> {
-        let gas = log.conditions.start_gas;
-        log.begins_filled().then(|| Self {
-            log: log.source.clone(),
-            excess_k: gas.excess_k,
-            cooling_s: gas.cooling_s,
-        })
-    }
 }
 
 /// What an answer cost.

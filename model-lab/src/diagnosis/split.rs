@@ -217,6 +217,14 @@ impl Split {
         }
     }
 
+    /// The logs that were given first, for fitting: the first ones of these.
+    pub(super) fn given_logs(&self) -> &[Log] {
+        match self.held_out {
+            HeldOut::FittingLogs => &self.checking.logs,
+            _ => &self.fitting.logs,
+        }
+    }
+
     /// The logs that judge, without those that are fitted in part.
     pub(super) fn check_logs(&self) -> &[Log] {
         if matches!(self.held_out, HeldOut::CheckLogs | HeldOut::FittingLogs) {
@@ -265,13 +273,13 @@ impl Split {
     /// The clocks that were found of the loggers, log after log.
     pub(super) fn clocks(&self) -> Vec<FoundClock> {
         let logs = self.fitting.logs.iter().chain(self.check_logs());
-        logs.filter_map(FoundClock::of).collect()
+        logs.filter_map(Log::found_clock).collect()
     }
 
     /// The state in which logs with a filled chamber begin, log after log.
     pub(super) fn starts(&self) -> Vec<FoundStart> {
         let logs = self.fitting.logs.iter().chain(self.check_logs());
-        logs.filter_map(FoundStart::of).collect()
+        logs.filter_map(Log::found_start).collect()
     }
 
     /// What was simulated since `begin`.

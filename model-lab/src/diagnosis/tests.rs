@@ -2,12 +2,16 @@ use core::ops::ControlFlow;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
+use plant_sim::logger_clock::LoggerClock;
 use recording::{Recording, TimeBase, Unit};
 
+use super::assemble::regimes;
+use super::gather::gather;
+use super::logger_time::fit_conditions;
 use super::result::Verdict;
 use super::split::Split;
 use super::{diagnose, refine};
-use crate::bench::Bench;
+use crate::bench::{Bench, logged};
 
 fn with(id: &str, variant: &str, values: &[(&str, f64)]) -> PlantParameters {
     let effect = by_id(id).unwrap();
@@ -268,4 +272,21 @@ fn a_coil_alone_without_a_delay_gets_its_resistance() {
         !tried.contains(&"chamber_leak"),
         "nothing can leak: {tried:?}"
     );
+}
+
+/// The place of an error was sought with rows taken for samples of the ECU, whatever clock the fit had found.
+#[test]
+fn the_place_of_an_error_is_sought_with_the_clock_that_was_found() {
+    let plant = PlantParameters::nominal();
+    let clock = LoggerClock {
+        phase_s: 3.3e-3,
+        drift_ppm: 50.0,
+    };
+    let log = logged(&plant, clock, 2e-3, 1);
+    let mut evidence = gather(&plant, [&log]).unwrap();
+    fit_conditions(&plant, &mut evidence);
+    let logs = core::slice::from_ref(&log);
+    for regime in regimes(&plant, (logs, &evidence.logs)).unwrap() {
+        assert_eq!(regime.regime, None, "{regime:?}");
+    }
 }

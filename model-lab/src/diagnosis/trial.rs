@@ -3,7 +3,6 @@
 use plant_sim::effects::{Effect, EffectSetting};
 use plant_sim::{PlantParameters, Tolerance};
 
-use super::conditions::Conditions;
 use super::errors::Errors;
 use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
@@ -11,6 +10,7 @@ use super::log::Run;
 use super::logger_time::fitted_conditions;
 use super::start::{Start, most_promising};
 use super::unknowns::Unknowns;
+use crate::conditions::Conditions;
 use crate::whiteness::autocorrelation_time_samples;
 
 /// An effect on top of a fitted plant, where its fit would begin.

@@ -5,10 +5,10 @@ use plant_sim::effects::EffectSetting;
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{ParameterSpec, Scale, Size};
 
-use super::conditions::{Conditions, USUAL_COOLING_S};
 use super::log::Log;
 use super::nuisance::{Nuisance, nuisances};
 use crate::commands::COMMAND_DELAY;
+use crate::conditions::{Conditions, USUAL_COOLING_S};
 
 /// Standard deviation of a nuisance parameter in tolerances: even within the tolerance, 1/sqrt(3).
 const NUISANCE_SD: f64 = 0.577;
@@ -66,9 +66,9 @@ pub(crate) enum LogFigure {
     PhaseS,
     /// [`LoggerClock::drift_ppm`].
     DriftPpm,
-    /// [`StartGas::excess_k`](super::conditions::StartGas::excess_k).
+    /// [`StartGas::excess_k`](crate::conditions::StartGas::excess_k).
     StartExcessK,
-    /// Logarithm of [`StartGas::cooling_s`](super::conditions::StartGas::cooling_s).
+    /// Logarithm of [`StartGas::cooling_s`](crate::conditions::StartGas::cooling_s).
     LnCoolingS,
 }
 

@@ -3,7 +3,7 @@
 
 use std::io::Cursor;
 
-use model_lab::{CompareOptions, compare, free_run};
+use model_lab::{CompareOptions, compare, find_conditions, free_run};
 use plant_sim::PlantParameters;
 use recording::csv::{self, Mapping, read};
 use recording::{Recording, mf4};
@@ -61,7 +61,7 @@ pub(crate) fn compared(log: &Recording) {
             .all(|sentence| !sentence.contains(char::is_control))
     );
     let plant = PlantParameters::nominal();
-    let free = free_run(&plant, log);
+    let free = free_run(&plant, log, &find_conditions(&plant, log));
     let found = match compare(&plant, log, &CompareOptions::default()) {
         Ok(found) => found,
         Err(error) => {

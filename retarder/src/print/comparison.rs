@@ -8,6 +8,7 @@ use model_lab::result::{
 use recording::{Recording, Unit};
 
 use super::chart::{Chart, Course};
+use super::diagnosis::conditions;
 use super::number::{or_dash, percent, signed, significant};
 use super::table::{Align, Table, bar, verdict};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
@@ -59,6 +60,7 @@ pub(super) fn head(compared: &Compared, terminal: &Terminal) -> String {
         );
     }
     text += &paragraph(&facts, terminal);
+    text += &conditions(&comparison.clock, &comparison.start_gas, terminal);
     for sentence in &comparison.defects.sentences {
         text += &painted_paragraph(Colour::Notice, &format!("Log: {sentence}."), terminal);
     }

@@ -102,43 +102,16 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     text + &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal)
 }
 
-/// Temperatures of the gas that differ less than this from the wall's are not worth a sentence (K).
-const WARM_K: f64 = 1.0;
-
 /// Clocks of the loggers and states at the start, a sentence for each.
-pub(super) fn conditions(
-    clocks: &[FoundClock],
-    starts: &[FoundStart],
+pub(super) fn conditions<'a>(
+    clocks: impl IntoIterator<Item = &'a FoundClock>,
+    starts: impl IntoIterator<Item = &'a FoundStart>,
     terminal: &Terminal,
 ) -> String {
-    let of_clock = |clock: &FoundClock| {
-        format!(
-            "{}: its rows were taken {} ms after samples of the ECU, and its clock counts {} ppm {} than the ECU's.",
-            clock.log,
-            significant(1e3 * clock.phase_s, 3),
-            significant(clock.drift_ppm.abs(), 3),
-            if clock.drift_ppm > 0.0 {
-                "slower"
-            } else {
-                "faster"
-            },
-        )
-    };
-    let of_start = |start: &FoundStart| {
-        format!(
-            "{}: the gas in the chamber was {} K {} than the wall at first and took its temperature with a time constant of {} s.",
-            start.log,
-            significant(start.excess_k.abs(), 2),
-            if start.excess_k > 0.0 {
-                "warmer"
-            } else {
-                "colder"
-            },
-            significant(start.cooling_s, 2),
-        )
-    };
-    let warm = starts.iter().filter(|start| start.excess_k.abs() > WARM_K);
-    let sentences = clocks.iter().map(of_clock).chain(warm.map(of_start));
+    let of_clock = |clock: &FoundClock| format!("{}: {}.", clock.log, clock.statement);
+    let of_start = |start: &FoundStart| format!("{}: {}.", start.log, start.statement);
+    let warm = starts.into_iter().filter(|start| start.is_warm());
+    let sentences = clocks.into_iter().map(of_clock).chain(warm.map(of_start));
     sentences
         .map(|sentence| painted_paragraph(Colour::Faint, &sentence, terminal))
         .collect()

@@ -1,5 +1,6 @@
 //! The work that a simulation took.
 
+use super::diagnosis::conditions;
 use super::number::significant;
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::simulate::Simulation;
@@ -34,6 +35,7 @@ pub(crate) fn simulation(simulation: &Simulation, terminal: &Terminal) -> String
         );
     }
     text += &paragraph(&facts, terminal);
+    text += &conditions(&simulation.clock, None, terminal);
     for sentence in &simulation.defects.sentences {
         text += &painted_paragraph(Colour::Notice, &format!("Log: {sentence}."), terminal);
     }

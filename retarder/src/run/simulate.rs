@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use model_lab::CompareError;
-use model_lab::result::MissingCells;
+use model_lab::result::{FoundClock, MissingCells};
+use model_lab::{CompareError, LogConditions, find_conditions};
 use plant_sim::replay::{
     CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, check_gap,
     initial_pressure, inputs, inputs_of_part, signals,
@@ -58,6 +58,9 @@ pub(crate) struct Simulation {
     pub(crate) held_commands: u64,
     /// What the log lacks.
     pub(crate) defects: SimulatedDefects,
+    /// Clock of the logger, by which the model is simulated; absent where rows are samples of the ECU or the log has no measured signal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) clock: Option<FoundClock>,
     /// How the currents are meant: means of the interval before the row, or values of the instant.
     pub(crate) currents_are_means: bool,
     /// Accepted integration steps.
@@ -125,6 +128,8 @@ impl SimulatedDefects {
 
 /// Rows that are held at a time.
 const CHUNK_ROWS: usize = 4096;
+/// Signals of a log that tell the clock of its logger.
+const MEASURED: [&str; 3] = ["p_ch", "i_fill", "i_vent"];
 
 /// Simulates row by row.
 pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
@@ -168,7 +173,8 @@ fn simulate(
     // A log that is refused at its beginning leaves no header on the standard output.
     let source = (&plant.parameters, log);
     let mut chunk = Chunk::next(&mut rows, source, true)?;
-    let mut model = Model::new(&plant.parameters, &chunk);
+    let conditions = std::mem::take(&mut chunk.conditions);
+    let mut model = Model::new(&plant.parameters, &chunk, &conditions);
     let (places, columns) = columns(&plant.parameters);
     let provenance = provenance(log, plant);
     let mut output = RowOutput::begin(out, &provenance, &columns, &decimals()).map_err(failed)?;
@@ -201,6 +207,7 @@ fn simulate(
         duration_s,
         held_commands: model.held_commands,
         defects: SimulatedDefects::of(&rows.defects()),
+        clock: conditions.clock(log),
         currents_are_means: model.sampling == CurrentSampling::MeanOfInterval,
         steps: statistics.steps,
         rejected_steps: statistics.rejected_steps,
@@ -220,11 +227,17 @@ enum Rows<R: Read> {
 }
 
 impl<R: Read> Rows<R> {
-    /// The next rows, those of a recording all at once; none at the end.
-    fn next(&mut self, log: &str) -> Result<Option<Recording>, Failure> {
+    /// The next rows, those of a recording all at once, and of measured signals at first so many that they tell the clock of the logger;
+    /// none at the end.
+    fn next(&mut self, log: &str, is_first: bool) -> Result<Option<Recording>, Failure> {
         match self {
             Self::Csv(reader, counter) => {
-                let rows = next_rows(reader, log)?;
+                let is_measured = |column: &Column| MEASURED.contains(&&*column.name);
+                let rows = match is_first && reader.columns().iter().any(is_measured) {
+                    true => LogConditions::ROWS_MAX,
+                    false => CHUNK_ROWS,
+                };
+                let rows = next_rows(reader, log, rows)?;
                 if let Some(rows) = &rows {
                     counter.add(rows);
                 }
@@ -246,11 +259,16 @@ impl<R: Read> Rows<R> {
     }
 }
 
-fn next_rows(reader: &mut Reader<impl Read>, log: &str) -> Result<Option<Recording>, Failure> {
+/// The next `count` rows at most.
+fn next_rows(
+    reader: &mut Reader<impl Read>,
+    log: &str,
+    count: usize,
+) -> Result<Option<Recording>, Failure> {
     let columns = reader.columns().to_vec();
     let mut times_s = Vec::with_capacity(CHUNK_ROWS);
     let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
-    while times_s.len() < CHUNK_ROWS
+    while times_s.len() < count
         && let Some(row) = reader.next_row()?
     {
         times_s.push(row.time_s);
@@ -273,8 +291,9 @@ fn next_rows(reader: &mut Reader<impl Read>, log: &str) -> Result<Option<Recordi
 }
 
 /// The plant on its way through the log.
-struct Model {
+struct Model<'a> {
     replay: Replay,
+    conditions: &'a LogConditions,
     sampling: CurrentSampling,
     start_s: Option<f64>,
     end_s: f64,
@@ -282,16 +301,17 @@ struct Model {
     held_commands: u64,
 }
 
-impl Model {
-    fn new(parameters: &PlantParameters, begin: &Chunk) -> Self {
+impl<'a> Model<'a> {
+    fn new(parameters: &PlantParameters, begin: &Chunk, conditions: &'a LogConditions) -> Self {
         let step_s = begin.median_step_s.unwrap_or(f64::INFINITY);
-        let sampling = CurrentSampling::of_interval(step_s, parameters);
+        let sampling = conditions.sampling(step_s, parameters);
         let mut replay = Replay::new(parameters, sampling, Tolerance::default());
         if let Some(pressure) = begin.pressure {
             replay.begin_showing(pressure);
         }
         Self {
             replay,
+            conditions,
             sampling,
             start_s: None,
             end_s: 0.0,
@@ -306,14 +326,18 @@ impl Model {
             check_gap(self.end_s, time_s)?;
         }
         self.end_s = time_s;
+        let index = self.rows as usize;
         self.rows += 1;
         self.held_commands += u64::from(input.command.is_none());
         let time_ns = ((time_s - start_s) * 1e9).round() as u64;
-        let row = self.replay.row(ReplayInput {
+        let input = ReplayInput {
             time_ns,
             issued_ns: time_ns,
             ..input
-        });
+        };
+        let row = self
+            .replay
+            .row(self.conditions.on_ecu_time(index, input, time_ns));
         match self.replay.simulator().is_given_up() {
             true => Err(ReplayError::given_up(time_ns)),
             false => Ok(row),
@@ -328,6 +352,8 @@ struct Chunk {
     median_step_s: Option<f64>,
     /// Chamber pressure that a plant begins with which nothing else could have filled (Pa abs).
     pressure: Option<f64>,
+    /// Of the first rows, what they tell of how the log was made.
+    conditions: LogConditions,
 }
 
 impl Chunk {
@@ -337,7 +363,7 @@ impl Chunk {
         (parameters, log): (&PlantParameters, &str),
         is_first: bool,
     ) -> Result<Self, Failure> {
-        let Some(recording) = rows.next(log)? else {
+        let Some(recording) = rows.next(log, is_first)? else {
             return Ok(Self::default());
         };
         let failed = |error| match error {
@@ -360,6 +386,10 @@ impl Chunk {
             rows: base.times_s().iter().copied().zip(inputs).collect(),
             median_step_s: base.sampling().median_step_s,
             pressure: initial_pressure(parameters, &recording).map_err(failed)?,
+            conditions: match is_first {
+                true => find_conditions(parameters, &recording),
+                false => LogConditions::default(),
+            },
         })
     }
 }

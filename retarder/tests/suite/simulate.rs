@@ -2,8 +2,9 @@ use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use plant_sim::replay::replay;
-use plant_sim::{PlantParameters, Tolerance};
+use plant_sim::logger_clock::LoggerClock;
+use plant_sim::replay::{CurrentSampling, Replay, ReplayInput, replay};
+use plant_sim::{Command as DutyCycles, PlantParameters, Tolerance};
 use recording::csv;
 
 use crate::runner::{Bench, assert_contains, data, short_log};
@@ -33,6 +34,82 @@ fn a_simulated_recording_holds_against_its_own_plant_only() {
             "chamber.volume_m3=76e-6",
         ])
         .ended_with(1);
+}
+
+/// A log of the nominal plant, taken every 2 ms by a logger whose rows lie 3.3 ms behind the samples of the ECU.
+fn log_of_a_logger_with_its_own_clock() -> String {
+    let plant = PlantParameters::nominal();
+    let clock = LoggerClock {
+        phase_s: 3.3e-3,
+        drift_ppm: 80.0,
+    };
+    let mut model = Replay::new(
+        &plant,
+        CurrentSampling::MeanOfInterval,
+        Tolerance::default(),
+    );
+    let mut log =
+        "time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge,i_fill_mA,i_vent_mA\n".to_owned();
+    for row in 0..6000_u64 {
+        let time_ns = clock.ecu_time_ns(row * 2_000_000);
+        let sample = time_ns / plant.ecu.sample_time_ns();
+        let command = match sample {
+            0..100 => DutyCycles::default(),
+            _ => DutyCycles {
+                duty_fill_pct: if sample % 60 < 7 { 80.0 } else { 0.0 },
+                duty_vent_pct: if (30..41).contains(&(sample % 60)) {
+                    70.0
+                } else {
+                    0.0
+                },
+            },
+        };
+        let [fill, vent, p_ch, i_fill, i_vent, ..] = model.row(ReplayInput {
+            time_ns,
+            issued_ns: sample * plant.ecu.sample_time_ns(),
+            command: Some(command),
+            supply_voltage_v: None,
+        });
+        let noise = ((row * 7919) % 1009) as f64 / 1009.0 - 0.5;
+        log += &format!(
+            "{:.3},{fill},{vent},{:.4},{:.2},{:.2}\n",
+            row as f64 * 2e-3,
+            p_ch + 8e-3 * noise,
+            i_fill + 2.0 * noise,
+            i_vent - 2.0 * noise
+        );
+    }
+    log
+}
+
+/// Goal: modelled signals are those of the instants of the log, and what was found of them is said. They were up to the full current off.
+#[test]
+fn a_log_of_a_logger_with_its_own_clock_is_simulated_and_compared_by_it() {
+    let bench = Bench::new();
+    bench.file("log.csv", &log_of_a_logger_with_its_own_clock());
+    let ran = bench.run(&["simulate", "--log", "log.csv", "--out", "model.csv"]);
+    assert_contains(
+        &ran.err,
+        &[
+            "clock of the logger",
+            "ppm slow",
+            "from the logged commands",
+        ],
+    );
+    assert_eq!(ran.ended_with(0), "");
+    let [model, log] = ["model.csv", "log.csv"]
+        .map(|file| csv::read_file(bench.path(file), &csv::Options::default()).unwrap());
+    let [model, log] = [&model, &log].map(|recording| recording.signal("i_fill").unwrap());
+    let errors = model.values_or_nan().iter().zip(log.values_or_nan());
+    let square: f64 = errors.map(|(a, b)| (a - b).powi(2)).sum();
+    assert!((square / 6000.0).sqrt() < 1.5, "{square}");
+    let text = bench.run(&["compare", "--log", "log.csv"]).ended_with(0);
+    assert_contains(&text, &["clock of the logger", "holds"]);
+    let json = bench
+        .run(&["compare", "--log", "log.csv", "--json"])
+        .ended_with(0);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["clock"]["source"], "commands");
 }
 
 /// Rows in chunks are the rows of the whole: the values are those of the library's replay, as they are written.

@@ -19,6 +19,8 @@ const STEP_SHARE: f64 = 0.02;
 const APART_SHARE: f64 = 0.3;
 /// Changes may lie outside of their rows by this share of the time between them: rounded times.
 const SLACK: f64 = 0.02;
+/// The same for a clock that was fitted.
+const FITTED_SLACK: f64 = 0.1;
 /// Share of the changes that a clock has to explain: a command may be set by hand, between the samples of the ECU.
 const EXPLAINED: f64 = 0.98;
 
@@ -79,6 +81,37 @@ pub(super) fn clocks_from_commands(inputs: &[ReplayInput], sample_time_s: f64) -
             })
         })
         .collect()
+}
+
+/// Whether `clock` explains the changes of the commands, fitted as it is: within a tenth of a row.
+pub(super) fn admit(inputs: &[ReplayInput], sample_time_s: f64, clock: LoggerClock) -> bool {
+    let changes = changes(inputs, FASTER * sample_time_s);
+    let encloses = |change: &&Change| {
+        let slack_s = FITTED_SLACK * (change.at_s - change.before_s);
+        let [begin_s, end_s] = [change.before_s - slack_s, change.at_s + slack_s]
+            .map(|log_s| (log_s + clock.phase_at_s(log_s)) / sample_time_s);
+        end_s.floor() > begin_s.floor()
+    };
+    let explained = changes.iter().filter(encloses).count();
+    explained as f64 >= EXPLAINED * changes.len() as f64
+}
+
+/// Returns how often the commands change.
+pub(super) fn change_count(inputs: &[ReplayInput]) -> usize {
+    changes(inputs, f64::INFINITY).len()
+}
+
+/// Whether the rows may be instants of the ECU's own clock: its samples are at multiples of `sample_time_s` then, and so are the rows
+/// that show a new command.
+pub(super) fn admit_own_clock(inputs: &[ReplayInput], sample_time_s: f64) -> bool {
+    let changes = changes(inputs, f64::INFINITY);
+    let is_at_sample = |change: &&Change| {
+        let samples = change.at_s / sample_time_s;
+        let off_s = (samples - samples.round()).abs() * sample_time_s;
+        off_s <= SLACK * (change.at_s - change.before_s).min(sample_time_s)
+    };
+    let explained = changes.iter().filter(is_at_sample).count();
+    explained as f64 >= EXPLAINED * changes.len() as f64
 }
 
 /// Returns the changes between rows that are closer than `closest_s`.

@@ -5,6 +5,7 @@
 //! commands, for which a wrong clock would be taken.
 
 mod commands;
+mod of_one_log;
 mod slow;
 
 use plant_sim::PlantParameters;
@@ -12,13 +13,14 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::CurrentSampling;
 use rayon::prelude::*;
 
-use super::conditions::Conditions;
 use super::evidence::Evidence;
 use super::fit::{Descent, Fitter, Loss};
 use super::log::{Log, Run};
 use super::unknowns::Unknowns;
 use crate::commands::COMMAND_DELAY;
+use crate::conditions::Conditions;
 use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
+pub(crate) use of_one_log::conditions_of;
 pub(crate) use slow::{Search, find_slow_clocks};
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...

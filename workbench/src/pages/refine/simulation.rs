@@ -71,8 +71,9 @@ pub(super) fn simulate(session: &Session, view: &View) -> Result<Simulation, Ref
     let log = session.log(view.log)?;
     let log = log.as_ref().as_ref().map_err(Clone::clone)?;
     let plant = step.plant.parameters()?;
+    let conditions = log.conditions(&plant);
     let begin = Instant::now();
-    let run = free_run(&plant, &log.recording)?;
+    let run = free_run(&plant, &log.recording, &conditions)?;
     let simulation_ms = begin.elapsed().as_secs_f64() * 1e3;
     let errors: Vec<StepError> = run.errors.iter().map(StepError::from).collect();
     let Some((_, base)) = run.model.time_bases().next() else {
@@ -168,7 +169,8 @@ fn errors_of(
     if let Some(errors) = lock(&session.errors).get(&key) {
         return Ok(errors.clone());
     }
-    let run = free_run(&plant()?, &log.recording)?;
+    let plant = plant()?;
+    let run = free_run(&plant, &log.recording, &log.conditions(&plant))?;
     let errors: Vec<StepError> = run.errors.iter().map(StepError::from).collect();
     let mut known = lock(&session.errors);
     if known.len() >= REMEMBERED_MAX {

@@ -109,6 +109,8 @@ class Page {
         element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, worst ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
           button("Go there", () => this.plots.goToMoment(signal.free_run.worst_time_s), { class: "link" })),
         signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))),
+      [this.comparison.clock, this.comparison.start_gas].filter(Boolean).map(({ statement }) =>
+        element("p", { class: "quiet" }, element("span", { class: "chip" }, "log"), ` ${statement}.`)),
       (this.comparison.defects?.sentences ?? []).map((sentence) => element("p", { class: "stale" }, element("span", { class: "chip open" }, "log"), ` ${sentence}.`)),
       this.comparison.not_compared.map((one) => element("p", { class: "quiet" }, element("b", {}, one.name), ` is not compared: ${one.reason}`)));
   }

@@ -1,0 +1,153 @@
+//! Conditions of one log that are no parameters of the plant: the clock of its logger and the state in which it begins.
+
+use plant_sim::PlantParameters;
+use plant_sim::logger_clock::LoggerClock;
+use plant_sim::replay::{CurrentSampling, ReplayInput};
+
+use crate::result::{ClockSource, FoundClock, FoundStart};
+
+/// Conditions of one log.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Conditions {
+    /// Clock of the logger; none where each row is an instant of the ECU's own clock at which it gave the row's command.
+    pub(crate) clock: Option<LoggerClock>,
+    /// Gas in the chamber at the first row.
+    pub(crate) start_gas: StartGas,
+}
+
+impl Conditions {
+    /// Returns `input`, whose row lies `log_ns` after the first one by the clock of the logger, in the time of the ECU. Its command was
+    /// given at `issued_ns` of that time. Without a clock, the row is an instant of the ECU.
+    pub(crate) fn on_ecu_time(
+        &self,
+        input: ReplayInput,
+        log_ns: u64,
+        issued_ns: Option<u64>,
+    ) -> ReplayInput {
+        let Some((clock, issued_ns)) = self.clock.zip(issued_ns) else {
+            return input;
+        };
+        // What was taken out of pauses before the row.
+        let taken_ns = log_ns - input.time_ns;
+        let time_ns = clock.ecu_time_ns(log_ns).saturating_sub(taken_ns);
+        ReplayInput {
+            time_ns,
+            issued_ns: issued_ns.saturating_sub(taken_ns).min(time_ns),
+            ..input
+        }
+    }
+}
+
+/// Conditions under which a log was made, as they were found: how its rows lie in the time of the ECU, how its currents are meant,
+/// and how warm the gas was when it began.
+///
+/// The default is a log of the ECU itself that begins at rest: each row is an instant at which the ECU gave the row's command.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LogConditions {
+    pub(crate) conditions: Conditions,
+    pub(crate) clock_source: ClockSource,
+    /// Whether the log begins with a filled chamber.
+    pub(crate) begins_filled: bool,
+    /// Of the first rows, the instant (ns, ECU time) at which their command was given; the clock alone tells that of others.
+    pub(crate) issued_ns: Vec<u64>,
+    /// Median time from row to row (ns) and sample time of the ECU (ns).
+    pub(crate) interval_ns: u64,
+    pub(crate) sample_time_ns: u64,
+    /// How the currents are meant; none where the time from row to row tells.
+    pub(crate) sampling: Option<CurrentSampling>,
+}
+
+impl LogConditions {
+    /// Rows of a log that are looked at, which bounds memory and time on long ones.
+    pub const ROWS_MAX: usize = 40_000;
+
+    /// Returns `input`, row `index` of the log, in the time of the ECU; the row lies `log_ns` after the first one by the clock of the
+    /// logger.
+    pub fn on_ecu_time(&self, index: usize, input: ReplayInput, log_ns: u64) -> ReplayInput {
+        let issued_ns = self.conditions.clock.map(|clock| {
+            let known_ns = self.issued_ns.get(index).copied();
+            known_ns.unwrap_or_else(|| {
+                let sample = clock.ecu_sample(log_ns, self.interval_ns, self.sample_time_ns);
+                sample * self.sample_time_ns
+            })
+        });
+        self.conditions.on_ecu_time(input, log_ns, issued_ns)
+    }
+
+    /// Returns how the currents of a log with rows `interval_s` apart are meant.
+    pub fn sampling(&self, interval_s: f64, parameters: &PlantParameters) -> CurrentSampling {
+        let usual = || CurrentSampling::of_interval(interval_s, parameters);
+        self.sampling.unwrap_or_else(usual)
+    }
+
+    /// Returns the clock of the logger of the log `source`; none where it is that of the ECU.
+    pub fn clock(&self, source: &str) -> Option<FoundClock> {
+        let clock = self.conditions.clock?;
+        let sample_time_s = self.sample_time_ns as f64 * 1e-9;
+        Some(FoundClock::new(
+            source,
+            clock,
+            sample_time_s,
+            self.clock_source,
+        ))
+    }
+
+    /// Returns the state of the gas when the log `source` begins; none where it begins with an empty chamber.
+    pub fn start(&self, source: &str) -> Option<FoundStart> {
+        let gas = self.conditions.start_gas;
+        self.begins_filled
+            .then(|| FoundStart::new(source, gas.excess_k, gas.cooling_s))
+    }
+}
+
+/// Gas that is warmer than the chamber's wall when a log begins, as after a fast filling, and takes the temperature of the wall.
+///
+/// At constant mass the pressure goes with the temperature, and the difference of temperatures with exp(-t / cooling time): the
+/// energy balance E52 with a constant conductance to a wall of constant temperature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StartGas {
+    /// Temperature above that of the wall (K).
+    pub(crate) excess_k: f64,
+    /// Time constant of the cooling (s).
+    pub(crate) cooling_s: f64,
+}
+
+/// Cooling time of a chamber of 50 to 125 cm3 (s): mass of the air times c_v over a conductance of 0.1 W/K to the wall.
+pub(crate) const USUAL_COOLING_S: f64 = 0.3;
+
+impl Default for StartGas {
+    fn default() -> Self {
+        Self {
+            excess_k: 0.0,
+            cooling_s: USUAL_COOLING_S,
+        }
+    }
+}
+
+impl StartGas {
+    /// Returns the pressure over what it is once the gas has the temperature of the wall, `wall_k`, at `time_s` since the first row.
+    pub(crate) fn pressure_ratio(&self, wall_k: f64, time_s: f64) -> f64 {
+        1.0 + self.excess_k / wall_k * (-time_s / self.cooling_s).exp()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gas_of_the_walls_temperature_changes_nothing() {
+        assert_eq!(StartGas::default().pressure_ratio(293.15, 0.0), 1.0);
+    }
+
+    #[test]
+    fn warm_gas_loses_its_pressure_as_it_cools() {
+        let gas = StartGas {
+            excess_k: 29.315,
+            cooling_s: 0.5,
+        };
+        assert!((gas.pressure_ratio(293.15, 0.0) - 1.1).abs() < 1e-12);
+        let later = gas.pressure_ratio(293.15, 0.5);
+        assert!((later - (1.0 + 0.1 * (-1.0_f64).exp())).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,211 @@
+//! The conditions of one log by a plant as it is, which may be right or wrong.
+//!
+//! A wrong plant leaves errors that some clock makes smaller, and so does a wrong delay. So a clock has to be shown by the commands,
+//! or to leave clearly less than rows that are samples of the ECU do with any delay that is possible. What is sought over all clocks is
+//! sought at the beginning of the log, where drifts do not count; only what shows there is sought in all of it.
+
+use plant_sim::PlantParameters;
+use plant_sim::logger_clock::LoggerClock;
+use plant_sim::replay::CurrentSampling;
+use recording::{Recording, TimeBase};
+
+use super::commands::{admit, admit_own_clock, change_count, clocks_from_commands};
+use super::{
+    CLEAR, CLEAR_FITTED, DELAY_STEP_S, Delay, IN_TIME_FITTED, Search, best, clocks_of, find_clock,
+    find_slow_clocks, fit_conditions, loss,
+};
+use crate::commands::COMMAND_DELAY;
+use crate::conditions::{LogConditions, StartGas};
+use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::log::{Log, Read};
+use crate::diagnosis::sensor_noise::SensorNoise;
+
+/// Logged time (s) in which all clocks are tried: a drift of 100 ppm moves its end by 1.5 ms.
+const BEGINNING_S: f64 = 15.0;
+/// Changes of the commands without which no clock shows.
+const CHANGES_MIN: usize = 5;
+/// Changes of the commands that are on a grid of the ECU by no chance: two rows of a fast logger enclose an instant of any grid with
+/// a probability of up to 3 in 4.
+const CHANGES_PROVING: usize = 20;
+/// Delays with which rows of the ECU itself are tried where its clock and another one explain the commands alike, over the time from row
+/// to row: any phase within a row is such a delay.
+const DELAYS_WITHIN_ROW: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
+/// The temperature of the gas is believed if it takes this much of the loss, three standard deviations of two figures.
+const GAS_SHOWS: f64 = 12.0;
+
+/// Finds the conditions of `log` with `plant` as it is; none if the log cannot be compared, or where `goes_on` says no.
+pub(crate) fn conditions_of(
+    plant: &PlantParameters,
+    log: &Recording,
+    goes_on: &dyn Fn() -> bool,
+) -> Option<LogConditions> {
+    let has_coil = plant.functions.iter().any(|function| function.has_coil());
+    if !has_coil {
+        return None;
+    }
+    let mut evidence = evidence_of(plant, &beginning(log, f64::INFINITY))?;
+    if !goes_on() {
+        return None;
+    }
+    find_clock_by(plant, log, &mut evidence, goes_on)?;
+    if evidence.logs[0].is_slow() && evidence.logs[0].conditions.clock.is_some() {
+        let delay_s = plant.ecu.command_delay_s;
+        find_slow_clocks(plant, &mut evidence, (delay_s, delay_s), Search::Together);
+    }
+    if !goes_on() {
+        return None;
+    }
+    fit(plant, &mut evidence);
+    forget_gas_that_does_not_show(plant, &mut evidence.logs[0]);
+    Some(evidence.logs[0].found())
+}
+
+/// Finds the clock of the one log in `evidence`, which is `whole` or its beginning; none where `goes_on` says no.
+fn find_clock_by(
+    plant: &PlantParameters,
+    whole: &Recording,
+    evidence: &mut Evidence,
+    goes_on: &dyn Fn() -> bool,
+) -> Option<()> {
+    let log = &mut evidence.logs[0];
+    let changes = change_count(log.inputs());
+    if changes < CHANGES_MIN || log.duration_s() <= log.interval_s {
+        return Some(());
+    }
+    let sample_time_s = plant.ecu.sample_time_s;
+    let told = clocks_from_commands(log.inputs(), sample_time_s);
+    let is_proven = changes >= CHANGES_PROVING && !admit_own_clock(log.inputs(), sample_time_s);
+    if !told.is_empty() && is_proven {
+        find_clock(plant, log, Delay::AsGiven, &[]);
+        return Some(());
+    }
+    let counted = log.counted_samples().max(1) as f64;
+    if loss(plant, log, None, plant.ecu.command_delay_s) < IN_TIME_FITTED * counted {
+        return Some(());
+    }
+    if !goes_on() {
+        return None;
+    }
+    let begun = evidence_of(plant, &beginning(whole, BEGINNING_S));
+    let Some(begun) = begun.as_ref().map(|evidence| &evidence.logs[0]) else {
+        return Some(());
+    };
+    let (delay_s, interval_s) = (plant.ecu.command_delay_s, log.interval_s);
+    // A plant file that says how well it knows the delay was fitted, and its delay with it.
+    let delay = match plant.knowledge.contains_key(COMMAND_DELAY) {
+        true => Delay::AsGiven,
+        false => Delay::Searched,
+    };
+    let (clocks, delays_s, own_delays_s) = if told.is_empty() {
+        let delays_s = delay.candidates_s(plant, DELAY_STEP_S);
+        let clocks = clocks_of(&[0.0], delay.phases(), sample_time_s);
+        (clocks, delays_s.clone(), delays_s)
+    } else {
+        let clocks = told.iter().flat_map(|told| Delay::AsGiven.clocks(told));
+        let shares = match delay {
+            Delay::AsGiven => &[0.0],
+            Delay::Searched => &DELAYS_WITHIN_ROW[..],
+        };
+        let own_delays_s = shares.iter().map(|share| delay_s + share * interval_s);
+        let own_delays_s = own_delays_s.filter(|&delay_s| delay_s >= 0.0);
+        (clocks.collect(), vec![delay_s], own_delays_s.collect())
+    };
+    let without = best(plant, begun, &[None], own_delays_s);
+    let with = best(plant, begun, &clocks, delays_s);
+    let noise = IN_TIME_FITTED * begun.counted_samples().max(1) as f64;
+    let is_clear = with.loss < CLEAR * without.loss;
+    let leaves_noise = with.loss < noise && with.loss < CLEAR_FITTED * without.loss;
+    if !is_clear && !leaves_noise {
+        return Some(());
+    }
+    if !goes_on() {
+        return None;
+    }
+    find_clock(plant, log, delay, &[]);
+    Some(())
+}
+
+/// Fits the conditions of the one log in `evidence`. Means since the row before look like values of an instant half a row earlier, so
+/// where the currents may be either, both are fitted.
+fn fit(plant: &PlantParameters, evidence: &mut Evidence) {
+    let (begun, usual) = (evidence.conditions(), evidence.logs[0].sampling);
+    let told = begun[0].clock;
+    let samplings = match told.is_some() && evidence.logs[0].is_sampling_open() {
+        true => vec![CurrentSampling::MeanOfInterval, CurrentSampling::Instant],
+        false => vec![usual],
+    };
+    let mut best = (f64::INFINITY, usual, begun.clone());
+    for sampling in samplings {
+        evidence.logs[0].sampling = sampling;
+        evidence.set_conditions(&begun, plant);
+        fit_conditions(plant, evidence);
+        keep_to_commands(plant, &mut evidence.logs[0], told);
+        let loss = loss_of(plant, &evidence.logs[0]);
+        if loss < best.0 {
+            best = (loss, sampling, evidence.conditions());
+        }
+    }
+    evidence.logs[0].sampling = best.1;
+    evidence.set_conditions(&best.2, plant);
+}
+
+/// What `log` leaves under its conditions.
+fn loss_of(plant: &PlantParameters, log: &Log) -> f64 {
+    loss(plant, log, log.conditions.clock, plant.ecu.command_delay_s)
+}
+
+/// Takes the clock that the commands `told` where the fitted one is none of those that they admit: the error of a wrong plant drew it
+/// away.
+fn keep_to_commands(plant: &PlantParameters, log: &mut Log, told: Option<LoggerClock>) {
+    let (Some(told), Some(fitted)) = (told, log.conditions.clock) else {
+        return;
+    };
+    if !log.is_clock_open() && !admit(log.inputs(), plant.ecu.sample_time_s, fitted) {
+        log.set_clock(told, plant);
+    }
+}
+
+/// Takes gas of the wall's temperature where no other one shows.
+fn forget_gas_that_does_not_show(plant: &PlantParameters, log: &mut Log) {
+    if !log.begins_filled() {
+        return;
+    }
+    let (fitted, with) = (log.conditions.start_gas, loss_of(plant, log));
+    log.conditions.start_gas = StartGas::default();
+    if with < loss_of(plant, log) - GAS_SHOWS {
+        log.conditions.start_gas = fitted;
+    }
+}
+
+/// The log as evidence, without its conditions; none if it cannot be compared.
+fn evidence_of(plant: &PlantParameters, log: &Recording) -> Option<Evidence> {
+    let mut noise = SensorNoise::default();
+    let read = Read::of(plant, log).ok()?;
+    read.tell(&mut noise);
+    let log = Log::new(plant, log, read, &noise).ok()?;
+    Some(Evidence::of(vec![log]))
+}
+
+/// The first [`LogConditions::ROWS_MAX`] rows at most, up to `end_s` after the first one.
+fn beginning(log: &Recording, end_s: f64) -> Recording {
+    let mut part = Recording::new(log.provenance().clone());
+    let mut ids = Vec::new();
+    for (id, base) in log.time_bases() {
+        let times_s = base.times_s();
+        let rows = times_s.partition_point(|&time_s| time_s - times_s[0] <= end_s);
+        let rows = rows.min(LogConditions::ROWS_MAX);
+        let times_s = times_s[..rows].to_vec();
+        let base = TimeBase::new(times_s).expect("it is the beginning of one");
+        ids.push((id, part.add_time_base(base), rows));
+    }
+    for signal in log.signals() {
+        let of_signal = ids.iter().find(|(id, ..)| *id == signal.time_base());
+        let Some(&(_, id, rows)) = of_signal else {
+            continue;
+        };
+        let values = signal.values_or_nan()[..rows].to_vec();
+        part.add_signal(signal.name(), signal.unit(), id, values)
+            .expect("the log has it as well");
+    }
+    part
+}

@@ -1,0 +1,116 @@
+//! Where the model of a log begins, and where it begins again behind a gap.
+
+use plant_sim::parameters::{PA_PER_BAR, Part};
+use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row};
+use plant_sim::{Command, PlantParameters, Tolerance};
+
+use crate::conditions::Conditions;
+use crate::measured::{Measured, PRESSURE, Restart};
+
+/// A chamber this much above ambient pressure, over it, is filled.
+const FILLED: f64 = 0.1;
+
+/// State of a plant at the first row of a log, and behind its gaps.
+#[derive(Debug, Clone)]
+pub(crate) struct LogStart {
+    /// Chamber pressure to begin with (Pa abs); none starts at rest.
+    pub(crate) pressure: Option<f64>,
+    /// Whether valves with coils have filled the chamber before, so that its gas may still be warm.
+    pub(crate) is_filled: bool,
+    /// Command of the first row.
+    command: Option<Command>,
+    /// Where the model begins again, in order of time.
+    pub(crate) restarts: Vec<Restart>,
+    /// Ambient pressure (bar abs) and temperature of the chamber's wall (K).
+    ambient_bar: f64,
+    wall_k: f64,
+    /// Place of the chamber pressure in a row.
+    pressure_place: usize,
+}
+
+impl LogStart {
+    /// The start of a log without a chamber pressure.
+    pub(crate) fn at_rest(parameters: &PlantParameters) -> Self {
+        let pressure_place = ROW_SIGNALS.iter().position(|(name, _)| *name == PRESSURE);
+        Self {
+            pressure: None,
+            is_filled: false,
+            command: None,
+            restarts: Vec::new(),
+            ambient_bar: parameters.gas.ambient_pressure_pa / PA_PER_BAR,
+            wall_k: parameters.gas.temperature_k,
+            pressure_place: pressure_place.expect("it is a signal of the model"),
+        }
+    }
+
+    /// The start of a log whose chamber pressure is `pressure`, `level` (Pa abs) at first where that is away from ambient. `command` is
+    /// that of the first row.
+    pub(crate) fn at(
+        parameters: &PlantParameters,
+        pressure: Option<&Measured>,
+        level: Option<f64>,
+        command: Option<Command>,
+    ) -> Self {
+        let ambient = parameters.gas.ambient_pressure_pa;
+        let is_above = |level: f64| level > (1.0 + FILLED) * ambient;
+        Self {
+            pressure: level,
+            is_filled: Part::Coil.is_in(parameters) && level.is_some_and(is_above),
+            command,
+            restarts: pressure.map_or_else(Vec::new, |signal| signal.restarts.clone()),
+            ..Self::at_rest(parameters)
+        }
+    }
+
+    /// Begins a replay of the log.
+    pub(crate) fn begin(
+        &self,
+        parameters: &PlantParameters,
+        conditions: &Conditions,
+        (sampling, tolerance): (CurrentSampling, Tolerance),
+    ) -> Replay {
+        let mut replay = Replay::new(parameters, sampling, tolerance);
+        // Whoever filled the chamber had commanded before the log began.
+        let command = self
+            .command
+            .filter(|&command| command != Command::default());
+        if let Some(command) = command.filter(|_| self.is_filled) {
+            replay.begin_under(command);
+            // An open valve moves air on the way to the first row.
+            if let Some(clock) = conditions.clock {
+                replay.advance_to_ns(clock.ecu_time_ns(0));
+            }
+        }
+        if let Some(pressure) = self.pressure {
+            let ratio = self.warmth(conditions, 0.0);
+            replay.begin_showing(pressure / ratio);
+        }
+        replay
+    }
+
+    /// Returns the pressure over what it is once the gas has the temperature of the wall, at `time_s` since the first row.
+    pub(crate) fn warmth(&self, conditions: &Conditions, time_s: f64) -> f64 {
+        conditions.start_gas.pressure_ratio(self.wall_k, time_s)
+    }
+
+    /// Advances `replay` to `input`, which is in the time of the ECU, where the pressure is `warmth` times what it is once the gas has
+    /// the temperature of the wall. None where the simulation was given up.
+    pub(crate) fn row(&self, replay: &mut Replay, input: ReplayInput, warmth: f64) -> Option<Row> {
+        let mut row = replay.row(input);
+        if replay.simulator().is_given_up() {
+            return None;
+        }
+        if warmth != 1.0 {
+            let shown = &mut row[self.pressure_place];
+            *shown = (*shown + self.ambient_bar) * warmth - self.ambient_bar;
+        }
+        Some(row)
+    }
+
+    /// Begins again at the measured pressure where row `index` is the last one of a gap.
+    pub(crate) fn restart(&self, replay: &mut Replay, index: usize) {
+        if let Some(restart) = Restart::at(&self.restarts, index) {
+            replay.begin_showing(restart.pressure);
+        }
+    }
+}
