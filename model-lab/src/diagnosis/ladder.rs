@@ -1,9 +1,11 @@
 //! From the plain model to the named effects.
 
+use plant_sim::effects::EffectSetting;
+
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::result::Verdict;
-use super::search::{Effort, Tried, Watch, try_all};
+use super::search::{Effort, Tried, Watch, best_form, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
     ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE, FURTHER_SHARE,
@@ -180,6 +182,17 @@ fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     firsts.into_iter().cloned().collect()
 }
 
+/// The last effect of `trial` on top of `base` in the form that fits best, each fitted to the end: beside an effect that gains far more,
+/// a search only begins these fits.
+fn in_best_form(bench: &Bench, base: &Trial, trial: Trial) -> Option<Trial> {
+    let effect = trial.effects.last()?.effect();
+    let variants = effect.about().variants.iter();
+    let forms = variants.map(|form| EffectSetting::typical_variant(effect, form));
+    let best = best_form(bench, base, forms.collect());
+    best.filter(|best| best.fit.cost < trial.fit.cost)
+        .or(Some(trial))
+}
+
 /// The best second effect for each of `firsts`, the most promising first, if both are needed.
 fn best_pair(
     bench: &Bench,
@@ -189,7 +202,10 @@ fn best_pair(
     watch: Watch,
 ) -> Result<Option<Pair>, DiagnoseError> {
     let mut best: Option<Pair> = None;
-    for mut first in firsts {
+    for first in firsts {
+        let Some(mut first) = in_best_form(bench, plain, first) else {
+            continue;
+        };
         if first.refresh(bench).is_none() {
             continue;
         }
