@@ -11,6 +11,8 @@ mod error;
 mod errors;
 mod estimation;
 mod evidence;
+#[cfg(test)]
+mod field_tests;
 mod fit;
 mod gather;
 mod interval;
@@ -63,7 +65,7 @@ use gather::gather;
 use logged_supply::with_logged_supply;
 use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
 use split::Split;
-use trial::Bench;
+use trial::{Bench, Trial};
 
 /// Which effects of the library does `plant` lack to explain `logs`? What is held out judges: `check`, or without it,
 /// blocks of the logs.
@@ -106,13 +108,21 @@ pub fn diagnose_with(
         .filter(|&effect| Part::of_effect(effect).is_in(plant))
         .collect();
     let mut singles = ladder::singles(&split.bench(plant, &library), &plain, watch)?;
-    if plain.is_material()
-        && let Some(best) = singles.iter().find_map(|tried| tried.trial.as_ref())
-        && best.fitted.is_material()
-        && let Some(there) = split.assign_by(best)
-    {
-        plain = split.plain_from(plant, &there)?;
-        singles = ladder::singles(&split.bench(plant, &library), &plain, watch)?;
+    let best = singles.iter().find_map(|tried| tried.trial.as_ref());
+    if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
+        if best.fitted.is_material()
+            && let Some(there) = split.assign_by(best)
+        {
+            plain = split.plain_from(plant, &there)?;
+            singles = ladder::singles(&split.bench(plant, &library), &plain, watch)?;
+        } else if split.find_checked_clocks(plant, best)? {
+            let bench = split.bench(plant, &library);
+            let judged = |trial: &Trial| bench.judged_anew(trial);
+            plain = judged(&plain).ok_or_else(|| split.not_simulated())?;
+            for tried in &mut singles {
+                tried.trial = tried.trial.as_ref().and_then(judged);
+            }
+        }
     }
     let bench = split.bench(plant, &library);
     let mut found = ladder::climb(&bench, plain, singles, watch)?;

@@ -72,8 +72,11 @@ impl Split {
     ) -> Result<(Self, Trial), DiagnoseError> {
         let mut given = Self::as_given(plant, logs, check)?;
         given.fit_conditions(plant);
-        let plain = given.plain(plant)?;
-        let plain = given.with_checked_clocks(plant, plain)?;
+        let mut plain = given.plain(plant)?;
+        if given.find_checked_clocks(plant, &plain)? {
+            let judged = given.bench(plant, &[]).judged_anew(&plain);
+            plain = judged.ok_or_else(|| given.not_simulated())?;
+        }
         if plain.fitted.is_material() || !plain.checked.is_material() {
             return Ok((given, plain));
         }
@@ -135,24 +138,27 @@ impl Split {
         }
     }
 
-    /// Looks for the clocks of the logs that judge with the fitted plant `plain`, which says of them what the plant as given cannot,
-    /// and returns the plant judged by them.
-    fn with_checked_clocks(
+    /// Looks for the clocks of the logs that judge with `best`, a fitted plant, which says of them what a plant that fits worse cannot.
+    /// Returns whether `best` is nearer to these logs then; else they stay as they were.
+    pub(super) fn find_checked_clocks(
         &mut self,
         plant: &PlantParameters,
-        plain: Trial,
-    ) -> Result<Trial, DiagnoseError> {
-        let mut conditions = self.fitting.conditions();
-        plain.unknowns.conditions(&plain.fit.z, &mut conditions);
-        let clocks = conditions.iter().filter_map(|log| log.clock);
-        let drifts_ppm: Vec<f64> = clocks.map(|clock| clock.drift_ppm).collect();
+        best: &Trial,
+    ) -> Result<bool, DiagnoseError> {
+        let drifts_ppm = best.fitted_drifts_ppm(&self.fitting);
         if drifts_ppm.is_empty() || self.checking.is_rest_of_fitted {
-            return Ok(plain);
+            return Ok(false);
         }
-        find_conditions(&plain.plant(), &mut self.checking, &drifts_ppm);
-        let bench = self.bench(plant, &[]);
-        let judged = bench.judge(plain.effects, plain.unknowns, plain.fit);
-        judged.ok_or_else(|| self.not_simulated())
+        let fitted = best.plant();
+        let before = self.checking.conditions();
+        find_conditions(&fitted, &mut self.checking, &drifts_ppm);
+        let judged = self.bench(plant, &[]).judged_anew(best);
+        let judged = judged.ok_or_else(|| self.not_simulated())?;
+        let is_nearer = judged.checked.total_excess() < best.checked.total_excess();
+        if !is_nearer {
+            self.checking.set_conditions(&before, &fitted);
+        }
+        Ok(is_nearer)
     }
 
     /// What trials on these logs are held against.

@@ -166,6 +166,17 @@ impl Bench<'_> {
         })
     }
 
+    /// A trial as it is, judged by the logs as they are now.
+    pub(crate) fn judged_anew(&self, trial: &Trial) -> Option<Trial> {
+        let Trial {
+            effects,
+            unknowns,
+            fit,
+            ..
+        } = trial.clone();
+        self.judge(effects, unknowns, fit)
+    }
+
     /// The conditions of the logs that judge: those that were fitted, where they are blocks of the same logs, or those that suit the
     /// fitted plant best.
     fn checked_conditions(&self, unknowns: &Unknowns, z: &[f64]) -> Vec<Conditions> {
@@ -183,6 +194,14 @@ impl Trial {
     /// The fitted plant.
     pub(crate) fn plant(&self) -> PlantParameters {
         self.unknowns.plant(&self.fit.z)
+    }
+
+    /// Drifts of the clocks (ppm) that were fitted to the logs in `fitting`.
+    pub(crate) fn fitted_drifts_ppm(&self, fitting: &Evidence) -> Vec<f64> {
+        let mut conditions = fitting.conditions();
+        self.unknowns.conditions(&self.fit.z, &mut conditions);
+        let clocks = conditions.iter().filter_map(|log| log.clock);
+        clocks.map(|clock| clock.drift_ppm).collect()
     }
 
     /// Fits on from where it is with a Jacobian of its own, which is then that at the fit: intervals need it.

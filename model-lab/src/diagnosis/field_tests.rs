@@ -1,0 +1,102 @@
+//! Several effects at once, and logs of ordinary loggers.
+
+use core::ops::ControlFlow;
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::{Effect, EffectSetting, by_id};
+use plant_sim::logger_clock::LoggerClock;
+use plant_sim::parameters::Knowledge;
+use recording::Recording;
+
+use super::result::Verdict;
+use super::{Diagnosis, diagnose_with};
+use crate::bench::{Bench, logged};
+
+/// A diagnosis with these effects as the library.
+fn diagnosed(plant: &PlantParameters, library: &[&str], logs: &[Recording; 2]) -> Diagnosis {
+    let library: Vec<&'static dyn Effect> = library.iter().map(|id| by_id(id).unwrap()).collect();
+    let [fitted, check] = logs;
+    let goes_on = |_| ControlFlow::Continue(());
+    let fitted = core::slice::from_ref(fitted);
+    let check = core::slice::from_ref(check);
+    diagnose_with(&library, plant, fitted, check, &goes_on).unwrap()
+}
+
+/// Each of the three leaves so much of the others that its size alone is open, and the supply line alone fits best in a form that is
+/// not its own.
+#[test]
+fn three_effects_are_named_together() {
+    let effects = [
+        ("chamber_leak", ("area_m2", 1e-8)),
+        ("supply_line_droop", ("restriction_area_m2", 1.8e-6)),
+        ("eddy_currents", ("loop_resistance_ohm", 300.0)),
+    ];
+    let plant =
+        effects
+            .into_iter()
+            .fold(PlantParameters::nominal(), |plant, (id, (key, value))| {
+                plant.with_effect(EffectSetting::typical(by_id(id).unwrap()).with(key, value))
+            });
+    let logs = [1, 2].map(|seed| {
+        Bench {
+            plant: plant.clone(),
+            seed,
+            ..Bench::default()
+        }
+        .measure()
+    });
+    let library = [
+        "chamber_leak",
+        "supply_line_droop",
+        "eddy_currents",
+        "sensor_lag",
+        "gas_temperature",
+    ];
+    let diagnosis = diagnosed(&PlantParameters::nominal(), &library, &logs);
+    assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
+    let mut named = diagnosis.effects.clone();
+    named.sort();
+    assert_eq!(
+        named,
+        ["chamber_leak", "eddy_currents", "supply_line_droop"]
+    );
+}
+
+/// Rows as far apart as the samples of the ECU say of the clock what the model tells alone, and a sensor's lag is hidden in a clock
+/// that was found without it.
+#[test]
+fn a_sensor_lag_is_told_from_the_clock_of_a_slow_logger() {
+    let lag = EffectSetting::typical(by_id("sensor_lag").unwrap());
+    let mut given = PlantParameters::nominal();
+    // A delay that makes up for the lag, as a fit without it finds.
+    given.ecu.command_delay_s += 4e-3;
+    let stated = Knowledge::Range(7e-3, 23e-3);
+    let plant = PlantParameters::nominal().with_effect(lag.with("time_constant_s", 0.01));
+    given
+        .knowledge
+        .insert("ecu.command_delay_s".to_owned(), stated);
+    let logs = [(7.9e-3, 1), (2.2e-3, 2)].map(|(phase_s, seed)| {
+        let drift_ppm = 117.0;
+        let log = logged(&plant, LoggerClock { phase_s, drift_ppm }, 0.01, seed);
+        without_currents(&log)
+    });
+    let library = ["sensor_lag", "dead_volume", "chamber_leak"];
+    let diagnosis = diagnosed(&given, &library, &logs);
+    assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
+    assert_eq!(diagnosis.effects, ["sensor_lag"]);
+    assert_eq!(diagnosis.clocks.len(), 2);
+}
+
+fn without_currents(log: &Recording) -> Recording {
+    let mut kept = Recording::new(log.provenance().clone());
+    let (_, base) = log.time_bases().next().unwrap();
+    let id = kept.add_time_base(base.clone());
+    for signal in log.signals() {
+        if !signal.name().starts_with("i_") {
+            let values = signal.values_or_nan().to_vec();
+            kept.add_signal(signal.name(), signal.unit(), id, values)
+                .unwrap();
+        }
+    }
+    kept
+}
