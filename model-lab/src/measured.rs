@@ -183,8 +183,8 @@ fn take_out_vacuum(values: &mut [f64], ambient: f64) -> usize {
     below.map(|value| *value = f64::NAN).count()
 }
 
-/// Where the model begins again behind each gap, from the pressures [bar gauge] that were measured, also within gaps: at the first
-/// row behind it, so that what follows the chamber, as a slow sensor does, follows the right pressure, and at its last row.
+/// Where the model begins again behind each gap, from the pressures [bar gauge] that were measured, also within gaps: at every row
+/// from the first one with a command to the last one that counts in no error, so that a slow sensor follows the pressure that is there.
 fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) -> Vec<Restart> {
     let holds = commands.holds(0.0);
     let restart = |gap: &Gap| {
@@ -207,14 +207,14 @@ fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) ->
         let behind = commands
             .times_s
             .partition_point(|&time_s| time_s < gap.end_s);
-        let first_level_bar = shown.get(behind).copied().unwrap_or(f64::NAN);
-        let first = Restart {
-            row: behind,
-            pressure: pressure(first_level_bar),
+        let shown_bar = shown.iter().enumerate().take(row).skip(behind);
+        let rows = shown_bar.map(move |(row, &shown_bar)| Restart {
+            row,
+            pressure: pressure(shown_bar),
             variance: 1.0,
-        };
-        let is_sound = behind < row && first.pressure >= least_pressure();
-        Some(is_sound.then_some(first).into_iter().chain([last]))
+        });
+        let sound = rows.filter(|restart| restart.pressure >= least_pressure());
+        Some(sound.chain([last]))
     };
     commands.gaps.iter().filter_map(restart).flatten().collect()
 }
