@@ -681,9 +681,7 @@ mod tests {
         let whole = bench.measure();
         // It ends while the chamber is being vented.
         let paused = without_rows(&whole, 150..215);
-        let [error, of_whole] =
-            [&paused, &whole].map(|log| errors(&plant, log, Run::Predicted)[0]);
+        let [error, of_whole] = [&paused, &whole].map(|log| errors(&plant, log, Run::Predicted)[0]);
         assert!(error < 1.3 * of_whole, "{error} {of_whole}");
-    }
     }
 }
