@@ -158,8 +158,8 @@ struct Pair {
     tried: Vec<Tried>,
 }
 
-/// The effects alone that may be some of those that are missing, the best first: those that are sound, then those of which only what
-/// they leave, which others may explain, keeps open how strong they are.
+/// The effects alone that may be some of those that are missing, the one that explains most first: the best that are sound, and where
+/// these are few, those of which only what they leave, which others may explain, keeps open how strong they are.
 fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     let excess = plain.fitted.total_excess();
     // What is bent until it fits leaves nothing true for a second effect.
@@ -179,6 +179,8 @@ fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     let room = FIRSTS - firsts.len();
     firsts.extend(dominant);
     firsts.extend(others.take(room));
+    // The one that explains most is named first.
+    firsts.sort_by(|a, b| a.mean_excess().total_cmp(&b.mean_excess()));
     firsts.into_iter().cloned().collect()
 }
 
@@ -189,7 +191,7 @@ fn in_best_form(bench: &Bench, base: &Trial, trial: Trial) -> Option<Trial> {
     let variants = effect.about().variants.iter();
     let forms = variants.map(|form| EffectSetting::typical_variant(effect, form));
     let best = best_form(bench, base, forms.collect());
-    best.filter(|best| best.fit.cost < trial.fit.cost)
+    best.filter(|best| best.is_preferred_to(&trial))
         .or(Some(trial))
 }
 
@@ -222,9 +224,11 @@ fn best_pair(
             continue;
         };
         let needs_both = last.is_further_than(&first) && last.is_further_than(&other);
-        let is_better = best
-            .as_ref()
-            .is_none_or(|best| last.total_square() < best.last.total_square());
+        // The same two in the other order differ by what a fit leaves open.
+        let is_better = best.as_ref().is_none_or(|best| {
+            let is_other = !last.effects.iter().all(|effect| best.last.has(effect.id()));
+            is_other && last.total_square() < best.last.total_square()
+        });
         if needs_both && is_better {
             best = Some(Pair {
                 first,
