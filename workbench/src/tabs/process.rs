@@ -85,8 +85,15 @@ impl Tab {
     /// The answer of the process to a request.
     pub(super) async fn ask(self: &Arc<Self>, request: Request) -> Result<Response, Refusal> {
         let request = handed_on(request).ok_or_else(|| Refusal::not_found("page"))?;
-        let mut client = self.client().await?;
-        let Ok(answer) = client.send_request(request).await else {
+        let again = again(&request);
+        let mut answer = self.client().await?.send_request(request).await;
+        if answer.is_err() {
+            let reason = self.reason_of_no_answer().await;
+            // The request may have met a process that another one had broken off.
+            let again = again.ok_or(reason)?;
+            answer = self.client().await?.send_request(again).await;
+        }
+        let Ok(answer) = answer else {
             return Err(self.reason_of_no_answer().await);
         };
         let (head, body) = answer.into_parts();
@@ -226,6 +233,18 @@ impl Tab {
         let json = serde_json::to_string(&last).unwrap_or_default();
         format!("data: {json}\n\n").into()
     }
+}
+
+/// The same request once more, if it only reads.
+fn again(request: &Request) -> Option<Request> {
+    if request.method() != Method::GET {
+        return None;
+    }
+    let mut again = Request::new(Body::empty());
+    *again.method_mut() = Method::GET;
+    again.uri_mut().clone_from(request.uri());
+    again.headers_mut().clone_from(request.headers());
+    Some(again)
 }
 
 /// A request as a process takes it: without what was between the browser and this server.

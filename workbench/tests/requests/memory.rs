@@ -25,7 +25,8 @@ fn log(rows: usize) -> Vec<u8> {
 
 fn names(browser: &Browser<'_>, session: &str) -> Vec<Value> {
     let project = browser.get(&format!("{session}/project")).json();
-    let logs = project["logs"].as_array().unwrap().iter();
+    let logs = project["logs"].as_array();
+    let logs = logs.unwrap_or_else(|| panic!("{project}")).iter();
     logs.map(|log| log["name"].clone()).collect()
 }
 
