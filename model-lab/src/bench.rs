@@ -46,7 +46,7 @@ pub(crate) fn shut_for(count: usize, interval_s: f64) -> Commands {
 /// Noise of the logger: pressure (bar), currents (mA).
 const NOISE: [f64; 3] = [2e-3, 0.7, 0.7];
 
-/// What a logger with `clock` writes of `plant` every `interval_s`: fills, holds and vents.
+/// Returns the log that a logger with `clock` makes of `plant`, with a row every `interval_s`: fills, holds and vents.
 pub(crate) fn logged(
     plant: &PlantParameters,
     clock: LoggerClock,

@@ -53,7 +53,7 @@ pub struct LogConditions {
     /// Median time from row to row (ns) and sample time of the ECU (ns).
     pub(crate) interval_ns: u64,
     pub(crate) sample_time_ns: u64,
-    /// How the currents are meant; none where the time from row to row tells.
+    /// Whether the currents are means or values of the instant; none if the time from row to row decides.
     pub(crate) sampling: Option<CurrentSampling>,
 }
 

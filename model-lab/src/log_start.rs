@@ -94,7 +94,7 @@ impl LogStart {
     }
 
     /// Advances `replay` to `input`, which is in the time of the ECU, where the pressure is `warmth` times what it is once the gas has
-    /// the temperature of the wall. None where the simulation was given up.
+    /// the temperature of the wall. None if the simulation was aborted.
     pub(crate) fn row(&self, replay: &mut Replay, input: ReplayInput, warmth: f64) -> Option<Row> {
         let mut row = replay.row(input);
         if replay.simulator().is_given_up() {

@@ -67,7 +67,7 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Find the physical effect that the model lacks to explain a bench log
     Diagnose(DiagnoseArgs),
-    /// Put effects into a plant file, fitted to a bench log
+    /// Estimate the parameters of a plant from bench logs, or add effects to it
     Refine(RefineArgs),
     /// Plan the experiment that tells rival effects apart
     NextExperiment(NextExperimentArgs),

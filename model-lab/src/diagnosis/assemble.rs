@@ -233,7 +233,7 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
     .collect()
 }
 
-/// Where most of the excess of each signal is; `seen` are the logs with what was found of them.
+/// Returns the regime that has most of the excess of each signal; `seen` are the same logs with their conditions.
 pub(crate) fn regimes(
     plant: &PlantParameters,
     (logs, seen): (&[Recording], &[Log]),

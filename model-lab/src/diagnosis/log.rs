@@ -54,7 +54,7 @@ pub(crate) struct Log {
     pub(crate) known_phase_s: (f64, f64),
     /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
     issued_ns: Vec<u64>,
-    /// Where the model begins, and begins again behind a gap.
+    /// State of the model at the first row and after gaps.
     start: LogStart,
     pub(crate) predictor: Predictor,
     pub(crate) channels: Vec<Channel>,
@@ -466,7 +466,7 @@ impl Log {
         );
     }
 
-    /// Runs the model; `row` sees index, values and simulator. None where the simulation was given up.
+    /// Runs the model; `row` sees index, values and simulator. None if the simulation was aborted.
     fn run(
         &self,
         parameters: &PlantParameters,

@@ -281,7 +281,7 @@ impl<P: Physics> Solver<P> {
     }
 
     /// One step that keeps the tolerance, at most `remaining` (s) long, and the rates at its end; none where the
-    /// simulation is given up. `chord` has the mean rates of the stiff step before, if there was one since the last event.
+    /// simulation is aborted. `chord` has the mean rates of the stiff step before, if there was one since the last event.
     fn step<const N: usize, const M: usize>(
         &mut self,
         smooth: &Smooth<M>,

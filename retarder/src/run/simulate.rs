@@ -227,8 +227,8 @@ enum Rows<R: Read> {
 }
 
 impl<R: Read> Rows<R> {
-    /// The next rows, those of a recording all at once, and of measured signals at first so many that they tell the clock of the logger;
-    /// none at the end.
+    /// Returns the next rows, none at the end. A recording comes at once; a CSV file with measured signals begins with as many rows as
+    /// the search for the clock of the logger needs.
     fn next(&mut self, log: &str, is_first: bool) -> Result<Option<Recording>, Failure> {
         match self {
             Self::Csv(reader, counter) => {

@@ -150,7 +150,7 @@ fn leaves_more_than_noise(
 }
 
 /// Fits what the currents show, from every delay that is possible: a delay that is two milliseconds off has a valley of its own.
-/// Where the currents of a log may be instantaneous values or means, the choice that leaves the lower cost is taken for all logs.
+/// If it is open whether the currents are instantaneous values or means, all logs take the choice with the lower cost.
 fn fit_coils(split: &mut Split, unknowns: &Unknowns, z: &[f64]) -> Result<Vec<f64>, DiagnoseError> {
     let coils = |evidence: &Evidence, z: Vec<f64>, descent: Descent| {
         let mut fitter = forgiving_fitter(evidence, unknowns);

@@ -149,7 +149,7 @@ fn fit(plant: &PlantParameters, evidence: &mut Evidence) {
     evidence.set_conditions(&best.2, plant);
 }
 
-/// What `log` leaves under its conditions.
+/// Returns the loss of `log` under its conditions.
 fn loss_of(plant: &PlantParameters, log: &Log) -> f64 {
     loss(plant, log, log.conditions.clock, plant.ecu.command_delay_s)
 }
