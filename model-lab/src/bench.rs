@@ -78,6 +78,7 @@ pub(crate) fn logged(
             issued_ns: sample * sample_time_ns,
             command: Some(profile[sample as usize]),
             supply_voltage_v: None,
+            supply_pressure: None,
         });
         for (column, value) in columns.iter_mut().zip(row) {
             column.push(value);
@@ -117,6 +118,8 @@ pub(crate) struct Bench {
     pub(crate) current_noise: (f64, f64),
     /// Pressure to begin with [bar gauge].
     pub(crate) initial_bar: f64,
+    /// Supply pressure over time [bar gauge over s], which is logged; none is that of the plant, which is not.
+    pub(crate) supply_bar: Option<fn(f64) -> f64>,
     /// Share of the gauge pressure that leaks per second.
     pub(crate) leak_per_s: f64,
     pub(crate) seed: u64,
@@ -145,6 +148,7 @@ impl Default for Bench {
             pressure_noise: (4e-3, 5.1e-3),
             current_noise: (0.7, 0.5),
             initial_bar: 0.0,
+            supply_bar: None,
             leak_per_s: 0.0,
             seed: 1,
         }
@@ -202,7 +206,14 @@ impl Bench {
         }
         let mut log = Recording::new(Provenance::from_source("bench"));
         let base = TimeBase::uniform(0.0, self.interval_s, duties[0].len()).unwrap();
+        let supply = self.supply_bar.map(|supply_bar| {
+            let times_s = base.times_s().iter();
+            times_s.map(|&time_s| supply_bar(time_s)).collect()
+        });
         let id = log.add_time_base(base);
+        if let Some(supply) = supply {
+            log.add_signal("p_sup", Unit::BarGauge, id, supply).unwrap();
+        }
         for (name, duty) in crate::commands::DUTIES.into_iter().zip(duties) {
             log.add_signal(name, Unit::Percent, id, duty).unwrap();
         }

@@ -198,6 +198,7 @@ mod tests {
             issued_ns: time_ns(time_s),
             command: (!silent.contains(&row)).then(Default::default),
             supply_voltage_v: None,
+            supply_pressure: None,
         };
         base.times_s().iter().enumerate().map(input).collect()
     }

@@ -17,6 +17,8 @@ pub(crate) struct LogStart {
     pub(crate) pressure: Option<f64>,
     /// Whether valves with coils have filled the chamber before, so that its gas may still be warm.
     pub(crate) is_filled: bool,
+    /// First supply pressure that its gauge showed (Pa abs), where the log drives the supply.
+    pub(crate) supply_pressure: Option<f64>,
     /// Command of the first row.
     command: Option<Command>,
     /// Where the model begins again, in order of time.
@@ -35,6 +37,7 @@ impl LogStart {
         Self {
             pressure: None,
             is_filled: false,
+            supply_pressure: None,
             command: None,
             restarts: Vec::new(),
             ambient_bar: parameters.gas.ambient_pressure_pa / PA_PER_BAR,
@@ -62,6 +65,14 @@ impl LogStart {
         }
     }
 
+    /// The same with the first `supply_pressure` that its gauge showed (Pa abs); none where the log does not drive the supply.
+    pub(crate) fn supplied(self, supply_pressure: Option<f64>) -> Self {
+        Self {
+            supply_pressure,
+            ..self
+        }
+    }
+
     /// Begins a replay of the log.
     pub(crate) fn begin(
         &self,
@@ -70,6 +81,9 @@ impl LogStart {
         (sampling, tolerance): (CurrentSampling, Tolerance),
     ) -> Replay {
         let mut replay = Replay::new(parameters, sampling, tolerance);
+        if let Some(shown) = self.supply_pressure {
+            replay.begin_supplied(shown);
+        }
         // Whoever filled the chamber had commanded before the log began.
         let command = self
             .command

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
-use plant_sim::replay::{signals, unknown_signals};
+use plant_sim::replay::{SUPPLY_PRESSURE, drives_supply, signals, unknown_signals};
 use recording::{Bounds, Quantity, Recording, TimeBase, Unit};
 
 use crate::commands::{Commands, DUTIES, shared};
@@ -165,6 +165,12 @@ pub(crate) fn measured_signals(
                 .map(|(name, _)| name.to_owned())
                 .collect(),
             meant: unknown_signals(parameters, log),
+        });
+    }
+    if let Err(reason) = drives_supply(parameters, log) {
+        not_compared.push(NotCompared {
+            name: SUPPLY_PRESSURE.to_owned(),
+            reason: format!("it does not drive the model: {reason}"),
         });
     }
     Ok((measured, not_compared))

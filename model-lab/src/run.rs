@@ -105,6 +105,7 @@ impl<'a> Setup<'a> {
         let base = inputs.base();
         let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
         let sampling = conditions.sampling(interval_s, parameters);
+        let supply_pressure = inputs.first_supply_pressure();
         Ok(Self {
             parameters,
             base,
@@ -118,7 +119,7 @@ impl<'a> Setup<'a> {
             sampling,
             tolerance,
             conditions,
-            start: LogStart::at_rest(parameters),
+            start: LogStart::at_rest(parameters).supplied(supply_pressure),
             watch: None,
         })
     }
@@ -143,7 +144,8 @@ impl<'a> Setup<'a> {
     /// Begins where the measured `pressure` does, `level` (Pa abs) where that is away from ambient.
     pub(crate) fn begin_at(&mut self, pressure: Option<&Measured>, level: Option<f64>) {
         let command = self.inputs.row(0).command;
-        self.start = LogStart::at(self.parameters, pressure, level, command);
+        self.start = LogStart::at(self.parameters, pressure, level, command)
+            .supplied(self.inputs.first_supply_pressure());
     }
 
     /// The rows of the log, pauses shortened.
@@ -265,6 +267,7 @@ impl<'a> Setup<'a> {
                     issued_ns: time_ns,
                     command: None,
                     supply_voltage_v: None,
+                    supply_pressure: None,
                 };
                 let values = self.start.row(&mut replay, on_the_way, row.warmth);
                 let values = values.ok_or_else(|| ReplayError::given_up(row.shortened_ns))?;

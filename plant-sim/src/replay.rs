@@ -4,31 +4,25 @@
 //! and the sensor values sampled just then. Coil currents are means over the interval that ends there when
 //! rows are slower than the PWM (an ECU log), and values of the instant when they are faster (a scope).
 
+mod error;
+mod inputs;
 mod names;
+mod supply;
 
+pub use error::ReplayError;
+pub use inputs::{
+    Inputs, LONGEST_GAP_S, ReplayInput, check_gap, initial_pressure, inputs, inputs_of_part,
+};
 pub use names::{UnknownSignal, unknown_signals};
+pub use supply::{SUPPLY_PRESSURE, drives_supply, supply_bounds};
 
-use recording::{AddSignalError, Provenance, Quantity, Recording, Signal, TimeBase, Unit};
-use recording::{ConversionError, Converter, MissingSignal};
+use recording::{Provenance, Recording, Unit};
 
 use crate::ecu_output::Command;
 use crate::parameters::{Part, PlantParameters};
 use crate::plant::{FILL, VENT};
 use crate::regulating_valve::RegulatingValve;
 use crate::simulator::{Sample, Simulator, Statistics, Tolerance};
-
-/// What the log tells the model at one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReplayInput {
-    /// Instant (ns) since the start of the log.
-    pub time_ns: u64,
-    /// Instant (ns) at which the ECU gave the command, not after `time_ns`.
-    pub issued_ns: u64,
-    /// Commanded duty cycles; none where the log misses them, which holds the last ones.
-    pub command: Option<Command>,
-    /// Supply voltage at the ECU (V), where logged; none holds the last one.
-    pub supply_voltage_v: Option<f64>,
-}
 
 /// How the coil current of a row is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,11 +104,17 @@ pub struct Replay {
     has_coil: bool,
     command: Command,
     supply_voltage_v: f64,
+    /// As its gauge shows it (Pa abs); none before one was logged.
+    supply_pressure: Option<f64>,
+    /// What the gauge shows too much (Pa).
+    supply_gauge_offset: f64,
     last: Option<Sample>,
     /// Simulated time before the first row (ns).
     lead_ns: u64,
 }
 
+/// Least supply pressure (Pa abs).
+const LEAST_SUPPLY: f64 = 1.0;
 /// Time (s) after which a coil and an armature rest under a lasting command.
 const LEAD_S: f64 = 0.2;
 
@@ -140,6 +140,9 @@ impl Replay {
             has_coil: Part::Coil.is_in(parameters),
             command: Command::default(),
             supply_voltage_v: parameters.ecu.supply_voltage_v,
+            supply_pressure: None,
+            supply_gauge_offset: parameters.gas.supply_gauge_offset_bar
+                * crate::parameters::PA_PER_BAR,
             last: None,
             lead_ns: 0,
         }
@@ -156,10 +159,19 @@ impl Replay {
                 issued_ns: 0,
                 command: Some(command),
                 supply_voltage_v: None,
+                supply_pressure: None,
             });
         }
         self.last = None;
         self.lead_ns = lead_ns;
+    }
+
+    /// Begins with a supply whose gauge shows `shown` (Pa abs). Called before [`Self::begin_under`] and the first row.
+    pub fn begin_supplied(&mut self, shown: f64) {
+        self.supply_pressure = Some(shown);
+        // No gauge shows less than nothing, but its offset may.
+        let pressure = (shown - self.supply_gauge_offset).max(LEAST_SUPPLY);
+        self.simulator.set_supply_pressure(pressure);
     }
 
     /// The simulator, to correct its state or to read its statistics.
@@ -220,6 +232,11 @@ impl Replay {
             self.supply_voltage_v = volt;
             self.simulator.set_supply_voltage(volt);
         }
+        if let Some(shown) = input.supply_pressure
+            && Some(shown) != self.supply_pressure
+        {
+            self.begin_supplied(shown);
+        }
         let current = match self.sampling {
             CurrentSampling::MeanOfInterval => sample.mean_current,
             CurrentSampling::Instant => sample.current,
@@ -268,7 +285,7 @@ pub struct Replayed {
     pub statistics: Statistics,
 }
 
-/// Replays a whole log: the duty cycle of each coil that the plant has, and `u_bat` where it was logged. `correct` sees
+/// Replays a whole log: the duty cycle of each coil that the plant has, and `u_bat` and `p_sup` where they were logged. `correct` sees
 /// the simulator after each row and may move its pressure, as a predictor does; pass `|_, _| {}` for a free run.
 ///
 /// # Errors
@@ -284,6 +301,9 @@ pub fn replay(
     let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
     let sampling = CurrentSampling::of_interval(interval_s, parameters);
     let mut replay = Replay::new(parameters, sampling, tolerance);
+    if let Some(shown) = inputs.first_supply_pressure() {
+        replay.begin_supplied(shown);
+    }
     if let Some(pressure) = initial_pressure(parameters, log)? {
         replay.begin_showing(pressure);
     }
@@ -318,336 +338,3 @@ pub fn replay(
     })
 }
 
-/// The longest time between two rows that is replayed (s): an hour of open valves takes seconds, a wrong clock
-/// would take for ever.
-pub const LONGEST_GAP_S: f64 = 3600.0;
-
-/// Names of the commands, fill and vent.
-const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
-
-/// What a log tells a plant, row by row. It is read from the log itself: an hour at 1 kHz takes no memory of its own.
-#[derive(Debug, Clone)]
-pub struct Inputs<'a> {
-    base: &'a TimeBase,
-    duties: [Option<Column<'a>>; 2],
-    supply: Option<Column<'a>>,
-}
-
-/// A signal of the log in the unit of the model.
-#[derive(Debug, Clone, Copy)]
-struct Column<'a> {
-    samples: &'a [f64],
-    converter: Converter,
-}
-
-impl Column<'_> {
-    fn at(&self, index: usize) -> f64 {
-        self.converter.apply(self.samples[index])
-    }
-}
-
-impl<'a> Inputs<'a> {
-    /// Finds the commands of a log to a plant. A plant without coils is not commanded: the time base is that of the first
-    /// signal that it has.
-    ///
-    /// # Errors
-    /// As [`Inputs::of_part`], and a duty cycle without any value.
-    pub fn of(parameters: &PlantParameters, log: &'a Recording) -> Result<Self, ReplayError> {
-        let inputs = Self::of_part(parameters, log)?;
-        let is_empty = |name: &&str| {
-            let signal = log.signal(name);
-            signal.is_some_and(|signal| signal.missing_count() == signal.len())
-        };
-        match commanded(parameters).find(is_empty) {
-            Some(name) => Err(ReplayError::EmptyCommand { name }),
-            None => Ok(inputs),
-        }
-    }
-
-    /// As [`Inputs::of`], for some rows of a log, in which a command may be missing throughout.
-    ///
-    /// # Errors
-    /// No duty cycle for a coil that the plant has, one of another kind, a duty cycle for a coil that the plant has not,
-    /// signals that were not sampled together, or a gap of more than [`LONGEST_GAP_S`].
-    pub fn of_part(parameters: &PlantParameters, log: &'a Recording) -> Result<Self, ReplayError> {
-        for name in commanded(parameters) {
-            require_command(parameters, log, name)?;
-        }
-        let id = driving_signal(parameters, log)?.time_base();
-        let base = log.time_base(id).ok_or(ReplayError::NoTimeBase)?;
-        for pair in base.times_s().windows(2) {
-            check_gap(pair[0], pair[1])?;
-        }
-        let column = |name: &'static str, quantity, unit| -> Result<Option<Column>, ReplayError> {
-            if !log.mentions(name) {
-                return Ok(None);
-            }
-            let signal = log.require(name, quantity)?;
-            if signal.time_base() != id {
-                return Err(ReplayError::OtherTimeBase { name });
-            }
-            Ok(Some(Column {
-                samples: signal.values_or_nan(),
-                converter: signal.unit().converter(unit)?,
-            }))
-        };
-        let duty = |valve: usize| column(DUTIES[valve], Quantity::DutyCycle, Unit::Percent);
-        let duties = [duty(FILL)?, duty(VENT)?];
-        for (valve, duty) in duties.iter().enumerate() {
-            let acts = |duty: &Column| (0..duty.samples.len()).any(|index| duty.at(index) > 0.0);
-            if !parameters.functions[valve].has_coil() && duty.as_ref().is_some_and(acts) {
-                let name = DUTIES[valve];
-                return Err(ReplayError::NoCoil { name });
-            }
-        }
-        let supply = column("u_bat", Quantity::Voltage, Unit::Volt)?;
-        Ok(Self {
-            base,
-            duties,
-            supply,
-        })
-    }
-
-    /// Returns the time base that the commands share.
-    pub fn base(&self) -> &'a TimeBase {
-        self.base
-    }
-
-    /// Returns the number of rows, at least 1.
-    #[expect(
-        clippy::len_without_is_empty,
-        reason = "as its time base, it is never empty"
-    )]
-    pub fn len(&self) -> usize {
-        self.base.len()
-    }
-
-    /// Returns what the log tells at instant `index`.
-    ///
-    /// # Panics
-    /// If there is no such instant.
-    pub fn row(&self, index: usize) -> ReplayInput {
-        let duty = |valve: usize| self.duties[valve].map_or(0.0, |column| column.at(index));
-        let command = Command {
-            duty_fill_pct: duty(FILL),
-            duty_vent_pct: duty(VENT),
-        };
-        let complete = !command.duty_fill_pct.is_nan() && !command.duty_vent_pct.is_nan();
-        let times_s = self.base.times_s();
-        let time_ns = ((times_s[index] - times_s[0]) * 1e9).round() as u64;
-        ReplayInput {
-            time_ns,
-            issued_ns: time_ns,
-            command: complete.then_some(command),
-            supply_voltage_v: self
-                .supply
-                .map(|column| column.at(index))
-                .filter(|volt| volt.is_finite()),
-        }
-    }
-
-    /// Returns what the log tells at each instant.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = ReplayInput> + '_ {
-        (0..self.len()).map(|index| self.row(index))
-    }
-}
-
-/// The commands of a log to a plant as a list, with the time base that they share.
-///
-/// # Errors
-/// As [`Inputs::of`].
-pub fn inputs<'a>(
-    parameters: &PlantParameters,
-    log: &'a Recording,
-) -> Result<(&'a TimeBase, Vec<ReplayInput>), ReplayError> {
-    let inputs = Inputs::of(parameters, log)?;
-    Ok((inputs.base(), inputs.iter().collect()))
-}
-
-/// As [`inputs`], for some rows of a log, in which a command may be missing throughout.
-///
-/// # Errors
-/// As [`Inputs::of_part`].
-pub fn inputs_of_part<'a>(
-    parameters: &PlantParameters,
-    log: &'a Recording,
-) -> Result<(&'a TimeBase, Vec<ReplayInput>), ReplayError> {
-    let inputs = Inputs::of_part(parameters, log)?;
-    Ok((inputs.base(), inputs.iter().collect()))
-}
-
-/// The chamber pressure (Pa abs) to begin with, where the log alone tells it: the first one of a plant without coils,
-/// which nothing can have filled. None where the plant begins at rest.
-///
-/// # Errors
-/// `p_ch` is no pressure.
-pub fn initial_pressure(
-    parameters: &PlantParameters,
-    log: &Recording,
-) -> Result<Option<f64>, ReplayError> {
-    let has_one = Part::Chamber.is_in(parameters) && log.mentions("p_ch");
-    if Part::Coil.is_in(parameters) || !has_one {
-        return Ok(None);
-    }
-    let signal = log.require("p_ch", Quantity::Pressure)?;
-    let ambient = parameters.gas.ambient_pressure_pa;
-    let values = signal.values_at_ambient(Unit::PascalAbsolute, ambient)?;
-    Ok(values
-        .into_iter()
-        .find(|value| value.is_finite() && *value > 0.0))
-}
-
-/// The commands that the plant needs: those of its coils.
-fn commanded(parameters: &PlantParameters) -> impl Iterator<Item = &'static str> {
-    let valves = DUTIES.into_iter().zip(parameters.functions);
-    valves
-        .filter(|(_, function)| function.has_coil())
-        .map(|(name, _)| name)
-}
-
-/// A command that is not there is not zero: perhaps its column has another name.
-fn require_command(
-    parameters: &PlantParameters,
-    log: &Recording,
-    name: &'static str,
-) -> Result<(), ReplayError> {
-    if !log.mentions(name) {
-        let signals = log.signals().iter();
-        return Err(ReplayError::NoCommand {
-            source_name: log.provenance().source.clone(),
-            name,
-            present: signals.map(|signal| signal.name().to_owned()).collect(),
-            meant: names::meant_by(parameters, log, name),
-        });
-    }
-    log.require(name, Quantity::DutyCycle)?;
-    Ok(())
-}
-
-/// What the log has instead of a command, and what to do.
-fn about_missing_command(name: &str, present: &[String], meant: &[String]) -> String {
-    let instead = match (meant, present) {
-        ([], []) => ".".to_owned(),
-        ([], present) => format!("; it has {}.", present.join(", ")),
-        (meant, _) => format!("; is it {}?", meant.join(" or ")),
-    };
-    format!(
-        "{instead} Map its column to `{name}`, or where the valve was not commanded, say so in a mapping: \
-         constant.{name} = {{ value = 0, unit = \"pct\" }}"
-    )
-}
-
-/// The signal whose instants are those of the replay.
-fn driving_signal<'a>(
-    parameters: &PlantParameters,
-    log: &'a Recording,
-) -> Result<&'a Signal, ReplayError> {
-    if let Some(name) = commanded(parameters).next() {
-        return Ok(log.require(name, Quantity::DutyCycle)?);
-    }
-    let logged = signals(parameters).find_map(|(name, _)| log.signal(name));
-    match logged {
-        Some(signal) => Ok(signal),
-        None => Ok(log.require("p_ch", Quantity::Pressure)?),
-    }
-}
-
-/// Whether the time from one row to the next can be replayed.
-///
-/// # Errors
-/// [`ReplayError::Gap`] if it is longer than [`LONGEST_GAP_S`].
-pub fn check_gap(from_s: f64, to_s: f64) -> Result<(), ReplayError> {
-    let gap_s = to_s - from_s;
-    if gap_s > LONGEST_GAP_S {
-        return Err(ReplayError::Gap {
-            after_s: from_s,
-            gap_s,
-        });
-    }
-    Ok(())
-}
-
-impl ReplayError {
-    /// The simulation was given up before the row at `time_ns`.
-    pub fn given_up(time_ns: u64) -> Self {
-        Self::GivenUp {
-            time_s: time_ns as f64 * 1e-9,
-        }
-    }
-}
-
-/// Why a log cannot be replayed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ReplayError {
-    /// The simulation takes more steps than a log of this length may ask for.
-    #[error(
-        "the plant cannot be simulated on this log in a bounded number of steps: given up {time_s} s after its begin; \
-         bring the parameters nearer to sizes that are met in practice, and look at the supply voltage and the time there"
-    )]
-    GivenUp {
-        /// Time since the start of the log (s).
-        time_s: f64,
-    },
-    /// A signal is absent or of another kind.
-    #[error(transparent)]
-    MissingSignal(#[from] MissingSignal),
-    /// A coil of the plant has no command in the log.
-    #[error(
-        "{source_name} has no duty cycle `{name}`, but the plant has that coil{}",
-        about_missing_command(name, present, meant)
-    )]
-    NoCommand {
-        /// Source of the log.
-        source_name: String,
-        /// The command.
-        name: &'static str,
-        /// Signals of the log.
-        present: Vec<String>,
-        /// Those of them, and of the channels that were left out, that may be it.
-        meant: Vec<String>,
-    },
-    /// The log has a command without any value.
-    #[error(
-        "every sample of the duty cycle `{name}` is missing: log it, or leave out the column and say in a mapping what it was: \
-         constant.{name} = {{ value = 0, unit = \"pct\" }}"
-    )]
-    EmptyCommand {
-        /// The command.
-        name: &'static str,
-    },
-    /// A signal cannot be converted.
-    #[error(transparent)]
-    Conversion(#[from] ConversionError),
-    /// The simulated signals do not make a recording.
-    #[error(transparent)]
-    Recording(#[from] AddSignalError),
-    /// A gap that no bench log has.
-    #[error(
-        "no row for {gap_s} s after {after_s} s, longer than {LONGEST_GAP_S} s: cut the log there, or mend its time"
-    )]
-    Gap {
-        /// Time of the last row before the gap (s).
-        after_s: f64,
-        /// Length of the gap (s).
-        gap_s: f64,
-    },
-    /// The log commands what is not there.
-    #[error(
-        "the log has a command `{name}` above 0 %, but the plant has no such coil: take a plant file with the valve, or leave out the column"
-    )]
-    NoCoil {
-        /// The signal.
-        name: &'static str,
-    },
-    /// The commands have no time base.
-    #[error("the duty cycles have no time base")]
-    NoTimeBase,
-    /// Commands and voltage must be sampled together.
-    #[error(
-        "`{name}` has another time base than the duty cycles: say in a mapping, under [rows], instants_of = \"duty_fill\""
-    )]
-    OtherTimeBase {
-        /// The signal.
-        name: &'static str,
-    },
-}

@@ -52,6 +52,7 @@ fn check(plant: &PlantParameters, what: &str) {
                 duty_vent_pct: duty(20),
             }),
             supply_voltage_v: None,
+            supply_pressure: None,
         });
         for ((name, _), value) in ROW_SIGNALS.iter().zip(row) {
             let has = signals(plant).any(|(one, _)| one == *name);

@@ -106,6 +106,7 @@ fn simulated(plant: &PlantParameters, commands: &[[f64; 2]]) -> Vec<f64> {
                 duty_vent_pct,
             }),
             supply_voltage_v: None,
+            supply_pressure: None,
         });
         time_ns += period;
         [row[2] / NOISE[0], row[3] / NOISE[1], row[4] / NOISE[2]]

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{PA_PER_BAR, Part};
-use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, inputs};
+use plant_sim::replay::{
+    CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, SUPPLY_PRESSURE, inputs,
+};
 use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
@@ -112,7 +114,10 @@ impl Read {
         let (base, mut inputs) = inputs(parameters, log).map_err(CompareError::from)?;
         commands.gaps.shorten(&mut inputs);
         let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
-        not_compared.retain(|signal| WEIGHED.contains(&signal.name.as_str()));
+        not_compared.retain(|signal| {
+            let name = signal.name.as_str();
+            WEIGHED.contains(&name) || name == SUPPLY_PRESSURE
+        });
         Ok(Self {
             warnings: warnings(parameters, log, &commands, &measured),
             interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
@@ -147,7 +152,9 @@ impl Log {
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let first_command = inputs.first().and_then(|input| input.command);
         let (_, level) = start(parameters, pressure, &commands);
-        let start = LogStart::at(parameters, pressure, level, first_command);
+        let supply_pressure = inputs.iter().find_map(|input| input.supply_pressure);
+        let start = LogStart::at(parameters, pressure, level, first_command)
+            .supplied(supply_pressure);
         let defects = LogDefects::of(log, &commands, pressure);
         let sigma = |signal: &Measured| {
             let told = noise.of(signal.name, &signal.floor, interval_s);
@@ -390,6 +397,11 @@ impl Log {
     /// Whether it begins with a chamber that valves with coils have filled, whose gas may still be warm.
     pub(crate) fn begins_filled(&self) -> bool {
         self.start.is_filled && self.pressure().is_some()
+    }
+
+    /// Whether its supply pressure was logged and drives the model.
+    pub(crate) fn drives_supply(&self) -> bool {
+        self.start.supply_pressure.is_some()
     }
 
     /// Whether its rows leave open at which sample of the ECU a command was given.

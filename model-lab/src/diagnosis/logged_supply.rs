@@ -1,4 +1,5 @@
-//! The supply pressure where it was logged.
+//! The supply pressure of a plant whose logs have it. It drives the model as a signal (E60); the value of the plant file is then
+//! that of whatever has no log: a closed loop, an experiment to come, the size of a leak.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::{Knowledge, Part};
@@ -50,7 +51,14 @@ fn level_bar(plant: &PlantParameters, log: &Recording) -> Option<f64> {
 mod tests {
     use recording::{Provenance, TimeBase};
 
+    use super::super::diagnose;
+    use super::super::gather::gather;
+    use super::super::log::Run;
+    use super::super::result::Verdict;
+    use super::super::unknowns::{Unknown, Unknowns};
     use super::*;
+    use crate::bench::Bench;
+    use crate::metrics::rms;
 
     fn log(supply_bar: f64) -> Recording {
         let mut log = Recording::new(Provenance::from_source("log"));
@@ -82,5 +90,81 @@ mod tests {
         let exact = Knowledge::Exact;
         plant.knowledge.insert(PARAMETER.to_owned(), exact);
         assert_eq!(supply(&plant, &[log(8.1)]), (there, Some(exact)));
+    }
+
+    /// A compressor that is too small: the supply sinks by a bar within ten seconds.
+    fn sinking(time_s: f64) -> f64 {
+        8.4 - 0.1 * time_s
+    }
+
+    fn without_supply(log: &Recording) -> Recording {
+        let mut bare = Recording::new(log.provenance().clone());
+        let (_, base) = log.time_bases().next().unwrap();
+        let id = bare.add_time_base(base.clone());
+        for signal in log.signals().iter().filter(|one| one.name() != SIGNAL) {
+            let values = signal.values_or_nan().to_vec();
+            bare.add_signal(signal.name(), signal.unit(), id, values)
+                .unwrap();
+        }
+        bare
+    }
+
+    fn sinking_supply() -> Recording {
+        let bench = Bench {
+            supply_bar: Some(sinking),
+            ..Bench::default()
+        };
+        bench.measure()
+    }
+
+    /// Rms of the pressure's errors over the noise, driven by the commands alone.
+    fn error(log: &Recording) -> f64 {
+        let plant = PlantParameters::nominal();
+        let evidence = gather(&plant, [log]).unwrap();
+        let residuals = evidence.residuals(&plant, Run::Free).unwrap();
+        let (_, _, range) = evidence.channels().next().unwrap();
+        rms(&residuals[range]).unwrap()
+    }
+
+    #[test]
+    fn a_supply_that_sinks_drives_the_model_where_it_was_logged() {
+        let log = sinking_supply();
+        let (with, without) = (error(&log), error(&without_supply(&log)));
+        assert!(with < 1.2 && without > 10.0, "{with} {without}");
+    }
+
+    #[test]
+    fn nothing_is_missing_from_a_model_that_a_sinking_supply_drives() {
+        let verdict = |log| {
+            let nominal = PlantParameters::nominal();
+            let diagnosis = diagnose(&nominal, &[log], &[], &|_| {
+                core::ops::ControlFlow::Continue(())
+            });
+            diagnosis.unwrap().verdict
+        };
+        let log = sinking_supply();
+        assert_ne!(verdict(without_supply(&log)), Verdict::Adequate);
+        assert_eq!(verdict(log), Verdict::Adequate);
+    }
+
+    /// The level of the supply is free where no log has it, the offset of its gauge where one has.
+    #[test]
+    fn a_fit_moves_the_gauge_and_not_the_supply_that_it_shows() {
+        let logged = sinking_supply();
+        let bare = without_supply(&logged);
+        let fitted = |logs: &[&Recording]| {
+            let nominal = PlantParameters::nominal();
+            let evidence = gather(&nominal, logs.iter().copied()).unwrap();
+            let unknowns = Unknowns::new(&nominal, &[], &evidence.logs);
+            let names = unknowns.list().iter().filter_map(|unknown| match unknown {
+                Unknown::Nuisance(nuisance) => Some(nuisance.spec.name()),
+                Unknown::Log(_) | Unknown::Effect { .. } => None,
+            });
+            let names: Vec<String> = names.collect();
+            [PARAMETER, "gas.supply_gauge_offset_bar"].map(|name| names.iter().any(|one| one == name))
+        };
+        assert_eq!(fitted(&[&logged]), [false, true]);
+        assert_eq!(fitted(&[&bare]), [true, false]);
+        assert_eq!(fitted(&[&logged, &bare]), [true, true]);
     }
 }

@@ -3,6 +3,8 @@
 use plant_sim::PlantParameters;
 use plant_sim::parameters::ParameterSpec;
 
+use super::log::Log;
+
 /// An ordinary parameter in the list of those that a fit moves.
 #[derive(Debug)]
 struct Ordinary {
@@ -47,6 +49,49 @@ enum Shown {
     Always,
     /// By the chamber pressure alone.
     InPressure,
+    /// By the chamber pressure of a log without a supply pressure of its own.
+    WithoutLoggedSupply,
+    /// By the chamber pressure of a log whose supply pressure drives the model.
+    WithLoggedSupply,
+}
+
+/// What logs show, as far as it decides which parameters matter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Shows {
+    /// Whether a log has the chamber pressure, ...
+    pressure: bool,
+    /// ... with a supply pressure that drives the model, ...
+    with_supply: bool,
+    /// ... or without.
+    without_supply: bool,
+}
+
+impl Shows {
+    /// Whatever logs may show.
+    pub(crate) const EVERYTHING: Self = Self {
+        pressure: true,
+        with_supply: true,
+        without_supply: true,
+    };
+
+    /// What `logs` show together.
+    pub(crate) fn of(logs: &[Log]) -> Self {
+        let with_pressure = || logs.iter().filter(|log| log.pressure().is_some());
+        Self {
+            pressure: with_pressure().next().is_some(),
+            with_supply: with_pressure().any(Log::drives_supply),
+            without_supply: with_pressure().any(|log| !log.drives_supply()),
+        }
+    }
+
+    fn show(self, shown: Shown) -> bool {
+        match shown {
+            Shown::Always => true,
+            Shown::InPressure => self.pressure,
+            Shown::WithoutLoggedSupply => self.without_supply,
+            Shown::WithLoggedSupply => self.with_supply,
+        }
+    }
 }
 
 const fn relative(
@@ -68,7 +113,7 @@ const fn relative(
 
 /// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume
 /// 4 %, magnetic circuits 8 %; the delay of an output stage, and a pressure regulator with its gauge.
-static ORDINARY: [Ordinary; 13] = [
+static ORDINARY: [Ordinary; 14] = [
     relative(
         "flow.discharge_fill",
         0.10,
@@ -94,7 +139,18 @@ static ORDINARY: [Ordinary; 13] = [
         ..relative(
             "gas.supply_pressure_bar_gauge",
             0.0,
-            Shown::InPressure,
+            Shown::WithoutLoggedSupply,
+            "fill until the pressure no longer rises",
+        )
+    },
+    // A gauge of 10 bar and class 0.5. Left out, its offset would be a wrong end of each filling, which effects imitate.
+    Ordinary {
+        usual: Some(Spread::Absolute(0.05)),
+        first_file: Spread::Absolute(0.05),
+        ..relative(
+            "gas.supply_gauge_offset_bar",
+            0.0,
+            Shown::WithLoggedSupply,
             "fill until the pressure no longer rises",
         )
     },
@@ -210,9 +266,8 @@ pub(crate) struct Nuisance {
     pub(crate) bounds: (f64, f64),
 }
 
-/// The parameters of `plant` that a fit moves; those that only the chamber pressure shows are left out if it `has_pressure`
-/// not.
-pub(crate) fn nuisances(plant: &PlantParameters, has_pressure: bool) -> Vec<Nuisance> {
+/// The parameters of `plant` that a fit moves, as far as logs show them.
+pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> {
     let ordinary = |name: &str| ORDINARY.iter().find(|ordinary| ordinary.name == name);
     let listed = ORDINARY
         .iter()
@@ -225,7 +280,7 @@ pub(crate) fn nuisances(plant: &PlantParameters, has_pressure: bool) -> Vec<Nuis
         .filter_map(|spec| {
             let name = spec.name();
             let ordinary = ordinary(&name);
-            if !has_pressure && ordinary.is_some_and(|one| one.shown_by == Shown::InPressure) {
+            if ordinary.is_some_and(|one| !shows.show(one.shown_by)) {
                 return None;
             }
             let there = plant.get(&name)?;

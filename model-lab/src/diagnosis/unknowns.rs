@@ -6,7 +6,7 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{ParameterSpec, Scale, Size};
 
 use super::log::Log;
-use super::nuisance::{Nuisance, nuisances};
+use super::nuisance::{Nuisance, Shows, nuisances};
 use crate::commands::COMMAND_DELAY;
 use crate::conditions::{Conditions, USUAL_COOLING_S};
 
@@ -101,8 +101,7 @@ impl Unknowns {
     /// The nuisance parameters of `datasheet`, as far as `logs` can show them, then the conditions of the logs, and then the
     /// parameters of the effects in `fitted`, so that a further effect comes last.
     pub(crate) fn new(datasheet: &PlantParameters, fitted: &[EffectSetting], logs: &[Log]) -> Self {
-        let has_pressure = logs.iter().any(|log| log.pressure().is_some());
-        let nuisances = nuisances(datasheet, has_pressure);
+        let nuisances = nuisances(datasheet, Shows::of(logs));
         let mut unknowns = Self {
             datasheet: datasheet.clone(),
             list: nuisances.into_iter().map(Unknown::Nuisance).collect(),

@@ -4,7 +4,7 @@ use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::parameters::ParameterSpec;
 
-use super::nuisance::{Nuisance, nuisances};
+use super::nuisance::{Nuisance, Shows, nuisances};
 use super::result::{Candidate, DetectionLimit, Diagnosis};
 
 /// A share of the excess error that is worth figures.
@@ -17,7 +17,7 @@ impl Diagnosis {
     /// same with the named effects. `plant` is the one that was diagnosed.
     pub fn plain_and_refined(&self, plant: &PlantParameters) -> [PlantParameters; 2] {
         let [mut plain, mut refined] = [plant.clone(), plant.clone()];
-        let nuisances = nuisances(plant, true);
+        let nuisances = nuisances(plant, Shows::EVERYTHING);
         for value in &self.nuisance {
             let of_value = |nuisance: &&Nuisance| nuisance.spec.name() == value.name;
             if let Some(nuisance) = nuisances.iter().find(of_value) {

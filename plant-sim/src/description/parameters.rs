@@ -214,6 +214,7 @@ impl PlantParameters {
                 supply_pressure_bar_gauge: 6.3,
                 ambient_pressure_pa: 101_325.0,
                 thermometer_wall_share: 0.0,
+                supply_gauge_offset_bar: 0.0,
             },
             chamber: ChamberParameters::default(),
             functions: [ValveFunction::NormallyClosed; 2],

@@ -63,6 +63,7 @@ pub struct GasParameters {
     pub supply_pressure_bar_gauge: f64,
     pub ambient_pressure_pa: f64,
     pub thermometer_wall_share: f64,
+    pub supply_gauge_offset_bar: f64,
 }
 
 /// The chamber.

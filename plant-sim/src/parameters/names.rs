@@ -13,8 +13,11 @@ pub(super) const FUNCTIONS: [(&str, ValveFunction); 5] = [
     ("absent", ValveFunction::Absent),
 ];
 
-/// The key that a file leaves out where it is 0, as it is without a thermometer.
-pub(super) const THERMOMETER: (&str, &str) = ("gas", "thermometer_wall_share");
+/// The keys that a file leaves out where they are 0: those of sensors that a rig need not have.
+pub(super) const OF_SENSORS: [(&str, &str); 2] = [
+    ("gas", "thermometer_wall_share"),
+    ("gas", "supply_gauge_offset_bar"),
+];
 
 /// The table that a plant without chamber leaves out.
 pub(super) const CHAMBER: &str = "chamber";

@@ -78,7 +78,9 @@ impl Part {
             ("magnet" | "armature", _) => Self::Armature,
             ("flow", "orifice_fill_m" | "discharge_fill") => Self::FlowThrough(FILL),
             ("flow", "orifice_vent_m" | "discharge_vent") => Self::FlowThrough(VENT),
-            ("gas", "supply_pressure_bar_gauge") => Self::FlowThrough(FILL),
+            ("gas", "supply_pressure_bar_gauge" | "supply_gauge_offset_bar") => {
+                Self::FlowThrough(FILL)
+            }
             ("flow" | "gas" | CHAMBER | REGULATING_VALVE, _) => Self::Chamber,
             _ => Self::Any,
         }

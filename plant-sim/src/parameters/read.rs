@@ -9,7 +9,7 @@ use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
 use super::knowledge::{self, FORMS, number};
 use super::names::{
-    CHAMBER, FUNCTIONS, REGULATING_VALVE, THERMOMETER, VALVE_KEYS, VALVES, VARIANT,
+    CHAMBER, FUNCTIONS, OF_SENSORS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT,
 };
 use super::parts::Part;
 use super::table::PARAMETERS;
@@ -123,7 +123,7 @@ impl Reader<'_> {
         for &spec in PARAMETERS.iter() {
             let in_table = !spec.is_optional() || (regulating && spec.section == REGULATING_VALVE);
             let needed = in_table
-                && (spec.section, spec.key) != THERMOMETER
+                && !OF_SENSORS.contains(&(spec.section, spec.key))
                 && Part::of_parameter(spec).is_in(&self.parameters);
             if needed && !present.iter().any(|(seen, _)| std::ptr::eq(*seen, spec)) {
                 self.problems.push(Problem::MissingKey { spec });

@@ -80,6 +80,7 @@ parameters! { THESIS_MODEL thesis_field thesis_field_mut required:
     gas.supply_pressure_bar_gauge ["bar gauge"] 0.0 ..= 40.0, "supply pressure P_sup";
     gas.ambient_pressure_pa ["Pa abs"] 3e4 ..= 1.2e5, "ambient pressure P_atm, also of the drain";
     gas.thermometer_wall_share [""] 0.0 ..= 0.9, "share of the wall's temperature in what a thermometer in the gas shows, by radiation and along its stem; may be absent and is 0 then";
+    gas.supply_gauge_offset_bar ["bar"] -1.0 ..= 1.0, "what a logged supply pressure p_sup shows more than there is (E60); may be absent and is 0 then";
     chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "dead volume V_ch of chamber, channels and actuator (section 2.2)";
 }
 

@@ -2,7 +2,7 @@
 
 use recording::{Quantity, Recording, Signal, Unit, nearest_name};
 
-use super::{ROW_SIGNALS, signals};
+use super::{ROW_SIGNALS, SUPPLY_PRESSURE, signals};
 use crate::parameters::PlantParameters;
 
 /// A signal of a log that the model does not know by its name, and so does not use.
@@ -19,7 +19,10 @@ pub fn unknown_signals(parameters: &PlantParameters, log: &Recording) -> Vec<Unk
     let lacking: Vec<(&'static str, Unit)> = signals(parameters)
         .filter(|(name, _)| !log.mentions(name))
         .collect();
-    let is_known = |signal: &&Signal| ROW_SIGNALS.iter().any(|(name, _)| signal.name() == *name);
+    let is_known = |signal: &&Signal| {
+        let mut names = ROW_SIGNALS.iter().map(|(name, _)| *name);
+        signal.name() == SUPPLY_PRESSURE || names.any(|name| signal.name() == name)
+    };
     log.signals()
         .iter()
         .filter(|signal| !is_known(signal))

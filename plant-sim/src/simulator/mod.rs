@@ -208,6 +208,40 @@ impl Simulator {
         }
     }
 
+    /// Sets the pressure of the air supply (Pa abs) from now on: what a supply line draws from, and the fill valve without one. At
+    /// time zero, the line is at rest at this pressure.
+    ///
+    /// # Panics
+    /// If `pressure` is not positive and finite.
+    pub fn set_supply_pressure(&mut self, pressure: f64) {
+        assert!(
+            pressure > 0.0 && pressure.is_finite(),
+            "an absolute pressure is positive, not {pressure}"
+        );
+        either!(&mut self.engine, solver => solver.physics.plant_mut().supply_pressure = pressure);
+        if let Engine::Extended(solver) = &mut self.engine
+            && self.time_ns == 0
+        {
+            solver.physics.rest_supply_line(pressure);
+        }
+    }
+
+    /// Sets the temperature of the gas in the chamber (K) at its present pressure. Returns whether the plant has such a state, which
+    /// the effect `gas_temperature` adds; without it nothing changes.
+    ///
+    /// # Panics
+    /// If `kelvin` is not positive and finite.
+    pub fn set_gas_temperature(&mut self, kelvin: f64) -> bool {
+        assert!(
+            kelvin > 0.0 && kelvin.is_finite(),
+            "an absolute temperature is positive, not {kelvin}"
+        );
+        match &mut self.engine {
+            Engine::Plain(_) => false,
+            Engine::Extended(solver) => solver.physics.set_temperature(kelvin),
+        }
+    }
+
     /// Moves the chamber pressure to `pressure` (Pa abs): a correction by a measurement, or a start
     /// from another pressure than ambient. What an effect adds to the pressure's dynamics, such as a slow sensor,
     /// moves along.

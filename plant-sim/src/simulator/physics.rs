@@ -30,6 +30,8 @@ pub(super) trait Physics: Sized {
 
     fn plant(&self) -> &Plant;
 
+    fn plant_mut(&mut self) -> &mut Plant;
+
     /// Longest step of the pressure alone (s).
     #[inline(always)]
     fn longest_flow_step(&self) -> f64 {
@@ -234,6 +236,10 @@ pub(super) trait Physics: Sized {
 impl Physics for Plant {
     #[inline(always)]
     fn plant(&self) -> &Plant {
+        self
+    }
+
+    fn plant_mut(&mut self) -> &mut Plant {
         self
     }
 }

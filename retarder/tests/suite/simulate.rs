@@ -69,6 +69,7 @@ fn log_of_a_logger_with_its_own_clock() -> String {
             issued_ns: sample * plant.ecu.sample_time_ns(),
             command: Some(command),
             supply_voltage_v: None,
+            supply_pressure: None,
         });
         let noise = ((row * 7919) % 1009) as f64 / 1009.0 - 0.5;
         log += &format!(

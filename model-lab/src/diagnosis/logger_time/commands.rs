@@ -183,6 +183,7 @@ mod tests {
                     duty_vent_pct: 0.0,
                 }),
                 supply_voltage_v: None,
+                supply_pressure: None,
             }
         };
         instants_s.map(row).collect()

@@ -155,6 +155,22 @@ impl Extended {
         Some(self.extra[self.layout.temperature?])
     }
 
+    /// Puts the supply line to rest at `pressure` (Pa abs), where its pressure is a state.
+    pub(in crate::simulator) fn rest_supply_line(&mut self, pressure: f64) {
+        if let Some(line) = self.layout.line {
+            self.extra[line] = pressure;
+        }
+    }
+
+    /// Sets the gas temperature (K) at the present pressure; returns whether it is a state.
+    pub(in crate::simulator) fn set_temperature(&mut self, kelvin: f64) -> bool {
+        let Some(temperature) = self.layout.temperature else {
+            return false;
+        };
+        self.extra[temperature] = kelvin;
+        true
+    }
+
     /// The chamber pressure was moved by `shift` to `pressure` (Pa): what follows it moves along.
     pub(in crate::simulator) fn shift_pressure(&mut self, shift: f64, pressure: f64) {
         if let Some(cavity) = self.layout.cavity {

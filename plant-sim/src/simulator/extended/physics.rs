@@ -29,6 +29,10 @@ impl Physics for Extended {
         &self.plant
     }
 
+    fn plant_mut(&mut self) -> &mut Plant {
+        &mut self.plant
+    }
+
     fn longest_flow_step(&self) -> f64 {
         // Where the plunger leaves a stop, its law has a kink that a long step hardly sees.
         if self.plant.additions.plunger.is_some() {
