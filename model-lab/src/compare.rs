@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
-use plant_sim::replay::CurrentSampling;
+use plant_sim::replay::{CurrentSampling, Surroundings};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
 use crate::commands::{Commands, DUTIES, shared};
@@ -43,6 +43,8 @@ pub fn compare_under(
     goes_on: &dyn Fn(f64) -> bool,
 ) -> Result<Comparison, CompareError> {
     options.check()?;
+    let surroundings = Surroundings::of(parameters, log)?;
+    let parameters = &*surroundings.around(parameters);
     let commands = Commands::new(parameters, log)?;
     let setup = Setup::new(parameters, (log, conditions), options.tolerance)?;
     let (measured, not_compared) = measured_signals(parameters, (log, setup.base), &commands)?;

@@ -113,7 +113,47 @@ pub(crate) struct StartGas {
 }
 
 /// Cooling time of a chamber of 50 to 125 cm3 (s): mass of the air times c_v over a conductance of 0.1 W/K to the wall.
-pub(crate) const USUAL_COOLING_S: f64 = 0.3;
+const USUAL_COOLING_S: f64 = 0.3;
+
+/// Time in which the gas in a chamber cools: what is usual, and least and most (s).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CoolingTime {
+    pub(crate) usual_s: f64,
+    pub(crate) least_s: f64,
+    pub(crate) most_s: f64,
+}
+
+impl CoolingTime {
+    /// Of a chamber between valves with coils.
+    pub(crate) const BETWEEN_VALVES: Self = Self {
+        usual_s: USUAL_COOLING_S,
+        least_s: 0.01,
+        most_s: 10.0,
+    };
+    /// How far another vessel is from the estimate: shape, fittings and convection.
+    const REACH: f64 = 8.0;
+
+    /// Of a vessel of any size, the chamber of `parameters`, with gas at `pressure` (Pa abs): its heat capacity m c_v over the
+    /// conductance of a wall that grows with the square of the vessel's size.
+    pub(crate) fn of_vessel(parameters: &PlantParameters, pressure: f64) -> Self {
+        let gas = &parameters.gas;
+        let volume = parameters.chamber.volume_m3;
+        let (conductance, of_volume) = USUAL_CONDUCTANCE;
+        let conductance = conductance * (volume / of_volume).powf(2.0 / 3.0);
+        // m c_v = p V/(R T) · R/(k - 1)
+        let heat_capacity =
+            pressure * volume / ((gas.heat_capacity_ratio - 1.0) * gas.temperature_k);
+        let usual_s = heat_capacity / conductance;
+        Self {
+            usual_s,
+            least_s: usual_s / Self::REACH,
+            most_s: usual_s * Self::REACH,
+        }
+    }
+}
+
+/// Heat that a chamber of 75 cm3 exchanges with its gas (W/K), and that volume (m3): the effect `gas_temperature` at its typical size.
+const USUAL_CONDUCTANCE: (f64, f64) = (0.1, 75e-6);
 
 impl Default for StartGas {
     fn default() -> Self {

@@ -1,5 +1,6 @@
 //! One run of the model on a log and the size of its error: for somebody who turns a parameter and wants to see at once.
 
+use plant_sim::replay::Surroundings;
 use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
@@ -42,6 +43,8 @@ pub fn free_run(
     log: &Recording,
     conditions: &LogConditions,
 ) -> Result<FreeRun, CompareError> {
+    let surroundings = Surroundings::of(parameters, log)?;
+    let parameters = &*surroundings.around(parameters);
     let commands = Commands::new(parameters, log)?;
     let mut setup = Setup::new(parameters, (log, conditions), Tolerance::default())?;
     let (measured, _) = measured_signals(parameters, (log, setup.base), &commands)?;

@@ -4,7 +4,7 @@ use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row};
 use plant_sim::{Command, PlantParameters, Tolerance};
 
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, CoolingTime};
 use crate::measured::{Measured, PRESSURE, Restart};
 
 /// A chamber this much above ambient pressure, over it, is filled.
@@ -15,8 +15,10 @@ const FILLED: f64 = 0.1;
 pub(crate) struct LogStart {
     /// Chamber pressure to begin with (Pa abs); none starts at rest.
     pub(crate) pressure: Option<f64>,
-    /// Whether valves with coils have filled the chamber before, so that its gas may still be warm.
+    /// Whether the chamber was filled before, so that its gas may still be warm.
     pub(crate) is_filled: bool,
+    /// Time in which gas in this chamber cools.
+    pub(crate) cooling: CoolingTime,
     /// First supply pressure that its gauge showed (Pa abs), where the log drives the supply.
     pub(crate) supply_pressure: Option<f64>,
     /// Command of the first row.
@@ -37,6 +39,7 @@ impl LogStart {
         Self {
             pressure: None,
             is_filled: false,
+            cooling: CoolingTime::BETWEEN_VALVES,
             supply_pressure: None,
             command: None,
             restarts: Vec::new(),
@@ -58,11 +61,25 @@ impl LogStart {
         let is_above = |level: f64| level > (1.0 + FILLED) * ambient;
         Self {
             pressure: level,
-            is_filled: Part::Coil.is_in(parameters) && level.is_some_and(is_above),
+            is_filled: level.is_some_and(is_above),
+            cooling: match (Part::Coil.is_in(parameters), level) {
+                (false, Some(level)) => CoolingTime::of_vessel(parameters, level),
+                _ => CoolingTime::BETWEEN_VALVES,
+            },
             command,
             restarts: pressure.map_or_else(Vec::new, |signal| signal.restarts.clone()),
             ..Self::at_rest(parameters)
         }
+    }
+
+    /// The same from another `pressure` (Pa abs).
+    pub(crate) fn moved(self, parameters: &PlantParameters, pressure: f64) -> Self {
+        let Self {
+            command,
+            supply_pressure,
+            ..
+        } = self;
+        Self::at(parameters, None, Some(pressure), command).supplied(supply_pressure)
     }
 
     /// The same with the first `supply_pressure` that its gauge showed (Pa abs); none where the log does not drive the supply.
@@ -96,15 +113,25 @@ impl LogStart {
             }
         }
         if let Some(pressure) = self.pressure {
-            let ratio = self.warmth(conditions, 0.0);
+            let ratio = self.warmth(&mut replay, conditions, 0.0);
             replay.begin_showing(pressure / ratio);
+            let excess_k = conditions.start_gas.excess_k;
+            if excess_k != 0.0 {
+                // Where the temperature is no state, the warmth of each row stands for it.
+                let kelvin = parameters.gas.temperature_k + excess_k;
+                replay.simulator().set_gas_temperature(kelvin);
+            }
         }
         replay
     }
 
-    /// Returns the pressure over what it is once the gas has the temperature of the wall, at `time_s` since the first row.
-    pub(crate) fn warmth(&self, conditions: &Conditions, time_s: f64) -> f64 {
-        conditions.start_gas.pressure_ratio(self.wall_k, time_s)
+    /// Returns the pressure over what `replay` has, whose gas is at the temperature of the wall, at `time_s` since the first row. 1 where
+    /// the gas temperature is a state of the plant: that began warm itself.
+    pub(crate) fn warmth(&self, replay: &mut Replay, conditions: &Conditions, time_s: f64) -> f64 {
+        match replay.simulator().has_gas_temperature() {
+            true => 1.0,
+            false => conditions.start_gas.pressure_ratio(self.wall_k, time_s),
+        }
     }
 
     /// Advances `replay` to `input`, which is in the time of the ECU, where the pressure is `warmth` times what it is once the gas has

@@ -19,6 +19,22 @@ use crate::result::{NotCompared, Start, StartFrom, error_unit};
 pub(crate) const PRESSURE: &str = "p_ch";
 /// Signals of a log that the diagnosis weighs; armature positions are the model's own.
 pub(crate) const WEIGHED: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
+/// The gas temperature, which it weighs where the plant has one that changes.
+pub(crate) const GAS_TEMPERATURE: &str = "t_gas";
+
+/// Returns whether the diagnosis weighs the signal `name` with a plant like `parameters`.
+pub(crate) fn is_weighed(parameters: &PlantParameters, name: &str) -> bool {
+    let has_temperature = || {
+        let effect = parameters.effect("gas_temperature");
+        effect.is_some_and(|effect| !effect.is_off())
+    };
+    WEIGHED.contains(&name) || (name == GAS_TEMPERATURE && has_temperature())
+}
+
+/// Returns whether the signal `name` is a coil current.
+pub(crate) fn is_current(name: &str) -> bool {
+    name.starts_with("i_")
+}
 /// What drives the model is no result of it.
 const INPUTS: [&str; 3] = [DUTIES[FILL], DUTIES[VENT], "u_bat"];
 /// A first pressure this close to ambient [bar] is a start at rest ...

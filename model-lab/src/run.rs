@@ -50,8 +50,8 @@ struct TimedRow {
     /// Time since the first row by the clock of the logger (ns), and the same with pauses shortened.
     log_ns: u64,
     shortened_ns: u64,
-    /// Pressure over what it is once the gas has the temperature of the wall.
-    warmth: f64,
+    /// The same (s).
+    time_s: f64,
 }
 
 /// Somebody who is told now and then which share of all rows is done, and says whether to go on.
@@ -160,7 +160,7 @@ impl<'a> Setup<'a> {
                 input: self.conditions.on_ecu_time(index, input, log_ns),
                 log_ns,
                 shortened_ns: input.time_ns,
-                warmth: self.start.warmth(&self.conditions.conditions, time_s),
+                time_s,
             }
         })
     }
@@ -175,9 +175,16 @@ impl<'a> Setup<'a> {
             .begin(self.parameters, &self.conditions.conditions, accuracy)
     }
 
+    /// Pressure at `row` over what the model has, whose gas is at the temperature of the wall.
+    fn warmth(&self, row: &TimedRow, replay: &mut Replay) -> f64 {
+        let conditions = &self.conditions.conditions;
+        self.start.warmth(replay, conditions, row.time_s)
+    }
+
     /// The model at the instant of `row`.
     fn row(&self, row: &TimedRow, replay: &mut Replay) -> Result<Row, CompareError> {
-        let values = self.start.row(replay, row.input, row.warmth);
+        let warmth = self.warmth(row, replay);
+        let values = self.start.row(replay, row.input, warmth);
         values.ok_or_else(|| ReplayError::given_up(row.shortened_ns).into())
     }
 
@@ -230,7 +237,7 @@ impl<'a> Setup<'a> {
                 measured_bar.map_or(f64::NAN, |measured_bar| measured_bar[row.index]);
             let measured = measured_bar * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa;
             // The model holds the gas at the temperature of the wall.
-            let error = measured / row.warmth - pressure;
+            let error = measured / self.warmth(&row, &mut replay) - pressure;
             if gain > 0.0 && error.is_finite() {
                 let corrected = pressure + gain * error;
                 replay.simulator().set_chamber_pressure(corrected);
@@ -258,6 +265,7 @@ impl<'a> Setup<'a> {
             // What the clocks differ by, and gaps were shortened by.
             let later_ns = log_ns - input.time_ns as i64;
             let begin_ns = last_ns.unwrap_or(input.time_ns);
+            let warmth = self.warmth(&row, &mut replay);
             replay.begin_row(&input);
             for time_ns in
                 instants_between(begin_ns, input.time_ns).take_while(|&t| t < input.time_ns)
@@ -269,7 +277,7 @@ impl<'a> Setup<'a> {
                     supply_voltage_v: None,
                     supply_pressure: None,
                 };
-                let values = self.start.row(&mut replay, on_the_way, row.warmth);
+                let values = self.start.row(&mut replay, on_the_way, warmth);
                 let values = values.ok_or_else(|| ReplayError::given_up(row.shortened_ns))?;
                 fine.columns.push(values);
                 fine.times_s.push((time_ns as i64 + later_ns) as f64 * 1e-9);

@@ -8,6 +8,7 @@ mod error;
 mod inputs;
 mod names;
 mod supply;
+mod surroundings;
 
 pub use error::ReplayError;
 pub use inputs::{
@@ -15,6 +16,9 @@ pub use inputs::{
 };
 pub use names::{UnknownSignal, unknown_signals};
 pub use supply::{SUPPLY_PRESSURE, drives_supply, supply_bounds};
+pub use surroundings::{
+    AMBIENT_PRESSURE, AMBIENT_TEMPERATURE, COIL_TEMPERATURE, Surroundings,
+};
 
 use recording::{Provenance, Recording, Unit};
 
@@ -296,6 +300,8 @@ pub fn replay(
     tolerance: Tolerance,
     mut correct: impl FnMut(usize, &mut Simulator),
 ) -> Result<Replayed, ReplayError> {
+    let surroundings = Surroundings::of(parameters, log)?;
+    let parameters = &*surroundings.around(parameters);
     let inputs = Inputs::of(parameters, log)?;
     let base = inputs.base();
     let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);

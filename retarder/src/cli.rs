@@ -117,12 +117,16 @@ Examples:
   retarder simulate --log bench.csv --out model.csv
   retarder simulate --log bench.mf4 --out model.mf4
   retarder simulate --log bench.csv --set gas.supply_pressure_bar_gauge=8.0 | head
+  retarder simulate --log next.csv --start p_ch=5.2 --out model.csv
   zcat long.csv.gz | retarder simulate --log - --out model.csv --json")]
 pub(crate) struct SimulateArgs {
     #[command(flatten)]
     pub(crate) log: LogArgs,
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
+    /// Begin in this state: p_ch in bar gauge, t_gas in K; without it at the first measured pressure, or at ambient pressure
+    #[arg(long, value_name = "SIGNAL=VALUE", value_parser = assignment)]
+    pub(crate) start: Vec<Assignment>,
     #[command(flatten)]
     pub(crate) out: OutArg,
     #[command(flatten)]

@@ -16,7 +16,7 @@ use hil_harness::reference_profile::ProfileError;
 use hil_harness::rigs::RigError;
 use hil_harness::signals;
 use hil_protocol::MEASURED_MAX;
-use model_lab::CompareError;
+use model_lab::{CompareError, StartError};
 use model_lab::diagnosis::{DiagnoseError, KnowledgeError};
 use plant_sim::ParameterError;
 use plant_sim::parameters::Part;
@@ -69,6 +69,8 @@ pub(crate) enum Failure {
     Replay { path: PathBuf, error: ReplayError },
     #[error(transparent)]
     Compare(#[from] CompareError),
+    #[error("--start: {0}")]
+    Start(#[from] StartError),
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
     #[error(

@@ -222,6 +222,7 @@ fn simulate(args: SimulateArgs, targets: &mut Targets) -> Result<Work, Failure> 
         plant,
         log,
         options: options.csv(),
+        start: args.start,
         out,
         existing: targets.existing,
     }))

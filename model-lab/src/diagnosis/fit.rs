@@ -13,7 +13,7 @@ use super::evidence::Evidence;
 use super::log::{Residuals, Run};
 use super::unknowns::{Unknown, Unknowns};
 use super::vector::{dot, square, weighted_dot};
-use crate::measured::PRESSURE;
+use crate::measured::is_current;
 
 /// Iterations at most, of a fit that is only begun and of a whole one.
 const FIRST_ITERATIONS: usize = 5;
@@ -150,7 +150,7 @@ impl Scope {
     }
 
     fn counts(self, signal: &str) -> bool {
-        self == Self::Whole || signal != PRESSURE
+        self == Self::Whole || is_current(signal)
     }
 }
 

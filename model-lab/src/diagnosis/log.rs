@@ -6,7 +6,7 @@ use std::sync::Arc;
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{
-    CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, SUPPLY_PRESSURE, inputs,
+    CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, SUPPLY_PRESSURE, Surroundings, inputs,
 };
 use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
@@ -16,10 +16,13 @@ use super::predictor::Predictor;
 use super::sensor_noise::SensorNoise;
 use super::verdict::MODEL_ERROR;
 use crate::commands::Commands;
-use crate::conditions::{Conditions, LogConditions};
+use crate::conditions::{Conditions, CoolingTime, LogConditions, StartGas};
 use crate::error::CompareError;
 use crate::log_start::LogStart;
-use crate::measured::{Measured, PRESSURE, Restart, WEIGHED, measured_signals, start};
+use crate::measured::{
+    GAS_TEMPERATURE, Measured, PRESSURE, Restart, WEIGHED, is_current, is_weighed, measured_signals,
+    start,
+};
 use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
 use crate::warning::warnings;
 
@@ -56,6 +59,8 @@ pub(crate) struct Log {
     pub(crate) known_phase_s: (f64, f64),
     /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
     issued_ns: Vec<u64>,
+    /// Surroundings that were measured with it.
+    surroundings: Surroundings,
     /// State of the model at the first row and after gaps.
     start: LogStart,
     pub(crate) predictor: Predictor,
@@ -106,18 +111,29 @@ pub(super) struct Read {
     measured: Vec<Measured>,
     not_compared: Vec<NotCompared>,
     warnings: Vec<Warning>,
+    surroundings: Surroundings,
 }
 
 impl Read {
     pub(super) fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
+        let surroundings = Surroundings::of(parameters, log).map_err(CompareError::from)?;
+        let parameters = &*surroundings.around(parameters);
         let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
         let (base, mut inputs) = inputs(parameters, log).map_err(CompareError::from)?;
         commands.gaps.shorten(&mut inputs);
         let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
         not_compared.retain(|signal| {
             let name = signal.name.as_str();
-            WEIGHED.contains(&name) || name == SUPPLY_PRESSURE
+            WEIGHED.contains(&name) || [SUPPLY_PRESSURE, GAS_TEMPERATURE].contains(&name)
         });
+        let has_temperature = measured.iter().any(|one| one.name == GAS_TEMPERATURE);
+        if has_temperature && !is_weighed(parameters, GAS_TEMPERATURE) {
+            not_compared.push(NotCompared {
+                name: GAS_TEMPERATURE.to_owned(),
+                reason: "the gas of this plant keeps its temperature: add the effect gas_temperature to the plant file"
+                    .to_owned(),
+            });
+        }
         Ok(Self {
             warnings: warnings(parameters, log, &commands, &measured),
             interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
@@ -125,6 +141,7 @@ impl Read {
             inputs,
             measured,
             not_compared,
+            surroundings,
         })
     }
 
@@ -148,7 +165,9 @@ impl Log {
             measured,
             mut not_compared,
             warnings,
+            surroundings,
         } = read;
+        let parameters = &*surroundings.around(parameters);
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let first_command = inputs.first().and_then(|input| input.command);
         let (_, level) = start(parameters, pressure, &commands);
@@ -164,7 +183,7 @@ impl Log {
         let (weighed, still): (Vec<_>, Vec<_>) = measured
             .into_iter()
             .zip(sigmas)
-            .filter(|(signal, _)| WEIGHED.contains(&signal.name))
+            .filter(|(signal, _)| is_weighed(parameters, signal.name))
             .partition(|(_, sigma)| *sigma > 0.0);
         not_compared.extend(
             still
@@ -201,11 +220,18 @@ impl Log {
             has_coil: Part::Coil.is_in(parameters),
             sampling: usual_sampling,
             resolves_pwm: usual_sampling == CurrentSampling::Instant,
-            conditions: Conditions::default(),
+            conditions: Conditions {
+                clock: None,
+                start_gas: StartGas {
+                    excess_k: 0.0,
+                    cooling_s: start.cooling.usual_s,
+                },
+            },
             known_phase_s: (0.0, f64::INFINITY),
             issued_ns: Vec::new(),
             sample_time_s: parameters.ecu.sample_time_s,
             interval_s,
+            surroundings,
             start,
             predictor: Predictor::free_run(samples),
             channels,
@@ -269,7 +295,8 @@ impl Log {
             clock: Some(clock),
             ..self.conditions
         };
-        let mut replay = self.begin(parameters, &conditions, Tolerance::default());
+        let around = self.surroundings.around(parameters);
+        let mut replay = self.begin(&around, &conditions, Tolerance::default());
         for row in 0..self.inputs.len() {
             let samples = self.possible_samples(row, clock, sample_time_ns);
             if let Some(samples) = samples.filter(|samples| samples.end() > samples.start()) {
@@ -394,9 +421,14 @@ impl Log {
         self.has_coil && self.known_phase_s.1.is_infinite() && self.duration_s() > self.interval_s
     }
 
-    /// Whether it begins with a chamber that valves with coils have filled, whose gas may still be warm.
+    /// Whether it begins with a chamber that was filled, whose gas may still be warm.
     pub(crate) fn begins_filled(&self) -> bool {
         self.start.is_filled && self.pressure().is_some()
+    }
+
+    /// Time in which the gas in its chamber cools.
+    pub(crate) fn cooling(&self) -> CoolingTime {
+        self.start.cooling
     }
 
     /// Whether its supply pressure was logged and drives the model.
@@ -434,7 +466,11 @@ impl Log {
     pub(crate) fn has_current(&self) -> bool {
         self.channels
             .iter()
-            .any(|channel| channel.signal != PRESSURE)
+            .any(|channel| is_current(channel.signal))
+    }
+
+    pub(crate) fn has_coil(&self) -> bool {
+        self.has_coil
     }
 
     pub(super) fn pressure(&self) -> Option<&Channel> {
@@ -486,6 +522,7 @@ impl Log {
         (run, tolerance): (Run, Tolerance),
         mut see: impl FnMut(usize, &Row),
     ) -> Option<()> {
+        let parameters = &*self.surroundings.around(parameters);
         let without_supply;
         let parameters = if self.is_without_supply {
             without_supply = shut_off(parameters);
@@ -522,7 +559,8 @@ impl Log {
         run: Run,
     ) -> Option<Row> {
         let input = conditions.on_ecu_time(self.inputs[index], self.log_ns(index), issued_ns);
-        let warmth = self.start.warmth(conditions, self.commands.times_s[index]);
+        let time_s = self.commands.times_s[index];
+        let warmth = self.start.warmth(replay, conditions, time_s);
         let row = self.start.row(replay, input, warmth)?;
         self.start.restart(replay, index);
         if let Some(channel) = self.pressure().filter(|_| run == Run::Predicted) {
@@ -586,12 +624,14 @@ impl Log {
     }
 }
 
-/// The pressure of the supply (bar) or the current of a coil that stays on (mA); nothing without valves that switch.
+/// The pressure of the supply (bar), the temperature of the gas (K) or the current of a coil that stays on (mA); nothing without valves that switch.
 fn full_scale(parameters: &PlantParameters, signal: &str) -> f64 {
     if !Part::Coil.is_in(parameters) {
         0.0
     } else if signal == PRESSURE {
         parameters.gas.supply_pressure_bar_gauge
+    } else if signal == GAS_TEMPERATURE {
+        parameters.gas.temperature_k
     } else {
         parameters.ecu.supply_voltage_v / parameters.coil.resistance_20c_ohm * 1e3
     }

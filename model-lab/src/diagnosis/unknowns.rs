@@ -8,7 +8,7 @@ use plant_sim::parameters::{ParameterSpec, Scale, Size};
 use super::log::Log;
 use super::nuisance::{Nuisance, Shows, nuisances};
 use crate::commands::COMMAND_DELAY;
-use crate::conditions::{Conditions, USUAL_COOLING_S};
+use crate::conditions::Conditions;
 
 /// Standard deviation of a nuisance parameter in tolerances: even within the tolerance, 1/sqrt(3).
 const NUISANCE_SD: f64 = 0.577;
@@ -30,8 +30,6 @@ const DRIFT_REACH_PPM: f64 = 300.0;
 /// ends 120 K above the supply.
 const START_EXCESS_SD_K: f64 = 40.0;
 const START_EXCESS_K: (f64, f64) = (-100.0, 150.0);
-/// Least and largest cooling time of a chamber (s).
-const COOLING_S: (f64, f64) = (0.01, 10.0);
 /// So near to the end of its range in its coordinate, a strength ran to it.
 const NEAR_END: f64 = 0.01;
 
@@ -216,6 +214,7 @@ impl Unknowns {
             .filter(|(_, log)| log.begins_filled());
         for (index, log) in filled {
             let gas = log.conditions.start_gas;
+            let cooling = log.cooling();
             self.list.extend([
                 Unknown::Log(LogUnknown {
                     log: index,
@@ -231,9 +230,9 @@ impl Unknowns {
                     figure: LogFigure::LnCoolingS,
                     middle_s: 0.0,
                     start: gas.cooling_s.ln(),
-                    known: (USUAL_COOLING_S.ln(), 1.0),
+                    known: (cooling.usual_s.ln(), 1.0),
                     unit: 1.0,
-                    range: (COOLING_S.0.ln(), COOLING_S.1.ln()),
+                    range: (cooling.least_s.ln(), cooling.most_s.ln()),
                 }),
             ]);
         }

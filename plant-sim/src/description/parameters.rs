@@ -10,8 +10,9 @@ use super::sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, MagnetParameters, RegulatingValveParameters,
 };
+use super::sections::PA_PER_BAR;
 use super::spec::ParameterSpec;
-use crate::plant::Plant;
+use crate::plant::{FILL, Plant};
 use crate::valve::ValveFunction;
 
 /// Everything a plant file says.
@@ -169,7 +170,24 @@ impl PartialEq for EffectSetting {
     }
 }
 
+/// Pressure (bar gauge) at which sizes refer where a plant has no supply: the one at which pneumatic components are rated.
+pub(crate) const REFERENCE_BAR_GAUGE: f64 = 6.3;
+/// Least gauge pressure (Pa) at which a size refers: a supply that is shut off has none.
+const LEAST_REFERENCE: f64 = PA_PER_BAR;
+
 impl PlantParameters {
+    /// Pressure (Pa abs) at which the size of a leak and the conductance of natural convection refer: the supply pressure, at least
+    /// 1 bar gauge; where no fill valve leads to a supply, 6.3 bar gauge, whatever `gas.supply_pressure_bar_gauge` is.
+    pub fn reference_pressure_pa(&self) -> f64 {
+        let gas = &self.gas;
+        match self.functions[FILL].has_orifice() {
+            true => gas
+                .supply_pressure_pa()
+                .max(gas.ambient_pressure_pa + LEAST_REFERENCE),
+            false => gas.ambient_pressure_pa + REFERENCE_BAR_GAUGE * PA_PER_BAR,
+        }
+    }
+
     /// The effect `id` as this plant has it; none where it has not.
     pub fn effect(&self, id: &str) -> Option<&EffectSetting> {
         self.effects.iter().find(|setting| setting.id() == id)
@@ -211,7 +229,7 @@ impl PlantParameters {
                 gas_constant_j_per_kg_k: 287.05,
                 heat_capacity_ratio: 1.4,
                 temperature_k: 293.15,
-                supply_pressure_bar_gauge: 6.3,
+                supply_pressure_bar_gauge: REFERENCE_BAR_GAUGE,
                 ambient_pressure_pa: 101_325.0,
                 thermometer_wall_share: 0.0,
                 supply_gauge_offset_bar: 0.0,

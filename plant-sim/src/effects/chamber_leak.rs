@@ -2,16 +2,15 @@
 
 use crate::additions::{Leak, LeakLaw};
 use crate::description::{
-    About, Effect, EffectSetting, EntryPoint, PA_PER_BAR, PlantParameters, Variant,
-    effect_parameters,
+    About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
 };
 use crate::plant::Plant;
 
 effect_parameters! { "effects.chamber_leak":
     AREA = area_m2 ["m2"] 1e-11 ..= 1e-5, Log 2e-8, off 0.0,
-        "effective area of the orifice that leaks as much at full supply pressure (E41)";
+        "effective area of the orifice that leaks as much at full supply pressure, without a fill valve at 6.3 bar gauge (E41)";
     SHARE = laminar_share [""] 0.0 ..= 1.0, Linear 0.5,
-        "share of the laminar part in the pressure loss of the leak at full supply pressure (E41)";
+        "share of the laminar part in the pressure loss of the leak at full supply pressure, without a fill valve at 6.3 bar gauge (E41)";
     EXPONENT = exponent [""] 0.3 ..= 3.0, Linear 1.5,
         "exponent of the leak's flow over the gauge pressure (E41)";
 }
@@ -56,11 +55,8 @@ static ABOUT: About = About {
 #[derive(Debug)]
 pub struct ChamberLeak;
 
-/// Least gauge pressure (Pa) at which a leak is sized: a supply that is shut off has none.
-const LEAST_SIZING_PRESSURE: f64 = PA_PER_BAR;
-
-/// The leak that `setting` describes, sized at the supply pressure. It has the keys and forms of this effect.
-pub(super) fn leak(setting: &EffectSetting, plant: &Plant) -> Leak {
+/// The leak that `setting` describes, sized at the reference pressure. It has the keys and forms of this effect.
+pub(super) fn leak(setting: &EffectSetting, parameters: &PlantParameters, plant: &Plant) -> Leak {
     let law = match setting.variant().name {
         "laminar" => LeakLaw::Mixed(1.0),
         "mixed" => LeakLaw::Mixed(setting.value("laminar_share")),
@@ -71,9 +67,7 @@ pub(super) fn leak(setting: &EffectSetting, plant: &Plant) -> Leak {
         law,
         setting.value("area_m2"),
         &plant.nozzle,
-        plant
-            .supply_pressure
-            .max(plant.ambient_pressure + LEAST_SIZING_PRESSURE),
+        parameters.reference_pressure_pa(),
         plant.ambient_pressure,
     )
 }
@@ -83,24 +77,26 @@ impl Effect for ChamberLeak {
         &ABOUT
     }
 
-    fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
-        plant.additions.leaks[0] = Some(leak(setting, plant));
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
+        plant.additions.leaks[0] = Some(leak(setting, parameters, plant));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::description::PA_PER_BAR;
     use crate::{Simulator, Tolerance};
 
     fn leak(variant: &str, key: Option<(&str, f64)>) -> (Leak, Plant) {
-        let plant = PlantParameters::nominal().plant();
+        let nominal = PlantParameters::nominal();
+        let plant = nominal.plant();
         let variant = ABOUT.variant(variant).unwrap();
         let mut setting = EffectSetting::typical_variant(&ChamberLeak, variant);
         if let Some((key, value)) = key {
             setting = setting.with(key, value);
         }
-        (super::leak(&setting, &plant), plant)
+        (super::leak(&setting, &nominal, &plant), plant)
     }
 
     /// At no pressure difference an orifice leaks nothing, and a law sized by that leaked 0/0: a simulation that never
@@ -112,12 +108,32 @@ mod tests {
             parameters.gas.supply_pressure_bar_gauge = 0.0;
             let plant = parameters.plant();
             let setting = EffectSetting::typical_variant(&ChamberLeak, variant);
-            let leak = super::leak(&setting, &plant);
+            let leak = super::leak(&setting, &parameters, &plant);
             let ambient = plant.ambient_pressure;
             assert_eq!(leak.mass_flow(&plant.nozzle, ambient, ambient), 0.0);
             let expected = plant.nozzle.mass_flow(2e-8, ambient + PA_PER_BAR, ambient);
             let found = leak.mass_flow(&plant.nozzle, ambient + PA_PER_BAR, ambient);
             assert!((found / expected - 1.0).abs() < 1e-12, "{}", variant.name);
+        }
+    }
+
+    /// A tank has no supply: its leak was sized at a pressure that no file says, and another one once the file was read again.
+    #[test]
+    fn a_leak_without_a_fill_valve_is_sized_at_a_stated_pressure() {
+        for variant in ABOUT.variants {
+            let mut tank = PlantParameters::nominal();
+            tank.functions[0] = crate::valve::ValveFunction::Absent;
+            tank.effects = vec![EffectSetting::typical_variant(&ChamberLeak, variant)];
+            let read = PlantParameters::from_toml(&tank.to_toml(), "tank.toml").unwrap();
+            for parameters in [&tank, &read] {
+                let plant = parameters.plant();
+                let leak = super::leak(&parameters.effects[0], parameters, &plant);
+                let ambient = plant.ambient_pressure;
+                let high = ambient + 6.3 * PA_PER_BAR;
+                let expected = plant.nozzle.mass_flow(2e-8, high, ambient);
+                let flow = leak.mass_flow(&plant.nozzle, high, ambient);
+                assert!((flow / expected - 1.0).abs() < 1e-12, "{}", variant.name);
+            }
         }
     }
 

@@ -50,11 +50,11 @@ impl Effect for DeadVolume {
         &ABOUT
     }
 
-    fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
         plant.additions.cavity = Some(Cavity {
             volume: setting.value("cavity_volume_m3"),
             tube: match setting.variant().name {
-                "laminar" => Tube::Laminar(leak(setting, plant)),
+                "laminar" => Tube::Laminar(leak(setting, parameters, plant)),
                 _ => Tube::Orifice(Restriction {
                     effective_area: setting.value("area_m2"),
                 }),

@@ -10,7 +10,7 @@ effect_parameters! { "effects.gas_temperature":
     CONDUCTANCE = wall_heat_transfer_w_per_k ["W/K"] 1e-4 ..= 1000.0, Log 0.1, off f64::INFINITY,
         "heat between gas and wall per kelvin (E52); infinite keeps the gas at its temperature, as the plain model does";
     CONVECTION = convection_w_per_k ["W/K"] 1e-4 ..= 1000.0, Log 0.3, off f64::INFINITY,
-        "heat between gas and wall per kelvin at full supply pressure and 30 K difference (E52)";
+        "heat between gas and wall per kelvin at full supply pressure, without a fill valve at 6.3 bar gauge, and 30 K difference (E52)";
     CAPACITY = wall_heat_capacity_j_per_k ["J/K"] 1e-3 ..= 1e4, Log 5.0,
         "heat capacity of the layer of the wall that follows the gas (E52)";
     LOSS = wall_loss_w_per_k ["W/K"] 1e-4 ..= 100.0, Log 0.5,
@@ -65,7 +65,7 @@ impl Effect for GasTemperature {
                 .unwrap_or_else(|| setting.value("wall_heat_transfer_w_per_k")),
             convection: setting
                 .get("convection_w_per_k")
-                .map(|_| plant.supply_pressure / parameters.gas.temperature_k),
+                .map(|_| parameters.reference_pressure_pa() / parameters.gas.temperature_k),
             wall: capacity.zip(setting.get("wall_loss_w_per_k")),
             surroundings: parameters.gas.temperature_k,
             heat_capacity_ratio: parameters.gas.heat_capacity_ratio,

@@ -41,8 +41,8 @@ impl Effect for SupplySeatLeak {
         &ABOUT
     }
 
-    fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
-        plant.additions.leaks[1] = Some(leak(setting, plant));
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
+        plant.additions.leaks[1] = Some(leak(setting, parameters, plant));
     }
 }
 

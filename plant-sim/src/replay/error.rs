@@ -89,6 +89,24 @@ pub enum ReplayError {
         /// The signal.
         name: &'static str,
     },
+    /// An ambient pressure over itself.
+    #[error(
+        "{source_name}: `p_amb` is a gauge pressure, which is 0 by definition: declare its unit as absolute, as in p_amb_bar_abs"
+    )]
+    GaugeAmbient {
+        /// Source of the log.
+        source_name: String,
+    },
+    /// Surroundings that no plant can have.
+    #[error("{source_name}: `{name}` {problem}")]
+    Surroundings {
+        /// Source of the log.
+        source_name: String,
+        /// The signal.
+        name: &'static str,
+        /// Value, bounds and remedy.
+        problem: String,
+    },
     /// The commands have no time base.
     #[error("the duty cycles have no time base")]
     NoTimeBase,

@@ -2,8 +2,18 @@
 
 use recording::{Quantity, Recording, Signal, Unit, nearest_name};
 
-use super::{ROW_SIGNALS, SUPPLY_PRESSURE, signals};
+use super::{
+    AMBIENT_PRESSURE, AMBIENT_TEMPERATURE, COIL_TEMPERATURE, ROW_SIGNALS, SUPPLY_PRESSURE, signals,
+};
 use crate::parameters::PlantParameters;
+
+/// Signals that a replay uses and a model does not have.
+const KNOWN: [&str; 4] = [
+    SUPPLY_PRESSURE,
+    AMBIENT_PRESSURE,
+    AMBIENT_TEMPERATURE,
+    COIL_TEMPERATURE,
+];
 
 /// A signal of a log that the model does not know by its name, and so does not use.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,7 +31,7 @@ pub fn unknown_signals(parameters: &PlantParameters, log: &Recording) -> Vec<Unk
         .collect();
     let is_known = |signal: &&Signal| {
         let mut names = ROW_SIGNALS.iter().map(|(name, _)| *name);
-        signal.name() == SUPPLY_PRESSURE || names.any(|name| signal.name() == name)
+        KNOWN.contains(&signal.name()) || names.any(|name| signal.name() == name)
     };
     log.signals()
         .iter()

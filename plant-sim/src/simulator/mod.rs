@@ -226,6 +226,14 @@ impl Simulator {
         }
     }
 
+    /// Returns whether the gas temperature is a state, which the effect `gas_temperature` adds.
+    pub fn has_gas_temperature(&self) -> bool {
+        match &self.engine {
+            Engine::Plain(_) => false,
+            Engine::Extended(solver) => solver.physics.temperature().is_some(),
+        }
+    }
+
     /// Sets the temperature of the gas in the chamber (K) at its present pressure. Returns whether the plant has such a state, which
     /// the effect `gas_temperature` adds; without it nothing changes.
     ///

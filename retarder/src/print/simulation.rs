@@ -34,8 +34,11 @@ pub(crate) fn simulation(simulation: &Simulation, terminal: &Terminal) -> String
             simulation.held_commands
         );
     }
+    if simulation.start_pressure_bar_gauge != 0.0 {
+        facts += &format!(" It begins {}.", simulation.start);
+    }
     text += &paragraph(&facts, terminal);
-    text += &conditions(&simulation.clock, None, terminal);
+    text += &conditions(&simulation.clock, &simulation.start_gas, terminal);
     for sentence in &simulation.defects.sentences {
         text += &painted_paragraph(Colour::Notice, &format!("Log: {sentence}."), terminal);
     }

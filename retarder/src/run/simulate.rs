@@ -5,19 +5,24 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use model_lab::result::{FoundClock, MissingCells};
-use model_lab::{CompareError, LogConditions, find_conditions};
+use model_lab::result::{FoundClock, FoundStart, MissingCells};
+use model_lab::{CompareError, LogConditions, SimulationStart, find_conditions};
 use plant_sim::replay::{
-    CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, check_gap,
-    initial_pressure, inputs, inputs_of_part, signals,
+    CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, Surroundings, check_gap,
+    inputs, inputs_of_part, signals,
 };
 use plant_sim::{PlantParameters, Tolerance};
 use recording::csv::{Column, Decimals, Options, Reader, WriteError};
-use recording::{DefectCounter, Defects, OpenLog, Provenance, Recording, TimeBase, Unit};
+use recording::{DefectCounter, Defects, OpenLog, Provenance, Recording, Unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+mod rows;
+
+use rows::Rows;
+
 use super::row_output::RowOutput;
+use crate::cli::Assignment;
 use crate::failure::Failure;
 use crate::input::{LogSource, NamedPlant};
 use crate::interrupt;
@@ -30,6 +35,8 @@ pub(crate) struct Task {
     pub(crate) log: LogSource,
     /// How a CSV log is read.
     pub(crate) options: Options,
+    /// State to begin in, as far as it is given.
+    pub(crate) start: Vec<Assignment>,
     /// CSV or MF4 file; none is the standard output, as CSV.
     pub(crate) out: Option<PathBuf>,
     pub(crate) existing: Existing,
@@ -61,6 +68,15 @@ pub(crate) struct Simulation {
     /// Clock of the logger, by which the model is simulated; absent where rows are samples of the ECU or the log has no measured signal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) clock: Option<FoundClock>,
+    /// Where the initial pressure comes from, in words.
+    #[serde(default)]
+    pub(crate) start: String,
+    /// Initial chamber pressure, bar gauge; 0 for a plant without chamber.
+    #[serde(default)]
+    pub(crate) start_pressure_bar_gauge: f64,
+    /// Gas in the chamber at the first row; absent where it has the temperature of the wall.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) start_gas: Option<FoundStart>,
     /// How the currents are meant: means of the interval before the row, or values of the instant.
     pub(crate) currents_are_means: bool,
     /// Accepted integration steps.
@@ -126,17 +142,13 @@ impl SimulatedDefects {
     }
 }
 
-/// Rows that are held at a time.
-const CHUNK_ROWS: usize = 4096;
-/// Signals of a log that tell the clock of its logger.
-const MEASURED: [&str; 3] = ["p_ch", "i_fill", "i_vent"];
-
 /// Simulates row by row.
 pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
     let Task {
         plant,
         log: LogSource { name, log, size },
         options,
+        start,
         out,
         existing,
     } = task;
@@ -157,11 +169,11 @@ pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
         Some(_) => interrupt::flag()?,
     };
     let out = out.as_deref().map(|path| (path, existing));
-    simulate(&plant, &name, rows, out, is_interrupted)
+    simulate((&plant, &start), &name, rows, out, is_interrupted)
 }
 
 fn simulate(
-    plant: &NamedPlant,
+    (plant, given): (&NamedPlant, &[Assignment]),
     log: &str,
     mut rows: Rows<impl Read>,
     out: Option<(&Path, Existing)>,
@@ -171,10 +183,14 @@ fn simulate(
     let path = out.map(|(path, _)| path);
     let failed = |error: WriteError| Failure::write(path, error);
     // A log that is refused at its beginning leaves no header on the standard output.
-    let source = (&plant.parameters, log);
-    let mut chunk = Chunk::next(&mut rows, source, true)?;
-    let conditions = std::mem::take(&mut chunk.conditions);
-    let mut model = Model::new(&plant.parameters, &chunk, &conditions);
+    let First {
+        parameters,
+        start,
+        conditions,
+        mut chunk,
+    } = First::of(&mut rows, (plant, given), log)?;
+    let source = (&parameters, log);
+    let mut model = Model::new(&parameters, (&chunk, &start), &conditions);
     let (places, columns) = columns(&plant.parameters);
     let provenance = provenance(log, plant);
     let mut output = RowOutput::begin(out, &provenance, &columns, &decimals()).map_err(failed)?;
@@ -190,7 +206,10 @@ fn simulate(
             values.extend(places.iter().map(|&place| row[place]));
             output.write_row(time_s, &values).map_err(failed)?;
         }
-        chunk = Chunk::next(&mut rows, source, false)?;
+        chunk = match rows.next(log, false)? {
+            Some(recording) => Chunk::of(&recording, source, false)?,
+            None => Chunk::default(),
+        };
     }
     output.finish().map_err(failed)?;
     let statistics = model.replay.simulator().statistics();
@@ -208,6 +227,11 @@ fn simulate(
         held_commands: model.held_commands,
         defects: SimulatedDefects::of(&rows.defects()),
         clock: conditions.clock(log),
+        start: start.statement().to_owned(),
+        start_pressure_bar_gauge: start.pressure_bar_gauge(),
+        start_gas: conditions
+            .start(log)
+            .filter(|gas| gas.is_warm() && !start.is_given()),
         currents_are_means: model.sampling == CurrentSampling::MeanOfInterval,
         steps: statistics.steps,
         rejected_steps: statistics.rejected_steps,
@@ -220,79 +244,10 @@ fn simulate(
     Ok(simulation)
 }
 
-/// The rows of a log: a CSV as it is read, or a recording that was read as a whole.
-enum Rows<R: Read> {
-    Csv(Box<Reader<R>>, DefectCounter),
-    Recording(Option<Box<Recording>>, Defects),
-}
-
-impl<R: Read> Rows<R> {
-    /// Returns the next rows, none at the end. A recording comes at once; a CSV file with measured signals begins with as many rows as
-    /// the search for the clock of the logger needs.
-    fn next(&mut self, log: &str, is_first: bool) -> Result<Option<Recording>, Failure> {
-        match self {
-            Self::Csv(reader, counter) => {
-                let is_measured = |column: &Column| MEASURED.contains(&&*column.name);
-                let rows = match is_first && reader.columns().iter().any(is_measured) {
-                    true => LogConditions::ROWS_MAX,
-                    false => CHUNK_ROWS,
-                };
-                let rows = next_rows(reader, log, rows)?;
-                if let Some(rows) = &rows {
-                    counter.add(rows);
-                }
-                Ok(rows)
-            }
-            Self::Recording(recording, _) => Ok(recording.take().map(|recording| *recording)),
-        }
-    }
-
-    /// What the rows so far lack.
-    fn defects(self) -> Defects {
-        match self {
-            Self::Csv(reader, counter) => {
-                let outside: Vec<_> = reader.out_of_bounds().collect();
-                counter.finish(outside.iter().copied())
-            }
-            Self::Recording(_, defects) => defects,
-        }
-    }
-}
-
-/// The next `count` rows at most.
-fn next_rows(
-    reader: &mut Reader<impl Read>,
-    log: &str,
-    count: usize,
-) -> Result<Option<Recording>, Failure> {
-    let columns = reader.columns().to_vec();
-    let mut times_s = Vec::with_capacity(CHUNK_ROWS);
-    let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
-    while times_s.len() < count
-        && let Some(row) = reader.next_row()?
-    {
-        times_s.push(row.time_s);
-        for (samples, &value) in samples.iter_mut().zip(row.values) {
-            samples.push(value);
-        }
-    }
-    if times_s.is_empty() {
-        return Ok(None);
-    }
-    let mut recording = Recording::new(Provenance::from_source(log));
-    let base = TimeBase::new(times_s).expect("the reader refuses times that do not increase");
-    let base = recording.add_time_base(base);
-    for (column, samples) in columns.into_iter().zip(samples) {
-        recording
-            .add_signal(column.name, column.unit, base, samples)
-            .expect("the reader refuses names that are taken or impossible");
-    }
-    Ok(Some(recording))
-}
-
 /// The plant on its way through the log.
 struct Model<'a> {
     replay: Replay,
+    start: &'a SimulationStart,
     conditions: &'a LogConditions,
     sampling: CurrentSampling,
     start_s: Option<f64>,
@@ -302,15 +257,17 @@ struct Model<'a> {
 }
 
 impl<'a> Model<'a> {
-    fn new(parameters: &PlantParameters, begin: &Chunk, conditions: &'a LogConditions) -> Self {
+    fn new(
+        parameters: &PlantParameters,
+        (begin, start): (&Chunk, &'a SimulationStart),
+        conditions: &'a LogConditions,
+    ) -> Self {
         let step_s = begin.median_step_s.unwrap_or(f64::INFINITY);
         let sampling = conditions.sampling(step_s, parameters);
-        let mut replay = Replay::new(parameters, sampling, Tolerance::default());
-        if let Some(pressure) = begin.pressure {
-            replay.begin_showing(pressure);
-        }
+        let accuracy = (sampling, Tolerance::default());
         Self {
-            replay,
+            replay: start.begin(parameters, conditions, accuracy),
+            start,
             conditions,
             sampling,
             start_s: None,
@@ -335,13 +292,59 @@ impl<'a> Model<'a> {
             issued_ns: time_ns,
             ..input
         };
-        let row = self
-            .replay
-            .row(self.conditions.on_ecu_time(index, input, time_ns));
-        match self.replay.simulator().is_given_up() {
-            true => Err(ReplayError::given_up(time_ns)),
-            false => Ok(row),
+        let input = self.conditions.on_ecu_time(index, input, time_ns);
+        let at = (input, time_s - start_s);
+        let row = self.start.row(&mut self.replay, self.conditions, at);
+        row.ok_or_else(|| ReplayError::given_up(time_ns))
+    }
+}
+
+/// What the first rows of a log tell, and these rows.
+struct First {
+    /// The plant in the surroundings of the log.
+    parameters: PlantParameters,
+    start: SimulationStart,
+    /// How the log was made.
+    conditions: LogConditions,
+    chunk: Chunk,
+}
+
+impl First {
+    fn of(
+        rows: &mut Rows<impl Read>,
+        (plant, given): (&NamedPlant, &[Assignment]),
+        log: &str,
+    ) -> Result<Self, Failure> {
+        let parameters = &plant.parameters;
+        let recording = rows.next(log, true)?.unwrap_or_default();
+        let surroundings = Surroundings::of(parameters, &recording);
+        let surroundings = surroundings.map_err(|error| refused(log, error))?;
+        let parameters = surroundings.around(parameters).into_owned();
+        let chunk = Chunk::of(&recording, (&parameters, log), true)?;
+        let mut start = SimulationStart::of(&parameters, &recording)?;
+        for Assignment { name, value } in given {
+            start = start.given(&parameters, name, *value)?;
         }
+        Ok(Self {
+            start,
+            conditions: find_conditions(&parameters, &recording),
+            parameters,
+            chunk,
+        })
+    }
+}
+
+fn refused(log: &str, error: ReplayError) -> Failure {
+    match error {
+        // These name the log themselves.
+        ReplayError::MissingSignal(_)
+        | ReplayError::NoCommand { .. }
+        | ReplayError::GaugeAmbient { .. }
+        | ReplayError::Surroundings { .. } => Failure::Compare(CompareError::Replay(error)),
+        error => Failure::Replay {
+            path: PathBuf::from(log),
+            error,
+        },
     }
 }
 
@@ -350,46 +353,24 @@ impl<'a> Model<'a> {
 struct Chunk {
     rows: Vec<(f64, ReplayInput)>,
     median_step_s: Option<f64>,
-    /// Chamber pressure that a plant begins with which nothing else could have filled (Pa abs).
-    pressure: Option<f64>,
-    /// Of the first rows, what they tell of how the log was made.
-    conditions: LogConditions,
 }
 
 impl Chunk {
-    /// The next rows. They pass through a recording, so that the library reads and refuses signals as in a whole log.
-    fn next(
-        rows: &mut Rows<impl Read>,
+    /// The rows of a recording, so that the library reads and refuses signals as in a whole log.
+    fn of(
+        recording: &Recording,
         (parameters, log): (&PlantParameters, &str),
         is_first: bool,
     ) -> Result<Self, Failure> {
-        let Some(recording) = rows.next(log, is_first)? else {
-            return Ok(Self::default());
-        };
-        let failed = |error| match error {
-            // These name the log themselves.
-            ReplayError::MissingSignal(_) | ReplayError::NoCommand { .. } => {
-                Failure::Compare(CompareError::Replay(error))
-            }
-            error => Failure::Replay {
-                path: PathBuf::from(log),
-                error,
-            },
-        };
         // A command may be missing throughout a chunk, but not from the beginning.
         let inputs = match is_first {
-            true => inputs(parameters, &recording),
-            false => inputs_of_part(parameters, &recording),
+            true => inputs(parameters, recording),
+            false => inputs_of_part(parameters, recording),
         };
-        let (base, inputs) = inputs.map_err(failed)?;
+        let (base, inputs) = inputs.map_err(|error| refused(log, error))?;
         Ok(Self {
             rows: base.times_s().iter().copied().zip(inputs).collect(),
             median_step_s: base.sampling().median_step_s,
-            pressure: initial_pressure(parameters, &recording).map_err(failed)?,
-            conditions: match is_first {
-                true => find_conditions(parameters, &recording),
-                false => LogConditions::default(),
-            },
         })
     }
 }

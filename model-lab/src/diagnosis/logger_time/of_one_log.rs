@@ -6,7 +6,7 @@
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
-use plant_sim::replay::CurrentSampling;
+use plant_sim::replay::{CurrentSampling, Surroundings};
 use recording::{Recording, TimeBase};
 
 use super::commands::{admit, admit_own_clock, change_count, clocks_from_commands};
@@ -15,7 +15,7 @@ use super::{
     find_slow_clocks, fit_conditions, loss,
 };
 use crate::commands::COMMAND_DELAY;
-use crate::conditions::{LogConditions, StartGas};
+use crate::conditions::LogConditions;
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::log::{Log, Read};
 use crate::diagnosis::sensor_noise::SensorNoise;
@@ -40,14 +40,18 @@ pub(crate) fn conditions_of(
     goes_on: &dyn Fn() -> bool,
 ) -> Option<LogConditions> {
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
-    if !has_coil {
-        return None;
-    }
+    let surroundings = Surroundings::of(plant, log).ok()?;
+    let plant = &*surroundings.around(plant);
     let mut evidence = evidence_of(plant, &beginning(log, f64::INFINITY))?;
     if !goes_on() {
         return None;
     }
-    find_clock_by(plant, log, &mut evidence, goes_on)?;
+    if has_coil {
+        find_clock_by(plant, log, &mut evidence, goes_on)?;
+    } else if !evidence.logs[0].begins_filled() {
+        // Neither a clock nor warm gas shows.
+        return None;
+    }
     if evidence.logs[0].is_slow() && evidence.logs[0].conditions.clock.is_some() {
         let delay_s = plant.ecu.command_delay_s;
         find_slow_clocks(plant, &mut evidence, (delay_s, delay_s), Search::Together);
@@ -171,8 +175,11 @@ fn forget_gas_that_does_not_show(plant: &PlantParameters, log: &mut Log) {
         return;
     }
     let (fitted, with) = (log.conditions.start_gas, loss_of(plant, log));
-    log.conditions.start_gas = StartGas::default();
-    if with < loss_of(plant, log) - GAS_SHOWS {
+    log.conditions.start_gas.excess_k = 0.0;
+    // A vessel that leaks loses its pressure like one that cools: without a command only a model that leaves the noise tells.
+    let noise = IN_TIME_FITTED * log.counted_samples().max(1) as f64;
+    let leaves_noise = log.has_coil() || with < noise;
+    if leaves_noise && with < loss_of(plant, log) - GAS_SHOWS {
         log.conditions.start_gas = fitted;
     }
 }

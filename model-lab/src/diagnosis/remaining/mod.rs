@@ -47,7 +47,7 @@ pub(crate) fn remaining(plant: &PlantParameters, logs: &[&Log], is_material: boo
         for channel in log
             .channels
             .iter()
-            .filter(|channel| channel.signal != crate::measured::PRESSURE)
+            .filter(|channel| crate::measured::is_current(channel.signal))
         {
             let errors: Vec<f64> = channel
                 .values

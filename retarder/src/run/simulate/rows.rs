@@ -1,0 +1,84 @@
+//! The rows of a log, some at a time.
+
+use std::io::Read;
+
+use model_lab::LogConditions;
+use recording::csv::{Column, Reader};
+use recording::{DefectCounter, Defects, Provenance, Recording, TimeBase};
+
+use crate::failure::Failure;
+
+/// Rows that are held at a time.
+const CHUNK_ROWS: usize = 4096;
+/// Signals of a log that tell the clock of its logger.
+const MEASURED: [&str; 3] = ["p_ch", "i_fill", "i_vent"];
+
+/// The rows of a log: a CSV as it is read, or a recording that was read as a whole.
+pub(super) enum Rows<R: Read> {
+    Csv(Box<Reader<R>>, DefectCounter),
+    Recording(Option<Box<Recording>>, Defects),
+}
+
+impl<R: Read> Rows<R> {
+    /// Returns the next rows, none at the end. A recording comes at once; a CSV file with measured signals begins with as many rows as
+    /// the search for the clock of the logger needs.
+    pub(super) fn next(&mut self, log: &str, is_first: bool) -> Result<Option<Recording>, Failure> {
+        match self {
+            Self::Csv(reader, counter) => {
+                let is_measured = |column: &Column| MEASURED.contains(&&*column.name);
+                let rows = match is_first && reader.columns().iter().any(is_measured) {
+                    true => LogConditions::ROWS_MAX,
+                    false => CHUNK_ROWS,
+                };
+                let rows = next_rows(reader, log, rows)?;
+                if let Some(rows) = &rows {
+                    counter.add(rows);
+                }
+                Ok(rows)
+            }
+            Self::Recording(recording, _) => Ok(recording.take().map(|recording| *recording)),
+        }
+    }
+
+    /// What the rows so far lack.
+    pub(super) fn defects(self) -> Defects {
+        match self {
+            Self::Csv(reader, counter) => {
+                let outside: Vec<_> = reader.out_of_bounds().collect();
+                counter.finish(outside.iter().copied())
+            }
+            Self::Recording(_, defects) => defects,
+        }
+    }
+}
+
+/// The next `count` rows at most.
+fn next_rows(
+    reader: &mut Reader<impl Read>,
+    log: &str,
+    count: usize,
+) -> Result<Option<Recording>, Failure> {
+    let columns = reader.columns().to_vec();
+    let mut times_s = Vec::with_capacity(CHUNK_ROWS);
+    let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
+    while times_s.len() < count
+        && let Some(row) = reader.next_row()?
+    {
+        times_s.push(row.time_s);
+        for (samples, &value) in samples.iter_mut().zip(row.values) {
+            samples.push(value);
+        }
+    }
+    if times_s.is_empty() {
+        return Ok(None);
+    }
+    let mut recording = Recording::new(Provenance::from_source(log));
+    let base = TimeBase::new(times_s).expect("the reader refuses times that do not increase");
+    let base = recording.add_time_base(base);
+    for (column, samples) in columns.into_iter().zip(samples) {
+        recording
+            .add_signal(column.name, column.unit, base, samples)
+            .expect("the reader refuses names that are taken or impossible");
+    }
+    Ok(Some(recording))
+}
