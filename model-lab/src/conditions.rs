@@ -115,26 +115,36 @@ pub(crate) struct StartGas {
 /// Cooling time of a chamber of 50 to 125 cm3 (s): mass of the air times c_v over a conductance of 0.1 W/K to the wall.
 const USUAL_COOLING_S: f64 = 0.3;
 
-/// Time in which the gas in a chamber cools: what is usual, and least and most (s).
+/// What is known of the gas in a filled chamber before a log shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct CoolingTime {
+pub(crate) struct UsualGas {
+    /// Temperature above that of the wall (K): standard deviation about 0, and least and most.
+    pub(crate) excess_sd_k: f64,
+    pub(crate) excess_k: (f64, f64),
+    /// Time in which it cools: usual, least and most (s).
     pub(crate) usual_s: f64,
     pub(crate) least_s: f64,
     pub(crate) most_s: f64,
+    /// Standard deviation of its logarithm.
+    pub(crate) ln_sd: f64,
 }
 
-impl CoolingTime {
-    /// Of a chamber between valves with coils.
+impl UsualGas {
+    /// In a chamber between valves with coils, which fill it within a fraction of a second; adiabatic filling ends 120 K above the supply.
     pub(crate) const BETWEEN_VALVES: Self = Self {
+        excess_sd_k: 40.0,
+        excess_k: (-100.0, 150.0),
         usual_s: USUAL_COOLING_S,
         least_s: 0.01,
         most_s: 10.0,
+        ln_sd: 1.0,
     };
-    /// How far another vessel is from the estimate: shape, fittings and convection.
-    const REACH: f64 = 8.0;
+    /// How far a vessel is from the estimate at most: shape, fittings and convection. A wider range would take a leak for slow cooling.
+    const REACH: f64 = 3.0;
 
-    /// Of a vessel of any size, the chamber of `parameters`, with gas at `pressure` (Pa abs): its heat capacity m c_v over the
-    /// conductance of a wall that grows with the square of the vessel's size.
+    /// In a vessel that no valve with a coil fills, the chamber of `parameters`, with gas at `pressure` (Pa abs): its heat capacity m c_v over the
+    /// conductance of a wall that grows with the square of the vessel's size. It is filled and shut by hand, so that half of what
+    /// adiabatic filling would leave is gone.
     pub(crate) fn of_vessel(parameters: &PlantParameters, pressure: f64) -> Self {
         let gas = &parameters.gas;
         let volume = parameters.chamber.volume_m3;
@@ -145,9 +155,12 @@ impl CoolingTime {
             pressure * volume / ((gas.heat_capacity_ratio - 1.0) * gas.temperature_k);
         let usual_s = heat_capacity / conductance;
         Self {
+            excess_sd_k: 20.0,
+            excess_k: (-60.0, 60.0),
             usual_s,
             least_s: usual_s / Self::REACH,
             most_s: usual_s * Self::REACH,
+            ln_sd: 0.5,
         }
     }
 }

@@ -4,7 +4,7 @@ use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row};
 use plant_sim::{Command, PlantParameters, Tolerance};
 
-use crate::conditions::{Conditions, CoolingTime};
+use crate::conditions::{Conditions, UsualGas};
 use crate::measured::{Measured, PRESSURE, Restart};
 
 /// A chamber this much above ambient pressure, over it, is filled.
@@ -17,8 +17,8 @@ pub(crate) struct LogStart {
     pub(crate) pressure: Option<f64>,
     /// Whether the chamber was filled before, so that its gas may still be warm.
     pub(crate) is_filled: bool,
-    /// Time in which gas in this chamber cools.
-    pub(crate) cooling: CoolingTime,
+    /// What is known of that gas.
+    pub(crate) usual_gas: UsualGas,
     /// First supply pressure that its gauge showed (Pa abs), where the log drives the supply.
     pub(crate) supply_pressure: Option<f64>,
     /// Command of the first row.
@@ -39,7 +39,7 @@ impl LogStart {
         Self {
             pressure: None,
             is_filled: false,
-            cooling: CoolingTime::BETWEEN_VALVES,
+            usual_gas: UsualGas::BETWEEN_VALVES,
             supply_pressure: None,
             command: None,
             restarts: Vec::new(),
@@ -62,9 +62,9 @@ impl LogStart {
         Self {
             pressure: level,
             is_filled: level.is_some_and(is_above),
-            cooling: match (Part::Coil.is_in(parameters), level) {
-                (false, Some(level)) => CoolingTime::of_vessel(parameters, level),
-                _ => CoolingTime::BETWEEN_VALVES,
+            usual_gas: match (Part::Coil.is_in(parameters), level) {
+                (false, Some(level)) => UsualGas::of_vessel(parameters, level),
+                _ => UsualGas::BETWEEN_VALVES,
             },
             command,
             restarts: pressure.map_or_else(Vec::new, |signal| signal.restarts.clone()),

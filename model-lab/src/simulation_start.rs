@@ -37,7 +37,9 @@ pub enum StartError {
         name: String,
     },
     /// The plant has no chamber.
-    #[error("`{name}` is given at the start, but the plant has no chamber: take a plant file with [chamber]")]
+    #[error(
+        "`{name}` is given at the start, but the plant has no chamber: take a plant file with [chamber]"
+    )]
     NoChamber {
         /// The name.
         name: String,
@@ -48,7 +50,9 @@ pub enum StartError {
     )]
     NoGasTemperature,
     /// No plant begins there.
-    #[error("{name} = {value} {unit} at the start is impossible (allowed {least} to {most}): correct it")]
+    #[error(
+        "{name} = {value} {unit} at the start is impossible (allowed {least} to {most}): correct it"
+    )]
     OutOfRange {
         /// The name.
         name: String,
@@ -103,8 +107,8 @@ impl SimulationStart {
         self.is_given = true;
         let has_chamber = Part::Chamber.is_in(parameters);
         let owned = || name.to_owned();
-        let within = |unit: &'static str, least: f64, most: f64| {
-            match (least..=most).contains(&value) {
+        let within =
+            |unit: &'static str, least: f64, most: f64| match (least..=most).contains(&value) {
                 true => Ok(()),
                 false => Err(StartError::OutOfRange {
                     name: owned(),
@@ -113,15 +117,18 @@ impl SimulationStart {
                     least,
                     most,
                 }),
-            }
-        };
+            };
         match name {
             PRESSURE | "t_gas" if !has_chamber => Err(StartError::NoChamber { name: owned() }),
             PRESSURE => {
                 let ambient = parameters.gas.ambient_pressure_pa;
                 let least = Bounds::of(Quantity::Pressure).least - ambient / PA_PER_BAR;
                 let supply = ParameterSpec::by_name("gas.supply_pressure_bar_gauge");
-                within("bar gauge", least, supply.map_or(f64::INFINITY, |spec| spec.range.1))?;
+                within(
+                    "bar gauge",
+                    least,
+                    supply.map_or(f64::INFINITY, |spec| spec.range.1),
+                )?;
                 self.start = self.start.moved(parameters, value * PA_PER_BAR + ambient);
                 self.pressure_bar_gauge = value;
                 self.statement = format!("from the given pressure, {value} bar gauge");

@@ -16,9 +16,7 @@ pub use inputs::{
 };
 pub use names::{UnknownSignal, unknown_signals};
 pub use supply::{SUPPLY_PRESSURE, drives_supply, supply_bounds};
-pub use surroundings::{
-    AMBIENT_PRESSURE, AMBIENT_TEMPERATURE, COIL_TEMPERATURE, Surroundings,
-};
+pub use surroundings::{AMBIENT_PRESSURE, AMBIENT_TEMPERATURE, COIL_TEMPERATURE, Surroundings};
 
 use recording::{Provenance, Recording, Unit};
 
@@ -343,4 +341,3 @@ pub fn replay(
         statistics: replay.simulator.statistics(),
     })
 }
-

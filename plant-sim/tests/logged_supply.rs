@@ -48,7 +48,10 @@ fn rise_per_row(plant: &PlantParameters) -> f64 {
 
 /// Levels of the supply (bar gauge), 50 rows each.
 fn levels() -> Vec<f64> {
-    [7.0, 6.0, 8.5, 5.0].iter().flat_map(|&level| [level; 50]).collect()
+    [7.0, 6.0, 8.5, 5.0]
+        .iter()
+        .flat_map(|&level| [level; 50])
+        .collect()
 }
 
 #[test]
@@ -104,7 +107,11 @@ fn what_the_gauge_shows_too_much_is_taken_off() {
     let mut plant = vessel();
     let expected = filled(&plant, &log(Unit::BarGauge, &levels()));
     plant
-        .set("gas.supply_gauge_offset_bar", 0.3, "compared with a second gauge")
+        .set(
+            "gas.supply_gauge_offset_bar",
+            0.3,
+            "compared with a second gauge",
+        )
         .unwrap();
     let shown: Vec<f64> = levels().iter().map(|bar| bar + 0.3).collect();
     let found = filled(&plant, &log(Unit::BarGauge, &shown));
@@ -155,8 +162,13 @@ fn without_supply(log: &Recording) -> Recording {
     let (_, base) = log.time_bases().next().unwrap();
     let id = bare.add_time_base(base.clone());
     let pressure = log.signal("p_ch").unwrap();
-    bare.add_signal("p_ch", pressure.unit(), id, pressure.values_or_nan().to_vec())
-        .unwrap();
+    bare.add_signal(
+        "p_ch",
+        pressure.unit(),
+        id,
+        pressure.values_or_nan().to_vec(),
+    )
+    .unwrap();
     bare
 }
 

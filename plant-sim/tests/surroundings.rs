@@ -88,13 +88,19 @@ fn surroundings_that_cannot_be_say_where_and_what_to_do() {
         error.to_string()
     };
     let gauge = refused(("p_amb", Unit::BarGauge, 0.0));
-    assert!(gauge.contains("bench.csv") && gauge.contains("absolute"), "{gauge}");
+    assert!(
+        gauge.contains("bench.csv") && gauge.contains("absolute"),
+        "{gauge}"
+    );
     let thin = refused(("p_amb", Unit::BarAbsolute, 0.1));
     for part in ["bench.csv", "p_amb", "10000", "30000", "constant"] {
         assert!(thin.contains(part), "{thin}");
     }
     let coil = refused(("t_coil", Unit::DegreeCelsius, 40.0));
-    assert!(coil.contains("resistance_temperature_coefficient"), "{coil}");
+    assert!(
+        coil.contains("resistance_temperature_coefficient"),
+        "{coil}"
+    );
     // What a plant leaves out has no surroundings.
     let mut coil_alone = PlantParameters::nominal();
     coil_alone.chamber.volume_m3 = 0.0;

@@ -16,12 +16,12 @@ use super::predictor::Predictor;
 use super::sensor_noise::SensorNoise;
 use super::verdict::MODEL_ERROR;
 use crate::commands::Commands;
-use crate::conditions::{Conditions, CoolingTime, LogConditions, StartGas};
+use crate::conditions::{Conditions, LogConditions, StartGas, UsualGas};
 use crate::error::CompareError;
 use crate::log_start::LogStart;
 use crate::measured::{
-    GAS_TEMPERATURE, Measured, PRESSURE, Restart, WEIGHED, is_current, is_weighed, measured_signals,
-    start,
+    GAS_TEMPERATURE, Measured, PRESSURE, Restart, WEIGHED, is_current, is_weighed,
+    measured_signals, start,
 };
 use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
 use crate::warning::warnings;
@@ -172,8 +172,8 @@ impl Log {
         let first_command = inputs.first().and_then(|input| input.command);
         let (_, level) = start(parameters, pressure, &commands);
         let supply_pressure = inputs.iter().find_map(|input| input.supply_pressure);
-        let start = LogStart::at(parameters, pressure, level, first_command)
-            .supplied(supply_pressure);
+        let start =
+            LogStart::at(parameters, pressure, level, first_command).supplied(supply_pressure);
         let defects = LogDefects::of(log, &commands, pressure);
         let sigma = |signal: &Measured| {
             let told = noise.of(signal.name, &signal.floor, interval_s);
@@ -224,7 +224,7 @@ impl Log {
                 clock: None,
                 start_gas: StartGas {
                     excess_k: 0.0,
-                    cooling_s: start.cooling.usual_s,
+                    cooling_s: start.usual_gas.usual_s,
                 },
             },
             known_phase_s: (0.0, f64::INFINITY),
@@ -426,9 +426,9 @@ impl Log {
         self.start.is_filled && self.pressure().is_some()
     }
 
-    /// Time in which the gas in its chamber cools.
-    pub(crate) fn cooling(&self) -> CoolingTime {
-        self.start.cooling
+    /// What is known of the gas that it begins with.
+    pub(crate) fn usual_gas(&self) -> UsualGas {
+        self.start.usual_gas
     }
 
     /// Whether its supply pressure was logged and drives the model.

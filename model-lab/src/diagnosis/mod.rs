@@ -32,6 +32,8 @@ mod sensor_noise;
 mod soundness;
 mod split;
 mod start;
+#[cfg(test)]
+mod start_tests;
 mod supply;
 #[cfg(test)]
 mod tests;

@@ -26,10 +26,6 @@ const DRIFT_UNIT_PPM: f64 = 20.0;
 const PHASE_REACH_SD: f64 = 3.0;
 /// ... and how far a drift may move from where it was begun (ppm).
 const DRIFT_REACH_PPM: f64 = 300.0;
-/// Temperature of the gas above that of the wall when a log begins (K): standard deviation, and least and largest; adiabatic filling
-/// ends 120 K above the supply.
-const START_EXCESS_SD_K: f64 = 40.0;
-const START_EXCESS_K: (f64, f64) = (-100.0, 150.0);
 /// So near to the end of its range in its coordinate, a strength ran to it.
 const NEAR_END: f64 = 0.01;
 
@@ -214,25 +210,25 @@ impl Unknowns {
             .filter(|(_, log)| log.begins_filled());
         for (index, log) in filled {
             let gas = log.conditions.start_gas;
-            let cooling = log.cooling();
+            let usual = log.usual_gas();
             self.list.extend([
                 Unknown::Log(LogUnknown {
                     log: index,
                     figure: LogFigure::StartExcessK,
                     middle_s: 0.0,
                     start: gas.excess_k,
-                    known: (0.0, START_EXCESS_SD_K),
-                    unit: START_EXCESS_SD_K,
-                    range: START_EXCESS_K,
+                    known: (0.0, usual.excess_sd_k),
+                    unit: usual.excess_sd_k,
+                    range: usual.excess_k,
                 }),
                 Unknown::Log(LogUnknown {
                     log: index,
                     figure: LogFigure::LnCoolingS,
                     middle_s: 0.0,
                     start: gas.cooling_s.ln(),
-                    known: (cooling.usual_s.ln(), 1.0),
+                    known: (usual.usual_s.ln(), usual.ln_sd),
                     unit: 1.0,
-                    range: (cooling.least_s.ln(), cooling.most_s.ln()),
+                    range: (usual.least_s.ln(), usual.most_s.ln()),
                 }),
             ]);
         }

@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 
 use super::about::{About, Variant};
 use super::knowledge::Knowledge;
+use super::sections::PA_PER_BAR;
 use super::sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, MagnetParameters, RegulatingValveParameters,
 };
-use super::sections::PA_PER_BAR;
 use super::spec::ParameterSpec;
 use crate::plant::{FILL, Plant};
 use crate::valve::ValveFunction;

@@ -8,9 +8,7 @@ use toml_edit::{Document, Item, TableLike};
 use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
 use super::knowledge::{self, FORMS, number};
-use super::names::{
-    CHAMBER, FUNCTIONS, OF_SENSORS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT,
-};
+use super::names::{CHAMBER, FUNCTIONS, OF_SENSORS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT};
 use super::parts::Part;
 use super::table::PARAMETERS;
 use super::units::in_other_unit;

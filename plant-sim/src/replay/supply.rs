@@ -200,7 +200,13 @@ mod tests {
     /// A fall by twenty standard deviations of the noise for ten rows.
     #[test]
     fn a_dip_that_stands_out_of_the_noise_stays() {
-        let level = |row: usize| if (1000..1010).contains(&row) { 8.8e5 } else { 9e5 };
+        let level = |row: usize| {
+            if (1000..1010).contains(&row) {
+                8.8e5
+            } else {
+                9e5
+            }
+        };
         let values = averaged(&noisy(level, 1e3, 2000));
         let rows = 995..1015;
         let left = rms(rows.map(|row| values[row] - level(row)));

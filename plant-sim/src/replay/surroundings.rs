@@ -45,9 +45,11 @@ impl Surroundings {
             }
             mean(signal, Unit::PascalAbsolute)
         })?;
-        let temperature = value(log, (AMBIENT_TEMPERATURE, Quantity::Temperature), |signal| {
-            mean(signal, Unit::Kelvin)
-        })?;
+        let temperature = value(
+            log,
+            (AMBIENT_TEMPERATURE, Quantity::Temperature),
+            |signal| mean(signal, Unit::Kelvin),
+        )?;
         let coil = value(log, (COIL_TEMPERATURE, Quantity::Temperature), |signal| {
             let values = signal.values_in(Unit::Kelvin)?;
             Ok(values.into_iter().find(|value| value.is_finite()))
@@ -64,7 +66,11 @@ impl Surroundings {
                 "gas.ambient_pressure_pa",
                 found.ambient_pressure_pa,
             ),
-            (AMBIENT_TEMPERATURE, "gas.temperature_k", found.temperature_k),
+            (
+                AMBIENT_TEMPERATURE,
+                "gas.temperature_k",
+                found.temperature_k,
+            ),
             (
                 COIL_TEMPERATURE,
                 "effects.coil_ambient_temperature.difference_k",
