@@ -3,7 +3,7 @@
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
-use plant_sim::replay::{UnknownSignal, unknown_signals};
+use plant_sim::replay::{SUPPLY_PRESSURE, UnknownSignal, drives_supply, unknown_signals};
 use plant_sim::valve::ValveFunction;
 use recording::{PressureReference, Recording, Signal, Unit};
 
@@ -138,7 +138,15 @@ fn above_supply(
     log: &Recording,
     pressure: &[f64],
 ) -> Option<Warning> {
-    let supply = parameters.gas.supply_pressure_bar_gauge;
+    // Where the supply was logged, the plant file does not matter.
+    let logged = drives_supply(parameters, log).unwrap_or(false);
+    let logged = log.signal(SUPPLY_PRESSURE).filter(|_| logged);
+    let ambient = parameters.gas.ambient_pressure_pa;
+    let logged = logged.and_then(|one| one.values_at_ambient(Unit::BarGauge, ambient).ok());
+    let supply = match logged {
+        Some(values) => present(&values).fold(0.0, f64::max),
+        None => parameters.gas.supply_pressure_bar_gauge,
+    };
     let has_supply = parameters.functions[FILL] != ValveFunction::Absent;
     let largest = present(pressure).fold(0.0, f64::max);
     if !has_supply || supply <= 0.0 || largest <= ABOVE_SUPPLY * supply {

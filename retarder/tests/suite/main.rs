@@ -17,5 +17,6 @@ mod runner;
 mod schemas;
 mod serve;
 mod simulate;
+mod simulation_start;
 mod thesis;
 mod tour;
