@@ -5,8 +5,9 @@ use recording::Recording;
 
 use super::error::DiagnoseError;
 use super::evidence::Evidence;
-use super::log::{Log, Read};
+use super::log::Log;
 use super::logger_time::{Delay, find_clock};
+use super::read_log::Read;
 use super::sensor_noise::SensorNoise;
 use super::supply::find_supply;
 

@@ -5,26 +5,22 @@ use std::sync::Arc;
 
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{PA_PER_BAR, Part};
-use plant_sim::replay::{
-    CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, SUPPLY_PRESSURE, Surroundings, inputs,
-};
+use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, Surroundings};
 use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
 use super::error::DiagnoseError;
 use super::predictor::Predictor;
+use super::read_log::Read;
 use super::sensor_noise::SensorNoise;
 use super::verdict::MODEL_ERROR;
 use crate::commands::Commands;
 use crate::conditions::{Conditions, LogConditions, StartGas, UsualGas};
-use crate::error::CompareError;
 use crate::log_start::LogStart;
 use crate::measured::{
-    GAS_TEMPERATURE, Measured, PRESSURE, Restart, WEIGHED, is_current, is_weighed,
-    measured_signals, start,
+    GAS_TEMPERATURE, Measured, PRESSURE, Restart, is_current, is_weighed, start,
 };
 use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
-use crate::warning::warnings;
 
 /// Rows closer than this (s) show a current of an instant; those further apart may show means.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
@@ -102,54 +98,6 @@ pub(crate) enum Run {
 /// Errors of a model over what a perfect model has, (measured - modelled) / floor; 0 where the measurement is missing
 /// or does not count: channel after channel in the order of [`Evidence::channels`].
 pub(crate) type Residuals = Vec<f64>;
-
-/// What is read from a log before it is known how its sensors scatter.
-pub(super) struct Read {
-    commands: Commands,
-    inputs: Vec<ReplayInput>,
-    interval_s: f64,
-    measured: Vec<Measured>,
-    not_compared: Vec<NotCompared>,
-    warnings: Vec<Warning>,
-    surroundings: Surroundings,
-}
-
-impl Read {
-    pub(super) fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
-        let surroundings = Surroundings::of(parameters, log).map_err(CompareError::from)?;
-        let parameters = &*surroundings.around(parameters);
-        let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
-        let (base, mut inputs) = inputs(parameters, log).map_err(CompareError::from)?;
-        commands.gaps.shorten(&mut inputs);
-        let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
-        not_compared.retain(|signal| {
-            let name = signal.name.as_str();
-            WEIGHED.contains(&name) || [SUPPLY_PRESSURE, GAS_TEMPERATURE].contains(&name)
-        });
-        let has_temperature = measured.iter().any(|one| one.name == GAS_TEMPERATURE);
-        if has_temperature && !is_weighed(parameters, GAS_TEMPERATURE) {
-            not_compared.push(NotCompared {
-                name: GAS_TEMPERATURE.to_owned(),
-                reason: "the gas of this plant keeps its temperature: add the effect gas_temperature to the plant file"
-                    .to_owned(),
-            });
-        }
-        Ok(Self {
-            warnings: warnings(parameters, log, &commands, &measured),
-            interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
-            commands,
-            inputs,
-            measured,
-            not_compared,
-            surroundings,
-        })
-    }
-
-    /// Tells how the sensors scatter in this log.
-    pub(super) fn tell(&self, noise: &mut SensorNoise) {
-        noise.hear(&self.measured, self.interval_s);
-    }
-}
 
 impl Log {
     pub(super) fn new(
@@ -392,6 +340,7 @@ impl Log {
                 true => ClockSource::Commands,
                 false => ClockSource::Model,
             },
+            admitted_drifts_ppm: None,
             begins_filled: self.begins_filled(),
             issued_ns: match self.is_slow() {
                 true => self.issued_ns.clone(),

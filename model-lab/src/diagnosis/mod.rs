@@ -24,6 +24,7 @@ mod logger_time;
 pub mod next_experiment;
 mod nuisance;
 mod predictor;
+mod read_log;
 mod refine;
 mod remaining;
 pub mod result;

@@ -103,13 +103,25 @@ impl Unknowns {
         .with_clocks(logs)
         .with_starts(logs);
         for setting in fitted {
-            unknowns.datasheet = unknowns.datasheet.with_effect(setting.clone());
-            let own = setting.parameters();
-            unknowns
-                .list
-                .extend(own.iter().map(|&spec| Unknown::effect(spec)));
+            unknowns = unknowns.with_effect(setting);
         }
         unknowns
+    }
+
+    /// The same, and then the parameters of `setting`. All coordinates stay what they are.
+    pub(crate) fn with_effect(mut self, setting: &EffectSetting) -> Self {
+        self.datasheet = self.datasheet.with_effect(setting.clone());
+        let own = setting.parameters();
+        self.list
+            .extend(own.iter().map(|&spec| Unknown::effect(spec)));
+        self
+    }
+
+    /// The same without the effect `id`, and the places in the list of those that stay.
+    pub(crate) fn without_effect(&self, id: &str) -> (Self, Vec<usize>) {
+        let (mut kept, places) = self.only(|unknown| unknown.effect_id() != Some(id));
+        kept.datasheet = kept.datasheet.without_effect(id);
+        (kept, places)
     }
 
     pub(crate) fn list(&self) -> &[Unknown] {
@@ -144,7 +156,12 @@ impl Unknowns {
 
     /// The same without the conditions of the logs, and the places in the list of those that stay.
     pub(crate) fn without_logs(&self) -> (Self, Vec<usize>) {
-        let is_kept = |&n: &usize| !matches!(self.list[n], Unknown::Log(_));
+        self.only(|unknown| !matches!(unknown, Unknown::Log(_)))
+    }
+
+    /// The unknowns that are wanted, and their places in the list.
+    fn only(&self, is_wanted: impl Fn(&Unknown) -> bool) -> (Self, Vec<usize>) {
+        let is_kept = |&n: &usize| is_wanted(&self.list[n]);
         let kept: Vec<usize> = (0..self.len()).filter(is_kept).collect();
         let list = kept.iter().map(|&n| self.list[n].clone()).collect();
         let datasheet = self.datasheet.clone();

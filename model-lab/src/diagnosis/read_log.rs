@@ -1,0 +1,69 @@
+//! What a log says, before it is known how its sensors scatter.
+
+use plant_sim::PlantParameters;
+use plant_sim::replay::{ReplayInput, SUPPLY_PRESSURE, Surroundings, inputs};
+use recording::Recording;
+
+use super::error::DiagnoseError;
+use super::sensor_noise::SensorNoise;
+use crate::commands::Commands;
+use crate::error::CompareError;
+use crate::measured::{GAS_TEMPERATURE, Measured, PRESSURE, WEIGHED, is_weighed, measured_signals};
+use crate::result::{NotCompared, Warning};
+use crate::warning::{out_of_reach, warnings};
+
+/// What is read from a log before it is known how its sensors scatter.
+pub(super) struct Read {
+    pub(super) commands: Commands,
+    pub(super) inputs: Vec<ReplayInput>,
+    pub(super) interval_s: f64,
+    pub(super) measured: Vec<Measured>,
+    pub(super) not_compared: Vec<NotCompared>,
+    pub(super) warnings: Vec<Warning>,
+    pub(super) surroundings: Surroundings,
+}
+
+impl Read {
+    pub(super) fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
+        let surroundings = Surroundings::of(parameters, log).map_err(CompareError::from)?;
+        let parameters = &*surroundings.around(parameters);
+        let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
+        let (base, mut inputs) = inputs(parameters, log).map_err(CompareError::from)?;
+        commands.gaps.shorten(&mut inputs);
+        let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
+        not_compared.retain(|signal| {
+            let name = signal.name.as_str();
+            WEIGHED.contains(&name) || [SUPPLY_PRESSURE, GAS_TEMPERATURE].contains(&name)
+        });
+        let has_temperature = measured.iter().any(|one| one.name == GAS_TEMPERATURE);
+        if has_temperature && !is_weighed(parameters, GAS_TEMPERATURE) {
+            not_compared.push(NotCompared {
+                name: GAS_TEMPERATURE.to_owned(),
+                reason: "the gas of this plant keeps its temperature: add the effect gas_temperature to the plant file"
+                    .to_owned(),
+            });
+        }
+        let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
+        let values = pressure.map_or(&[][..], |pressure| &pressure.values);
+        if let Some(statement) = out_of_reach(parameters, log, values) {
+            return Err(DiagnoseError::PressureOutOfReach {
+                log: log.provenance().source.clone(),
+                statement,
+            });
+        }
+        Ok(Self {
+            warnings: warnings(parameters, log, &commands, &measured),
+            interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
+            commands,
+            inputs,
+            measured,
+            not_compared,
+            surroundings,
+        })
+    }
+
+    /// Tells how the sensors scatter in this log.
+    pub(super) fn tell(&self, noise: &mut SensorNoise) {
+        noise.hear(&self.measured, self.interval_s);
+    }
+}
