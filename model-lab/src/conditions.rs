@@ -146,7 +146,7 @@ impl UsualGas {
 
     /// In a vessel that no valve with a coil fills, the chamber of `parameters`, with gas at `pressure` (Pa abs): its heat capacity m c_v over the
     /// conductance of a wall that grows with the square of the vessel's size. It is filled and shut by hand, so that half of what
-    /// adiabatic filling would leave is gone.
+    /// adiabatic filling would leave is gone; gas is colder than the wall only after a part was let out.
     pub(crate) fn of_vessel(parameters: &PlantParameters, pressure: f64) -> Self {
         let gas = &parameters.gas;
         let volume = parameters.chamber.volume_m3;
@@ -158,7 +158,7 @@ impl UsualGas {
         let usual_s = heat_capacity / conductance;
         Self {
             excess_sd_k: 20.0,
-            excess_k: (-60.0, 60.0),
+            excess_k: (-20.0, 60.0),
             usual_s,
             least_s: usual_s / Self::REACH,
             most_s: usual_s * Self::REACH,
