@@ -17,7 +17,7 @@ use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::fit::{Descent, Difference, Fit, Fitter, Loss, Scope};
 use crate::diagnosis::log::{Log, Run};
 use crate::diagnosis::logger_time::{
-    Delay, Search, best_delay_s, find_clock, find_conditions, find_slow_clocks,
+    Delay, Search, best_delay_s, centre_slow_clocks, find_clock, find_conditions, find_slow_clocks,
 };
 use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
@@ -283,6 +283,9 @@ fn assigned_anew(
         },
     );
     let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s, Search::InTurn);
+    let mut with_delay = there;
+    with_delay.ecu.command_delay_s = delay_s.unwrap_or(with_delay.ecu.command_delay_s);
+    let centred_s = centre_slow_clocks(&with_delay, &mut split.fitting, delays_s);
     let unknowns = unknowns_of(plant, &split.fitting);
     let mut next = unknowns.start();
     for ((to, unknown), from) in next.iter_mut().zip(unknowns.list()).zip(z) {
@@ -290,7 +293,7 @@ fn assigned_anew(
             *to = *from;
         }
     }
-    if let Some(delay_s) = delay_s {
+    if let Some(delay_s) = centred_s.or(delay_s) {
         begin_at_delay(&unknowns, &mut next, delay_s);
     }
     (unknowns, next)
