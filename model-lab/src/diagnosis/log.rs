@@ -267,7 +267,8 @@ impl Log {
             begins_filled: self.begins_filled(),
             issued_ns: match self.is_slow() {
                 true => self.issued_ns.clone(),
-                false => Vec::new(),
+                // The clock does not show when the first command was given.
+                false => self.issued_ns.first().copied().into_iter().collect(),
             },
             interval_ns: (self.interval_s * 1e9) as u64,
             sample_time_ns: (self.sample_time_s * 1e9).round() as u64,

@@ -77,12 +77,19 @@ pub(super) fn fit(
         report(watch, "estimating, large errors forgiven", done)?;
         let fit = forgiving(&split.fitting, &unknowns, z, Descent::Whole);
         let fit = fit.ok_or_else(|| split.not_simulated())?;
-        (unknowns, z) = assigned_anew(plant, split, &unknowns, &fit.z);
+        (unknowns, z) = assigned_anew(plant, split, (&unknowns, &fit.z), Search::InTurn);
+    }
+    if is_slow && leaves_more_than_noise(split, &unknowns, &z)? {
+        report(watch, "clocks and delay of slow loggers together", 0.0)?;
+        (unknowns, z) = assigned_anew(plant, split, (&unknowns, &z), Search::Together);
+        let fit = forgiving(&split.fitting, &unknowns, z, Descent::Whole);
+        let fit = fit.ok_or_else(|| split.not_simulated())?;
+        (unknowns, z) = assigned_anew(plant, split, (&unknowns, &fit.z), Search::InTurn);
     }
     if leaves_more_than_noise(split, &unknowns, &z)? {
         report(watch, "estimating, from other starts", 0.0)?;
         if let Some(other) = from_other_starts(&split.fitting, &unknowns, &z, has_current) {
-            (unknowns, z) = assigned_anew(plant, split, &unknowns, &other.z);
+            (unknowns, z) = assigned_anew(plant, split, (&unknowns, &other.z), Search::InTurn);
         }
     }
     report(watch, "estimating, least squares", 0.0)?;
@@ -258,8 +265,8 @@ fn begin_at_delay(unknowns: &Unknowns, z: &mut [f64], delay_s: f64) {
 fn assigned_anew(
     plant: &PlantParameters,
     split: &mut Split,
-    fitted: &Unknowns,
-    z: &[f64],
+    (fitted, z): (&Unknowns, &[f64]),
+    search: Search,
 ) -> (Unknowns, Vec<f64>) {
     let there = fitted.plant(z);
     let mut conditions = split.fitting.conditions();
@@ -282,7 +289,7 @@ fn assigned_anew(
             (delay.value(least), delay.value(most))
         },
     );
-    let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s, Search::InTurn);
+    let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s, search);
     let mut with_delay = there;
     with_delay.ecu.command_delay_s = delay_s.unwrap_or(with_delay.ecu.command_delay_s);
     let centred_s = centre_slow_clocks(&with_delay, &mut split.fitting, delays_s);

@@ -3,8 +3,8 @@
 use std::ops::{Range, RangeInclusive};
 
 use plant_sim::logger_clock::LoggerClock;
-use plant_sim::replay::Row;
-use plant_sim::{PlantParameters, Tolerance};
+use plant_sim::replay::{Replay, Row};
+use plant_sim::{Command, PlantParameters, Tolerance};
 
 use super::{Log, Run};
 use crate::conditions::Conditions;
@@ -32,10 +32,72 @@ impl Log {
         let mut issued_ns: Vec<u64> = (0..self.inputs.len())
             .map(|row| sample_time_ns * sample(row))
             .collect();
+        self.assign_first_by_model(clock, parameters, &mut issued_ns);
         if self.is_slow() {
             self.assign_by_model(clock, parameters, &mut issued_ns);
         }
         issued_ns
+    }
+
+    /// Assigns the command of the first row, which no row before encloses: to the last sample of the ECU before the row, or to that
+    /// since the beginning that explains the rows until it shows better.
+    fn assign_first_by_model(
+        &self,
+        clock: LoggerClock,
+        parameters: &PlantParameters,
+        issued_ns: &mut [u64],
+    ) {
+        let (Some(first), Some(issued)) = (self.inputs.first(), issued_ns.first_mut()) else {
+            return;
+        };
+        let sample_time_ns = parameters.ecu.sample_time_ns();
+        let slack_ns = (EDGE * sample_time_ns as f64) as u64;
+        let row_ns = clock.ecu_time_ns(0);
+        *issued = row_ns / sample_time_ns * sample_time_ns;
+        let is_at_rest = first.command.is_none_or(|one| one == Command::default());
+        if is_at_rest || self.start.is_filled {
+            return;
+        }
+        let conditions = Conditions {
+            clock: Some(clock),
+            ..self.conditions
+        };
+        let until = self.rows_until_shown(0, parameters);
+        let samples = (0..=(row_ns + slack_ns) / sample_time_ns).rev();
+        let tried = samples.map(|sample| {
+            let replay = self.begin(parameters, &conditions, Tolerance::default());
+            let mut trial = issued_ns[..until].to_vec();
+            trial[0] = sample * sample_time_ns;
+            (self.loss(replay, 0..until, &conditions, &trial), trial[0])
+        });
+        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, best_ns)) = best {
+            issued_ns[0] = best_ns;
+        }
+    }
+
+    /// The first row behind those in which the command of `row` may show.
+    fn rows_until_shown(&self, row: usize, parameters: &PlantParameters) -> usize {
+        let shows_s =
+            parameters.ecu.command_delay_s + SHOWS_PERIODS / parameters.ecu.pwm_frequency_hz;
+        let rows = (shows_s / self.interval_s).ceil() as usize + 1;
+        (row + rows).min(self.inputs.len())
+    }
+
+    /// What the model leaves in `rows` from the state of `replay` on, if their commands were given at `issued_ns`.
+    fn loss(
+        &self,
+        mut replay: Replay,
+        rows: Range<usize>,
+        conditions: &Conditions,
+        issued_ns: &[u64],
+    ) -> f64 {
+        let errors = rows.zip(issued_ns).map(|(row, &issued_ns)| {
+            let timing = (conditions, Some(issued_ns));
+            self.step(&mut replay, row, timing, Run::Predicted)
+                .map_or(f64::INFINITY, |values| self.square_error(&values, row))
+        });
+        errors.sum()
     }
 
     /// Assigns each change of the commands to the sample of the ECU between its two rows that explains the rows until it shows best.
@@ -46,9 +108,6 @@ impl Log {
         issued_ns: &mut [u64],
     ) {
         let sample_time_ns = parameters.ecu.sample_time_ns();
-        let shows_s =
-            parameters.ecu.command_delay_s + SHOWS_PERIODS / parameters.ecu.pwm_frequency_hz;
-        let rows_until_shown = (shows_s / self.interval_s).ceil() as usize + 1;
         let conditions = Conditions {
             clock: Some(clock),
             ..self.conditions
@@ -57,17 +116,11 @@ impl Log {
         for row in 0..self.inputs.len() {
             let samples = self.possible_samples(row, clock, sample_time_ns);
             if let Some(samples) = samples.filter(|samples| samples.end() > samples.start()) {
-                let until = (row + rows_until_shown).min(self.inputs.len());
+                let until = self.rows_until_shown(row, parameters);
                 let loss = |sample: u64| {
                     let mut trial = issued_ns[row..until].to_vec();
                     trial[0] = sample * sample_time_ns;
-                    let mut replay = replay.clone();
-                    let errors = (row..until).map(|next| {
-                        let timing = (&conditions, Some(trial[next - row]));
-                        self.step(&mut replay, next, timing, Run::Predicted)
-                            .map_or(f64::INFINITY, |values| self.square_error(&values, next))
-                    });
-                    errors.sum::<f64>()
+                    self.loss(replay.clone(), row..until, &conditions, &trial)
                 };
                 let tried = samples.map(|sample| (loss(sample), sample));
                 let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
