@@ -23,6 +23,11 @@ impl Log {
         self.issued_ns = self.issued_by(clock, parameters);
     }
 
+    /// Takes these instants (ns, ECU time), row after row, for those at which the commands were given.
+    pub(crate) fn set_issued_ns(&mut self, issued_ns: Vec<u64>) {
+        self.issued_ns = issued_ns;
+    }
+
     /// Of each row, the instant (ns, ECU time) at which its command was given if the logger has `clock`. Where several samples of the
     /// ECU lie between two rows, the one that explains the next rows best, by the model.
     pub(super) fn issued_by(&self, clock: LoggerClock, parameters: &PlantParameters) -> Vec<u64> {
