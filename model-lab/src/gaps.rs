@@ -11,8 +11,10 @@ use plant_sim::parameters::Part;
 use plant_sim::replay::{Inputs, ReplayInput};
 use recording::TimeBase;
 
-/// A pause longer than this many median steps is a gap, and so are more rows than this without a command.
+/// A pause longer than this many median steps is a gap, and so are more rows than this without a command; ...
 const GAP_SAMPLES: f64 = 10.0;
+/// ... so is, of a slow logger, a pause longer than as many samples of the ECU and this many median steps: commands may change in it.
+const GAP_STEPS: f64 = 2.5;
 /// From a command in force to a valve that has moved and a current that no longer knows the one before (s).
 const SETTLE_S: f64 = 0.05;
 /// A gap is simulated with the last command for this long and less than a second more (ns).
@@ -65,7 +67,11 @@ impl Gaps {
             false => 0.0,
         };
         let step_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
-        let pause_s = GAP_SAMPLES * step_s;
+        let unseen_s = match has_coil {
+            true => (GAP_SAMPLES * parameters.ecu.sample_time_s).max(GAP_STEPS * step_s),
+            false => f64::INFINITY,
+        };
+        let pause_s = unseen_s.min(GAP_SAMPLES * step_s);
         // A row whose command is known, behind a gap that began after row `before`.
         let gap = |before: usize, known: usize, is_without_commands: bool| {
             let open =

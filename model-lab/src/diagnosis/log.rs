@@ -1,6 +1,7 @@
 //! A log as the diagnosis sees it: what drives the model, and what it has to answer.
 
-use std::ops::RangeInclusive;
+mod assignment;
+
 use std::sync::Arc;
 
 use plant_sim::logger_clock::LoggerClock;
@@ -25,13 +26,7 @@ use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared
 /// Rows closer than this (s) show a current of an instant; those further apart may show means.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
 /// Rows further apart than this many samples of the ECU leave open at which of them a command was given.
-const SLOWER: f64 = 0.95;
-/// A command has shown this many PWM periods after it took effect.
-const SHOWS_PERIODS: f64 = 2.0;
-/// A command may have been given this share of a sample time outside of the rows that enclose it: the clock may be slightly wrong.
-const EDGE: f64 = 0.1;
-/// More samples of the ECU than these between two rows are a gap.
-const SAMPLES_MAX: u64 = 20;
+const SLOWER: f64 = 0.75;
 /// A correction leaves at least this pressure (Pa abs).
 const LEAST_PRESSURE: f64 = 1e3;
 
@@ -50,9 +45,11 @@ pub(crate) struct Log {
     /// Whether the plant has coils.
     has_coil: bool,
     pub(crate) conditions: Conditions,
-    /// Phase of the clock (s) in the middle of the log that the logged commands tell, with its standard deviation: infinite where
-    /// they do not.
+    /// Phase of the clock (s) in the middle of the log that the rows of the logged commands show, with its standard deviation: infinite
+    /// where they do not.
     pub(crate) known_phase_s: (f64, f64),
+    /// Whether the commands show the clock without the model.
+    pub(crate) is_clock_told: bool,
     /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
     issued_ns: Vec<u64>,
     /// Surroundings that were measured with it.
@@ -176,6 +173,7 @@ impl Log {
                 },
             },
             known_phase_s: (0.0, f64::INFINITY),
+            is_clock_told: false,
             issued_ns: Vec::new(),
             sample_time_s: parameters.ecu.sample_time_s,
             interval_s,
@@ -207,108 +205,6 @@ impl Log {
         (self.commands.times_s[row] * 1e9).round() as u64
     }
 
-    /// Takes `clock` for the clock of the logger, and by it assigns the command of each row to a sample of the ECU.
-    pub(crate) fn set_clock(&mut self, clock: LoggerClock, parameters: &PlantParameters) {
-        self.conditions.clock = Some(clock);
-        self.issued_ns = self.issued_by(clock, parameters);
-    }
-
-    /// Of each row, the instant (ns, ECU time) at which its command was given if the logger has `clock`. Where several samples of the
-    /// ECU lie between two rows, the one that explains the next rows best, by the model.
-    fn issued_by(&self, clock: LoggerClock, parameters: &PlantParameters) -> Vec<u64> {
-        let sample_time_ns = parameters.ecu.sample_time_ns();
-        let interval_ns = (self.interval_s * 1e9) as u64;
-        let sample = |row| clock.ecu_sample(self.log_ns(row), interval_ns, sample_time_ns);
-        let mut issued_ns: Vec<u64> = (0..self.inputs.len())
-            .map(|row| sample_time_ns * sample(row))
-            .collect();
-        if self.is_slow() {
-            self.assign_by_model(clock, parameters, &mut issued_ns);
-        }
-        issued_ns
-    }
-
-    /// Assigns each change of the commands to the sample of the ECU between its two rows that explains the rows until it shows best.
-    fn assign_by_model(
-        &self,
-        clock: LoggerClock,
-        parameters: &PlantParameters,
-        issued_ns: &mut [u64],
-    ) {
-        let sample_time_ns = parameters.ecu.sample_time_ns();
-        let shows_s =
-            parameters.ecu.command_delay_s + SHOWS_PERIODS / parameters.ecu.pwm_frequency_hz;
-        let rows_until_shown = (shows_s / self.interval_s).ceil() as usize + 1;
-        let conditions = Conditions {
-            clock: Some(clock),
-            ..self.conditions
-        };
-        let around = self.surroundings.around(parameters);
-        let mut replay = self.begin(&around, &conditions, Tolerance::default());
-        for row in 0..self.inputs.len() {
-            let samples = self.possible_samples(row, clock, sample_time_ns);
-            if let Some(samples) = samples.filter(|samples| samples.end() > samples.start()) {
-                let until = (row + rows_until_shown).min(self.inputs.len());
-                let loss = |sample: u64| {
-                    let mut trial = issued_ns[row..until].to_vec();
-                    trial[0] = sample * sample_time_ns;
-                    let mut replay = replay.clone();
-                    let errors = (row..until).map(|next| {
-                        let timing = (&conditions, Some(trial[next - row]));
-                        self.step(&mut replay, next, timing, Run::Predicted)
-                            .map_or(f64::INFINITY, |values| self.square_error(&values, next))
-                    });
-                    errors.sum::<f64>()
-                };
-                let tried = samples.map(|sample| (loss(sample), sample));
-                let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-                if let Some((_, sample)) = best {
-                    issued_ns[row] = sample * sample_time_ns;
-                }
-            }
-            let timing = (&conditions, Some(issued_ns[row]));
-            if self
-                .step(&mut replay, row, timing, Run::Predicted)
-                .is_none()
-            {
-                return;
-            }
-        }
-    }
-
-    /// Samples of the ECU at which the command of `row` may have been given first: those since the row before, and a little more,
-    /// for the clock may be slightly wrong. None where the command does not change, and in a gap.
-    fn possible_samples(
-        &self,
-        row: usize,
-        clock: LoggerClock,
-        sample_time_ns: u64,
-    ) -> Option<RangeInclusive<u64>> {
-        let before = row.checked_sub(1)?;
-        let command = self.inputs[row].command?;
-        if Some(command) == self.inputs[before].command {
-            return None;
-        }
-        let slack_ns = (EDGE * sample_time_ns as f64) as u64;
-        let before_ns = clock.ecu_time_ns(self.log_ns(before));
-        let until_ns = clock.ecu_time_ns(self.log_ns(row)) + slack_ns;
-        let first = before_ns.saturating_sub(slack_ns) / sample_time_ns + 1;
-        let last = until_ns / sample_time_ns;
-        (last.saturating_sub(first) <= SAMPLES_MAX).then_some(first..=last)
-    }
-
-    /// Sum of the squared residuals of a predicted row.
-    fn square_error(&self, values: &Row, row: usize) -> f64 {
-        let errors = self.channels.iter().map(|channel| {
-            let error = channel.values[row] - values[channel.column];
-            error / self.floor(channel, Run::Predicted, row)
-        });
-        errors
-            .filter(|error| error.is_finite())
-            .map(|error| error * error)
-            .sum()
-    }
-
     /// The residuals of `parameters` with `clock`, by which the commands are assigned anew.
     pub(super) fn residuals_assigned(
         &self,
@@ -336,7 +232,7 @@ impl Log {
     pub(crate) fn found(&self) -> LogConditions {
         LogConditions {
             conditions: self.conditions,
-            clock_source: match self.known_phase_s.1.is_finite() {
+            clock_source: match self.is_clock_told {
                 true => ClockSource::Commands,
                 false => ClockSource::Model,
             },
@@ -344,7 +240,8 @@ impl Log {
             begins_filled: self.begins_filled(),
             issued_ns: match self.is_slow() {
                 true => self.issued_ns.clone(),
-                false => Vec::new(),
+                // The clock does not show when the first command was given.
+                false => self.issued_ns.first().copied().into_iter().collect(),
             },
             interval_ns: (self.interval_s * 1e9) as u64,
             sample_time_ns: (self.sample_time_s * 1e9).round() as u64,
@@ -367,7 +264,7 @@ impl Log {
 
     /// Whether a model alone can tell the clock of the logger: it has coils that are commanded, and the commands do not tell it.
     pub(crate) fn is_clock_open(&self) -> bool {
-        self.has_coil && self.known_phase_s.1.is_infinite() && self.duration_s() > self.interval_s
+        self.has_coil && !self.is_clock_told && self.duration_s() > self.interval_s
     }
 
     /// Whether it begins with a chamber that was filled, whose gas may still be warm.
@@ -471,7 +368,6 @@ impl Log {
         (run, tolerance): (Run, Tolerance),
         mut see: impl FnMut(usize, &Row),
     ) -> Option<()> {
-        let parameters = &*self.surroundings.around(parameters);
         let without_supply;
         let parameters = if self.is_without_supply {
             without_supply = shut_off(parameters);
@@ -494,8 +390,9 @@ impl Log {
         conditions: &Conditions,
         tolerance: Tolerance,
     ) -> Replay {
+        let around = self.surroundings.around(parameters);
         self.start
-            .begin(parameters, conditions, (self.sampling, tolerance))
+            .begin(&around, conditions, (self.sampling, tolerance))
     }
 
     /// Advances to row `index`, whose command was given at an instant of the ECU if the logger has a clock of its own, and corrects the

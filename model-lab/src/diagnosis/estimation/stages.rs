@@ -11,13 +11,14 @@ use rayon::prelude::*;
 
 use super::unknowns_of;
 use super::weak_directions::{measure_weak_directions, settled};
+use crate::conditions::Conditions;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::errors::Errors;
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::fit::{Descent, Difference, Fit, Fitter, Loss, Scope};
 use crate::diagnosis::log::{Log, Run};
 use crate::diagnosis::logger_time::{
-    Delay, Search, best_delay_s, find_clock, find_conditions, find_slow_clocks,
+    Delay, Search, best_delay_s, centre_slow_clocks, find_clock, find_conditions, find_slow_clocks,
 };
 use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
@@ -34,7 +35,10 @@ const CONVERGED_SHARE: f64 = 1e-6;
 /// The forgiving stage is run this often; the commands are assigned to the samples of the ECU anew after each, which needs more
 /// rounds where several samples lie between two rows.
 const ROUNDS: usize = 2;
-const ROUNDS_OF_SLOW_LOGS: usize = 5;
+const ROUNDS_OF_SLOW_LOGS: usize = 12;
+/// A round that saves less than this share of the cost is in vain; after so many there are no more.
+const BETTER_ROUND: f64 = 0.02;
+const ROUNDS_IN_VAIN: usize = 2;
 /// Delays from which the coils are fitted are this far apart (s), and this many at most.
 const DELAY_STEP_S: f64 = 1.5e-3;
 const DELAYS_MAX: f64 = 16.0;
@@ -72,12 +76,9 @@ pub(super) fn fit(
     }
     let is_slow = split.fitting.logs.iter().any(Log::is_slow);
     let rounds = if is_slow { ROUNDS_OF_SLOW_LOGS } else { ROUNDS };
-    for round in 0..rounds {
-        let done = round as f64 / rounds as f64;
-        report(watch, "estimating, large errors forgiven", done)?;
-        let fit = forgiving(&split.fitting, &unknowns, z, Descent::Whole);
-        let fit = fit.ok_or_else(|| split.not_simulated())?;
-        (unknowns, z) = assigned_anew(plant, split, &unknowns, &fit.z);
+    (unknowns, z) = in_rounds(plant, split, (unknowns, z), rounds, watch)?;
+    if is_slow && leaves_more_than_noise(split, &unknowns, &z)? {
+        (unknowns, z) = with_clocks_anew(plant, split, (unknowns, z), watch)?;
     }
     if leaves_more_than_noise(split, &unknowns, &z)? {
         report(watch, "estimating, from other starts", 0.0)?;
@@ -119,6 +120,98 @@ pub(super) fn fit(
         fit: kept,
         sharp,
     })
+}
+
+/// Fits from `z` with large errors forgiven and assigns the commands anew, in `rounds` at most: as long as less is left after some of
+/// them.
+fn in_rounds(
+    plant: &PlantParameters,
+    split: &mut Split,
+    (mut unknowns, mut z): (Unknowns, Vec<f64>),
+    rounds: usize,
+    watch: Watch,
+) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
+    let mut best: Option<Assigned> = None;
+    let mut in_vain = 0;
+    for round in 0..rounds {
+        let done = round as f64 / rounds as f64;
+        report(watch, "estimating, large errors forgiven", done)?;
+        let fit = forgiving(&split.fitting, &unknowns, z.clone(), Descent::Whole);
+        let fit = fit.ok_or_else(|| split.not_simulated())?;
+        let fitted = Assigned::of(split, &unknowns, &fit);
+        let is_better = |best: &Assigned| fitted.cost < (1.0 - BETTER_ROUND) * best.cost;
+        in_vain = match best.as_ref().is_none_or(is_better) {
+            true => 0,
+            false => in_vain + 1,
+        };
+        if best.as_ref().is_none_or(|best| fitted.cost < best.cost) {
+            best = Some(fitted);
+        }
+        if in_vain == ROUNDS_IN_VAIN {
+            break;
+        }
+        (unknowns, z) = assigned_anew(plant, split, &unknowns, &fit.z);
+    }
+    if let Some(best) = best.filter(|_| rounds > ROUNDS) {
+        (unknowns, z) = best.restored(split);
+    }
+    Ok((unknowns, z))
+}
+
+/// A fit with the conditions of the logs.
+struct Assigned {
+    cost: f64,
+    conditions: Vec<Conditions>,
+    issued_ns: Vec<Vec<u64>>,
+    unknowns: Unknowns,
+    z: Vec<f64>,
+}
+
+impl Assigned {
+    fn of(split: &Split, unknowns: &Unknowns, fit: &Fit) -> Self {
+        let logs = split.fitting.logs.iter();
+        Self {
+            cost: fit.cost,
+            conditions: split.fitting.conditions(),
+            issued_ns: logs.map(|log| log.issued_ns().to_vec()).collect(),
+            unknowns: unknowns.clone(),
+            z: fit.z.clone(),
+        }
+    }
+
+    fn restored(self, split: &mut Split) -> (Unknowns, Vec<f64>) {
+        split.fitting.replace_conditions(&self.conditions);
+        for (log, issued_ns) in split.fitting.logs.iter_mut().zip(self.issued_ns) {
+            log.set_issued_ns(issued_ns);
+        }
+        (self.unknowns, self.z)
+    }
+}
+
+/// Looks for the clocks of slow loggers as if nothing was known of them, now that the plant is known better, and fits with them; stays
+/// where it is if that leaves no less.
+fn with_clocks_anew(
+    plant: &PlantParameters,
+    split: &mut Split,
+    (unknowns, z): (Unknowns, Vec<f64>),
+    watch: Watch,
+) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
+    let there = forgiving_fitter(&split.fitting, &unknowns).at(z);
+    let there = there.ok_or_else(|| split.not_simulated())?;
+    let before = Assigned::of(split, &unknowns, &there);
+    let open = split
+        .fitting
+        .logs
+        .iter_mut()
+        .filter(|log| log.is_clock_open());
+    open.for_each(|log| log.conditions.clock = None);
+    let anew = with_clocks(plant, split, &unknowns, &there.z);
+    let anew = in_rounds(plant, split, anew, ROUNDS_OF_SLOW_LOGS, watch)?;
+    let cost = forgiving_fitter(&split.fitting, &anew.0).at(anew.1.clone());
+    if cost.is_some_and(|anew| anew.cost < before.cost) {
+        return Ok(anew);
+    }
+    Ok(before.restored(split))
 }
 
 /// Fits from `z` with large errors forgiven.
@@ -261,10 +354,20 @@ fn assigned_anew(
     fitted: &Unknowns,
     z: &[f64],
 ) -> (Unknowns, Vec<f64>) {
-    let there = fitted.plant(z);
     let mut conditions = split.fitting.conditions();
     fitted.conditions(z, &mut conditions);
-    split.fitting.set_conditions(&conditions, &there);
+    split.fitting.set_conditions(&conditions, &fitted.plant(z));
+    with_clocks(plant, split, fitted, z)
+}
+
+/// Looks for clocks that are not known yet with the fitted plant, and for those of slow loggers together with the delay.
+fn with_clocks(
+    plant: &PlantParameters,
+    split: &mut Split,
+    fitted: &Unknowns,
+    z: &[f64],
+) -> (Unknowns, Vec<f64>) {
+    let there = fitted.plant(z);
     let drifts_ppm = split.fitting.drifts_ppm();
     for log in split
         .fitting
@@ -283,6 +386,9 @@ fn assigned_anew(
         },
     );
     let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s, Search::InTurn);
+    let mut with_delay = there;
+    with_delay.ecu.command_delay_s = delay_s.unwrap_or(with_delay.ecu.command_delay_s);
+    let centred_s = centre_slow_clocks(&with_delay, &mut split.fitting, delays_s);
     let unknowns = unknowns_of(plant, &split.fitting);
     let mut next = unknowns.start();
     for ((to, unknown), from) in next.iter_mut().zip(unknowns.list()).zip(z) {
@@ -290,7 +396,7 @@ fn assigned_anew(
             *to = *from;
         }
     }
-    if let Some(delay_s) = delay_s {
+    if let Some(delay_s) = centred_s.or(delay_s) {
         begin_at_delay(&unknowns, &mut next, delay_s);
     }
     (unknowns, next)

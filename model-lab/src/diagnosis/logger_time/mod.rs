@@ -21,7 +21,7 @@ use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
 use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
 pub(crate) use of_one_log::conditions_of;
-pub(crate) use slow::{Search, find_slow_clocks};
+pub(crate) use slow::{Search, centre_slow_clocks, find_slow_clocks};
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...
 const DELAY_REACH_S: f64 = 8e-3;
@@ -170,7 +170,7 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, d
             let phase_s = clock.phase_at_s(log.middle_s()) + apart_s;
             let least_s = TOLD_PHASE_SD * interval_s;
             let sd_s = (EVEN_SD * slack_s).max(least_s);
-            log.known_phase_s = (phase_s, sd_s);
+            (log.known_phase_s, log.is_clock_told) = ((phase_s, sd_s), true);
         }
     }
     find_sampling(plant, log, delay);

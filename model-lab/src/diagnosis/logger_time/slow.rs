@@ -4,11 +4,13 @@
 //! the effect of its command, delay less phase. Clocks that keep this time in the middle of the log are tried: all delays, since the
 //! phase decides which sample of the ECU a row can show, and all drifts, which spread the ends of the log.
 
+use std::ops::Range;
+
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
 use rayon::prelude::*;
 
-use super::{DELAY_STEP_S, DRIFT_MAX_PPM, loss};
+use super::{DELAY_STEP_S, DRIFT_MAX_PPM, EVEN_SD, loss};
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::log::Log;
 
@@ -19,6 +21,9 @@ const DRIFT_REACH_PPM: f64 = 0.6 * DRIFT_MAX_PPM;
 const STEPS_MAX: f64 = 12.0;
 /// A clock is believed if it leaves at most this share of the loss without one.
 const CLEAR: f64 = 0.98;
+
+/// Least standard deviation of a phase that rows and commands show (s).
+const LEAST_PHASE_SD_S: f64 = 0.1e-3;
 
 /// How delay and drifts are searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,6 +141,51 @@ pub(crate) fn find_slow_clocks(
     Some(best.1)
 }
 
+/// Moves the clocks of logs that are no faster than the ECU, and the delay with them, to the middle of what the rows admit: of one
+/// delay and one phase, data show only the difference, but each command was given between two rows. Returns the delay that goes with the
+/// clocks, within `delays_s`; none where there is no such log.
+pub(crate) fn centre_slow_clocks(
+    plant: &PlantParameters,
+    evidence: &mut Evidence,
+    delays_s: (f64, f64),
+) -> Option<f64> {
+    // A log of which the commands tell the clock pins the delay.
+    if evidence.logs.is_empty() || !evidence.logs.iter().all(Log::is_clock_open) {
+        return None;
+    }
+    let there_s = plant.ecu.command_delay_s;
+    let shifts = evidence.logs.iter().flat_map(Log::possible_shifts_s);
+    let delays = delays_s.0 - there_s..delays_s.1 - there_s;
+    let admitted = most_admitted(&shifts.collect::<Vec<_>>(), delays)?;
+    let shift_s = 0.5 * (admitted.start + admitted.end);
+    let sd_s = (EVEN_SD * 0.5 * (admitted.end - admitted.start)).max(LEAST_PHASE_SD_S);
+    let mut there = plant.clone();
+    there.ecu.command_delay_s += shift_s;
+    for log in &mut evidence.logs {
+        let clock = log.conditions.clock?;
+        let (phase_s, drift_ppm) = (clock.phase_s + shift_s, clock.drift_ppm);
+        let clock = LoggerClock { phase_s, drift_ppm }.later(plant.ecu.sample_time_s);
+        log.set_clock(clock, &there);
+        log.known_phase_s = (clock.phase_at_s(log.middle_s()), sd_s);
+    }
+    Some(there.ecu.command_delay_s)
+}
+
+/// The part of `within` in which most of `ranges` are, if any is there.
+fn most_admitted(ranges: &[Range<f64>], within: Range<f64>) -> Option<Range<f64>> {
+    let count = |shift: f64| ranges.iter().filter(|range| range.contains(&shift)).count();
+    let ends = ranges.iter().flat_map(|range| [range.start, range.end]);
+    let mut ends: Vec<f64> = ends
+        .chain([within.start, within.end])
+        .filter(|end| (within.start..=within.end).contains(end))
+        .collect();
+    ends.sort_by(f64::total_cmp);
+    let parts = ends.windows(2).map(|pair| pair[0]..pair[1]);
+    let counted = parts.map(|part| (count(0.5 * (part.start + part.end)), part));
+    let best = counted.rev().max_by_key(|(count, _)| *count)?;
+    (best.0 > 0).then_some(best.1)
+}
+
 /// Drifts to try, the present one among them (ppm).
 fn drifts_ppm(duration_s: f64, there_ppm: f64) -> Vec<f64> {
     let step_ppm = (DRIFT_STEP_S / duration_s * 1e6).max(DRIFT_REACH_PPM / STEPS_MAX);
@@ -149,4 +199,18 @@ fn delays_between((least_s, most_s): (f64, f64)) -> Vec<f64> {
     let parts = ((most_s - least_s) / DELAY_STEP_S).ceil().max(1.0);
     let place = |part: usize| least_s + (part as f64 + 0.5) / parts * (most_s - least_s);
     (0..parts as usize).map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn most_commands_decide_and_one_that_was_assigned_wrong_does_not() {
+        let ranges = [-3.0..1.0, -1.0..2.0, -0.5..4.0, 3.0..5.0];
+        assert_eq!(most_admitted(&ranges, -8.0..8.0), Some(-0.5..1.0));
+        assert_eq!(most_admitted(&ranges, 0.0..8.0), Some(0.0..1.0));
+        assert_eq!(most_admitted(&ranges, 6.0..8.0), None);
+        assert_eq!(most_admitted(&[], -8.0..8.0), None);
+    }
 }

@@ -1,0 +1,196 @@
+//! Commands of a log, each assigned to the sample of the ECU at which it was given.
+
+use std::ops::{Range, RangeInclusive};
+
+use plant_sim::logger_clock::LoggerClock;
+use plant_sim::replay::{Replay, Row};
+use plant_sim::{Command, PlantParameters, Tolerance};
+
+use super::{Log, Run};
+use crate::conditions::Conditions;
+
+/// A command has shown this many PWM periods after it took effect.
+const SHOWS_PERIODS: f64 = 2.0;
+/// A command may have been given this share of a sample time outside of the rows that enclose it: the clock may be slightly wrong.
+const EDGE: f64 = 0.1;
+/// More samples of the ECU than these between two rows are a gap.
+const SAMPLES_MAX: u64 = 20;
+
+impl Log {
+    /// Takes `clock` for the clock of the logger, and by it assigns the command of each row to a sample of the ECU.
+    pub(crate) fn set_clock(&mut self, clock: LoggerClock, parameters: &PlantParameters) {
+        self.conditions.clock = Some(clock);
+        self.issued_ns = self.issued_by(clock, parameters);
+    }
+
+    /// Takes these instants (ns, ECU time), row after row, for those at which the commands were given.
+    pub(crate) fn set_issued_ns(&mut self, issued_ns: Vec<u64>) {
+        self.issued_ns = issued_ns;
+    }
+
+    /// Of each row, the instant (ns, ECU time) at which its command was given if the logger has `clock`. Where several samples of the
+    /// ECU lie between two rows, the one that explains the next rows best, by the model.
+    pub(super) fn issued_by(&self, clock: LoggerClock, parameters: &PlantParameters) -> Vec<u64> {
+        let sample_time_ns = parameters.ecu.sample_time_ns();
+        let interval_ns = (self.interval_s * 1e9) as u64;
+        let sample = |row| clock.ecu_sample(self.log_ns(row), interval_ns, sample_time_ns);
+        let mut issued_ns: Vec<u64> = (0..self.inputs.len())
+            .map(|row| sample_time_ns * sample(row))
+            .collect();
+        self.assign_first_by_model(clock, parameters, &mut issued_ns);
+        if self.is_slow() {
+            self.assign_by_model(clock, parameters, &mut issued_ns);
+        }
+        issued_ns
+    }
+
+    /// Assigns the command of the first row, which no row before encloses: to the last sample of the ECU before the row, or to that
+    /// since the beginning that explains the rows until it shows better.
+    fn assign_first_by_model(
+        &self,
+        clock: LoggerClock,
+        parameters: &PlantParameters,
+        issued_ns: &mut [u64],
+    ) {
+        let (Some(first), Some(issued)) = (self.inputs.first(), issued_ns.first_mut()) else {
+            return;
+        };
+        let sample_time_ns = parameters.ecu.sample_time_ns();
+        let slack_ns = (EDGE * sample_time_ns as f64) as u64;
+        let row_ns = clock.ecu_time_ns(0);
+        *issued = row_ns / sample_time_ns * sample_time_ns;
+        let is_at_rest = first.command.is_none_or(|one| one == Command::default());
+        if is_at_rest || self.start.is_filled {
+            return;
+        }
+        let conditions = Conditions {
+            clock: Some(clock),
+            ..self.conditions
+        };
+        let until = self.rows_until_shown(0, parameters);
+        let samples = (0..=(row_ns + slack_ns) / sample_time_ns).rev();
+        let tried = samples.map(|sample| {
+            let replay = self.begin(parameters, &conditions, Tolerance::default());
+            let mut trial = issued_ns[..until].to_vec();
+            trial[0] = sample * sample_time_ns;
+            (self.loss(replay, 0..until, &conditions, &trial), trial[0])
+        });
+        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, best_ns)) = best {
+            issued_ns[0] = best_ns;
+        }
+    }
+
+    /// The first row behind those in which the command of `row` may show.
+    fn rows_until_shown(&self, row: usize, parameters: &PlantParameters) -> usize {
+        let shows_s =
+            parameters.ecu.command_delay_s + SHOWS_PERIODS / parameters.ecu.pwm_frequency_hz;
+        let rows = (shows_s / self.interval_s).ceil() as usize + 1;
+        (row + rows).min(self.inputs.len())
+    }
+
+    /// What the model leaves in `rows` from the state of `replay` on, if their commands were given at `issued_ns`.
+    fn loss(
+        &self,
+        mut replay: Replay,
+        rows: Range<usize>,
+        conditions: &Conditions,
+        issued_ns: &[u64],
+    ) -> f64 {
+        let errors = rows.zip(issued_ns).map(|(row, &issued_ns)| {
+            let timing = (conditions, Some(issued_ns));
+            self.step(&mut replay, row, timing, Run::Predicted)
+                .map_or(f64::INFINITY, |values| self.square_error(&values, row))
+        });
+        errors.sum()
+    }
+
+    /// Assigns each change of the commands to the sample of the ECU between its two rows that explains the rows until it shows best.
+    fn assign_by_model(
+        &self,
+        clock: LoggerClock,
+        parameters: &PlantParameters,
+        issued_ns: &mut [u64],
+    ) {
+        let sample_time_ns = parameters.ecu.sample_time_ns();
+        let conditions = Conditions {
+            clock: Some(clock),
+            ..self.conditions
+        };
+        let mut replay = self.begin(parameters, &conditions, Tolerance::default());
+        for row in 0..self.inputs.len() {
+            let samples = self.possible_samples(row, clock, sample_time_ns);
+            if let Some(samples) = samples.filter(|samples| samples.end() > samples.start()) {
+                let until = self.rows_until_shown(row, parameters);
+                let loss = |sample: u64| {
+                    let mut trial = issued_ns[row..until].to_vec();
+                    trial[0] = sample * sample_time_ns;
+                    self.loss(replay.clone(), row..until, &conditions, &trial)
+                };
+                let tried = samples.map(|sample| (loss(sample), sample));
+                let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+                if let Some((_, sample)) = best {
+                    issued_ns[row] = sample * sample_time_ns;
+                }
+            }
+            let timing = (&conditions, Some(issued_ns[row]));
+            if self
+                .step(&mut replay, row, timing, Run::Predicted)
+                .is_none()
+            {
+                return;
+            }
+        }
+    }
+
+    /// Samples of the ECU at which the command of `row` may have been given first: those since the row before, and a little more,
+    /// for the clock may be slightly wrong. None where the command does not change, and in a gap.
+    fn possible_samples(
+        &self,
+        row: usize,
+        clock: LoggerClock,
+        sample_time_ns: u64,
+    ) -> Option<RangeInclusive<u64>> {
+        let before = row.checked_sub(1)?;
+        let command = self.inputs[row].command?;
+        if Some(command) == self.inputs[before].command {
+            return None;
+        }
+        let slack_ns = (EDGE * sample_time_ns as f64) as u64;
+        let before_ns = clock.ecu_time_ns(self.log_ns(before));
+        let until_ns = clock.ecu_time_ns(self.log_ns(row)) + slack_ns;
+        let first = before_ns.saturating_sub(slack_ns) / sample_time_ns + 1;
+        let last = until_ns / sample_time_ns;
+        (last.saturating_sub(first) <= SAMPLES_MAX).then_some(first..=last)
+    }
+
+    /// Sum of the squared residuals of a predicted row.
+    fn square_error(&self, values: &Row, row: usize) -> f64 {
+        let errors = self.channels.iter().map(|channel| {
+            let error = channel.values[row] - values[channel.column];
+            error / self.floor(channel, Run::Predicted, row)
+        });
+        errors
+            .filter(|error| error.is_finite())
+            .map(|error| error * error)
+            .sum()
+    }
+
+    /// For each change of the commands, by which times (s) the clock of the logger may be later than it is such that the command was
+    /// given between the row before and the row that shows it.
+    pub(crate) fn possible_shifts_s(&self) -> Vec<Range<f64>> {
+        let Some(clock) = self.conditions.clock else {
+            return Vec::new();
+        };
+        let rows = (1..self.inputs.len()).filter(|&row| {
+            let command = self.inputs[row].command;
+            command.is_some() && command != self.inputs[row - 1].command
+        });
+        let shifts = rows.map(|row| {
+            let ecu_s = |row| clock.ecu_time_ns(self.log_ns(row)) as f64 * 1e-9;
+            let issued_s = self.issued_ns[row] as f64 * 1e-9;
+            issued_s - ecu_s(row)..issued_s - ecu_s(row - 1)
+        });
+        shifts.collect()
+    }
+}
