@@ -82,7 +82,7 @@ pub(crate) enum Command {
     Calibrate(CalibrateArgs),
     /// The measured figures of the thesis beside the simulated ones
     Thesis(ThesisArgs),
-    /// The parameters of a plant file: value, unit, range, meaning, where the value comes from
+    /// The parameters of a plant file: value, unit, range, meaning, how well it is known, where it comes from
     Parameters(ParametersArgs),
     /// The settings of a controller file: value and meaning
     Settings(SettingsArgs),
@@ -242,7 +242,8 @@ pub(crate) struct ThesisArgs {
 #[command(after_help = "\
 Examples:
   retarder parameters
-  retarder parameters --toml > my-plant.toml
+  retarder parameters --toml > my-plant.toml      a file to start from, which asks how well you know each value
+  retarder parameters --plant my-plant.toml
   retarder parameters --plant my-plant.toml --set coil.resistance_20c_ohm=80 --toml > warmer.toml")]
 pub(crate) struct ParametersArgs {
     #[command(flatten)]

@@ -6,9 +6,10 @@ use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory as _;
 use model_lab::CompareOptions;
+use model_lab::diagnosis::asking_plant_file;
 use model_lab::diagnosis::next_experiment::Limits;
 use plant_sim::effects::by_id;
-use plant_sim::parameters::Part;
+use plant_sim::parameters::{NOMINAL_PLANT_TOML, Part};
 use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
@@ -107,12 +108,14 @@ impl Task {
             Some(Command::Parameters(args)) => {
                 let is_untouched = args.plant.plant.is_none() && args.plant.set.is_empty();
                 let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
-                match (args.toml.toml, is_untouched) {
-                    (true, true) => {
-                        Work::Text(plant_sim::parameters::NOMINAL_PLANT_TOML.to_owned())
-                    }
-                    (true, false) => Work::Text(plant.parameters.to_toml()),
-                    (false, _) => Work::Parameters(plant),
+                if args.toml.toml {
+                    let text = match is_untouched {
+                        true => NOMINAL_PLANT_TOML.to_owned(),
+                        false => plant.parameters.to_toml(),
+                    };
+                    Work::Text(asking_plant_file(&text, &plant.parameters))
+                } else {
+                    Work::Parameters(plant)
                 }
             }
             Some(Command::Settings(args)) => {

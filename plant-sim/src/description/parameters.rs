@@ -193,6 +193,9 @@ impl PlantParameters {
             .provenance
             .retain(|name, _| !name.starts_with(&prefix));
         plant
+            .knowledge
+            .retain(|name, _| !name.starts_with(&prefix));
+        plant
     }
 
     /// To be filled from a file. What stays is what a plant without the part has around it: air at the standard

@@ -256,7 +256,7 @@ fn a_manoeuvre_without_a_distance_is_not_ranked() {
     };
     let tried = |distance: fn(&Sequence) -> Result<f64, Unseen>| {
         let names = ["failed", "poor", "good"];
-        ranked(names.map(sequence).into(), &go_on, distance)
+        ranked(names.map(sequence).into(), &go_on, distance, falling)
     };
     let found = tried(|sequence| match sequence.name {
         "failed" => Err(Unseen::NotSimulated),
