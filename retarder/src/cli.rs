@@ -69,7 +69,7 @@ pub(crate) enum Command {
     Diagnose(DiagnoseArgs),
     /// Estimate the parameters of a plant from bench logs, or add effects to it
     Refine(RefineArgs),
-    /// Plan the experiment that tells rival effects apart
+    /// Plan the experiment that tells rival effects apart, or that determines parameters
     NextExperiment(NextExperimentArgs),
     /// Run the closed loop on the model and judge it by the thesis' requirements
     Control(ControlArgs),
@@ -356,6 +356,8 @@ pub(crate) enum SchemaName {
     Control,
     /// retarder.device/1, of `control --dut`
     Device,
+    /// retarder.determining-experiment/1, of `next-experiment --determine`
+    DeterminingExperiment,
     /// retarder.diagnosis/1, of `diagnose`
     Diagnosis,
     /// retarder.estimation/1, of `refine` without --add

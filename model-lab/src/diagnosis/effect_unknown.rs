@@ -70,9 +70,7 @@ impl EffectUnknown {
 
     /// Whether its coordinate is a logarithm.
     pub(crate) fn is_log(&self) -> bool {
-        self.spec
-            .size
-            .is_some_and(|size| size.scale == Scale::Log)
+        self.spec.size.is_some_and(|size| size.scale == Scale::Log)
     }
 
     /// Whether it is the strength of the effect.

@@ -413,8 +413,7 @@ impl Unknown {
     /// Least and largest coordinate that a plant may have: a difference may look beyond a tolerance.
     pub(crate) fn range(&self) -> (f64, f64) {
         match self {
-            Self::Nuisance(Nuisance { spec, .. })
-            | Self::Effect(EffectUnknown { spec, .. }) => (
+            Self::Nuisance(Nuisance { spec, .. }) | Self::Effect(EffectUnknown { spec, .. }) => (
                 self.coordinate_of(spec.range.0),
                 self.coordinate_of(spec.range.1),
             ),

@@ -7,9 +7,14 @@ use super::number::significant;
 use super::table::{Align, Table, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::diagnose::EstimatedPlant;
+use crate::targets::Targets;
 
 /// The errors before and after, and every parameter.
-pub(super) fn estimation(estimated: &EstimatedPlant, terminal: &Terminal) -> String {
+pub(super) fn estimation(
+    estimated: &EstimatedPlant,
+    targets: &Targets,
+    terminal: &Terminal,
+) -> String {
     let found = &estimated.estimated.estimation;
     let plant = &estimated.task.plant.name;
     let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
@@ -22,7 +27,14 @@ pub(super) fn estimation(estimated: &EstimatedPlant, terminal: &Terminal) -> Str
     text += "\n";
     text += &parameters(&found.parameters, terminal);
     text += "\n";
-    text + &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal)
+    text += &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal);
+    if let Some(plant) = &targets.plant {
+        text += "\nNext:\n";
+        for (command, reason) in estimated.next_commands(plant) {
+            text += &format!("  {command}    # {reason}\n");
+        }
+    }
+    text
 }
 
 fn errors(estimated: &EstimatedPlant, terminal: &Terminal) -> String {

@@ -4,6 +4,8 @@
 //! `stages` has the fit; `determination` says what the logs tell of each parameter; `result` is the answer.
 
 mod determination;
+#[cfg(test)]
+mod effect_tests;
 mod result;
 mod stages;
 #[cfg(test)]

@@ -168,7 +168,9 @@ impl Foresight<'_> {
         let log = made(self.plant, sequence, &self.noises).ok_or(Unseen::NotSimulated)?;
         let evidence = gather(self.plant, [&log]).map_err(|_| Unseen::NotSimulated)?;
         let fitter = Fitter::accurate(&evidence, &self.unknowns);
-        let mut fit = fitter.at(self.unknowns.start()).ok_or(Unseen::NotSimulated)?;
+        let mut fit = fitter
+            .at(self.unknowns.start())
+            .ok_or(Unseen::NotSimulated)?;
         fitter
             .differentiate(&mut fit, 0, Difference::Fine)
             .ok_or(Unseen::NotSimulated)?;
@@ -177,7 +179,11 @@ impl Foresight<'_> {
         let list = self.unknowns.list();
         for a in 0..list.len() {
             for b in 0..list.len() {
-                let known = if a == b { list[a].prior_sd().powi(-2) } else { 0.0 };
+                let known = if a == b {
+                    list[a].prior_sd().powi(-2)
+                } else {
+                    0.0
+                };
                 curvature[(a, b)] = (curvature[(a, b)] - known) / self.memory + known;
             }
             if list[a].prior_sd().is_infinite() {

@@ -1,6 +1,6 @@
 use core::ops::ControlFlow;
 
-use plant_sim::parameters::ParameterSpec;
+use plant_sim::parameters::{Knowledge, ParameterSpec};
 use plant_sim::valve::ValveFunction;
 use recording::csv;
 
@@ -169,6 +169,23 @@ fn an_effect_that_was_not_excited_gets_a_manoeuvre() {
         "{:?}",
         next.ranking
     );
+}
+
+/// The better the flows are known, the less of a restriction they can imitate.
+#[test]
+fn what_the_plant_file_knows_is_not_refitted_by_a_rival() {
+    let best = |knowledge| {
+        let mut plant = PlantParameters::nominal();
+        for name in ["flow.discharge_fill", "flow.discharge_vent"] {
+            plant.knowledge.insert(name.to_owned(), knowledge);
+        }
+        let log = poor_log(PlantParameters::nominal());
+        let question = Question::For("series_restriction");
+        let next = next_experiment(&plant, &[log], question, LIMITS, &go_on).unwrap();
+        next.ranking[0].distance
+    };
+    let [exact, open] = [Knowledge::Exact, Knowledge::TolerancePct(40.0)].map(best);
+    assert!(exact > 1.5 * open, "{exact} {open}");
 }
 
 #[test]
