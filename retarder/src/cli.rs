@@ -4,11 +4,12 @@ mod device;
 mod diagnosis;
 mod next_experiment;
 mod report;
+mod schema;
 
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 use hil_harness::scenario::BUILT_IN;
 
@@ -21,6 +22,7 @@ pub(crate) use device::{
 pub(crate) use diagnosis::{DiagnoseArgs, Freed, KnowledgeArgs, LogsArgs, RefineArgs};
 pub(crate) use next_experiment::NextExperimentArgs;
 pub(crate) use report::{ReportArgs, ReportPart};
+pub(crate) use schema::SchemaName;
 
 /// Model-based control of two on/off solenoid valves: simulate the plant, hold the model against a bench log, close
 /// the loop.
@@ -343,37 +345,6 @@ pub(crate) struct TomlArg {
     /// Print a file to start from
     #[arg(long)]
     pub(crate) toml: bool,
-}
-
-/// A result with a JSON form.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SchemaName {
-    /// retarder.black-box/1, of `blackbox`
-    BlackBox,
-    /// retarder.comparison/1, of `compare`
-    Comparison,
-    /// retarder.control/1, of `control`
-    Control,
-    /// retarder.device/1, of `control --dut`
-    Device,
-    /// retarder.determining-experiment/1, of `next-experiment --determine`
-    DeterminingExperiment,
-    /// retarder.diagnosis/1, of `diagnose`
-    Diagnosis,
-    /// retarder.estimation/1, of `refine` without --add
-    Estimation,
-    /// retarder.refinement/1, of `refine --add`
-    Refinement,
-    /// retarder.next-experiment/1, of `next-experiment`
-    NextExperiment,
-    /// retarder.rigs/1, of `control --rigs`
-    Rigs,
-    /// retarder.simulation/1, of `simulate`
-    Simulation,
-    /// retarder.thesis/1, of `thesis`
-    Thesis,
-    /// retarder.thesis-explanation/1, of `thesis --explain`
-    ThesisExplanation,
 }
 
 /// `name=number`.

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use recording::{Provenance, Recording, TimeBase, Unit, csv, mf4};
 
+use crate::next_experiment::experiment_proposed_by;
 use crate::runner::{Bench, assert_contains, beginning_of};
 use crate::schemas::keep_example;
 
@@ -183,42 +184,6 @@ fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
         &bench.run(&diagnose).ended_with(0),
         &["Nothing detectable is missing"],
     );
-}
-
-/// The experiment that a refinement proposes for what it left open is planned for just that.
-fn experiment_proposed_by(bench: &Bench, refined: &str) {
-    let mut lines = refined.lines().map(str::trim_start);
-    let line = lines.find(|line| line.starts_with("retarder next-experiment "));
-    let command = line.unwrap().split("    #").next().unwrap();
-    assert_contains(
-        command,
-        &[
-            "--plant fitted.toml --log bench.csv --determine ",
-            "--out next.csv",
-        ],
-    );
-    let open: Vec<&str> = command
-        .split(" --determine ")
-        .skip(1)
-        .map(|rest| rest.split(' ').next().unwrap())
-        .collect();
-    let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
-    arguments.extend(["--duration", "6"]);
-    let planned = bench.run(&arguments);
-    assert!(planned.status < 2, "{}", planned.err);
-    assert_contains(&planned.out, &open);
-    assert_contains(
-        &bench.read("next.csv"),
-        &["time_s,duty_fill_pct,duty_vent_pct"],
-    );
-    for name in open {
-        let is_row = |line: &&str| line.starts_with(&name[..name.len().min(20)]);
-        let row = planned.out.lines().find(is_row).unwrap();
-        assert!(
-            row.ends_with("determined") || row.ends_with("open"),
-            "{row}"
-        );
-    }
 }
 
 #[test]

@@ -433,19 +433,6 @@ fn options() {
             &[&format!("{found} is not above 0 and at most {most}")],
         );
     }
-    for (key, expected) in [
-        (
-            "chamber.volume",
-            "has no parameter or table `chamber.volume`",
-        ),
-        (
-            "armature.stroke_m",
-            "`armature.stroke_m` = 0.0005 m counts as exact",
-        ),
-    ] {
-        let plan = [&log_of("next-experiment", &log)[..], &["--determine", key]].concat();
-        check(&bench, &plan, &[expected]);
-    }
     check(&bench, &["simulte"], &["simulte", "simulate"]);
     check(&bench, &["compare"], &["--log <FILE>"]);
 }
