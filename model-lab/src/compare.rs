@@ -259,6 +259,16 @@ impl Lab<'_> {
             .chain([cells]);
         let placements = placements.collect();
         let compared_samples = free.iter().filter(|error| !error.is_nan()).count();
+        let holds = limit.map(|limit| free_run.rms <= limit);
+        let mut finding = find(&dimensions, &features, local, horizon);
+        let short_is_noise = |short: &Excess| !short.is_significant();
+        let is_only_added_up = short_excess.as_ref().is_some_and(short_is_noise);
+        if is_only_added_up && holds == Some(false) {
+            finding.sentence = format!(
+                "{}; in free run it adds up, and where it is says nothing of its cause",
+                finding.sentence
+            );
+        }
         let compared = SignalComparison {
             name: signal.name.to_owned(),
             unit: signal.error_unit.symbol().to_owned(),
@@ -269,14 +279,14 @@ impl Lab<'_> {
             time_offset: self.time_offset(signal),
             limit,
             limit_from,
-            holds: limit.map(|limit| free_run.rms <= limit),
+            holds,
             free_run,
             regimes: dimensions
                 .iter()
                 .map(|dimension| shares(dimension, short_excess.as_ref(), &free_excess))
                 .collect(),
             error_map,
-            finding: find(&dimensions, &features, local, horizon),
+            finding,
         };
         (compared, placements)
     }

@@ -46,6 +46,8 @@ impl Conditions {
 pub struct LogConditions {
     pub(crate) conditions: Conditions,
     pub(crate) clock_source: ClockSource,
+    /// Least and largest drift of the clock (ppm) that the logged commands admit, where the plant was not fitted and they leave it open.
+    pub(crate) admitted_drifts_ppm: Option<(f64, f64)>,
     /// Whether the log begins with a filled chamber.
     pub(crate) begins_filled: bool,
     /// Of the first rows, the instant (ns, ECU time) at which their command was given; the clock alone tells that of others.
@@ -88,7 +90,7 @@ impl LogConditions {
             source,
             clock,
             sample_time_s,
-            self.clock_source,
+            (self.clock_source, self.admitted_drifts_ppm),
         ))
     }
 

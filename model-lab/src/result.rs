@@ -222,6 +222,9 @@ pub struct FoundClock {
     /// What it was found from.
     #[serde(default)]
     pub source: ClockSource,
+    /// Least and largest drift (ppm) that the logged commands admit, where the plant was not fitted and they leave it open.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub admitted_drifts_ppm: Option<(f64, f64)>,
     /// All of it in words, without a full stop.
     #[serde(default)]
     pub statement: String,
@@ -244,18 +247,24 @@ impl FoundClock {
         log: &str,
         clock: LoggerClock,
         sample_time_s: f64,
-        source: ClockSource,
+        (source, admitted_drifts_ppm): (ClockSource, Option<(f64, f64)>),
     ) -> Self {
         let phase_s = clock.phase_s.rem_euclid(sample_time_s);
+        let drift = |drift_ppm: f64| {
+            let side = if drift_ppm > 0.0 { "slow" } else { "fast" };
+            format!("{:.1} ppm {side}", drift_ppm.abs())
+        };
+        let runs = match admitted_drifts_ppm {
+            None => format!("the clock runs {}", drift(clock.drift_ppm)),
+            Some((least, most)) => format!(
+                "the clock runs {} to {}: only a fitted plant narrows this",
+                drift(least),
+                drift(most)
+            ),
+        };
         let statement = format!(
-            "clock of the logger: the first row lies {:.2} ms behind a sample of the ECU, and the clock runs {:.1} ppm {}; found {}",
+            "clock of the logger: the first row lies {:.2} ms behind a sample of the ECU, and {runs}; found {}",
             1e3 * phase_s,
-            clock.drift_ppm.abs(),
-            if clock.drift_ppm > 0.0 {
-                "slow"
-            } else {
-                "fast"
-            },
             match source {
                 ClockSource::Commands => "from the logged commands",
                 ClockSource::Model => "with the model",
@@ -266,6 +275,7 @@ impl FoundClock {
             phase_s,
             drift_ppm: clock.drift_ppm,
             source,
+            admitted_drifts_ppm,
             statement,
         }
     }

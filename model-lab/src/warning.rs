@@ -130,8 +130,31 @@ fn absolute(parameters: &PlantParameters, log: &Recording, pressure: &[f64]) -> 
 
 /// No sensor is wrong by this factor.
 const ABOVE_SUPPLY: f64 = 1.5;
+/// More samples than this share are no fault of a logger.
+const NO_GLITCH: f64 = 0.1;
 /// Sizes of units of pressure that are taken for one another (bar), largest first.
 const UNITS_BAR: [(&str, f64); 3] = [("psi", 0.068_947_57), ("kPa", 0.01), ("mbar", 0.001)];
+
+/// The highest pressure (bar gauge) that a sensor of the plant can show; none without a supply.
+fn highest_bar(parameters: &PlantParameters) -> Option<f64> {
+    let supply = parameters.gas.supply_pressure_bar_gauge;
+    let has_supply = parameters.functions[FILL] != ValveFunction::Absent;
+    (has_supply && supply > 0.0).then_some(ABOVE_SUPPLY * supply)
+}
+
+/// Says that `pressure` (bar gauge) is one that the plant cannot have, for more than a glitch: no fit makes anything of it.
+pub(crate) fn out_of_reach(
+    parameters: &PlantParameters,
+    log: &Recording,
+    pressure: &[f64],
+) -> Option<String> {
+    let highest = highest_bar(parameters)?;
+    let above = present(pressure).filter(|&value| value > highest).count();
+    if above as f64 <= NO_GLITCH * present(pressure).count() as f64 {
+        return None;
+    }
+    above_supply(parameters, log, pressure).map(|warning| warning.statement)
+}
 
 fn above_supply(
     parameters: &PlantParameters,
@@ -139,9 +162,8 @@ fn above_supply(
     pressure: &[f64],
 ) -> Option<Warning> {
     let supply = parameters.gas.supply_pressure_bar_gauge;
-    let has_supply = parameters.functions[FILL] != ValveFunction::Absent;
     let largest = present(pressure).fold(0.0, f64::max);
-    if !has_supply || supply <= 0.0 || largest <= ABOVE_SUPPLY * supply {
+    if largest <= highest_bar(parameters)? {
         return None;
     }
     let unit = UNITS_BAR
@@ -348,5 +370,31 @@ mod tests {
             warning.statement.contains("in psi, which makes"),
             "{warning:?}"
         );
+    }
+
+    #[test]
+    fn a_log_out_of_reach_is_not_fitted_but_one_with_a_glitch_is() {
+        let log = Bench::default().measure();
+        let plant = PlantParameters::nominal();
+        let refused = |log: &Recording| crate::diagnosis::remaining(&plant, &[log.clone()]).err();
+        let psi = changed(&log, |name, value| match name {
+            "p_ch" => ("p_ch", value * 14.504),
+            other => (named(other), value),
+        });
+        let error = refused(&psi).expect("it is refused").to_string();
+        assert!(
+            error.starts_with("changed: p_ch reaches") && error.contains("in psi, which makes"),
+            "{error}"
+        );
+        let count = core::cell::Cell::new(0);
+        let glitch = changed(&log, |name, value| match name {
+            "p_ch" => {
+                count.set(count.get() + 1);
+                let is_glitch = count.get() == 100;
+                ("p_ch", if is_glitch { 140.0 } else { value })
+            }
+            other => (named(other), value),
+        });
+        assert_eq!(refused(&glitch), None);
     }
 }

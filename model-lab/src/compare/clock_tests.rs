@@ -93,6 +93,17 @@ fn a_logger_with_a_clock_of_its_own_is_compared_at_its_noise() {
         "{:?}",
         in_noise(&comparison)
     );
+    // Rows 5 ms apart leave a drift open that moves the end of the log by milliseconds.
+    let clock = comparison.clock.unwrap();
+    let (least, most) = clock.admitted_drifts_ppm.unwrap();
+    assert!(
+        least < OFF_GRID.drift_ppm && OFF_GRID.drift_ppm < most,
+        "{clock:?}"
+    );
+    assert!(
+        clock.statement.contains("only a fitted plant narrows this"),
+        "{clock:?}"
+    );
 }
 
 /// A logger as slow as the ECU says nothing of its clock but through the model.

@@ -578,3 +578,21 @@ fn round(value: &mut Value) {
         _ => {}
     }
 }
+
+/// "FAILS" stood above "the error is within the noise".
+#[test]
+fn an_error_that_only_adds_up_is_said_to_do_so() {
+    let bench = Bench {
+        leak_per_s: 0.003,
+        ..Bench::default()
+    };
+    let log = bench.measure();
+    let comparison = compare(&bench.plant, &log, &CompareOptions::default()).unwrap();
+    let pressure = &comparison.signals[0];
+    assert_eq!(pressure.holds, Some(false));
+    assert_eq!(
+        pressure.finding.sentence,
+        "one step ahead, the error is within the noise: there is no excess to place; in free run it adds up, and where it is says \
+         nothing of its cause"
+    );
+}

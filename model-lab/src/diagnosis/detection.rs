@@ -30,9 +30,7 @@ pub(crate) fn detection_limit(
     let not_excited = || DetectionLimit::NotExcited {
         manoeuvre: effect.effect().about().excited_by.to_owned(),
     };
-    let mut effects = base.effects.clone();
-    effects.push(effect.clone());
-    let unknowns = Unknowns::new(bench.plant, &effects, &bench.fitting.logs);
+    let unknowns = base.unknowns.clone().with_effect(effect);
     let own = &unknowns.list()[base.unknowns.len()..];
     let mut size = FIRST_SIZE;
     for _ in 0..=CORRECTIONS {

@@ -42,6 +42,14 @@ pub enum DiagnoseError {
         /// Source of the log.
         log: String,
     },
+    /// The pressure is one that the plant cannot have.
+    #[error("{log}: {statement}")]
+    PressureOutOfReach {
+        /// Source of the log.
+        log: String,
+        /// What is wrong, and what to do.
+        statement: String,
+    },
     /// The plain plant cannot be simulated on the log.
     #[error(
         "the plant cannot be simulated on {log} in a bounded number of steps; check the plant file with `retarder simulate`"

@@ -107,8 +107,13 @@ impl Evidence {
     pub(crate) fn take_conditions(&mut self, unknowns: &Unknowns, z: &[f64]) {
         let mut conditions = self.conditions();
         unknowns.conditions(z, &mut conditions);
+        self.replace_conditions(&conditions);
+    }
+
+    /// Takes these conditions for those of the logs; the commands stay assigned as they are.
+    pub(crate) fn replace_conditions(&mut self, conditions: &[Conditions]) {
         for (log, conditions) in self.logs.iter_mut().zip(conditions) {
-            log.conditions = conditions;
+            log.conditions = *conditions;
         }
     }
 

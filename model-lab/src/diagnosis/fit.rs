@@ -403,8 +403,9 @@ impl<'a> Fitter<'a> {
             for (a, &n) in free.iter().enumerate() {
                 let (least, most) = bounds[n];
                 let longest = self.loss.longest_step();
-                let low = (least - fit.z[n]).max(-longest);
-                let high = (most - fit.z[n]).min(longest);
+                // A fit may begin outside of the bounds: it steps towards them.
+                let low = (least - fit.z[n]).clamp(-longest, longest);
+                let high = (most - fit.z[n]).clamp(-longest, longest);
                 step[n] = solution[a].clamp(low, high);
                 if step[n] != solution[a] {
                     outside.push(n);
@@ -487,5 +488,20 @@ mod tests {
         let from = fit([0.0, 1.0], [4.0, 5.0, 6.0], &columns);
         let to = fit([0.05, 1.05], [4.1, 4.9, 6.2], &[]);
         assert_eq!(from.clone().moved_to(to).jacobian, from.jacobian);
+    }
+
+    /// A log that began filled left such a point, and the step from it panicked.
+    #[test]
+    fn a_fit_that_begins_outside_of_its_bounds_steps_towards_them() {
+        let plant = plant_sim::PlantParameters::nominal();
+        let log = crate::bench::Bench::default().measure();
+        let evidence = super::super::gather::gather(&plant, [&log]).unwrap();
+        let unknowns = Unknowns::new(&plant, &[], &evidence.logs);
+        let fitter = Fitter::new(&evidence, &unknowns);
+        let mut outside = fitter.at(unknowns.start()).unwrap();
+        outside.z.fill(4.0);
+        outside.jacobian = vec![vec![0.0; outside.residuals.len()]; unknowns.len()];
+        let (z, _) = fitter.step(&outside, 0.0);
+        assert!(z.iter().all(|&z| z <= 4.0 - 1.4), "{z:?}");
     }
 }

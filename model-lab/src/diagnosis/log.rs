@@ -19,7 +19,7 @@ use crate::error::CompareError;
 use crate::log_start::LogStart;
 use crate::measured::{Measured, PRESSURE, Restart, WEIGHED, measured_signals, start};
 use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
-use crate::warning::warnings;
+use crate::warning::{out_of_reach, warnings};
 
 /// Rows closer than this (s) show a current of an instant; those further apart may show means.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
@@ -113,6 +113,14 @@ impl Read {
         commands.gaps.shorten(&mut inputs);
         let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
         not_compared.retain(|signal| WEIGHED.contains(&signal.name.as_str()));
+        let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
+        let values = pressure.map_or(&[][..], |pressure| &pressure.values);
+        if let Some(statement) = out_of_reach(parameters, log, values) {
+            return Err(DiagnoseError::PressureOutOfReach {
+                log: log.provenance().source.clone(),
+                statement,
+            });
+        }
         Ok(Self {
             warnings: warnings(parameters, log, &commands, &measured),
             interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
@@ -358,6 +366,7 @@ impl Log {
                 true => ClockSource::Commands,
                 false => ClockSource::Model,
             },
+            admitted_drifts_ppm: None,
             begins_filled: self.begins_filled(),
             issued_ns: match self.is_slow() {
                 true => self.issued_ns.clone(),

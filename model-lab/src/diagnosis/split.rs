@@ -120,10 +120,7 @@ impl Split {
     /// Takes the conditions that were fitted with `last` for those of the logs.
     pub(super) fn take_conditions(&mut self, last: &Trial) {
         self.fitting.take_conditions(&last.unknowns, &last.fit.z);
-        let logs = self.checking.logs.iter_mut();
-        for (log, conditions) in logs.zip(&last.checked_conditions) {
-            log.conditions = *conditions;
-        }
+        self.checking.replace_conditions(&last.checked_conditions);
     }
 
     fn exchanged(self) -> Self {
@@ -200,12 +197,18 @@ impl Split {
             return None;
         }
         let mut plant = best.plant();
+        let before = [&self.fitting, &self.checking].map(Evidence::conditions);
         self.take_conditions(best);
         let reach_s = 0.5 * plant.ecu.sample_time_s;
         let there_s = plant.ecu.command_delay_s;
         let delays_s = ((there_s - reach_s).max(0.0), there_s + reach_s);
         let fitting = &mut self.fitting;
-        let delay_s = find_slow_clocks(&plant, fitting, delays_s, Search::Together)?;
+        let delay_s = find_slow_clocks(&plant, fitting, delays_s, Search::Together);
+        let Some(delay_s) = delay_s else {
+            self.fitting.replace_conditions(&before[0]);
+            self.checking.replace_conditions(&before[1]);
+            return None;
+        };
         if !self.checking.is_rest_of_fitted {
             let delays_s = (delay_s, delay_s);
             find_slow_clocks(&plant, &mut self.checking, delays_s, Search::Together);

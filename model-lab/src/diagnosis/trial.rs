@@ -76,9 +76,9 @@ impl Bench<'_> {
     /// The most promising of several sizes and shapes of `effect` on top of `base`; none where nothing of it can be
     /// simulated.
     pub(crate) fn sketch(&self, base: &Trial, effect: EffectSetting) -> Option<Sketch> {
+        let unknowns = base.unknowns.clone().with_effect(&effect);
         let mut effects = base.effects.clone();
         effects.push(effect);
-        let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
         let start = most_promising(&Fitter::new(self.fitting, &unknowns), &base.fit)?;
         Some(Sketch {
             promised_gain: base.fit.cost - start.promised,
@@ -127,10 +127,8 @@ impl Bench<'_> {
             .filter(|effect| effect.id() != id)
             .cloned()
             .collect();
-        let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
-        let there = trial.unknowns.list().iter().zip(&trial.fit.z);
-        let kept = there.filter(|(unknown, _)| unknown.effect_id() != Some(id));
-        let z = kept.map(|(_, &z)| z).collect();
+        let (unknowns, kept) = trial.unknowns.without_effect(id);
+        let z = kept.into_iter().map(|n| trial.fit.z[n]).collect();
         let fitter = Fitter::new(self.fitting, &unknowns);
         let fit = fitter.descend(fitter.at(z)?, Descent::Whole)?;
         let mut without = self.judge(effects, unknowns, fit)?;
@@ -332,6 +330,38 @@ mod tests {
         assert!(poor.is_preferred_to(&bent) && !bent.is_preferred_to(&poor));
         assert!(good.is_preferred_to(&poor) && !poor.is_preferred_to(&good));
         assert!(bent.is_preferred_to(&worse) && !worse.is_preferred_to(&bent));
+    }
+
+    /// The coordinates of a trial were taken for displacements from conditions that the logs were given later.
+    #[test]
+    fn an_effect_on_top_of_a_trial_keeps_the_conditions_of_the_trial() {
+        let rig = Rig {
+            initial_bar: 4.0,
+            ..Rig::default()
+        };
+        let mut evidence = gather(&rig.plant, [&rig.measure()]).unwrap();
+        fn bench<'a>(plant: &'a PlantParameters, evidence: &'a Evidence) -> Bench<'a> {
+            Bench {
+                plant,
+                library: &[],
+                fitting: evidence,
+                checking: evidence,
+            }
+        }
+        let plain = bench(&rig.plant, &evidence).plain().unwrap();
+        let begun = evidence.conditions();
+        let conditions = |unknowns: &Unknowns, z: &[f64]| {
+            let mut conditions = begun.clone();
+            unknowns.conditions(z, &mut conditions);
+            conditions
+        };
+        let fitted = conditions(&plain.unknowns, &plain.fit.z);
+        let mut later = fitted.clone();
+        later[0].start_gas.cooling_s *= 5.0;
+        evidence.replace_conditions(&later);
+        let leak = EffectSetting::typical(by_id("chamber_leak").unwrap());
+        let sketch = bench(&rig.plant, &evidence).sketch(&plain, leak).unwrap();
+        assert_eq!(conditions(&sketch.unknowns, &plain.fit.z), fitted);
     }
 
     /// Fewer unknowns once were so many more that no gain was enough.

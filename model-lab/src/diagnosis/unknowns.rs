@@ -101,21 +101,34 @@ impl Unknowns {
         .with_clocks(logs)
         .with_starts(logs);
         for setting in fitted {
-            // What the plant says of its own effects goes with them.
-            if unknowns.datasheet.effect(setting.id()) != Some(setting) {
-                unknowns.datasheet = unknowns.datasheet.with_effect(setting.clone());
-            }
-            if setting.is_off() {
-                continue;
-            }
-            let stated = &unknowns.datasheet.knowledge;
-            let own = setting.parameters().iter().zip(setting.values());
-            let own = own.filter_map(|(&spec, &value)| {
-                EffectUnknown::new(spec, stated.get(&spec.name()).map(|&known| (value, known)))
-            });
-            unknowns.list.extend(own.map(Unknown::Effect));
+            unknowns = unknowns.with_effect(setting);
         }
         unknowns
+    }
+
+    /// The same, and then the parameters of `setting`. All coordinates stay what they are.
+    pub(crate) fn with_effect(mut self, setting: &EffectSetting) -> Self {
+        // What the plant says of its own effects goes with them.
+        if self.datasheet.effect(setting.id()) != Some(setting) {
+            self.datasheet = self.datasheet.with_effect(setting.clone());
+        }
+        if setting.is_off() {
+            return self;
+        }
+        let stated = &self.datasheet.knowledge;
+        let own = setting.parameters().iter().zip(setting.values());
+        let own = own.filter_map(|(&spec, &value)| {
+            EffectUnknown::new(spec, stated.get(&spec.name()).map(|&known| (value, known)))
+        });
+        self.list.extend(own.map(Unknown::Effect));
+        self
+    }
+
+    /// The same without the effect `id`, and the places in the list of those that stay.
+    pub(crate) fn without_effect(&self, id: &str) -> (Self, Vec<usize>) {
+        let (mut kept, places) = self.only(|unknown| unknown.effect_id() != Some(id));
+        kept.datasheet = kept.datasheet.without_effect(id);
+        (kept, places)
     }
 
     pub(crate) fn list(&self) -> &[Unknown] {
@@ -150,7 +163,12 @@ impl Unknowns {
 
     /// The same without the conditions of the logs, and the places in the list of those that stay.
     pub(crate) fn without_logs(&self) -> (Self, Vec<usize>) {
-        let is_kept = |&n: &usize| !matches!(self.list[n], Unknown::Log(_));
+        self.only(|unknown| !matches!(unknown, Unknown::Log(_)))
+    }
+
+    /// The unknowns that are wanted, and their places in the list.
+    fn only(&self, is_wanted: impl Fn(&Unknown) -> bool) -> (Self, Vec<usize>) {
+        let is_kept = |&n: &usize| is_wanted(&self.list[n]);
         let kept: Vec<usize> = (0..self.len()).filter(is_kept).collect();
         let list = kept.iter().map(|&n| self.list[n].clone()).collect();
         let datasheet = self.datasheet.clone();

@@ -51,7 +51,12 @@ pub(crate) fn find(
         sentence: sentence.to_owned(),
     };
     if !excess.is_significant() {
-        return none("the error is within the noise: there is no excess to place");
+        return none(match horizon {
+            Horizon::FreeRun => "the error is within the noise: there is no excess to place",
+            Horizon::ShortHorizon => {
+                "one step ahead, the error is within the noise: there is no excess to place"
+            }
+        });
     }
     let combined: Vec<&Dimension> = dimensions
         .iter()

@@ -30,6 +30,8 @@ const CHANGES_PROVING: usize = 20;
 /// Delays with which rows of the ECU itself are tried where its clock and another one explain the commands alike, over the time from row
 /// to row: any phase within a row is such a delay.
 const DELAYS_WITHIN_ROW: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
+/// A drift is open if the commands admit such that the end of the log moves by this time (s).
+const OPEN_S: f64 = 0.2e-3;
 /// The temperature of the gas is believed if it takes this much of the loss, three standard deviations of two figures.
 const GAS_SHOWS: f64 = 12.0;
 
@@ -56,8 +58,25 @@ pub(crate) fn conditions_of(
         return None;
     }
     fit(plant, &mut evidence);
-    forget_gas_that_does_not_show(plant, &mut evidence.logs[0]);
-    Some(evidence.logs[0].found())
+    let log = &mut evidence.logs[0];
+    forget_gas_that_does_not_show(plant, log);
+    let mut found = log.found();
+    if found.conditions.clock.is_some() {
+        found.admitted_drifts_ppm = open_drifts_ppm(plant, log);
+    }
+    Some(found)
+}
+
+/// Returns the least and the largest drift (ppm) that the commands of `log` admit, if it matters which of them is right.
+fn open_drifts_ppm(plant: &PlantParameters, log: &Log) -> Option<(f64, f64)> {
+    let told = clocks_from_commands(log.inputs(), plant.ecu.sample_time_s);
+    let drifts_ppm = told.iter().map(|told| told.clock.drift_ppm);
+    let (least, most) = drifts_ppm
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), one| {
+            (least.min(one), most.max(one))
+        });
+    let moves_end_s = 1e-6 * (most - least) * log.duration_s();
+    (moves_end_s > OPEN_S).then_some((least, most))
 }
 
 /// Finds the clock of the one log in `evidence`, which is `whole` or its beginning; none where `goes_on` says no.
