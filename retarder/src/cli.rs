@@ -244,7 +244,7 @@ pub(crate) struct ThesisArgs {
 #[command(after_help = "\
 Examples:
   retarder parameters
-  retarder parameters --toml > my-plant.toml      a file to start from, which asks how well you know each value
+  retarder parameters --toml > my-plant.toml      asks how well you know each value
   retarder parameters --plant my-plant.toml
   retarder parameters --plant my-plant.toml --set coil.resistance_20c_ohm=80 --toml > warmer.toml")]
 pub(crate) struct ParametersArgs {

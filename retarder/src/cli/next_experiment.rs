@@ -10,9 +10,9 @@ use super::{JsonArg, KnowledgeArgs, LogArgs, PlantArgs};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  retarder next-experiment --log bench.csv --between chamber_leak --and supply_seat_leak --out next.csv
-  retarder next-experiment --log bench.csv --for drain_back_pressure --max-bar 6 --duration 15 --out next.csv
-  retarder next-experiment --plant fitted.toml --log bench.csv --determine armature.preload_fill_n --out next.csv
+  retarder next-experiment --log bench.csv --between sensor_lag --and dead_volume --out next.csv
+  retarder next-experiment --log bench.csv --for drain_back_pressure --max-bar 6 --out next.csv
+  retarder next-experiment --plant fitted.toml --log bench.csv --determine coil --out next.csv
   retarder simulate --log next.csv --out model.csv
 
 Each effect is fitted to the log; manoeuvres within the limits are ranked by how far apart they

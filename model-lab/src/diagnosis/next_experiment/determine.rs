@@ -33,6 +33,8 @@ use super::{NoneRanked, ranked};
 
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.96;
+/// A parameter that is known well already and asked for by its name is determined once its interval shrinks to this share.
+const HALVED: f64 = 0.5;
 
 /// Ranks manoeuvres within `limits` by how well they determine `what`: parameters `section.key`, the ordinary parameters of a table such
 /// as `coil`, or `all` ordinary parameters. `plant` says how well each is known now; where it says nothing, as in a first plant file.
@@ -69,7 +71,9 @@ pub fn determining_experiment(
     })?;
     let is_adequate = !given.is_material();
     let (unknowns, _) = given.unknowns.without_logs();
-    let open = asked(plant, &unknowns, what)?;
+    let asked = asked(plant, &unknowns, what)?;
+    let is_named = |&n: &usize| what.contains(&&*unknowns.list()[n].name());
+    let by_name = asked.iter().copied().filter(is_named).collect();
     let foresight = Foresight {
         plant,
         noises: Noises::of(&evidence),
@@ -80,7 +84,8 @@ pub fn determining_experiment(
             1.0
         },
         unknowns,
-        asked: open,
+        asked,
+        by_name,
     };
     let sequences = manoeuvre::sequences(&[plant], &limits);
     if sequences.is_empty() {
@@ -161,6 +166,8 @@ struct Foresight<'a> {
     unknowns: Unknowns,
     /// The places of the parameters in question in the list of unknowns.
     asked: Vec<usize>,
+    /// Those that were asked for by their names: they count as open however well the plant file knows them.
+    by_name: Vec<usize>,
 }
 
 impl Foresight<'_> {
@@ -204,10 +211,10 @@ impl Foresight<'_> {
             })
             .collect();
         let open = self.asked.iter().zip(&widths);
-        let open = open.filter(|&(&n, _)| !self.is_determined(n, self.now(n)));
+        let open = open.filter(|&(&n, _)| !self.is_known(n));
         let (mut determined, mut logarithms, mut count) = (0, 0.0, 0);
         for (&n, &width) in open {
-            determined += usize::from(self.is_determined(n, width));
+            determined += usize::from(self.would_determine(n, width));
             logarithms += (width / self.now(n)).min(1.0).ln();
             count += 1;
         }
@@ -223,6 +230,18 @@ impl Foresight<'_> {
         let unknown = &self.unknowns.list()[n];
         let (least, most) = unknown.bounds();
         (0.5 * (most - least)).min(NORMAL_95 * unknown.believed_sd())
+    }
+
+    /// Whether the plant file determines the parameter, so that no manoeuvre needs to.
+    fn is_known(&self, n: usize) -> bool {
+        !self.by_name.contains(&n) && self.is_determined(n, self.now(n))
+    }
+
+    /// Whether an experiment that leaves this half width determines the parameter.
+    fn would_determine(&self, n: usize, half_width: f64) -> bool {
+        let now = self.now(n);
+        let is_gain = half_width <= HALVED * now || !self.is_determined(n, now);
+        is_gain && self.is_determined(n, half_width)
     }
 
     /// Whether a half width is a fraction of what a first plant file leaves open.
@@ -280,8 +299,8 @@ impl Foresight<'_> {
         } else {
             around(self.now(n))
         };
-        let is_determined_now = self.is_determined(n, self.now(n));
-        let is_determined_after = is_determined_now || self.is_determined(n, half_width);
+        let is_determined_now = self.is_known(n);
+        let is_determined_after = is_determined_now || self.would_determine(n, half_width);
         ForeseenParameter {
             name: unknown.name(),
             unit: unknown.unit().to_owned(),
@@ -296,9 +315,8 @@ impl Foresight<'_> {
 
     fn manoeuvre(&self, sequence: &Sequence, foreseen: &Foreseen) -> DeterminingManoeuvre {
         let determines = self.asked.iter().zip(&foreseen.half_widths);
-        let determines = determines.filter(|&(&n, &width)| {
-            !self.is_determined(n, self.now(n)) && self.is_determined(n, width)
-        });
+        let determines =
+            determines.filter(|&(&n, &width)| !self.is_known(n) && self.would_determine(n, width));
         DeterminingManoeuvre {
             name: sequence.name.to_owned(),
             about: sequence.about.to_owned(),

@@ -90,7 +90,7 @@ fn what_is_known_well_is_not_asked_for_and_what_is_exact_is_refused() {
     let mut plant = with_known_volume();
     let stated = Knowledge::TolerancePct(1.0);
     plant.knowledge.insert(FLOWS[0].to_owned(), stated);
-    let next = asked(&plant, &FLOWS).unwrap();
+    let next = asked(&plant, &["flow"]).unwrap();
     let known: Vec<bool> = next
         .parameters
         .iter()
@@ -98,6 +98,10 @@ fn what_is_known_well_is_not_asked_for_and_what_is_exact_is_refused() {
         .collect();
     assert_eq!(known, [true, false]);
     assert_eq!(next.ranking[0].determines, FLOWS[1..]);
+    // By its name it is asked for all the same, and no manoeuvre halves 1 %.
+    let named = asked(&plant, &FLOWS[..1]).unwrap();
+    assert!(!named.determines_all() && !named.parameters[0].is_determined_now);
+    assert!(named.sentence.contains(FLOWS[0]), "{}", named.sentence);
 
     let refused = |what| asked(&plant, &[what]).unwrap_err().to_string();
     let exact = refused("chamber.volume_m3");
