@@ -4,11 +4,12 @@ mod device;
 mod diagnosis;
 mod next_experiment;
 mod report;
+mod schema;
 
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 use hil_harness::scenario::BUILT_IN;
 
@@ -21,6 +22,7 @@ pub(crate) use device::{
 pub(crate) use diagnosis::{DiagnoseArgs, Freed, KnowledgeArgs, LogsArgs, RefineArgs};
 pub(crate) use next_experiment::NextExperimentArgs;
 pub(crate) use report::{ReportArgs, ReportPart};
+pub(crate) use schema::SchemaName;
 
 /// Model-based control of two on/off solenoid valves: simulate the plant, hold the model against a bench log, close
 /// the loop.
@@ -69,7 +71,7 @@ pub(crate) enum Command {
     Diagnose(DiagnoseArgs),
     /// Estimate the parameters of a plant from bench logs, or add effects to it
     Refine(RefineArgs),
-    /// Plan the experiment that tells rival effects apart
+    /// Plan the experiment that tells rival effects apart, or that determines parameters
     NextExperiment(NextExperimentArgs),
     /// Run the closed loop on the model and judge it by the thesis' requirements
     Control(ControlArgs),
@@ -82,7 +84,7 @@ pub(crate) enum Command {
     Calibrate(CalibrateArgs),
     /// The measured figures of the thesis beside the simulated ones
     Thesis(ThesisArgs),
-    /// The parameters of a plant file: value, unit, range, meaning, where the value comes from
+    /// The parameters of a plant file: value, unit, range, meaning, how well it is known, where it comes from
     Parameters(ParametersArgs),
     /// The settings of a controller file: value and meaning
     Settings(SettingsArgs),
@@ -246,7 +248,8 @@ pub(crate) struct ThesisArgs {
 #[command(after_help = "\
 Examples:
   retarder parameters
-  retarder parameters --toml > my-plant.toml
+  retarder parameters --toml > my-plant.toml      asks how well you know each value
+  retarder parameters --plant my-plant.toml
   retarder parameters --plant my-plant.toml --set coil.resistance_20c_ohm=80 --toml > warmer.toml")]
 pub(crate) struct ParametersArgs {
     #[command(flatten)]
@@ -346,35 +349,6 @@ pub(crate) struct TomlArg {
     /// Print a file to start from
     #[arg(long)]
     pub(crate) toml: bool,
-}
-
-/// A result with a JSON form.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SchemaName {
-    /// retarder.black-box/1, of `blackbox`
-    BlackBox,
-    /// retarder.comparison/1, of `compare`
-    Comparison,
-    /// retarder.control/1, of `control`
-    Control,
-    /// retarder.device/1, of `control --dut`
-    Device,
-    /// retarder.diagnosis/1, of `diagnose`
-    Diagnosis,
-    /// retarder.estimation/1, of `refine` without --add
-    Estimation,
-    /// retarder.refinement/1, of `refine --add`
-    Refinement,
-    /// retarder.next-experiment/1, of `next-experiment`
-    NextExperiment,
-    /// retarder.rigs/1, of `control --rigs`
-    Rigs,
-    /// retarder.simulation/1, of `simulate`
-    Simulation,
-    /// retarder.thesis/1, of `thesis`
-    Thesis,
-    /// retarder.thesis-explanation/1, of `thesis --explain`
-    ThesisExplanation,
 }
 
 /// `name=number`.

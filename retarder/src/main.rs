@@ -9,6 +9,7 @@ mod failure;
 mod files;
 mod input;
 mod interrupt;
+mod options;
 mod output;
 mod page;
 mod print;

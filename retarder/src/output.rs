@@ -86,6 +86,7 @@ fn csv(outcome: &Outcome) -> Option<String> {
         Outcome::BlackBox(black_box) => Some(black_box.csv()),
         Outcome::Measurement(measurement) => Some(measurement.csv.clone()),
         Outcome::NextExperiment(planned) => Some(planned.next.csv()),
+        Outcome::DeterminingExperiment(planned) => Some(planned.next.csv()),
         _ => None,
     }
 }
@@ -100,6 +101,7 @@ fn json(outcome: &Outcome) -> Option<String> {
         }
         Outcome::Refinement(refined) => serde_json::to_string_pretty(&refined.refined.refinement),
         Outcome::NextExperiment(planned) => serde_json::to_string_pretty(&planned.next),
+        Outcome::DeterminingExperiment(planned) => serde_json::to_string_pretty(&planned.next),
         Outcome::Control(controlled) => match &controlled.device {
             Some(report) => serde_json::to_string_pretty(&controlled.on_device(report)),
             None if controlled.rigs.is_empty() => serde_json::to_string_pretty(&controlled.verdict),

@@ -103,6 +103,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
         | Outcome::Refinement(_)
         | Outcome::ThesisExplanation(_)
         | Outcome::NextExperiment(_)
+        | Outcome::DeterminingExperiment(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
         | Outcome::BlackBox(_)

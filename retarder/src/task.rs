@@ -6,20 +6,20 @@ use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory as _;
 use model_lab::CompareOptions;
+use model_lab::diagnosis::asking_plant_file;
 use model_lab::diagnosis::next_experiment::Limits;
 use plant_sim::effects::by_id;
-use plant_sim::parameters::Part;
+use plant_sim::parameters::{NOMINAL_PLANT_TOML, Part};
 use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
-    Assignment, BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs,
-    DiagnoseArgs, Freed, LogsArgs, NextExperimentArgs, PlantArgs, RefineArgs, ReportArgs,
-    SchemaName, SimulateArgs, TabArgs,
+    BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs, DiagnoseArgs, LogsArgs,
+    NextExperimentArgs, PlantArgs, RefineArgs, ReportArgs, SchemaName, SimulateArgs, TabArgs,
 };
 use crate::failure::Failure;
 use crate::files::{DEMO_REPORT, Files};
 use crate::input::{self, NamedController, NamedPlant, NamedScenario};
-use crate::page::quoted;
+use crate::options::Options;
 use crate::print::{self, Live, Terminal};
 use crate::run::diagnose::Asked;
 use crate::run::{self, Outcome, schema};
@@ -107,12 +107,14 @@ impl Task {
             Some(Command::Parameters(args)) => {
                 let is_untouched = args.plant.plant.is_none() && args.plant.set.is_empty();
                 let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
-                match (args.toml.toml, is_untouched) {
-                    (true, true) => {
-                        Work::Text(plant_sim::parameters::NOMINAL_PLANT_TOML.to_owned())
-                    }
-                    (true, false) => Work::Text(plant.parameters.to_toml()),
-                    (false, _) => Work::Parameters(plant),
+                if args.toml.toml {
+                    let text = match is_untouched {
+                        true => NOMINAL_PLANT_TOML.to_owned(),
+                        false => plant.parameters.to_toml(),
+                    };
+                    Work::Text(asking_plant_file(&text, &plant.parameters))
+                } else {
+                    Work::Parameters(plant)
                 }
             }
             Some(Command::Settings(args)) => {
@@ -164,6 +166,10 @@ impl Task {
                 // No file is under way yet: Ctrl-C may end the process at once.
                 let never = AtomicBool::new(false);
                 Outcome::Control(Box::new(run::control::run(*scenario, rigs, &never)?))
+            }
+            Work::NextExperiment(task) if task.effects.is_empty() => {
+                let determining = run::next_experiment::determine(*task)?;
+                Outcome::DeterminingExperiment(Box::new(determining))
             }
             Work::NextExperiment(task) => {
                 Outcome::NextExperiment(Box::new(run::next_experiment::run(*task)?))
@@ -287,43 +293,16 @@ fn to_explain(logs: &LogsArgs, plant: &PlantArgs) -> Result<run::diagnose::Task,
         plant: plant_as_given.knowing(&logs.knowledge)?,
         logs: input::logs(&logs.log, logs)?,
         check: input::logs(&logs.check, logs)?,
-        options: options(logs, plant),
+        options: Options::of(logs, plant),
     };
     task.logs.iter().chain(&task.check).for_each(tell_notes);
     Ok(task)
 }
 
-/// The options that name plant and logs, as a person would type them.
-fn options(logs: &LogsArgs, plant: &PlantArgs) -> String {
-    let mut text = String::new();
-    let mut add = |option: &str, value: &str| text += &format!(" {option} {}", quoted(value));
-    let files = [
-        ("--plant", plant.plant.as_slice()),
-        ("--log", &logs.log),
-        ("--check", &logs.check),
-        ("--mapping", logs.mapping.as_slice()),
-    ];
-    for (option, paths) in files {
-        for path in paths {
-            add(option, &path.to_string_lossy());
-        }
-    }
-    for Assignment { name, value } in &plant.set {
-        add("--set", &format!("{name}={value}"));
-    }
-    for Freed { what, range } in &logs.knowledge.free {
-        let range = range.map(|(low, high)| format!("={low}..{high}"));
-        add("--free", &format!("{what}{}", range.unwrap_or_default()));
-    }
-    for what in &logs.knowledge.fix {
-        add("--fix", what);
-    }
-    text
-}
-
 fn next_experiment(args: NextExperimentArgs, targets: &mut Targets) -> Result<Work, Failure> {
     (targets.json, targets.recording) = (args.json.json, args.out);
     let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
+    let plant = plant.knowing(&args.knowledge)?;
     let log = input::log(&args.log)?;
     tell_notes(&log);
     let usual_max_bar = Limits::usual_max_bar(&plant.parameters);
@@ -342,6 +321,7 @@ fn next_experiment(args: NextExperimentArgs, targets: &mut Targets) -> Result<Wo
         plant,
         log,
         effects,
+        determine: args.determine,
         limits,
     })))
 }

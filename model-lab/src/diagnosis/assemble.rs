@@ -7,6 +7,7 @@ use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
 use super::detection::detection_limit;
+use super::effect_unknown::EffectUnknown;
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::interval::{half_widths, with_model_error};
@@ -107,7 +108,7 @@ fn fitted_parameters(bench: &Bench, trial: &Trial, id: &str) -> Vec<FittedParame
     let widths = half_widths(bench.fitting, trial);
     let list = trial.unknowns.list().iter().zip(&trial.fit.z).zip(widths);
     list.filter_map(|((unknown, &z), width)| match unknown {
-        Unknown::Effect { spec, .. } if spec.effect_id() == Some(id) => {
+        Unknown::Effect(EffectUnknown { spec, .. }) if spec.effect_id() == Some(id) => {
             let (least, most) = unknown.bounds();
             let value_at = |z: f64| unknown.value(z.clamp(least, most));
             let value = value_at(z);

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 use plant_sim::effects::EffectSetting;
 
+use super::effect_unknown::EffectUnknown;
 use super::errors::Errors;
 use super::fit::Fitter;
 use super::log::Run;
@@ -46,7 +47,7 @@ pub(crate) fn detection_limit(
     }
     let strength = own.iter().find(|unknown| unknown.is_strength());
     match strength {
-        Some(unknown @ Unknown::Effect { spec, .. }) => DetectionLimit::Size {
+        Some(unknown @ Unknown::Effect(EffectUnknown { spec, .. })) => DetectionLimit::Size {
             key: spec.key.to_owned(),
             value: unknown.value(unknown.of_size(size)),
             unit: spec.unit.to_owned(),

@@ -2,6 +2,7 @@
 
 use plant_sim::parameters::{Part, effects_meant};
 
+use super::knowledge::KnowledgeError;
 use crate::error::CompareError;
 use crate::measured::WEIGHED;
 
@@ -127,6 +128,22 @@ pub enum DiagnoseError {
         max_bar: f64,
         /// Highest duty cycle (%).
         max_duty_pct: f64,
+    },
+    /// No parameter of this name.
+    #[error(transparent)]
+    Knowledge(#[from] KnowledgeError),
+    /// A parameter that no fit moves.
+    #[error(
+        "`{name}` = {value} {unit} counts as exact, so that no experiment determines it; say in the plant file how well it is \
+         known, or free it with --free {name}"
+    )]
+    Exact {
+        /// Its name.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
     },
     /// Somebody stopped it.
     #[error("stopped; nothing was written")]

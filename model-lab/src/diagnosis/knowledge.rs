@@ -8,7 +8,7 @@ use super::nuisance::{first_file_spread, ordinary_names};
 /// Name that stands for all ordinary parameters.
 const ALL: &str = "all";
 
-/// Reason why a parameter can be neither freed nor fixed.
+/// Reason why a parameter can be neither freed nor fixed, nor determined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KnowledgeError {
@@ -135,8 +135,11 @@ pub fn fix(plant: &mut PlantParameters, what: &str) -> Result<(), KnowledgeError
     Ok(())
 }
 
-/// The parameters that `what` names.
-fn named(plant: &PlantParameters, what: &str) -> Result<Vec<String>, KnowledgeError> {
+/// The parameters that `what` names: one, the ordinary ones of a table, or all ordinary ones.
+///
+/// # Errors
+/// [`KnowledgeError::Unknown`].
+pub(super) fn named(plant: &PlantParameters, what: &str) -> Result<Vec<String>, KnowledgeError> {
     if plant.get(what).is_some() {
         return Ok(vec![what.to_owned()]);
     }

@@ -7,6 +7,7 @@
 
 mod assemble;
 mod detection;
+mod effect_unknown;
 mod error;
 mod errors;
 mod estimation;
@@ -17,6 +18,7 @@ mod fit;
 mod gather;
 mod interval;
 mod knowledge;
+mod known;
 mod ladder;
 mod log;
 mod logged_supply;
@@ -58,6 +60,7 @@ pub use estimation::{
     EstimationStep, EstimationStepKind, estimate,
 };
 pub use knowledge::{KnowledgeError, fix, free};
+pub use known::{Known, asking_plant_file, known};
 pub(crate) use logger_time::conditions_of;
 pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement, refine};
 pub use remaining::MissingFlow;

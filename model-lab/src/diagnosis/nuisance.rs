@@ -241,6 +241,26 @@ pub(crate) fn ordinary_names() -> impl Iterator<Item = &'static str> {
     ORDINARY.iter().map(|ordinary| ordinary.name)
 }
 
+/// Whether `name` is that of an ordinary parameter.
+pub(crate) fn is_ordinary(name: &str) -> bool {
+    ordinary_names().any(|ordinary| ordinary == name)
+}
+
+/// The usual tolerance of the part around the value of an ordinary parameter, in its unit; none for other parameters, and where a
+/// datasheet value counts as exact.
+pub(crate) fn usual_spread(name: &str, value: f64) -> Option<f64> {
+    let ordinary = ORDINARY.iter().find(|ordinary| ordinary.name == name)?;
+    Some(ordinary.usual?.around(value))
+}
+
+/// The ordinary parameter in proportion with which `name` moves, if the plant file says nothing of it.
+pub(crate) fn leader_of(name: &str) -> Option<&'static str> {
+    let leader = ORDINARY
+        .iter()
+        .find(|ordinary| ordinary.together_with.contains(&name))?;
+    Some(leader.name)
+}
+
 /// How far the value of an ordinary parameter may be off in a first plant file, in its unit; none for other parameters.
 pub(crate) fn first_file_spread(name: &str, value: f64) -> Option<f64> {
     let ordinary = ORDINARY.iter().find(|ordinary| ordinary.name == name)?;
@@ -275,6 +295,8 @@ pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> 
     let asked = plant.knowledge.keys();
     let asked = asked.filter(|name| ordinary(name).is_none());
     let asked = asked.filter_map(|name| ParameterSpec::by_name(name));
+    // What is stated of an effect bounds its size, which is fitted anyway.
+    let asked = asked.filter(|spec| spec.effect_id().is_none());
     listed
         .chain(asked)
         .filter_map(|spec| {

@@ -226,7 +226,7 @@ pub(super) fn with_provenance(trial: &Trial, logs: &[String]) -> PlantParameters
     let origin = format!("fitted by retarder refine to {}", logs.join(", "));
     for unknown in trial.unknowns.list() {
         match unknown {
-            Unknown::Effect { spec, .. } => say(&mut plant, &spec.name(), &origin),
+            Unknown::Effect(effect) => say(&mut plant, &effect.spec.name(), &origin),
             Unknown::Nuisance(nuisance) => {
                 let name = nuisance.spec.name();
                 let origin = format!("{origin}; was {}", nuisance.datasheet);

@@ -3,17 +3,13 @@
 use plant_sim::PlantParameters;
 use plant_sim::effects::EffectSetting;
 use plant_sim::logger_clock::LoggerClock;
-use plant_sim::parameters::{ParameterSpec, Scale, Size};
 
+use super::effect_unknown::{EVEN_SD, EffectUnknown};
 use super::log::Log;
 use super::nuisance::{Nuisance, Shows, nuisances};
 use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
 
-/// Standard deviation of a nuisance parameter in tolerances: even within the tolerance, 1/sqrt(3).
-const NUISANCE_SD: f64 = 0.577;
-/// Standard deviation of a parameter of form, in its coordinate; all that data may leave open.
-const FORM_SD: f64 = 2.0;
 /// Finite differences: this many tolerances, ...
 const NUISANCE_STEP: f64 = 0.04;
 /// ... or this change of an effect's coordinate. Both are far above the solver's error.
@@ -26,8 +22,6 @@ const DRIFT_UNIT_PPM: f64 = 20.0;
 const PHASE_REACH_SD: f64 = 3.0;
 /// ... and how far a drift may move from where it was begun (ppm).
 const DRIFT_REACH_PPM: f64 = 300.0;
-/// So near to the end of its range in its coordinate, a strength ran to it.
-const NEAR_END: f64 = 0.01;
 
 /// A plant with the list of what may be moved in it.
 #[derive(Debug, Clone)]
@@ -83,17 +77,14 @@ pub(crate) enum Unknown {
     Nuisance(Nuisance),
     /// A condition of one of the logs: (value - start) / unit.
     Log(LogUnknown),
-    /// ln(value / typical) on a logarithmic scale, (value - off) / |typical - off| on a linear one.
-    Effect {
-        spec: &'static ParameterSpec,
-        origin: f64,
-        unit: f64,
-    },
+    /// A parameter of an effect.
+    Effect(EffectUnknown),
 }
 
 impl Unknowns {
     /// The nuisance parameters of `datasheet`, as far as `logs` can show them, then the conditions of the logs, and then the
-    /// parameters of the effects in `fitted`, so that a further effect comes last.
+    /// parameters of the effects in `fitted`, so that a further effect comes last. Of the effects that `datasheet` has itself,
+    /// its statements bound the values; exact ones stay, and so does an effect that is off.
     pub(crate) fn new(datasheet: &PlantParameters, fitted: &[EffectSetting], logs: &[Log]) -> Self {
         let nuisances = nuisances(datasheet, Shows::of(logs));
         let mut unknowns = Self {
@@ -110,10 +101,19 @@ impl Unknowns {
 
     /// The same, and then the parameters of `setting`. All coordinates stay what they are.
     pub(crate) fn with_effect(mut self, setting: &EffectSetting) -> Self {
-        self.datasheet = self.datasheet.with_effect(setting.clone());
-        let own = setting.parameters();
-        self.list
-            .extend(own.iter().map(|&spec| Unknown::effect(spec)));
+        // What the plant says of its own effects goes with them.
+        if self.datasheet.effect(setting.id()) != Some(setting) {
+            self.datasheet = self.datasheet.with_effect(setting.clone());
+        }
+        if setting.is_off() {
+            return self;
+        }
+        let stated = &self.datasheet.knowledge;
+        let own = setting.parameters().iter().zip(setting.values());
+        let own = own.filter_map(|(&spec, &value)| {
+            EffectUnknown::new(spec, stated.get(&spec.name()).map(|&known| (value, known)))
+        });
+        self.list.extend(own.map(Unknown::Effect));
         self
     }
 
@@ -149,7 +149,7 @@ impl Unknowns {
                 let z = value.map_or(0.0, |value| unknown.coordinate_of(value));
                 z.clamp(least, most)
             }
-            Unknown::Log(_) | Unknown::Effect { .. } => unknown.coordinate(&self.datasheet),
+            Unknown::Log(_) | Unknown::Effect(_) => unknown.coordinate(&self.datasheet),
         };
         self.list.iter().map(coordinate).collect()
     }
@@ -288,29 +288,6 @@ impl Unknowns {
 }
 
 impl Unknown {
-    fn effect(spec: &'static ParameterSpec) -> Self {
-        let (origin, unit) = match spec.size {
-            Some(size) if size.scale == Scale::Log => (size.typical, 1.0),
-            Some(size) => {
-                let off = size.off.filter(|off| off.is_finite());
-                let origin = off.unwrap_or(size.typical);
-                let width = (size.typical - origin).abs();
-                let unit = if width > 0.0 {
-                    width
-                } else {
-                    0.1 * (spec.range.1 - spec.range.0)
-                };
-                (origin, unit)
-            }
-            None => (spec.range.0, spec.range.1 - spec.range.0),
-        };
-        Self::Effect { spec, origin, unit }
-    }
-
-    fn is_log(spec: &ParameterSpec) -> bool {
-        spec.size.is_some_and(|size| size.scale == Scale::Log)
-    }
-
     /// Whether it is the delay of the commands.
     pub(crate) fn is_delay(&self) -> bool {
         matches!(self, Self::Nuisance(nuisance) if nuisance.spec.name() == COMMAND_DELAY)
@@ -323,73 +300,87 @@ impl Unknown {
             Self::Log(fitted) => {
                 matches!(fitted.figure, LogFigure::PhaseS | LogFigure::DriftPpm)
             }
-            Self::Effect { .. } => false,
+            Self::Effect(_) => false,
         }
     }
 
     /// The effect that it is a parameter of.
     pub(crate) fn effect_id(&self) -> Option<&'static str> {
         match self {
-            Self::Effect { spec, .. } => spec.effect_id(),
+            Self::Effect(effect) => effect.spec.effect_id(),
             Self::Nuisance(_) | Self::Log(_) => None,
+        }
+    }
+
+    /// Its name in the plant file; of a condition of a log, in words.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Nuisance(nuisance) => nuisance.spec.name(),
+            Self::Effect(effect) => effect.spec.name(),
+            Self::Log(condition) => condition.figure.name().to_owned(),
+        }
+    }
+
+    /// Unit of its value in a plant file; empty for a pure number and for a condition of a log.
+    pub(crate) fn unit(&self) -> &'static str {
+        match self {
+            Self::Nuisance(nuisance) => nuisance.spec.unit,
+            Self::Effect(effect) => effect.spec.unit,
+            Self::Log(_) => "",
+        }
+    }
+
+    /// Standard deviation of its coordinate between two correct programs of one plant.
+    pub(crate) fn between_programs(&self) -> f64 {
+        match self {
+            Self::Nuisance(nuisance) => nuisance.between_programs / nuisance.tolerance,
+            Self::Log(_) | Self::Effect(_) => 0.0,
+        }
+    }
+
+    /// What would determine it, for people; none for a condition of a log.
+    pub(crate) fn determined_by(&self) -> Option<String> {
+        match self {
+            Self::Nuisance(nuisance) => Some(nuisance.determined_by.to_owned()),
+            Self::Effect(effect) => effect.determined_by(),
+            Self::Log(_) => None,
         }
     }
 
     /// Whether it is the strength of an effect.
     pub(crate) fn is_strength(&self) -> bool {
-        matches!(self, Self::Effect { spec, .. } if spec.size.is_some_and(|size| size.off.is_some()))
+        matches!(self, Self::Effect(effect) if effect.is_strength())
     }
 
     /// Whether its coordinate is a logarithm.
     pub(crate) fn is_logarithmic(&self) -> bool {
-        matches!(self, Self::Effect { spec, .. } if Self::is_log(spec))
+        matches!(self, Self::Effect(effect) if effect.is_log())
     }
 
     /// Whether a strength at `z` cannot get stronger.
     pub(crate) fn is_at_strong_end(&self, z: f64) -> bool {
-        let end = match self.bounds() {
-            _ if self.is_logarithmic() => self.of_size(f64::INFINITY),
-            (least, _) if z < 0.0 => least,
-            (_, most) => most,
-        };
-        (z - end).abs() < NEAR_END
+        matches!(self, Self::Effect(effect) if effect.is_at_strong_end(z))
     }
 
     /// The coordinate at `size` times the typical strength: the larger, the stronger the effect. What is no strength
     /// stays typical.
     pub(crate) fn of_size(&self, size: f64) -> f64 {
-        let Self::Effect { spec, .. } = self else {
-            return 0.0;
-        };
-        let typical = self.prior_mean();
-        let Some(off) = spec.size.and_then(|size| size.off) else {
-            return typical;
-        };
-        let z = if !Self::is_log(spec) {
-            typical * size
-        } else if off.is_finite() {
-            typical + size.abs().ln()
-        } else {
-            typical - size.abs().ln()
-        };
-        let (least, most) = self.bounds();
-        z.clamp(least, most)
+        match self {
+            Self::Effect(effect) => effect.of_size(size),
+            Self::Nuisance(_) | Self::Log(_) => 0.0,
+        }
     }
 
     /// Whether it may be on either side of nothing.
     pub(crate) fn is_signed(&self) -> bool {
-        let is_linear = |size: Size| size.off.is_some() && size.scale == Scale::Linear;
-        matches!(self, Self::Effect { spec, .. } if spec.size.is_some_and(is_linear))
-            && self.bounds().0 < 0.0
-            && self.bounds().1 > 0.0
+        matches!(self, Self::Effect(effect) if effect.is_signed())
     }
 
     pub(crate) fn value(&self, z: f64) -> f64 {
         match self {
             Self::Nuisance(nuisance) => nuisance.datasheet + z * nuisance.tolerance,
             Self::Log(fitted) => fitted.start + z * fitted.unit,
-            Self::Effect { spec, origin, .. } if Self::is_log(spec) => origin * z.exp(),
-            Self::Effect { origin, unit, .. } => origin + z * unit,
+            Self::Effect(effect) => effect.value(z),
         }
     }
 
@@ -397,8 +388,7 @@ impl Unknown {
         match self {
             Self::Nuisance(nuisance) => (value - nuisance.datasheet) / nuisance.tolerance,
             Self::Log(fitted) => (value - fitted.start) / fitted.unit,
-            Self::Effect { spec, origin, .. } if Self::is_log(spec) => (value / origin).ln(),
-            Self::Effect { origin, unit, .. } => (value - origin) / unit,
+            Self::Effect(effect) => effect.coordinate_of(value),
         }
     }
 
@@ -406,7 +396,7 @@ impl Unknown {
         match self {
             Self::Nuisance(Nuisance { bounds, .. }) => 0.0_f64.clamp(bounds.0, bounds.1),
             Self::Log(_) => 0.0,
-            Self::Effect { spec, .. } => spec
+            Self::Effect(EffectUnknown { spec, .. }) => spec
                 .value(plant)
                 .map_or(0.0, |value| self.coordinate_of(value)),
         }
@@ -416,7 +406,7 @@ impl Unknown {
         match self {
             Self::Nuisance(nuisance) => nuisance.set(plant, datasheet, self.value(z)),
             Self::Log(_) => {}
-            Self::Effect { spec, .. } => {
+            Self::Effect(EffectUnknown { spec, .. }) => {
                 let (least, most) = spec.range;
                 spec.put(plant, self.value(z).clamp(least, most));
             }
@@ -427,14 +417,15 @@ impl Unknown {
     pub(crate) fn bounds(&self) -> (f64, f64) {
         match self {
             Self::Nuisance(Nuisance { bounds, .. }) => *bounds,
-            Self::Log(_) | Self::Effect { .. } => self.range(),
+            Self::Log(_) => self.range(),
+            Self::Effect(effect) => effect.bounds(),
         }
     }
 
     /// Least and largest coordinate that a plant may have: a difference may look beyond a tolerance.
     pub(crate) fn range(&self) -> (f64, f64) {
         match self {
-            Self::Nuisance(Nuisance { spec, .. }) | Self::Effect { spec, .. } => (
+            Self::Nuisance(Nuisance { spec, .. }) | Self::Effect(EffectUnknown { spec, .. }) => (
                 self.coordinate_of(spec.range.0),
                 self.coordinate_of(spec.range.1),
             ),
@@ -448,11 +439,16 @@ impl Unknown {
     /// Standard deviation that is believed before anything is measured; infinite for a strength.
     pub(crate) fn prior_sd(&self) -> f64 {
         match self {
-            Self::Nuisance(_) => NUISANCE_SD,
+            Self::Nuisance(_) => EVEN_SD,
             Self::Log(fitted) => fitted.known.1 / fitted.unit,
-            Self::Effect { .. } if self.is_strength() => f64::INFINITY,
-            Self::Effect { .. } => FORM_SD,
+            Self::Effect(effect) => effect.prior_sd(),
         }
+    }
+
+    /// The same; of a strength, which may be anything, one unit of its coordinate.
+    pub(crate) fn believed_sd(&self) -> f64 {
+        let sd = self.prior_sd();
+        if sd.is_finite() { sd } else { 1.0 }
     }
 
     /// Where the prior is centred.
@@ -460,9 +456,7 @@ impl Unknown {
         match self {
             Self::Nuisance(_) => 0.0,
             Self::Log(fitted) => self.coordinate_of(fitted.known.0),
-            Self::Effect { spec, .. } => spec
-                .size
-                .map_or(0.0, |size| self.coordinate_of(size.typical)),
+            Self::Effect(effect) => effect.prior_mean(),
         }
     }
 
@@ -470,14 +464,14 @@ impl Unknown {
     pub(crate) fn wide_step(&self) -> f64 {
         match self {
             Self::Nuisance(_) => 5.0 * NUISANCE_STEP,
-            Self::Log(_) | Self::Effect { .. } => EFFECT_STEP,
+            Self::Log(_) | Self::Effect(_) => EFFECT_STEP,
         }
     }
 
     pub(crate) fn step(&self) -> f64 {
         match self {
             Self::Nuisance(_) => NUISANCE_STEP,
-            Self::Log(_) | Self::Effect { .. } => EFFECT_STEP,
+            Self::Log(_) | Self::Effect(_) => EFFECT_STEP,
         }
     }
 }

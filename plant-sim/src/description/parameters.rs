@@ -210,6 +210,7 @@ impl PlantParameters {
         plant
             .provenance
             .retain(|name, _| !name.starts_with(&prefix));
+        plant.knowledge.retain(|name, _| !name.starts_with(&prefix));
         plant
     }
 

@@ -5,30 +5,35 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use model_lab::diagnosis::next_experiment::Limits;
 
-use super::{JsonArg, LogArgs, PlantArgs};
+use super::{JsonArg, KnowledgeArgs, LogArgs, PlantArgs};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  retarder next-experiment --log bench.csv --between chamber_leak --and supply_seat_leak --out next.csv
-  retarder next-experiment --log bench.csv --for drain_back_pressure --max-bar 6 --duration 15 --out next.csv
+  retarder next-experiment --log bench.csv --between sensor_lag --and dead_volume --out next.csv
+  retarder next-experiment --log bench.csv --for drain_back_pressure --max-bar 6 --out next.csv
+  retarder next-experiment --plant fitted.toml --log bench.csv --determine coil --out next.csv
   retarder simulate --log next.csv --out model.csv
 
 Each effect is fitted to the log; manoeuvres within the limits are ranked by how far apart they
-would take the effects, when all that can be refitted has been. The best one is written as duty cycles,
-which `simulate` and a rig take at once.
-Exit status: 0 the best manoeuvre tells them apart, 1 none within the limits does, 2 could not run.")]
+would take the effects, when all that can be refitted has been. With --determine they are ranked by how well
+they determine parameters of the plant file, which says how well each is known now. The best one is written as
+duty cycles, which `simulate` and a rig take at once.
+Exit status: 0 the best manoeuvre tells the effects apart, or determines all of the parameters; 1 none within the
+limits does; 2 could not run.")]
 pub(crate) struct NextExperimentArgs {
     #[command(flatten)]
     pub(crate) log: LogArgs,
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
+    #[command(flatten)]
+    pub(crate) knowledge: KnowledgeArgs,
     /// Effect of the library that may be what is missing
     #[arg(
         long,
         value_name = "EFFECT",
         requires = "and",
-        required_unless_present = "for_effect"
+        required_unless_present_any = ["for_effect", "determine"]
     )]
     pub(crate) between: Option<String>,
     /// Effect that may be it as well; may be repeated
@@ -37,6 +42,9 @@ pub(crate) struct NextExperimentArgs {
     /// Effect of typical size that the log would not have shown
     #[arg(long = "for", value_name = "EFFECT", conflicts_with = "between")]
     pub(crate) for_effect: Option<String>,
+    /// Parameter to be determined, those of a table (`coil`) or `all` that `refine` estimates; may be repeated
+    #[arg(long, value_name = "KEY", conflicts_with_all = ["between", "for_effect"])]
+    pub(crate) determine: Vec<String>,
     /// Longest time, s
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
     pub(crate) duration: f64,

@@ -7,9 +7,14 @@ use super::number::significant;
 use super::table::{Align, Table, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::diagnose::EstimatedPlant;
+use crate::targets::Targets;
 
 /// The errors before and after, and every parameter.
-pub(super) fn estimation(estimated: &EstimatedPlant, terminal: &Terminal) -> String {
+pub(super) fn estimation(
+    estimated: &EstimatedPlant,
+    targets: &Targets,
+    terminal: &Terminal,
+) -> String {
     let found = &estimated.estimated.estimation;
     let plant = &estimated.task.plant.name;
     let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
@@ -20,9 +25,16 @@ pub(super) fn estimation(estimated: &EstimatedPlant, terminal: &Terminal) -> Str
     text += "\n";
     text += &errors(estimated, terminal);
     text += "\n";
-    text += &parameters(&found.parameters, terminal);
+    text += &parameters(&found.parameters, found.is_adequate, terminal);
     text += "\n";
-    text + &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal)
+    text += &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal);
+    if let Some(plant) = &targets.plant {
+        text += "\nNext:\n";
+        for (command, reason) in estimated.next_commands(plant) {
+            text += &format!("  {command}    # {reason}\n");
+        }
+    }
+    text
 }
 
 fn errors(estimated: &EstimatedPlant, terminal: &Terminal) -> String {
@@ -54,7 +66,7 @@ fn errors(estimated: &EstimatedPlant, terminal: &Terminal) -> String {
     table.to_string()
 }
 
-fn parameters(parameters: &[EstimatedParameter], terminal: &Terminal) -> String {
+fn parameters(parameters: &[EstimatedParameter], is_adequate: bool, terminal: &Terminal) -> String {
     let columns = [
         ("parameter", Align::Left),
         ("before", Align::Right),
@@ -84,18 +96,25 @@ fn parameters(parameters: &[EstimatedParameter], terminal: &Terminal) -> String 
             parameter.unit.as_str().into(),
             painted(colour, word),
         ]);
-        for remark in remarks(parameter) {
+        for remark in remarks(parameter, is_adequate) {
             table.remark(&remark);
         }
     }
-    table.to_string()
+    let mut text = table.to_string();
+    if !is_adequate {
+        text += &paragraph(
+            "Estimate again once the missing effect is in the plant file: until then its error widens the intervals.",
+            terminal,
+        );
+    }
+    text
 }
 
-/// What a reader needs to know beside the value.
-fn remarks(parameter: &EstimatedParameter) -> Vec<String> {
+/// What a reader needs to know beside the value. Where physics is missing, another log is not what determines a parameter.
+fn remarks(parameter: &EstimatedParameter, is_adequate: bool) -> Vec<String> {
     let mut remarks = Vec::new();
     match &parameter.determination {
-        Determination::OnlyTogetherWith { parameters } => {
+        Determination::OnlyTogetherWith { parameters } if is_adequate => {
             remarks.push(format!(
                 "Only a combination with {} is determined.",
                 parameters.join(", ")
@@ -103,9 +122,11 @@ fn remarks(parameter: &EstimatedParameter) -> Vec<String> {
         }
         Determination::AtLimit => remarks
             .push("Ended at its limit: widen it with --free, or physics is missing.".to_owned()),
-        Determination::NotExcited | Determination::Determined => {}
+        Determination::OnlyTogetherWith { .. }
+        | Determination::NotExcited
+        | Determination::Determined => {}
     }
-    if let Some(determined_by) = &parameter.determined_by {
+    if let Some(determined_by) = parameter.determined_by.as_ref().filter(|_| is_adequate) {
         remarks.push(format!("To determine it, {determined_by}."));
     }
     if parameter.is_beyond_usual {

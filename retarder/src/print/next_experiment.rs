@@ -1,9 +1,11 @@
 //! The next experiment.
 
+use model_lab::diagnosis::next_experiment::ForeseenParameter;
+
 use super::number::significant;
-use super::table::{Align, Table};
+use super::table::{Align, Table, painted};
 use super::{Colour, Terminal, paragraph, title};
-use crate::run::next_experiment::Planned;
+use crate::run::next_experiment::{Determining, Planned};
 
 /// Manoeuvres by what they tell, and what else would.
 pub(super) fn next_experiment(planned: &Planned, terminal: &Terminal) -> String {
@@ -73,4 +75,86 @@ pub(super) fn next_experiment(planned: &Planned, terminal: &Terminal) -> String 
         );
     }
     text
+}
+
+/// The parameters in question, and manoeuvres by what they determine.
+pub(super) fn determining(planned: &Determining, terminal: &Terminal) -> String {
+    let next = &planned.next;
+    let heading = format!("Experiment for the parameters of {}", planned.plant.name);
+    let mut text = title(&heading, terminal);
+    let colour = if next.determines_all() {
+        Colour::Good
+    } else {
+        Colour::Bad
+    };
+    let sentence = report::capitalised(&next.sentence) + ".";
+    text += &paragraph(&terminal.paint(colour, &sentence), terminal);
+    if !next.is_adequate {
+        text += &paragraph(
+            "The plant file leaves more than the noise on this log: run `retarder refine` first. What is foreseen is what a \
+             refined plant would tell.",
+            terminal,
+        );
+    }
+    text += "\n";
+    text += &foreseen(&next.parameters, terminal);
+    let columns = [
+        ("manoeuvre", Align::Left),
+        ("determines", Align::Right),
+        ("width", Align::Right),
+        ("s", Align::Right),
+        ("bar", Align::Right),
+        ("shows", Align::Left),
+    ];
+    let mut table = Table::new(columns, terminal);
+    for manoeuvre in &next.ranking {
+        table.row([
+            manoeuvre.name.as_str().into(),
+            manoeuvre.determines.len().into(),
+            significant(manoeuvre.width_after, 2).into(),
+            significant(manoeuvre.duration_s, 3).into(),
+            significant(manoeuvre.highest_bar, 2).into(),
+            manoeuvre.about.as_str().into(),
+        ]);
+    }
+    text += "\n";
+    text += &table.to_string();
+    text + &paragraph(
+        "determines: number of the open parameters that it would determine. width: of their intervals afterwards, over that of \
+         now; geometric mean.",
+        terminal,
+    )
+}
+
+fn foreseen(parameters: &[ForeseenParameter], terminal: &Terminal) -> String {
+    let columns = [
+        ("parameter", Align::Left),
+        ("value", Align::Right),
+        ("now", Align::Left),
+        ("after the best one", Align::Left),
+        ("unit", Align::Left),
+        ("", Align::Left),
+    ];
+    let mut table = Table::new(columns, terminal);
+    for parameter in parameters {
+        let interval =
+            |[low, high]: [f64; 2]| format!("{} to {}", significant(low, 3), significant(high, 3));
+        let (colour, word) = match (parameter.is_determined_now, parameter.is_determined_after) {
+            (true, _) => (Colour::Faint, "known"),
+            (false, true) => (Colour::Good, "determined"),
+            (false, false) => (Colour::Notice, "open"),
+        };
+        table.row([
+            parameter.name.as_str().into(),
+            significant(parameter.value, 4).into(),
+            interval(parameter.now).into(),
+            interval(parameter.after).into(),
+            parameter.unit.as_str().into(),
+            painted(colour, word),
+        ]);
+        if let Some(determined_by) = &parameter.determined_by {
+            table.remark(&format!("To determine it, {determined_by}."));
+        }
+    }
+    table.to_string()
 }

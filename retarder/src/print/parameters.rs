@@ -1,10 +1,12 @@
 //! What plant files and controller files are made of.
 
 use hil_harness::controller_file::{self, KEYS};
+use model_lab::diagnosis::{Known, known};
+use plant_sim::PlantParameters;
 use plant_sim::parameters::ParameterSpec;
 
 use super::number::{or_dash, value};
-use super::{Colour, Terminal, indented, painted_lines, title};
+use super::{Colour, Terminal, indented, painted_lines, paragraph, title};
 use crate::input::{NamedController, NamedPlant};
 
 /// All parameters of a plant, as they stand in its file.
@@ -19,6 +21,11 @@ pub(super) fn parameters(plant: &NamedPlant, terminal: &Terminal) -> String {
         text += &parameter(spec, plant, terminal);
     }
     text += "\nChange one: --set SECTION.KEY=VALUE\n";
+    text += &paragraph(
+        "Values without `Known` count as exact. Say in the plant file how well you know a value, such as \
+         volume_m3 = { value = 75e-6, tolerance_pct = 30 }; `retarder parameters --toml` lists the forms.",
+        terminal,
+    );
     text + "A file to start from: retarder parameters --toml > my-plant.toml\n"
 }
 
@@ -34,7 +41,19 @@ fn parameter(spec: &ParameterSpec, plant: &NamedPlant, terminal: &Terminal) -> S
         }
         None => spec.about.to_owned(),
     };
-    entry(&assignment, &range, &origin, terminal)
+    let mut text = entry(&assignment, &range, &origin, terminal);
+    if let Some(words) = knowledge(spec, &plant.parameters) {
+        text += &indented(&format!("Known: {words}"), 4, terminal);
+    }
+    text
+}
+
+/// How well the value is known, if not simply exact.
+fn knowledge(spec: &ParameterSpec, plant: &PlantParameters) -> Option<String> {
+    match known(plant, &spec.name())? {
+        Known::Exact => None,
+        known => Some(known.words(spec.unit)),
+    }
 }
 
 /// All settings of a controller, as they stand in its file.

@@ -1,12 +1,13 @@
 //! Which physical effect is missing, and the plant with it.
 
 use core::ops::ControlFlow;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use model_lab::diagnosis::result::Verdict;
 use model_lab::diagnosis::{
-    Diagnosis, EstimatedPlant as Estimated, Progress as Stage, Refined, diagnose,
-    estimate as estimate_parameters, refine as fit,
+    Determination, Diagnosis, EstimatedParameter, EstimatedPlant as Estimated, Progress as Stage,
+    Refined, diagnose, estimate as estimate_parameters, refine as fit,
 };
 use recording::Recording;
 
@@ -14,6 +15,7 @@ use super::Answer;
 use crate::failure::Failure;
 use crate::input::NamedPlant;
 use crate::interrupt;
+use crate::options::Options;
 use crate::progress::Progress;
 
 /// What is to be explained.
@@ -22,7 +24,7 @@ pub(crate) struct Task {
     pub(crate) logs: Vec<Recording>,
     pub(crate) check: Vec<Recording>,
     /// The options that name all of it, as a person would type them.
-    pub(crate) options: String,
+    pub(crate) options: Options,
 }
 
 /// An effect that is asked for: its id, and the form of its law.
@@ -109,7 +111,40 @@ impl Diagnosed {
             .collect();
         Some(format!(
             "retarder refine{}{added} --out {REFINED_FILE}",
-            self.task.options
+            self.task.options.as_given()
         ))
+    }
+}
+
+/// File that the proposed experiment is written to.
+const EXPERIMENT_FILE: &str = "next.csv";
+
+impl EstimatedPlant {
+    /// The commands that come next, each with its reason, where the plant was written to the file `plant`.
+    pub(crate) fn next_commands(&self, plant: &Path) -> Vec<(String, &'static str)> {
+        let options = &self.task.options;
+        let estimation = &self.estimated.estimation;
+        let diagnose = format!("retarder diagnose{}", options.with_plant(plant));
+        if !estimation.is_adequate {
+            return vec![(diagnose, "which physical effect is missing?")];
+        }
+        let is_open = |one: &&EstimatedParameter| {
+            matches!(
+                one.determination,
+                Determination::OnlyTogetherWith { .. } | Determination::NotExcited
+            )
+        };
+        let open = estimation.parameters.iter().filter(is_open);
+        let open: String = open
+            .map(|parameter| format!(" --determine {}", parameter.name))
+            .collect();
+        let mut commands = vec![(diagnose, "is anything missing?")];
+        if !open.is_empty() {
+            let options = options.with_plant_and_one_log(plant);
+            let experiment =
+                format!("retarder next-experiment{options}{open} --out {EXPERIMENT_FILE}");
+            commands.push((experiment, "what would determine the rest?"));
+        }
+        commands
     }
 }

@@ -1,6 +1,9 @@
-//! Which experiment tells rival effects apart?
+//! Which experiment tells rival effects apart, or determines parameters?
 
-use model_lab::diagnosis::next_experiment::{Limits, NextExperiment, Question, next_experiment};
+use model_lab::diagnosis::next_experiment::{
+    DeterminingExperiment, Limits, NextExperiment, Question, determining_experiment,
+    next_experiment,
+};
 use recording::Recording;
 
 use super::Answer;
@@ -12,9 +15,35 @@ use crate::input::NamedPlant;
 pub(crate) struct Task {
     pub(crate) plant: NamedPlant,
     pub(crate) log: Recording,
-    /// Ids of the effects: several to be told apart, one to be shown.
+    /// Ids of the effects: several to be told apart, one to be shown. None where parameters are to be determined.
     pub(crate) effects: Vec<String>,
+    /// Parameters to be determined.
+    pub(crate) determine: Vec<String>,
     pub(crate) limits: Limits,
+}
+
+/// The experiment that determines parameters, with the plant that it is for.
+pub(crate) struct Determining {
+    pub(crate) plant: NamedPlant,
+    pub(crate) next: DeterminingExperiment,
+}
+
+/// Tries the manoeuvres on the parameters in question.
+pub(crate) fn determine(task: Task) -> Result<Determining, Failure> {
+    let what: Vec<&str> = task.determine.iter().map(String::as_str).collect();
+    let plant = &task.plant.parameters;
+    let next =
+        watched(|watch| determining_experiment(plant, &[task.log], &what, task.limits, watch))?;
+    Ok(Determining {
+        plant: task.plant,
+        next,
+    })
+}
+
+impl Determining {
+    pub(crate) fn answer(&self) -> Answer {
+        Answer::of(self.next.determines_all())
+    }
 }
 
 /// The experiment with the plant that it is for.

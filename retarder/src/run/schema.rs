@@ -2,7 +2,7 @@
 
 use hil_harness::checks::Verdict;
 use model_lab::Comparison;
-use model_lab::diagnosis::next_experiment::NextExperiment;
+use model_lab::diagnosis::next_experiment::{DeterminingExperiment, NextExperiment};
 use model_lab::diagnosis::{Diagnosis, Estimation, Refinement};
 use model_lab::thesis::{Explanation, ThesisTable};
 use schemars::{Schema, schema_for};
@@ -23,6 +23,7 @@ pub(crate) fn of(result: SchemaName) -> Schema {
         SchemaName::Diagnosis => Diagnosis::json_schema(),
         SchemaName::Estimation => Estimation::json_schema(),
         SchemaName::Refinement => Refinement::json_schema(),
+        SchemaName::DeterminingExperiment => DeterminingExperiment::json_schema(),
         SchemaName::NextExperiment => NextExperiment::json_schema(),
         SchemaName::Rigs => schema_for!(Rigs),
         SchemaName::Simulation => schema_for!(Simulation),

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use recording::{Provenance, Recording, TimeBase, Unit, csv, mf4};
 
+use crate::next_experiment::experiment_proposed_by;
 use crate::runner::{Bench, assert_contains, beginning_of};
 use crate::schemas::keep_example;
 
@@ -157,8 +158,10 @@ fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
             "flow.discharge_fill",
             "determined",
             "Written: fitted.toml",
+            "retarder diagnose --plant fitted.toml --log bench.csv    # is anything missing?",
         ],
     );
+    experiment_proposed_by(&bench, &out);
     let estimation: Estimation = serde_json::from_str(&bench.read("e.json")).unwrap();
     assert!(estimation.is_adequate, "{}", estimation.sentence);
     let names = estimation

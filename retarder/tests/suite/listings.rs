@@ -17,8 +17,27 @@ fn a_printed_plant_file_is_a_plant_file_and_every_parameter_is_listed() {
             "resistance_20c_ohm = 82.2",
             "0.5 to 5000 ohm",
             "derived: 24 V / 292 mA",
+            // How well each ordinary value is known.
+            "Known: usual tolerance of the part, 78.1 to 86.3 ohm; for `refine` 65.8 to 98.6 ohm",
+            "Values without `Known` count as exact.",
         ],
     );
+    assert_contains(
+        &plant,
+        &[
+            "{ value = 75e-6, tolerance_pct = 30 }",
+            "# Known: exact; for",
+        ],
+    );
+    let stated = plant.replace(
+        "volume_m3 = 75e-6\n",
+        "volume_m3 = { min = 40e-6, max = 120e-6 }\n",
+    );
+    bench.file("stated.toml", &stated);
+    let out = bench
+        .run(&["parameters", "--plant", "stated.toml"])
+        .ended_with(0);
+    assert_contains(&out, &["Known: within 4e-5 to 1.2e-4 m3"]);
     let changed = bench
         .run(&[
             "parameters",
@@ -64,6 +83,7 @@ fn every_command_has_help_with_an_example_and_completions_name_every_command() {
         "compare",
         "diagnose",
         "refine",
+        "next-experiment",
         "control",
         "blackbox",
         "calibrate",
@@ -97,6 +117,7 @@ fn every_command_that_the_tour_and_the_help_propose_is_understood() {
         "compare",
         "diagnose",
         "refine",
+        "next-experiment",
         "control",
         "blackbox",
         "calibrate",
@@ -115,12 +136,35 @@ fn every_command_that_the_tour_and_the_help_propose_is_understood() {
             })
             .ended_with(0);
     }
+    let count = understood(&bench, &texts);
+    assert!(count > 25, "{count} commands");
+}
+
+#[test]
+fn every_command_that_the_documents_show_is_understood() {
+    let bench = Bench::new();
+    for (document, least) in [
+        ("README.md", 15),
+        ("docs/your-rig.md", 8),
+        ("docs/diagnosis.md", 5),
+    ] {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+        let text = std::fs::read_to_string(format!("{path}/{document}")).unwrap();
+        let blocks = text.split("```").skip(1).step_by(2);
+        let shown: String = blocks
+            .collect::<String>()
+            .replace("\n$ retarder ", "\nretarder ");
+        let count = understood(&bench, &shown);
+        assert!(count >= least, "{document}: {count} commands");
+    }
+}
+
+/// Asserts that the command understands every line of `texts` that begins with its name; returns how many there are.
+fn understood(bench: &Bench, texts: &str) -> usize {
+    let lines = texts.lines().map(str::trim_start);
+    let lines = lines.filter(|line| line.starts_with("retarder "));
     let mut count = 0;
-    for line in texts
-        .lines()
-        .map(str::trim_start)
-        .filter(|line| line.starts_with("retarder "))
-    {
+    for line in lines {
         // A shell takes the rest of the line, and so does the remark behind two blanks.
         let command = line
             .split(['>', '|'])
@@ -138,5 +182,5 @@ fn every_command_that_the_tour_and_the_help_propose_is_understood() {
         assert_eq!(ran.status, 0, "{line}\n{}", ran.err);
         count += 1;
     }
-    assert!(count > 25, "{count} commands");
+    count
 }

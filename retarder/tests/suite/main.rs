@@ -12,6 +12,7 @@ mod image;
 mod listings;
 mod mf4;
 mod mistakes;
+mod next_experiment;
 mod report;
 mod runner;
 mod schemas;

@@ -8,12 +8,13 @@ use serde_json::Value;
 use crate::runner::{Bench, data};
 
 /// Those of the commands that are run here first.
-const RESULTS: [&str; 12] = [
+const RESULTS: [&str; 13] = [
     "black-box",
     "comparison",
     "control",
     "device",
     "next-experiment",
+    "determining-experiment",
     "rigs",
     "simulation",
     "thesis",
@@ -61,7 +62,7 @@ pub(crate) fn keep_example(result: &str, json: &Value) {
 fn results_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
     let log = data("synthetic/practice-01-check.csv");
-    let runs: [&[&str]; 9] = [
+    let runs: [&[&str]; 10] = [
         &["blackbox", "--dut", "in-process", "--json"],
         &["compare", "--log", &log, "--json"],
         &["control", "--json"],
@@ -72,6 +73,16 @@ fn results_keep_to_their_schemas_and_nothing_else_does() {
             &log,
             "--for",
             "chamber_leak",
+            "--duration",
+            "5",
+            "--json",
+        ],
+        &[
+            "next-experiment",
+            "--log",
+            &log,
+            "--determine",
+            "flow.discharge_fill",
             "--duration",
             "5",
             "--json",
@@ -90,7 +101,7 @@ fn results_keep_to_their_schemas_and_nothing_else_does() {
 #[test]
 fn examples_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
-    for result in &RESULTS[9..] {
+    for result in &RESULTS[10..] {
         let path = published(result).with_extension("example.json");
         let json = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
         check(&bench, result, &json);

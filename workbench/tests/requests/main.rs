@@ -23,6 +23,7 @@ mod guard;
 mod loads;
 mod logs;
 mod memory;
+mod plant;
 mod refine;
 mod report;
 mod sessions;

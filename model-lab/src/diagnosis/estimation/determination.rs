@@ -9,7 +9,7 @@ use crate::diagnosis::trial::Trial;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
 /// A parameter is determined if the logs narrow its interval to this share of what was possible before.
-const DETERMINED: f64 = 0.18;
+pub(in crate::diagnosis) const DETERMINED: f64 = 0.18;
 /// A parameter is not excited if the logs could not narrow its interval to this share, were all others known.
 const NOT_EXCITED: f64 = 0.18;
 /// Two parameters make up for each other from this magnitude of their correlation on.
@@ -23,23 +23,21 @@ const AT_LIMIT: f64 = 1e-6;
 pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<EstimatedParameter> {
     let mut widths = half_widths(evidence, trial);
     for (unknown, width) in trial.unknowns.list().iter().zip(&mut widths) {
-        if let Unknown::Nuisance(nuisance) = unknown {
-            *width = width.hypot(NORMAL_95 * nuisance.between_programs / nuisance.tolerance);
-        }
+        *width = width.hypot(NORMAL_95 * unknown.between_programs());
     }
     let covariance = covariance(evidence, trial);
     let list = trial.unknowns.list();
     let parameters = list.iter().enumerate().filter_map(|(n, unknown)| {
         let spec = match unknown {
             Unknown::Nuisance(nuisance) => nuisance.spec,
-            Unknown::Effect { spec, .. } => spec,
+            Unknown::Effect(effect) => effect.spec,
             Unknown::Log(_) => return None,
         };
         let z = trial.fit.z[n];
         let (least, most) = unknown.bounds();
         let value_at = |z: f64| unknown.value(z.clamp(least, most));
         let is_at_limit = z - least < AT_LIMIT || most - z < AT_LIMIT;
-        let possible = NORMAL_95 * prior_sd(unknown);
+        let possible = NORMAL_95 * unknown.believed_sd();
         let alone = NORMAL_95
             / trial.fit.jacobian[n]
                 .iter()
@@ -68,12 +66,9 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
             after: value_at(z),
             low: low.min(high),
             high: high.max(low),
-            determined_by: match unknown {
-                Unknown::Nuisance(nuisance) if determination != Determination::Determined => {
-                    Some(nuisance.determined_by.to_owned())
-                }
-                _ => None,
-            },
+            determined_by: (determination != Determination::Determined)
+                .then(|| unknown.determined_by())
+                .flatten(),
             is_beyond_usual: match unknown {
                 Unknown::Nuisance(nuisance) => nuisance.usual.is_some_and(|usual| {
                     let (to_low, to_high) = (value_at(z - widths[n]), value_at(z + widths[n]));
@@ -85,12 +80,6 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
         })
     });
     parameters.collect()
-}
-
-/// Standard deviation that was believed before; of a strength, which may be anything, a factor of ten.
-fn prior_sd(unknown: &Unknown) -> f64 {
-    let sd = unknown.prior_sd();
-    if sd.is_finite() { sd } else { 1.0 }
 }
 
 /// The names of the parameters whose errors go along with those of parameter `n`, the closest first.
@@ -107,18 +96,10 @@ fn partners(unknowns: &Unknowns, covariance: Option<&DMatrix<f64>>, n: usize) ->
         .iter()
         .enumerate()
         .filter(|&(m, _)| m != n && correlation(m) > MAKES_UP)
-        .map(|(m, unknown)| (correlation(m), name(unknown)))
+        .map(|(m, unknown)| (correlation(m), unknown.name()))
         .collect();
     partners.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut names: Vec<String> = partners.into_iter().map(|(_, name)| name).collect();
     names.dedup();
     names
-}
-
-fn name(unknown: &Unknown) -> String {
-    match unknown {
-        Unknown::Nuisance(nuisance) => nuisance.spec.name(),
-        Unknown::Effect { spec, .. } => spec.name(),
-        Unknown::Log(condition) => condition.figure.name().to_owned(),
-    }
 }

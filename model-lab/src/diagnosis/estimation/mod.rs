@@ -4,6 +4,8 @@
 //! `stages` has the fit; `determination` says what the logs tell of each parameter; `result` is the answer.
 
 mod determination;
+#[cfg(test)]
+mod effect_tests;
 mod result;
 mod stages;
 #[cfg(test)]
@@ -26,12 +28,14 @@ use super::search::{Watch, report};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknowns;
+pub(super) use determination::DETERMINED;
 use determination::estimated_parameters;
 pub use result::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
     EstimationStep, EstimationStepKind,
 };
 use stages::Fitted;
+pub(super) use weak_directions::measure_weak_directions;
 
 /// Estimates the ordinary parameters of `plant`, and the parameters of the effects that it has, from `logs`. Validation uses data
 /// that was not fitted: `check`, or without it, blocks of the logs.

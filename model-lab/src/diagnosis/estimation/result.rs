@@ -156,8 +156,11 @@ pub(super) fn state_knowledge(
         if let Some(origin) = plant.provenance.get_mut(name) {
             *origin += &format!("; 95 %: {:.4e} to {:.4e}", parameter.low, parameter.high);
         }
-        let Some(spec) = ParameterSpec::by_name(name).filter(|spec| spec.effect_id().is_none())
-        else {
+        // A size of an effect stays open unless the plant file says otherwise: leaks and friction change from day to day.
+        let is_kept = |spec: &&ParameterSpec| {
+            spec.effect_id().is_none() || before.knowledge.contains_key(name)
+        };
+        let Some(spec) = ParameterSpec::by_name(name).filter(is_kept) else {
             continue;
         };
         let is_at_limit = parameter.determination == Determination::AtLimit;

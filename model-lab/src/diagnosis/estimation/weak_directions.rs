@@ -21,7 +21,7 @@ const STEP: (f64, f64) = (0.02, 0.25);
 const PASSES: usize = 3;
 
 /// Takes the Jacobian of `fit` anew along the directions that are weak in it; unchanged where nothing can be simulated there.
-pub(super) fn measure_weak_directions(fitter: &Fitter, fit: &mut Fit) {
+pub(in crate::diagnosis) fn measure_weak_directions(fitter: &Fitter, fit: &mut Fit) {
     for _ in 0..PASSES {
         let (curvature, _) = fitter.normal(fit);
         let eigen = curvature.symmetric_eigen();

@@ -48,7 +48,7 @@ pub(super) fn assemble(
     }
 }
 
-fn phases(sequence: &Sequence) -> Vec<Phase> {
+pub(super) fn phases(sequence: &Sequence) -> Vec<Phase> {
     let mut phases: Vec<Phase> = Vec::new();
     for (row, &[duty_fill_pct, duty_vent_pct]) in sequence.duties.iter().enumerate() {
         let is_same = |last: &Phase| {

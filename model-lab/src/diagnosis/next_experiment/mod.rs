@@ -5,12 +5,18 @@
 //! noise, is the distance (W. G. Hunter, A. M. Reiner 1965). The smaller of both directions counts.
 
 mod assemble;
+mod determine;
+mod determine_result;
+#[cfg(test)]
+mod determine_tests;
 mod distance;
 mod manoeuvre;
 mod result;
 mod sensors;
 #[cfg(test)]
 mod tests;
+
+use core::cmp::Ordering;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
@@ -21,11 +27,16 @@ use recording::Recording;
 
 use super::error::DiagnoseError;
 use super::gather::gather;
+use super::logged_supply::with_logged_supply;
 use super::search::{Watch, best_form, report};
 use super::trial::{Bench, Trial};
 use distance::{Noises, Rival, Unseen, distance};
 use manoeuvre::Sequence;
 
+pub use determine::determining_experiment;
+pub use determine_result::{
+    DETERMINING_EXPERIMENT_SCHEMA, DeterminingExperiment, DeterminingManoeuvre, ForeseenParameter,
+};
 pub use result::{
     Limits, Manoeuvre, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor,
 };
@@ -53,6 +64,7 @@ pub fn next_experiment(
 ) -> Result<NextExperiment, DiagnoseError> {
     let first = logs.first().ok_or(DiagnoseError::NoLog)?;
     check_parts(plant)?;
+    let plant = &with_logged_supply(plant, logs);
     let fitting = gather(plant, logs)?;
     let bench = Bench {
         library: &[],
@@ -85,7 +97,7 @@ pub fn next_experiment(
         });
     }
     report(watch, "manoeuvres", 0.0)?;
-    let ranked = ranked(sequences, watch, |sequence| {
+    let distance_on = |sequence: &Sequence| {
         let between = |a: &Rival, b: &Rival| distance(a, b, sequence, &noises);
         match question {
             Question::Between(_) => pairs(&rivals).try_fold(f64::INFINITY, |least, (a, b)| {
@@ -93,7 +105,8 @@ pub fn next_experiment(
             }),
             Question::For(_) => between(&rivals[1], &rivals[0]),
         }
-    });
+    };
+    let ranked = ranked(sequences, watch, distance_on, falling);
     let ranked = ranked.map_err(|none| none.error(&rivals, &noises))?;
     let sensors = sensors::sensors(&rivals, &ranked[0].0, &fitting);
     Ok(assemble::assemble(
@@ -119,22 +132,25 @@ fn check_parts(plant: &PlantParameters) -> Result<(), DiagnoseError> {
     }
 }
 
-/// The manoeuvres with their distances, the best first. One without a distance is left out: what was not computed is no 0.
-fn ranked(
+/// The manoeuvres with their worths, the best first by `order`. One without a worth is left out: what was not computed is no 0.
+fn ranked<T: Send>(
     sequences: Vec<Sequence>,
     watch: Watch,
-    distance: impl Fn(&Sequence) -> Result<f64, Unseen> + Sync,
-) -> Result<Vec<(Sequence, f64)>, NoneRanked> {
+    worth: impl Fn(&Sequence) -> Result<T, Unseen> + Sync,
+    order: impl Fn(&T, &T) -> Ordering,
+) -> Result<Vec<(Sequence, T)>, NoneRanked> {
     let manoeuvres = sequences.len();
     let tried = sequences
         .into_par_iter()
         .map(|sequence| {
-            let distance = distance(&sequence);
+            let worth = worth(&sequence);
             report(watch, "manoeuvres", 0.5).map_err(NoneRanked::Stopped)?;
-            Ok(distance.map(|distance| (sequence, distance)))
+            Ok(worth.map(|worth| (sequence, worth)))
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let is_unshown = tried.contains(&Err(Unseen::NotShown));
+    let is_unshown = tried
+        .iter()
+        .any(|tried| matches!(tried, Err(Unseen::NotShown)));
     let mut ranked: Vec<_> = tried.into_iter().flatten().collect();
     if ranked.is_empty() {
         return Err(if is_unshown {
@@ -143,8 +159,13 @@ fn ranked(
             NoneRanked::NotSimulated { manoeuvres }
         });
     }
-    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    ranked.sort_by(|a, b| order(&a.1, &b.1));
     Ok(ranked)
+}
+
+/// The larger first.
+fn falling(a: &f64, b: &f64) -> Ordering {
+    b.total_cmp(a)
 }
 
 /// Why no manoeuvre is ranked.

@@ -131,24 +131,28 @@ impl NextExperiment {
 
     /// The best manoeuvre as a log of commands, one row per ECU sample: `time_s,duty_fill_pct,duty_vent_pct`.
     pub fn csv(&self) -> String {
-        let mut csv = String::from("time_s,duty_fill_pct,duty_vent_pct\n");
         let end_s = self.ranking.first().map_or(0.0, |best| best.duration_s);
-        let interval_s = self.sample_time_s;
-        let rows = (end_s / interval_s).round() as usize;
-        let decimals = decimals(interval_s);
-        let mut phases = self.sequence.iter().peekable();
-        let mut duties = (0.0, 0.0);
-        for row in 0..rows {
-            let time_s = row as f64 * interval_s;
-            let has_begun = |phase: &&Phase| phase.time_s < time_s + 0.5 * interval_s;
-            while let Some(phase) = phases.next_if(has_begun) {
-                duties = (phase.duty_fill_pct, phase.duty_vent_pct);
-            }
-            writeln!(csv, "{time_s:.decimals$},{:.1},{:.1}", duties.0, duties.1)
-                .expect("a string takes all");
-        }
-        csv
+        rows(&self.sequence, end_s, self.sample_time_s)
     }
+}
+
+/// The commands of `sequence` until `end_s` (s), one row per `interval_s` (s).
+pub(super) fn rows(sequence: &[Phase], end_s: f64, interval_s: f64) -> String {
+    let mut csv = String::from("time_s,duty_fill_pct,duty_vent_pct\n");
+    let rows = (end_s / interval_s).round() as usize;
+    let decimals = decimals(interval_s);
+    let mut phases = sequence.iter().peekable();
+    let mut duties = (0.0, 0.0);
+    for row in 0..rows {
+        let time_s = row as f64 * interval_s;
+        let has_begun = |phase: &&Phase| phase.time_s < time_s + 0.5 * interval_s;
+        while let Some(phase) = phases.next_if(has_begun) {
+            duties = (phase.duty_fill_pct, phase.duty_vent_pct);
+        }
+        writeln!(csv, "{time_s:.decimals$},{:.1},{:.1}", duties.0, duties.1)
+            .expect("a string takes all");
+    }
+    csv
 }
 
 /// Most decimals of a time (s): nanoseconds.

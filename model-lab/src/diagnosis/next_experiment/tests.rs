@@ -1,6 +1,6 @@
 use core::ops::ControlFlow;
 
-use plant_sim::parameters::ParameterSpec;
+use plant_sim::parameters::{Knowledge, ParameterSpec};
 use plant_sim::valve::ValveFunction;
 use recording::csv;
 
@@ -171,6 +171,23 @@ fn an_effect_that_was_not_excited_gets_a_manoeuvre() {
     );
 }
 
+/// A cold coil is one of less resistance: who knows the resistance tells them apart.
+#[test]
+fn what_the_plant_file_knows_is_not_refitted_by_a_rival() {
+    let best = |knowledge| {
+        let mut plant = PlantParameters::nominal();
+        plant
+            .knowledge
+            .insert("coil.resistance_20c_ohm".to_owned(), knowledge);
+        let log = poor_log(PlantParameters::nominal());
+        let question = Question::For("coil_ambient_temperature");
+        let next = next_experiment(&plant, &[log], question, LIMITS, &go_on).unwrap();
+        next.ranking[0].distance
+    };
+    let [exact, open] = [Knowledge::Exact, Knowledge::TolerancePct(40.0)].map(best);
+    assert!(exact > 3.0 * open, "{exact} {open}");
+}
+
 #[test]
 fn limits_that_leave_nothing_and_unknown_effects_are_refused() {
     let nothing = Limits {
@@ -256,7 +273,7 @@ fn a_manoeuvre_without_a_distance_is_not_ranked() {
     };
     let tried = |distance: fn(&Sequence) -> Result<f64, Unseen>| {
         let names = ["failed", "poor", "good"];
-        ranked(names.map(sequence).into(), &go_on, distance)
+        ranked(names.map(sequence).into(), &go_on, distance, falling)
     };
     let found = tried(|sequence| match sequence.name {
         "failed" => Err(Unseen::NotSimulated),

@@ -1,5 +1,6 @@
 //! What the page shows of a project.
 
+use model_lab::diagnosis::known;
 use plant_sim::PlantParameters;
 use serde::Serialize;
 
@@ -35,7 +36,7 @@ struct PlantView {
     name: String,
     is_nominal: bool,
     problems: Vec<Problem>,
-    /// Parameters that differ from the thesis model.
+    /// Parameters that differ from the thesis model, or say how well they are known.
     changed: Vec<ParameterView>,
     effects: Vec<&'static str>,
 }
@@ -47,6 +48,8 @@ struct ParameterView {
     nominal: Option<f64>,
     unit: &'static str,
     about: &'static str,
+    /// How well it is known, in words.
+    known: String,
 }
 
 impl ProjectView {
@@ -89,8 +92,11 @@ fn plant_view(plant: &PlantFile) -> PlantView {
         parameters.specs().filter_map(|spec| {
             let value = spec.value(parameters)?;
             let before = spec.value(&nominal);
-            (before != Some(value)).then(|| ParameterView {
-                name: spec.name(),
+            let name = spec.name();
+            let is_stated = parameters.knowledge.contains_key(&name);
+            (before != Some(value) || is_stated).then(|| ParameterView {
+                known: known(parameters, &name).map_or_else(String::new, |it| it.words(spec.unit)),
+                name,
                 value,
                 nominal: before,
                 unit: spec.unit,

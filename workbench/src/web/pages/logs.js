@@ -194,14 +194,15 @@ class Page {
       element("th", { scope: "row" }, parameter.name),
       element("td", {}, number(parameter.value)),
       element("td", {}, number(parameter.nominal)),
-      element("td", {}, parameter.unit)));
+      element("td", {}, parameter.unit),
+      element("td", { class: "known" }, parameter.known)));
     fill(this.plant,
       element("h2", { id: "plant-title" }, "Plant"),
       element("p", {}, element("strong", {}, plant.name), plant.is_nominal && " – the thesis model"),
       plant.problems.map((problem) => element("p", { class: "problem" }, problem.message)),
       rows.length > 0 && element("details", {},
-        element("summary", {}, `${rows.length} ${rows.length === 1 ? "parameter differs" : "parameters differ"} from the thesis model`),
-        element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ["parameter", "here", "thesis", "unit"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows))),
+        element("summary", {}, rows.length === 1 ? "1 parameter that differs from the thesis model or says how well it is known" : `${rows.length} parameters that differ from the thesis model or say how well they are known`),
+        element("div", { class: "scroll" }, element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ["parameter", "here", "thesis", "unit", "known"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows)))),
       element("p", { class: "row" },
         element("a", { class: "button", href: api.address("/plant"), download: "plant.toml" }, "Download"),
         !plant.is_nominal && button("Back to the thesis model", async () => this.showProject(await api.put("/plant", { name: "" })))));

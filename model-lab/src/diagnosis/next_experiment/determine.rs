@@ -1,0 +1,347 @@
+//! Which manoeuvre determines parameters that the plant file leaves open?
+//!
+//! The plant file says how well each value is known; a refined one carries what the logs tell. Each manoeuvre is simulated with the
+//! plant as it stands, with the noise of the logs, and differentiated by all parameters that a fit moves. The curvature, with what the
+//! plant file says, has the interval that a fit to it would have.
+
+use core::cmp::Ordering;
+
+use nalgebra::DMatrix;
+use plant_sim::PlantParameters;
+use recording::Recording;
+
+use super::super::effect_unknown::EVEN_SD;
+use super::super::error::DiagnoseError;
+use super::super::estimation::{DETERMINED, measure_weak_directions};
+use super::super::fit::{Difference, Fitter};
+use super::super::gather::gather;
+use super::super::knowledge::{named, state_first_file};
+use super::super::logged_supply::with_logged_supply;
+use super::super::nuisance::first_file_spread;
+use super::super::search::{Watch, report};
+use super::super::trial::Bench;
+use super::super::unknowns::{Unknown, Unknowns};
+use super::assemble::phases;
+use super::check_parts;
+use super::determine_result::{
+    DETERMINING_EXPERIMENT_SCHEMA, DeterminingExperiment, DeterminingManoeuvre, ForeseenParameter,
+};
+use super::distance::{Noises, Unseen, made};
+use super::manoeuvre::{self, Sequence};
+use super::result::Limits;
+use super::{NoneRanked, ranked};
+
+/// Half width of a 95 % interval in standard deviations.
+const NORMAL_95: f64 = 1.96;
+/// A parameter that is known well already and asked for by its name is determined once its interval shrinks to this share.
+const HALVED: f64 = 0.5;
+
+/// Ranks manoeuvres within `limits` by how well they determine `what`: parameters `section.key`, the ordinary parameters of a table such
+/// as `coil`, or `all` ordinary parameters. `plant` says how well each is known now; where it says nothing, as in a first plant file.
+/// `logs` say which signals there are, and how noisy.
+///
+/// # Errors
+/// [`DiagnoseError`]: the plant lacks a valve or the chamber, a log cannot be used, there is no such parameter or it counts as exact, no
+/// manoeuvre keeps the limits or can be simulated, or `watch` stopped it.
+pub fn determining_experiment(
+    plant: &PlantParameters,
+    logs: &[Recording],
+    what: &[&str],
+    limits: Limits,
+    watch: Watch,
+) -> Result<DeterminingExperiment, DiagnoseError> {
+    let first = logs.first().ok_or(DiagnoseError::NoLog)?;
+    check_parts(plant)?;
+    let mut plant = with_logged_supply(plant, logs);
+    state_first_file(&mut plant);
+    let plant = &plant;
+    let evidence = gather(plant, logs)?;
+    let bench = Bench {
+        library: &[],
+        plant,
+        fitting: &evidence,
+        checking: &evidence,
+    };
+    report(watch, "the plant as given", 0.0)?;
+    let unknowns = Unknowns::new(plant, &plant.effects, &evidence.logs);
+    let given = Fitter::new(&evidence, &unknowns).at(unknowns.start());
+    let given = given.and_then(|fit| bench.judge(plant.effects.clone(), unknowns, fit));
+    let given = given.ok_or_else(|| DiagnoseError::NotSimulated {
+        log: first.provenance().source.clone(),
+    })?;
+    let is_adequate = !given.is_material();
+    let (unknowns, _) = given.unknowns.without_logs();
+    let asked = asked(plant, &unknowns, what)?;
+    let is_named = |&n: &usize| what.contains(&&*unknowns.list()[n].name());
+    let by_name = asked.iter().copied().filter(is_named).collect();
+    let foresight = Foresight {
+        plant,
+        noises: Noises::of(&evidence),
+        // How long the errors of a plant that does not fit are remembered says nothing of one that does.
+        memory: if is_adequate {
+            given.correlation_samples
+        } else {
+            1.0
+        },
+        unknowns,
+        asked,
+        by_name,
+    };
+    let sequences = manoeuvre::sequences(&[plant], &limits);
+    if sequences.is_empty() {
+        return Err(DiagnoseError::NoManoeuvre {
+            duration_s: limits.duration_s,
+            max_bar: limits.max_bar,
+            max_duty_pct: limits.max_duty_pct,
+        });
+    }
+    let manoeuvres = sequences.len();
+    report(watch, "manoeuvres", 0.0)?;
+    let foresee = |sequence: &Sequence| foresight.of(sequence);
+    let found = ranked(sequences, watch, foresee, Foreseen::order);
+    let found = found.map_err(|none| match none {
+        NoneRanked::Stopped(error) => error,
+        NoneRanked::NotSimulated { .. } | NoneRanked::NotShown => {
+            DiagnoseError::NoManoeuvreSimulated { manoeuvres }
+        }
+    })?;
+    Ok(foresight.experiment(evidence.sources(), is_adequate, limits, &found))
+}
+
+/// The places in the list of `unknowns` of the parameters that `what` names.
+fn asked(
+    plant: &PlantParameters,
+    unknowns: &Unknowns,
+    what: &[&str],
+) -> Result<Vec<usize>, DiagnoseError> {
+    let place = |name: &str| {
+        let mut list = unknowns.list().iter();
+        list.position(|unknown| unknown.name() == name)
+    };
+    let mut places = Vec::new();
+    for &what in what {
+        let names = named(plant, what)?;
+        let found: Vec<usize> = names.iter().filter_map(|name| place(name)).collect();
+        if found.is_empty() {
+            let name = names.into_iter().next().unwrap_or_default();
+            let spec = plant.specs().find(|spec| spec.name() == name);
+            return Err(DiagnoseError::Exact {
+                value: plant.get(&name).unwrap_or_default(),
+                unit: spec.map_or("", |spec| spec.unit),
+                name,
+            });
+        }
+        places.extend(found);
+    }
+    places.sort_unstable();
+    places.dedup();
+    Ok(places)
+}
+
+/// What a manoeuvre would tell.
+#[derive(Debug, Clone, PartialEq)]
+struct Foreseen {
+    /// Half widths of the 95 % intervals of the parameters in question, in their coordinates.
+    half_widths: Vec<f64>,
+    /// How many more are determined.
+    determined: usize,
+    /// Geometric mean of the widths afterwards over those now.
+    width_after: f64,
+}
+
+impl Foreseen {
+    /// The more determined first, then the narrower.
+    fn order(&self, other: &Self) -> Ordering {
+        let by_count = other.determined.cmp(&self.determined);
+        by_count.then(self.width_after.total_cmp(&other.width_after))
+    }
+}
+
+/// Foresees what fits to manoeuvres would tell of parameters.
+struct Foresight<'a> {
+    plant: &'a PlantParameters,
+    noises: Noises,
+    /// Samples over which errors are remembered.
+    memory: f64,
+    unknowns: Unknowns,
+    /// The places of the parameters in question in the list of unknowns.
+    asked: Vec<usize>,
+    /// Those that were asked for by their names: they count as open however well the plant file knows them.
+    by_name: Vec<usize>,
+}
+
+impl Foresight<'_> {
+    fn of(&self, sequence: &Sequence) -> Result<Foreseen, Unseen> {
+        let log = made(self.plant, sequence, &self.noises).ok_or(Unseen::NotSimulated)?;
+        let evidence = gather(self.plant, [&log]).map_err(|_| Unseen::NotSimulated)?;
+        let fitter = Fitter::accurate(&evidence, &self.unknowns);
+        let mut fit = fitter
+            .at(self.unknowns.start())
+            .ok_or(Unseen::NotSimulated)?;
+        fitter
+            .differentiate(&mut fit, 0, Difference::Fine)
+            .ok_or(Unseen::NotSimulated)?;
+        measure_weak_directions(&fitter, &mut fit);
+        let (mut curvature, _) = fitter.normal(&fit);
+        let list = self.unknowns.list();
+        for a in 0..list.len() {
+            for b in 0..list.len() {
+                let known = if a == b {
+                    list[a].prior_sd().powi(-2)
+                } else {
+                    0.0
+                };
+                curvature[(a, b)] = (curvature[(a, b)] - known) / self.memory + known;
+            }
+            if list[a].prior_sd().is_infinite() {
+                curvature[(a, a)] += list[a].believed_sd().powi(-2);
+            }
+        }
+        let covariance = curvature.try_inverse().ok_or(Unseen::NotSimulated)?;
+        Ok(self.foreseen(&covariance))
+    }
+
+    fn foreseen(&self, covariance: &DMatrix<f64>) -> Foreseen {
+        let widths: Vec<f64> = self
+            .asked
+            .iter()
+            .map(|&n| {
+                let noise = NORMAL_95 * covariance[(n, n)].max(0.0).sqrt();
+                noise.hypot(NORMAL_95 * self.unknowns.list()[n].between_programs())
+            })
+            .collect();
+        let open = self.asked.iter().zip(&widths);
+        let open = open.filter(|&(&n, _)| !self.is_known(n));
+        let (mut determined, mut logarithms, mut count) = (0, 0.0, 0);
+        for (&n, &width) in open {
+            determined += usize::from(self.would_determine(n, width));
+            logarithms += (width / self.now(n)).min(1.0).ln();
+            count += 1;
+        }
+        Foreseen {
+            half_widths: widths,
+            determined,
+            width_after: (logarithms / f64::from(count.max(1))).exp(),
+        }
+    }
+
+    /// Half width that the plant file leaves, in the coordinate.
+    fn now(&self, n: usize) -> f64 {
+        let unknown = &self.unknowns.list()[n];
+        let (least, most) = unknown.bounds();
+        (0.5 * (most - least)).min(NORMAL_95 * unknown.believed_sd())
+    }
+
+    /// Whether the plant file determines the parameter, so that no manoeuvre needs to.
+    fn is_known(&self, n: usize) -> bool {
+        !self.by_name.contains(&n) && self.is_determined(n, self.now(n))
+    }
+
+    /// Whether an experiment that leaves this half width determines the parameter.
+    fn would_determine(&self, n: usize, half_width: f64) -> bool {
+        let now = self.now(n);
+        let is_gain = half_width <= HALVED * now || !self.is_determined(n, now);
+        is_gain && self.is_determined(n, half_width)
+    }
+
+    /// Whether a half width is a fraction of what a first plant file leaves open.
+    fn is_determined(&self, n: usize, half_width: f64) -> bool {
+        let unknown = &self.unknowns.list()[n];
+        let first_file = match unknown {
+            Unknown::Nuisance(nuisance) => {
+                let name = nuisance.spec.name();
+                first_file_spread(&name, nuisance.datasheet)
+                    .map(|spread| NORMAL_95 * EVEN_SD * spread / nuisance.tolerance)
+            }
+            Unknown::Effect(_) | Unknown::Log(_) => None,
+        };
+        half_width <= DETERMINED * first_file.unwrap_or_else(|| NORMAL_95 * unknown.believed_sd())
+    }
+
+    fn experiment(
+        &self,
+        logs: Vec<String>,
+        is_adequate: bool,
+        limits: Limits,
+        ranked: &[(Sequence, Foreseen)],
+    ) -> DeterminingExperiment {
+        let (best, foreseen) = &ranked[0];
+        let parameters = self.asked.iter().zip(&foreseen.half_widths);
+        let parameters: Vec<_> = parameters
+            .map(|(&n, &half_width)| self.parameter(n, half_width))
+            .collect();
+        DeterminingExperiment {
+            schema: DETERMINING_EXPERIMENT_SCHEMA.to_owned(),
+            logs,
+            is_adequate,
+            limits,
+            sample_time_s: best.interval_s,
+            sentence: sentence(best.name, &parameters),
+            parameters,
+            sequence: phases(best),
+            ranking: ranked
+                .iter()
+                .map(|(sequence, foreseen)| self.manoeuvre(sequence, foreseen))
+                .collect(),
+        }
+    }
+
+    fn parameter(&self, n: usize, half_width: f64) -> ForeseenParameter {
+        let unknown = &self.unknowns.list()[n];
+        let (least, most) = unknown.bounds();
+        let z = self.unknowns.start()[n];
+        let around = |half: f64| {
+            let ends = [z - half, z + half].map(|z| unknown.value(z.clamp(least, most)));
+            [ends[0].min(ends[1]), ends[0].max(ends[1])]
+        };
+        let now = if unknown.prior_sd().is_finite() {
+            [least, most].map(|z| unknown.value(z))
+        } else {
+            around(self.now(n))
+        };
+        let is_determined_now = self.is_known(n);
+        let is_determined_after = is_determined_now || self.would_determine(n, half_width);
+        ForeseenParameter {
+            name: unknown.name(),
+            unit: unknown.unit().to_owned(),
+            value: unknown.value(z),
+            now,
+            after: around(half_width),
+            is_determined_now,
+            is_determined_after,
+            determined_by: unknown.determined_by().filter(|_| !is_determined_after),
+        }
+    }
+
+    fn manoeuvre(&self, sequence: &Sequence, foreseen: &Foreseen) -> DeterminingManoeuvre {
+        let determines = self.asked.iter().zip(&foreseen.half_widths);
+        let determines =
+            determines.filter(|&(&n, &width)| !self.is_known(n) && self.would_determine(n, width));
+        DeterminingManoeuvre {
+            name: sequence.name.to_owned(),
+            about: sequence.about.to_owned(),
+            duration_s: sequence.duties.len() as f64 * sequence.interval_s,
+            highest_bar: sequence.highest_bar,
+            determines: determines
+                .map(|(&n, _)| self.unknowns.list()[n].name())
+                .collect(),
+            width_after: foreseen.width_after,
+        }
+    }
+}
+
+fn sentence(best: &str, parameters: &[ForeseenParameter]) -> String {
+    let names = |is_meant: &dyn Fn(&ForeseenParameter) -> bool| {
+        let meant = parameters.iter().filter(|one| is_meant(one));
+        meant.map(|one| &*one.name).collect::<Vec<_>>().join(", ")
+    };
+    let open = names(&|one| !one.is_determined_now);
+    let gained = names(&|one| !one.is_determined_now && one.is_determined_after);
+    let left = names(&|one| !one.is_determined_after);
+    match (open.is_empty(), gained.is_empty(), left.is_empty()) {
+        (true, ..) => "the plant file determines all of these parameters already".to_owned(),
+        (_, false, true) => format!("\"{best}\" determines {gained}"),
+        (_, false, false) => format!("\"{best}\" determines {gained}; it leaves {left} open"),
+        (_, true, _) => format!("no manoeuvre within the limits determines {left}"),
+    }
+}

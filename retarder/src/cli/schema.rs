@@ -1,0 +1,34 @@
+//! The results that have a JSON form.
+
+use clap::ValueEnum;
+
+/// A result with a JSON form.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SchemaName {
+    /// retarder.black-box/1, of `blackbox`
+    BlackBox,
+    /// retarder.comparison/1, of `compare`
+    Comparison,
+    /// retarder.control/1, of `control`
+    Control,
+    /// retarder.device/1, of `control --dut`
+    Device,
+    /// retarder.determining-experiment/1, of `next-experiment --determine`
+    DeterminingExperiment,
+    /// retarder.diagnosis/1, of `diagnose`
+    Diagnosis,
+    /// retarder.estimation/1, of `refine` without --add
+    Estimation,
+    /// retarder.refinement/1, of `refine --add`
+    Refinement,
+    /// retarder.next-experiment/1, of `next-experiment`
+    NextExperiment,
+    /// retarder.rigs/1, of `control --rigs`
+    Rigs,
+    /// retarder.simulation/1, of `simulate`
+    Simulation,
+    /// retarder.thesis/1, of `thesis`
+    Thesis,
+    /// retarder.thesis-explanation/1, of `thesis --explain`
+    ThesisExplanation,
+}

@@ -1,0 +1,73 @@
+//! The options of a command, as a person would type them: for the commands that a result proposes.
+
+use std::path::Path;
+
+use crate::cli::{Assignment, Freed, LogsArgs, PlantArgs};
+use crate::page::quoted;
+
+/// Options that name plant and logs.
+pub(crate) struct Options {
+    plant: String,
+    logs: String,
+    mapping: String,
+    first_log: String,
+    knowledge: String,
+}
+
+impl Options {
+    pub(crate) fn of(logs: &LogsArgs, plant: &PlantArgs) -> Self {
+        let mapping = paths("--mapping", logs.mapping.as_slice());
+        let sets = plant.set.iter().map(|Assignment { name, value }| {
+            let assignment = format!("{name}={value}");
+            option("--set", &assignment)
+        });
+        let freed = logs.knowledge.free.iter().map(|Freed { what, range }| {
+            let range = range.map(|(low, high)| format!("={low}..{high}"));
+            option("--free", &format!("{what}{}", range.unwrap_or_default()))
+        });
+        let fixed = logs.knowledge.fix.iter();
+        let fixed = fixed.map(|what| option("--fix", what));
+        Self {
+            plant: paths("--plant", plant.plant.as_slice()),
+            logs: paths("--log", &logs.log) + &paths("--check", &logs.check),
+            first_log: paths("--log", &logs.log[..logs.log.len().min(1)]),
+            mapping,
+            knowledge: sets.chain(freed).chain(fixed).collect(),
+        }
+    }
+
+    /// All of them, as they were given.
+    pub(crate) fn as_given(&self) -> String {
+        let Self {
+            plant,
+            logs,
+            mapping,
+            knowledge,
+            ..
+        } = self;
+        format!("{plant}{logs}{mapping}{knowledge}")
+    }
+
+    /// The same logs with the plant file `plant`, which has in it what was said of the first one.
+    pub(crate) fn with_plant(&self, plant: &Path) -> String {
+        let plant = paths("--plant", &[plant]);
+        format!("{plant}{}{}", self.logs, self.mapping)
+    }
+
+    /// The same with the first log alone.
+    pub(crate) fn with_plant_and_one_log(&self, plant: &Path) -> String {
+        let plant = paths("--plant", &[plant]);
+        format!("{plant}{}{}", self.first_log, self.mapping)
+    }
+}
+
+fn paths<P: AsRef<Path>>(name: &str, paths: &[P]) -> String {
+    let options = paths.iter();
+    options
+        .map(|path| option(name, &path.as_ref().to_string_lossy()))
+        .collect()
+}
+
+fn option(name: &str, value: &str) -> String {
+    format!(" {name} {}", quoted(value))
+}
