@@ -388,7 +388,8 @@ mod tests {
     fn a_log_out_of_reach_is_not_fitted_but_one_with_a_glitch_is() {
         let log = Bench::default().measure();
         let plant = PlantParameters::nominal();
-        let refused = |log: &Recording| crate::diagnosis::remaining(&plant, &[log.clone()]).err();
+        let refused =
+            |log: &Recording| crate::diagnosis::remaining(&plant, core::slice::from_ref(log)).err();
         let psi = changed(&log, |name, value| match name {
             "p_ch" => ("p_ch", value * 14.504),
             other => (named(other), value),
