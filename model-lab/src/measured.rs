@@ -43,6 +43,9 @@ const REST_BAR: f64 = 0.05;
 const REST_SIGMAS: f64 = 5.0;
 /// The initial pressure is the mean of this long at most [s].
 const START_S: f64 = 1.0;
+/// Values bend if they scatter about a line by more than this many noise sigmas; fewer values than these are not asked.
+const BENT_SIGMAS: f64 = 1.5;
+const FEWEST_OF_LINE: usize = 4;
 
 /// A signal of the log in the unit of the model.
 pub(crate) struct Measured {
@@ -248,26 +251,57 @@ fn level_above_vacuum(still: (&[f64], &[f64]), sigma: f64, ambient: f64) -> Opti
     level.or_else(|| present(still.1).next())
 }
 
-/// What the values show at the first instant: their mean, or where they drift by more than noise [sigma], the line
-/// through them.
+/// What the values show at the first instant: their mean, or where they drift by more than noise [sigma], the line through them.
+/// Of values that bend, as those of gas that cools, only as many are taken as are on a line.
 fn first_level((times_s, values): (&[f64], &[f64]), sigma: f64) -> Option<f64> {
-    let mean_value = mean(values)?;
-    let shown = || {
-        let pairs = times_s.iter().zip(values);
-        pairs.filter(|(_, value)| !value.is_nan())
-    };
-    let n = shown().count() as f64;
-    let mean_s = shown().map(|(time_s, _)| time_s).sum::<f64>() / n;
-    let (tt, ty) = shown().fold((0.0, 0.0), |(tt, ty), (time_s, value)| {
-        let t = time_s - mean_s;
-        (tt + t * t, ty + t * (value - mean_value))
-    });
-    let drifts = sigma > 0.0 && ty.abs() > REST_SIGMAS * sigma * tt.sqrt();
-    Some(if drifts {
-        mean_value + ty / tt * (times_s[0] - mean_s)
-    } else {
-        mean_value
+    let line = Line::through((times_s, values))?;
+    let half = values.len() / 2;
+    if sigma > 0.0 && half >= FEWEST_OF_LINE && line.scatter > BENT_SIGMAS * sigma {
+        return first_level((&times_s[..half], &values[..half]), sigma);
+    }
+    let drifts = sigma > 0.0 && line.slope.abs() * line.spread_s > REST_SIGMAS * sigma;
+    Some(match drifts {
+        true => line.mean + line.slope * (times_s[0] - line.mean_s),
+        false => line.mean,
     })
+}
+
+/// A straight line through values.
+struct Line {
+    mean_s: f64,
+    mean: f64,
+    /// Per second.
+    slope: f64,
+    /// Root of the sum of the squared times about their mean (s).
+    spread_s: f64,
+    /// Standard deviation of the values about the line.
+    scatter: f64,
+}
+
+impl Line {
+    /// The line with the least squares; none through no values. NaN is missing.
+    fn through((times_s, values): (&[f64], &[f64])) -> Option<Self> {
+        let mean = mean(values)?;
+        let shown = || {
+            let pairs = times_s.iter().zip(values);
+            pairs.filter(|(_, value)| !value.is_nan())
+        };
+        let n = shown().count() as f64;
+        let mean_s = shown().map(|(time_s, _)| time_s).sum::<f64>() / n;
+        let (tt, ty, yy) = shown().fold((0.0, 0.0, 0.0), |(tt, ty, yy), (time_s, value)| {
+            let (t, y) = (time_s - mean_s, value - mean);
+            (tt + t * t, ty + t * y, yy + y * y)
+        });
+        let slope = if tt > 0.0 { ty / tt } else { 0.0 };
+        let square = (yy - slope * ty).max(0.0);
+        Some(Self {
+            mean_s,
+            mean,
+            slope,
+            spread_s: tt.sqrt(),
+            scatter: (square / (n - 2.0).max(1.0)).sqrt(),
+        })
+    }
 }
 
 /// Where the model begins: at rest, or at the measured pressure [Pa abs] if that is away from ambient.
@@ -314,4 +348,25 @@ pub(crate) fn start(
         ),
     };
     (start, Some(initial_bar * PA_PER_BAR + ambient))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_level;
+
+    /// Gas that was filled fast loses half a bar while it cools; a line through a second of that began a quarter of a bar too low.
+    #[test]
+    fn the_first_level_of_cooling_gas_is_that_of_the_first_rows() {
+        let times_s: Vec<f64> = (0..100).map(|row| f64::from(row) * 0.01).collect();
+        let noise = |row: usize| 1e-3 * [1.0, -1.0, 0.5, -0.5][row % 4];
+        let level = |values: &[f64]| first_level((&times_s, values), 1e-3).unwrap();
+        let cooling = |(row, time_s): (usize, &f64)| 8.0 + 0.5 * (-time_s / 0.3).exp() + noise(row);
+        let cooling: Vec<f64> = times_s.iter().enumerate().map(cooling).collect();
+        assert!((level(&cooling) - 8.5).abs() < 0.01, "{}", level(&cooling));
+        let sinking = |(row, time_s): (usize, &f64)| 8.0 - 0.2 * time_s + noise(row);
+        let sinking: Vec<f64> = times_s.iter().enumerate().map(sinking).collect();
+        assert!((level(&sinking) - 8.0).abs() < 1e-3, "{}", level(&sinking));
+        let still: Vec<f64> = (0..100).map(|row| 8.0 + noise(row)).collect();
+        assert!((level(&still) - 8.0).abs() < 1e-9, "{}", level(&still));
+    }
 }
