@@ -16,11 +16,21 @@ const EDGE: f64 = 0.1;
 /// More samples of the ECU than these between two rows are a gap.
 const SAMPLES_MAX: u64 = 20;
 
+/// Changes of the commands are assigned one after the other, and again so often in all: where a change begins depends on the sample
+/// at which the next one ends it.
+const PASSES: usize = 3;
+
 impl Log {
     /// Takes `clock` for the clock of the logger, and by it assigns the command of each row to a sample of the ECU.
     pub(crate) fn set_clock(&mut self, clock: LoggerClock, parameters: &PlantParameters) {
         self.conditions.clock = Some(clock);
-        self.issued_ns = self.issued_by(clock, parameters);
+        let mut issued_ns = self.issued_by(clock, parameters);
+        if self.is_slow() {
+            for _ in 1..PASSES {
+                self.assign_by_model(clock, parameters, &mut issued_ns);
+            }
+        }
+        self.issued_ns = issued_ns;
     }
 
     /// Takes these instants (ns, ECU time), row after row, for those at which the commands were given.
