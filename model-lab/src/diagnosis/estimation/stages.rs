@@ -80,10 +80,12 @@ pub(super) fn fit(
     if is_slow && leaves_more_than_noise(split, &unknowns, &z)? {
         (unknowns, z) = with_clocks_anew(plant, split, (unknowns, z), watch)?;
     }
+    (unknowns, z) = with_commands_settled(plant, split, (unknowns, z))?;
     if leaves_more_than_noise(split, &unknowns, &z)? {
         report(watch, "estimating, from other starts", 0.0)?;
         if let Some(other) = from_other_starts(&split.fitting, &unknowns, &z, has_current) {
             (unknowns, z) = assigned_anew(plant, split, &unknowns, &other.z);
+            (unknowns, z) = with_commands_settled(plant, split, (unknowns, z))?;
         }
     }
     report(watch, "estimating, least squares", 0.0)?;
@@ -212,6 +214,28 @@ fn with_clocks_anew(
         return Ok(anew);
     }
     Ok(before.restored(split))
+}
+
+/// Assigns the commands of slow logs two by two by the fitted plant, and fits with them.
+fn with_commands_settled(
+    plant: &PlantParameters,
+    split: &mut Split,
+    (mut unknowns, mut z): (Unknowns, Vec<f64>),
+) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
+    if !split.fitting.logs.iter().any(Log::is_slow) {
+        return Ok((unknowns, z));
+    }
+    for _ in 0..ROUNDS {
+        split.fitting.take_conditions(&unknowns, &z);
+        let there = unknowns.plant(&z);
+        for log in &mut split.fitting.logs {
+            log.settle_commands(&there);
+        }
+        (unknowns, z) = begun_at(plant, &split.fitting, &unknowns, &z);
+        let fit = forgiving(&split.fitting, &unknowns, z, Descent::Whole);
+        z = fit.ok_or_else(|| split.not_simulated())?.z;
+    }
+    Ok((unknowns, z))
 }
 
 /// Fits from `z` with large errors forgiven.
@@ -389,15 +413,33 @@ fn with_clocks(
     let mut with_delay = there;
     with_delay.ecu.command_delay_s = delay_s.unwrap_or(with_delay.ecu.command_delay_s);
     let centred_s = centre_slow_clocks(&with_delay, &mut split.fitting, delays_s);
-    let unknowns = unknowns_of(plant, &split.fitting);
-    let mut next = unknowns.start();
-    for ((to, unknown), from) in next.iter_mut().zip(unknowns.list()).zip(z) {
-        if !matches!(unknown, Unknown::Log(_)) {
-            *to = *from;
-        }
-    }
+    let (unknowns, mut next) = begun_at(plant, &split.fitting, fitted, z);
     if let Some(delay_s) = centred_s.or(delay_s) {
         begin_at_delay(&unknowns, &mut next, delay_s);
     }
     (unknowns, next)
+}
+
+/// Coordinates that begin at the conditions of the logs as they are, and at `z` of `fitted` for the rest.
+fn begun_at(
+    plant: &PlantParameters,
+    evidence: &Evidence,
+    fitted: &Unknowns,
+    z: &[f64],
+) -> (Unknowns, Vec<f64>) {
+    let unknowns = unknowns_of(plant, evidence);
+    let is_kept = |unknown: &&Unknown| !matches!(unknown, Unknown::Log(_));
+    let of_rest = fitted.list().iter().zip(z);
+    let mut of_rest = of_rest
+        .filter(|(unknown, _)| is_kept(unknown))
+        .map(|(_, &z)| z);
+    let mut begun = unknowns.start();
+    for (to, _) in begun
+        .iter_mut()
+        .zip(unknowns.list())
+        .filter(|(_, unknown)| is_kept(unknown))
+    {
+        *to = of_rest.next().unwrap_or(*to);
+    }
+    (unknowns, begun)
 }

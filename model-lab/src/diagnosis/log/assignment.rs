@@ -16,19 +16,33 @@ const EDGE: f64 = 0.1;
 /// More samples of the ECU than these between two rows are a gap.
 const SAMPLES_MAX: u64 = 20;
 
-/// Changes of the commands are assigned one after the other, and again so often in all: where a change begins depends on the sample
-/// at which the next one ends it.
-const PASSES: usize = 3;
+/// How many changes of the commands are assigned together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Changes {
+    One,
+    /// Those of two rows: where one begins depends on the sample at which the next one ends it.
+    Two,
+}
+
+/// Changes are assigned so often, the next time by what was assigned behind them.
+const PASSES: usize = 2;
 
 impl Log {
     /// Takes `clock` for the clock of the logger, and by it assigns the command of each row to a sample of the ECU.
     pub(crate) fn set_clock(&mut self, clock: LoggerClock, parameters: &PlantParameters) {
         self.conditions.clock = Some(clock);
-        let mut issued_ns = self.issued_by(clock, parameters);
-        if self.is_slow() {
-            for _ in 1..PASSES {
-                self.assign_by_model(clock, parameters, &mut issued_ns);
-            }
+        self.issued_ns = self.issued_by(clock, parameters);
+    }
+
+    /// Assigns the commands of a slow log anew, two changes together, from where they are. Only a plant that fits says where two changes
+    /// were: a wrong one is bent until it fits such commands.
+    pub(crate) fn settle_commands(&mut self, parameters: &PlantParameters) {
+        let Some(clock) = self.conditions.clock.filter(|_| self.is_slow()) else {
+            return;
+        };
+        let mut issued_ns = self.issued_ns.clone();
+        for _ in 0..PASSES {
+            self.assign_by_model(clock, (parameters, Changes::Two), &mut issued_ns);
         }
         self.issued_ns = issued_ns;
     }
@@ -49,7 +63,7 @@ impl Log {
             .collect();
         self.assign_first_by_model(clock, parameters, &mut issued_ns);
         if self.is_slow() {
-            self.assign_by_model(clock, parameters, &mut issued_ns);
+            self.assign_by_model(clock, (parameters, Changes::One), &mut issued_ns);
         }
         issued_ns
     }
@@ -115,11 +129,12 @@ impl Log {
         errors.sum()
     }
 
-    /// Assigns each change of the commands to the sample of the ECU between its two rows that explains the rows until it shows best.
+    /// Assigns each change of the commands to the sample of the ECU between its two rows that explains the rows until it shows best, by
+    /// itself or together with a change in the next row.
     fn assign_by_model(
         &self,
         clock: LoggerClock,
-        parameters: &PlantParameters,
+        (parameters, changes): (&PlantParameters, Changes),
         issued_ns: &mut [u64],
     ) {
         let sample_time_ns = parameters.ecu.sample_time_ns();
@@ -129,18 +144,41 @@ impl Log {
         };
         let mut replay = self.begin(parameters, &conditions, Tolerance::default());
         for row in 0..self.inputs.len() {
-            let samples = self.possible_samples(row, clock, sample_time_ns);
-            if let Some(samples) = samples.filter(|samples| samples.end() > samples.start()) {
-                let until = self.rows_until_shown(row, parameters);
-                let loss = |sample: u64| {
+            let next = match changes {
+                Changes::One => row,
+                Changes::Two => (row + 1).min(self.inputs.len() - 1),
+            };
+            let [first, second] = [row, next].map(|row| {
+                let samples = self.possible_samples(row, clock, sample_time_ns);
+                samples.unwrap_or_else(|| {
+                    let there = issued_ns[row] / sample_time_ns;
+                    there..=there
+                })
+            });
+            let pairs = first.flat_map(|first| second.clone().map(move |second| [first, second]));
+            let pairs: Vec<_> = pairs
+                .filter(|[first, second]| {
+                    if next == row {
+                        first == second
+                    } else {
+                        first < second
+                    }
+                })
+                .collect();
+            if pairs.len() > 1 {
+                let until = self.rows_until_shown(next, parameters);
+                let assigned = |[first, second]: [u64; 2], issued_ns: &mut [u64]| {
+                    issued_ns[next - row] = second * sample_time_ns;
+                    issued_ns[0] = first * sample_time_ns;
+                };
+                let loss = |pair: [u64; 2]| {
                     let mut trial = issued_ns[row..until].to_vec();
-                    trial[0] = sample * sample_time_ns;
+                    assigned(pair, &mut trial);
                     self.loss(replay.clone(), row..until, &conditions, &trial)
                 };
-                let tried = samples.map(|sample| (loss(sample), sample));
-                let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-                if let Some((_, sample)) = best {
-                    issued_ns[row] = sample * sample_time_ns;
+                let tried = pairs.into_iter().map(|pair| (loss(pair), pair));
+                if let Some((_, best)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                    assigned(best, &mut issued_ns[row..]);
                 }
             }
             let timing = (&conditions, Some(issued_ns[row]));

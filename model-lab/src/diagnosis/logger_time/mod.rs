@@ -210,6 +210,9 @@ pub(crate) fn fit_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
     for _ in 0..ROUNDS {
         let conditions = fitted_conditions(plant, evidence);
         evidence.set_conditions(&conditions, plant);
+        for log in &mut evidence.logs {
+            log.settle_commands(plant);
+        }
     }
 }
 
