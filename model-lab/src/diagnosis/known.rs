@@ -238,10 +238,18 @@ mod tests {
             let file = asking_plant_file(&plant.to_toml(), plant);
             file.matches("# Known: ").count()
         };
-        assert_eq!(asked(&plant), ordinary_names().count());
+        let file = plant.to_toml();
+        // The offset of a gauge is absent where it is 0.
+        let is_in_file = |name: &&str| {
+            let key = name.split_once('.').map_or(*name, |(_, key)| key);
+            file.contains(&format!("\n{key} = "))
+        };
+        let ordinary = ordinary_names().filter(is_in_file).count();
+        assert_eq!(ordinary, ordinary_names().count() - 1);
+        assert_eq!(asked(&plant), ordinary);
         plant
             .knowledge
             .insert("chamber.volume_m3".to_owned(), Knowledge::Unknown);
-        assert_eq!(asked(&plant), ordinary_names().count() - 1);
+        assert_eq!(asked(&plant), ordinary - 1);
     }
 }
