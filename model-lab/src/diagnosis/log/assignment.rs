@@ -144,27 +144,19 @@ impl Log {
         };
         let mut replay = self.begin(parameters, &conditions, Tolerance::default());
         for row in 0..self.inputs.len() {
-            let next = match changes {
-                Changes::One => row,
-                Changes::Two => (row + 1).min(self.inputs.len() - 1),
+            let possible = |row| self.possible_samples(row, clock, sample_time_ns);
+            let follows = (changes == Changes::Two && row + 1 < self.inputs.len())
+                .then(|| possible(row + 1))
+                .flatten();
+            let next = row + usize::from(follows.is_some());
+            let pairs: Vec<[u64; 2]> = match (possible(row), follows) {
+                (None, _) => Vec::new(),
+                (Some(first), None) => first.map(|sample| [sample; 2]).collect(),
+                (Some(first), Some(second)) => first
+                    .flat_map(|first| second.clone().map(move |second| [first, second]))
+                    .filter(|[first, second]| first < second)
+                    .collect(),
             };
-            let [first, second] = [row, next].map(|row| {
-                let samples = self.possible_samples(row, clock, sample_time_ns);
-                samples.unwrap_or_else(|| {
-                    let there = issued_ns[row] / sample_time_ns;
-                    there..=there
-                })
-            });
-            let pairs = first.flat_map(|first| second.clone().map(move |second| [first, second]));
-            let pairs: Vec<_> = pairs
-                .filter(|[first, second]| {
-                    if next == row {
-                        first == second
-                    } else {
-                        first < second
-                    }
-                })
-                .collect();
             if pairs.len() > 1 {
                 let until = self.rows_until_shown(next, parameters);
                 let assigned = |[first, second]: [u64; 2], issued_ns: &mut [u64]| {
