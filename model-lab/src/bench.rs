@@ -32,6 +32,23 @@ pub(crate) fn without_rows(log: &Recording, rows: std::ops::Range<usize>) -> Rec
     paused
 }
 
+/// The log without its currents.
+pub(crate) fn pressure_alone(log: &Recording) -> Recording {
+    let mut other = Recording::new(log.provenance().clone());
+    let id = other.add_time_base(log.time_bases().next().unwrap().1.clone());
+    for signal in log
+        .signals()
+        .iter()
+        .filter(|one| !one.name().starts_with("i_"))
+    {
+        let values = signal.values_or_nan().to_vec();
+        other
+            .add_signal(signal.name(), signal.unit(), id, values)
+            .unwrap();
+    }
+    other
+}
+
 /// A log of `count` samples in which nothing is commanded.
 pub(crate) fn shut_for(count: usize, interval_s: f64) -> Commands {
     let mut log = Recording::new(Provenance::from_source("shut"));
@@ -53,8 +70,17 @@ pub(crate) fn logged(
     interval_s: f64,
     seed: u64,
 ) -> Recording {
+    logged_through(plant, (clock, interval_s), seed, &Bench::default().phases)
+}
+
+/// The same of other commands: seconds with the duty cycles (%) of fill and vent valve.
+pub(crate) fn logged_through(
+    plant: &PlantParameters,
+    (clock, interval_s): (LoggerClock, f64),
+    seed: u64,
+    phases: &[(f64, f64, f64)],
+) -> Recording {
     let sample_time_ns = plant.ecu.sample_time_ns();
-    let phases = Bench::default().phases;
     let profile: Vec<Command> = phases
         .iter()
         .flat_map(|&(seconds, duty_fill_pct, duty_vent_pct)| {
@@ -69,17 +95,24 @@ pub(crate) fn logged(
     let mut replay = Replay::new(plant, CurrentSampling::MeanOfInterval, Tolerance::default());
     let mut noise = Noise::new(seed);
     let mut columns: [Vec<f64>; 5] = Default::default();
+    let given = |time_ns: u64, sample: u64| ReplayInput {
+        time_ns,
+        issued_ns: sample * sample_time_ns,
+        command: Some(profile[sample as usize]),
+        supply_voltage_v: None,
+        supply_pressure: None,
+    };
+    let mut next = 0;
     for row in 0..rows {
         let log_ns = (row as f64 * interval_s * 1e9).round() as u64;
         let time_ns = clock.ecu_time_ns(log_ns);
         let sample = time_ns / sample_time_ns;
-        let row = replay.row(ReplayInput {
-            time_ns,
-            issued_ns: sample * sample_time_ns,
-            command: Some(profile[sample as usize]),
-            supply_voltage_v: None,
-            supply_pressure: None,
-        });
+        // The ECU gives commands that no row shows. The mean of a current begins anew there.
+        for unseen in next..sample {
+            replay.row(given(unseen * sample_time_ns, unseen));
+        }
+        next = sample + 1;
+        let row = replay.row(given(time_ns, sample));
         for (column, value) in columns.iter_mut().zip(row) {
             column.push(value);
         }

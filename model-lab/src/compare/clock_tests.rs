@@ -5,7 +5,7 @@ use plant_sim::parameters::Knowledge;
 use recording::Recording;
 
 use super::*;
-use crate::bench::{Bench, logged, without_rows};
+use crate::bench::{Bench, logged, pressure_alone, without_rows};
 use crate::result::ClockSource;
 use crate::{CompareOptions, compare, find_conditions};
 
@@ -42,22 +42,6 @@ fn as_of_ecu(plant: &PlantParameters, log: &Recording) -> Comparison {
     let conditions = LogConditions::default();
     let options = CompareOptions::default();
     compare_under(plant, (log, &conditions), &options, &|_| true).unwrap()
-}
-
-fn pressure_alone(log: &Recording) -> Recording {
-    let mut other = Recording::new(log.provenance().clone());
-    let id = other.add_time_base(log.time_bases().next().unwrap().1.clone());
-    for signal in log
-        .signals()
-        .iter()
-        .filter(|one| !one.name().starts_with("i_"))
-    {
-        let values = signal.values_or_nan().to_vec();
-        other
-            .add_signal(signal.name(), signal.unit(), id, values)
-            .unwrap();
-    }
-    other
 }
 
 /// Goal: the error of a right plant is the noise, whatever the logger. The currents of a fast one were off by a third of their size.
@@ -191,6 +175,20 @@ fn a_log_that_begins_with_a_filled_chamber_begins_under_its_first_command() {
         .unwrap();
     let comparison = compared(&plant, &without_rows(&clock, 0..begin));
     let errors = in_noise(&comparison);
+    assert!(
+        errors[0] < 1.2 && errors[1] < 1.5 && errors[2] < 1.5,
+        "{errors:?}"
+    );
+}
+
+/// A log that begins 7 ms after its first command was given: the current of the coil was 200 mA off at its first pulse.
+#[test]
+fn the_first_command_of_a_log_was_given_before_its_first_row() {
+    let plant = fitted();
+    let whole = logged(&plant, OFF_GRID, 1e-3, 5);
+    let duty = whole.signal("duty_fill").unwrap().values_or_nan();
+    let given = (1..duty.len()).find(|&row| duty[row] > 0.0).unwrap();
+    let errors = in_noise(&compared(&plant, &without_rows(&whole, 0..given + 7)));
     assert!(
         errors[0] < 1.2 && errors[1] < 1.5 && errors[2] < 1.5,
         "{errors:?}"

@@ -10,7 +10,7 @@ use recording::Recording;
 
 use super::result::Verdict;
 use super::{Diagnosis, diagnose_with};
-use crate::bench::{Bench, logged};
+use crate::bench::{Bench, logged, pressure_alone};
 
 /// A diagnosis with these effects as the library.
 fn diagnosed(plant: &PlantParameters, library: &[&str], logs: &[Recording; 2]) -> Diagnosis {
@@ -78,25 +78,11 @@ fn a_sensor_lag_is_told_from_the_clock_of_a_slow_logger() {
     let logs = [(7.9e-3, 1), (2.2e-3, 2)].map(|(phase_s, seed)| {
         let drift_ppm = 117.0;
         let log = logged(&plant, LoggerClock { phase_s, drift_ppm }, 0.01, seed);
-        without_currents(&log)
+        pressure_alone(&log)
     });
     let library = ["sensor_lag", "dead_volume", "chamber_leak"];
     let diagnosis = diagnosed(&given, &library, &logs);
     assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
     assert_eq!(diagnosis.effects, ["sensor_lag"]);
     assert_eq!(diagnosis.clocks.len(), 2);
-}
-
-fn without_currents(log: &Recording) -> Recording {
-    let mut kept = Recording::new(log.provenance().clone());
-    let (_, base) = log.time_bases().next().unwrap();
-    let id = kept.add_time_base(base.clone());
-    for signal in log.signals() {
-        if !signal.name().starts_with("i_") {
-            let values = signal.values_or_nan().to_vec();
-            kept.add_signal(signal.name(), signal.unit(), id, values)
-                .unwrap();
-        }
-    }
-    kept
 }

@@ -6,7 +6,8 @@ use plant_sim::parameters::Knowledge;
 use recording::Recording;
 
 use super::*;
-use crate::bench::{Bench, logged};
+use crate::bench::{Bench, logged, logged_through, pressure_alone};
+use crate::diagnosis::nuisance::ordinary_names;
 
 /// A plant whose ordinary values are up to a quarter off the nominal ones, and whose coils are 6 % off.
 fn another_rig() -> PlantParameters {
@@ -86,6 +87,42 @@ fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of
         matches!(resistance, Knowledge::TolerancePct(percent) if percent < 2.0),
         "{resistance:?}"
     );
+}
+
+/// Of a slow logger, a delay and a clock that are both later leave the same errors. The fit went to the delay of the plant file, and the
+/// commands of the check log then were between other rows.
+#[test]
+fn rows_and_commands_of_a_slow_logger_show_the_delay() {
+    let mut rig = PlantParameters::nominal();
+    rig.ecu.command_delay_s = 12.3e-3;
+    rig.flow.discharge_fill *= 0.9;
+    let mut given = PlantParameters::nominal();
+    for name in ordinary_names() {
+        given.knowledge.insert(name.to_owned(), Knowledge::Exact);
+    }
+    let free = [("ecu.command_delay_s", 8e-3), ("flow.discharge_fill", 0.3)];
+    for (name, half) in free {
+        let stated = Knowledge::Tolerance(half);
+        given.knowledge.insert(name.to_owned(), stated);
+    }
+    let pulses = [
+        (0.07, 70.0, 0.0),
+        (0.41, 0.0, 0.0),
+        (0.09, 0.0, 70.0),
+        (0.43, 0.0, 0.0),
+    ];
+    let pulses: Vec<_> = pulses.into_iter().cycle().take(120).collect();
+    let logs = [(0.4e-3, 1), (6.2e-3, 2)].map(|(phase_s, seed)| {
+        let drift_ppm = 70.0;
+        let logger = (LoggerClock { phase_s, drift_ppm }, 27e-3);
+        pressure_alone(&logged_through(&rig, logger, seed, &pulses))
+    });
+    let [fitted, check] = logs;
+    let found = estimated(&given, &[fitted], &[check]);
+    let delay = parameter(&found, "ecu.command_delay_s");
+    assert!((delay.after - 12.3e-3).abs() < 0.6e-3, "{delay:?}");
+    let after = found.estimation.steps.last().unwrap();
+    assert!(after.errors.worst_in_noise() < 1.2, "{:?}", after.errors);
 }
 
 #[test]
