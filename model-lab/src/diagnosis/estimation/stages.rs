@@ -154,6 +154,7 @@ fn in_rounds(
         }
         (unknowns, z) = assigned_anew(plant, split, &unknowns, &fit.z);
     }
+    // The two rounds of fast logs end with the clocks that the last one found.
     if let Some(best) = best.filter(|_| rounds > ROUNDS) {
         (unknowns, z) = best.restored(split);
     }
