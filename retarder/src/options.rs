@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use crate::cli::{Assignment, Freed, LogsArgs, PlantArgs};
-use crate::page::quoted;
 
 /// Options that name plant and logs.
 pub(crate) struct Options {
@@ -70,4 +69,16 @@ fn paths<P: AsRef<Path>>(name: &str, paths: &[P]) -> String {
 
 fn option(name: &str, value: &str) -> String {
     format!(" {name} {}", quoted(value))
+}
+
+/// An argument as a shell takes it.
+pub(crate) fn quoted(argument: &str) -> String {
+    let is_plain = argument
+        .chars()
+        .all(|character| character.is_alphanumeric() || "-_./=,:+".contains(character));
+    if is_plain && !argument.is_empty() {
+        argument.to_owned()
+    } else {
+        format!("'{}'", argument.replace('\'', "'\\''"))
+    }
 }

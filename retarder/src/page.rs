@@ -7,6 +7,7 @@ use report::{
     PlantPart,
 };
 
+use crate::options::quoted;
 use crate::run::Outcome;
 use crate::run::compare::Compared;
 use crate::run::control::Controlled;
@@ -241,18 +242,6 @@ fn before_and_after(diagnosed: &Diagnosed) -> Option<BeforeAndAfter<'_>> {
     };
     let logs: Vec<&Recording> = logs.iter().collect();
     BeforeAndAfter::worst(&diagnosed.diagnosis, &task.plant.parameters, &logs)
-}
-
-/// An argument as a shell takes it.
-pub(crate) fn quoted(argument: &str) -> String {
-    let is_plain = argument
-        .chars()
-        .all(|character| character.is_alphanumeric() || "-_./=,:+".contains(character));
-    if is_plain && !argument.is_empty() {
-        argument.to_owned()
-    } else {
-        format!("'{}'", argument.replace('\'', "'\\''"))
-    }
 }
 
 /// The command as it was typed, without the folder of the program.

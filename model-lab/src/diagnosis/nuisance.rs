@@ -3,8 +3,6 @@
 use plant_sim::PlantParameters;
 use plant_sim::parameters::ParameterSpec;
 
-use super::log::Log;
-
 /// An ordinary parameter in the list of those that a fit moves.
 #[derive(Debug)]
 struct Ordinary {
@@ -59,11 +57,11 @@ enum Shown {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Shows {
     /// Whether a log has the chamber pressure, ...
-    pressure: bool,
+    pub(crate) pressure: bool,
     /// ... with a supply pressure that drives the model, ...
-    with_supply: bool,
+    pub(crate) with_supply: bool,
     /// ... or without.
-    without_supply: bool,
+    pub(crate) without_supply: bool,
 }
 
 impl Shows {
@@ -73,16 +71,6 @@ impl Shows {
         with_supply: true,
         without_supply: true,
     };
-
-    /// What `logs` show together.
-    pub(crate) fn of(logs: &[Log]) -> Self {
-        let with_pressure = || logs.iter().filter(|log| log.pressure().is_some());
-        Self {
-            pressure: with_pressure().next().is_some(),
-            with_supply: with_pressure().any(Log::drives_supply),
-            without_supply: with_pressure().any(|log| !log.drives_supply()),
-        }
-    }
 
     fn show(self, shown: Shown) -> bool {
         match shown {

@@ -81,12 +81,22 @@ pub(crate) enum Unknown {
     Effect(EffectUnknown),
 }
 
+/// What `logs` show together.
+fn shown_by(logs: &[Log]) -> Shows {
+    let with_pressure = || logs.iter().filter(|log| log.pressure().is_some());
+    Shows {
+        pressure: with_pressure().next().is_some(),
+        with_supply: with_pressure().any(Log::drives_supply),
+        without_supply: with_pressure().any(|log| !log.drives_supply()),
+    }
+}
+
 impl Unknowns {
     /// The nuisance parameters of `datasheet`, as far as `logs` can show them, then the conditions of the logs, and then the
     /// parameters of the effects in `fitted`, so that a further effect comes last. Of the effects that `datasheet` has itself,
     /// its statements bound the values; exact ones stay, and so does an effect that is off.
     pub(crate) fn new(datasheet: &PlantParameters, fitted: &[EffectSetting], logs: &[Log]) -> Self {
-        let nuisances = nuisances(datasheet, Shows::of(logs));
+        let nuisances = nuisances(datasheet, shown_by(logs));
         let mut unknowns = Self {
             datasheet: datasheet.clone(),
             list: nuisances.into_iter().map(Unknown::Nuisance).collect(),
