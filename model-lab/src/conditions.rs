@@ -117,7 +117,7 @@ pub(crate) struct StartGas {
 /// Cooling time of a chamber of 50 to 125 cm3 (s): mass of the air times c_v over a conductance of 0.1 W/K to the wall.
 const USUAL_COOLING_S: f64 = 0.3;
 
-/// What is known of the gas in a filled chamber before a log shows it.
+/// Prior knowledge of the gas in a filled chamber.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UsualGas {
     /// Temperature above that of the wall (K): standard deviation about 0, and least and most.
@@ -141,7 +141,8 @@ impl UsualGas {
         most_s: 10.0,
         ln_sd: 1.0,
     };
-    /// How far a vessel is from the estimate at most: shape, fittings and convection. A wider range would take a leak for slow cooling.
+    /// Largest ratio of the cooling time to its estimate, for shape, fittings and convection. With a wider range, slow cooling would fit a
+    /// leak.
     const REACH: f64 = 3.0;
 
     /// In a vessel that no valve with a coil fills, the chamber of `parameters`, with gas at `pressure` (Pa abs): its heat capacity m c_v over the

@@ -20,7 +20,7 @@ pub(crate) struct EffectUnknown {
     stated: Option<Stated>,
 }
 
-/// What the plant file says of the parameter, in values.
+/// Value and bounds of the parameter in the plant file.
 #[derive(Debug, Clone, Copy)]
 struct Stated {
     value: f64,
@@ -160,13 +160,13 @@ impl EffectUnknown {
         }
     }
 
-    /// Where the prior is centred.
+    /// Returns the mean of the prior.
     pub(crate) fn prior_mean(&self) -> f64 {
         self.stated
             .map_or_else(|| self.typical(), |stated| self.coordinate_of(stated.value))
     }
 
-    /// What would determine it, for people; none for an effect that the library does not have.
+    /// Returns the excitation that determines it, as text; none for an effect that the library does not have.
     pub(crate) fn determined_by(&self) -> Option<String> {
         let about = self.spec.effect_id().and_then(by_id)?.about();
         Some(format!("record: {}", about.excited_by))

@@ -47,7 +47,7 @@ pub enum DiagnoseError {
     PressureOutOfReach {
         /// Source of the log.
         log: String,
-        /// What is wrong, and what to do.
+        /// Pressure, supply pressure and remedy, as text.
         statement: String,
     },
     /// The plain plant cannot be simulated on the log.

@@ -348,7 +348,7 @@ impl Unknown {
         }
     }
 
-    /// What would determine it, for people; none for a condition of a log.
+    /// Returns the excitation or measurement that determines it, as text; none for a condition of a log.
     pub(crate) fn determined_by(&self) -> Option<String> {
         match self {
             Self::Nuisance(nuisance) => Some(nuisance.determined_by.to_owned()),
@@ -461,7 +461,7 @@ impl Unknown {
         if sd.is_finite() { sd } else { 1.0 }
     }
 
-    /// Where the prior is centred.
+    /// Returns the mean of the prior.
     pub(crate) fn prior_mean(&self) -> f64 {
         match self {
             Self::Nuisance(_) => 0.0,

@@ -1,12 +1,11 @@
 //! Effects that the plant file has: their sizes are estimated together with the ordinary parameters.
 
-use core::ops::ControlFlow;
-
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::parameters::Knowledge;
 use recording::Recording;
 
+use super::tests::estimated;
 use super::*;
 use crate::bench::Bench;
 
@@ -24,10 +23,6 @@ fn measured(plant: PlantParameters, seed: u64) -> Recording {
         ..Bench::default()
     };
     bench.measure()
-}
-
-fn estimated(plant: &PlantParameters, logs: &[Recording], check: &[Recording]) -> EstimatedPlant {
-    estimate(plant, logs, check, &|_| ControlFlow::Continue(())).unwrap()
 }
 
 fn found<'a>(estimated: &'a EstimatedPlant, name: &str) -> Vec<&'a EstimatedParameter> {

@@ -1,12 +1,13 @@
 //! Estimates the ordinary parameters of a plant from its logs: the model as good as its physics allows, before anything is said
 //! to be missing.
 //!
-//! `stages` has the fit; `determination` says what the logs tell of each parameter; `result` is the answer.
+//! `stages` has the fit, in `rounds` with the assignment of the commands; `determination` says what the logs tell of each parameter; `result` is the answer.
 
 mod determination;
 #[cfg(test)]
 mod effect_tests;
 mod result;
+mod rounds;
 mod stages;
 #[cfg(test)]
 mod tests;

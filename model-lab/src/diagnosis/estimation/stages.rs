@@ -9,36 +9,26 @@ use plant_sim::PlantParameters;
 use plant_sim::replay::CurrentSampling;
 use rayon::prelude::*;
 
+use super::rounds::{
+    OUTLIER, ROUNDS, ROUNDS_OF_SLOW_LOGS, assigned_anew, begin_at_delay, forgiving,
+    forgiving_fitter, in_rounds, with_clocks_anew, with_commands_settled,
+};
 use super::unknowns_of;
 use super::weak_directions::{measure_weak_directions, settled};
-use crate::conditions::Conditions;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::errors::Errors;
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::fit::{Descent, Difference, Fit, Fitter, Loss, Scope};
 use crate::diagnosis::log::{Log, Run};
-use crate::diagnosis::logger_time::{
-    Delay, Search, best_delay_s, centre_slow_clocks, find_clock, find_conditions, find_slow_clocks,
-};
+use crate::diagnosis::logger_time::{best_delay_s, find_conditions};
 use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
-/// Residuals beyond this many noise floors count in proportion where large errors are forgiven.
-const OUTLIER: f64 = 3.0;
-/// Steps of the differences over the usual ones: a first plant file leaves more room than tolerances of parts, ...
-const COARSE: f64 = 0.5;
-/// ... and in the last stage a parameter may be known to a hundredth of its range.
+/// Steps of the differences in the last stage over the usual ones: a parameter may be known to a hundredth of its range.
 const FINE: f64 = 0.05;
 /// A decrease below this share of the cost ends the last stage: what hardly shows in the cost is wanted as well.
 const CONVERGED_SHARE: f64 = 1e-6;
-/// The forgiving stage is run this often; the commands are assigned to the samples of the ECU anew after each, which needs more
-/// rounds where several samples lie between two rows.
-const ROUNDS: usize = 2;
-const ROUNDS_OF_SLOW_LOGS: usize = 12;
-/// A round that saves less than this share of the cost is in vain; after so many there are no more.
-const BETTER_ROUND: f64 = 0.02;
-const ROUNDS_IN_VAIN: usize = 2;
 /// Delays from which the coils are fitted are this far apart (s), and this many at most.
 const DELAY_STEP_S: f64 = 1.5e-3;
 const DELAYS_MAX: f64 = 16.0;
@@ -122,139 +112,6 @@ pub(super) fn fit(
         fit: kept,
         sharp,
     })
-}
-
-/// Fits from `z` with large errors forgiven and assigns the commands anew, in `rounds` at most: as long as less is left after some of
-/// them.
-fn in_rounds(
-    plant: &PlantParameters,
-    split: &mut Split,
-    (mut unknowns, mut z): (Unknowns, Vec<f64>),
-    rounds: usize,
-    watch: Watch,
-) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
-    let mut best: Option<Assigned> = None;
-    let mut in_vain = 0;
-    for round in 0..rounds {
-        let done = round as f64 / rounds as f64;
-        report(watch, "estimating, large errors forgiven", done)?;
-        let fit = forgiving(&split.fitting, &unknowns, z.clone(), Descent::Whole);
-        let fit = fit.ok_or_else(|| split.not_simulated())?;
-        let fitted = Assigned::of(split, &unknowns, &fit);
-        let is_better = |best: &Assigned| fitted.cost < (1.0 - BETTER_ROUND) * best.cost;
-        in_vain = match best.as_ref().is_none_or(is_better) {
-            true => 0,
-            false => in_vain + 1,
-        };
-        if best.as_ref().is_none_or(|best| fitted.cost < best.cost) {
-            best = Some(fitted);
-        }
-        if in_vain == ROUNDS_IN_VAIN {
-            break;
-        }
-        (unknowns, z) = assigned_anew(plant, split, &unknowns, &fit.z);
-    }
-    // The two rounds of fast logs end with the clocks that the last one found.
-    if let Some(best) = best.filter(|_| rounds > ROUNDS) {
-        (unknowns, z) = best.restored(split);
-    }
-    Ok((unknowns, z))
-}
-
-/// A fit with the conditions of the logs.
-struct Assigned {
-    cost: f64,
-    conditions: Vec<Conditions>,
-    issued_ns: Vec<Vec<u64>>,
-    unknowns: Unknowns,
-    z: Vec<f64>,
-}
-
-impl Assigned {
-    fn of(split: &Split, unknowns: &Unknowns, fit: &Fit) -> Self {
-        let logs = split.fitting.logs.iter();
-        Self {
-            cost: fit.cost,
-            conditions: split.fitting.conditions(),
-            issued_ns: logs.map(|log| log.issued_ns().to_vec()).collect(),
-            unknowns: unknowns.clone(),
-            z: fit.z.clone(),
-        }
-    }
-
-    fn restored(self, split: &mut Split) -> (Unknowns, Vec<f64>) {
-        split.fitting.replace_conditions(&self.conditions);
-        for (log, issued_ns) in split.fitting.logs.iter_mut().zip(self.issued_ns) {
-            log.set_issued_ns(issued_ns);
-        }
-        (self.unknowns, self.z)
-    }
-}
-
-/// Looks for the clocks of slow loggers as if nothing was known of them, now that the plant is known better, and fits with them; stays
-/// where it is if that leaves no less.
-fn with_clocks_anew(
-    plant: &PlantParameters,
-    split: &mut Split,
-    (unknowns, z): (Unknowns, Vec<f64>),
-    watch: Watch,
-) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
-    let there = forgiving_fitter(&split.fitting, &unknowns).at(z);
-    let there = there.ok_or_else(|| split.not_simulated())?;
-    let before = Assigned::of(split, &unknowns, &there);
-    let open = split
-        .fitting
-        .logs
-        .iter_mut()
-        .filter(|log| log.is_clock_open());
-    open.for_each(|log| log.conditions.clock = None);
-    let anew = with_clocks(plant, split, &unknowns, &there.z);
-    let anew = in_rounds(plant, split, anew, ROUNDS_OF_SLOW_LOGS, watch)?;
-    let cost = forgiving_fitter(&split.fitting, &anew.0).at(anew.1.clone());
-    if cost.is_some_and(|anew| anew.cost < before.cost) {
-        return Ok(anew);
-    }
-    Ok(before.restored(split))
-}
-
-/// Assigns the commands of slow logs two by two by the fitted plant, and fits with them.
-fn with_commands_settled(
-    plant: &PlantParameters,
-    split: &mut Split,
-    (mut unknowns, mut z): (Unknowns, Vec<f64>),
-) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
-    if !split.fitting.logs.iter().any(Log::is_slow) {
-        return Ok((unknowns, z));
-    }
-    for _ in 0..ROUNDS {
-        split.fitting.take_conditions(&unknowns, &z);
-        let there = unknowns.plant(&z);
-        for log in &mut split.fitting.logs {
-            log.settle_commands(&there);
-        }
-        (unknowns, z) = begun_at(plant, &split.fitting, &unknowns, &z);
-        let fit = forgiving(&split.fitting, &unknowns, z, Descent::Whole);
-        z = fit.ok_or_else(|| split.not_simulated())?.z;
-    }
-    Ok((unknowns, z))
-}
-
-/// Fits from `z` with large errors forgiven.
-fn forgiving(
-    evidence: &Evidence,
-    unknowns: &Unknowns,
-    z: Vec<f64>,
-    descent: Descent,
-) -> Option<Fit> {
-    let fitter = forgiving_fitter(evidence, unknowns);
-    fitter.descend(fitter.at(z)?, descent)
-}
-
-fn forgiving_fitter<'a>(evidence: &'a Evidence, unknowns: &'a Unknowns) -> Fitter<'a> {
-    let mut fitter = Fitter::new(evidence, unknowns);
-    fitter.loss = Loss::Forgiving(OUTLIER);
-    fitter.step_scale = COARSE;
-    fitter
 }
 
 fn leaves_more_than_noise(
@@ -359,88 +216,4 @@ fn additive_recurrence(dimension: usize, number: usize) -> f64 {
         2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0,
     ];
     (number as f64 * PRIMES[dimension % PRIMES.len()].sqrt()).fract()
-}
-
-/// Puts the delay of the commands where the logs show it best: a step of a fit sees no further than a pulse.
-fn begin_at_delay(unknowns: &Unknowns, z: &mut [f64], delay_s: f64) {
-    for (unknown, z) in unknowns.list().iter().zip(z) {
-        if unknown.is_delay() {
-            let (least, most) = unknown.bounds();
-            *z = unknown.coordinate_of(delay_s).clamp(least, most);
-        }
-    }
-}
-
-/// Takes the fitted clocks for those of the loggers, looks for those that are not known yet, and assigns the commands by all of
-/// them. The coordinates of the logs' conditions begin there.
-fn assigned_anew(
-    plant: &PlantParameters,
-    split: &mut Split,
-    fitted: &Unknowns,
-    z: &[f64],
-) -> (Unknowns, Vec<f64>) {
-    let mut conditions = split.fitting.conditions();
-    fitted.conditions(z, &mut conditions);
-    split.fitting.set_conditions(&conditions, &fitted.plant(z));
-    with_clocks(plant, split, fitted, z)
-}
-
-/// Looks for clocks that are not known yet with the fitted plant, and for those of slow loggers together with the delay.
-fn with_clocks(
-    plant: &PlantParameters,
-    split: &mut Split,
-    fitted: &Unknowns,
-    z: &[f64],
-) -> (Unknowns, Vec<f64>) {
-    let there = fitted.plant(z);
-    let drifts_ppm = split.fitting.drifts_ppm();
-    for log in split
-        .fitting
-        .logs
-        .iter_mut()
-        .filter(|log| log.conditions.clock.is_none())
-    {
-        find_clock(&there, log, Delay::AsGiven, &drifts_ppm);
-    }
-    let delay = fitted.list().iter().find(|unknown| unknown.is_delay());
-    let delays_s = delay.map_or(
-        (there.ecu.command_delay_s, there.ecu.command_delay_s),
-        |delay| {
-            let (least, most) = delay.bounds();
-            (delay.value(least), delay.value(most))
-        },
-    );
-    let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s, Search::InTurn);
-    let mut with_delay = there;
-    with_delay.ecu.command_delay_s = delay_s.unwrap_or(with_delay.ecu.command_delay_s);
-    let centred_s = centre_slow_clocks(&with_delay, &mut split.fitting, delays_s);
-    let (unknowns, mut next) = begun_at(plant, &split.fitting, fitted, z);
-    if let Some(delay_s) = centred_s.or(delay_s) {
-        begin_at_delay(&unknowns, &mut next, delay_s);
-    }
-    (unknowns, next)
-}
-
-/// Coordinates that begin at the conditions of the logs as they are, and at `z` of `fitted` for the rest.
-fn begun_at(
-    plant: &PlantParameters,
-    evidence: &Evidence,
-    fitted: &Unknowns,
-    z: &[f64],
-) -> (Unknowns, Vec<f64>) {
-    let unknowns = unknowns_of(plant, evidence);
-    let is_kept = |unknown: &&Unknown| !matches!(unknown, Unknown::Log(_));
-    let of_rest = fitted.list().iter().zip(z);
-    let mut of_rest = of_rest
-        .filter(|(unknown, _)| is_kept(unknown))
-        .map(|(_, &z)| z);
-    let mut begun = unknowns.start();
-    for (to, _) in begun
-        .iter_mut()
-        .zip(unknowns.list())
-        .filter(|(_, unknown)| is_kept(unknown))
-    {
-        *to = of_rest.next().unwrap_or(*to);
-    }
-    (unknowns, begun)
 }

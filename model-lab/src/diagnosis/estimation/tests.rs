@@ -25,7 +25,11 @@ fn another_rig() -> PlantParameters {
     plant
 }
 
-fn estimated(plant: &PlantParameters, logs: &[Recording], check: &[Recording]) -> EstimatedPlant {
+pub(super) fn estimated(
+    plant: &PlantParameters,
+    logs: &[Recording],
+    check: &[Recording],
+) -> EstimatedPlant {
     estimate(plant, logs, check, &|_| ControlFlow::Continue(())).unwrap()
 }
 

@@ -87,14 +87,7 @@ pub fn determining_experiment(
         asked,
         by_name,
     };
-    let sequences = manoeuvre::sequences(&[plant], &limits);
-    if sequences.is_empty() {
-        return Err(DiagnoseError::NoManoeuvre {
-            duration_s: limits.duration_s,
-            max_bar: limits.max_bar,
-            max_duty_pct: limits.max_duty_pct,
-        });
-    }
+    let sequences = manoeuvre::sequences(&[plant], &limits)?;
     let manoeuvres = sequences.len();
     report(watch, "manoeuvres", 0.0)?;
     let foresee = |sequence: &Sequence| foresight.of(sequence);

@@ -66,7 +66,7 @@ fn a_fit_to_the_best_manoeuvre_has_the_interval_that_was_foreseen() {
     let what = [FLOWS[0], FLOWS[1], "armature.preload_fill_n"];
     let next = asked(&plant, &what).unwrap();
     let best = &next.ranking[0].name;
-    let mut sequences = sequences(&[&plant], &LIMITS).into_iter();
+    let mut sequences = sequences(&[&plant], &LIMITS).unwrap().into_iter();
     let sequence = sequences.find(|sequence| sequence.name == best).unwrap();
     let evidence = gather(&plant, &[poor_log()]).unwrap();
     let log = made(&plant, &sequence, &Noises::of(&evidence)).unwrap();

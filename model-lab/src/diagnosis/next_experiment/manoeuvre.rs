@@ -5,6 +5,7 @@ use plant_sim::{Command, PlantParameters, Simulator};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
 use super::result::Limits;
+use crate::diagnosis::error::DiagnoseError;
 
 /// A run that leaves the limits is ended this long (s) before, and emptied for as long.
 const EARLIER_S: f64 = 0.1;
@@ -197,12 +198,26 @@ const HIGH: f64 = 0.85;
 const MIDDLE: f64 = 0.5;
 const LOW: f64 = 0.3;
 
-/// All manoeuvres that keep `limits` with every plant.
-pub(super) fn sequences(plants: &[&PlantParameters], limits: &Limits) -> Vec<Sequence> {
-    PLANS
-        .iter()
+/// Returns all manoeuvres that keep `limits` with every plant.
+///
+/// # Errors
+/// [`DiagnoseError::NoManoeuvre`]: there is none.
+pub(super) fn sequences(
+    plants: &[&PlantParameters],
+    limits: &Limits,
+) -> Result<Vec<Sequence>, DiagnoseError> {
+    let plans = PLANS.iter();
+    let sequences: Vec<_> = plans
         .filter_map(|plan| within(plan, plants, limits))
-        .collect()
+        .collect();
+    if sequences.is_empty() {
+        return Err(DiagnoseError::NoManoeuvre {
+            duration_s: limits.duration_s,
+            max_bar: limits.max_bar,
+            max_duty_pct: limits.max_duty_pct,
+        });
+    }
+    Ok(sequences)
 }
 
 fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<Sequence> {

@@ -88,14 +88,7 @@ pub fn next_experiment(
     };
     let noises = Noises::of(&fitting);
     let plants: Vec<_> = rivals.iter().map(|rival| &rival.plant).collect();
-    let sequences = manoeuvre::sequences(&plants, &limits);
-    if sequences.is_empty() {
-        return Err(DiagnoseError::NoManoeuvre {
-            duration_s: limits.duration_s,
-            max_bar: limits.max_bar,
-            max_duty_pct: limits.max_duty_pct,
-        });
-    }
+    let sequences = manoeuvre::sequences(&plants, &limits)?;
     report(watch, "manoeuvres", 0.0)?;
     let distance_on = |sequence: &Sequence| {
         let between = |a: &Rival, b: &Rival| distance(a, b, sequence, &noises);

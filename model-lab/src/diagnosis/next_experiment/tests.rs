@@ -140,7 +140,7 @@ fn commands_follow_the_sample_time_and_the_pwm_period_of_the_plant() {
     let mut plant = PlantParameters::nominal();
     plant.ecu.sample_time_s = 0.02;
     plant.ecu.pwm_frequency_hz = 25.0;
-    let sequences = manoeuvre::sequences(&[&plant], &LIMITS);
+    let sequences = manoeuvre::sequences(&[&plant], &LIMITS).unwrap();
     assert!(sequences.len() >= 4);
     for sequence in &sequences {
         let base = sequence.recording();
