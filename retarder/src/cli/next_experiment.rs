@@ -16,11 +16,11 @@ Examples:
   retarder simulate --log next.csv --out model.csv
 
 Each effect is fitted to the log; manoeuvres within the limits are ranked by how far apart they
-would take the effects, when all that can be refitted has been. With --determine they are ranked by how well
-they determine parameters of the plant file, which says how well each is known now. The best one is written as
-duty cycles, which `simulate` and a rig take at once.
-Exit status: 0 the best manoeuvre tells the effects apart, or determines all of the parameters; 1 none within the
-limits does; 2 could not run.")]
+would take the effects, when all that can be refitted has been. With --determine, they are ranked by
+the number of parameters that they determine; the plant file gives the present knowledge. `simulate`
+and a rig take the duty cycles of the best one at once.
+Exit status: 0 the best manoeuvre tells the effects apart, or determines all of the parameters;
+1 none within the limits does; 2 could not run.")]
 pub(crate) struct NextExperimentArgs {
     #[command(flatten)]
     pub(crate) log: LogArgs,

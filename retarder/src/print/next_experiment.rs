@@ -91,8 +91,8 @@ pub(super) fn determining(planned: &Determining, terminal: &Terminal) -> String 
     text += &paragraph(&terminal.paint(colour, &sentence), terminal);
     if !next.is_adequate {
         text += &paragraph(
-            "The plant file leaves more than the noise on this log: run `retarder refine` first. What is foreseen is what a \
-             refined plant would tell.",
+            "The plant file leaves more than the noise on this log: run `retarder refine` first, and `retarder diagnose` if it was \
+             refined already. The intervals below are those of a plant file that fits.",
             terminal,
         );
     }
