@@ -12,6 +12,7 @@ pub struct Recording {
     signals: Vec<Signal>,
     left_out: Vec<LeftOut>,
     out_of_bounds: Vec<OutOfBounds>,
+    needs: Vec<(String, f64)>,
 }
 
 /// What its source has and the recording has not.
@@ -115,6 +116,17 @@ impl Recording {
     /// What the source has and the recording has not, in the order of the source.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
+    }
+
+    /// Notes that an error of the signal `name` up to `need`, rms in the unit of the signal, is of no interest to the user.
+    pub fn set_need(&mut self, name: impl Into<String>, need: f64) {
+        self.needs.push((name.into(), need));
+    }
+
+    /// The error of the signal `name` that is of no interest to the user, rms in the unit of the signal; 0 where nothing is said.
+    pub fn need(&self, name: &str) -> f64 {
+        let needs = self.needs.iter().filter(|(signal, _)| signal == name);
+        needs.map(|&(_, need)| need).fold(0.0, f64::max)
     }
 
     pub(crate) fn add_out_of_bounds(&mut self, cells: OutOfBounds) {

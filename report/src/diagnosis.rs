@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use model_lab::Comparison;
 use model_lab::diagnosis::result::{
-    Candidate, DetectionLimit, Diagnosis, NuisanceValue, Regime, Step, Verdict,
+    Candidate, DetectionLimit, Diagnosis, NuisanceValue, Regime, Step, StepKind, Verdict,
 };
 use model_lab::result::SignalComparison;
 
@@ -20,6 +20,7 @@ pub(super) fn badge(diagnosis: &Diagnosis) -> Markup {
     let (class, words) = match diagnosis.verdict {
         Verdict::Adequate => ("badge holds", "✓ nothing is missing"),
         Verdict::Found => ("badge holds", "✓ found"),
+        Verdict::PlantFileWrong => ("badge open", "? plant file wrong"),
         Verdict::FormWrong => ("badge open", "? found in part"),
         Verdict::NotInLibrary => ("badge fails", "✗ not in the library"),
     };
@@ -107,14 +108,14 @@ fn ladder_table(steps: &[Step]) -> Markup {
                             @let unit = SmallUnit::of_errors_in(unit_of(signal));
                             @let scaled = |value: Option<&f64>| value.map_or(String::new(), |value| number(value * unit.per_unit));
                             tr {
-                                th scope="row" { @if index == 0 { (foreign(step.added.as_deref().unwrap_or("plain model"))) } }
+                                th scope="row" { @if index == 0 { (foreign(&capitalised(&step.name()))) } }
                                 td { (foreign(&capitalised(signal_words(signal)))) }
                                 td.unit { (unit.symbol) }
                                 td.number { (scaled(step.fit_rms.get(signal))) }
                                 td.number { (scaled(Some(&rms))) }
                                 td.number { (scaled(step.noise_floor.get(signal))) }
                                 td.number { (scaled(step.free_run_check_rms.get(signal))) }
-                                td.number { @if index == 0 { (percent(step.explained_share)) } }
+                                td.number { @if index == 0 && step.kind != StepKind::PlantAsGiven { (percent(step.explained_share)) } }
                                 td.number { @if index == 0 { (step.free_parameters) } }
                             }
                         }

@@ -60,6 +60,12 @@ pub(crate) enum Failure {
     )]
     SetAbsent { name: String },
     #[error(
+        "--need {name}={value}: an error is positive; give the rms that is of no interest in bar, mA or K, such as p_ch=0.02"
+    )]
+    NeedOutOfRange { name: String, value: f64 },
+    #[error("--need {name}: the logs have no such signal; they have {}", known.join(", "))]
+    NeedOfNoSignal { name: String, known: Vec<String> },
+    #[error(
         "{plant}: the plant has no {part}; this command needs both valves and the chamber, `simulate` and `compare` do not"
     )]
     PartLeftOut { plant: String, part: Part },

@@ -15,7 +15,9 @@ use recording::{
 };
 use sha2::{Digest as _, Sha256};
 
-use crate::cli::{ControlArgs, ControllerArg, Freed, KnowledgeArgs, LogArgs, LogsArgs, PlantArgs};
+use crate::cli::{
+    Assignment, ControlArgs, ControllerArg, Freed, KnowledgeArgs, LogArgs, LogsArgs, PlantArgs,
+};
 use crate::failure::{Failure, SourceLines};
 use report::Input;
 
@@ -152,7 +154,29 @@ pub(crate) fn log(args: &LogArgs) -> Result<Recording, Failure> {
 /// The whole of several logs, all mapped alike.
 pub(crate) fn logs(paths: &[PathBuf], args: &LogsArgs) -> Result<Vec<Recording>, Failure> {
     let options = mapped_by(args.mapping.as_deref())?;
-    paths.iter().map(|path| whole_log(path, &options)).collect()
+    let mut logs = paths
+        .iter()
+        .map(|path| whole_log(path, &options))
+        .collect::<Result<Vec<_>, _>>()?;
+    for Assignment { name, value } in &args.need {
+        if !(*value > 0.0 && value.is_finite()) {
+            return Err(Failure::NeedOutOfRange {
+                name: name.clone(),
+                value: *value,
+            });
+        }
+        if !logs.is_empty() && !logs.iter().any(|log| log.signal(name).is_some()) {
+            let known = logs.iter().flat_map(|log| log.signals());
+            return Err(Failure::NeedOfNoSignal {
+                name: name.clone(),
+                known: known.map(|signal| signal.name().to_owned()).collect(),
+            });
+        }
+        for log in &mut logs {
+            log.set_need(name, *value);
+        }
+    }
+    Ok(logs)
 }
 
 fn whole_log(path: &Path, options: &LogOptions) -> Result<Recording, Failure> {

@@ -11,6 +11,7 @@ pub(crate) struct Options {
     mapping: String,
     first_log: String,
     knowledge: String,
+    needs: String,
 }
 
 impl Options {
@@ -26,12 +27,17 @@ impl Options {
         });
         let fixed = logs.knowledge.fix.iter();
         let fixed = fixed.map(|what| option("--fix", what));
+        let needs = logs.need.iter().map(|Assignment { name, value }| {
+            let assignment = format!("{name}={value}");
+            option("--need", &assignment)
+        });
         Self {
             plant: paths("--plant", plant.plant.as_slice()),
             logs: paths("--log", &logs.log) + &paths("--check", &logs.check),
             first_log: paths("--log", &logs.log[..logs.log.len().min(1)]),
             mapping,
             knowledge: sets.chain(freed).chain(fixed).collect(),
+            needs: needs.collect(),
         }
     }
 
@@ -42,15 +48,16 @@ impl Options {
             logs,
             mapping,
             knowledge,
+            needs,
             ..
         } = self;
-        format!("{plant}{logs}{mapping}{knowledge}")
+        format!("{plant}{logs}{mapping}{knowledge}{needs}")
     }
 
     /// The same logs with the plant file `plant`, which has in it what was said of the first one.
     pub(crate) fn with_plant(&self, plant: &Path) -> String {
         let plant = paths("--plant", &[plant]);
-        format!("{plant}{}{}", self.logs, self.mapping)
+        format!("{plant}{}{}{}", self.logs, self.mapping, self.needs)
     }
 
     /// The same with the first log alone.

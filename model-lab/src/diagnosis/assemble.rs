@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use plant_sim::effects::EffectSetting;
 use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
@@ -14,42 +13,50 @@ use super::interval::{half_widths, with_model_error};
 use super::ladder::Ladder;
 use super::log::{Log, Run};
 use super::result::{
-    BySignal, Candidate, DetectionLimit, FittedParameter, NuisanceValue, Regime, Step, Verdict,
+    BySignal, Candidate, DetectionLimit, FittedParameter, NuisanceValue, OutsideValue, Regime,
+    Step, StepKind, Verdict,
 };
 use super::search::Tried;
 use super::trial::{Bench, Trial};
-use super::unknowns::Unknown;
+use super::unknowns::{AT_BOUND, Unknown};
 use super::verdict::{ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE};
 use crate::compare::compare_under;
 use crate::options::CompareOptions;
 
-/// Within this coordinate of a bound a parameter has run to it.
-const AT_BOUND: f64 = 1e-6;
+/// A size is open where its interval goes beyond this many times the value.
+const LOOSEST: f64 = 10.0;
 /// A size this many times above or below the typical one is not met in practice.
 const IMPLAUSIBLE: f64 = 20.0;
 
-/// One row per step.
-pub(crate) fn ladder(bench: &Bench, ladder: &Ladder) -> Result<Vec<Step>, DiagnoseError> {
-    let plain = &ladder.steps[0];
-    ladder
-        .steps
-        .iter()
-        .enumerate()
-        .map(|(index, trial)| {
-            let added = (index > 0).then(|| trial.effects.last()).flatten();
-            Ok(step(bench, trial, plain, added))
-        })
+/// One row per step, the plant as it was given first.
+pub(crate) fn ladder(bench: &Bench, ladder: &Ladder) -> Vec<Step> {
+    let refitted = ladder.within.as_ref().unwrap_or(&ladder.steps[0]);
+    let given = bench.as_given();
+    let given = given.iter().map(|given| (StepKind::PlantAsGiven, given));
+    let refits = match &ladder.within {
+        Some(within) => vec![
+            (StepKind::ParametersRefitted, within),
+            (StepKind::RangesWidened, &ladder.steps[0]),
+        ],
+        None => vec![(StepKind::ParametersRefitted, &ladder.steps[0])],
+    };
+    let effects = ladder.steps[1..].iter();
+    let effects = effects.map(|trial| (StepKind::EffectAdded, trial));
+    given
+        .chain(refits)
+        .chain(effects)
+        .map(|(kind, trial)| step(bench, trial, refitted, kind))
         .collect()
 }
 
-/// The errors of one trial; `added` is the effect that it has beyond the one before.
-pub(crate) fn step(
-    bench: &Bench,
-    trial: &Trial,
-    plain: &Trial,
-    added: Option<&EffectSetting>,
-) -> Step {
+/// The errors of one trial beside those of the `plain` one.
+pub(crate) fn step(bench: &Bench, trial: &Trial, plain: &Trial, kind: StepKind) -> Step {
+    let added = match kind {
+        StepKind::EffectAdded => trial.effects.last(),
+        _ => None,
+    };
     Step {
+        kind,
         added: added.map(|effect| effect.id().to_owned()),
         variant: added.map(|effect| effect.variant().name.to_owned()),
         fit_rms: trial.fitted.rms(),
@@ -128,6 +135,17 @@ fn fitted_parameters(bench: &Bench, trial: &Trial, id: &str) -> Vec<FittedParame
     .collect()
 }
 
+/// Whether logs leave open how strong an effect is, of which this may be the size: by more than a factor of ten to one side, or with
+/// its sign.
+fn is_size_open(parameter: &FittedParameter) -> bool {
+    let FittedParameter {
+        value, low, high, ..
+    } = *parameter;
+    let is_known = (low / value).min(high / value) > 1.0 / LOOSEST
+        && (low / value).max(high / value) < LOOSEST;
+    parameter.typical.is_some() && (parameter.at_bound || !is_known)
+}
+
 fn plausibility(parameters: &[FittedParameter]) -> String {
     if parameters.is_empty() {
         return "explains nothing at any size that was tried".to_owned();
@@ -203,9 +221,13 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
         };
         let (least, most) = unknown.range();
         let (before, after) = (plain.fit.z[index], last.fit.z[index]);
-        let (lower, upper) = unknown.bounds();
+        let (lower, upper) = plain.unknowns.list()[index].bounds();
         let at_end = |z: f64| z - lower < AT_BOUND || upper - z < AT_BOUND;
+        let is_outside = after < lower - AT_BOUND || after > upper + AT_BOUND;
         let alarm = match (at_end(before), at_end(after)) {
+            _ if is_outside => {
+                Some("lies outside of what the plant file admits: measure it, and correct the file")
+            }
             (_, true) if !is_named => {
                 Some("ran to the end of its tolerance: it may hide missing physics")
             }
@@ -229,6 +251,26 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
             alarm: alarm
                 .filter(|_| is_named || at_end(after))
                 .map(str::to_owned),
+        })
+    })
+    .collect()
+}
+
+/// The ordinary parameters that lie outside of what the plant file admits, which is the range that they have in `within`.
+pub(crate) fn outside(within: &Trial, last: &Trial) -> Vec<OutsideValue> {
+    let list = within.unknowns.list().iter().zip(&last.fit.z);
+    list.filter_map(|(unknown, &z)| {
+        let Unknown::Nuisance(nuisance) = unknown else {
+            return None;
+        };
+        let (least, most) = unknown.bounds();
+        let is_outside = z < least - AT_BOUND || z > most + AT_BOUND;
+        is_outside.then(|| OutsideValue {
+            name: nuisance.spec.name(),
+            unit: nuisance.spec.unit.to_owned(),
+            value: unknown.value(z),
+            least: unknown.value(least),
+            most: unknown.value(most),
         })
     })
     .collect()
@@ -261,21 +303,30 @@ pub(crate) fn regimes(
 pub(crate) fn sentence(
     verdict: Verdict,
     steps: &[Step],
-    candidates: &[Candidate],
+    (candidates, outside): (&[Candidate], &[OutsideValue]),
     equivalents: &BTreeMap<String, Vec<String>>,
 ) -> String {
     let title = |id: &str| id.replace('_', " ");
+    let is_open = |id: &str| {
+        let named = candidates.iter().find(|candidate| candidate.effect == id);
+        named.is_some_and(|named| named.parameters.iter().any(is_size_open))
+    };
     let named: Vec<String> = steps
         .iter()
         .filter_map(|step| step.added.as_deref())
-        .map(|id| match equivalents.get(id) {
-            Some(ids) if ids.len() > 1 => {
-                let others: Vec<String> = ids[1..].iter().map(|id| title(id)).collect();
-                format!("{} (or {})", title(id), others.join(" or "))
+        .map(|id| {
+            let uncertain = if is_open(id) { ", size uncertain" } else { "" };
+            match equivalents.get(id) {
+                Some(ids) if ids.len() > 1 => {
+                    let others: Vec<String> = ids[1..].iter().map(|id| title(id)).collect();
+                    format!("{} (or {}){uncertain}", title(id), others.join(" or "))
+                }
+                _ => title(id) + uncertain,
             }
-            _ => title(id),
         })
         .collect();
+    let values = outside.iter().map(|value| value.to_string());
+    let values = values.collect::<Vec<_>>().join(" and ");
     let share = steps
         .last()
         .map_or(0.0, |step| 100.0 * step.explained_share);
@@ -292,11 +343,26 @@ pub(crate) fn sentence(
                 candidates.len()
             )
         }
-        Verdict::Found => format!(
-            "missing: {}; with {} {share:.0} % of the excess error is explained",
-            named.join(" and "),
-            if named.len() == 1 { "it" } else { "them" },
+        Verdict::PlantFileWrong => format!(
+            "the plant file is wrong here: {values}; with {} nothing detectable is missing",
+            if outside.len() == 1 {
+                "this value"
+            } else {
+                "these values"
+            },
         ),
+        Verdict::Found => {
+            let found = format!(
+                "missing: {}; with {} {share:.0} % of the excess error is explained",
+                named.join(" and "),
+                if named.len() == 1 { "it" } else { "them" },
+            );
+            if outside.is_empty() {
+                found
+            } else {
+                format!("{found}; the plant file is wrong as well: {values}")
+            }
+        }
         Verdict::FormWrong => format!(
             "missing: {}, which explains {share:.0} % of the excess error; its law differs here, or something else is missing as well",
             named.join(" and ")

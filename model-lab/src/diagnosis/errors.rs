@@ -17,16 +17,12 @@ struct Sums {
     floor_square: f64,
     /// Of the error over what a perfect model has.
     normalised_square: f64,
-    /// Of the error that a correct model may have over the same.
-    model_error_square: f64,
 }
 
 impl Sums {
     /// More excess than two correct programs have, and than chance gives so few samples.
     fn material_excess(&self) -> f64 {
-        let model_error = self.model_error_square / self.count;
-        let of_model = (MATERIAL_EXCESS * MATERIAL_EXCESS).max(model_error);
-        of_model + CHANCE * (2.0 / self.count).sqrt()
+        MATERIAL_EXCESS * MATERIAL_EXCESS + CHANCE * (2.0 / self.count).sqrt()
     }
 }
 
@@ -46,7 +42,6 @@ impl Errors {
                     sums.square += (residual * floor).powi(2);
                     sums.floor_square += floor * floor;
                     sums.normalised_square += residual * residual;
-                    sums.model_error_square += (channel.model_error / floor).powi(2);
                 }
             }
         }

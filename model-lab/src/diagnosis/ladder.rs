@@ -24,6 +24,8 @@ const RIVALS: &str = "what may stand for a named effect";
 pub(crate) struct Ladder {
     /// The plain plant first, then one trial per named effect.
     pub(crate) steps: Vec<Trial>,
+    /// The plain plant within what the plant file admits, where the ranges of the first step are wider.
+    pub(crate) within: Option<Trial>,
     /// Every effect alone.
     pub(crate) singles: Vec<Tried>,
     /// For each named effect, what stands in its place beside the other one.
@@ -54,6 +56,7 @@ pub(crate) fn climb(
     let is_adequate = !plain.is_material();
     let mut ladder = Ladder {
         steps: vec![plain],
+        within: None,
         singles,
         rivals: Vec::new(),
     };
@@ -93,9 +96,23 @@ pub(crate) fn climb(
             ladder.rivals = vec![ladder.singles.clone()];
             ladder.steps.push(single);
         }
-        _ => {}
+        _ => {
+            if let Some(single) = explains_alone(plain, &ladder.singles) {
+                ladder.rivals = vec![ladder.singles.clone()];
+                ladder.steps.push(single);
+            }
+        }
     }
     Ok(ladder)
+}
+
+/// The effect that explains nearly all by itself, though its size stays open.
+fn explains_alone(plain: &Trial, singles: &[Tried]) -> Option<Trial> {
+    let trials = singles.iter().filter_map(|tried| tried.trial.as_ref());
+    let explaining =
+        trials.filter(|trial| trial.share_of(plain) >= FOUND_SHARE && trial.is_evident_over(plain));
+    let best = explaining.min_by(|a, b| a.mean_excess().total_cmp(&b.mean_excess()));
+    best.cloned()
 }
 
 impl Ladder {
@@ -108,6 +125,12 @@ impl Ladder {
         self.steps.last().expect("the plain plant is there")
     }
 
+    /// The same, told that its ranges are wider than those of `within`, the plant within what its file admits.
+    pub(crate) fn beyond(mut self, within: Trial) -> Self {
+        self.within = Some(within);
+        self
+    }
+
     /// Whether a material part of the excess remains.
     pub(crate) fn is_unexplained(&self) -> bool {
         self.plain().is_material() && !self.last().explains(self.plain())
@@ -115,6 +138,7 @@ impl Ladder {
 
     pub(crate) fn verdict(&self) -> Verdict {
         match self.steps.len() {
+            1 if !self.plain().is_material() && self.within.is_some() => Verdict::PlantFileWrong,
             1 if !self.plain().is_material() => Verdict::Adequate,
             1 => Verdict::NotInLibrary,
             _ if self.is_unexplained() => Verdict::FormWrong,

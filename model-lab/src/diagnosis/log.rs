@@ -77,10 +77,9 @@ pub(crate) struct Channel {
     pub(super) column: usize,
     /// In the unit of the model; NaN where missing.
     pub(crate) values: Arc<Vec<f64>>,
-    /// Standard deviation of the measurement noise.
+    /// Standard deviation of the measurement noise, or where that is less, the error that a correct model may have: a
+    /// better sensor does not make the model better.
     pub(crate) sigma: f64,
-    /// Error that a correct model may have, in the unit of the model.
-    pub(crate) model_error: f64,
 }
 
 /// Which error of the model is looked at.
@@ -142,11 +141,12 @@ impl Log {
                     .iter()
                     .position(|(name, _)| *name == signal.name)
                     .expect("measured signals are of the model");
+                let model_error = MODEL_ERROR * full_scale(parameters, signal.name);
+                let model_error = model_error.max(log.need(signal.name));
                 Channel {
                     signal: signal.name,
                     column,
-                    model_error: MODEL_ERROR * full_scale(parameters, signal.name),
-                    sigma,
+                    sigma: sigma.max(model_error),
                     values: signal.values,
                 }
             })

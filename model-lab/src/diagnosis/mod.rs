@@ -15,6 +15,7 @@ mod evidence;
 #[cfg(test)]
 mod field_tests;
 mod fit;
+mod found;
 mod gather;
 mod interval;
 mod knowledge;
@@ -56,8 +57,7 @@ use recording::Recording;
 
 pub use error::DiagnoseError;
 pub use estimation::{
-    Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
-    EstimationStep, EstimationStepKind, estimate,
+    Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation, estimate,
 };
 pub use knowledge::{KnowledgeError, fix, free};
 pub use known::{Known, asking_plant_file, known};
@@ -71,7 +71,7 @@ use gather::gather;
 use logged_supply::with_logged_supply;
 use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
 use split::Split;
-use trial::{Bench, Trial};
+use trial::Bench;
 
 /// Which effects of the library does `plant` lack to explain `logs`? What is held out judges: `check`, or without it,
 /// blocks of the logs.
@@ -106,32 +106,15 @@ pub fn diagnose_with(
     }
     search::report(watch, "the plain model", 0.0)?;
     let plant = &with_logged_supply(plant, logs.iter().chain(check));
-    let (mut split, mut plain) = Split::that_shows(plant, logs, check)?;
+    let (mut split, plain) = Split::that_shows(plant, logs, check)?;
     // An effect of a part that the plant leaves out has nothing to act on.
     let library: Vec<&'static dyn Effect> = library
         .iter()
         .copied()
         .filter(|&effect| Part::of_effect(effect).is_in(plant))
         .collect();
-    let mut singles = ladder::singles(&split.bench(plant, &library), &plain, watch)?;
-    let best = singles.iter().find_map(|tried| tried.trial.as_ref());
-    if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
-        if best.fitted.is_material()
-            && let Some(there) = split.assign_by(best)
-        {
-            plain = split.plain_from(plant, &there)?;
-            singles = ladder::singles(&split.bench(plant, &library), &plain, watch)?;
-        } else if split.find_checked_clocks(plant, best)? {
-            let bench = split.bench(plant, &library);
-            let judged = |trial: &Trial| bench.judged_anew(trial);
-            plain = judged(&plain).ok_or_else(|| split.not_simulated())?;
-            for tried in &mut singles {
-                tried.trial = tried.trial.as_ref().and_then(judged);
-            }
-        }
-    }
+    let mut found = found::find(&mut split, plant, &library, plain, watch)?;
     let bench = split.bench(plant, &library);
-    let mut found = ladder::climb(&bench, plain, singles, watch)?;
     let last = found.steps.last_mut().expect("at least the plain plant");
     search::report(watch, "the final fit", 0.0)?;
     last.polish(&bench).ok_or_else(|| split.not_simulated())?;
@@ -143,8 +126,10 @@ pub fn diagnose_with(
         .par_iter()
         .map(|tried| assemble::candidate(&bench, plain, last, tried))
         .collect();
-    let ladder = assemble::ladder(&bench, &found)?;
-    let nuisance = assemble::nuisance(&bench, plain, last);
+    let ladder = assemble::ladder(&bench, &found);
+    let within = found.within.as_ref().unwrap_or(plain);
+    let nuisance = assemble::nuisance(&bench, within, last);
+    let outside = assemble::outside(within, last);
     let (equivalents, distinguishability) = assemble::equivalents(&found);
     search::report(watch, "where the error is", 0.0)?;
     split.take_conditions(plain);
@@ -174,7 +159,12 @@ pub fn diagnose_with(
         held_out: split.held_out().to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict(),
-        sentence: assemble::sentence(found.verdict(), &ladder, &candidates, &equivalents),
+        sentence: assemble::sentence(
+            found.verdict(),
+            &ladder,
+            (&candidates, &outside),
+            &equivalents,
+        ),
         effects: ladder
             .iter()
             .filter_map(|step| step.added.clone())
@@ -184,6 +174,7 @@ pub fn diagnose_with(
         distinguishability,
         nuisance,
         ladder,
+        outside,
         candidates,
         location: Location { before, after },
         remaining,

@@ -136,11 +136,12 @@ pub fn refine(
     }
     let found = Ladder {
         steps,
+        within: None,
         singles: Vec::new(),
         rivals: Vec::new(),
     };
     let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
-    let ladder = assemble::ladder(&bench, &found)?;
+    let ladder = assemble::ladder(&bench, &found);
     let effects = last
         .effects
         .iter()

@@ -1,5 +1,6 @@
 //! What a diagnosis says, as it stands in its JSON.
 
+use core::fmt;
 use std::collections::BTreeMap;
 
 use schemars::{JsonSchema, Schema};
@@ -43,7 +44,7 @@ pub struct Diagnosis {
     pub held_out: String,
     /// How the errors were made and what they are weighed against, in words.
     pub predictor: String,
-    /// One of four answers.
+    /// One of five answers.
     pub verdict: Verdict,
     /// The answer in words.
     pub sentence: String,
@@ -56,8 +57,12 @@ pub struct Diagnosis {
     /// From each named effect to every other effect that explains something: by how many standard deviations of the
     /// noise these logs tell it from the named one. Below 3.3 they are swapped in more than one of twenty logs.
     pub distinguishability: BTreeMap<String, BTreeMap<String, f64>>,
-    /// The error, from the plain model with refitted nuisance parameters on; one row per added effect.
+    /// The error, step by step: the plant as given, its ordinary parameters refitted, their ranges widened where that was tried,
+    /// and one row per added effect.
     pub ladder: Vec<Step>,
+    /// Ordinary parameters whose values lie outside of what the plant file admits, where these values explain the error.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outside: Vec<OutsideValue>,
     /// Every effect of the library that acts on a part of the plant, the one that explains most first.
     pub candidates: Vec<Candidate>,
     /// What may differ from rig to rig without any physics missing, as fitted with the named effects.
@@ -78,12 +83,14 @@ impl Diagnosis {
     }
 }
 
-/// The four honest answers.
+/// The answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Nothing detectable is missing.
     Adequate,
+    /// No physics is missing: ordinary parameters lie outside of what the plant file admits.
+    PlantFileWrong,
     /// These effects, and nothing material remains.
     Found,
     /// The dominant effect is named, but something remains: its law differs, or another effect is missing as well.
@@ -92,13 +99,87 @@ pub enum Verdict {
     NotInLibrary,
 }
 
+/// An ordinary parameter outside of what the plant file admits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutsideValue {
+    /// Its name in the plant file.
+    pub name: String,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+    /// Fitted value.
+    pub value: f64,
+    /// Least value that the plant file admits.
+    pub least: f64,
+    /// Largest value that the plant file admits.
+    pub most: f64,
+}
+
+impl fmt::Display for OutsideValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, value, .. } = self;
+        let [value, least, most] = [*value, self.least, self.most].map(three_digits);
+        let unit = match self.unit.is_empty() {
+            true => String::new(),
+            false => format!(" {}", self.unit),
+        };
+        write!(
+            f,
+            "`{name}` is {value}{unit}, and not {least} to {most}{unit}"
+        )
+    }
+}
+
+fn spaced(id: &str) -> String {
+    id.replace('_', " ")
+}
+
+/// Three significant digits, with an exponent where a plant file has one.
+fn three_digits(value: f64) -> String {
+    let rounded = format!("{value:.2e}").parse().unwrap_or(value);
+    if rounded != 0.0 && !(1e-3..1e6).contains(&f64::abs(rounded)) {
+        format!("{rounded:e}")
+    } else {
+        rounded.to_string()
+    }
+}
+
+/// What a step changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StepKind {
+    /// Nothing: the plant as it was given, with the loggers' clocks found.
+    PlantAsGiven,
+    /// The ordinary parameters are fitted within what the plant file admits.
+    ParametersRefitted,
+    /// The same beyond the ends at which they stopped.
+    RangesWidened,
+    /// An effect is added, and everything is fitted again.
+    EffectAdded,
+}
+
+impl StepKind {
+    /// The step in words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PlantAsGiven => "plant as given",
+            Self::ParametersRefitted => "ordinary parameters refitted",
+            Self::RangesWidened => "ordinary parameters refitted beyond their tolerances",
+            Self::EffectAdded => "effect added",
+        }
+    }
+}
+
 /// One row of the ladder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
-    /// Id of the effect that this row adds; null for the plain model.
+    /// What it changes.
+    pub kind: StepKind,
+    /// Id of the effect that this row adds; null for the others.
     pub added: Option<String>,
-    /// Form of its law; null for the plain model.
+    /// Form of its law; null for the others.
     pub variant: Option<String>,
     /// Rms error on the fitted logs.
     pub fit_rms: BySignal,
@@ -108,14 +189,23 @@ pub struct Step {
     pub noise_floor: BySignal,
     /// Rms error on what was held out of the model driven by the commands alone.
     pub free_run_check_rms: BySignal,
-    /// Share of the plain model's excess error that is explained, at most 1; below 0 where the error grew. The less of
-    /// two shares: that of the fitted logs and that of what was held out, as far as the excess shows there.
+    /// Share of the excess error of the plant with refitted parameters that is explained, at most 1; below 0 where the error is
+    /// larger. The less of two shares: that of the fitted logs and that of what was held out, as far as the excess shows there.
     pub explained_share: f64,
     /// Number of fitted parameters.
     pub free_parameters: usize,
 }
 
 impl Step {
+    /// What it is, in words: the effect that it adds with the form of its law, or what it does to the parameters.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match (&self.added, &self.variant) {
+            (Some(id), Some(variant)) => format!("+ {} ({})", spaced(id), spaced(variant)),
+            _ => self.kind.name().to_owned(),
+        }
+    }
+
     /// Rms error on what was held out, in noise floors; the signal is one of the step's.
     #[must_use]
     pub fn in_noise(&self, signal: &str) -> f64 {

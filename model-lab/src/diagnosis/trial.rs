@@ -10,6 +10,7 @@ use super::log::Run;
 use super::logger_time::fitted_conditions;
 use super::start::{Start, most_promising};
 use super::unknowns::Unknowns;
+use super::verdict::WIDENINGS;
 use crate::conditions::Conditions;
 use crate::whiteness::autocorrelation_time_samples;
 
@@ -56,6 +57,14 @@ pub(crate) struct Trial {
 }
 
 impl Bench<'_> {
+    /// The plant as given, without any fit but of the loggers' clocks.
+    pub(crate) fn as_given(&self) -> Option<Trial> {
+        let effects = self.plant.effects.clone();
+        let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
+        let fit = Fitter::new(self.fitting, &unknowns).at(unknowns.start())?;
+        self.judge(effects, unknowns, fit)
+    }
+
     /// The plant as given, with its nuisance parameters and those of its effects fitted.
     pub(crate) fn plain(&self) -> Option<Trial> {
         self.plain_from(self.plant)
@@ -71,6 +80,23 @@ impl Bench<'_> {
         let mut trial = self.judge(effects, unknowns, fit)?;
         trial.refresh(self)?;
         Some(trial)
+    }
+
+    /// `plain` fitted on with wider ranges of the ordinary parameters that came to the end of theirs; none where none did.
+    pub(crate) fn widened(&self, plain: &Trial) -> Option<Trial> {
+        let mut wide: Option<Trial> = None;
+        for _ in 0..WIDENINGS {
+            let from = wide.as_ref().unwrap_or(plain);
+            let Some(unknowns) = from.unknowns.widened(&from.fit.z) else {
+                break;
+            };
+            let fit =
+                Fitter::new(self.fitting, &unknowns).descend(from.fit.clone(), Descent::Whole)?;
+            let mut trial = self.judge(from.effects.clone(), unknowns, fit)?;
+            trial.refresh(self)?;
+            wide = Some(trial);
+        }
+        wide
     }
 
     /// The most promising of several sizes and shapes of `effect` on top of `base`; none where nothing of it can be

@@ -23,6 +23,9 @@ const PHASE_REACH_SD: f64 = 3.0;
 /// ... and how far a drift may move from where it was begun (ppm).
 const DRIFT_REACH_PPM: f64 = 300.0;
 
+/// Within this coordinate of a bound a parameter has run to it.
+pub(crate) const AT_BOUND: f64 = 1e-6;
+
 /// A plant with the list of what may be moved in it.
 #[derive(Debug, Clone)]
 pub(crate) struct Unknowns {
@@ -132,6 +135,28 @@ impl Unknowns {
         let (mut kept, places) = self.only(|unknown| unknown.effect_id() != Some(id));
         kept.datasheet = kept.datasheet.without_effect(id);
         (kept, places)
+    }
+
+    /// The same with wider ranges of the ordinary parameters which at `z` have come to the end of theirs; none where none has. Their
+    /// coordinates stay what they are, and with them what is believed of the values.
+    pub(crate) fn widened(&self, z: &[f64]) -> Option<Self> {
+        let mut wide = self.clone();
+        let mut is_wider = false;
+        for (unknown, &z) in wide.list.iter_mut().zip(z) {
+            let (lowest, highest) = unknown.range();
+            let Unknown::Nuisance(Nuisance { bounds, .. }) = unknown else {
+                continue;
+            };
+            let (least, most) = *bounds;
+            if z - least < AT_BOUND {
+                bounds.0 = (least - (most - least)).max(lowest);
+            }
+            if most - z < AT_BOUND {
+                bounds.1 = (most + (most - least)).min(highest);
+            }
+            is_wider |= *bounds != (least, most);
+        }
+        is_wider.then_some(wide)
     }
 
     pub(crate) fn list(&self) -> &[Unknown] {

@@ -6,7 +6,7 @@
 /// A channel whose rms excess over the noise is below this many noise sigmas is as good as the model can be: two
 /// correct programs of the same plant differ by a third of the noise.
 pub(crate) const MATERIAL_EXCESS: f64 = 0.40;
-/// Where the noise is less, the same as a share of the supply pressure and of the current of a coil that stays on: correct programs
+/// Where the noise is less, the error that a correct model may have, as a share of the supply pressure and of the current of a coil that stays on: correct programs
 /// of one plant with valves that switch differ by 0.2 to 0.35 noise floors of 4.3 mbar in 8.4 bar, and of 0.7 mA in 290 mA by a
 /// tenth (docs/blind-benchmark.md, certificate of independence).
 pub(crate) const MODEL_ERROR: f64 = 1.8e-4;
@@ -18,6 +18,8 @@ pub(crate) const FOUND_SHARE: f64 = 0.90;
 pub(crate) const NAMED_SHARE: f64 = 0.50;
 /// ... and where it leaves something material: an effect in part is less sure to be that effect.
 pub(crate) const PARTLY_NAMED_SHARE: f64 = 0.70;
+/// A range is widened by its own width to the side at which the fit ended, this often.
+pub(crate) const WIDENINGS: usize = 3;
 /// A further effect explains at least this share of what remained before it.
 pub(crate) const FURTHER_SHARE: f64 = 0.50;
 /// ... and at least this much, in noise variances.

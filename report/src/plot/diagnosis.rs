@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use model_lab::diagnosis::result::{Diagnosis, Step};
+use model_lab::diagnosis::result::{Diagnosis, Step, StepKind};
 use model_lab::result::{Comparison, SignalComparison};
 use plotters::style::RGBColor;
 use recording::Recording;
@@ -45,9 +45,13 @@ pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
     figure(WIDTH_PX, bottom + 36, title, |sheet| {
         sheet.title(title)?;
         let mut top_px = TOP_PX - GROUP_PX;
-        for (index, step) in steps.iter().enumerate() {
+        for step in steps {
             top_px += GROUP_PX;
-            sheet.bold_text(&step_name(step), (8, top_px + ROW_PX / 2), Align::Left)?;
+            sheet.bold_text(
+                &capitalised(&step.name()),
+                (8, top_px + ROW_PX / 2),
+                Align::Left,
+            )?;
             top_px += ROW_PX;
             for (signal, rms) in pressure_first(&step.check_rms) {
                 let middle = top_px + ROW_PX / 2;
@@ -60,10 +64,9 @@ pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
                     Align::Right,
                     palette::LABEL,
                 )?;
-                let colour = if index == 0 {
-                    palette::MODEL
-                } else {
-                    palette::SHORT_HORIZON
+                let colour = match step.kind {
+                    StepKind::EffectAdded => palette::SHORT_HORIZON,
+                    _ => palette::MODEL,
                 };
                 sheet.rectangle([(NAMES_PX, middle - 7), (end, middle + 7)], colour)?;
                 let unit = SmallUnit::of_errors_in(unit_of(signal));
@@ -87,14 +90,6 @@ pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
         )?;
         sheet.line([(NAMES_PX, TOP_PX), (NAMES_PX, bottom)], palette::AXIS, 1.0)
     })
-}
-
-/// What a row of the ladder is called.
-fn step_name(step: &Step) -> String {
-    match (&step.added, &step.variant) {
-        (Some(id), Some(variant)) => format!("+ {} ({variant})", id.replace('_', " ")),
-        _ => "Plain model".to_owned(),
-    }
 }
 
 /// The share of the excess error that each effect explains by itself.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 
-use super::{HtmlArg, JsonArg, PlantArgs};
+use super::{Assignment, HtmlArg, JsonArg, PlantArgs, assignment};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -111,6 +111,9 @@ pub(crate) struct LogsArgs {
     /// Log of the same rig that judges and is not fitted; may be repeated
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) check: Vec<PathBuf>,
+    /// Error that is of no interest, rms in bar, mA or K: what the model leaves up to it counts as noise; may be repeated
+    #[arg(long, value_name = "SIGNAL=RMS", value_parser = assignment)]
+    pub(crate) need: Vec<Assignment>,
     /// TOML file that maps the columns of logs that do not explain themselves
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) mapping: Option<PathBuf>,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use model_lab::diagnosis::result::{
     Candidate, Cost, DetectionLimit, Diagnosis, FittedParameter, FoundClock, FoundStart,
-    NuisanceValue, Regime, Step, Verdict,
+    NuisanceValue, Regime, Step, StepKind, Verdict,
 };
 use model_lab::result::{LogDefects, NotCompared, Warning};
 
@@ -167,7 +167,7 @@ pub(super) fn headline(plant: &str, logs: &[String], check: &[String]) -> String
 fn colour_of(verdict: Verdict) -> Colour {
     match verdict {
         Verdict::Adequate | Verdict::Found => Colour::Good,
-        Verdict::FormWrong => Colour::Notice,
+        Verdict::FormWrong | Verdict::PlantFileWrong => Colour::Notice,
         Verdict::NotInLibrary => Colour::Bad,
     }
 }
@@ -222,14 +222,14 @@ fn ladder(steps: &[Step], terminal: &Terminal) -> String {
     table.to_string() + &painted_paragraph(Colour::Faint, explanation, terminal)
 }
 
-/// What a row of the ladder is called.
+/// A row of the ladder in words.
 fn step_name(step: &Step) -> String {
-    match (&step.added, &step.variant) {
-        (Some(id), Some(variant)) => format!(
-            "+ {id} ({variant}): {} explained",
-            percent(step.explained_share)
-        ),
-        _ => "the plain model, refitted within its tolerances".to_owned(),
+    match step.kind {
+        StepKind::EffectAdded => {
+            let explained = percent(step.explained_share);
+            format!("{}: {explained} explained", step.name())
+        }
+        _ => step.name(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Estimated parameters as a table.
 
-use model_lab::diagnosis::{Determination, EstimatedParameter, EstimationStepKind};
+use model_lab::diagnosis::{Determination, EstimatedParameter};
 
 use super::diagnosis::{conditions, cost, defects, headline, not_weighed};
 use super::number::significant;
@@ -46,20 +46,16 @@ fn errors(estimated: &EstimatedPlant, terminal: &Terminal) -> String {
     ];
     let mut table = Table::new(columns, terminal);
     for step in &estimated.estimated.estimation.steps {
-        table.heading(match step.kind {
-            EstimationStepKind::PlantAsGiven => "plant as given",
-            EstimationStepKind::ParametersEstimated => "ordinary parameters estimated",
-        });
-        let errors = &step.errors;
-        for (signal, floor) in &errors.noise_floor {
+        table.heading(step.kind.name());
+        for (signal, floor) in &step.noise_floor {
             let over = |rms: Option<&f64>| {
                 rms.map_or_else(|| "-".to_owned(), |rms| format!("{:.2}", rms / floor))
             };
             table.row([
                 format!("  {signal}").into(),
-                over(errors.fit_rms.get(signal)).into(),
-                over(errors.check_rms.get(signal)).into(),
-                over(errors.free_run_check_rms.get(signal)).into(),
+                over(step.fit_rms.get(signal)).into(),
+                over(step.check_rms.get(signal)).into(),
+                over(step.free_run_check_rms.get(signal)).into(),
             ]);
         }
     }

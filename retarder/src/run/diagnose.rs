@@ -99,9 +99,13 @@ impl Diagnosed {
         Answer::of(self.diagnosis.verdict == Verdict::Adequate)
     }
 
-    /// The command that adds the named effects; none where none is named.
+    /// The command that adds the named effects, or frees the values that the plant file has wrong; none where nothing is found.
     pub(crate) fn next_command(&self) -> Option<String> {
-        if self.diagnosis.effects.is_empty() {
+        let outside = self.diagnosis.outside.iter();
+        let freed: String = outside
+            .map(|value| format!(" --free {}", value.name))
+            .collect();
+        if self.diagnosis.effects.is_empty() && freed.is_empty() {
             return None;
         }
         let steps = self.diagnosis.ladder.iter();
@@ -110,7 +114,7 @@ impl Diagnosed {
             .map(|(id, variant)| format!(" --add {id}:{variant}"))
             .collect();
         Some(format!(
-            "retarder refine{}{added} --out {REFINED_FILE}",
+            "retarder refine{}{added}{freed} --out {REFINED_FILE}",
             self.task.options.as_given()
         ))
     }

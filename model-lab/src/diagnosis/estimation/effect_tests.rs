@@ -54,8 +54,8 @@ fn a_known_leak_is_estimated_with_ordinary_values_that_are_a_quarter_off() {
     let [given, after] = &estimation.steps[..] else {
         panic!("{:?}", estimation.steps)
     };
-    assert!(given.errors.worst_in_noise() > 5.0, "{:?}", given.errors);
-    assert!(after.errors.worst_in_noise() < 1.1, "{:?}", after.errors);
+    assert!(given.worst_in_noise() > 5.0, "{:?}", given);
+    assert!(after.worst_in_noise() < 1.1, "{:?}", after);
     let [leak] = found(&found_plant, AREA)[..] else {
         panic!("{:?}", estimation.parameters)
     };

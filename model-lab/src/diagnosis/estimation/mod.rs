@@ -21,10 +21,10 @@ use recording::Recording;
 use super::assemble;
 use super::error::DiagnoseError;
 use super::evidence::Evidence;
-use super::fit::Fitter;
 use super::knowledge::state_first_file;
 use super::logged_supply::with_logged_supply;
 use super::refine::with_provenance;
+use super::result::StepKind;
 use super::search::{Watch, report};
 use super::split::Split;
 use super::trial::{Bench, Trial};
@@ -33,7 +33,6 @@ pub(super) use determination::DETERMINED;
 use determination::estimated_parameters;
 pub use result::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
-    EstimationStep, EstimationStepKind,
 };
 use stages::Fitted;
 pub(super) use weak_directions::measure_weak_directions;
@@ -60,7 +59,8 @@ pub fn estimate(
     state_first_file(&mut plant);
     let plant = &plant;
     let mut split = Split::as_given(plant, logs, check)?;
-    let given = judged_as_given(plant, &split).ok_or_else(|| split.not_simulated())?;
+    let given = bench(plant, &split).as_given();
+    let given = given.ok_or_else(|| split.not_simulated())?;
     let Fitted {
         unknowns,
         fit,
@@ -75,13 +75,10 @@ pub fn estimate(
     };
     let parameters = estimated_parameters(&split.fitting, &sharp);
     let steps = [
-        (EstimationStepKind::PlantAsGiven, &given),
-        (EstimationStepKind::ParametersEstimated, &trial),
+        (StepKind::PlantAsGiven, &given),
+        (StepKind::ParametersRefitted, &trial),
     ];
-    let steps = steps.map(|(kind, trial)| EstimationStep {
-        kind,
-        errors: assemble::step(&bench, trial, &given, None),
-    });
+    let steps = steps.map(|(kind, trial)| assemble::step(&bench, trial, &given, kind));
     let estimation = Estimation {
         schema: ESTIMATION_SCHEMA.to_owned(),
         logs: split.fitting.sources(),
@@ -116,11 +113,4 @@ fn bench<'a>(plant: &'a PlantParameters, split: &'a Split) -> Bench<'a> {
 
 fn unknowns_of(plant: &PlantParameters, evidence: &Evidence) -> Unknowns {
     Unknowns::new(plant, &plant.effects, &evidence.logs)
-}
-
-/// The plant as given, without any fit but of the loggers' clocks.
-fn judged_as_given(plant: &PlantParameters, split: &Split) -> Option<Trial> {
-    let unknowns = unknowns_of(plant, &split.fitting);
-    let fit = Fitter::new(&split.fitting, &unknowns).at(unknowns.start())?;
-    bench(plant, split).judge(plant.effects.clone(), unknowns, fit)
 }

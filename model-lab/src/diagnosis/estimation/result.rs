@@ -44,7 +44,7 @@ pub struct Estimation {
     /// Whether the estimated model leaves no more than the noise.
     pub is_adequate: bool,
     /// The errors, from the plant as given on.
-    pub steps: Vec<EstimationStep>,
+    pub steps: Vec<Step>,
     /// The parameters.
     pub parameters: Vec<EstimatedParameter>,
     /// Clocks of the loggers, where they are not that of the ECU.
@@ -60,26 +60,6 @@ impl Estimation {
     pub fn json_schema() -> Schema {
         schemars::schema_for!(Self)
     }
-}
-
-/// The errors of one step.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EstimationStep {
-    /// Which step.
-    pub kind: EstimationStepKind,
-    /// Its errors.
-    pub errors: Step,
-}
-
-/// Step of an estimation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum EstimationStepKind {
-    /// The values of the plant file.
-    PlantAsGiven,
-    /// The estimated values.
-    ParametersEstimated,
 }
 
 /// One estimated parameter.

@@ -53,8 +53,8 @@ fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of
     let [given, after] = &estimation.steps[..] else {
         panic!("{:?}", estimation.steps)
     };
-    assert!(given.errors.worst_in_noise() > 5.0, "{:?}", given.errors);
-    assert!(after.errors.worst_in_noise() < 1.1, "{:?}", after.errors);
+    assert!(given.worst_in_noise() > 5.0, "{:?}", given);
+    assert!(after.worst_in_noise() < 1.1, "{:?}", after);
     for (clock, phase_s) in estimation.clocks.iter().zip([3.3e-3, 8.1e-3]) {
         assert!((clock.drift_ppm - 140.0).abs() < 10.0, "{clock:?}");
         // Commands that change with the rows leave the phase open within a row.
@@ -126,7 +126,7 @@ fn rows_and_commands_of_a_slow_logger_show_the_delay() {
     let delay = parameter(&found, "ecu.command_delay_s");
     assert!((delay.after - 12.3e-3).abs() < 0.6e-3, "{delay:?}");
     let after = found.estimation.steps.last().unwrap();
-    assert!(after.errors.worst_in_noise() < 1.2, "{:?}", after.errors);
+    assert!(after.worst_in_noise() < 1.2, "{:?}", after);
 }
 
 #[test]

@@ -14,16 +14,9 @@ pub struct Estimated {
     pub parameters: Vec<EstimatedParameter>,
 }
 
-/// One step.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct EstimatedStep {
-    /// Its errors.
-    pub errors: StepErrors,
-}
-
 /// The errors of one step.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct StepErrors {
+pub struct EstimatedStep {
     /// Rms error on the check log, one step ahead.
     pub check_rms: BySignal,
     /// What the signal scatters by itself.
@@ -59,14 +52,14 @@ pub struct Worst {
 impl Estimated {
     /// Check error one step ahead after the last step.
     pub fn check_error(&self) -> Option<Worst> {
-        let errors = &self.steps.last()?.errors;
+        let errors = self.steps.last()?;
         worst(&errors.check_rms, &errors.noise_floor)
     }
 
     /// Check error in free run after the last step, in the noise floors of `floor`.
     pub fn free_run(&self, floor: &Self) -> Option<Worst> {
-        let floor = &floor.steps.last()?.errors.noise_floor;
-        worst(&self.steps.last()?.errors.free_run_check_rms, floor)
+        let floor = &floor.steps.last()?.noise_floor;
+        worst(&self.steps.last()?.free_run_check_rms, floor)
     }
 }
 

@@ -17,7 +17,7 @@ pub struct Finding {
     /// Of each named effect, the ids that the log cannot tell from it.
     #[serde(default)]
     pub equivalents: BTreeMap<String, Vec<String>>,
-    /// From the plain model on, one row per step.
+    /// One row per step.
     pub ladder: Vec<Step>,
     /// Every effect that was tried alone.
     #[serde(default)]
@@ -27,6 +27,9 @@ pub struct Finding {
 /// One step of the ladder.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Step {
+    /// What it changes.
+    #[serde(default)]
+    pub kind: String,
     /// Rms error on the id log.
     pub fit_rms: BySignal,
     /// Rms error on the check log.
@@ -69,9 +72,15 @@ pub struct Fitted {
 }
 
 impl Finding {
+    /// The plain model, refitted.
+    pub fn plain(&self) -> Option<&Step> {
+        let mut steps = self.ladder.iter();
+        steps.find(|step| step.kind != "plant_as_given")
+    }
+
     /// What the plain model, refitted, leaves beside the noise, in units of the noise: of the signal in which it is most.
     pub fn excess(&self) -> f64 {
-        self.ladder.first().map_or(f64::NAN, |plain| {
+        self.plain().map_or(f64::NAN, |plain| {
             excess(&plain.check_rms, &plain.noise_floor)
         })
     }

@@ -130,6 +130,7 @@ mod tests {
             effects: effects.iter().map(|&id| id.to_owned()).collect(),
             equivalents: [].into(),
             ladder: vec![Step {
+                kind: "parameters_refitted".to_owned(),
                 fit_rms: by_signal(1.0),
                 check_rms: by_signal((1.0 + excess * excess).sqrt()),
                 noise_floor: by_signal(1.0),

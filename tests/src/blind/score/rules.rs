@@ -47,7 +47,7 @@ pub(super) const RULES: [Rule; 4] = [
 
 /// The candidate that fits best, if it fits better than the plain model at all.
 fn largest_fit(finding: &Finding) -> Option<String> {
-    let plain = finding.ladder.first()?;
+    let plain = finding.plain()?;
     let misfit = |rms: &BySignal| mean_ratio(rms, &plain.noise_floor);
     least(
         &finding.candidates,
@@ -58,7 +58,7 @@ fn largest_fit(finding: &Finding) -> Option<String> {
 
 /// The candidate with the least information criterion of G. Schwarz (1978), if it is less than the plain model's.
 fn least_bic(finding: &Finding, rows: usize) -> Option<String> {
-    let plain = finding.ladder.first()?;
+    let plain = finding.plain()?;
     let criterion = |rms: &BySignal, parameters: usize| {
         let likelihood: f64 = rms.values().map(|rms| (rms * rms).ln()).sum();
         rows as f64 * likelihood + parameters as f64 * (rows as f64).ln()
@@ -72,7 +72,7 @@ fn least_bic(finding: &Finding, rows: usize) -> Option<String> {
 
 /// Told what is hidden, names what explains at least half of the excess on the check log.
 fn oracle(answer: &Answer, finding: &Finding) -> Vec<String> {
-    let Some(plain) = finding.ladder.first() else {
+    let Some(plain) = finding.plain() else {
         return vec![];
     };
     let beyond_noise = |rms: &BySignal| -> f64 {
@@ -135,6 +135,7 @@ mod tests {
             effects: vec![],
             equivalents: [].into(),
             ladder: vec![Step {
+                kind: "parameters_refitted".to_owned(),
                 fit_rms: by_signal(2.0, 1.0),
                 check_rms: by_signal(2.0, 1.0),
                 noise_floor: by_signal(1.0, 1.0),

@@ -29,7 +29,7 @@ export async function show(place) {
 /** The verdicts in few words, and how they are marked. */
 const VERDICTS = {
   adequate: ["good", "Nothing is missing"], found: ["good", "Found"],
-  form_wrong: ["open", "Found in part"], not_in_library: ["bad", "Not in the library"],
+  plant_file_wrong: ["open", "Plant file wrong"], form_wrong: ["open", "Found in part"], not_in_library: ["bad", "Not in the library"],
 };
 
 class Page {

@@ -27,10 +27,16 @@ function bar(error, times, place, isFirst) {
     element("span", { class: "figures" }, figures, element("span", { class: "unit" }, ` ${number(error.rms, 3)} ${error.unit}`)));
 }
 
+/** Steps that add no effect. */
+const STEPS = {
+  plant_as_given: "plant as given", parameters_refitted: "ordinary parameters refitted",
+  ranges_widened: "ordinary parameters refitted beyond their tolerances",
+};
+
 /** The rungs of a diagnosis or a fit. */
 export function rungsOf(steps) {
   return steps.map((step) => ({
-    title: step.added ? `+ ${step.added.replaceAll("_", " ")} (${step.variant})` : "plain model",
+    title: step.added ? `+ ${step.added.replaceAll("_", " ")} (${step.variant.replaceAll("_", " ")})` : STEPS[step.kind],
     errors: Object.keys(step.check_rms).sort((a, b) => (b === "p_ch") - (a === "p_ch")).map((signal) => ({
       signal, unit: signal.startsWith("i_") ? "mA" : "bar", rms: step.check_rms[signal], noise_floor: step.noise_floor[signal],
     })),

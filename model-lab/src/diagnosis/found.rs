@@ -1,0 +1,89 @@
+//! From the logs to the answer: the plant refitted within what its file admits, with wider ranges, and with effects.
+//!
+//! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise,
+//! the plant file is wrong and no physics is missing. Else effects are looked for within the file's ranges, and beside wider ones
+//! only where nothing explains the error within them.
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::Effect;
+
+use super::error::DiagnoseError;
+use super::ladder::{self, Ladder};
+use super::result::Verdict;
+use super::search::{Tried, Watch, report};
+use super::split::Split;
+use super::trial::{Bench, Trial};
+
+/// Finds what `plain`, the refitted plant, lacks.
+pub(crate) fn find(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    plain: Trial,
+    watch: Watch,
+) -> Result<Ladder, DiagnoseError> {
+    let wide = widened(&split.bench(plant, library), &plain, watch)?;
+    if let Some(wide) = &wide
+        && !wide.is_material()
+    {
+        return climb_from(split, plant, library, wide.clone(), watch)
+            .map(|found| found.beyond(plain));
+    }
+    let found = climb_from(split, plant, library, plain, watch)?;
+    if !matches!(found.verdict(), Verdict::NotInLibrary | Verdict::FormWrong) {
+        return Ok(found);
+    }
+    let within = found.steps[0].clone();
+    // The conditions of the logs may have changed since.
+    let Some(wide) = widened(&split.bench(plant, library), &within, watch)? else {
+        return Ok(found);
+    };
+    let beyond = climb_from(split, plant, library, wide, watch)?;
+    match beyond.verdict() {
+        Verdict::Found => Ok(beyond.beyond(within)),
+        _ => Ok(found),
+    }
+}
+
+/// `plain` with wider ranges, where it leaves something to explain and parameters came to the end of theirs.
+fn widened(bench: &Bench, plain: &Trial, watch: Watch) -> Result<Option<Trial>, DiagnoseError> {
+    if !plain.is_material() {
+        return Ok(None);
+    }
+    report(watch, "wider ranges", 0.0)?;
+    Ok(bench.widened(plain))
+}
+
+/// Climbs from `plain`. The best single effect may show clocks and commands of the logs that `plain` did not.
+fn climb_from(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    mut plain: Trial,
+    watch: Watch,
+) -> Result<Ladder, DiagnoseError> {
+    let mut singles = ladder::singles(&split.bench(plant, library), &plain, watch)?;
+    let best = singles.iter().find_map(|tried| tried.trial.as_ref());
+    if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
+        if best.fitted.is_material()
+            && let Some(there) = split.assign_by(best)
+        {
+            plain = split.plain_from(plant, &there)?;
+            singles = ladder::singles(&split.bench(plant, library), &plain, watch)?;
+        } else if split.find_checked_clocks(plant, best)? {
+            let bench = split.bench(plant, library);
+            plain = (bench.judged_anew(&plain)).ok_or_else(|| split.not_simulated())?;
+            judge_anew(&bench, &mut singles);
+        }
+    }
+    ladder::climb(&split.bench(plant, library), plain, singles, watch)
+}
+
+fn judge_anew(bench: &Bench, singles: &mut [Tried]) {
+    for tried in singles {
+        tried.trial = tried
+            .trial
+            .as_ref()
+            .and_then(|trial| bench.judged_anew(trial));
+    }
+}
