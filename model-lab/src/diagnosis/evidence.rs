@@ -48,6 +48,12 @@ impl Evidence {
         self.computing_ns.load(Ordering::Relaxed) as f64 * 1e-9
     }
 
+    /// Number of samples of all channels that count.
+    pub(crate) fn counted_samples(&self) -> f64 {
+        let samples = self.logs.iter().map(Log::counted_samples).sum::<usize>();
+        samples as f64
+    }
+
     pub(crate) fn has_pressure(&self) -> bool {
         self.logs.iter().any(|log| log.pressure().is_some())
     }

@@ -25,6 +25,8 @@ const FINE: f64 = 0.25;
 /// An expected or reached decrease of the cost below this is none, nor is one below this share of the cost.
 const CONVERGED: f64 = 0.5;
 const CONVERGED_SHARE: f64 = 1e-4;
+/// In a search, a decrease below this share of what the noise does not explain is none.
+const CONVERGED_EXCESS_SHARE: f64 = 5e-3;
 /// A step is at most this long in each coordinate, ...
 const LONGEST_STEP: f64 = 1.5;
 /// ... and this long where large errors are forgiven: the way is long, and the model hardly linear.
@@ -127,8 +129,10 @@ pub(crate) struct Fitter<'a> {
     pub(crate) run: Run,
     /// Steps of forward differences, over the usual ones.
     pub(crate) step_scale: f64,
-    /// A decrease below this share of the cost is none.
+    /// A decrease below this share of the cost is none, ...
     pub(crate) converged_share: f64,
+    /// ... nor is one below this share of the cost that the noise does not make.
+    pub(crate) converged_excess_share: f64,
     /// Loss of the residuals.
     pub(crate) loss: Loss,
     /// Unknowns and signals that take part.
@@ -204,8 +208,17 @@ impl<'a> Fitter<'a> {
             run: Run::Predicted,
             step_scale: 1.0,
             converged_share: CONVERGED_SHARE,
+            converged_excess_share: 0.0,
             loss: Loss::Square,
             scope: Scope::Whole,
+        }
+    }
+
+    /// One for a search, where a fit that stays far from the noise need not be fitted to the last digit.
+    pub(crate) fn for_search(evidence: &'a Evidence, unknowns: &'a Unknowns) -> Self {
+        Self {
+            converged_excess_share: CONVERGED_EXCESS_SHARE,
+            ..Self::new(evidence, unknowns)
         }
     }
 
@@ -359,7 +372,10 @@ impl<'a> Fitter<'a> {
     }
 
     fn converged(&self, cost: f64) -> f64 {
-        CONVERGED.max(self.converged_share * cost)
+        let excess = (cost - self.evidence.counted_samples()).max(0.0);
+        CONVERGED
+            .max(self.converged_share * cost)
+            .max(self.converged_excess_share * excess)
     }
 
     /// The damped step from `fit` within the bounds, and by how much a linear model's cost falls.

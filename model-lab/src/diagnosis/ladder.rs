@@ -5,7 +5,7 @@ use plant_sim::effects::EffectSetting;
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::result::Verdict;
-use super::search::{Effort, Tried, Watch, best_form, try_all};
+use super::search::{Effort, PROSPECT, Tried, Watch, best_form, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
     ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE, FURTHER_SHARE,
@@ -39,7 +39,7 @@ pub(crate) fn singles(
     watch: Watch,
 ) -> Result<Vec<Tried>, DiagnoseError> {
     let effort = if plain.is_material() {
-        Effort::Alone
+        Effort::Search
     } else {
         Effort::Glance
     };
@@ -78,7 +78,7 @@ pub(crate) fn climb(
     };
     let chain = match pair {
         Some(pair) if pair.last.explains(plain) => {
-            let rivals = try_all(bench, &pair.other, Effort::Beside, RIVALS, watch)?;
+            let rivals = try_all(bench, &pair.other, Effort::Rival, RIVALS, watch)?;
             Some(Chain {
                 rivals: vec![rivals, pair.tried],
                 steps: vec![pair.first, pair.last],
@@ -208,9 +208,14 @@ fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     firsts.into_iter().cloned().collect()
 }
 
-/// The last effect of `trial` on top of `base` in the form that fits best, each fitted to the end: beside an effect that gains far more,
-/// a search only begins these fits.
-fn in_best_form(bench: &Bench, base: &Trial, trial: Trial) -> Option<Trial> {
+/// The last effect of `trial` on top of `base` in the form that fits best, each fitted to the end: beside an effect among `singles` that
+/// gains far more, a search only begins these fits.
+fn in_best_form(bench: &Bench, base: &Trial, singles: &[Tried], trial: Trial) -> Option<Trial> {
+    let gain = |trial: &Trial| base.fit.cost - trial.fit.cost;
+    let trials = singles.iter().filter_map(|tried| tried.trial.as_ref());
+    if gain(&trial) >= PROSPECT * trials.map(gain).fold(0.0, f64::max) {
+        return Some(trial);
+    }
     let effect = trial.effects.last()?.effect();
     let variants = effect.about().variants.iter();
     let forms = variants.map(|form| EffectSetting::typical_variant(effect, form));
@@ -229,13 +234,13 @@ fn best_pair(
 ) -> Result<Option<Pair>, DiagnoseError> {
     let mut best: Option<Pair> = None;
     for first in firsts {
-        let Some(mut first) = in_best_form(bench, plain, first) else {
+        let Some(mut first) = in_best_form(bench, plain, singles, first) else {
             continue;
         };
         if first.refresh(bench).is_none() {
             continue;
         }
-        let tried = try_all(bench, &first, Effort::Beside, "pairs of effects", watch)?;
+        let tried = try_all(bench, &first, Effort::Search, "pairs of effects", watch)?;
         let Some(last) = best_step(bench, plain, &tried) else {
             continue;
         };
@@ -296,7 +301,7 @@ fn longer_chain(
         if last.refresh(bench).is_none() {
             return Ok(None);
         }
-        tried = try_all(bench, last, Effort::Beside, "further effects", watch)?;
+        tried = try_all(bench, last, Effort::Search, "further effects", watch)?;
         let next = best_step(bench, plain, &tried);
         let Some(next) = next.filter(|next| next.is_further_than(last)) else {
             return Ok(None);
@@ -310,7 +315,7 @@ fn longer_chain(
         let Some(without) = without.filter(|without| last.is_further_than(without)) else {
             return Ok(None);
         };
-        rivals.push(try_all(bench, &without, Effort::Beside, RIVALS, watch)?);
+        rivals.push(try_all(bench, &without, Effort::Rival, RIVALS, watch)?);
     }
     rivals.push(tried);
     Ok(Some(Chain { steps, rivals }))

@@ -1,6 +1,6 @@
 //! Tries every effect of the library on top of a fitted plant.
 
-use core::ops::{ControlFlow, Range};
+use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicUsize, Ordering};
 
 use plant_sim::effects::{Effect, EffectSetting, EntryPoint};
@@ -11,8 +11,15 @@ use super::trial::{Bench, Opened, Trial};
 
 /// A fit is begun where it promises this share of what the best one gained or promises.
 const BEGIN_PROSPECT: f64 = 0.02;
-/// A fit is followed to its end where its first steps gained this share of what the best one gained.
-const PROSPECT: f64 = 0.25;
+/// A fit is followed to its end where its first steps gained this share of what the best one gained, ...
+pub(crate) const PROSPECT: f64 = 0.25;
+/// ... and this share where it may stand for a named effect only if it explains nearly as much.
+const RIVAL_PROSPECT: f64 = 0.5;
+
+/// Of the forms of one effect, those are followed whose first steps gained this share of what the best of them gained.
+const FORM_PROSPECT: f64 = 0.7;
+/// Share of the work that is done when the fits are begun.
+const BEGUN: f64 = 0.6;
 
 /// What a search reports.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,9 +39,20 @@ pub(crate) enum Effort {
     /// A few steps of each effect in the first form of its law: nothing is missing.
     Glance,
     /// Every form that promises something, followed to the end where it gains.
-    Alone,
-    /// The same beside another effect, without effects that promise next to nothing.
-    Beside,
+    Search,
+    /// What may stand in the place of a named effect.
+    Rival,
+}
+
+impl Effort {
+    /// The share of the best gain from which on a fit is followed to its end.
+    fn prospect(self) -> f64 {
+        match self {
+            Self::Glance => f64::INFINITY,
+            Self::Search => PROSPECT,
+            Self::Rival => RIVAL_PROSPECT,
+        }
+    }
 }
 
 /// An effect on top of a plant, in the form of its law that fits best.
@@ -62,47 +80,51 @@ pub(crate) fn try_all(
     let (effects, unseen): (Vec<_>, Vec<_>) = effects
         .into_iter()
         .partition(|&effect| bench.fitting.has_pressure() || shows_in_currents(effect));
-    let first_forms = effects
+    let forms = effects
         .iter()
-        .map(|&effect| EffectSetting::typical(effect))
+        .flat_map(|&effect| {
+            let forms = effect.about().variants.iter();
+            let count = if effort == Effort::Glance {
+                1
+            } else {
+                forms.len()
+            };
+            forms
+                .take(count)
+                .map(move |form| EffectSetting::typical_variant(effect, form))
+        })
         .collect();
-    let gain = (effort == Effort::Beside).then_some(0.0);
-    let mut opened = open_all(bench, base, first_forms, gain, (stage, 0.0..0.5), watch)?;
-    if effort != Effort::Glance {
-        let gain = opened.iter().map(Begun::gain).fold(0.0, f64::max);
-        let other_forms = opened
-            .iter()
-            .flat_map(|begun| {
-                let effect = begun.setting.effect();
-                let variants = effect.about().variants.iter().skip(1);
-                variants.map(move |variant| EffectSetting::typical_variant(effect, variant))
-            })
-            .collect();
-        opened.extend(open_all(
-            bench,
-            base,
-            other_forms,
-            Some(gain),
-            (stage, 0.5..0.7),
-            watch,
-        )?);
-    }
-    let least = PROSPECT * opened.iter().map(Begun::gain).fold(0.0, f64::max);
+    let opened = open_promising(bench, base, forms, stage, watch)?;
+    let best_gain = |id: Option<&str>| {
+        let opened = opened.iter();
+        let of_effect = opened.filter(|begun| id.is_none_or(|id| begun.setting.id() == id));
+        of_effect.map(Begun::gain).fold(0.0, f64::max)
+    };
+    let most = best_gain(None);
+    let least = |begun: &Begun| {
+        let of_effect = FORM_PROSPECT * best_gain(Some(begun.setting.id()));
+        of_effect.max(effort.prospect() * most)
+    };
+    let is_followed: Vec<bool> = opened
+        .iter()
+        .map(|begun| begun.gain() >= least(begun))
+        .collect();
     let finished = AtomicUsize::new(0);
     let total = opened.len() as f64;
     let tried = opened
         .into_par_iter()
-        .map(|begun| {
+        .zip(is_followed)
+        .map(|(begun, is_followed)| {
             let gain = begun.gain();
             let trial = begun.opened.filter(|_| gain > 0.0).and_then(|opened| {
-                if effort != Effort::Glance && gain >= least {
+                if is_followed {
                     bench.finish(opened)
                 } else {
                     bench.leave(opened)
                 }
             });
             let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
-            report(watch, stage, 0.7 + 0.3 * count as f64 / total)?;
+            report(watch, stage, BEGUN + (1.0 - BEGUN) * count as f64 / total)?;
             Ok(Tried {
                 setting: begun.setting,
                 trial,
@@ -132,44 +154,38 @@ impl Begun {
     }
 }
 
-/// Begins the fits of `settings`: all of them, or those that promise something beside the best `gain`.
-fn open_all(
+/// Begins the fits of those of `settings` that promise something beside the one that promises most.
+fn open_promising(
     bench: &Bench,
     base: &Trial,
     settings: Vec<EffectSetting>,
-    gain: Option<f64>,
-    (stage, span): (&'static str, Range<f64>),
+    stage: &'static str,
     watch: Watch,
 ) -> Result<Vec<Begun>, DiagnoseError> {
-    report(watch, stage, span.start)?;
+    report(watch, stage, 0.0)?;
     let total = 2.0 * settings.len() as f64;
     let done = AtomicUsize::new(0);
     let step = || {
         let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / total;
-        report(watch, stage, span.start + share * (span.end - span.start))
+        report(watch, stage, BEGUN * share)
     };
-    let sketched = settings
-        .into_par_iter()
-        .map(|setting| {
-            let sketch = bench.sketch(base, setting.clone());
-            step().map(|()| (setting, sketch))
-        })
+    let promises = settings
+        .par_iter()
+        .map(|setting| step().map(|()| bench.promised_gain(base, setting.clone())))
         .collect::<Result<Vec<_>, _>>()?;
-    let promised = sketched.iter().flat_map(|(_, sketch)| sketch);
-    let promised = promised.map(|sketch| sketch.promised_gain);
-    let least = gain.map_or(f64::NEG_INFINITY, |gain| {
-        BEGIN_PROSPECT * promised.fold(gain, f64::max)
-    });
-    sketched
+    let least = BEGIN_PROSPECT * promises.iter().copied().flatten().fold(0.0, f64::max);
+    settings
         .into_par_iter()
-        .map(|(setting, sketch)| {
-            let opened = sketch
-                .filter(|sketch| sketch.promised_gain >= least)
-                .and_then(|sketch| bench.open(sketch));
+        .zip(promises)
+        .map(|(setting, promise)| {
             step()?;
+            let is_promising = promise.is_some_and(|promise| promise > 0.0 && promise >= least);
+            let sketch = is_promising
+                .then(|| bench.sketch(base, setting.clone()))
+                .flatten();
             Ok(Begun {
+                opened: sketch.and_then(|sketch| bench.open(sketch)),
                 setting,
-                opened,
                 before: base.fit.cost,
             })
         })

@@ -1,34 +1,46 @@
 //! Whether a fit found an effect, or only bent a law until it fits.
 
-use super::evidence::Evidence;
 use super::interval::{half_widths, half_widths_of_noise};
 use super::trial::{Bench, Trial};
 use super::verdict::LOOSEST_STRENGTH;
+
+/// Half widths of the 95 % intervals of the coordinates of a fit, from a Jacobian in which what the logs leave open is open.
+#[derive(Debug, Clone)]
+pub(crate) struct Widths {
+    of_what_is_left: Vec<f64>,
+    of_noise: Vec<f64>,
+}
+
+impl Widths {
+    /// None where the plant beside the fit cannot be simulated.
+    fn of(trial: &Trial, bench: &Bench) -> Option<Self> {
+        let mut sharp = trial.clone();
+        sharp.sharpen(bench)?;
+        Some(Self {
+            of_what_is_left: half_widths(bench.fitting, &sharp),
+            of_noise: half_widths_of_noise(bench.fitting, &sharp),
+        })
+    }
+}
 
 impl Trial {
     /// Whether the logs determine how strong each effect is that it adds to `base`, and none ran to the strong end of
     /// its range: such a law stands for another one.
     pub(crate) fn is_sound(&self, bench: &Bench, base: &Self) -> bool {
-        self.is_known_within(half_widths, bench, base)
+        self.is_known_within(|widths| &widths.of_what_is_left, bench, base)
     }
 
     /// The same if something else explained what they leave. A large rest makes any interval wide, however much of the
     /// error an effect takes.
     pub(crate) fn is_sound_but_for_the_rest(&self, bench: &Bench, base: &Self) -> bool {
-        self.is_known_within(half_widths_of_noise, bench, base)
+        self.is_known_within(|widths| &widths.of_noise, bench, base)
     }
 
-    fn is_known_within(
-        &self,
-        half_widths: fn(&Evidence, &Self) -> Vec<f64>,
-        bench: &Bench,
-        base: &Self,
-    ) -> bool {
-        let mut sharp = self.clone();
-        if sharp.sharpen(bench).is_none() {
+    fn is_known_within(&self, widths: fn(&Widths) -> &[f64], bench: &Bench, base: &Self) -> bool {
+        let Some(known) = self.widths.get_or_init(|| Widths::of(self, bench)) else {
             return false;
-        }
-        let widths = half_widths(bench.fitting, &sharp);
+        };
+        let widths = widths(known);
         let list = self.unknowns.list();
         let mut first = base.unknowns.len();
         self.effects[base.effects.len()..].iter().all(|effect| {

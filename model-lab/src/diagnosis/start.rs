@@ -14,7 +14,7 @@ const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
 const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
 /// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
 /// elsewhere: a fit that begins in the wrong valley stays there.
-const SHAPES: [f64; 3] = [0.0, -0.6, 0.6];
+const SHAPES: [f64; 2] = [-0.6, 0.6];
 /// A shape that is not typical promises this much more: the data of a poor log leave the shape open.
 const UNTYPICAL: f64 = 10.0;
 /// What an effect adds is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
@@ -23,6 +23,11 @@ const WEAKENED: RangeInclusive<f64> = 1e-3..=0.5;
 const NEIGHBOUR: f64 = 0.8;
 /// ... within these powers.
 const POWERS: [f64; 2] = [0.5, 10.0];
+
+/// Sizes at which an effect shows whether it promises anything: weaker ones follow from these.
+const FIRST_SIZES: [f64; 3] = [0.15, 1.0, 5.0];
+/// The same for effects that have a sign.
+const FIRST_SIGNED_SIZES: [f64; 2] = [-0.15, 0.15];
 
 /// An effect on top of a fitted plant, before anything of it is fitted.
 pub(crate) struct Start {
@@ -35,6 +40,29 @@ pub(crate) struct Start {
     pub(crate) moved: Vec<f64>,
     /// ... and the cost that a linear model promises there.
     pub(crate) promised: f64,
+}
+
+/// The least cost that the effect whose unknowns are the last ones promises on top of `base` at a few sizes, or at a share of what it
+/// adds there.
+pub(crate) fn promised_cost(fitter: &Fitter, base: &Fit) -> Option<f64> {
+    let own = &fitter.unknowns.list()[base.z.len()..];
+    let is_signed = own.iter().any(Unknown::is_signed);
+    let sizes: &[f64] = if is_signed {
+        &FIRST_SIGNED_SIZES
+    } else {
+        &FIRST_SIZES
+    };
+    let typical = vec![0.0; own.len()];
+    let starts = sizes
+        .iter()
+        .filter_map(|&size| Start::new(fitter, base, own, size, &typical));
+    let promised = starts.map(|start| {
+        let weakened = start
+            .best_share(fitter, base)
+            .filter(|best| WEAKENED.contains(&best.share));
+        weakened.map_or(start.promised, |best| best.cost.min(start.promised))
+    });
+    promised.min_by(f64::total_cmp)
 }
 
 /// The most promising start of the effect whose unknowns are the last ones, on top of `base`.
@@ -79,25 +107,17 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Option<Start> {
     starts.into_iter().min_by(by_promise)
 }
 
-/// Displacements of the unknowns of an effect: every combination of its parameters of form but the typical one.
+/// Displacements of the unknowns of an effect: of one parameter of form at a time, the others typical.
 fn shapes(own: &[Unknown]) -> Vec<Vec<f64>> {
-    let all = own.iter().fold(vec![Vec::new()], |begun, unknown| {
-        let choices: &[f64] = if unknown.is_strength() {
-            &[0.0]
-        } else {
-            &SHAPES
-        };
-        let choices = choices.iter();
-        choices
-            .flat_map(|&choice| {
-                begun
-                    .iter()
-                    .map(move |shape| [&shape[..], &[choice]].concat())
-            })
-            .collect()
-    });
-    let is_typical = |shape: &Vec<f64>| shape.iter().all(|&moved| moved == 0.0);
-    all.into_iter().filter(|shape| !is_typical(shape)).collect()
+    let of_form = (0..own.len()).filter(|&n| !own[n].is_strength());
+    let moved = of_form.flat_map(|n| SHAPES.map(|moved| (n, moved)));
+    moved
+        .map(|(n, moved)| {
+            let mut shape = vec![0.0; own.len()];
+            shape[n] = moved;
+            shape
+        })
+        .collect()
 }
 
 /// The share of what a start adds that is best, and the cost that it promises.

@@ -1,5 +1,7 @@
 //! The plant with some effects, fitted and judged.
 
+use std::sync::OnceLock;
+
 use plant_sim::effects::{Effect, EffectSetting};
 use plant_sim::{PlantParameters, Tolerance};
 
@@ -8,7 +10,8 @@ use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
 use super::log::Run;
 use super::logger_time::fitted_conditions;
-use super::start::{Start, most_promising};
+use super::soundness::Widths;
+use super::start::{Start, most_promising, promised_cost};
 use super::unknowns::Unknowns;
 use super::verdict::WIDENINGS;
 use crate::conditions::Conditions;
@@ -19,8 +22,6 @@ pub(crate) struct Sketch {
     effects: Vec<EffectSetting>,
     unknowns: Unknowns,
     start: Start,
-    /// By how much the cost would fall, as far as can be said without a fit.
-    pub(crate) promised_gain: f64,
 }
 
 /// A fit that was begun.
@@ -54,6 +55,8 @@ pub(crate) struct Trial {
     pub(crate) checked_conditions: Vec<Conditions>,
     /// Samples over which the error remembers; at least 1.
     pub(crate) correlation_samples: f64,
+    /// How well the fit knows its coordinates, once somebody asked.
+    pub(crate) widths: OnceLock<Option<Widths>>,
 }
 
 impl Bench<'_> {
@@ -99,15 +102,21 @@ impl Bench<'_> {
         wide
     }
 
+    /// By how much the cost of `base` would fall with `effect`, as far as a few sizes of it show; none where none of them can be simulated.
+    pub(crate) fn promised_gain(&self, base: &Trial, effect: EffectSetting) -> Option<f64> {
+        let unknowns = base.unknowns.clone().with_effect(&effect);
+        let fitter = Fitter::for_search(self.fitting, &unknowns);
+        Some(base.fit.cost - promised_cost(&fitter, &base.fit)?)
+    }
+
     /// The most promising of several sizes and shapes of `effect` on top of `base`; none where nothing of it can be
     /// simulated.
     pub(crate) fn sketch(&self, base: &Trial, effect: EffectSetting) -> Option<Sketch> {
         let unknowns = base.unknowns.clone().with_effect(&effect);
         let mut effects = base.effects.clone();
         effects.push(effect);
-        let start = most_promising(&Fitter::new(self.fitting, &unknowns), &base.fit)?;
+        let start = most_promising(&Fitter::for_search(self.fitting, &unknowns), &base.fit)?;
         Some(Sketch {
-            promised_gain: base.fit.cost - start.promised,
             effects,
             unknowns,
             start,
@@ -122,7 +131,7 @@ impl Bench<'_> {
             start: best,
             ..
         } = sketch;
-        let fitter = Fitter::new(self.fitting, &unknowns);
+        let fitter = Fitter::for_search(self.fitting, &unknowns);
         let mut start = fitter.at(best.moved)?;
         start.jacobian = best.fit.jacobian;
         let fit = fitter.descend(start, Descent::Begun)?;
@@ -133,16 +142,11 @@ impl Bench<'_> {
         })
     }
 
-    /// Fits what was begun to the end, and judges it.
+    /// Fits what was begun as far as a search needs it, and judges it.
     pub(crate) fn finish(&self, opened: Opened) -> Option<Trial> {
-        let Opened {
-            effects,
-            unknowns,
-            fit,
-        } = opened;
-        let fitter = Fitter::new(self.fitting, &unknowns);
-        let fit = fitter.descend(fit, Descent::Whole)?;
-        self.judge(effects, unknowns, fit)
+        let fitter = Fitter::for_search(self.fitting, &opened.unknowns);
+        let fit = fitter.descend(opened.fit, Descent::Whole)?;
+        self.judge(opened.effects, opened.unknowns, fit)
     }
 
     /// The plant of `trial` without the effect `id`, fitted anew, with a Jacobian of its own.
@@ -187,6 +191,7 @@ impl Bench<'_> {
             effects,
             unknowns,
             fit,
+            widths: OnceLock::new(),
         })
     }
 
@@ -231,12 +236,9 @@ impl Trial {
     /// Fits on from where it is with a Jacobian of its own, which is then that at the fit: intervals need it.
     pub(crate) fn polish(&mut self, bench: &Bench) -> Option<()> {
         self.refresh(bench)?;
-        let opened = Opened {
-            effects: self.effects.clone(),
-            unknowns: self.unknowns.clone(),
-            fit: self.fit.clone(),
-        };
-        *self = bench.finish(opened)?;
+        let fitter = Fitter::new(bench.fitting, &self.unknowns);
+        let fit = fitter.descend(self.fit.clone(), Descent::Whole)?;
+        *self = bench.judge(self.effects.clone(), self.unknowns.clone(), fit)?;
         self.sharpen(bench)
     }
 
