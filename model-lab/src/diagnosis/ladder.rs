@@ -17,9 +17,6 @@ const FIRSTS: usize = 3;
 /// ... if they explain at least this share of the excess on the fitted logs.
 const FIRST_SHARE: f64 = 0.05;
 
-/// Name of the stage in which effects are tried in the place of named ones.
-const RIVALS: &str = "what may stand for a named effect";
-
 /// What was found.
 pub(crate) struct Ladder {
     /// The plain plant first, then one trial per named effect.
@@ -78,7 +75,8 @@ pub(crate) fn climb(
     };
     let chain = match pair {
         Some(pair) if pair.last.explains(plain) => {
-            let rivals = try_all(bench, &pair.other, Effort::Rival, RIVALS, watch)?;
+            let first = pair.first.effects.last().expect("one was added").id();
+            let rivals = rivals(bench, (first, &pair.last), &pair.other, watch)?;
             Some(Chain {
                 rivals: vec![rivals, pair.tried],
                 steps: vec![pair.first, pair.last],
@@ -234,6 +232,16 @@ fn best_pair(
 ) -> Result<Option<Pair>, DiagnoseError> {
     let mut best: Option<Pair> = None;
     for first in firsts {
+        // The same two in the other order differ by what a fit leaves open.
+        let has_first = |pair: &Pair| {
+            first
+                .effects
+                .iter()
+                .all(|effect| pair.last.has(effect.id()))
+        };
+        if best.as_ref().is_some_and(has_first) {
+            continue;
+        }
         let Some(mut first) = in_best_form(bench, plain, singles, first) else {
             continue;
         };
@@ -253,7 +261,6 @@ fn best_pair(
             continue;
         };
         let needs_both = last.is_further_than(&first) && last.is_further_than(&other);
-        // The same two in the other order differ by what a fit leaves open.
         let is_better = best.as_ref().is_none_or(|best| {
             let is_other = !last.effects.iter().all(|effect| best.last.has(effect.id()));
             is_other && last.total_square() < best.last.total_square()
@@ -266,8 +273,10 @@ fn best_pair(
                 tried,
             });
         }
-        // The first of the list explains what it can; others are tried only where the pair leaves something.
-        if best.as_ref().is_some_and(|best| !best.last.is_material()) {
+        // Others are tried only where the pair leaves much: what it leaves else is left to further effects.
+        if best.as_ref().is_some_and(|best| {
+            best.last.share_of(plain) >= PARTLY_NAMED_SHARE || !best.last.is_material()
+        }) {
             break;
         }
     }
@@ -309,16 +318,39 @@ fn longer_chain(
         steps.push(next);
     }
     let last = &steps[steps.len() - 1];
-    let mut rivals = Vec::new();
+    let mut of_steps = Vec::new();
     for effect in &last.effects[plain.effects.len()..last.effects.len() - 1] {
         let without = bench.without(last, effect.id());
         let Some(without) = without.filter(|without| last.is_further_than(without)) else {
             return Ok(None);
         };
-        rivals.push(try_all(bench, &without, Effort::Rival, RIVALS, watch)?);
+        of_steps.push(rivals(bench, (effect.id(), last), &without, watch)?);
     }
-    rivals.push(tried);
-    Ok(Some(Chain { steps, rivals }))
+    of_steps.push(tried);
+    Ok(Some(Chain {
+        steps,
+        rivals: of_steps,
+    }))
+}
+
+/// What may stand in the place of the effect `named` of `last`, on top of the plant `without` it.
+fn rivals(
+    bench: &Bench,
+    (named, last): (&'static str, &Trial),
+    without: &Trial,
+    watch: Watch,
+) -> Result<Vec<Tried>, DiagnoseError> {
+    let effort = Effort::Rival {
+        of: named,
+        gain: without.fit.cost - last.fit.cost,
+    };
+    try_all(
+        bench,
+        without,
+        effort,
+        "alternatives of a named effect",
+        watch,
+    )
 }
 
 impl Trial {

@@ -13,8 +13,8 @@ use super::trial::{Bench, Opened, Trial};
 const BEGIN_PROSPECT: f64 = 0.02;
 /// A fit is followed to its end where its first steps gained this share of what the best one gained, ...
 pub(crate) const PROSPECT: f64 = 0.25;
-/// ... and this share where it may stand for a named effect only if it explains nearly as much.
-const RIVAL_PROSPECT: f64 = 0.5;
+/// ... and this share of what a named effect gains where it may stand in its place.
+const RIVAL_PROSPECT: f64 = 0.8;
 
 /// Of the forms of one effect, those are followed whose first steps gained this share of what the best of them gained.
 const FORM_PROSPECT: f64 = 0.7;
@@ -34,24 +34,28 @@ pub struct Progress {
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 /// How much work a search is worth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Effort {
     /// A few steps of each effect in the first form of its law: nothing is missing.
     Glance,
     /// Every form that promises something, followed to the end where it gains.
     Search,
-    /// What may stand in the place of a named effect.
-    Rival,
+    /// What may stand in the place of the named effect `of`, which gains so much.
+    Rival { of: &'static str, gain: f64 },
 }
 
 impl Effort {
-    /// The share of the best gain from which on a fit is followed to its end.
-    fn prospect(self) -> f64 {
+    /// The gain from which on a fit is followed to its end, where the best one gained `most`.
+    fn least_gain(self, most: f64) -> f64 {
         match self {
             Self::Glance => f64::INFINITY,
-            Self::Search => PROSPECT,
-            Self::Rival => RIVAL_PROSPECT,
+            Self::Search => PROSPECT * most,
+            Self::Rival { gain, .. } => RIVAL_PROSPECT * gain,
         }
+    }
+
+    fn leaves_out(self, effect: &str) -> bool {
+        matches!(self, Self::Rival { of, .. } if of == effect)
     }
 }
 
@@ -75,7 +79,7 @@ pub(crate) fn try_all(
         .library
         .iter()
         .copied()
-        .filter(|effect| !base.has(effect.about().id))
+        .filter(|effect| !base.has(effect.about().id) && !effort.leaves_out(effect.about().id))
         .collect();
     let (effects, unseen): (Vec<_>, Vec<_>) = effects
         .into_iter()
@@ -100,10 +104,10 @@ pub(crate) fn try_all(
         let of_effect = opened.filter(|begun| id.is_none_or(|id| begun.setting.id() == id));
         of_effect.map(Begun::gain).fold(0.0, f64::max)
     };
-    let most = best_gain(None);
+    let least_gain = effort.least_gain(best_gain(None));
     let least = |begun: &Begun| {
         let of_effect = FORM_PROSPECT * best_gain(Some(begun.setting.id()));
-        of_effect.max(effort.prospect() * most)
+        of_effect.max(least_gain)
     };
     let is_followed: Vec<bool> = opened
         .iter()
@@ -180,9 +184,7 @@ fn open_promising(
         .map(|(setting, promise)| {
             step()?;
             let is_promising = promise.is_some_and(|promise| promise > 0.0 && promise >= least);
-            let sketch = is_promising
-                .then(|| bench.sketch(base, setting.clone()))
-                .flatten();
+            let sketch = is_promising.then(|| bench.sketch(base, setting.clone()));
             Ok(Begun {
                 opened: sketch.and_then(|sketch| bench.open(sketch)),
                 setting,
@@ -212,7 +214,7 @@ pub(crate) fn report(watch: Watch, stage: &'static str, done: f64) -> Result<(),
 pub(crate) fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) -> Option<Trial> {
     forms
         .into_par_iter()
-        .filter_map(|form| bench.finish(bench.open(bench.sketch(base, form)?)?))
+        .filter_map(|form| bench.finish(bench.open(bench.sketch(base, form))?))
         .reduce_with(|a, b| if b.is_preferred_to(&a) { b } else { a })
 }
 

@@ -15,6 +15,8 @@ const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
 /// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
 /// elsewhere: a fit that begins in the wrong valley stays there.
 const SHAPES: [f64; 2] = [-0.6, 0.6];
+/// So many starts are looked at where they promise to lead.
+const BEST: usize = 3;
 /// A shape that is not typical promises this much more: the data of a poor log leave the shape open.
 const UNTYPICAL: f64 = 10.0;
 /// What an effect adds is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
@@ -65,11 +67,11 @@ pub(crate) fn promised_cost(fitter: &Fitter, base: &Fit) -> Option<f64> {
     promised.min_by(f64::total_cmp)
 }
 
-/// The most promising start of the effect whose unknowns are the last ones, on top of `base`.
+/// The most promising starts of the effect whose unknowns are the last ones, on top of `base`.
 ///
 /// An effect may be far weaker than is typical and still show. So each size also says how much of what it adds would be
 /// best, and where that promises more than the sizes themselves, one of that strength is tried as well.
-pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Option<Start> {
+pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Vec<Start> {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
     let sizes = if is_signed { &SIGNED_SIZES } else { &SIZES };
@@ -104,7 +106,9 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Option<Start> {
         start.promised + if is_typical { 0.0 } else { UNTYPICAL }
     };
     let by_promise = |a: &Start, b: &Start| price(a).total_cmp(&price(b));
-    starts.into_iter().min_by(by_promise)
+    starts.sort_by(by_promise);
+    starts.truncate(BEST);
+    starts
 }
 
 /// Displacements of the unknowns of an effect: of one parameter of form at a time, the others typical.

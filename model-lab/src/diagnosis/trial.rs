@@ -21,7 +21,8 @@ use crate::whiteness::autocorrelation_time_samples;
 pub(crate) struct Sketch {
     effects: Vec<EffectSetting>,
     unknowns: Unknowns,
-    start: Start,
+    /// The most promising first.
+    starts: Vec<Start>,
 }
 
 /// A fit that was begun.
@@ -109,31 +110,35 @@ impl Bench<'_> {
         Some(base.fit.cost - promised_cost(&fitter, &base.fit)?)
     }
 
-    /// The most promising of several sizes and shapes of `effect` on top of `base`; none where nothing of it can be
-    /// simulated.
-    pub(crate) fn sketch(&self, base: &Trial, effect: EffectSetting) -> Option<Sketch> {
+    /// The most promising of several sizes and shapes of `effect` on top of `base`.
+    pub(crate) fn sketch(&self, base: &Trial, effect: EffectSetting) -> Sketch {
         let unknowns = base.unknowns.clone().with_effect(&effect);
         let mut effects = base.effects.clone();
         effects.push(effect);
-        let start = most_promising(&Fitter::for_search(self.fitting, &unknowns), &base.fit)?;
-        Some(Sketch {
+        let starts = most_promising(&Fitter::for_search(self.fitting, &unknowns), &base.fit);
+        Sketch {
             effects,
             unknowns,
-            start,
-        })
+            starts,
+        }
     }
 
-    /// A few steps of the fit of what was sketched.
+    /// A few steps of the fit of what was sketched, from where the least is left; none where nothing of it can be simulated.
     pub(crate) fn open(&self, sketch: Sketch) -> Option<Opened> {
         let Sketch {
             effects,
             unknowns,
-            start: best,
-            ..
+            starts,
         } = sketch;
         let fitter = Fitter::for_search(self.fitting, &unknowns);
-        let mut start = fitter.at(best.moved)?;
-        start.jacobian = best.fit.jacobian;
+        let reached = starts.into_iter().flat_map(|start| {
+            let moved = fitter.at(start.moved).map(|moved| Fit {
+                jacobian: start.fit.jacobian.clone(),
+                ..moved
+            });
+            [Some(start.fit), moved]
+        });
+        let start = reached.flatten().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let fit = fitter.descend(start, Descent::Begun)?;
         Some(Opened {
             effects,
@@ -388,7 +393,7 @@ mod tests {
         later[0].start_gas.cooling_s *= 5.0;
         evidence.replace_conditions(&later);
         let leak = EffectSetting::typical(by_id("chamber_leak").unwrap());
-        let sketch = bench(&rig.plant, &evidence).sketch(&plain, leak).unwrap();
+        let sketch = bench(&rig.plant, &evidence).sketch(&plain, leak);
         assert_eq!(conditions(&sketch.unknowns, &plain.fit.z), fitted);
     }
 
