@@ -357,10 +357,15 @@ pub(crate) fn sentence(
                 named.join(" and "),
                 if named.len() == 1 { "it" } else { "them" },
             );
-            if outside.is_empty() {
-                found
-            } else {
-                format!("{found}; the plant file is wrong as well: {values}")
+            let is_beyond = steps
+                .iter()
+                .any(|step| step.kind == StepKind::RangesWidened);
+            match (outside.is_empty(), is_beyond) {
+                (true, _) => found,
+                (false, true) => format!("{found}; the plant file is wrong as well: {values}"),
+                (false, false) => format!(
+                    "{found}; or the plant file is wrong and nothing is missing: {values} explains it as well"
+                ),
             }
         }
         Verdict::FormWrong => format!(

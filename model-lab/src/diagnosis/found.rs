@@ -1,8 +1,9 @@
 //! From the logs to the answer: the plant refitted within what its file admits, with wider ranges, and with effects.
 //!
 //! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise,
-//! the plant file is wrong and no physics is missing. Else effects are looked for within the file's ranges, and beside wider ones
-//! only where nothing explains the error within them.
+//! the plant file is wrong and no physics is missing; but an effect that fits as well within the ranges is named, and the values are
+//! the alternative: a warm coil and one with more turns are the same to every signal. Else effects are looked for within the file's
+//! ranges, and beside wider ones only where nothing explains the error within them.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
@@ -23,13 +24,15 @@ pub(crate) fn find(
     watch: Watch,
 ) -> Result<Ladder, DiagnoseError> {
     let wide = widened(&split.bench(plant, library), &plain, watch)?;
-    if let Some(wide) = &wide
-        && !wide.is_material()
-    {
-        return climb_from(split, plant, library, wide.clone(), watch)
-            .map(|found| found.beyond(plain));
+    let adequate = wide.filter(|wide| !wide.is_material());
+    let found = climb_from(split, plant, library, plain.clone(), watch)?;
+    if let Some(wide) = adequate {
+        return if found.is_as_good_as(&wide) {
+            Ok(found.or(wide))
+        } else {
+            Ok(climb_from(split, plant, library, wide, watch)?.beyond(plain))
+        };
     }
-    let found = climb_from(split, plant, library, plain, watch)?;
     if !matches!(found.verdict(), Verdict::NotInLibrary | Verdict::FormWrong) {
         return Ok(found);
     }

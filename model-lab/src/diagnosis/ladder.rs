@@ -23,6 +23,8 @@ pub(crate) struct Ladder {
     pub(crate) steps: Vec<Trial>,
     /// The plain plant within what the plant file admits, where the ranges of the first step are wider.
     pub(crate) within: Option<Trial>,
+    /// The plant with wider ranges, where it explains the error as well as the named effect.
+    pub(crate) alternative: Option<Trial>,
     /// Every effect alone.
     pub(crate) singles: Vec<Tried>,
     /// For each named effect, what stands in its place beside the other one.
@@ -54,6 +56,7 @@ pub(crate) fn climb(
     let mut ladder = Ladder {
         steps: vec![plain],
         within: None,
+        alternative: None,
         singles,
         rivals: Vec::new(),
     };
@@ -127,6 +130,19 @@ impl Ladder {
     pub(crate) fn beyond(mut self, within: Trial) -> Self {
         self.within = Some(within);
         self
+    }
+
+    /// The same, told that `wide`, the plant with wider ranges, explains the error as well.
+    pub(crate) fn or(mut self, wide: Trial) -> Self {
+        self.alternative = Some(wide);
+        self
+    }
+
+    /// Whether one effect explains the error, and `wide`, the plant with wider ranges, no better.
+    pub(crate) fn is_as_good_as(&self, wide: &Trial) -> bool {
+        let last = self.last();
+        let better = (last.total_square() - wide.total_square()) / last.correlation_samples;
+        self.steps.len() == 2 && !last.is_material() && better < NAMED_EVIDENCE
     }
 
     /// Whether a material part of the excess remains.

@@ -16,6 +16,8 @@ mod evidence;
 mod field_tests;
 mod fit;
 mod found;
+#[cfg(test)]
+mod found_tests;
 mod gather;
 mod interval;
 mod knowledge;
@@ -129,7 +131,7 @@ pub fn diagnose_with(
     let ladder = assemble::ladder(&bench, &found);
     let within = found.within.as_ref().unwrap_or(plain);
     let nuisance = assemble::nuisance(&bench, within, last);
-    let outside = assemble::outside(within, last);
+    let outside = assemble::outside(within, found.alternative.as_ref().unwrap_or(last));
     let (equivalents, distinguishability) = assemble::equivalents(&found);
     search::report(watch, "where the error is", 0.0)?;
     split.take_conditions(plain);

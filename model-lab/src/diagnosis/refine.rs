@@ -137,6 +137,7 @@ pub fn refine(
     let found = Ladder {
         steps,
         within: None,
+        alternative: None,
         singles: Vec::new(),
         rivals: Vec::new(),
     };

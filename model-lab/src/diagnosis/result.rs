@@ -60,7 +60,8 @@ pub struct Diagnosis {
     /// The error, step by step: the plant as given, its ordinary parameters refitted, their ranges widened where that was tried,
     /// and one row per added effect.
     pub ladder: Vec<Step>,
-    /// Ordinary parameters whose values lie outside of what the plant file admits, where these values explain the error.
+    /// Ordinary parameters whose values lie outside of what the plant file admits: together these values explain the error, beside
+    /// the named effects where the ladder has a row of widened ranges, in their place where it has none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<OutsideValue>,
     /// Every effect of the library that acts on a part of the plant, the one that explains most first.
