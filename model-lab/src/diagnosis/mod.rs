@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! logs ─► evidence (errors over the noise, seen through a predictor) ─► fit (nuisance parameters within their
-//!         tolerances, with every effect) ─► search (all effects, all forms) ─► ladder (verdict) ─► result
+//!         tolerances) ─► found (these tolerances widened, or search: all effects, all forms) ─► ladder (verdict) ─► result
 //! ```
 
 mod assemble;
