@@ -157,7 +157,7 @@ fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
         &out,
         &[
             "plant as given",
-            "ordinary parameters estimated",
+            "ordinary parameters refitted",
             "flow.discharge_fill",
             "determined",
             "Written: fitted.toml",
