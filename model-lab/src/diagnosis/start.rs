@@ -26,9 +26,7 @@ const NEIGHBOUR: f64 = 0.8;
 /// ... within these powers.
 const POWERS: [f64; 2] = [0.5, 10.0];
 
-/// Sizes at which an effect shows whether it promises anything: weaker ones follow from these.
-const FIRST_SIZES: [f64; 3] = [0.15, 1.0, 5.0];
-/// The same for effects that have a sign.
+/// Sizes of an effect with a sign at which it shows whether it promises anything: others follow from these.
 const FIRST_SIGNED_SIZES: [f64; 2] = [-0.15, 0.15];
 
 /// An effect on top of a fitted plant, before anything of it is fitted.
@@ -52,7 +50,7 @@ pub(crate) fn promised_cost(fitter: &Fitter, base: &Fit) -> Option<f64> {
     let sizes: &[f64] = if is_signed {
         &FIRST_SIGNED_SIZES
     } else {
-        &FIRST_SIZES
+        &SIZES
     };
     let typical = vec![0.0; own.len()];
     let starts = sizes
