@@ -71,6 +71,7 @@ pub(crate) fn exit_code(ended: Result<Answer, Failure>) -> ExitCode {
         Ok(Answer::Holds) => ExitCode::SUCCESS,
         Ok(Answer::DoesNotHold) => ExitCode::from(1),
         Ok(Answer::Open) => ExitCode::from(2),
+        Ok(Answer::PlantFileWrong) => ExitCode::from(3),
         Err(failure) if failure.is_broken_pipe() => ExitCode::SUCCESS,
         Err(failure) => {
             let text = print::failure(&failure, &Terminal::standard_error());

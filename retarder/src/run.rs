@@ -52,6 +52,8 @@ pub(crate) enum Answer {
     DoesNotHold,
     /// There is a result, but it does not decide.
     Open,
+    /// The model holds with other values than those of its plant file.
+    PlantFileWrong,
 }
 
 impl Answer {

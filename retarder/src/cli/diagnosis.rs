@@ -15,7 +15,8 @@ Examples:
 
 Pressure, coil currents or both; several logs of one rig are fitted at once. Without --check, every
 third of twelve blocks of each log is held out. Ctrl-C stops it and leaves no file behind.
-Exit status: 0 nothing detectable is missing, 1 something is missing, 2 could not run.")]
+Exit status: 0 nothing detectable is missing, 1 something is missing, 2 could not run,
+3 nothing is missing, but a value of the plant file is wrong.")]
 pub(crate) struct DiagnoseArgs {
     #[command(flatten)]
     pub(crate) logs: LogsArgs,

@@ -309,7 +309,7 @@ pub(super) fn answer(compared: &Compared, terminal: &Terminal) -> String {
     let verdict = &compared.comparison.verdict;
     let (colour, sentence) = match compared.answer() {
         Answer::Holds => (Colour::Good, format!("The model holds: {}.", verdict.rule)),
-        Answer::DoesNotHold => (
+        Answer::DoesNotHold | Answer::PlantFileWrong => (
             Colour::Bad,
             format!(
                 "The model does not hold for {}. The rule: {}.",

@@ -96,7 +96,11 @@ const REFINED_FILE: &str = "refined.toml";
 
 impl Diagnosed {
     pub(crate) fn answer(&self) -> Answer {
-        Answer::of(self.diagnosis.verdict == Verdict::Adequate)
+        match self.diagnosis.verdict {
+            Verdict::Adequate => Answer::Holds,
+            Verdict::PlantFileWrong => Answer::PlantFileWrong,
+            Verdict::Found | Verdict::FormWrong | Verdict::NotInLibrary => Answer::DoesNotHold,
+        }
     }
 
     /// The command that adds the named effects, or frees the values that the plant file has wrong; none where nothing is found.

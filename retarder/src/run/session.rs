@@ -130,7 +130,8 @@ impl Reported {
         let mut answers: Vec<Answer> = self.compared.iter().map(Compared::answer).collect();
         answers.extend(self.diagnosed.as_ref().map(Diagnosed::answer));
         answers.extend(self.loops.iter().map(|run| Answer::of(run.holds())));
-        if answers.contains(&Answer::DoesNotHold) {
+        let fails = [Answer::DoesNotHold, Answer::PlantFileWrong];
+        if answers.iter().any(|answer| fails.contains(answer)) {
             Answer::DoesNotHold
         } else if answers.contains(&Answer::Open) {
             Answer::Open

@@ -16,7 +16,7 @@ pub enum Finding {
     Hang,
     /// It held more memory than the limit.
     Memory,
-    /// Its exit status is none of 0, 1 and 2.
+    /// Its exit status is none of 0, 1, 2 and 3.
     Status,
     /// It could not run, or could not tell, and said nothing.
     Silent,
@@ -47,7 +47,7 @@ impl Finding {
             Self::Hang => ended.is_overdue || ended.processor_time > limits.processor_time,
             Self::Abort => ended.status.signal().is_some() && !ended.is_overdue,
             Self::Memory => ended.peak_bytes > limits.peak_bytes,
-            Self::Status => !matches!(code, Some(0..=2)),
+            Self::Status => !matches!(code, Some(0..=3)),
             Self::Silent => {
                 code == Some(2) && said.standard_error.is_empty() && said.standard_output.is_empty()
             }

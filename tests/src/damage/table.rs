@@ -12,8 +12,8 @@ use super::limits::Ended;
 #[derive(Debug, Clone, Default)]
 struct Row {
     cases: u64,
-    /// Exit status 0, 1 and 2.
-    exits: [u64; 3],
+    /// Exit status 0, 1, 2 and 3.
+    exits: [u64; 4],
     findings: BTreeMap<Finding, u64>,
     /// On processors.
     slowest: Duration,
@@ -73,8 +73,8 @@ impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{:16}{:>8}{:>8}{:>8}{:>8}",
-            "command", "cases", "exit 0", "exit 1", "exit 2"
+            "{:16}{:>8}{:>8}{:>8}{:>8}{:>8}",
+            "command", "cases", "exit 0", "exit 1", "exit 2", "exit 3"
         )?;
         for finding in Finding::ALL {
             write!(f, "{finding:>10}")?;
