@@ -139,7 +139,8 @@ mod tests {
         assert_eq!(found(exit(1), &quiet), None);
         assert_eq!(found(exit(2), &refused), None);
         assert_eq!(found(exit(2), &quiet), Some(Finding::Silent));
-        assert_eq!(found(exit(3), &refused), Some(Finding::Status));
+        assert_eq!(found(exit(3), &quiet), None);
+        assert_eq!(found(exit(4), &refused), Some(Finding::Status));
         assert_eq!(found(exit(101), &refused), Some(Finding::Panic));
         let panicked = complains("thread '<unnamed>' panicked at src/lib.rs:1:1");
         assert_eq!(found(exit(0), &panicked), Some(Finding::Panic));
