@@ -115,8 +115,8 @@ fn gaps_and_steps_of_a_log_are_those_of_its_answer() {
 /// What `retarder refine --json` says: a check error (noise floors), a free-run error, and the interval of one parameter.
 fn finding(check: f64, free_run: f64, name: &str, [low, after, high]: [f64; 3]) -> String {
     format!(
-        r#"{{"steps": [{{"errors": {{"check_rms": {{"p_ch": {check}}}, "noise_floor": {{"p_ch": 1.0}},
-            "free_run_check_rms": {{"p_ch": {free_run}}}}}}}],
+        r#"{{"steps": [{{"check_rms": {{"p_ch": {check}}}, "noise_floor": {{"p_ch": 1.0}},
+            "free_run_check_rms": {{"p_ch": {free_run}}}}}],
             "parameters": [{{"name": "{name}", "after": {after}, "low": {low}, "high": {high},
                 "determination": "determined"}}]}}"#
     )
