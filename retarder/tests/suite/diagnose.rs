@@ -189,6 +189,26 @@ fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
     );
 }
 
+/// A wrong value has an exit status of its own: no physics is missing, and yet the model does not hold.
+#[test]
+fn a_wrong_value_of_the_plant_file_is_told_with_its_own_status() {
+    let bench = Bench::new();
+    bench.file(
+        "bench.csv",
+        &beginning_of("synthetic/practice-00-id.csv", 6.0),
+    );
+    let wrong = ["--set", "armature.preload_fill_n=4.6"];
+    let arguments = [&["diagnose", "--log", "bench.csv"][..], &wrong].concat();
+    let out = bench.run(&arguments).ended_with(3);
+    assert_contains(
+        &out,
+        &[
+            "The plant file is wrong here: `armature.preload_fill_n` is",
+            "--free armature.preload_fill_n",
+        ],
+    );
+}
+
 #[test]
 fn what_cannot_be_freed_is_refused_before_any_work() {
     let bench = Bench::new();
