@@ -58,7 +58,8 @@ Examples:
   retarder control --plant my-plant.toml                     does the loop keep its promises?
   retarder serve                                             all of it in your browser
 
-Exit status: 0 holds, 1 does not hold, 2 could not run or could not tell.
+Exit status: 0 holds, 1 does not hold, 2 could not run or could not tell, 3 a value of the plant
+file is wrong.
 Colours: NO_COLOR=1 turns them off, CLICOLOR_FORCE=1 on. COLUMNS sets the width of tables and plots.";
 
 #[derive(Debug, Subcommand)]

@@ -217,8 +217,8 @@ fn ladder(steps: &[Step], terminal: &Terminal) -> String {
             ]);
         }
     }
-    let explanation = "On what was held out. ×noise: the error over what a perfect model would leave, so that 1 is the \
-        end of the stairs. rms: predicted from sample to sample; free run: driven by the commands alone.";
+    let explanation = "On what was held out. ×noise: the error over what a perfect model would leave, so 1 is the \
+        best that a model can reach. rms: predicted from sample to sample; free run: driven by the commands alone.";
     table.to_string() + &painted_paragraph(Colour::Faint, explanation, terminal)
 }
 

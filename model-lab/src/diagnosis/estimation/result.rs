@@ -107,7 +107,11 @@ pub enum Determination {
 pub(super) fn sentence(is_adequate: bool, parameters: &[EstimatedParameter]) -> String {
     let determined = |one: &&EstimatedParameter| one.determination == Determination::Determined;
     let count = parameters.iter().filter(determined).count();
-    let known = format!("{count} of {} parameters are determined", parameters.len());
+    let are = if count == 1 { "is" } else { "are" };
+    let known = format!(
+        "{count} of {} parameters {are} determined",
+        parameters.len()
+    );
     if is_adequate {
         format!("the estimated model leaves no more than the noise; {known}")
     } else {
