@@ -1,26 +1,17 @@
 //! Whether a fit found an effect, or only bent a law until it fits.
 
 use super::interval::{half_widths, half_widths_of_noise};
-use super::trial::{Bench, Trial};
+use super::trial::{Bench, Trial, Widths};
 use super::verdict::LOOSEST_STRENGTH;
 
-/// Half widths of the 95 % intervals of the coordinates of a fit, from a Jacobian in which what the logs leave open is open.
-#[derive(Debug, Clone)]
-pub(crate) struct Widths {
-    of_what_is_left: Vec<f64>,
-    of_noise: Vec<f64>,
-}
-
-impl Widths {
-    /// None where the plant beside the fit cannot be simulated.
-    fn of(trial: &Trial, bench: &Bench) -> Option<Self> {
-        let mut sharp = trial.clone();
-        sharp.sharpen(bench)?;
-        Some(Self {
-            of_what_is_left: half_widths(bench.fitting, &sharp),
-            of_noise: half_widths_of_noise(bench.fitting, &sharp),
-        })
-    }
+/// None where the plant beside the fit cannot be simulated.
+fn widths_of(trial: &Trial, bench: &Bench) -> Option<Widths> {
+    let mut sharp = trial.clone();
+    sharp.sharpen(bench)?;
+    Some(Widths {
+        of_what_is_left: half_widths(bench.fitting, &sharp),
+        of_noise: half_widths_of_noise(bench.fitting, &sharp),
+    })
 }
 
 impl Trial {
@@ -37,7 +28,7 @@ impl Trial {
     }
 
     fn is_known_within(&self, widths: fn(&Widths) -> &[f64], bench: &Bench, base: &Self) -> bool {
-        let Some(known) = self.widths.get_or_init(|| Widths::of(self, bench)) else {
+        let Some(known) = self.widths.get_or_init(|| widths_of(self, bench)) else {
             return false;
         };
         let widths = widths(known);

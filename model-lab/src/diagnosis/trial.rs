@@ -10,7 +10,6 @@ use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
 use super::log::Run;
 use super::logger_time::fitted_conditions;
-use super::soundness::Widths;
 use super::start::{Start, most_promising, promised_cost};
 use super::unknowns::Unknowns;
 use super::verdict::WIDENINGS;
@@ -58,6 +57,15 @@ pub(crate) struct Trial {
     pub(crate) correlation_samples: f64,
     /// How well the fit knows its coordinates, once somebody asked.
     pub(crate) widths: OnceLock<Option<Widths>>,
+}
+
+/// Half widths of the 95 % intervals of the coordinates of a fit, from a Jacobian in which what the logs leave open is open.
+#[derive(Debug, Clone)]
+pub(crate) struct Widths {
+    /// With what the model leaves as error.
+    pub(crate) of_what_is_left: Vec<f64>,
+    /// With the noise alone.
+    pub(crate) of_noise: Vec<f64>,
 }
 
 impl Bench<'_> {
