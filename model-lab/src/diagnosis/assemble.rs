@@ -28,6 +28,12 @@ const LOOSEST: f64 = 10.0;
 /// A size this many times above or below the typical one is not met in practice.
 const IMPLAUSIBLE: f64 = 20.0;
 
+/// So many values of a wrong plant file stand in the sentence.
+const OUTSIDE_TOLD: usize = 3;
+/// What is said of a value outside of what the plant file admits.
+pub(crate) const OUTSIDE: &str =
+    "lies outside of what the plant file admits: measure it, and correct the file";
+
 /// One row per step, the plant as it was given first.
 pub(crate) fn ladder(bench: &Bench, ladder: &Ladder) -> Vec<Step> {
     let refitted = ladder.within.as_ref().unwrap_or(&ladder.steps[0]);
@@ -225,9 +231,7 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
         let at_end = |z: f64| z - lower < AT_BOUND || upper - z < AT_BOUND;
         let is_outside = after < lower - AT_BOUND || after > upper + AT_BOUND;
         let alarm = match (at_end(before), at_end(after)) {
-            _ if is_outside => {
-                Some("lies outside of what the plant file admits: measure it, and correct the file")
-            }
+            _ if is_outside => Some(OUTSIDE),
             (_, true) if !is_named => {
                 Some("ran to the end of its tolerance: it may hide missing physics")
             }
@@ -299,6 +303,23 @@ pub(crate) fn regimes(
     Ok(regimes)
 }
 
+/// The values that are farthest outside, in words.
+fn worst_of(outside: &[OutsideValue]) -> String {
+    let mut worst: Vec<&OutsideValue> = outside.iter().collect();
+    worst.sort_by(|a, b| b.distance().total_cmp(&a.distance()));
+    let more = worst.len().saturating_sub(OUTSIDE_TOLD);
+    let told = worst
+        .iter()
+        .take(OUTSIDE_TOLD)
+        .map(|value| value.to_string());
+    let told = told.collect::<Vec<_>>().join(", ");
+    if more == 0 {
+        told
+    } else {
+        format!("{told}, and {more} more values")
+    }
+}
+
 /// The answer in words.
 pub(crate) fn sentence(
     verdict: Verdict,
@@ -325,8 +346,7 @@ pub(crate) fn sentence(
             }
         })
         .collect();
-    let values = outside.iter().map(|value| value.to_string());
-    let values = values.collect::<Vec<_>>().join(" and ");
+    let values = worst_of(outside);
     let share = steps
         .last()
         .map_or(0.0, |step| 100.0 * step.explained_share);

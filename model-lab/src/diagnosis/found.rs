@@ -3,14 +3,13 @@
 //! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise,
 //! the plant file is wrong and no physics is missing; but an effect that fits as well within the ranges is named, and the values are
 //! the alternative: a warm coil and one with more turns are the same to every signal. Else effects are looked for within the file's
-//! ranges, and beside wider ones only where nothing explains the error within them.
+//! ranges.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
 
 use super::error::DiagnoseError;
 use super::ladder::{self, Ladder};
-use super::result::Verdict;
 use super::search::{Tried, Watch, report};
 use super::split::Split;
 use super::trial::{Bench, Trial};
@@ -33,19 +32,7 @@ pub(crate) fn find(
             Ok(climb_from(split, plant, library, wide, watch)?.beyond(plain))
         };
     }
-    if !matches!(found.verdict(), Verdict::NotInLibrary | Verdict::FormWrong) {
-        return Ok(found);
-    }
-    let within = found.steps[0].clone();
-    // The conditions of the logs may have changed since.
-    let Some(wide) = widened(&split.bench(plant, library), &within, watch)? else {
-        return Ok(found);
-    };
-    let beyond = climb_from(split, plant, library, wide, watch)?;
-    match beyond.verdict() {
-        Verdict::Found => Ok(beyond.beyond(within)),
-        _ => Ok(found),
-    }
+    Ok(found)
 }
 
 /// `plain` with wider ranges, where it leaves something to explain and parameters came to the end of theirs.

@@ -2,11 +2,12 @@ use core::ops::ControlFlow;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
+use plant_sim::logger_clock::LoggerClock;
 use recording::Recording;
 
 use super::result::{Diagnosis, StepKind, Verdict};
-use super::{diagnose, fix};
-use crate::bench::Bench;
+use super::{diagnose, diagnose_with, fix};
+use crate::bench::{Bench, logged};
 
 /// A bench whose plant has been changed.
 fn bench(change: impl FnOnce(&mut PlantParameters)) -> Bench {
@@ -55,6 +56,35 @@ fn a_plant_file_that_is_wrong_is_told_and_no_effect_is_named() {
         .map(|step| step.worst_in_noise())
         .collect();
     assert!(errors[1] > errors[2], "{errors:?}");
+}
+
+/// Values of a first file lay so far off that iron saturation was named beside the leak, which makes up for a wrong force.
+#[test]
+fn a_leak_is_told_beside_a_first_file_that_is_far_off() {
+    let mut plant = PlantParameters::nominal();
+    plant.flow.discharge_fill *= 0.75;
+    plant.flow.discharge_vent *= 0.75;
+    plant.magnet.force_constant_n_m2_per_a2 *= 1.25;
+    plant.armature.preload_fill_n *= 1.25;
+    plant.armature.spring_n_per_m *= 0.75;
+    let library = ["chamber_leak", "iron_saturation", "sensor_lag"];
+    let library: Vec<_> = library.iter().filter_map(|id| by_id(id)).collect();
+    let log = logged(&leaking().plant, LoggerClock::default(), 0.01, 1);
+    let watch = |_| ControlFlow::Continue(());
+    let diagnosis = diagnose_with(&library, &plant, &[log], &[], &watch).unwrap();
+    let said = &diagnosis.sentence;
+    assert_eq!(diagnosis.effects, ["chamber_leak"], "{said}");
+    assert!(said.contains("the plant file is wrong as well"), "{said}");
+    let steps = [
+        StepKind::PlantAsGiven,
+        StepKind::ParametersRefitted,
+        StepKind::RangesWidened,
+        StepKind::EffectAdded,
+    ];
+    assert_eq!(kinds(&diagnosis), steps);
+    let far = |name: &str| diagnosis.outside.iter().any(|value| value.name == name);
+    assert!(far("armature.spring_n_per_m"), "{:?}", diagnosis.outside);
+    assert!(!far("coil.resistance_20c_ohm"), "{:?}", diagnosis.outside);
 }
 
 /// A value that is known exactly is not widened: physics has to explain what it does not.

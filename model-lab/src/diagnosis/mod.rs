@@ -34,6 +34,7 @@ mod refine;
 mod remaining;
 pub mod result;
 mod search;
+mod second_look;
 mod sensor_noise;
 mod soundness;
 mod split;
@@ -52,7 +53,7 @@ mod view;
 use std::time::Instant;
 
 use plant_sim::PlantParameters;
-use plant_sim::effects::{Effect, LIBRARY};
+use plant_sim::effects::{Effect, EffectSetting, LIBRARY};
 use plant_sim::parameters::Part;
 use rayon::prelude::*;
 use recording::Recording;
@@ -102,6 +103,45 @@ pub fn diagnose_with(
     check: &[Recording],
     watch: Watch,
 ) -> Result<Diagnosis, DiagnoseError> {
+    let first = diagnose_within(library, plant, logs, check, watch)?;
+    if !first.is_held_back {
+        return Ok(first.diagnosis);
+    }
+    let with_found = first.found.iter().cloned();
+    let with_found = with_found.fold(plant.clone(), |plant, effect| plant.with_effect(effect));
+    let EstimatedPlant {
+        plant: mut estimated,
+        estimation,
+    } = estimate(&with_found, logs, check, watch)?;
+    let first = first.diagnosis;
+    if !second_look::is_nearer(&estimation, &first) {
+        return Ok(first);
+    }
+    estimated = first
+        .effects
+        .iter()
+        .fold(estimated, |plant, id| plant.without_effect(id));
+    let second = diagnose_within(library, &estimated, logs, check, watch)?.diagnosis;
+    Ok(second_look::told_of(plant, &first, second).unwrap_or(first))
+}
+
+/// A diagnosis within what the plant file admits.
+struct Answer {
+    diagnosis: Diagnosis,
+    /// The named effects, as they were fitted.
+    found: Vec<EffectSetting>,
+    /// Whether something is left, and ordinary parameters came to the end of their ranges.
+    is_held_back: bool,
+}
+
+/// The same within what `plant` admits of its ordinary parameters.
+fn diagnose_within(
+    library: &[&'static dyn Effect],
+    plant: &PlantParameters,
+    logs: &[Recording],
+    check: &[Recording],
+    watch: Watch,
+) -> Result<Answer, DiagnoseError> {
     let begin = Instant::now();
     if logs.is_empty() {
         return Err(DiagnoseError::NoLog);
@@ -149,7 +189,8 @@ pub fn diagnose_with(
         .chain(split.check_logs())
         .collect();
     let remaining = remaining::remaining(&last.plant(), &logs_seen, last.is_material());
-    Ok(Diagnosis {
+    let is_held_back = last.is_material() && last.unknowns.widened(&last.fit.z).is_some();
+    let diagnosis = Diagnosis {
         schema: DIAGNOSIS_SCHEMA.to_owned(),
         logs: split.fitting.sources(),
         check: split.check_sources(),
@@ -181,6 +222,13 @@ pub fn diagnose_with(
         location: Location { before, after },
         remaining,
         cost: split.cost(begin),
+    };
+    let found = last.plant().effects;
+    let is_found = |effect: &EffectSetting| diagnosis.effects.iter().any(|id| id == effect.id());
+    Ok(Answer {
+        found: found.into_iter().filter(is_found).collect(),
+        diagnosis,
+        is_held_back,
     })
 }
 

@@ -116,6 +116,14 @@ pub struct OutsideValue {
     pub most: f64,
 }
 
+impl OutsideValue {
+    /// How far it lies from what the plant file admits, over that.
+    pub(crate) fn distance(&self) -> f64 {
+        let nearest = self.value.clamp(self.least, self.most);
+        (self.value - nearest).abs() / nearest.abs().max(f64::MIN_POSITIVE)
+    }
+}
+
 impl fmt::Display for OutsideValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, value, .. } = self;
@@ -124,10 +132,12 @@ impl fmt::Display for OutsideValue {
             true => String::new(),
             false => format!(" {}", self.unit),
         };
-        write!(
-            f,
-            "`{name}` is {value}{unit}, and not {least} to {most}{unit}"
-        )
+        write!(f, "`{name}` is {value}{unit}, and not ")?;
+        if self.least == self.most {
+            write!(f, "{least}{unit}")
+        } else {
+            write!(f, "{least} to {most}{unit}")
+        }
     }
 }
 

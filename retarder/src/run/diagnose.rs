@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use model_lab::diagnosis::result::Verdict;
+use model_lab::diagnosis::result::{StepKind, Verdict};
 use model_lab::diagnosis::{
     Determination, Diagnosis, EstimatedParameter, EstimatedPlant as Estimated, Progress as Stage,
     Refined, diagnose, estimate as estimate_parameters, refine as fit,
@@ -105,6 +105,13 @@ impl Diagnosed {
 
     /// The command that adds the named effects, or frees the values that the plant file has wrong; none where nothing is found.
     pub(crate) fn next_command(&self) -> Option<String> {
+        let given = self.task.options.as_given();
+        let mut steps = self.diagnosis.ladder.iter();
+        let is_beyond = steps.any(|step| step.kind == StepKind::RangesWidened);
+        if is_beyond && self.diagnosis.verdict == Verdict::Found {
+            // The values come first: an effect that is fitted beside wrong ones takes their place.
+            return Some(format!("retarder refine{given} --out {REFINED_FILE}"));
+        }
         let outside = self.diagnosis.outside.iter();
         let freed: String = outside
             .map(|value| format!(" --free {}", value.name))
@@ -118,8 +125,7 @@ impl Diagnosed {
             .map(|(id, variant)| format!(" --add {id}:{variant}"))
             .collect();
         Some(format!(
-            "retarder refine{}{added}{freed} --out {REFINED_FILE}",
-            self.task.options.as_given()
+            "retarder refine{given}{added}{freed} --out {REFINED_FILE}"
         ))
     }
 }

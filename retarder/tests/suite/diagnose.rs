@@ -233,6 +233,38 @@ fn what_cannot_be_freed_is_refused_before_any_work() {
     }
 }
 
+#[test]
+fn a_need_that_cannot_be_meant_is_refused_before_any_work() {
+    let bench = Bench::new();
+    bench.file("bench.csv", &beginning_of(LEAKING.0, 1.0));
+    for (need, says) in [
+        ("p_ch=0", "an error is positive"),
+        ("p_chamber=0.02", "they have duty_fill, duty_vent, p_ch"),
+    ] {
+        let run = bench.run(&["diagnose", "--log", "bench.csv", "--need", need]);
+        assert_eq!(run.status, 2, "{need}");
+        assert_contains(&run.err, &[says]);
+    }
+}
+
+/// An error of a bar is noise to someone who needs no better.
+#[test]
+fn what_is_below_the_need_is_not_missing() {
+    let bench = Bench::new();
+    bench.file("bench.csv", &beginning_of(LEAKING.0, 10.0));
+    let needs = [
+        "--need",
+        "p_ch=1",
+        "--need",
+        "i_fill=50",
+        "--need",
+        "i_vent=50",
+    ];
+    let arguments = [&["diagnose", "--log", "bench.csv"][..], &needs].concat();
+    let said = bench.run(&arguments).ended_with(0);
+    assert_contains(&said, &["Nothing detectable is missing"]);
+}
+
 /// Pressure at 1 kHz beside commands and currents at 100 Hz, and a channel without a known unit.
 fn two_rates(bench: &Bench) {
     let text = beginning_of(LEAKING.0, 3.0);
