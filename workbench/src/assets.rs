@@ -49,6 +49,7 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/mapping.js",
     "pages/refine.js",
     "pages/refine/effects.js",
+    "pages/refine/estimation.js",
     "pages/refine/plots.js",
     "pages/roles.js",
     "pages/work.js",

@@ -1,8 +1,8 @@
 //! How a plant became what it is: every change of page "Refine", with the error that it left. Undo and redo move within it.
 
 use model_lab::SignalError;
-use model_lab::diagnosis::Refinement;
 use model_lab::diagnosis::result::FittedParameter;
+use model_lab::diagnosis::{Estimation, Refinement};
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use serde::{Deserialize, Serialize};
@@ -36,8 +36,10 @@ pub(crate) struct Step {
     pub(crate) log: String,
     /// What the plant, driven by the commands alone, is off on that log.
     pub(crate) errors: Vec<StepError>,
-    /// What the fit said, where the step is one.
+    /// What the fit of effects said, where the step is one.
     pub(crate) fit: Option<Refinement>,
+    /// What the estimation said, where the step is one.
+    pub(crate) estimation: Option<Estimation>,
 }
 
 /// An effect with its values.
@@ -108,6 +110,7 @@ impl History {
                 log: String::new(),
                 errors: Vec::new(),
                 fit: None,
+                estimation: None,
             }],
             at: 0,
         })
@@ -133,6 +136,13 @@ impl History {
     /// The plant as it was opened.
     pub(crate) fn first(&self) -> &Step {
         &self.steps[0]
+    }
+
+    /// The plant that effects are fitted on: as it was last estimated, or as it was opened.
+    pub(crate) fn base(&self) -> &Step {
+        let until_now = self.steps[..=self.at].iter().rev();
+        let mut estimated = until_now.filter(|step| step.estimation.is_some());
+        estimated.next().unwrap_or_else(|| self.first())
     }
 
     /// The step that holds.

@@ -246,14 +246,17 @@ pub(super) fn with_provenance(trial: &Trial, logs: &[String]) -> PlantParameters
 /// More digits than any log can show, fewer than a file should have.
 const DIGITS: usize = 7;
 
+/// A value as a file should have it.
+pub(super) fn rounded(value: f64) -> f64 {
+    format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
+}
+
 /// Rounds a value to what a file should have, and says where it comes from.
 fn say(plant: &mut PlantParameters, name: &str, origin: &str) {
     let (Some(spec), Some(value)) = (ParameterSpec::by_name(name), plant.get(name)) else {
         return;
     };
-    if let Ok(rounded) = format!("{value:.*e}", DIGITS - 1).parse() {
-        spec.put(plant, rounded);
-    }
+    spec.put(plant, rounded(value));
     plant.provenance.insert(name.to_owned(), origin.to_owned());
 }
 

@@ -1,6 +1,7 @@
 //! Page "Refine": effects join the plant, are moved, fitted, judged and taken back.
 
 mod change;
+mod estimate;
 mod simulation;
 
 use std::sync::Arc;
@@ -10,11 +11,12 @@ use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use axum::{Json, Router};
-use model_lab::diagnosis::{Refined, Refinement, refine};
+use model_lab::diagnosis::{Estimation, Refined, Refinement, refine};
 use serde::{Deserialize, Serialize};
 
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::history::{History, Step, StepEffect, StepError};
+use crate::job::Job;
 use crate::project::{PlantFile, Project};
 use crate::refusal::Refusal;
 use crate::results::Chosen;
@@ -27,6 +29,10 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/refine/change", post(change_plant))
         .route("/sessions/{session}/refine/simulation", get(simulate))
         .route("/sessions/{session}/refine/fit", post(fit))
+        .route(
+            "/sessions/{session}/refine/estimate",
+            post(estimate::estimate),
+        )
         .route("/sessions/{session}/refine/plant", get(plant_file))
 }
 
@@ -70,6 +76,8 @@ struct RefineView {
     at: usize,
     /// The last fit up to that step.
     fit: Option<Refinement>,
+    /// The last estimation up to that step.
+    estimation: Option<Estimation>,
 }
 
 #[derive(Serialize)]
@@ -95,6 +103,7 @@ impl RefineView {
             steps: steps.collect(),
             at: history.at(),
             fit: until_now.iter().rev().find_map(|step| step.fit.clone()),
+            estimation: history.base().estimation.clone(),
         }
     }
 }
@@ -164,7 +173,8 @@ struct Fitting {
     chosen: Chosen,
 }
 
-/// Begins a fit of all effects that are on, together with what differs from rig to rig, from the plant as opened.
+/// Begins a fit of all effects that are on, together with what differs from rig to rig, from the plant as opened or as last
+/// estimated.
 async fn fit(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -182,10 +192,12 @@ async fn fit(
     Ok(begin_job(&session, move |session, job| {
         let now = history.now();
         let (on, off): (Vec<_>, Vec<_>) = now.effects.iter().partition(|effect| effect.is_on);
-        let opened = history.first().plant.parameters()?;
-        let opened = now_gone(&now.effects, &history)
+        let base = history.base();
+        let opened = now_gone(&now.effects, base)
             .chain(off.iter().map(|effect| &effect.effect[..]))
-            .fold(opened, |plant, id| plant.without_effect(id));
+            .fold(base.plant.parameters()?, |plant, id| {
+                plant.without_effect(id)
+            });
         let add: Vec<_> = on
             .iter()
             .map(|effect| (effect.effect.clone(), Some(effect.variant.clone())))
@@ -195,28 +207,34 @@ async fn fit(
         note_errors(session, wish.log)?;
         let refined = refine(&opened, &logs, &check, &add, &|seen| job.watch(seen))?;
         let step = fitted_step(now, refined)?;
-        if job.is_cancelled() {
-            return Ok(());
-        }
-        session.change(|project| {
-            if project.plant != now.plant {
-                return Err(Refusal::too_early(
-                    "the plant was changed while it was fitted; fit again",
-                ));
-            }
-            project.plant = step.plant.clone();
-            project.history.push(step);
-            Ok(())
-        })?;
-        session.clear_comparisons();
+        add_fitted(session, job, now, step)?;
         note_errors(session, wish.log)
     }))
 }
 
-/// Ids of effects that the plant had when it was opened and has no longer.
-fn now_gone<'a>(effects: &'a [StepEffect], history: &'a History) -> impl Iterator<Item = &'a str> {
-    let first = history.first().effects.iter();
-    first
+/// Adds `step`, which was computed from the step `now`.
+fn add_fitted(session: &Session, job: &Job, now: &Step, step: Step) -> Result<(), Refusal> {
+    if job.is_cancelled() {
+        return Ok(());
+    }
+    session.change(|project| {
+        if project.plant != now.plant {
+            return Err(Refusal::too_early(
+                "the plant was changed while it was fitted; fit again",
+            ));
+        }
+        project.plant = step.plant.clone();
+        project.history.push(step);
+        Ok(())
+    })?;
+    session.clear_comparisons();
+    Ok(())
+}
+
+/// Ids of effects that the plant had in the step `base` and has no longer.
+fn now_gone<'a>(effects: &'a [StepEffect], base: &'a Step) -> impl Iterator<Item = &'a str> {
+    base.effects
+        .iter()
         .map(|effect| &effect.effect[..])
         .filter(|id| !effects.iter().any(|effect| effect.effect == *id))
 }
@@ -250,6 +268,7 @@ fn fitted_step(before: &Step, refined: Refined) -> Result<Step, Refusal> {
         log: String::new(),
         errors: Vec::new(),
         fit: Some(refinement),
+        estimation: None,
     })
 }
 

@@ -33,7 +33,7 @@ export function duration(seconds) {
 }
 
 /** A unit as it is printed: m² for m2. */
-export const unitText = (unit) => unit.replace(/(?<=m)[23]/g, (digit) => digit === "2" ? "²" : "³").replace("ohm", "Ω");
+export const unitText = (unit) => unit.replace(/(?<=[mA])[23]/g, (digit) => digit === "2" ? "²" : "³").replace("ohm", "Ω");
 
 /** Groups of three digits. */
 export const count = (value) => value.toLocaleString("en").replaceAll(",", "\u202f");

@@ -179,3 +179,37 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         person.assert_nothing_was_refused().await;
     });
 }
+
+#[test]
+fn the_ordinary_values_are_estimated_and_the_table_says_how_well() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.click("nav a[href^='#/refine']").await;
+        person
+            .until("document.body.dataset.ready === 'refine'")
+            .await;
+        person.click("#estimate").await;
+        person
+            .until_within(
+                DIAGNOSIS,
+                "document.querySelectorAll('#estimated tbody tr').length > 10",
+            )
+            .await;
+        let table = person.text("#estimated").await;
+        for part in [
+            "flow.discharge_fill",
+            "armature.preload_vent_n",
+            "only with",
+        ] {
+            assert!(table.contains(part), "{part}: {table}");
+        }
+        let rungs = person.text("#ladder").await;
+        assert!(rungs.contains("with refitted values"), "{rungs}");
+        person.picture("estimate").await;
+        person.picture_of("#estimated", "estimated").await;
+        person.assert_nothing_was_refused().await;
+    });
+}

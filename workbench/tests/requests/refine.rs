@@ -234,6 +234,68 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
     );
 }
 
+/// Goal: what an estimation does to the ordinary parameters is a step of its own, and the effect is credited with the rest.
+#[test]
+fn an_estimation_is_a_step_that_effects_are_fitted_on() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 10.0);
+    let wish = json!({"log": 1, "logs": [1], "check": []});
+    let events = browser.work(&session, &format!("{session}/refine/estimate"), &wish);
+    assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
+    let estimated = browser.get(&format!("{session}/refine?log=1")).json();
+    assert_eq!(
+        estimated["steps"][1]["done"],
+        "estimated the ordinary parameters from bench.csv"
+    );
+    let names = estimated["estimation"]["parameters"].as_array().unwrap();
+    assert!(
+        names.iter().any(|one| one["name"] == "flow.discharge_fill"),
+        "{names:?}"
+    );
+    let toml = plant(&browser, &session);
+    assert!(toml.contains("chamber"), "{toml}");
+
+    change(
+        &browser,
+        &session,
+        json!({"add": {"effect": "chamber_leak", "form": "orifice"}}),
+    );
+    let seen = format!("{session}/refine/simulation?log=1&points=50");
+    let ladder = browser.get(&seen).json()["ladder"].clone();
+    let titles: Vec<_> = ladder.as_array().unwrap().iter().collect();
+    let titles: Vec<_> = titles.iter().map(|rung| &rung["title"]).collect();
+    assert_eq!(
+        titles,
+        [
+            "as opened: nominal-plant.toml",
+            "with refitted values",
+            "+ chamber leak (orifice)"
+        ]
+    );
+
+    let events = browser.work(&session, &format!("{session}/refine/fit"), &wish);
+    assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
+    let mass = |toml: &str| {
+        let line = toml.lines().find(|line| line.starts_with("mass_kg"));
+        let value = line.unwrap().split_once("value = ").unwrap().1;
+        value.split(',').next().unwrap().to_owned()
+    };
+    let before = format!("was {}", mass(&toml));
+    assert!(plant(&browser, &session).contains(&before), "{before}");
+    let undone = change(
+        &browser,
+        &session,
+        json!({"remove": {"effect": "chamber_leak"}}),
+    );
+    assert!(undone["estimation"].is_object());
+    for _ in 0..4 {
+        change(&browser, &session, json!("undo"));
+    }
+    let opened = browser.get(&format!("{session}/refine?log=1")).json();
+    assert_eq!(opened["estimation"], Value::Null);
+}
+
 #[test]
 fn what_there_is_not_cannot_be_changed() {
     let bench = Bench::start();

@@ -7,6 +7,7 @@ use plant_sim::parameters::{Knowledge, ParameterSpec};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::diagnosis::refine::rounded;
 use crate::diagnosis::result::{Cost, FoundClock, FoundStart, Step};
 use crate::result::{LogDefects, NotCompared};
 
@@ -152,7 +153,7 @@ pub(super) fn state_knowledge(
             if let Some(&stated) = before.knowledge.get(name) {
                 let (least, most) = stated.bounds(spec, parameter.before);
                 let value = plant.get(name).unwrap_or(parameter.after);
-                let range = Knowledge::Range(least.min(value), most.max(value));
+                let range = Knowledge::Range(rounded(least).min(value), rounded(most).max(value));
                 plant.knowledge.insert(name.clone(), range);
             }
             continue;

@@ -302,6 +302,7 @@ impl Draft {
             log: String::new(),
             errors: Vec::new(),
             fit: None,
+            estimation: None,
         })
     }
 }

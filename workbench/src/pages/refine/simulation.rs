@@ -108,8 +108,8 @@ fn unit_of(name: &str) -> &'static str {
     signal.map_or("", |(_, unit)| unit.symbol())
 }
 
-/// The plant as opened, then one effect after the other with the values that they have at `step`, whose own errors are
-/// known.
+/// The plant as opened, then with the ordinary parameters that it has at `step`, then one effect after the other: no effect is credited
+/// with what a fit did to the ordinary parameters. The errors of `step` are known.
 fn ladder(
     (session, number, log): (&Session, u32, &LoadedLog),
     history: &History,
@@ -117,43 +117,45 @@ fn ladder(
     errors: &[StepError],
 ) -> Result<Vec<Rung>, Refusal> {
     let first = history.first();
-    let opened = Rung {
+    let on: Vec<_> = step.effects.iter().filter(|effect| effect.is_on).collect();
+    let is_old = |id: &str| first.effect(id).is_some_and(|effect| effect.is_on);
+    let of_plant = |count: usize| {
+        if count == on.len() {
+            return Ok(errors.to_vec());
+        }
+        let plant = step.plant_with_first(count)?;
+        errors_of((session, number, log), &plant.to_toml(), || {
+            Ok(plant.clone())
+        })
+    };
+    let mut rungs = vec![Rung {
         added: None,
         title: format!("as opened: {}", first.plant.name),
         errors: errors_of((session, number, log), &first.plant.toml, || {
             first.plant.parameters()
         })?,
-    };
-    if step.plant == first.plant {
-        return Ok(vec![opened]);
+    }];
+    let old = on.iter().filter(|effect| is_old(&effect.effect)).count();
+    let opened = first.plant.parameters()?;
+    let now = step.plant_with_first(old)?;
+    if opened
+        .specs()
+        .any(|spec| opened.get(&spec.name()) != now.get(&spec.name()))
+    {
+        rungs.push(Rung {
+            added: None,
+            title: "with refitted values".to_owned(),
+            errors: of_plant(old)?,
+        });
     }
-    let on = || step.effects.iter().filter(|effect| effect.is_on);
-    let is_new = |id: &str| !first.effect(id).is_some_and(|effect| effect.is_on);
-    let mut rungs = vec![opened];
-    let all = on().count();
-    for (index, effect) in on().enumerate() {
-        if !is_new(&effect.effect) {
+    for (index, effect) in on.iter().enumerate() {
+        if is_old(&effect.effect) {
             continue;
         }
-        let errors = if index + 1 == all {
-            errors.to_vec()
-        } else {
-            let plant = step.plant_with_first(index + 1)?;
-            errors_of((session, number, log), &plant.to_toml(), || {
-                Ok(plant.clone())
-            })?
-        };
         rungs.push(Rung {
             added: Some(effect.effect.clone()),
             title: format!("+ {} ({})", effect.effect.replace('_', " "), effect.variant),
-            errors,
-        });
-    }
-    if rungs.len() == 1 {
-        rungs.push(Rung {
-            added: None,
-            title: "with other values".to_owned(),
-            errors: errors.to_vec(),
+            errors: of_plant(index + 1)?,
         });
     }
     Ok(rungs)

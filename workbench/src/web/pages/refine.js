@@ -6,6 +6,7 @@ import { number } from "../format.js";
 import * as view from "../view.js";
 import { ladder, rungsOf } from "./ladder.js";
 import { Effects } from "./refine/effects.js";
+import { estimated } from "./refine/estimation.js";
 import { Plots } from "./refine/plots.js";
 import { Roles } from "./roles.js";
 import { Work } from "./work.js";
@@ -37,11 +38,13 @@ class Page {
     this.effects = new Effects(this.library, (change) => this.change(change), (moved) => this.move(moved));
     this.undo = button("Undo", () => this.change("undo"), { id: "undo", title: "Ctrl+Z" });
     this.redo = button("Redo", () => this.change("redo"), { id: "redo", title: "Ctrl+Shift+Z" });
-    this.fitButton = button("Fit", () => this.fit(), { class: "primary", id: "fit", title: "Fits the effects that are on, and what differs from rig to rig, from the plant as opened" });
+    this.fitButton = button("Fit", () => this.fit("/refine/fit"), { class: "primary", id: "fit", title: "Fits the effects that are on, and what differs from rig to rig, from the plant as opened or as last estimated" });
+    this.estimateButton = button("Estimate", () => this.fit("/refine/estimate"), { id: "estimate", title: "Estimates the ordinary parameters of the plant as it is now: discharge, volume, preload, coils, and the effects that are on" });
     this.plant = element("strong", { id: "plant-name" });
     this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
     this.rungs = element("div", {});
     this.fitted = element("section", { class: "card", hidden: true });
+    this.estimated = element("section", { class: "card", hidden: true });
     this.steps = element("ol", { class: "steps", id: "steps" });
     this.ending = new AbortController();
     addEventListener("keydown", (event) => this.key(event), { signal: this.ending.signal });
@@ -53,16 +56,16 @@ class Page {
     fill(this.place,
       element("section", { class: "bar row" },
         element("label", {}, "Log ", choice), element("span", {}, "with ", this.plant), element("span", { class: "space" }),
-        this.work.element, this.undo, this.redo, this.fitButton,
+        this.work.element, this.undo, this.redo, this.estimateButton, this.fitButton,
         element("a", { class: "button", href: api.address("/refine/plant"), download: "refined.toml", id: "download-plant" }, "Download the plant"),
         button("Compare", () => view.go("compare", { log: this.log.number }), { id: "to-compare" })),
       element("div", { class: "columns plots" },
         element("div", { class: "stack" },
           element("section", { class: "card", id: "ladder" },
             element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms on ${this.log.name} in multiples of the noise floor (the line). The model is driven by the commands alone, as on Compare: the small errors of all pulses add up, so more may stay here than on Diagnose, which corrects the pressure after each sample. First the plant as opened, then with one effect after the other at the values that they have now.`),
+            element("p", { class: "quiet" }, `Rms on ${this.log.name} in multiples of the noise floor (the line). The model is driven by the commands alone, as on Compare: the small errors of all pulses add up, so more may stay here than on Diagnose, which corrects the pressure after each sample. First the plant as opened, then with its ordinary parameters as they are now, then with one effect after the other.`),
             this.rungs, this.cost),
-          this.plots.element, this.fitted),
+          this.plots.element, this.estimated, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,
           element("section", { class: "card" }, element("h2", {}, "What a fit takes"), this.roles.element),
           element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))));
@@ -127,6 +130,8 @@ class Page {
         element("p", { class: "quiet" }, `Everything refitted at each row; judged on ${state.fit.held_out}, the model corrected by the measured pressure as in Diagnose.`),
         ladder(rungsOf(state.fit.ladder)));
     }
+    this.estimated.hidden = !state.estimation;
+    if (state.estimation) fill(this.estimated, estimated(state.estimation));
   }
 
   showSteps({ steps, at }) {
@@ -183,10 +188,11 @@ class Page {
     });
   }
 
-  async fit() {
-    this.fitButton.hidden = true;
-    const isDone = await this.work.run("/refine/fit", { log: this.log.number, ...this.roles.chosen });
-    this.fitButton.hidden = false;
+  async fit(path) {
+    const buttons = [this.fitButton, this.estimateButton];
+    buttons.forEach((one) => { one.hidden = true; });
+    const isDone = await this.work.run(path, { log: this.log.number, ...this.roles.chosen });
+    buttons.forEach((one) => { one.hidden = false; });
     if (!isDone) return;
     try {
       this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));

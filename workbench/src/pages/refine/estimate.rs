@@ -1,0 +1,73 @@
+//! Estimates the ordinary parameters of the plant as it is now: a step like any other.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use model_lab::diagnosis::{EstimatedPlant, Estimation, estimate as estimate_parameters};
+
+use super::change::REFINED;
+use super::{Fitting, add_fitted, history, note_errors};
+use crate::history::{Interval, Step, StepEffect};
+use crate::pages::{Begun, Shared, begin_job, session};
+use crate::project::PlantFile;
+use crate::refusal::Refusal;
+
+/// Begins an estimation from the plant as it is now, with the effects that are on.
+pub(super) async fn estimate(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+    Json(wish): Json<Fitting>,
+) -> Result<Json<Begun>, Refusal> {
+    let session = session(&sessions, id)?;
+    wish.chosen.check(&session.project())?;
+    session.project().log(wish.log)?;
+    let history = history(&session)?;
+    Ok(begin_job(&session, move |session, job| {
+        let now = history.now();
+        let logs = session.recordings(&wish.chosen.logs)?;
+        let check = session.recordings(&wish.chosen.check)?;
+        note_errors(session, wish.log)?;
+        let plant = now.plant.parameters()?;
+        let estimated = estimate_parameters(&plant, &logs, &check, &|seen| job.watch(seen))?;
+        add_fitted(session, job, now, estimated_step(now, estimated))?;
+        note_errors(session, wish.log)
+    }))
+}
+
+fn estimated_step(before: &Step, estimated: EstimatedPlant) -> Step {
+    let EstimatedPlant { plant, estimation } = estimated;
+    let effects = before.effects.iter().map(|effect| {
+        let setting = plant.effect(&effect.effect).filter(|_| effect.is_on);
+        setting.map_or_else(
+            || effect.clone(),
+            |setting| with_intervals(StepEffect::of(setting, &[]), &estimation),
+        )
+    });
+    Step {
+        done: format!(
+            "estimated the ordinary parameters from {}",
+            estimation.logs.join(", ")
+        ),
+        effects: effects.collect(),
+        plant: PlantFile {
+            name: REFINED.to_owned(),
+            toml: plant.to_toml(),
+        },
+        log: String::new(),
+        errors: Vec::new(),
+        fit: None,
+        estimation: Some(estimation),
+    }
+}
+
+fn with_intervals(mut effect: StepEffect, estimation: &Estimation) -> StepEffect {
+    for parameter in &mut effect.parameters {
+        let name = format!("effects.{}.{}", effect.effect, parameter.key);
+        let estimated = estimation.parameters.iter().find(|one| one.name == name);
+        parameter.fitted = estimated.map(|one| Interval {
+            value: one.after,
+            low: one.low,
+            high: one.high,
+        });
+    }
+    effect
+}

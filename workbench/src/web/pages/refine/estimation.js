@@ -1,0 +1,42 @@
+// The estimated ordinary parameters: before, after, interval, and how well the logs determine each.
+
+import { element } from "../../dom.js";
+import { number, unitText } from "../../format.js";
+import { ladder, rungsOf } from "../ladder.js";
+
+const WORDS = { determined: "determined", not_excited: "not excited", at_limit: "at the limit" };
+const COLUMNS = ["parameter", "before", "after", "95 % interval", "unit", "the logs say"];
+
+/** What would determine a parameter, below its row. */
+function advice({ determination: { only_together_with: together }, determined_by: by }) {
+  const words = [together && `Only a combination with ${together.parameters.join(", ")} is determined.`, by && `To determine it, ${by}.`];
+  const told = words.filter(Boolean).join(" ");
+  return told !== "" && element("tr", {}, element("td", { class: "known quiet", colspan: COLUMNS.length }, told));
+}
+
+function rows(parameter) {
+  const { determination } = parameter;
+  return [
+    element("tr", { class: parameter.is_beyond_usual ? "picked" : undefined },
+      element("th", { scope: "row" }, parameter.name),
+      element("td", {}, number(parameter.before)), element("td", {}, number(parameter.after)),
+      element("td", {}, `${number(parameter.low, 3)} to ${number(parameter.high, 3)}`), element("td", {}, unitText(parameter.unit)),
+      element("td", {}, determination.only_together_with ? "only with others" : WORDS[determination])),
+    advice(parameter),
+  ];
+}
+
+/** The parts of the card of an estimation. */
+export function estimated(estimation) {
+  const beyond = estimation.parameters.some((parameter) => parameter.is_beyond_usual);
+  return [
+    element("h2", {}, "The last estimation"),
+    element("p", {}, `${estimation.sentence[0].toUpperCase()}${estimation.sentence.slice(1)}.`),
+    element("p", { class: "quiet" }, `Validated on ${estimation.held_out}, the model corrected by the measured pressure as in Diagnose.`),
+    ladder(rungsOf(estimation.steps)),
+    beyond && element("p", { class: "quiet" }, "Marked: beyond the usual tolerance of the part, so the plant file is wrong there."),
+    element("div", { class: "scroll" }, element("table", { class: "numbers dense", id: "estimated" },
+      element("thead", {}, element("tr", {}, COLUMNS.map((cell) => element("th", { scope: "col" }, cell)))),
+      element("tbody", {}, estimation.parameters.flatMap(rows)))),
+  ];
+}
