@@ -8,9 +8,13 @@ use rayon::prelude::*;
 
 use super::error::DiagnoseError;
 use super::trial::{Bench, Opened, Trial};
+use super::verdict::FURTHER_EVIDENCE;
 
 /// A fit is begun where it promises this share of what the best one gained or promises.
 const BEGIN_PROSPECT: f64 = 0.02;
+/// Near the noise an effect is weak and a promise holds: there a fit is begun where it promises this share of the evidence that a
+/// further effect needs.
+const WEAK_PROSPECT: f64 = 0.2;
 /// A fit is followed to its end where its first steps gained this share of what the best one gained, ...
 pub(crate) const PROSPECT: f64 = 0.25;
 /// ... and this share of what a named effect gains where it may stand in its place.
@@ -51,6 +55,17 @@ impl Effort {
             Self::Glance => f64::INFINITY,
             Self::Search => PROSPECT * most,
             Self::Rival { gain, .. } => RIVAL_PROSPECT * gain,
+        }
+    }
+
+    /// The promise from which on a fit on top of `base` is begun, where the best one promises `most`.
+    fn least_promise(self, base: &Trial, most: f64) -> f64 {
+        match self {
+            Self::Rival { gain, .. } => BEGIN_PROSPECT * most.max(gain),
+            Self::Search if !base.is_material() => {
+                WEAK_PROSPECT * FURTHER_EVIDENCE * base.correlation_samples
+            }
+            Self::Search | Self::Glance => BEGIN_PROSPECT * most,
         }
     }
 
@@ -98,7 +113,7 @@ pub(crate) fn try_all(
                 .map(move |form| EffectSetting::typical_variant(effect, form))
         })
         .collect();
-    let opened = open_promising(bench, base, forms, stage, watch)?;
+    let opened = open_promising(bench, base, (forms, effort), stage, watch)?;
     let best_gain = |id: Option<&str>| {
         let opened = opened.iter();
         let of_effect = opened.filter(|begun| id.is_none_or(|id| begun.setting.id() == id));
@@ -158,11 +173,11 @@ impl Begun {
     }
 }
 
-/// Begins the fits of those of `settings` that promise something beside the one that promises most.
+/// Begins the fits of those of `settings` that promise enough.
 fn open_promising(
     bench: &Bench,
     base: &Trial,
-    settings: Vec<EffectSetting>,
+    (settings, effort): (Vec<EffectSetting>, Effort),
     stage: &'static str,
     watch: Watch,
 ) -> Result<Vec<Begun>, DiagnoseError> {
@@ -177,7 +192,8 @@ fn open_promising(
         .par_iter()
         .map(|setting| step().map(|()| bench.promised_gain(base, setting.clone())))
         .collect::<Result<Vec<_>, _>>()?;
-    let least = BEGIN_PROSPECT * promises.iter().copied().flatten().fold(0.0, f64::max);
+    let most = promises.iter().copied().flatten().fold(0.0, f64::max);
+    let least = effort.least_promise(base, most);
     settings
         .into_par_iter()
         .zip(promises)
