@@ -293,7 +293,10 @@ fn location(diagnosis: &Diagnosis) -> Markup {
     };
     html! {
         h3 { "Where the excess error is" }
-        p.lead { "With the plain model:" }
+        @for sentence in &diagnosis.location.of_compare {
+            p { (foreign(sentence)) "." }
+        }
+        p.lead { "With the ordinary parameters refitted:" }
         (list(&diagnosis.location.before))
         @if !diagnosis.effects.is_empty() {
             p.lead { "With the named effects:" }

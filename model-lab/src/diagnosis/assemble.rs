@@ -303,6 +303,22 @@ pub(crate) fn regimes(
     Ok(regimes)
 }
 
+/// Where the refit of the ordinary parameters moves the error of a signal to another regime, in words.
+pub(crate) fn moved_by_refit(given: &[Regime], refitted: &[Regime]) -> Vec<String> {
+    let told = given.iter().zip(refitted).filter_map(|(given, refitted)| {
+        given.regime.as_ref().filter(|_| given.regime != refitted.regime)?;
+        let rest = match refitted.regime {
+            Some(_) => "what it leaves is elsewhere",
+            None => "nothing is left to place",
+        };
+        let Regime { log, signal, sentence, .. } = given;
+        Some(format!(
+            "{log}, {signal}: `compare` judges the plant as given, where {sentence}; the refit of the ordinary parameters takes that error, and {rest}"
+        ))
+    });
+    told.collect()
+}
+
 /// The values that are farthest outside, in words.
 fn worst_of(outside: &[OutsideValue]) -> String {
     let mut worst: Vec<&OutsideValue> = outside.iter().collect();

@@ -175,6 +175,7 @@ fn diagnose_within(
     let (equivalents, distinguishability) = assemble::equivalents(&found);
     search::report(watch, "where the error is", 0.0)?;
     split.take_conditions(plain);
+    let given = assemble::regimes(plant, (logs, split.given_logs()))?;
     let before = assemble::regimes(&plain.plant(), (logs, split.given_logs()))?;
     let after = if found.steps.len() > 1 {
         split.take_conditions(last);
@@ -219,7 +220,11 @@ fn diagnose_within(
         ladder,
         outside,
         candidates,
-        location: Location { before, after },
+        location: Location {
+            of_compare: assemble::moved_by_refit(&given, &before),
+            before,
+            after,
+        },
         remaining,
         cost: split.cost(begin),
     };

@@ -332,6 +332,8 @@ pub struct NuisanceValue {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Location {
+    /// Why `compare`, which judges the plant as given, places the error elsewhere; empty where it does not.
+    pub of_compare: Vec<String>,
     /// With the plain model.
     pub before: Vec<Regime>,
     /// With the named effects; the same as `before` where none is named.

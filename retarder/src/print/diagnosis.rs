@@ -422,16 +422,22 @@ fn location(found: &Diagnosis, terminal: &Terminal) -> String {
             .collect()
     };
     let mut text = String::new();
+    for sentence in &found.location.of_compare {
+        text += &paragraph(&format!("{sentence}."), terminal);
+    }
     for sentence in placed(&found.location.before) {
-        text += &paragraph(&format!("Before: {sentence}."), terminal);
+        text += &paragraph(&format!("Refitted: {sentence}."), terminal);
     }
     if !found.effects.is_empty() {
         let after = placed(&found.location.after);
         if after.is_empty() {
-            text += &paragraph("After: no excess error is left to place.", terminal);
+            text += &paragraph(
+                "With the named effects: no excess error is left to place.",
+                terminal,
+            );
         }
         for sentence in after {
-            text += &paragraph(&format!("After: {sentence}."), terminal);
+            text += &paragraph(&format!("With the named effects: {sentence}."), terminal);
         }
     }
     text

@@ -141,7 +141,8 @@ class Page {
     const list = (regimes) => element("ul", { class: "plain" }, regimes.map((regime) => element("li", {},
       element("b", {}, regime.log), ` ${regime.signal}: ${regime.sentence}. `, this.toCompare(regime))));
     return element("section", { class: "card" }, element("h2", {}, "Where the excess error is"),
-      element("h3", {}, "With the plain model"), list(diagnosis.where.before),
+      diagnosis.where.of_compare.map((sentence) => element("p", {}, `${sentence}.`)),
+      element("h3", {}, "With the ordinary parameters refitted"), list(diagnosis.where.before),
       diagnosis.unexplained && diagnosis.effects.length > 0 && [element("h3", {}, "With the named effects"), list(diagnosis.where.after)]);
   }
 
