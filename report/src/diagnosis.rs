@@ -218,38 +218,10 @@ fn candidate_row(candidate: &Candidate, is_contender: bool) -> Markup {
 
 fn neighbours(diagnosis: &Diagnosis) -> Markup {
     html! {
-        @for (id, distances) in &diagnosis.distinguishability {
-            @let alike = diagnosis.equivalents.get(id).map_or(0, Vec::len);
-            @let nearest = nearest(distances);
-            p {
-                @if alike > 1 {
-                    "These logs cannot tell " strong { (foreign(&title(id))) } " from "
-                    (foreign(&diagnosis.equivalents[id].iter().filter(|one| *one != id).cloned().collect::<Vec<_>>().join(", "))) ". "
-                } @else {
-                    "Nothing else in the library does what " strong { (foreign(&title(id))) } " does in these logs. "
-                }
-                @if nearest.is_empty() {
-                    "No other effect explains anything here."
-                } @else {
-                    "Nearest, in standard deviations of the noise: "
-                    @for (index, (other, far)) in nearest.iter().enumerate() {
-                        @if index > 0 { ", " } (foreign(other)) " " (number(*far))
-                    }
-                    ". Below 3.3 they are mistaken for each other in more than one of twenty logs."
-                }
-            }
+        @for told in diagnosis.alternatives() {
+            p { (foreign(&told)) }
         }
     }
-}
-
-fn nearest(distances: &model_lab::diagnosis::result::BySignal) -> Vec<(&str, f64)> {
-    let mut nearest: Vec<(&str, f64)> = distances
-        .iter()
-        .map(|(id, far)| (id.as_str(), *far))
-        .collect();
-    nearest.sort_by(|a, b| a.1.total_cmp(&b.1));
-    nearest.truncate(4);
-    nearest
 }
 
 fn nuisance_table(values: &[NuisanceValue]) -> Markup {

@@ -17,8 +17,6 @@ use report::{SmallUnit, pressure_first, unit_of};
 
 /// Width of the longest bar of the ladder in characters.
 const BAR: usize = 24;
-/// So many neighbours of a named effect are listed.
-const NEIGHBOURS: usize = 4;
 
 /// The whole diagnosis, the answer first.
 pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
@@ -348,38 +346,8 @@ fn plausibility(candidate: &Candidate) -> Entry {
 
 /// What can be mistaken for the named effects.
 fn neighbours(found: &Diagnosis, terminal: &Terminal) -> String {
-    let mut text = String::new();
-    for (id, distances) in &found.distinguishability {
-        let alike = found.equivalents.get(id).map_or(&[][..], Vec::as_slice);
-        let mut nearest: Vec<(&String, f64)> =
-            distances.iter().map(|(id, far)| (id, *far)).collect();
-        nearest.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let listed: Vec<String> = nearest
-            .iter()
-            .take(NEIGHBOURS)
-            .map(|(id, far)| format!("{id} {}", significant(*far, 2)))
-            .collect();
-        let others: Vec<&str> = alike
-            .iter()
-            .filter(|one| *one != id)
-            .map(String::as_str)
-            .collect();
-        let beginning = if others.is_empty() {
-            format!("Nothing else in the library does what {id} does here.")
-        } else {
-            format!("These logs cannot tell {id} from {}.", others.join(", "))
-        };
-        let end = if listed.is_empty() {
-            "No other effect explains anything.".to_owned()
-        } else {
-            format!(
-                "Nearest, in standard deviations of the noise: {} (below 3.3 they are mistaken for each other).",
-                listed.join(", ")
-            )
-        };
-        text += &paragraph(&format!("{beginning} {end}"), terminal);
-    }
-    text
+    let told = found.alternatives();
+    told.iter().map(|told| paragraph(told, terminal)).collect()
 }
 
 /// What left its tolerance, or that nothing did.
@@ -468,6 +436,22 @@ mod tests {
         "/../docs/schema/diagnosis.example.json"
     ));
 
+    /// "These logs cannot tell A from B" once stood beside a distance of 57 standard deviations.
+    #[test]
+    fn what_is_far_away_is_not_mistaken_however_alike_its_error_is() {
+        let mut found: Diagnosis = serde_json::from_str(EXAMPLE).unwrap();
+        let mut told = |far: f64| {
+            let (leak, volume) = ("chamber_leak".to_owned(), "dead_volume".to_owned());
+            found.distinguishability = [(leak.clone(), [(volume.clone(), far)].into())].into();
+            found.equivalents = [(leak.clone(), vec![leak, volume])].into();
+            found.alternatives().concat()
+        };
+        let (near, far) = (told(2.0), told(57.0));
+        let cannot = "cannot tell chamber leak from dead volume";
+        assert!(near.contains(cannot) && !far.contains(cannot), "{far}");
+        assert!(far.contains("explained by dead volume") && far.contains("dead volume 57"));
+    }
+
     /// "Nearest, in standard deviations of the noise: ." was once a whole sentence.
     #[test]
     fn an_effect_without_a_neighbour_has_no_empty_list_of_them() {
@@ -484,7 +468,7 @@ mod tests {
         };
         let (list, none) = ("Nearest, in standard", "No other effect explains anything.");
         let with = text(&[("dead_volume", 7.5)]);
-        assert!(with.contains(list) && with.contains("dead_volume 7.5") && !with.contains(none));
+        assert!(with.contains(list) && with.contains("dead volume 7.5") && !with.contains(none));
         let without = text(&[]);
         assert!(
             !without.contains(list) && without.contains(none),

@@ -70,6 +70,8 @@ struct DiagnosisView {
     is_of_plant: bool,
     chosen: Chosen,
     diagnosis: Diagnosis,
+    /// What else each named effect could be, in words.
+    alternatives: Vec<String>,
 }
 
 /// What was found; null where nothing was diagnosed yet.
@@ -83,6 +85,7 @@ async fn result(
         is_of_plant: found.plant == session.project().plant,
         chosen: found.chosen.clone(),
         diagnosis: found.diagnosis.clone(),
+        alternatives: found.diagnosis.alternatives(),
     };
     Ok(Json(session.findings().diagnosed.map(view)))
 }

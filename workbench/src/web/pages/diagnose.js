@@ -91,7 +91,7 @@ class Page {
           element("section", { class: "card" }, element("h2", {}, "How the error falls"),
             element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, in multiples of the noise floor (the line).`),
             ladder(rungsOf(diagnosis.ladder)), this.freeRun(diagnosis)),
-          this.neighbours(diagnosis), this.location(diagnosis))),
+          this.alternatives(found.alternatives), this.location(diagnosis))),
       remaining.element, experiment.element, this.nuisance(diagnosis));
     remaining.redraw();
     document.body.dataset.diagnosed = diagnosis.verdict;
@@ -122,19 +122,8 @@ class Page {
     return element("p", { class: "quiet" }, `This is a prediction: after each sample the model takes on a part of the pressure error. Driven by the commands alone, as on Compare and Refine, the small errors of all pulses add up: ${times.join(", ")}.`);
   }
 
-  /** What these logs cannot tell apart. */
-  neighbours(diagnosis) {
-    const title = (id) => this.effects.get(id)?.title ?? id;
-    const paragraphs = Object.entries(diagnosis.distinguishability).map(([id, distances]) => {
-      const alike = (diagnosis.equivalents[id] ?? []).filter((other) => other !== id);
-      const nearest = Object.entries(distances).sort((a, b) => a[1] - b[1]).slice(0, 4);
-      return element("p", {},
-        alike.length > 0
-          ? ["These logs cannot tell ", element("b", {}, title(id)), ` from ${alike.map(title).join(", ")}. `]
-          : ["Nothing else in the library does what ", element("b", {}, title(id)), " does in these logs. "],
-        nearest.length > 0 && `Nearest, in standard deviations of the noise: ${nearest.map(([other, far]) => `${title(other)} ${number(far, 3)}`).join(", ")}. Below 3.3 two effects are mistaken for each other in more than one of twenty logs.`);
-    });
-    return paragraphs.length > 0 && element("section", { class: "card" }, element("h2", {}, "What else it could be"), paragraphs);
+  alternatives(told) {
+    return told.length > 0 && element("section", { class: "card" }, element("h2", {}, "What else it could be"), told.map((words) => element("p", {}, words)));
   }
 
   location(diagnosis) {
