@@ -4,6 +4,9 @@ use crate::result::{BinError, Residual};
 /// Standard deviations by which the excess must stand out of chance before it is shared out.
 const SIGNIFICANT: f64 = 3.0;
 
+/// An error of up to this many noise floors is said to be within the noise, as in the verdict of a comparison.
+const WITHIN_NOISE: f64 = 1.5;
+
 /// A residual with the noise that a perfect model would leave in it.
 pub(crate) struct Excess<'a> {
     /// NaN where the measurement is missing.
@@ -11,6 +14,8 @@ pub(crate) struct Excess<'a> {
     variance: f64,
     /// Σ (e² - variance); none where it is within chance.
     total: Option<f64>,
+    /// The rms error over the noise; NaN where both are 0.
+    in_noise: f64,
 }
 
 /// Sums over the samples of a bin.
@@ -79,12 +84,25 @@ impl<'a> Excess<'a> {
             residual,
             variance,
             total: significant.then_some(total),
+            in_noise: all.rms() / sigma,
         }
     }
 
     /// Whether there is anything to share out.
     pub(crate) fn is_significant(&self) -> bool {
         self.total.is_some()
+    }
+
+    /// Why there is nothing to share out.
+    pub(crate) fn in_words(&self) -> String {
+        let is_above = self.in_noise > WITHIN_NOISE;
+        if !is_above {
+            return "the error is within the noise: there is no excess to place".to_owned();
+        }
+        format!(
+            "the error is {:.1} times its noise floor, but so few samples show that floor that this may be chance: there is no excess to place",
+            self.in_noise
+        )
     }
 
     /// Sums over the compared samples of each of `bins` bins.
@@ -160,6 +178,19 @@ mod tests {
         let values = [1.05_f64; 2000];
         assert!(Excess::new(residual(&values), 0.95, 1e6).is_significant());
         assert!(!Excess::new(residual(&values), 0.95, 20.0).is_significant());
+    }
+
+    /// "Within the noise" once stood beside 4.25 noise floors.
+    #[test]
+    fn an_error_of_many_floors_is_not_said_to_be_within_the_noise() {
+        let of =
+            |value: f64, freedom: f64| Excess::new(residual(&[value; 20]), 1.0, freedom).in_words();
+        assert!(of(1.0, 1e6).contains("within the noise"));
+        assert!(
+            of(4.25, 0.05).starts_with("the error is 4.2 times its noise floor"),
+            "{}",
+            of(4.25, 0.05)
+        );
     }
 
     #[test]

@@ -51,12 +51,11 @@ pub(crate) fn find(
         sentence: sentence.to_owned(),
     };
     if !excess.is_significant() {
-        return none(match horizon {
-            Horizon::FreeRun => "the error is within the noise: there is no excess to place",
-            Horizon::ShortHorizon => {
-                "one step ahead, the error is within the noise: there is no excess to place"
-            }
-        });
+        let ahead = match horizon {
+            Horizon::FreeRun => "",
+            Horizon::ShortHorizon => "one step ahead, ",
+        };
+        return none(&format!("{ahead}{}", excess.in_words()));
     }
     let combined: Vec<&Dimension> = dimensions
         .iter()
