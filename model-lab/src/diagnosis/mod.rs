@@ -122,10 +122,11 @@ pub fn diagnose_with(
         .iter()
         .fold(estimated, |plant, id| plant.without_effect(id));
     let second = diagnose_within(library, &estimated, logs, check, watch)?.diagnosis;
-    Ok(second_look::told_of(plant, &first, second).unwrap_or(first))
+    let told = second_look::told_of(plant, (&first, &estimation), second);
+    Ok(told.unwrap_or(first))
 }
 
-/// A diagnosis within what the plant file admits.
+/// A diagnosis within what the plant file admits, and what a second look needs.
 struct Answer {
     diagnosis: Diagnosis,
     /// The named effects, as they were fitted.

@@ -1,7 +1,8 @@
 //! The second look at logs that are not explained within what the plant file admits.
 //!
 //! Where ordinary parameters came to the end of their ranges, the file may be a first one, whose values are 30 % off: they are
-//! estimated as such beside the effects found so far, and effects are looked for anew beside the estimated values. What the file states of a value still holds.
+//! estimated as such beside the effects found so far, and effects are looked for anew beside the estimated values. What the file
+//! states of a value still holds.
 
 use plant_sim::PlantParameters;
 
@@ -20,20 +21,22 @@ pub(super) fn is_nearer(estimated: &Estimation, first: &Diagnosis) -> bool {
     pair.is_some_and(|(first, estimated)| excess(estimated) <= MUCH_NEARER * excess(first))
 }
 
-/// Mean square of the held-out errors over their noise, beyond 1, all signals together.
+/// Mean square of the errors over their noise, beyond 1, all signals together, on the fitted logs and on what was held out: two
+/// diagnoses may have shared them out otherwise.
 fn excess(step: &Step) -> f64 {
     let of_signal = |(signal, rms): (&String, &f64)| {
         let floor = step.noise_floor.get(signal)?;
         Some(((rms / floor).powi(2) - 1.0).max(0.0))
     };
-    step.check_rms.iter().filter_map(of_signal).sum()
+    let errors = step.fit_rms.iter().chain(&step.check_rms);
+    errors.filter_map(of_signal).sum()
 }
 
-/// The answer `second`, which was found with estimated parameters, told of `plant`, the file as given; `first` was found with that.
-/// None where it explains no more.
+/// The answer `second`, which was found with the `estimated` parameters, told of `plant`, the file as given; `first` was found with
+/// that. None where it explains no more.
 pub(super) fn told_of(
     plant: &PlantParameters,
-    first: &Diagnosis,
+    (first, estimated): (&Diagnosis, &Estimation),
     mut second: Diagnosis,
 ) -> Option<Diagnosis> {
     let left = |of: &Diagnosis| of.ladder.last().map_or(f64::INFINITY, excess);
@@ -68,8 +71,14 @@ pub(super) fn told_of(
         let is_outside = second.outside.iter().any(|there| there.name == value.name);
         value.alarm = is_outside.then(|| assemble::OUTSIDE.to_owned());
     }
-    second.cost.simulations += first.cost.simulations;
-    second.cost.elapsed_s += first.cost.elapsed_s;
+    second
+        .location
+        .of_compare
+        .clone_from(&first.location.of_compare);
+    for cost in [&first.cost, &estimated.cost] {
+        second.cost.simulations += cost.simulations;
+        second.cost.elapsed_s += cost.elapsed_s;
+    }
     Some(second)
 }
 
