@@ -121,7 +121,7 @@ impl Log {
         let defects = LogDefects::of(log, &commands, pressure);
         let sigma = |signal: &Measured| {
             let told = noise.of(signal.name, &signal.floor, interval_s);
-            told.unwrap_or_else(|| scatter(&signal.values))
+            told.unwrap_or_else(|| scatter_or_resolution(signal))
         };
         let sigmas: Vec<f64> = measured.iter().map(sigma).collect();
         let (weighed, still): (Vec<_>, Vec<_>) = measured
@@ -498,7 +498,18 @@ fn shut_off(parameters: &PlantParameters) -> PlantParameters {
     plant
 }
 
-/// Standard deviation of the noise where no quiet stretch tells it: that of what no slow course can be, the second
+/// Standard deviation of the noise where no quiet stretch tells it. A coarse signal that stands still most of the time shows its
+/// resolution alone; one that never changes shows nothing.
+fn scatter_or_resolution(signal: &Measured) -> f64 {
+    let scatter = scatter(&signal.values);
+    if scatter > 0.0 {
+        return scatter;
+    }
+    let step = signal.floor.summary.quantisation_step;
+    step.map_or(0.0, |step| step / 12_f64.sqrt())
+}
+
+/// Standard deviation of the noise by the samples alone: that of what no slow course can be, the second
 /// differences (a median, which the few samples at a switching valve do not move).
 fn scatter(values: &[f64]) -> f64 {
     let mut curvatures: Vec<f64> = values
@@ -520,7 +531,7 @@ mod tests {
 
     use super::super::gather::gather;
     use super::*;
-    use crate::bench::{Bench, without_rows};
+    use crate::bench::{Bench, quantise, without_rows};
     use crate::metrics::rms;
 
     /// Rms of the errors of `plant` over the noise, of each channel.
@@ -557,6 +568,44 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// "Neither the chamber pressure nor a coil current changes" was said of a log in which it rises by bars, in coarse steps.
+    #[test]
+    fn a_coarse_pressure_that_mostly_stands_still_is_weighed_by_its_resolution() {
+        let bench = Bench {
+            phases: [
+                (0.4, 0.0, 0.0),
+                (0.1, 100.0, 0.0),
+                (0.4, 0.0, 0.0),
+                (0.1, 0.0, 100.0),
+            ]
+            .repeat(3),
+            ..Bench::default()
+        };
+        let fine = bench.measure();
+        let coarse = |step_bar: f64| {
+            let mut log = Recording::new(fine.provenance().clone());
+            let id = log.add_time_base(fine.time_bases().next().unwrap().1.clone());
+            for name in ["duty_fill", "duty_vent", "p_ch"] {
+                let signal = fine.signal(name).unwrap();
+                let mut values = signal.values_or_nan().to_vec();
+                if name == "p_ch" {
+                    values
+                        .iter_mut()
+                        .for_each(|value| *value = quantise(*value, step_bar));
+                }
+                log.add_signal(name, signal.unit(), id, values).unwrap();
+            }
+            gather(&PlantParameters::nominal(), [&log])
+        };
+        let sigma = coarse(0.5).unwrap().logs[0].channels[0].sigma;
+        assert!((sigma - 0.5 / 12_f64.sqrt()).abs() < 1e-6, "{sigma}");
+        let refused = coarse(1e3).err().unwrap().to_string();
+        assert!(
+            refused.contains("neither the chamber pressure"),
+            "{refused}"
+        );
     }
 
     /// A sensor that is slow still showed the pressure before the gap when the model began again behind it.
