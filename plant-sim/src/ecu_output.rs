@@ -73,9 +73,10 @@ impl EcuOutput {
             self.high_until_ns = self.in_force.duty_pct().map(|duty_pct| {
                 // Half a nanosecond of a period of milliseconds: far below any timer's tick.
                 let share = (duty_pct / 100.0).clamp(0.0, 1.0);
-                now_ns + (share * self.period_ns as f64).round() as u64
+                now_ns.saturating_add((share * self.period_ns as f64).round() as u64)
             });
-            self.next_period_ns += self.period_ns;
+            // A plant without valves has no PWM: its period never ends.
+            self.next_period_ns = self.next_period_ns.saturating_add(self.period_ns);
         }
         self.high_until_ns.map(|edge| edge > now_ns)
     }
@@ -137,6 +138,13 @@ mod tests {
                 (27 * MS + MS / 2, false, false),
             ]
         );
+    }
+
+    #[test]
+    fn without_a_pwm_period_nothing_is_ever_high() {
+        let mut output = EcuOutput::new(u64::MAX, 3 * MS);
+        assert_eq!(edges(&mut output, &[], 100 * MS), [(0, false, false)]);
+        assert_eq!(output.next_edge_ns(3 * MS), u64::MAX);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //!         tolerances) ─► found (these tolerances widened, or search: all effects, all forms) ─► ladder (verdict) ─► result
 //! ```
 
+mod alternatives;
 mod assemble;
 mod detection;
 mod effect_unknown;

@@ -11,6 +11,7 @@ mod slow;
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::CurrentSampling;
+use plant_sim::valve::ValveFunction;
 use rayon::prelude::*;
 
 use super::evidence::Evidence;
@@ -103,13 +104,14 @@ impl Delay {
     /// Delays to try with each clock (s), `step_s` apart.
     fn candidates_s(self, plant: &PlantParameters, step_s: f64) -> Vec<f64> {
         let there_s = plant.ecu.command_delay_s;
+        let is_commanded = plant.functions.iter().any(|&function| function != ValveFunction::Absent);
         match self {
-            Self::AsGiven => vec![there_s],
-            Self::Searched => {
+            Self::Searched if is_commanded => {
                 let steps = (DELAY_REACH_S / step_s).round() as i32;
                 let delays_s = (-steps..=steps).map(|step| there_s + f64::from(step) * step_s);
                 delays_s.filter(|&delay_s| delay_s >= 0.0).collect()
             }
+            _ => vec![there_s],
         }
     }
 }
