@@ -89,7 +89,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         person.watch_the_policy().await;
 
         person.click("[data-effect='chamber_leak'] .add").await;
-        person.until("document.body.dataset.ready === 'refine' && document.querySelectorAll('#ladder .rung').length === 2").await;
+        person.until("document.body.dataset.ready === 'refine' && document.querySelectorAll('#ladder .rung').length === 3").await;
         let plain = person.run("return Number(document.querySelector('#ladder .bar-row[data-signal=p_ch]').dataset.times)").await;
         let (plain, added) = (plain.as_f64().unwrap(), last_bar(person).await);
         assert!(added < 0.3 * plain, "{plain} {added}");
