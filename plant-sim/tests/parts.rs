@@ -1,6 +1,6 @@
 //! Plants with parts left out, every combination of them.
 
-use plant_sim::effects::{EffectSetting, LIBRARY};
+use plant_sim::effects::{EffectSetting, LIBRARY, by_id};
 use plant_sim::parameters::Part;
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, signals};
 use plant_sim::valve::ValveFunction;
@@ -90,4 +90,22 @@ fn every_effect_joins_every_plant_that_has_what_it_acts_on() {
             }
         }
     }
+}
+
+/// A vent valve alone has a restriction of its own and none that a fill valve would need.
+#[test]
+fn a_form_of_an_effect_is_there_where_each_of_its_parts_is() {
+    let restriction = by_id("series_restriction").unwrap();
+    let forms = |fill, vent| {
+        let mut plant = PlantParameters::nominal();
+        plant.functions = [fill, vent];
+        let forms = plant.forms_of(restriction);
+        let names = forms.iter().map(|form| form.variant().name);
+        names.collect::<Vec<_>>()
+    };
+    let (there, gone) = (ValveFunction::NormallyClosed, ValveFunction::Absent);
+    assert_eq!(forms(there, there), ["both", "fill", "vent", "combined"]);
+    assert_eq!(forms(gone, there), ["vent"]);
+    assert_eq!(forms(there, gone), ["fill"]);
+    assert!(forms(gone, gone).is_empty());
 }

@@ -1,6 +1,5 @@
 //! From the plain model to the named effects.
 
-use plant_sim::effects::EffectSetting;
 
 use super::error::DiagnoseError;
 use super::errors::Errors;
@@ -231,9 +230,7 @@ fn in_best_form(bench: &Bench, base: &Trial, singles: &[Tried], trial: Trial) ->
         return Some(trial);
     }
     let effect = trial.effects.last()?.effect();
-    let variants = effect.about().variants.iter();
-    let forms = variants.map(|form| EffectSetting::typical_variant(effect, form));
-    let best = best_form(bench, base, forms.collect());
+    let best = best_form(bench, base, bench.plant.forms_of(effect));
     best.filter(|best| best.is_preferred_to(&trial))
         .or(Some(trial))
 }

@@ -55,7 +55,6 @@ use std::time::Instant;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{Effect, EffectSetting, LIBRARY};
-use plant_sim::parameters::Part;
 use rayon::prelude::*;
 use recording::Recording;
 
@@ -151,11 +150,11 @@ fn diagnose_within(
     search::report(watch, "the plain model", 0.0)?;
     let plant = &with_logged_supply(plant, logs.iter().chain(check));
     let (mut split, plain) = Split::that_shows(plant, logs, check)?;
-    // An effect of a part that the plant leaves out has nothing to act on.
+    // An effect of a part that the plant leaves out has no form.
     let library: Vec<&'static dyn Effect> = library
         .iter()
         .copied()
-        .filter(|&effect| Part::of_effect(effect).is_in(plant))
+        .filter(|&effect| !plant.forms_of(effect).is_empty())
         .collect();
     let mut found = found::find(&mut split, plant, &library, plain, watch)?;
     let bench = split.bench(plant, &library);

@@ -108,7 +108,7 @@ pub fn refine(
     }
     let forms = add
         .iter()
-        .map(|(id, variant)| forms(id, variant.as_deref()))
+        .map(|(id, variant)| forms(plant, id, variant.as_deref()))
         .collect::<Result<Vec<_>, _>>()?;
     let without = add
         .iter()
@@ -167,25 +167,26 @@ pub fn refine(
     })
 }
 
-/// The effect `id` in its form `variant`, or in all of its forms.
-fn forms(id: &str, variant: Option<&str>) -> Result<Vec<EffectSetting>, DiagnoseError> {
+/// The effect `id` in its form `variant`, or in all of its forms that `plant` may have.
+fn forms(
+    plant: &PlantParameters,
+    id: &str,
+    variant: Option<&str>,
+) -> Result<Vec<EffectSetting>, DiagnoseError> {
     let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect { id: id.to_owned() })?;
     let about = effect.about();
-    let forms: Vec<EffectSetting> = about
-        .variants
-        .iter()
-        .filter(|form| variant.is_none_or(|wanted| wanted == form.name))
-        .map(|form| EffectSetting::typical_variant(effect, form))
-        .collect();
-    if forms.is_empty() {
+    let Some(variant) = variant else {
+        return Ok(plant.forms_of(effect));
+    };
+    let form = about.variant(variant).ok_or_else(|| {
         let names: Vec<&str> = about.variants.iter().map(|form| form.name).collect();
-        return Err(DiagnoseError::NoSuchVariant {
+        DiagnoseError::NoSuchVariant {
             id: id.to_owned(),
-            variant: variant.unwrap_or_default().to_owned(),
+            variant: variant.to_owned(),
             forms: names.join(", "),
-        });
-    }
-    Ok(forms)
+        }
+    })?;
+    Ok(vec![EffectSetting::typical_variant(effect, form)])
 }
 
 fn fitted_effect(
@@ -267,13 +268,18 @@ mod tests {
     use super::*;
 
     fn refused(id: &str, variant: Option<&str>) -> String {
-        forms(id, variant).unwrap_err().to_string()
+        forms(&PlantParameters::nominal(), id, variant)
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
     fn an_effect_is_taken_in_the_form_asked_for_or_in_all() {
-        assert_eq!(forms("chamber_leak", Some("laminar")).unwrap().len(), 1);
-        assert_eq!(forms("chamber_leak", None).unwrap().len(), 4);
+        let count = |variant| {
+            let forms = forms(&PlantParameters::nominal(), "chamber_leak", variant);
+            forms.unwrap().len()
+        };
+        assert_eq!([count(Some("laminar")), count(None)], [1, 4]);
         assert!(refused("chamber_leek", None).contains("did you mean `chamber_leak`"));
         assert!(refused("chamber_leak", Some("square")).contains("orifice, laminar, mixed, power"));
     }

@@ -102,15 +102,13 @@ pub(crate) fn try_all(
     let forms = effects
         .iter()
         .flat_map(|&effect| {
-            let forms = effect.about().variants.iter();
+            let forms = bench.plant.forms_of(effect);
             let count = if effort == Effort::Glance {
                 1
             } else {
                 forms.len()
             };
-            forms
-                .take(count)
-                .map(move |form| EffectSetting::typical_variant(effect, form))
+            forms.into_iter().take(count)
         })
         .collect();
     let opened = open_promising(bench, base, (forms, effort), stage, watch)?;

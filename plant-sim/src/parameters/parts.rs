@@ -3,7 +3,9 @@
 use core::fmt;
 
 use super::names::{CHAMBER, REGULATING_VALVE, VALVE_KEYS, VALVES};
-use crate::description::{Effect, EntryPoint, ParameterSpec, PlantParameters};
+use crate::description::{
+    Effect, EffectSetting, EntryPoint, ParameterSpec, PlantParameters, Variant,
+};
 use crate::effects::by_id;
 use crate::plant::{FILL, VENT};
 use crate::valve::ValveFunction;
@@ -82,6 +84,8 @@ impl Part {
                 Self::FlowThrough(FILL)
             }
             ("flow" | "gas" | CHAMBER | REGULATING_VALVE, _) => Self::Chamber,
+            ("effects.series_restriction", "fill_area_ratio") => Self::FlowThrough(FILL),
+            ("effects.series_restriction", "vent_area_ratio") => Self::FlowThrough(VENT),
             _ => Self::Any,
         }
     }
@@ -105,6 +109,21 @@ impl Part {
             }
             Self::Any => None,
         }
+    }
+}
+
+impl PlantParameters {
+    /// The forms of `effect`, at typical sizes, in which every parameter describes a part of this plant; none where the effect has
+    /// nothing to act on.
+    pub fn forms_of(&self, effect: &'static dyn Effect) -> Vec<EffectSetting> {
+        let is_whole = |form: &&Variant| {
+            let mut specs = form.parameters.iter();
+            specs.all(|spec| Part::of_key(spec.section, spec.key).is_in(self))
+        };
+        let forms = effect.about().variants.iter().filter(is_whole);
+        let typical = forms.map(|form| EffectSetting::typical_variant(effect, form));
+        let acts = Part::of_effect(effect).is_in(self);
+        typical.filter(|_| acts).collect()
     }
 }
 
