@@ -2,16 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::result::{Diagnosis, spaced};
+use super::result::Diagnosis;
 use super::verdict::DISTINGUISHABLE;
+use super::words::{significant, spaced};
 
 /// So many of the nearest effects are told.
 const NEAREST_TOLD: usize = 4;
-
-fn two_digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    rounded.to_string()
-}
 
 impl Diagnosis {
     /// What else each named effect could be, in words: which effects are mistaken for it, which explain nearly as much, and how far
@@ -55,7 +51,7 @@ impl Diagnosis {
             let nearest: Vec<String> = nearest
                 .into_iter()
                 .take(NEAREST_TOLD)
-                .map(|(id, far)| format!("{} {}", spaced(id), two_digits(*far)))
+                .map(|(id, far)| format!("{} {}", spaced(id), significant(*far, 2)))
                 .collect();
             told.push(if nearest.is_empty() {
                 "No other effect explains anything.".to_owned()

@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
-use super::detection::detection_limit;
+use super::detection::{detection_limit, excited};
 use super::effect_unknown::EffectUnknown;
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::interval::{half_widths, with_model_error};
 use super::ladder::Ladder;
 use super::log::{Log, Run};
+use super::plausibility::{Practice, plausibility};
 use super::result::{
     BySignal, Candidate, DetectionLimit, FittedParameter, NuisanceValue, OutsideValue, Regime,
     Step, StepKind, Verdict,
@@ -20,14 +21,12 @@ use super::search::Tried;
 use super::trial::{Bench, Trial};
 use super::unknowns::{AT_BOUND, Unknown};
 use super::verdict::{ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE};
+use super::words::spaced;
 use crate::compare::compare_under;
 use crate::options::CompareOptions;
 
 /// A size is open where its interval goes beyond this many times the value.
 const LOOSEST: f64 = 10.0;
-/// A size this many times above or below the typical one is not met in practice.
-const IMPLAUSIBLE: f64 = 20.0;
-
 /// So many values of a wrong plant file stand in the sentence.
 const OUTSIDE_TOLD: usize = 3;
 /// What is said of a value outside of what the plant file admits.
@@ -98,20 +97,25 @@ pub(crate) fn candidate(bench: &Bench, plain: &Trial, last: &Trial, tried: &Trie
         fitted_parameters(bench, trial, tried.id())
     });
     let best = tried.trial.as_ref().unwrap_or(plain);
+    let explained_share = best.share_of(plain);
     Candidate {
         effect: about.id.to_owned(),
         variant: named.unwrap_or(&tried.setting).variant().name.to_owned(),
         fit_rms: best.fitted.rms(),
         check_rms: best.checked.rms(),
-        explained_share: best.share_of(plain),
+        explained_share,
         evidence: tried
             .trial
             .as_ref()
             .map_or(0.0, |trial| trial.evidence_over(plain)),
         free_parameters: plain.unknowns.len() + tried.setting.parameters().len(),
         plausibility: plausibility(&parameters),
+        detection_limit: excited(
+            detection_limit(bench, limit_base, &tried.setting),
+            explained_share,
+            &parameters,
+        ),
         parameters,
-        detection_limit: detection_limit(bench, limit_base, &tried.setting),
         physics: about.sentence.to_owned(),
         source: about.source.to_owned(),
     }
@@ -119,6 +123,7 @@ pub(crate) fn candidate(bench: &Bench, plain: &Trial, last: &Trial, tried: &Trie
 
 fn fitted_parameters(bench: &Bench, trial: &Trial, id: &str) -> Vec<FittedParameter> {
     let widths = half_widths(bench.fitting, trial);
+    let practice = Practice::new(&trial.plant(), bench.fitting);
     let list = trial.unknowns.list().iter().zip(&trial.fit.z).zip(widths);
     list.filter_map(|((unknown, &z), width)| match unknown {
         Unknown::Effect(EffectUnknown { spec, .. }) if spec.effect_id() == Some(id) => {
@@ -132,7 +137,7 @@ fn fitted_parameters(bench: &Bench, trial: &Trial, id: &str) -> Vec<FittedParame
                 value,
                 low: low.max(value_at(least)),
                 high: high.min(value_at(most)),
-                typical: spec.size.map(|size| size.typical),
+                typical: practice.typical(spec),
                 at_bound: z - least < AT_BOUND || most - z < AT_BOUND,
             })
         }
@@ -150,30 +155,6 @@ fn is_size_open(parameter: &FittedParameter) -> bool {
     let is_known = (low / value).min(high / value) > 1.0 / LOOSEST
         && (low / value).max(high / value) < LOOSEST;
     parameter.typical.is_some() && (parameter.at_bound || !is_known)
-}
-
-fn plausibility(parameters: &[FittedParameter]) -> String {
-    if parameters.is_empty() {
-        return "explains nothing at any size that was tried".to_owned();
-    }
-    let odd = |parameter: &&FittedParameter| {
-        parameter.at_bound
-            || parameter.typical.is_some_and(|typical| {
-                let ratio = (parameter.value / typical).abs();
-                typical != 0.0 && !(1.0 / IMPLAUSIBLE..=IMPLAUSIBLE).contains(&ratio)
-            })
-    };
-    match parameters.iter().find(odd) {
-        None => "plausible: within what is met in practice".to_owned(),
-        Some(parameter) if parameter.at_bound => {
-            format!("implausible: {} ran to the end of its range", parameter.key)
-        }
-        Some(parameter) => format!(
-            "implausible: {} is {:.1e} times the typical size",
-            parameter.key,
-            parameter.value / parameter.typical.unwrap_or(1.0)
-        ),
-    }
 }
 
 /// What cannot be told from each named effect, and by how much everything else can.
@@ -343,7 +324,6 @@ pub(crate) fn sentence(
     (candidates, outside): (&[Candidate], &[OutsideValue]),
     equivalents: &BTreeMap<String, Vec<String>>,
 ) -> String {
-    let title = |id: &str| id.replace('_', " ");
     let is_open = |id: &str| {
         let named = candidates.iter().find(|candidate| candidate.effect == id);
         named.is_some_and(|named| named.parameters.iter().any(is_size_open))
@@ -355,10 +335,10 @@ pub(crate) fn sentence(
             let uncertain = if is_open(id) { ", size uncertain" } else { "" };
             match equivalents.get(id) {
                 Some(ids) if ids.len() > 1 => {
-                    let others: Vec<String> = ids[1..].iter().map(|id| title(id)).collect();
-                    format!("{} (or {}){uncertain}", title(id), others.join(" or "))
+                    let others: Vec<String> = ids[1..].iter().map(|id| spaced(id)).collect();
+                    format!("{} (or {}){uncertain}", spaced(id), others.join(" or "))
                 }
-                _ => title(id) + uncertain,
+                _ => spaced(id) + uncertain,
             }
         })
         .collect();
@@ -412,7 +392,7 @@ pub(crate) fn sentence(
             let best = candidates.first().map_or(String::new(), |best| {
                 format!(
                     "; the best of them, {}, explains {:.0} % of the excess error",
-                    title(&best.effect),
+                    spaced(&best.effect),
                     100.0 * best.explained_share.max(0.0)
                 )
             });

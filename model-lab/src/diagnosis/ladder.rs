@@ -1,6 +1,5 @@
 //! From the plain model to the named effects.
 
-
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::result::Verdict;

@@ -29,6 +29,7 @@ mod logged_supply;
 mod logger_time;
 pub mod next_experiment;
 mod nuisance;
+mod plausibility;
 mod predictor;
 mod read_log;
 mod refine;
@@ -50,6 +51,7 @@ mod unknowns;
 mod vector;
 mod verdict;
 mod view;
+mod words;
 
 use std::time::Instant;
 

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use super::words::{significant, spaced};
 pub use crate::result::{ClockSource, FoundClock, FoundStart};
 use crate::result::{LogDefects, NotCompared, Warning};
 
@@ -127,7 +128,8 @@ impl OutsideValue {
 impl fmt::Display for OutsideValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, value, .. } = self;
-        let [value, least, most] = [*value, self.least, self.most].map(three_digits);
+        let [value, least, most] =
+            [*value, self.least, self.most].map(|value| significant(value, 3));
         let unit = match self.unit.is_empty() {
             true => String::new(),
             false => format!(" {}", self.unit),
@@ -138,20 +140,6 @@ impl fmt::Display for OutsideValue {
         } else {
             write!(f, "{least} to {most}{unit}")
         }
-    }
-}
-
-pub(crate) fn spaced(id: &str) -> String {
-    id.replace('_', " ")
-}
-
-/// Three significant digits, with an exponent where a plant file has one.
-fn three_digits(value: f64) -> String {
-    let rounded = format!("{value:.2e}").parse().unwrap_or(value);
-    if rounded != 0.0 && !(1e-3..1e6).contains(&f64::abs(rounded)) {
-        format!("{rounded:e}")
-    } else {
-        rounded.to_string()
     }
 }
 
@@ -278,7 +266,7 @@ pub struct FittedParameter {
     pub low: f64,
     /// Upper end of the 95 % interval.
     pub high: f64,
-    /// A size that is met in practice; null where none is known.
+    /// A size that is met in practice, on a rig of this volume and of these pressures; null where none is known.
     pub typical: Option<f64>,
     /// Whether it ran to the end of its range: physics is missing, or the logs do not show it.
     pub at_bound: bool,

@@ -12,6 +12,8 @@ pub(crate) const MATERIAL_EXCESS: f64 = 0.40;
 pub(crate) const MODEL_ERROR: f64 = 1.8e-4;
 /// A mean square of white noise is beyond this many of its standard deviations once in a hundred logs.
 pub(crate) const CHANCE: f64 = 2.33;
+/// A share of the excess error that is worth figures.
+pub(crate) const WORTH_SHOWING: f64 = 0.05;
 /// Share of the excess that names explain where nothing material remains.
 pub(crate) const FOUND_SHARE: f64 = 0.90;
 /// Share of the excess below which nothing is named.

@@ -6,9 +6,8 @@ use plant_sim::parameters::ParameterSpec;
 
 use super::nuisance::{Nuisance, Shows, nuisances};
 use super::result::{Candidate, DetectionLimit, Diagnosis};
+use super::verdict::WORTH_SHOWING;
 
-/// A share of the excess error that is worth figures.
-const WORTH_SHOWING: f64 = 0.05;
 /// So many candidates are contenders in any case.
 const FEWEST: usize = 3;
 

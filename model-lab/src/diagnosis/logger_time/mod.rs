@@ -104,7 +104,10 @@ impl Delay {
     /// Delays to try with each clock (s), `step_s` apart.
     fn candidates_s(self, plant: &PlantParameters, step_s: f64) -> Vec<f64> {
         let there_s = plant.ecu.command_delay_s;
-        let is_commanded = plant.functions.iter().any(|&function| function != ValveFunction::Absent);
+        let is_commanded = plant
+            .functions
+            .iter()
+            .any(|&function| function != ValveFunction::Absent);
         match self {
             Self::Searched if is_commanded => {
                 let steps = (DELAY_REACH_S / step_s).round() as i32;

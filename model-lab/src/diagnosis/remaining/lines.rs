@@ -50,6 +50,8 @@ pub(super) struct Swing<'a> {
     unit: &'static str,
     rows: Vec<usize>,
     samples: Samples,
+    /// Largest amplitude that the cause can have.
+    largest: f64,
     /// What the weighted sum of squares is where there is only noise.
     noise: f64,
     highest_hz: f64,
@@ -60,6 +62,8 @@ pub(super) struct Sensitivity {
     pub(super) regime: Regime,
     /// Unit of the cause.
     pub(super) unit: &'static str,
+    /// Largest amplitude that the cause can have.
+    pub(super) largest: f64,
     /// In bar per unit of the cause.
     pub(super) bar: Vec<f64>,
 }
@@ -92,7 +96,11 @@ impl<'a> Swing<'a> {
             )
         });
         let (condition, unit) = (sensitivity.regime.name(), sensitivity.unit);
-        Self::new((course.channel, condition, unit), values, course.log, plant)
+        let swing = Self::new((course.channel, condition, unit), values, course.log, plant)?;
+        Some(Self {
+            largest: sensitivity.largest,
+            ..swing
+        })
     }
 
     /// What remains of a coil current, whatever the valves do.
@@ -148,6 +156,7 @@ impl<'a> Swing<'a> {
                 values,
                 weights,
             },
+            largest: f64::INFINITY,
             noise,
             highest_hz,
         })
@@ -182,7 +191,9 @@ impl<'a> Swing<'a> {
         while tried < LINES
             && let Some((line, wave)) = self.strongest(trials)
         {
-            let is_own = 2.0 * wave.power > LEAST_SHARE * excess && !self.is_commanded(&wave);
+            let is_own = 2.0 * wave.power > LEAST_SHARE * excess
+                && wave.amplitude() <= self.largest
+                && !self.is_commanded(&wave);
             let Samples {
                 times_s, values, ..
             } = &mut self.samples;

@@ -137,13 +137,24 @@ fn sensitivities(
         let Some(moved) = predicted(logs, &moved) else {
             continue;
         };
+        // A supply swings by its own pressure at most, and a flow by all of it.
+        let largest = if regime == Regime::Venting {
+            1.0
+        } else {
+            plant.gas.supply_pressure_bar_gauge
+        };
         let of = |(n, course): &(usize, Course)| {
             let column = course.channel.column;
             let pairs = moved[*n].iter().zip(&rows[*n]);
             let bar = pairs
                 .map(|(moved, row)| (moved[column] - row[column]) / step)
                 .collect();
-            Sensitivity { regime, unit, bar }
+            Sensitivity {
+                regime,
+                unit,
+                largest,
+                bar,
+            }
         };
         all.push(courses.iter().map(of).collect());
     }
@@ -164,6 +175,7 @@ fn leak(course: &Course) -> Sensitivity {
     Sensitivity {
         regime: Regime::Shut,
         unit: "bar/s",
+        largest: f64::INFINITY,
         bar,
     }
 }
@@ -281,10 +293,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_supply_that_swings_is_a_line() {
-        let plant = PlantParameters::nominal().with_effect(EffectSetting::typical(&Swings));
-        // Fills at instants of no period.
+    /// Fills at instants of no period.
+    fn fills_of_no_period() -> Vec<(f64, f64, f64)> {
         let mut phases = vec![(1.0, 0.0, 0.0)];
         for n in 0..40 {
             phases.extend([
@@ -293,10 +303,16 @@ mod tests {
                 (0.4, 0.0, 100.0),
             ]);
         }
+        phases
+    }
+
+    #[test]
+    fn a_supply_that_swings_is_a_line() {
+        let plant = PlantParameters::nominal().with_effect(EffectSetting::typical(&Swings));
         let remaining = seen(
             &Bench {
                 plant,
-                phases,
+                phases: fills_of_no_period(),
                 ..Bench::default()
             }
             .measure(),
@@ -311,6 +327,63 @@ mod tests {
             "{:?}",
             remaining.sentences
         );
+    }
+
+    /// A sensor that swings by 2 bar while air comes was said to be a supply that swings by ±21.8 bar.
+    #[test]
+    fn a_supply_does_not_swing_by_more_than_its_pressure() {
+        let rig = Bench {
+            phases: fills_of_no_period(),
+            ..Bench::default()
+        };
+        let log = rig.measure();
+        let values = |name: &str| log.signal(name).unwrap().values_or_nan().to_vec();
+        let duties = values("duty_fill");
+        let mut mended = Recording::new(log.provenance().clone());
+        let (_, base) = log.time_bases().next().unwrap();
+        let id = mended.add_time_base(base.clone());
+        for signal in log.signals() {
+            let mut own = values(signal.name());
+            if signal.name() == "p_ch" {
+                for ((value, time_s), duty) in own.iter_mut().zip(base.times_s()).zip(&duties) {
+                    if *duty > 0.0 {
+                        *value += 2.0 * (core::f64::consts::TAU * 0.7 * time_s).sin();
+                    }
+                }
+            }
+            mended
+                .add_signal(signal.name(), signal.unit(), id, own)
+                .unwrap();
+        }
+        let supply_bar = rig.plant.gas.supply_pressure_bar_gauge;
+        for line in seen(&mended).spectral_lines {
+            assert!(
+                line.condition != "filling" || line.amplitude <= supply_bar,
+                "{line:?}"
+            );
+        }
+    }
+
+    /// The supply swings at the second harmonic of fills every 2.86 s: what comes with the commands may come from them.
+    #[test]
+    fn a_harmonic_of_the_commands_is_no_line() {
+        let plant = PlantParameters::nominal().with_effect(EffectSetting::typical(&Swings));
+        let mut phases = vec![(1.0, 0.0, 0.0)];
+        for n in 0..20 {
+            let duty = 35.0 + 8.0 * f64::from(n * 5 % 7);
+            let length_s = 0.2 + 0.05 * f64::from(n * 3 % 8);
+            phases.extend([
+                (length_s, duty, 0.0),
+                (1.86 - length_s, 0.0, 0.0),
+                (1.0, 0.0, 100.0),
+            ]);
+        }
+        let rig = Bench {
+            plant,
+            phases,
+            ..Bench::default()
+        };
+        assert_eq!(seen(&rig.measure()).spectral_lines, []);
     }
 
     /// Twenty like pulses, of which the rig misses one.

@@ -1,0 +1,120 @@
+//! Whether a fitted size is one that is met in practice: a leak beside the volume that it empties, the error of a sensor beside the
+//! pressures that it shows.
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::{EntryPoint, by_id};
+use plant_sim::parameters::ParameterSpec;
+
+use super::evidence::Evidence;
+use super::result::FittedParameter;
+use super::words::significant;
+
+/// A size this many times above or below the typical one is not met in practice.
+const IMPLAUSIBLE: f64 = 20.0;
+
+/// A rig beside the nominal one, for which the typical sizes of the library hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Practice {
+    /// Volume of the chamber over the nominal one.
+    volume: f64,
+    /// Largest measured pressure over the nominal supply pressure, both gauge.
+    pressure: f64,
+}
+
+impl Practice {
+    pub(crate) fn new(plant: &PlantParameters, evidence: &Evidence) -> Self {
+        let nominal = PlantParameters::nominal();
+        let measured = evidence.logs.iter().filter_map(|log| log.pressure());
+        let values = measured.flat_map(|channel| channel.values.iter().copied());
+        let largest_bar = values.map(f64::abs).fold(0.0, f64::max);
+        Self {
+            volume: plant.chamber.volume_m3 / nominal.chamber.volume_m3,
+            pressure: largest_bar / nominal.gas.supply_pressure_bar_gauge,
+        }
+    }
+
+    /// Returns the typical value of a parameter on this rig; none where it is no size of an effect.
+    pub(crate) fn typical(&self, spec: &ParameterSpec) -> Option<f64> {
+        let typical = spec.size?.typical;
+        let effect = spec.effect_id().and_then(by_id);
+        Some(
+            match (effect.map(|effect| effect.about().acts_on), spec.unit) {
+                (Some(EntryPoint::Leak), "m2") => typical * self.volume,
+                (Some(EntryPoint::Sensor), "bar") => typical * self.pressure,
+                _ => typical,
+            },
+        )
+    }
+}
+
+/// Returns whether fitted `parameters` of one effect are plausible, in words.
+pub(crate) fn plausibility(parameters: &[FittedParameter]) -> String {
+    if parameters.is_empty() {
+        return "explains nothing at any size that was tried".to_owned();
+    }
+    let of_typical = |parameter: &FittedParameter| {
+        let typical = parameter.typical.filter(|&typical| typical != 0.0)?;
+        Some((parameter.value / typical).abs())
+    };
+    let is_odd = |parameter: &&FittedParameter| {
+        let is_usual = |ratio| (1.0 / IMPLAUSIBLE..=IMPLAUSIBLE).contains(&ratio);
+        parameter.at_bound || of_typical(parameter).is_some_and(|ratio| !is_usual(ratio))
+    };
+    let Some(odd) = parameters.iter().find(is_odd) else {
+        return "plausible: within what is met in practice".to_owned();
+    };
+    match of_typical(odd) {
+        Some(ratio) if !odd.at_bound => format!(
+            "implausible: {} is {} times the size that is typical of such a rig",
+            odd.key,
+            significant(ratio, 2)
+        ),
+        _ => format!("implausible: {} ran to the end of its range", odd.key),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::gather::gather;
+    use super::*;
+    use crate::bench::Bench;
+
+    fn on_a_rig(volume_m3: f64) -> Practice {
+        let mut bench = Bench::default();
+        bench.plant.chamber.volume_m3 = volume_m3;
+        let evidence = gather(&bench.plant, &[bench.measure()]).unwrap();
+        Practice::new(&bench.plant, &evidence)
+    }
+
+    fn told(practice: &Practice, name: &str, value: f64) -> String {
+        let spec = ParameterSpec::by_name(name).unwrap();
+        plausibility(&[FittedParameter {
+            key: spec.key.to_owned(),
+            unit: spec.unit.to_owned(),
+            value,
+            low: value,
+            high: value,
+            typical: practice.typical(spec),
+            at_bound: false,
+        }])
+    }
+
+    #[test]
+    fn a_leak_is_plausible_beside_the_volume_that_it_empties() {
+        let area = "effects.chamber_leak.area_m2";
+        assert!(
+            told(&on_a_rig(75e-6), area, 2e-6).starts_with("implausible: area_m2 is 100 times")
+        );
+        assert!(told(&on_a_rig(750e-6), area, 2e-6).starts_with("plausible"));
+    }
+
+    /// A drift of 14 % of the reading was called plausible.
+    #[test]
+    fn the_drift_of_a_sensor_is_plausible_beside_what_it_shows() {
+        let practice = on_a_rig(75e-6);
+        let drift = "effects.sensor_offset.drift_bar";
+        let reading_bar = 8.4 * practice.pressure;
+        assert!(told(&practice, drift, 0.14 * reading_bar).starts_with("implausible"));
+        assert!(told(&practice, drift, 0.03 * reading_bar).starts_with("plausible"));
+    }
+}
