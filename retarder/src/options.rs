@@ -60,6 +60,11 @@ impl Options {
         format!("{plant}{}{}{}", self.logs, self.mapping, self.needs)
     }
 
+    /// The same with the plant file written anew.
+    pub(crate) fn with_plant_anew(&self, plant: &Path) -> String {
+        self.with_plant(plant) + &option("--out", &plant.to_string_lossy())
+    }
+
     /// The same with the first log alone.
     pub(crate) fn with_plant_and_one_log(&self, plant: &Path) -> String {
         let plant = paths("--plant", &[plant]);

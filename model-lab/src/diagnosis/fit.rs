@@ -27,6 +27,8 @@ const CONVERGED: f64 = 0.5;
 const CONVERGED_SHARE: f64 = 1e-4;
 /// In a search, a decrease below this share of what the noise does not explain is none.
 const CONVERGED_EXCESS_SHARE: f64 = 5e-3;
+/// A fit has not converged if a further step promises this share of what the noise does not explain.
+const UNCONVERGED_EXCESS_SHARE: f64 = 0.1;
 /// A step is at most this long in each coordinate, ...
 const LONGEST_STEP: f64 = 1.5;
 /// ... and this long where large errors are forgiven: the way is long, and the model hardly linear.
@@ -372,10 +374,22 @@ impl<'a> Fitter<'a> {
     }
 
     fn converged(&self, cost: f64) -> f64 {
-        let excess = (cost - self.evidence.counted_samples()).max(0.0);
         CONVERGED
             .max(self.converged_share * cost)
-            .max(self.converged_excess_share * excess)
+            .max(self.converged_excess_share * self.excess(cost))
+    }
+
+    /// What the noise does not explain of a cost.
+    fn excess(&self, cost: f64) -> f64 {
+        (cost - self.evidence.counted_samples()).max(0.0)
+    }
+
+    /// Whether a further step from `fit`, which has its own Jacobian, promises little beside what is left.
+    pub(crate) fn is_converged(&self, fit: &Fit) -> bool {
+        let (_, expected) = self.step(fit, 0.0);
+        let cost = self.cost(&fit.z, &fit.residuals);
+        let share = UNCONVERGED_EXCESS_SHARE * self.excess(cost);
+        expected <= self.converged(cost).max(share)
     }
 
     /// The damped step from `fit` within the bounds, and by how much a linear model's cost falls.

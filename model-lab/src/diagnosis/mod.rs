@@ -72,6 +72,7 @@ pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 
+use fit::Fitter;
 use gather::gather;
 use logged_supply::with_logged_supply;
 use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
@@ -128,6 +129,9 @@ pub fn diagnose_with(
     Ok(told.unwrap_or(first))
 }
 
+/// What an answer says beside a fit that has not converged.
+const NOT_CONVERGED: &str = "; the fit has not converged, so its values and names are in doubt: estimate the plant first (refine), and diagnose that";
+
 /// A diagnosis within what the plant file admits, and what a second look needs.
 struct Answer {
     diagnosis: Diagnosis,
@@ -163,6 +167,8 @@ fn diagnose_within(
     let last = found.steps.last_mut().expect("at least the plain plant");
     search::report(watch, "the final fit", 0.0)?;
     last.polish(&bench).ok_or_else(|| split.not_simulated())?;
+    let is_converged =
+        !last.is_material() || Fitter::new(bench.fitting, &last.unknowns).is_converged(&last.fit);
 
     let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
     search::report(watch, "detection limits", 0.0)?;
@@ -211,7 +217,8 @@ fn diagnose_within(
             &ladder,
             (&candidates, &outside),
             &equivalents,
-        ),
+        ) + if is_converged { "" } else { NOT_CONVERGED },
+        is_converged,
         effects: ladder
             .iter()
             .filter_map(|step| step.added.clone())

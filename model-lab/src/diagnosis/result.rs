@@ -49,6 +49,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The answer in words.
     pub sentence: String,
+    /// Whether the last fit has converged: a further step promises little.
+    pub is_converged: bool,
     /// Ids of the named effects in the order added.
     pub effects: Vec<String>,
     /// Whether a material part of the excess error remains after them.

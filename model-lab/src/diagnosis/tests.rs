@@ -6,10 +6,12 @@ use plant_sim::logger_clock::LoggerClock;
 use recording::{Recording, TimeBase, Unit};
 
 use super::assemble::regimes;
+use super::fit::{Descent, Difference, Fitter};
 use super::gather::gather;
 use super::logger_time::fit_conditions;
 use super::result::Verdict;
 use super::split::Split;
+use super::unknowns::Unknowns;
 use super::{diagnose, refine};
 use crate::bench::{Bench, logged};
 
@@ -60,6 +62,26 @@ fn a_signal_that_could_not_be_weighed_is_named_with_its_reason() {
     assert!(other_rate.contains("time base"), "{other_rate}");
     assert!(still.contains("hardly changes"), "{still}");
     assert!(not_compared(measured).is_empty());
+}
+
+/// A valve that is mistaken by 30 %: from there a step promises nearly everything, from the end of the fit nothing.
+#[test]
+fn a_fit_has_converged_at_its_end_and_not_on_its_way() {
+    let mut plant = PlantParameters::nominal();
+    plant.flow.discharge_fill *= 0.7;
+    let evidence = gather(&plant, &[Bench::default().measure()]).unwrap();
+    let unknowns = Unknowns::new(&plant, &[], &evidence.logs);
+    let fitter = Fitter::new(&evidence, &unknowns);
+    let mut start = fitter.at(unknowns.start()).unwrap();
+    fitter
+        .differentiate(&mut start, 0, Difference::Central)
+        .unwrap();
+    assert!(!fitter.is_converged(&start));
+    let mut end = fitter.descend(start, Descent::Whole).unwrap();
+    fitter
+        .differentiate(&mut end, 0, Difference::Central)
+        .unwrap();
+    assert!(fitter.is_converged(&end));
 }
 
 /// The fitted log never fills the chamber, so that a leak shows only in the log for checking.

@@ -139,6 +139,10 @@ impl EstimatedPlant {
         let options = &self.task.options;
         let estimation = &self.estimated.estimation;
         let diagnose = format!("retarder diagnose{}", options.with_plant(plant));
+        if !estimation.is_converged {
+            let again = format!("retarder refine{}", options.with_plant_anew(plant));
+            return vec![(again, "go on with the fit")];
+        }
         if !estimation.is_adequate {
             return vec![(diagnose, "which physical effect is missing?")];
         }

@@ -65,6 +65,7 @@ pub fn estimate(
         unknowns,
         fit,
         sharp,
+        is_converged,
     } = stages::fit(plant, &mut split, watch)?;
     let bench = bench(plant, &split);
     let trial = bench.judge(plant.effects.clone(), unknowns, fit);
@@ -86,8 +87,9 @@ pub fn estimate(
         not_compared: split.not_compared(),
         defects: split.defects(),
         held_out: split.held_out().to_owned(),
-        sentence: result::sentence(!trial.is_material(), &parameters),
+        sentence: result::sentence(!trial.is_material(), is_converged, &parameters),
         is_adequate: !trial.is_material(),
+        is_converged,
         steps: steps.into(),
         parameters,
         clocks: split.clocks(),

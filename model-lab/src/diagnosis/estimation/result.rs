@@ -44,6 +44,8 @@ pub struct Estimation {
     pub sentence: String,
     /// Whether the estimated model leaves no more than the noise.
     pub is_adequate: bool,
+    /// Whether the fit has converged: a further step from the estimated values promises little.
+    pub is_converged: bool,
     /// The errors, from the plant as given on.
     pub steps: Vec<Step>,
     /// The parameters.
@@ -105,7 +107,11 @@ pub enum Determination {
 }
 
 /// Returns the result in words.
-pub(super) fn sentence(is_adequate: bool, parameters: &[EstimatedParameter]) -> String {
+pub(super) fn sentence(
+    is_adequate: bool,
+    is_converged: bool,
+    parameters: &[EstimatedParameter],
+) -> String {
     let determined = |one: &&EstimatedParameter| one.determination == Determination::Determined;
     let count = parameters.iter().filter(determined).count();
     let are = if count == 1 { "is" } else { "are" };
@@ -115,6 +121,9 @@ pub(super) fn sentence(is_adequate: bool, parameters: &[EstimatedParameter]) -> 
     );
     if is_adequate {
         format!("the estimated model leaves no more than the noise; {known}")
+    } else if !is_converged {
+        "the fit has not converged: the estimated model leaves more than the noise, and other values would leave less; estimate again from the written file, or state narrower ranges"
+            .to_owned()
     } else {
         format!(
             "the estimated model leaves more than the noise, so physics is missing and its error biases the estimates; {known}"

@@ -48,6 +48,8 @@ pub(super) struct Fitted {
     pub(super) fit: Fit,
     /// The same point, simulated accurately, with a Jacobian in which what the logs leave open is open.
     pub(super) sharp: Fit,
+    /// Whether a further step promises little, or the noise alone is left.
+    pub(super) is_converged: bool,
 }
 
 /// Fits the ordinary parameters of `plant`, the parameters of its effects and the clocks of the loggers.
@@ -92,15 +94,16 @@ pub(super) fn fit(
     }
     let mut kept = kept.ok_or_else(|| split.not_simulated())?;
     report(watch, "intervals", 0.0)?;
-    let fitter = Fitter::accurate(&split.fitting, &unknowns);
-    let sharp = fitter.at(kept.z.clone()).and_then(|mut sharp| {
-        fitter.differentiate(&mut sharp, 0, Difference::Fine)?;
+    let accurate = Fitter::accurate(&split.fitting, &unknowns);
+    let sharp = accurate.at(kept.z.clone()).and_then(|mut sharp| {
+        accurate.differentiate(&mut sharp, 0, Difference::Fine)?;
         Some(sharp)
     });
     let mut sharp = sharp.ok_or_else(|| split.not_simulated())?;
-    measure_weak_directions(&fitter, &mut sharp);
+    let is_converged = !is_material(&kept) || fitter.is_converged(&sharp);
+    measure_weak_directions(&accurate, &mut sharp);
     if !is_material(&kept)
-        && let Some(fit) = settled(&fitter, &sharp)
+        && let Some(fit) = settled(&accurate, &sharp)
     {
         (kept, sharp) = (fit.clone(), fit);
     }
@@ -111,6 +114,7 @@ pub(super) fn fit(
         unknowns,
         fit: kept,
         sharp,
+        is_converged,
     })
 }
 

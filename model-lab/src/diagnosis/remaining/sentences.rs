@@ -9,8 +9,8 @@ pub(super) fn sentences(remaining: &Remaining, is_material: bool) -> Vec<String>
     sentences.extend(remaining.missing_flow.iter().map(curve));
     if sentences.is_empty() && is_material {
         sentences.push(
-            "what remains has no shape that stands out from chance: no curve against pressure, time or duty, no \
-             spectral line, no single lost pulse"
+            "what remains is more than noise, and none of the shapes that are looked for stands out in it: no curve of \
+             the missing flow against pressure, time or duty, no spectral line, no single lost pulse"
                 .to_owned(),
         );
     }
