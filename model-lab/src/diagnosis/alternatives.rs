@@ -2,12 +2,26 @@
 
 use std::collections::BTreeMap;
 
+use plant_sim::effects::{EntryPoint, by_id};
+
 use super::result::Diagnosis;
 use super::verdict::DISTINGUISHABLE;
 use super::words::{significant, spaced};
 
 /// So many of the nearest effects are told.
 const NEAREST_TOLD: usize = 4;
+
+/// What shows the effect `id`, in words: an experiment, or a sensor that sees it alone.
+fn shown_by(id: &str) -> Option<String> {
+    let about = by_id(id)?.about();
+    let sensor = match about.acts_on {
+        EntryPoint::GasEnergy => ", or a logged gas temperature t_gas",
+        EntryPoint::AirSupply => ", or a logged supply pressure p_sup",
+        EntryPoint::Sensor => ", or a second sensor",
+        _ => "",
+    };
+    Some(format!("{}, {}{sensor}", spaced(id), about.excited_by))
+}
 
 impl Diagnosis {
     /// What else each named effect could be, in words: which effects are mistaken for it, which explain nearly as much, and how far
@@ -27,10 +41,13 @@ impl Diagnosis {
             };
             let mut told = Vec::new();
             if !mistaken.is_empty() {
+                let all = [id].into_iter().chain(mistaken.iter().copied());
+                let shown: Vec<String> = all.filter_map(|id| shown_by(id)).collect();
                 let mistaken = list(mistaken);
                 told.push(format!(
-                    "These logs cannot tell {} from {mistaken}.",
-                    spaced(id)
+                    "These logs cannot tell {} from {mistaken}. What shows each: {}.",
+                    spaced(id),
+                    shown.join("; ")
                 ));
             }
             if !close.is_empty() {

@@ -109,7 +109,7 @@ pub(crate) fn candidate(bench: &Bench, plain: &Trial, last: &Trial, tried: &Trie
             .as_ref()
             .map_or(0.0, |trial| trial.evidence_over(plain)),
         free_parameters: plain.unknowns.len() + tried.setting.parameters().len(),
-        plausibility: plausibility(&parameters),
+        plausibility: plausibility(about.id, &parameters),
         detection_limit: excited(
             detection_limit(bench, limit_base, &tried.setting),
             explained_share,
@@ -288,13 +288,13 @@ pub(crate) fn regimes(
 pub(crate) fn moved_by_refit(given: &[Regime], refitted: &[Regime]) -> Vec<String> {
     let told = given.iter().zip(refitted).filter_map(|(given, refitted)| {
         given.regime.as_ref().filter(|_| given.regime != refitted.regime)?;
-        let rest = match refitted.regime {
-            Some(_) => "what it leaves is elsewhere",
-            None => "nothing is left to place",
+        let after = match refitted.regime {
+            Some(_) => "most of what is left is elsewhere",
+            None => refitted.sentence.as_str(),
         };
         let Regime { log, signal, sentence, .. } = given;
         Some(format!(
-            "{log}, {signal}: `compare` judges the plant as given, where {sentence}; the refit of the ordinary parameters takes that error, and {rest}"
+            "{log}, {signal}: `compare` judges the plant as given, where {sentence}; with the ordinary parameters refitted, {after}"
         ))
     });
     told.collect()

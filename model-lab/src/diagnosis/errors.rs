@@ -6,6 +6,7 @@ use super::evidence::Evidence;
 use super::log::Run;
 use super::result::BySignal;
 use super::verdict::{CHANCE, MATERIAL_EXCESS};
+use crate::measured::is_current;
 
 /// Sums over the samples of one signal in all logs.
 #[derive(Debug, Clone, Default)]
@@ -23,6 +24,10 @@ impl Sums {
     /// More excess than two correct programs have, and than chance gives so few samples.
     fn material_excess(&self) -> f64 {
         MATERIAL_EXCESS * MATERIAL_EXCESS + CHANCE * (2.0 / self.count).sqrt()
+    }
+
+    fn is_material(&self) -> bool {
+        self.normalised_square / self.count - 1.0 >= self.material_excess()
     }
 }
 
@@ -71,10 +76,13 @@ impl Errors {
 
     /// Whether a signal has more excess than a correct model may have, and more than chance gives so few samples.
     pub(crate) fn is_material(&self) -> bool {
-        self.0.values().any(|sums| {
-            let excess = sums.normalised_square / sums.count - 1.0;
-            excess >= sums.material_excess()
-        })
+        self.0.values().any(Sums::is_material)
+    }
+
+    /// The same of a current.
+    pub(crate) fn is_current_material(&self) -> bool {
+        let mut currents = self.0.iter().filter(|(signal, _)| is_current(signal));
+        currents.any(|(_, sums)| sums.is_material())
     }
 
     /// The size of these errors over the size at which they would be material beside the noise, of the signal that has most.

@@ -129,6 +129,17 @@ impl Evidence {
         open.map(|log| log.sampling = sampling).count() > 0
     }
 
+    /// Takes the currents of each log that leaves it open the other way; returns whether there is such a log.
+    pub(crate) fn take_other_sampling(&mut self) -> bool {
+        let open = self.logs.iter().find(|log| log.is_sampling_open());
+        let other = match open.map(|log| log.sampling) {
+            Some(CurrentSampling::Instant) => CurrentSampling::MeanOfInterval,
+            Some(CurrentSampling::MeanOfInterval) => CurrentSampling::Instant,
+            None => return false,
+        };
+        self.set_open_sampling(other)
+    }
+
     /// As [`Self::residuals_within`], under these conditions, log after log.
     pub(crate) fn residuals_on(
         &self,

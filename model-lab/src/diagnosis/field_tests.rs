@@ -86,3 +86,19 @@ fn a_sensor_lag_is_told_from_the_clock_of_a_slow_logger() {
     assert_eq!(diagnosis.effects, ["sensor_lag"]);
     assert_eq!(diagnosis.clocks.len(), 2);
 }
+
+/// Means over a row of 1.7 ms look like values of an instant half a row earlier, and so does the jump of a current that eddy currents make:
+/// without them values of an instant fit better, and with that choice no effect is found.
+#[test]
+fn eddy_currents_are_told_from_currents_of_an_instant() {
+    let eddy = EffectSetting::typical(by_id("eddy_currents").unwrap());
+    let plant = PlantParameters::nominal().with_effect(eddy.with("loop_resistance_ohm", 320.0));
+    let logs = [(8.9e-3, 1), (4.7e-3, 2)].map(|(phase_s, seed)| {
+        let drift_ppm = -149.0;
+        logged(&plant, LoggerClock { phase_s, drift_ppm }, 1.68e-3, seed)
+    });
+    let library = ["eddy_currents", "iron_saturation", "flyback_clamp"];
+    let diagnosis = diagnosed(&PlantParameters::nominal(), &library, &logs);
+    assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
+    assert_eq!(diagnosis.effects, ["eddy_currents"]);
+}

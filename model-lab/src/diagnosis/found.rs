@@ -10,9 +10,10 @@ use plant_sim::effects::Effect;
 
 use super::error::DiagnoseError;
 use super::ladder::{self, Ladder};
-use super::search::{Tried, Watch, report};
+use super::search::{Tried, Watch, report, shows_in_currents};
 use super::split::Split;
 use super::trial::{Bench, Trial};
+use super::verdict::CLEARLY_LESS;
 
 /// Finds what `plain`, the refitted plant, lacks.
 pub(crate) fn find(
@@ -66,7 +67,49 @@ fn climb_from(
             judge_anew(&bench, &mut singles);
         }
     }
+    if leaves_currents(&plain, &singles)
+        && let Some(other) = taken_otherwise(split, plant, library, (&plain, &singles), watch)?
+    {
+        (plain, singles) = other;
+    }
     ladder::climb(&split.bench(plant, library), plain, singles, watch)
+}
+
+/// Whether neither `plain` nor an effect alone explains the currents.
+fn leaves_currents(plain: &Trial, singles: &[Tried]) -> bool {
+    let trials = singles.iter().filter_map(|tried| tried.trial.as_ref());
+    core::iter::once(plain)
+        .chain(trials)
+        .all(Trial::leaves_currents)
+}
+
+/// The plain plant and every effect alone with the currents taken the other way, as means or as values of an instant, where that leaves
+/// clearly less: a wrong choice hides what is missing in the coils.
+fn taken_otherwise(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    (plain, singles): (&Trial, &[Tried]),
+    watch: Watch,
+) -> Result<Option<(Trial, Vec<Tried>)>, DiagnoseError> {
+    let least = |plain: &Trial, singles: &[Tried]| {
+        let costs = singles.iter().map(Tried::cost);
+        costs.fold(plain.total_square(), f64::min)
+    };
+    let bound = CLEARLY_LESS * least(plain, singles);
+    let of_coils = library.iter().copied();
+    let of_coils: Vec<_> = of_coils
+        .filter(|&effect| shows_in_currents(effect))
+        .collect();
+    split.with_other_sampling(plant, |split| {
+        let plain = split.plain_from(plant, plant)?;
+        let singles = ladder::singles(&split.bench(plant, &of_coils), &plain, watch)?;
+        if least(&plain, &singles) >= bound {
+            return Ok(None);
+        }
+        let singles = ladder::singles(&split.bench(plant, library), &plain, watch)?;
+        Ok(Some((plain, singles)))
+    })
 }
 
 fn judge_anew(bench: &Bench, singles: &mut [Tried]) {

@@ -6,7 +6,7 @@ use recording::Recording;
 use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::log::Log;
-use super::logger_time::{Delay, find_clock};
+use super::logger_time::{Delay, find_clock, find_sampling};
 use super::read_log::Read;
 use super::sensor_noise::SensorNoise;
 use super::supply::find_supply;
@@ -31,5 +31,7 @@ pub(super) fn gather<'a>(
         Ok(alone.logs)
     });
     let logs: Vec<_> = logs.collect::<Result<_, DiagnoseError>>()?;
-    Ok(Evidence::of(logs.into_iter().flatten().collect()))
+    let mut evidence = Evidence::of(logs.into_iter().flatten().collect());
+    find_sampling(parameters, &mut evidence, Delay::Searched);
+    Ok(evidence)
 }

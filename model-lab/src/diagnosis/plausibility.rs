@@ -2,7 +2,6 @@
 //! pressures that it shows.
 
 use plant_sim::PlantParameters;
-use plant_sim::effects::{EntryPoint, by_id};
 use plant_sim::parameters::ParameterSpec;
 
 use super::evidence::Evidence;
@@ -36,19 +35,16 @@ impl Practice {
     /// Returns the typical value of a parameter on this rig; none where it is no size of an effect.
     pub(crate) fn typical(&self, spec: &ParameterSpec) -> Option<f64> {
         let typical = spec.size?.typical;
-        let effect = spec.effect_id().and_then(by_id);
-        Some(
-            match (effect.map(|effect| effect.about().acts_on), spec.unit) {
-                (Some(EntryPoint::Leak), "m2") => typical * self.volume,
-                (Some(EntryPoint::Sensor), "bar") => typical * self.pressure,
-                _ => typical,
-            },
-        )
+        Some(match (spec.effect_id(), spec.unit) {
+            (Some("chamber_leak" | "supply_seat_leak"), "m2") => typical * self.volume,
+            (Some("sensor_offset"), "bar") => typical * self.pressure,
+            _ => typical,
+        })
     }
 }
 
-/// Returns whether fitted `parameters` of one effect are plausible, in words.
-pub(crate) fn plausibility(parameters: &[FittedParameter]) -> String {
+/// Returns whether the fitted `parameters` of the effect `id` are plausible, in words. A strength may be as small as it likes.
+pub(crate) fn plausibility(id: &str, parameters: &[FittedParameter]) -> String {
     if parameters.is_empty() {
         return "explains nothing at any size that was tried".to_owned();
     }
@@ -56,8 +52,18 @@ pub(crate) fn plausibility(parameters: &[FittedParameter]) -> String {
         let typical = parameter.typical.filter(|&typical| typical != 0.0)?;
         Some((parameter.value / typical).abs())
     };
+    let off = |parameter: &FittedParameter| {
+        let spec = ParameterSpec::by_name(&format!("effects.{id}.{}", parameter.key))?;
+        spec.size?.off
+    };
     let is_odd = |parameter: &&FittedParameter| {
-        let is_usual = |ratio| (1.0 / IMPLAUSIBLE..=IMPLAUSIBLE).contains(&ratio);
+        let [mut least, mut most] = [1.0 / IMPLAUSIBLE, IMPLAUSIBLE];
+        match off(parameter) {
+            Some(0.0) => least = 0.0,
+            Some(_) => most = f64::INFINITY,
+            None => {}
+        }
+        let is_usual = |ratio| (least..=most).contains(&ratio);
         parameter.at_bound || of_typical(parameter).is_some_and(|ratio| !is_usual(ratio))
     };
     let Some(odd) = parameters.iter().find(is_odd) else {
@@ -88,7 +94,8 @@ mod tests {
 
     fn told(practice: &Practice, name: &str, value: f64) -> String {
         let spec = ParameterSpec::by_name(name).unwrap();
-        plausibility(&[FittedParameter {
+        let id = spec.effect_id().unwrap();
+        let fitted = FittedParameter {
             key: spec.key.to_owned(),
             unit: spec.unit.to_owned(),
             value,
@@ -96,7 +103,8 @@ mod tests {
             high: value,
             typical: practice.typical(spec),
             at_bound: false,
-        }])
+        };
+        plausibility(id, &[fitted])
     }
 
     #[test]
@@ -106,6 +114,7 @@ mod tests {
             told(&on_a_rig(75e-6), area, 2e-6).starts_with("implausible: area_m2 is 100 times")
         );
         assert!(told(&on_a_rig(750e-6), area, 2e-6).starts_with("plausible"));
+        assert!(told(&on_a_rig(75e-6), area, 1e-11).starts_with("plausible"));
     }
 
     /// A drift of 14 % of the reading was called plausible.

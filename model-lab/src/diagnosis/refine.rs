@@ -18,6 +18,7 @@ use super::search::{Tried, Watch, best_form, report};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
+use super::verdict::CLEARLY_LESS;
 use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
@@ -114,25 +115,23 @@ pub fn refine(
         .iter()
         .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
     report(watch, "the plain model", 0.0)?;
-    let (split, plain) = Split::that_shows(&without, logs, check)?;
-    let bench = Bench {
-        plant: &without,
-        library: &[],
-        fitting: &split.fitting,
-        checking: &split.checking,
-    };
-    let not_simulated = || split.not_simulated();
-    let mut steps = vec![plain];
-    for (index, forms) in forms.into_iter().enumerate() {
-        report(watch, "adding effects", index as f64 / add.len() as f64)?;
-        let base = &steps[steps.len() - 1];
-        let mut next = best_form(&bench, base, forms).ok_or_else(not_simulated)?;
-        next.refresh(&bench).ok_or_else(not_simulated)?;
-        steps.push(next);
+    let (mut split, plain) = Split::that_shows(&without, logs, check)?;
+    let mut steps = with_effects(&split, (&without, plain), &forms, watch)?;
+    let last = &steps[steps.len() - 1];
+    if last.leaves_currents() {
+        let bound = CLEARLY_LESS * last.total_square();
+        let other = split.with_other_sampling(&without, |split| {
+            let plain = split.plain_from(&without, &without)?;
+            let steps = with_effects(split, (&without, plain), &forms, watch)?;
+            let is_less = steps[steps.len() - 1].total_square() < bound;
+            Ok(is_less.then_some(steps))
+        })?;
+        steps = other.unwrap_or(steps);
     }
+    let bench = split.bench(&without, &[]);
     report(watch, "the final fit", 0.0)?;
     if let [_, .., last] = steps.as_mut_slice() {
-        last.polish(&bench).ok_or_else(not_simulated)?;
+        last.polish(&bench).ok_or_else(|| split.not_simulated())?;
     }
     let found = Ladder {
         steps,
@@ -165,6 +164,26 @@ pub fn refine(
         plant: with_provenance(last, &refinement.logs),
         refinement,
     })
+}
+
+/// The fitted plant `plain`, and one trial per effect, each in the best of its `forms` on top of those before it.
+fn with_effects(
+    split: &Split,
+    (plant, plain): (&PlantParameters, Trial),
+    forms: &[Vec<EffectSetting>],
+    watch: Watch,
+) -> Result<Vec<Trial>, DiagnoseError> {
+    let bench = split.bench(plant, &[]);
+    let not_simulated = || split.not_simulated();
+    let mut steps = vec![plain];
+    for (index, one) in forms.iter().enumerate() {
+        report(watch, "adding effects", index as f64 / forms.len() as f64)?;
+        let base = &steps[steps.len() - 1];
+        let mut next = best_form(&bench, base, one.clone()).ok_or_else(not_simulated)?;
+        next.refresh(&bench).ok_or_else(not_simulated)?;
+        steps.push(next);
+    }
+    Ok(steps)
 }
 
 /// The effect `id` in its form `variant`, or in all of its forms that `plant` may have.

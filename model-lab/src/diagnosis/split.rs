@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
+use plant_sim::replay::CurrentSampling;
 use recording::Recording;
 
 use super::error::DiagnoseError;
@@ -186,6 +187,35 @@ impl Split {
     ) -> Result<Trial, DiagnoseError> {
         let plain = self.bench(plant, &[]).plain_from(there);
         plain.ok_or_else(|| self.not_simulated())
+    }
+
+    /// Takes the currents of all logs that leave it open for `sampling`; returns whether one of those that are fitted does.
+    pub(super) fn set_open_sampling(&mut self, sampling: CurrentSampling) -> bool {
+        self.checking.set_open_sampling(sampling);
+        self.fitting.set_open_sampling(sampling)
+    }
+
+    /// What `attempt` makes of these logs with their currents taken the other way, as means or as values of an instant, and with the
+    /// conditions that suit `plant` then; none, and the logs as they were, where no log leaves it open or the attempt gives none.
+    pub(super) fn with_other_sampling<T>(
+        &mut self,
+        plant: &PlantParameters,
+        attempt: impl FnOnce(&Self) -> Result<Option<T>, DiagnoseError>,
+    ) -> Result<Option<T>, DiagnoseError> {
+        let before = [&self.fitting, &self.checking].map(Evidence::conditions);
+        self.checking.take_other_sampling();
+        if !self.fitting.take_other_sampling() {
+            return Ok(None);
+        }
+        self.fit_conditions(plant);
+        let attempted = attempt(self)?;
+        if attempted.is_none() {
+            self.checking.take_other_sampling();
+            self.fitting.take_other_sampling();
+            self.fitting.replace_conditions(&before[0]);
+            self.checking.replace_conditions(&before[1]);
+        }
+        Ok(attempted)
     }
 
     /// Finds the clocks of logs that leave open at which sample of the ECU a command was given, and assigns their commands, by `best`:

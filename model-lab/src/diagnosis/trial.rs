@@ -303,6 +303,11 @@ impl Trial {
         self.evidence_with_memory(other, memory) > 0.0
     }
 
+    /// Whether it leaves an error of a current, on the fitted logs or on what was held out.
+    pub(crate) fn leaves_currents(&self) -> bool {
+        self.fitted.is_current_material() || self.checked.is_current_material()
+    }
+
     /// The excess over the noise, mean of the fitted logs and of what was held out.
     pub(crate) fn mean_excess(&self) -> f64 {
         0.5 * (self.fitted.total_excess() + self.checked.total_excess())

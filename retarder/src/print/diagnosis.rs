@@ -399,10 +399,12 @@ fn location(found: &Diagnosis, terminal: &Terminal) -> String {
     if !found.effects.is_empty() {
         let after = placed(&found.location.after);
         if after.is_empty() {
-            text += &paragraph(
-                "With the named effects: no excess error is left to place.",
-                terminal,
-            );
+            let left = if found.unexplained {
+                "what is left is in no regime in particular"
+            } else {
+                "no excess error is left to place"
+            };
+            text += &paragraph(&format!("With the named effects: {left}."), terminal);
         }
         for sentence in after {
             text += &paragraph(&format!("With the named effects: {sentence}."), terminal);

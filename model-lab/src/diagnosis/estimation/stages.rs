@@ -138,7 +138,7 @@ fn fit_coils(split: &mut Split, unknowns: &Unknowns, z: &[f64]) -> Result<Vec<f6
     };
     let mut begun = Vec::new();
     for sampling in [CurrentSampling::MeanOfInterval, CurrentSampling::Instant] {
-        let is_open = split.fitting.set_open_sampling(sampling);
+        let is_open = split.set_open_sampling(sampling);
         let fits = delays_all_over(unknowns, z).into_par_iter();
         let fits = fits.filter_map(|z| coils(&split.fitting, z, Descent::Begun));
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -151,7 +151,7 @@ fn fit_coils(split: &mut Split, unknowns: &Unknowns, z: &[f64]) -> Result<Vec<f6
         .into_iter()
         .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     let (sampling, fit) = best.ok_or_else(|| split.not_simulated())?;
-    split.fitting.set_open_sampling(sampling);
+    split.set_open_sampling(sampling);
     let fit = coils(&split.fitting, fit.z, Descent::Whole);
     Ok(fit.ok_or_else(|| split.not_simulated())?.z)
 }

@@ -6,11 +6,11 @@
 
 mod commands;
 mod of_one_log;
+mod sampling;
 mod slow;
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
-use plant_sim::replay::CurrentSampling;
 use plant_sim::valve::ValveFunction;
 use rayon::prelude::*;
 
@@ -22,6 +22,7 @@ use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
 use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
 pub(crate) use of_one_log::conditions_of;
+pub(crate) use sampling::find_sampling;
 pub(crate) use slow::{Search, centre_slow_clocks, find_slow_clocks};
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...
@@ -126,8 +127,8 @@ struct Tried {
     loss: f64,
 }
 
-/// Finds the clock of the logger of `log`, and whether its currents are means, with `plant` as far as it is known. `drifts_ppm` are
-/// those of other logs, perhaps of the same logger.
+/// Finds the clock of the logger of `log` with `plant` as far as it is known. `drifts_ppm` are those of other logs, perhaps of the same
+/// logger.
 pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
     let (interval_s, duration_s) = (log.interval_s, log.duration_s());
@@ -177,22 +178,6 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, d
             let sd_s = (EVEN_SD * slack_s).max(least_s);
             (log.known_phase_s, log.is_clock_told) = ((phase_s, sd_s), true);
         }
-    }
-    find_sampling(plant, log, delay);
-}
-
-/// Finds whether the currents of `log` are means since the row before or values of the instant: what leaves less.
-fn find_sampling(plant: &PlantParameters, log: &mut Log, delay: Delay) {
-    if !log.is_sampling_open() {
-        return;
-    }
-    let clock = [log.conditions.clock];
-    let loss = |log: &Log| best(plant, log, &clock, delay.candidates_s(plant, DELAY_STEP_S)).loss;
-    log.sampling = CurrentSampling::Instant;
-    let of_instants = loss(log);
-    log.sampling = CurrentSampling::MeanOfInterval;
-    if of_instants < loss(log) {
-        log.sampling = CurrentSampling::Instant;
     }
 }
 

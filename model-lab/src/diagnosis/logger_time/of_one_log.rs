@@ -12,7 +12,7 @@ use recording::{Recording, TimeBase};
 use super::commands::{admit, admit_own_clock, change_count, clocks_from_commands};
 use super::{
     CLEAR, CLEAR_FITTED, DELAY_STEP_S, Delay, IN_TIME_FITTED, Search, best, clocks_of, find_clock,
-    find_slow_clocks, fit_conditions, loss,
+    find_sampling, find_slow_clocks, fit_conditions, loss,
 };
 use crate::commands::COMMAND_DELAY;
 use crate::conditions::LogConditions;
@@ -101,6 +101,7 @@ fn find_clock_by(
     let is_proven = changes >= CHANGES_PROVING && !admit_own_clock(log.inputs(), sample_time_s);
     if !told.is_empty() && is_proven {
         find_clock(plant, log, Delay::AsGiven, &[]);
+        find_sampling(plant, evidence, Delay::AsGiven);
         return Some(());
     }
     let counted = log.counted_samples().max(1) as f64;
@@ -146,6 +147,7 @@ fn find_clock_by(
         return None;
     }
     find_clock(plant, log, delay, &[]);
+    find_sampling(plant, evidence, delay);
     Some(())
 }
 
