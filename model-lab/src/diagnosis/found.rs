@@ -10,7 +10,7 @@ use plant_sim::effects::Effect;
 
 use super::error::DiagnoseError;
 use super::ladder::{self, Ladder};
-use super::search::{Tried, Watch, report, shows_in_currents};
+use super::search::{Effort, Tried, Watch, best_forms, report, shows_in_currents, try_all};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::verdict::CLEARLY_LESS;
@@ -101,14 +101,19 @@ fn taken_otherwise(
     let of_coils: Vec<_> = of_coils
         .filter(|&effect| shows_in_currents(effect))
         .collect();
-    split.with_other_sampling(plant, |split| {
-        let plain = split.plain_from(plant, plant)?;
-        let singles = ladder::singles(&split.bench(plant, &of_coils), &plain, watch)?;
-        if least(&plain, &singles) >= bound {
+    split.with_other_sampling(plant, plain, |split, there| {
+        let bench = split.bench(plant, &of_coils);
+        let mut alone = try_all(&bench, &there, Effort::Search, "single effects", watch)?;
+        let plain = split.plain_from(plant, &there.plant())?;
+        if least(&plain, &alone) >= bound {
             return Ok(None);
         }
-        let singles = ladder::singles(&split.bench(plant, library), &plain, watch)?;
-        Ok(Some((plain, singles)))
+        alone.extend(ladder::singles(
+            &split.bench(plant, library),
+            &plain,
+            watch,
+        )?);
+        Ok(Some((plain, best_forms(alone))))
     })
 }
 

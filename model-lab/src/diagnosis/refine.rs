@@ -120,10 +120,11 @@ pub fn refine(
     let last = &steps[steps.len() - 1];
     if last.leaves_currents() {
         let bound = CLEARLY_LESS * last.total_square();
-        let other = split.with_other_sampling(&without, |split| {
-            let plain = split.plain_from(&without, &without)?;
-            let steps = with_effects(split, (&without, plain), &forms, watch)?;
+        let other = split.with_other_sampling(&without, &steps[0], |split, there| {
+            let plain = split.plain_from(&without, &there.plant())?;
+            let mut steps = with_effects(split, (&without, there), &forms, watch)?;
             let is_less = steps[steps.len() - 1].total_square() < bound;
+            steps[0] = plain;
             Ok(is_less.then_some(steps))
         })?;
         steps = other.unwrap_or(steps);

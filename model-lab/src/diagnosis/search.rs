@@ -233,7 +233,7 @@ pub(crate) fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) 
 }
 
 /// Of each effect the form that the logs prefer, the effect that fits best first.
-fn best_forms(tried: Vec<Tried>) -> Vec<Tried> {
+pub(crate) fn best_forms(tried: Vec<Tried>) -> Vec<Tried> {
     let mut best: Vec<Tried> = Vec::new();
     for tried in tried {
         match best

@@ -195,23 +195,27 @@ impl Split {
         self.fitting.set_open_sampling(sampling)
     }
 
-    /// What `attempt` makes of these logs with their currents taken the other way, as means or as values of an instant, and with the
-    /// conditions that suit `plant` then; none, and the logs as they were, where no log leaves it open or the attempt gives none.
+    /// What `attempt` makes of these logs with their currents taken the other way, as means or as values of an instant; none, and the logs
+    /// as they were, where no log leaves it open or the attempt gives none. It is given the plant as `fitted`, though it does not fit
+    /// then: what lacks an effect of a coil comes nearest to the truth with the wrong choice, and a fit with the right one leads away.
     pub(super) fn with_other_sampling<T>(
         &mut self,
         plant: &PlantParameters,
-        attempt: impl FnOnce(&Self) -> Result<Option<T>, DiagnoseError>,
+        fitted: &Trial,
+        attempt: impl FnOnce(&Self, Trial) -> Result<Option<T>, DiagnoseError>,
     ) -> Result<Option<T>, DiagnoseError> {
-        let before = [&self.fitting, &self.checking].map(Evidence::conditions);
-        self.checking.take_other_sampling();
         if !self.fitting.take_other_sampling() {
             return Ok(None);
         }
-        self.fit_conditions(plant);
-        let attempted = attempt(self)?;
+        self.checking.take_other_sampling();
+        let before = [&self.fitting, &self.checking].map(Evidence::conditions);
+        self.take_conditions(fitted);
+        let there = self.bench(plant, &[]).at_the_place_of(fitted);
+        let there = there.ok_or_else(|| self.not_simulated())?;
+        let attempted = attempt(self, there)?;
         if attempted.is_none() {
-            self.checking.take_other_sampling();
             self.fitting.take_other_sampling();
+            self.checking.take_other_sampling();
             self.fitting.replace_conditions(&before[0]);
             self.checking.replace_conditions(&before[1]);
         }

@@ -219,6 +219,14 @@ impl Bench<'_> {
         self.judge(effects, unknowns, fit)
     }
 
+    /// The plant of `trial` on the logs as they are now, not fitted to them.
+    pub(crate) fn at_the_place_of(&self, trial: &Trial) -> Option<Trial> {
+        let fit = Fitter::new(self.fitting, &trial.unknowns).at(trial.fit.z.clone())?;
+        let mut there = self.judge(trial.effects.clone(), trial.unknowns.clone(), fit)?;
+        there.refresh(self)?;
+        Some(there)
+    }
+
     /// The conditions of the logs that judge: those that were fitted, where they are blocks of the same logs, or those that suit the
     /// fitted plant best.
     fn checked_conditions(&self, unknowns: &Unknowns, z: &[f64]) -> Vec<Conditions> {
