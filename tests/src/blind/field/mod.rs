@@ -15,6 +15,7 @@ pub mod format;
 mod logger;
 mod ordinary;
 mod plan;
+mod removal;
 pub mod run;
 pub mod score;
 pub mod thresholds;
