@@ -98,7 +98,7 @@ fn a_diagnosis_that_fails_leaves_what_it_said() {
         plant: "plant.toml".into(),
     };
     assert_eq!(run(&folders, &command, 1, |_| ()).unwrap(), 1);
-    let said = fs::read_to_string(folders.found().join("rig-001.failed")).unwrap();
+    let said = fs::read_to_string(folders.found().failed("rig-001")).unwrap();
     assert!(said.contains("diagnose --plant plant.toml"), "{said}");
     let report = score(&folders).unwrap();
     assert_eq!((report.rigs.count, report.rigs.of), (0, 1));

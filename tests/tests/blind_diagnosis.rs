@@ -23,7 +23,8 @@ fn quality_of(rig: usize) -> Quality {
 fn quality_of_part(seed: u64, rig: usize, rows: usize) -> Quality {
     let folder = tempfile::tempdir().unwrap();
     let folders = Folders::new(folder.path());
-    for folder in [folders.logs(), folders.sealed(), folders.found()] {
+    let (logs, sealed, found) = (folders.logs(), folders.sealed(), folders.found());
+    for folder in [&logs, &sealed, found.path()] {
         fs::create_dir(folder).unwrap();
     }
     let drawn = Draw::new(seed, Counts::FULL.share(SHARE)).rig(rig - 1);
@@ -39,7 +40,7 @@ fn quality_of_part(seed: u64, rig: usize, rows: usize) -> Quality {
     let watch = |_| ControlFlow::Continue(());
     let diagnosis = diagnose(&PlantParameters::nominal(), &id, &check, &watch).unwrap();
     fs::write(
-        folders.finding(name),
+        found.finding(name),
         serde_json::to_string(&diagnosis).unwrap(),
     )
     .unwrap();

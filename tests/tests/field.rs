@@ -3,10 +3,12 @@
 #![cfg(unix)]
 
 use std::fs;
+use std::io::Write;
 
 use retarder_tests::blind::field::draw::{Effects, FieldDraw, FieldRig};
 use retarder_tests::blind::field::format::FieldAnswer;
-use retarder_tests::blind::field::run::{Retarder, run};
+use retarder_tests::blind::field::names;
+use retarder_tests::blind::field::run::{Retarder, diagnose, fit, refine};
 use retarder_tests::blind::field::score::{FieldReport, score};
 use retarder_tests::blind::field::truth;
 use retarder_tests::blind::format::Folders;
@@ -124,7 +126,7 @@ fn finding(check: f64, free_run: f64, name: &str, [low, after, high]: [f64; 3]) 
 
 fn scored(folders: &Folders, says: &str) -> FieldReport {
     let rig = "rig-001";
-    fs::write(folders.finding(rig), says).unwrap();
+    fs::write(folders.found().finding(rig), says).unwrap();
     score(folders).unwrap()
 }
 
@@ -149,7 +151,7 @@ fn a_refined_rig_is_scored_and_each_broken_finding_fails_its_gate() {
         retarder: stand_in(folder.path(), &good),
     };
     for _ in 0..2 {
-        assert_eq!(run(&folders, &retarder, 1, |_| ()).unwrap(), 0);
+        assert_eq!(refine(&folders, &retarder, 1, |_| ()).unwrap(), 0);
     }
     let calls = fs::read_to_string(folder.path().join("calls")).unwrap();
     assert_eq!(calls.lines().count(), 1, "the second run has nothing left");
@@ -175,11 +177,67 @@ fn a_refined_rig_is_scored_and_each_broken_finding_fails_its_gate() {
         assert!(!report.gates[gate].holds, "{report}");
         assert!(!report.holds() && !report.misses.is_empty(), "{report}");
     }
-    let times = fs::read_to_string(folders.times()).unwrap();
-    fs::write(folders.times(), times + "rig-001,91.0,0\n").unwrap();
+    let times = fs::read_to_string(folders.found().times()).unwrap();
+    fs::write(folders.found().times(), times + "rig-001,91.0,0\n").unwrap();
     assert!(!scored(&folders, &good).gates[0].holds, "too slow");
-    fs::remove_file(folders.finding("rig-001")).unwrap();
+    fs::remove_file(folders.found().finding("rig-001")).unwrap();
     let report = score(&folders).unwrap();
     assert!(!report.holds(), "no answer");
     assert_eq!(report.misses.len(), 1);
+}
+
+/// A diagnosis that names something ends with status 1, a plant file that is wrong with 3; both are answers.
+#[test]
+fn what_the_diagnosis_names_on_a_field_rig_is_fitted_and_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders::new(folder.path().join("draw"));
+    FieldDraw::new(1, 1, "1".parse().unwrap())
+        .write(&folders, 1, |_| ())
+        .unwrap();
+    let answer = fs::read(folders.answer("rig-001")).unwrap();
+    let answer: FieldAnswer = serde_json::from_slice(&answer).unwrap();
+    let hidden = &answer.hidden[0].effect;
+    assert!(answer.removal_cost(hidden) > 0.0, "{answer:?}");
+
+    let refined = finding(1.0, 1.0, "chamber.volume_m3", [0.9, 1.0, 1.1]);
+    let says = format!(
+        r#"{}, "verdict": "found", "effects": ["{hidden}"], "ladder": [{{
+            "added": "{hidden}", "variant": "of_its_form", "fit_rms": {{"p_ch": 1.0}}, "check_rms": {{"p_ch": 1.0}},
+            "noise_floor": {{"p_ch": 1.0}}, "free_run_check_rms": {{"p_ch": 1.2}}}}]}}"#,
+        refined.strip_suffix('}').unwrap()
+    );
+    let retarder = Retarder {
+        retarder: stand_in(folder.path(), &says),
+    };
+    let script = fs::OpenOptions::new().append(true).open(&retarder.retarder);
+    script.unwrap().write_all(b"exit 3\n").unwrap();
+    for _ in 0..2 {
+        assert_eq!(refine(&folders, &retarder, 1, |_| ()).unwrap(), 0);
+        assert_eq!(diagnose(&folders, &retarder, 1, |_| ()).unwrap(), 0);
+        assert_eq!(fit(&folders, &retarder, 1, |_| ()).unwrap(), 0);
+    }
+    let calls = fs::read_to_string(folder.path().join("calls")).unwrap();
+    assert!(!calls.contains("sealed"), "{calls}");
+    let calls: Vec<&str> = calls.lines().collect();
+    assert_eq!(calls.len(), 3, "the second run has nothing left: {calls:?}");
+    for (call, parts) in calls.iter().zip([
+        ["refine", "logs/rig-001.toml"],
+        ["diagnose", "found/rig-001.toml"],
+        ["refine", &format!("--add {hidden}:of_its_form ")],
+    ]) {
+        assert!(parts.iter().all(|part| call.contains(part)), "{call}");
+    }
+    assert!(calls[2].contains("found/rig-001.toml"), "{}", calls[2]);
+
+    let report = names::score(&folders).unwrap();
+    assert_eq!((report.rigs.count, report.rigs.of), (1, 1), "{report}");
+    assert_eq!(report.effects[hidden].hidden, 1);
+
+    fs::remove_file(folders.named().finding("rig-001")).unwrap();
+    let nothing = says.replace(&format!(r#"["{hidden}"]"#), "[]");
+    fs::write(folders.named().finding("rig-001"), nothing).unwrap();
+    fs::remove_file(folders.fitted().finding("rig-001")).unwrap();
+    assert_eq!(fit(&folders, &retarder, 1, |_| ()).unwrap(), 0);
+    let calls = fs::read_to_string(folder.path().join("calls")).unwrap();
+    assert_eq!(calls.lines().count(), 3, "nothing is named");
 }

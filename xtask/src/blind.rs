@@ -40,8 +40,15 @@ pub(crate) fn run(report: &mut Report, draw: &Path, seed: u64, share: f64) {
     });
 }
 
-/// Draws field rigs unless `draw` has them, lets the command refine those that it has not yet refined, and scores.
-pub(crate) fn field(report: &mut Report, draw: &Path, seed: u64, rigs: usize) {
+/// Draws field rigs unless `draw` has them, lets the command refine those that it has not yet refined, and scores. With a number of
+/// hidden `effects`, the command diagnoses the rigs as well, and the score is that of the names.
+pub(crate) fn field(
+    report: &mut Report,
+    draw: &Path,
+    seed: u64,
+    rigs: usize,
+    effects: Option<&str>,
+) {
     if !build(report) {
         return;
     }
@@ -52,20 +59,34 @@ pub(crate) fn field(report: &mut Report, draw: &Path, seed: u64, rigs: usize) {
         let (seed, rigs) = (seed.to_string(), rigs.to_string());
         let mut program = program("field-draw");
         program.arg("--out").arg(draw);
+        if let Some(effects) = effects {
+            program.args(["--effects", effects]);
+        }
         process::run(program.args(["--seed", &seed, "--rigs", &rigs]), DEADLINE)
     });
-    for (step, name) in [
-        ("plant files refined", "field-run"),
-        ("true parameters judged", "field-truth"),
-    ] {
-        report.step(step, || {
-            let mut program = program(name);
-            program.arg("--draw").arg(draw);
-            process::run(program.arg("--retarder").arg(release("retarder")), DEADLINE)
-        });
+    let with_retarder = |name| {
+        let mut program = program(name);
+        program.arg("--retarder").arg(release("retarder"));
+        program
+    };
+    let (mut run, mut score) = (with_retarder("field-run"), program("field-score"));
+    if effects.is_some() {
+        run.arg("--names");
+        score.arg("--names");
+        on_draw(report, "plants refined, rigs diagnosed", draw, run);
+        on_draw(report, "names scored", draw, score);
+    } else {
+        on_draw(report, "plant files refined", draw, run);
+        let truth = with_retarder("field-truth");
+        on_draw(report, "true parameters judged", draw, truth);
+        on_draw(report, "plants scored", draw, score);
     }
-    report.step("plants scored", || {
-        process::run(program("field-score").arg("--draw").arg(draw), DEADLINE)
+}
+
+/// Runs a program on a draw as a step.
+fn on_draw(report: &mut Report, step: &'static str, draw: &Path, mut program: Command) {
+    report.step(step, || {
+        process::run(program.arg("--draw").arg(draw), DEADLINE)
     });
 }
 

@@ -87,7 +87,7 @@ enum Verb {
         #[arg(long, default_value_t = 1.0)]
         share: f64,
     },
-    /// The field benchmark of the estimation: draw field rigs, refine their plant files, score. Goes on where it was stopped.
+    /// The field benchmarks: draw field rigs, refine their plant files, score; with --effects diagnose them, and score the names. Goes on where it was stopped.
     Field {
         /// Folder of the draw; what is there already is kept.
         #[arg(long, value_name = "FOLDER")]
@@ -98,6 +98,9 @@ enum Verb {
         /// Number of rigs.
         #[arg(long, default_value_t = 100)]
         rigs: usize,
+        /// Hidden effects of each rig: a number, or two as in 0..4.
+        #[arg(long, value_name = "NUMBER")]
+        effects: Option<String>,
     },
     /// Let the command read damaged files under limits of time and memory. Takes half an hour; Ctrl-C ends it with the table so far.
     Damage {
@@ -190,7 +193,12 @@ fn main() -> ExitCode {
         Verb::Coverage => coverage::check(&mut report),
         Verb::Mutants { only, shard } => mutants::check(&mut report, only, shard),
         Verb::Blind { draw, seed, share } => blind::run(&mut report, &draw, seed, share),
-        Verb::Field { draw, seed, rigs } => blind::field(&mut report, &draw, seed, rigs),
+        Verb::Field {
+            draw,
+            seed,
+            rigs,
+            effects,
+        } => blind::field(&mut report, &draw, seed, rigs, effects.as_deref()),
         Verb::Damage {
             cases,
             seed,

@@ -35,7 +35,7 @@ fn main() -> ExitCode {
             let found = folders.found();
             eprintln!(
                 "\n{failed} rigs have no finding; {}/*.failed say why",
-                found.display()
+                found.path().display()
             );
             ExitCode::FAILURE
         }

@@ -1,11 +1,12 @@
-//! Refines the first plant files of a draw of field rigs by the released command: `docs/field-benchmark.md`.
+//! Refines the first plant files of a draw of field rigs by the released command, and names what is missing: `docs/field-benchmark.md`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use retarder_tests::blind::field::run::{Progress, Retarder, run};
-use retarder_tests::blind::format::Folders;
+use retarder_tests::blind::field::run::{Progress, Retarder, diagnose, fit, refine};
+use retarder_tests::blind::format::{Folders, Stage};
+use retarder_tests::blind::run::RunError;
 
 /// Refines the first plant file of each rig by the released command; continues where it was stopped.
 #[derive(Parser)]
@@ -15,33 +16,64 @@ struct Options {
     draw: PathBuf,
     #[command(flatten)]
     retarder: Retarder,
-    /// Refinements at a time; each uses the threads that it likes.
+    /// Commands at a time; each uses the threads that it likes.
     #[arg(long, default_value_t = 1)]
     jobs: usize,
+    /// Also diagnose each rig with its refined plant, and fit the named effects.
+    #[arg(long)]
+    names: bool,
 }
 
 fn main() -> ExitCode {
-    let options = Options::parse();
-    let progress = |Progress { done, all, left }| {
-        eprint!("\r{done} of {all} rigs, {} s left   ", left.as_secs());
-    };
-    let folders = Folders::new(options.draw);
-    match run(&folders, &options.retarder, options.jobs, progress) {
-        Ok(0) => {
-            eprintln!();
-            ExitCode::SUCCESS
-        }
-        Ok(failed) => {
-            let found = folders.found();
-            eprintln!(
-                "\n{failed} rigs have no finding; {}/*.failed say why",
-                found.display()
-            );
-            ExitCode::FAILURE
-        }
+    match run(&Options::parse()) {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("\n{error}");
             ExitCode::from(2)
         }
     }
+}
+
+/// Runs the stages one after the other. Gives the number of findings that are missing.
+fn run(options: &Options) -> Result<usize, RunError> {
+    let (folders, retarder, jobs) = (
+        &Folders::new(&options.draw),
+        &options.retarder,
+        options.jobs,
+    );
+    let mut missing = tell(
+        &folders.found(),
+        refine(folders, retarder, jobs, progress("refined"))?,
+    );
+    if options.names {
+        missing += tell(
+            &folders.named(),
+            diagnose(folders, retarder, jobs, progress("diagnosed"))?,
+        );
+        missing += tell(
+            &folders.fitted(),
+            fit(folders, retarder, jobs, progress("fitted"))?,
+        );
+    }
+    Ok(missing)
+}
+
+fn progress(done_what: &str) -> impl Fn(Progress) + Sync {
+    move |Progress { done, all, left }| {
+        eprint!(
+            "\r{done} of {all} rigs {done_what}, {} s left   ",
+            left.as_secs()
+        );
+    }
+}
+
+/// Ends the line of progress, and says where the reasons of missing findings are.
+fn tell(stage: &Stage, missing: usize) -> usize {
+    eprintln!();
+    if missing > 0 {
+        let folder = stage.path().display();
+        eprintln!("{missing} rigs have no finding; {folder}/*.failed say why");
+    }
+    missing
 }

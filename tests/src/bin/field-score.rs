@@ -1,11 +1,13 @@
-//! Scores the refined plants of a draw of field rigs: `docs/field-benchmark.md`.
+//! Scores the refined plants of a draw of field rigs, or the names: `docs/field-benchmark.md`.
 
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use retarder_tests::blind::field::score::score;
+use retarder_tests::blind::field::{names, score};
 use retarder_tests::blind::format::Folders;
+use serde::Serialize;
 
 /// Scores the refined plants of a draw of field rigs. Ends with 0 if all gates pass, with 1 if not.
 #[derive(Parser)]
@@ -13,27 +15,37 @@ struct Options {
     /// Folder of the draw.
     #[arg(long)]
     draw: PathBuf,
+    /// Score the names that the diagnosis gives instead, on rigs with and without hidden effects.
+    #[arg(long)]
+    names: bool,
     /// Write the tables to this file as JSON, too.
     #[arg(long)]
     json: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
-    let options = Options::parse();
-    let report = match score(&Folders::new(options.draw)) {
-        Ok(report) => report,
-        Err(error) => {
-            eprintln!("{error}");
-            return ExitCode::from(2);
-        }
+    let Options { draw, names, json } = Options::parse();
+    let (folders, json) = (Folders::new(draw), json.as_deref());
+    let told = if names {
+        names::score(&folders).map(|report| tell(&report, report.holds(), json))
+    } else {
+        score::score(&folders).map(|report| tell(&report, report.holds(), json))
     };
+    told.unwrap_or_else(|error| {
+        eprintln!("{error}");
+        ExitCode::from(2)
+    })
+}
+
+/// Prints a report, and writes it as JSON where that is wanted.
+fn tell(report: &(impl Display + Serialize), holds: bool, json: Option<&Path>) -> ExitCode {
     print!("{report}");
-    if let Some(path) = options.json {
-        let text = serde_json::to_string_pretty(&report).expect("a report is plain data");
-        if let Err(error) = std::fs::write(&path, text) {
+    if let Some(path) = json {
+        let text = serde_json::to_string_pretty(report).expect("a report is plain data");
+        if let Err(error) = std::fs::write(path, text) {
             eprintln!("{}: {error}", path.display());
             return ExitCode::from(2);
         }
     }
-    ExitCode::from(u8::from(!report.holds()))
+    ExitCode::from(u8::from(!holds))
 }

@@ -50,11 +50,6 @@ impl Folders {
         self.logs().join(format!("{rig}.toml"))
     }
 
-    /// The refined plant of a field rig.
-    pub fn refined(&self, rig: &str) -> PathBuf {
-        self.found().join(format!("{rig}.toml"))
-    }
-
     /// What the true parameters of field rigs leave.
     pub fn truth(&self) -> PathBuf {
         self.0.join("truth")
@@ -65,19 +60,19 @@ impl Folders {
         self.truth().join(format!("{rig}.json"))
     }
 
-    /// What the diagnosis said.
-    pub fn found(&self) -> PathBuf {
-        self.0.join("found")
+    /// The diagnosis of bench rigs, the refinement of field rigs.
+    pub fn found(&self) -> Stage {
+        Stage(self.0.join("found"))
     }
 
-    /// How long each rig took (s), and the exit code: one line a run.
-    pub fn times(&self) -> PathBuf {
-        self.found().join("times.csv")
+    /// The diagnosis of field rigs.
+    pub fn named(&self) -> Stage {
+        Stage(self.0.join("named"))
     }
 
-    /// What it said of a rig.
-    pub fn finding(&self, rig: &str) -> PathBuf {
-        self.found().join(format!("{rig}.json"))
+    /// The refined plants of field rigs with the named effects.
+    pub fn fitted(&self) -> Stage {
+        Stage(self.0.join("fitted"))
     }
 
     /// What a model with one of two hidden effects leaves.
@@ -93,6 +88,37 @@ impl Folders {
     /// The folder of the draw itself.
     pub fn root(&self) -> &Path {
         &self.0
+    }
+}
+
+/// Folder of one run of the released command over the rigs of a draw.
+#[derive(Debug, Clone)]
+pub struct Stage(PathBuf);
+
+impl Stage {
+    /// The folder itself.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Finding on a rig, as JSON.
+    pub fn finding(&self, rig: &str) -> PathBuf {
+        self.0.join(format!("{rig}.json"))
+    }
+
+    /// Output of a command that left no finding on a rig.
+    pub fn failed(&self, rig: &str) -> PathBuf {
+        self.0.join(format!("{rig}.failed"))
+    }
+
+    /// Plant file that was written for a rig.
+    pub fn plant(&self, rig: &str) -> PathBuf {
+        self.0.join(format!("{rig}.toml"))
+    }
+
+    /// Time of each command (s) and its exit code, one line a command.
+    pub fn times(&self) -> PathBuf {
+        self.0.join("times.csv")
     }
 }
 
@@ -203,4 +229,11 @@ pub struct Hidden {
     pub shape: f64,
     /// The library's parameter that means the same, and its value, where there is one.
     pub parameter: Option<(String, f64)>,
+}
+
+impl Hidden {
+    /// Whether the library has the effect, in this law or in another one.
+    pub fn is_in_library(&self) -> bool {
+        self.kinship != Kinship::Beyond
+    }
 }

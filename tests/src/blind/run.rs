@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use super::format::Folders;
+use super::format::{Folders, Stage};
+use super::score::ScoreError;
 
 /// Why a run cannot go on.
 #[derive(Debug, Error)]
@@ -24,6 +25,9 @@ pub enum RunError {
     /// The command did not start.
     #[error("{} does not start: {}; build it, or say where it is", .0.display(), .1)]
     Start(PathBuf, #[source] io::Error),
+    /// A finding of an earlier stage could not be read.
+    #[error(transparent)]
+    Finding(#[from] ScoreError),
 }
 
 /// The released command, and the plant that it is given.
@@ -97,23 +101,25 @@ pub fn run(
     jobs: usize,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<usize, RunError> {
-    run_each(folders, jobs, progress, |rig| {
+    let stage = folders.found();
+    run_each(&stage, &rigs(folders)?, jobs, progress, |rig| {
         command.output(
             command
                 .on("diagnose", folders, rig)
                 .arg("--json")
-                .arg(folders.finding(rig)),
+                .arg(stage.finding(rig)),
         )
     })
 }
 
-/// Lets `find` write the finding of every rig of `folders` that has none yet, `jobs` at a time. A rig without a finding leaves a
+/// Lets `find` write the finding of each of `rigs` that has none yet in `stage`, `jobs` at a time. A rig without a finding leaves a
 /// file with what the command said; the next run tries it again. Gives the number of those.
 ///
 /// # Errors
 /// If files cannot be read or written, or the command does not start.
 pub(super) fn run_each(
-    folders: &Folders,
+    stage: &Stage,
+    rigs: &[String],
     jobs: usize,
     progress: impl Fn(Progress) + Sync,
     find: impl Fn(&str) -> Result<Output, RunError> + Sync,
@@ -122,15 +128,14 @@ pub(super) fn run_each(
         let path = path.to_owned();
         move |error| RunError::File(path, error)
     };
-    let (found, rigs) = (folders.found(), rigs(&folders.logs())?);
-    fs::create_dir_all(&found).map_err(file(&found))?;
-    let times = folders.times();
+    fs::create_dir_all(stage.path()).map_err(file(stage.path()))?;
+    let times = stage.times();
     let mut log = fs::OpenOptions::new();
     let log = log.create(true).append(true).open(&times);
     let log = Mutex::new(log.map_err(file(&times))?);
     let missing: Vec<_> = rigs
         .iter()
-        .filter(|rig| !folders.finding(rig).exists())
+        .filter(|rig| !stage.finding(rig).exists())
         .collect();
     let (next, done, start) = (AtomicUsize::new(0), AtomicUsize::new(0), Instant::now());
     let work = || -> Result<(), RunError> {
@@ -138,7 +143,7 @@ pub(super) fn run_each(
             let began = Instant::now();
             let output = find(rig)?;
             let seconds = began.elapsed().as_secs_f64();
-            let code = keep(folders, rig, &output)?;
+            let code = keep(stage, rig, &output)?;
             let line = format!("{rig},{seconds:.2},{code}\n");
             let mut log = log.lock().expect("no thread panics while it writes");
             log.write_all(line.as_bytes()).map_err(file(&times))?;
@@ -160,13 +165,14 @@ pub(super) fn run_each(
     })?;
     Ok(rigs
         .iter()
-        .filter(|rig| !folders.finding(rig).exists())
+        .filter(|rig| !stage.finding(rig).exists())
         .count())
 }
 
 /// Names of the rigs whose logs are there, in order.
-fn rigs(logs: &Path) -> Result<Vec<String>, RunError> {
-    let read = fs::read_dir(logs).map_err(|error| RunError::File(logs.to_owned(), error))?;
+pub(super) fn rigs(folders: &Folders) -> Result<Vec<String>, RunError> {
+    let logs = folders.logs();
+    let read = fs::read_dir(&logs).map_err(|error| RunError::File(logs.clone(), error))?;
     let mut rigs: Vec<String> = read
         .filter_map(|entry| {
             let name = entry.ok()?.file_name().into_string().ok()?;
@@ -175,15 +181,15 @@ fn rigs(logs: &Path) -> Result<Vec<String>, RunError> {
         .collect();
     rigs.sort();
     if rigs.is_empty() {
-        return Err(RunError::NoLogs(logs.to_owned()));
+        return Err(RunError::NoLogs(logs));
     }
     Ok(rigs)
 }
 
 /// Keeps what the command said where it left no finding; the exit code of the command, -1 if it was killed.
-fn keep(folders: &Folders, rig: &str, output: &Output) -> Result<i32, RunError> {
-    let said = folders.found().join(format!("{rig}.failed"));
-    if folders.finding(rig).exists() {
+fn keep(stage: &Stage, rig: &str, output: &Output) -> Result<i32, RunError> {
+    let said = stage.failed(rig);
+    if stage.finding(rig).exists() {
         // Of an earlier run; most often not there.
         _ = fs::remove_file(&said);
     } else {

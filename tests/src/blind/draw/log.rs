@@ -41,6 +41,11 @@ const BATTERY_V: Channel = Channel {
 const BATTERY: f64 = 24.0;
 
 impl Channel {
+    /// Rms of noise and steps together.
+    pub(in crate::blind) fn rms(&self) -> f64 {
+        self.noise.hypot(self.step / 12_f64.sqrt())
+    }
+
     /// Returns what the converter shows of `value` with `noise` times its noise.
     pub(in crate::blind) fn read(&self, value: f64, noise: f64, chance: &mut Chance) -> f64 {
         let noisy = value + noise * self.noise * chance.normal();
@@ -59,7 +64,7 @@ pub(super) fn noise_of(signal: &str) -> f64 {
 }
 
 /// Signals of the reading (bar gauge, mA), in the order of the columns.
-pub(super) fn signals(reading: &Reading) -> [(&'static str, f64); 3] {
+pub(in crate::blind) fn signals(reading: &Reading) -> [(&'static str, f64); 3] {
     [
         ("p_ch", reading.pressure * 1e-5),
         ("i_fill", reading.currents[0] * 1e3),

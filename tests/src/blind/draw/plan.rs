@@ -29,7 +29,7 @@ const PAIRS: [[&str; 2]; 20] = [
 ];
 
 /// Sizes over the typical one: from far below the noise to far above it.
-const SINGLE_SIZES: [f64; 2] = [0.15, 10.0];
+pub(in crate::blind) const SINGLE_SIZES: [f64; 2] = [0.15, 10.0];
 /// Effects in a pair, or in a poor log: each one matters.
 const STRONG_SIZES: [f64; 2] = [1.5, 6.0];
 
@@ -151,13 +151,21 @@ fn plan(class: Class, poor: Option<Poor>, hidden: Vec<Dose>) -> Plan {
 }
 
 /// A strong dose of one matched form that is wanted.
-pub(in crate::blind) fn strong(wanted: impl Fn(&Form) -> bool, chance: &mut Chance) -> Dose {
-    let forms: Vec<_> = forms_of(Kinship::Matched)
-        .filter(|form| wanted(form))
-        .collect();
+fn strong(wanted: impl Fn(&Form) -> bool, chance: &mut Chance) -> Dose {
+    dose(Kinship::Matched, STRONG_SIZES, wanted, chance)
+}
+
+/// A dose of one wanted form of a kinship, its size over the typical one between `sizes`, even on a logarithmic scale.
+pub(in crate::blind) fn dose(
+    kinship: Kinship,
+    sizes: [f64; 2],
+    wanted: impl Fn(&Form) -> bool,
+    chance: &mut Chance,
+) -> Dose {
+    let forms: Vec<_> = forms_of(kinship).filter(|form| wanted(form)).collect();
     let form = chance.one_of(&forms);
     let stratum = chance.share();
-    Dose::new(form, STRONG_SIZES, stratum, chance)
+    Dose::new(form, sizes, stratum, chance)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use super::logger::record;
 use super::ordinary::{first_file, parameters};
 pub use super::plan::Effects;
 use super::plan::FieldPlan;
+use super::removal::costs;
 use crate::chance::Chance;
 
 /// Field rigs of a seed.
@@ -31,11 +32,19 @@ pub struct FieldRig {
     pub logs: [String; 2],
 }
 
+/// Chance of the rig with this number.
+fn chance_of(seed: u64, number: usize) -> Chance {
+    Chance::of(seed, number as u64)
+}
+
 impl FieldDraw {
     /// The first `rigs` rigs of `seed`, each with a number of hidden effects.
     pub fn new(seed: u64, rigs: usize, effects: Effects) -> Self {
         let mut chance = Chance::new(seed);
-        let doses = (1..=rigs).map(|number| (number, effects.draw(&mut chance)));
+        let doses = (1..=rigs).map(|number| {
+            let plan = FieldPlan::draw(number, &mut chance_of(seed, number));
+            (number, effects.draw(plan.begins_warm(), &mut chance))
+        });
         Self {
             seed,
             doses: doses.collect(),
@@ -59,26 +68,29 @@ impl FieldDraw {
     /// Runs one of these rigs.
     pub fn rig(&self, index: usize) -> FieldRig {
         let (number, doses) = &self.doses[index];
-        let mut chance = Chance::of(self.seed, *number as u64);
+        let mut chance = chance_of(self.seed, *number);
         let FieldPlan {
             plain,
             logger,
             logs,
         } = FieldPlan::draw(*number, &mut chance);
         let rig = plain.with(departures(doses, &plain));
-        let [id, check] = logs.map(|plan| record(&rig, &logger, &plan, &mut chance));
+        let recorded = logs.each_ref();
+        let [id, check] = recorded.map(|plan| record(&rig, &logger, plan, &mut chance));
+        let cost_if_left_out = costs(&plain, doses, &logger, &logs[1], &check.run);
         FieldRig {
             answer: FieldAnswer {
                 schema: FIELD_SCHEMA.to_owned(),
                 rig: format!("rig-{number:03}"),
                 hidden: doses.iter().map(|dose| hidden(dose, &plain)).collect(),
+                cost_if_left_out,
                 is_vent_normally_open: plain.is_vent_normally_open,
                 parameters: parameters(&plain),
                 logger,
-                logs: [id.0, check.0],
+                logs: [id.answer, check.answer],
             },
             plant: first_file(plain.is_vent_normally_open),
-            logs: [id.1, check.1],
+            logs: [id.text, check.text],
         }
     }
 

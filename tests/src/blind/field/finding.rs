@@ -1,4 +1,4 @@
-//! What the score reads of `retarder refine --json`.
+//! What the scores read of `retarder refine --json`.
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -12,6 +12,21 @@ pub struct Estimated {
     pub steps: Vec<EstimatedStep>,
     /// The parameters.
     pub parameters: Vec<EstimatedParameter>,
+}
+
+/// A refinement with added effects.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct WithEffects {
+    /// The errors, from the plant without the effects on.
+    ladder: Vec<EstimatedStep>,
+}
+
+impl WithEffects {
+    /// Check error in free run after the last step (noise floors).
+    pub fn free_run(&self) -> Option<Worst> {
+        let last = self.ladder.last()?;
+        worst(&last.free_run_check_rms, &last.noise_floor)
+    }
 }
 
 /// The errors of one step.

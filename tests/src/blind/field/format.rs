@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::super::format::{Hidden, Profile};
+use super::super::score::finding::BySignal;
 
 /// Version of the sealed answers.
 pub const FIELD_SCHEMA: &str = "retarder.field-answer/1";
@@ -19,6 +20,10 @@ pub struct FieldAnswer {
     pub rig: String,
     /// Effects beyond the plain plant.
     pub hidden: Vec<Hidden>,
+    /// From each of them to its removal cost: rms by which the readings of the check log change without it, by logged signal, in units
+    /// of what noise and steps of the channel leave.
+    #[serde(default)]
+    pub cost_if_left_out: BTreeMap<String, BySignal>,
     /// Whether the vent valve is open without current.
     pub is_vent_normally_open: bool,
     /// True values by their names in a plant file, of every parameter that the draw moves.
@@ -27,6 +32,42 @@ pub struct FieldAnswer {
     pub logger: LoggerAnswer,
     /// The id log and the check log.
     pub logs: [LogAnswer; 2],
+}
+
+impl FieldAnswer {
+    /// Removal cost of a hidden effect in the signal where it is largest (noise floors).
+    pub fn removal_cost(&self, effect: &str) -> f64 {
+        let costs = self.cost_if_left_out.get(effect);
+        costs.map_or(0.0, |costs| costs.values().copied().fold(0.0, f64::max))
+    }
+
+    /// Kind of the rig and of its logs, in words.
+    pub fn kind(&self) -> String {
+        let logger = &self.logger;
+        let valves = if self.is_vent_normally_open {
+            "vent normally open"
+        } else {
+            "normally closed"
+        };
+        let signals = match (logger.currents, logger.supply_pressure) {
+            (true, true) => "currents, supply",
+            (true, false) => "currents",
+            (false, true) => "supply",
+            (false, false) => "pressure alone",
+        };
+        let warm = match self.logs.each_ref().map(|log| log.relaxation_s > 0.0) {
+            [true, true] => ", both logs begin warm",
+            [true, false] => ", id log begins warm",
+            [false, true] => ", check log begins warm",
+            [false, false] => "",
+        };
+        format!(
+            "{valves}, {:.0} Hz, {} bits, {:.1} mbar, {signals}{warm}",
+            logger.rate_hz,
+            logger.bits,
+            1e3 * logger.noise_bar
+        )
+    }
 }
 
 /// The logger of a field rig.

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use super::super::draw::log::{Channel, PRESSURE_BAR};
+use super::super::draw::log::{Channel, PRESSURE_BAR, signals};
 use super::super::draw::profile::Commands;
+use super::super::score::finding::BySignal;
 use super::format::{LogAnswer, LoggerAnswer};
 use super::plan::LogPlan;
 use crate::chance::Chance;
@@ -59,26 +60,26 @@ struct Bench<'a> {
     plant: ReferencePlant,
     plan: &'a LogPlan,
     commands: Commands,
+    /// Commands so far, one pair a sample that the log's commands are for.
+    given: Vec<[f64; 2]>,
     sample_ns: u64,
     /// Samples so far.
     samples: u64,
-    /// The command of the last one.
-    command: [f64; 2],
+    /// Duty cycles of the last one.
+    duty: [f64; 2],
     is_vent_normally_open: bool,
 }
 
 impl<'a> Bench<'a> {
-    fn new(rig: &Rig, plan: &'a LogPlan, chance: &mut Chance) -> Self {
-        let sample_s = rig.datasheet.ecu.sample_time_s;
-        // A clock may be a little slow.
-        let samples = (1.01 * plan.length_s / sample_s) as usize;
+    fn new(rig: &Rig, plan: &'a LogPlan, commands: Commands) -> Self {
         Self {
             plant: ReferencePlant::new(rig),
             plan,
-            commands: Commands::new(plan.profile, samples, plan.command_grid, chance),
-            sample_ns: (sample_s * 1e9).round() as u64,
+            commands,
+            given: Vec::new(),
+            sample_ns: (rig.datasheet.ecu.sample_time_s * 1e9).round() as u64,
             samples: 0,
-            command: [0.0; 2],
+            duty: [0.0; 2],
             is_vent_normally_open: rig.is_vent_normally_open,
         }
     }
@@ -87,6 +88,30 @@ impl<'a> Bench<'a> {
     fn lead(&self) -> usize {
         let warm = self.plan.warm;
         warm.map_or(0, |warm| warm.fill_samples + warm.shut_samples)
+    }
+
+    /// True instant of the first row (ns).
+    fn first_ns(&self) -> u64 {
+        self.lead() as u64 * self.sample_ns + (self.plan.phase_s * 1e9).round() as u64
+    }
+
+    /// Runs to an interval before the first row: its means are over an interval as well.
+    fn begin(&mut self, logger: &LoggerAnswer, chance: &mut Chance) {
+        let interval_ns = (1e9 / logger.rate_hz) as u64;
+        self.run_until(self.first_ns().saturating_sub(interval_ns), chance);
+        self.plant.begin_means();
+    }
+
+    /// Runs to the instant of a row, and reads it.
+    fn read_at(&mut self, instant: &Instant, chance: &mut Chance) -> Reading {
+        self.run_until(instant.true_ns, chance);
+        let reading = self.plant.reading();
+        assert!(
+            reading.pressure.is_finite(),
+            "the reference plant's step is too long for this rig"
+        );
+        self.plant.begin_means();
+        reading
     }
 
     /// Runs to an instant, through the samples of the ECU until there.
@@ -107,7 +132,9 @@ impl<'a> Bench<'a> {
                 let begun = self.lead() + warm.map_or(0, |warm| warm.hold_samples);
                 let pressure = self.plant.reading().pressure * 1e-5;
                 let pressure = PRESSURE_BAR.read(pressure, 1.0, chance);
-                self.commands.at(n - begun, pressure)
+                let command = self.commands.at(n - begun, pressure);
+                self.given.push(command);
+                command
             }
         };
         if let Some(warm) = self.plan.warm
@@ -121,10 +148,28 @@ impl<'a> Bench<'a> {
         } else {
             vent
         };
-        self.command = [fill, vent];
-        self.plant.command(self.command);
+        self.duty = [fill, vent];
+        self.plant.command(self.duty);
         self.samples += 1;
     }
+}
+
+/// A recorded log.
+#[derive(Debug, Clone)]
+pub(super) struct Recorded {
+    pub(super) answer: LogAnswer,
+    /// As CSV.
+    pub(super) text: String,
+    pub(super) run: Run,
+}
+
+/// A run of a rig: its commands, and its readings without noise.
+#[derive(Debug, Clone)]
+pub(super) struct Run {
+    commands: Vec<[f64; 2]>,
+    /// Instants of all rows, those in gaps included, and the readings there.
+    instants: Vec<Instant>,
+    pub(super) readings: Vec<Reading>,
 }
 
 /// Records one log of `rig`.
@@ -133,49 +178,100 @@ pub(super) fn record(
     logger: &LoggerAnswer,
     plan: &LogPlan,
     chance: &mut Chance,
-) -> (LogAnswer, String) {
-    let mut bench = Bench::new(rig, plan, chance);
-    let first_ns = bench.lead() as u64 * bench.sample_ns + (plan.phase_s * 1e9).round() as u64;
-    let instants = instants(logger, plan.length_s, first_ns, chance);
-    // The first mean is over an interval as well.
-    let interval_ns = (1e9 / logger.rate_hz) as u64;
-    bench.run_until(first_ns.saturating_sub(interval_ns), chance);
-    bench.plant.begin_means();
+) -> Recorded {
+    // A clock may be a little slow.
+    let samples = (1.01 * plan.length_s / rig.datasheet.ecu.sample_time_s) as usize;
+    let commands = Commands::new(plan.profile, samples, plan.command_grid, chance);
+    let mut bench = Bench::new(rig, plan, commands);
+    let instants = instants(logger, plan.length_s, bench.first_ns(), chance);
+    bench.begin(logger, chance);
     let mut text = header(logger);
-    let mut first = None;
+    let mut readings = Vec::with_capacity(instants.len());
+    let mut first_temperature = None;
     for instant in &instants {
-        bench.run_until(instant.true_ns, chance);
-        let reading = bench.plant.reading();
-        assert!(
-            reading.pressure.is_finite(),
-            "the reference plant's step is too long for this rig"
-        );
-        bench.plant.begin_means();
-        first.get_or_insert_with(|| (reading.pressure * 1e-5, bench.plant.gas_temperature()));
-        let is_in = |gap: &[f64; 2]| (gap[0]..gap[1]).contains(&instant.logged_s);
-        if !plan.gaps.iter().any(is_in) {
+        let reading = bench.read_at(instant, chance);
+        readings.push(reading);
+        first_temperature.get_or_insert_with(|| bench.plant.gas_temperature());
+        if plan.is_logged(instant.logged_s) {
             row(
                 &mut text,
                 rig,
                 logger,
                 instant.logged_s,
-                bench.command,
+                bench.duty,
                 &reading,
                 chance,
             );
         }
     }
-    let (first_pressure_bar_gauge, first_temperature) = first.expect("a log has rows");
+    let first_temperature = first_temperature.expect("a log has rows");
     let answer = LogAnswer {
         profile: plan.profile,
         command_grid: plan.command_grid,
         phase_s: plan.phase_s,
         gaps: plan.gaps.clone(),
-        first_pressure_bar_gauge,
+        first_pressure_bar_gauge: readings[0].pressure * 1e-5,
         first_surplus_k: first_temperature - rig.datasheet.gas.temperature_k,
         relaxation_s: plan.warm.map_or(0.0, |warm| warm.relaxation_s),
     };
-    (answer, text)
+    Recorded {
+        answer,
+        text,
+        run: Run {
+            commands: bench.given,
+            instants,
+            readings,
+        },
+    }
+}
+
+/// Readings of another rig along the commands of a run of `plan`, at the same instants.
+pub(super) fn replay(rig: &Rig, logger: &LoggerAnswer, plan: &LogPlan, run: &Run) -> Vec<Reading> {
+    let mut bench = Bench::new(rig, plan, Commands::Listed(run.commands.clone()));
+    // Noise of the ECU's sensor, on which listed commands do not depend.
+    let mut chance = Chance::new(0);
+    bench.begin(logger, &mut chance);
+    let read_at = |instant| bench.read_at(instant, &mut chance);
+    run.instants.iter().map(read_at).collect()
+}
+
+/// Rms difference of the logged rows of a run of `plan` from `others`, by logged signal, over what noise and steps of its channel leave.
+pub(super) fn difference(
+    logger: &LoggerAnswer,
+    plan: &LogPlan,
+    run: &Run,
+    others: &[Reading],
+) -> BySignal {
+    let rows = run.instants.iter().zip(run.readings.iter().zip(others));
+    let logged = rows.filter(|(instant, _)| plan.is_logged(instant.logged_s));
+    let (mut squares, mut count) = (BySignal::new(), 0.0);
+    for (_, (reading, other)) in logged {
+        count += 1.0;
+        for ((signal, value), (_, other)) in signals(reading).into_iter().zip(signals(other)) {
+            if let Some(channel) = channel(logger, signal) {
+                let square = ((value - other) / channel.rms()).powi(2);
+                *squares.entry(signal.to_owned()).or_default() += square;
+            }
+        }
+    }
+    let rms = |(signal, square): (String, f64)| (signal, (square / count).sqrt());
+    squares.into_iter().map(rms).collect()
+}
+
+/// Channel of a signal (bar, mA); none where it is not logged.
+fn channel(logger: &LoggerAnswer, signal: &str) -> Option<Channel> {
+    if signal == "p_ch" {
+        Some(pressure_bar(logger))
+    } else {
+        logger.currents.then_some(CURRENT_MA)
+    }
+}
+
+fn pressure_bar(logger: &LoggerAnswer) -> Channel {
+    Channel {
+        noise: logger.noise_bar,
+        step: RANGE_BAR / f64::from(1_u32 << logger.bits),
+    }
 }
 
 fn header(logger: &LoggerAnswer) -> String {
@@ -194,16 +290,12 @@ fn row(
     rig: &Rig,
     logger: &LoggerAnswer,
     logged_s: f64,
-    command: [f64; 2],
+    duty: [f64; 2],
     reading: &Reading,
     chance: &mut Chance,
 ) {
-    let pressure = Channel {
-        noise: logger.noise_bar,
-        step: RANGE_BAR / (1_u32 << logger.bits) as f64,
-    };
-    let pressure = pressure.read(reading.pressure * 1e-5, 1.0, chance);
-    let [fill, vent] = command;
+    let pressure = pressure_bar(logger).read(reading.pressure * 1e-5, 1.0, chance);
+    let [fill, vent] = duty;
     _ = write!(text, "{logged_s:.6},{fill:.1},{vent:.1},{pressure:.4}");
     if logger.currents {
         for current in reading.currents {

@@ -4,8 +4,10 @@
 //! |---|---|---|
 //! | `field-draw` | a seed | `logs/`: logs, and the plant file that a person would have; `sealed/`: answers |
 //! | `field-run` | `logs/` | `found/`: what `retarder refine` says of each rig, and the refined plant |
+//! | `field-run --names` | the same | also `named/`: what `retarder diagnose` says with the refined plant; `fitted/`: that plant with the named effects |
 //! | `field-truth` | `sealed/`, `logs/` | `truth/`: the errors that the true parameters leave |
-//! | `field-score` | `sealed/`, `found/`, `truth/` | the table and the verdict |
+//! | `field-score` | `sealed/`, `found/`, `truth/` | the table and the verdict on the refined plants |
+//! | `field-score --names` | `sealed/`, `found/`, `named/`, `fitted/` | the table and the verdict on the names |
 //!
 //! `docs/field-benchmark.md` has the rigs, what counts, and the gates.
 
@@ -13,8 +15,10 @@ pub mod draw;
 pub mod finding;
 pub mod format;
 mod logger;
+pub mod names;
 mod ordinary;
 mod plan;
+mod removal;
 pub mod run;
 pub mod score;
 pub mod thresholds;

@@ -2,13 +2,14 @@
 
 use std::str::FromStr;
 
-use super::super::draw::plan::{Dose, strong};
+use super::super::draw::plan::{Dose, SINGLE_SIZES, dose};
 use super::super::draw::profiles;
 use super::super::format::Profile;
 use super::format::LoggerAnswer;
 use super::ordinary;
 use crate::chance::Chance;
 use crate::reference_plant::Rig;
+use crate::reference_plant::catalogue::{Form, Kinship};
 
 /// One rig of this many has a normally open vent valve.
 const NORMALLY_OPEN_ONE_OF: usize = 3;
@@ -42,6 +43,12 @@ const RELAXATION_S: [f64; 2] = [0.2, 1.0];
 /// The hold goes on until the gas is as warm as the wall.
 const HOLD_IN_RELAXATIONS: f64 = 8.0;
 
+/// Share of the hidden effects that the library does not have, and of the others those in another law than the textbook's.
+const BEYOND: f64 = 0.12;
+const OTHER_LAW: f64 = 0.375;
+/// Effect with which the gas warms by itself: the warm begin of a log, which is put in, would be gone within milliseconds.
+const WARMS: &str = "gas_temperature";
+
 /// Length of the id log and of the check log (s).
 pub(super) const LENGTHS_S: [f64; 2] = [60.0, 40.0];
 
@@ -68,17 +75,35 @@ impl FromStr for Effects {
 }
 
 impl Effects {
-    /// Draws the effects of a rig: none of them twice.
-    pub(super) fn draw(self, chance: &mut Chance) -> Vec<Dose> {
+    /// Draws the effects of a rig: no two that are physically the same thing.
+    pub(super) fn draw(self, begins_warm: bool, chance: &mut Chance) -> Vec<Dose> {
         let count = chance.whole(self.least, self.most);
         let mut doses: Vec<Dose> = Vec::new();
         while doses.len() < count {
-            let is_new = |effect: &str| doses.iter().all(|dose| dose.form.effect != effect);
-            let dose = strong(|form| is_new(form.effect), chance);
-            doses.push(dose);
+            let kinship = kinship(chance);
+            let is_wanted = |form: &Form| {
+                let mut drawn = doses.iter().map(|dose| dose.form);
+                !(begins_warm && form.effect == WARMS) && drawn.all(|other| !is_same(form, other))
+            };
+            doses.push(dose(kinship, SINGLE_SIZES, is_wanted, chance));
         }
         doses
     }
+}
+
+fn kinship(chance: &mut Chance) -> Kinship {
+    if chance.happens(BEYOND) {
+        Kinship::Beyond
+    } else if chance.happens(OTHER_LAW) {
+        Kinship::Variant
+    } else {
+        Kinship::Matched
+    }
+}
+
+/// Whether two laws are of one effect, or physically the same thing, so that no log tells one from the other.
+fn is_same(a: &Form, b: &Form) -> bool {
+    a.effect == b.effect || a.same.contains(&b.effect) || b.same.contains(&a.effect)
 }
 
 /// A field rig to run.
@@ -99,6 +124,14 @@ pub(super) struct LogPlan {
     pub(super) phase_s: f64,
     pub(super) gaps: Vec<[f64; 2]>,
     pub(super) warm: Option<Warm>,
+}
+
+impl LogPlan {
+    /// Whether a row at this time is logged, and lies in no gap.
+    pub(super) fn is_logged(&self, logged_s: f64) -> bool {
+        let mut gaps = self.gaps.iter();
+        !gaps.any(|gap| (gap[0]..gap[1]).contains(&logged_s))
+    }
 }
 
 /// A fast fill before the log, and the hold with which the log begins.
@@ -133,6 +166,11 @@ impl FieldPlan {
             logger,
             logs,
         }
+    }
+
+    /// Whether one of the logs begins with warm gas.
+    pub(super) fn begins_warm(&self) -> bool {
+        self.logs.iter().any(|log| log.warm.is_some())
     }
 }
 
@@ -195,6 +233,8 @@ fn warm(sample_s: f64, chance: &mut Chance) -> Warm {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference_plant::catalogue::forms;
+    use crate::reference_plant::{Datasheet, Departures};
 
     #[test]
     fn plans_are_within_their_ranges_and_reach_their_ends() {
@@ -226,20 +266,64 @@ mod tests {
     }
 
     #[test]
-    fn effects_are_as_many_as_asked_for_and_each_is_another() {
+    fn effects_are_as_many_as_asked_for_and_no_two_are_the_same_thing() {
         let mut chance = Chance::new(1);
         let effects: Effects = "0..4".parse().unwrap();
         let mut counts = [0; 5];
-        for _ in 0..200 {
-            let doses = effects.draw(&mut chance);
+        for n in 0..200 {
+            let begins_warm = n % 2 == 0;
+            let doses = effects.draw(begins_warm, &mut chance);
             counts[doses.len()] += 1;
-            let mut ids: Vec<&str> = doses.iter().map(|dose| dose.form.effect).collect();
-            ids.sort_unstable();
-            ids.dedup();
-            assert_eq!(ids.len(), doses.len());
+            for (n, dose) in doses.iter().enumerate() {
+                let mut others = doses[..n].iter();
+                assert!(others.all(|other| !is_same(dose.form, other.form)));
+                assert!(!(begins_warm && dose.form.effect == WARMS));
+            }
         }
         assert!(counts.iter().all(|&count| count > 20), "{counts:?}");
-        assert!(Effects::default().draw(&mut chance).is_empty());
+        assert!(Effects::default().draw(false, &mut chance).is_empty());
         assert!("4..1".parse::<Effects>().is_err() && "many".parse::<Effects>().is_err());
+    }
+
+    #[test]
+    fn effects_come_from_the_whole_library_and_from_beyond_and_sizes_from_all_of_their_range() {
+        let mut chance = Chance::new(2);
+        let four: Effects = "4".parse().unwrap();
+        let draws = (0..500).flat_map(|_| four.draw(false, &mut chance));
+        let doses: Vec<Dose> = draws.collect();
+        let share = |is: &dyn Fn(&Dose) -> bool| {
+            doses.iter().filter(|dose| is(dose)).count() as f64 / doses.len() as f64
+        };
+        let beyond = share(&|dose| dose.form.kinship == Kinship::Beyond);
+        assert!((beyond - BEYOND).abs() < 0.03, "{beyond}");
+        let variant = share(&|dose| dose.form.kinship == Kinship::Variant);
+        assert!((variant - (1.0 - BEYOND) * OTHER_LAW).abs() < 0.04);
+        let [low, high] = SINGLE_SIZES;
+        let small = share(&|dose| dose.size_over_typical < (low * high).sqrt());
+        assert!((small - 0.5).abs() < 0.04, "{small}");
+        for form in forms() {
+            let is_drawn =
+                |dose: &Dose| dose.form.law == form.law && dose.form.effect == form.effect;
+            assert!(doses.iter().any(is_drawn), "{} ({})", form.effect, form.law);
+        }
+    }
+
+    /// Two laws that write one field would leave the second of them alone.
+    #[test]
+    fn no_effect_overwrites_another() {
+        let sheet = Datasheet::bundled();
+        let both = |first: &Form, second: &Form| {
+            let mut departures = Departures::default();
+            for form in [first, second] {
+                form.apply(form.typical, 0.3, &sheet, &mut departures);
+            }
+            departures
+        };
+        for a in forms() {
+            for b in forms().filter(|b| !is_same(a, b)) {
+                let names = format!("{} ({}) and {} ({})", a.effect, a.law, b.effect, b.law);
+                assert_eq!(both(a, b), both(b, a), "{names}");
+            }
+        }
     }
 }

@@ -1,10 +1,12 @@
-//! Lets the released command refine the first plant file of every field rig; opens no answer.
+//! Lets the released command refine the first plant file of every field rig, and name what its refined plant lacks; opens no answer.
 
 use std::path::PathBuf;
 
 use super::super::format::Folders;
 pub use super::super::run::Progress;
-use super::super::run::{RunError, on_rig, output, run_each};
+use super::super::run::{RunError, on_rig, output, rigs, run_each};
+use super::super::score::finding::Finding;
+use super::super::score::found;
 
 /// The released command.
 #[derive(Debug, Clone, clap::Args)]
@@ -19,15 +21,66 @@ pub struct Retarder {
 ///
 /// # Errors
 /// If files cannot be read or written, or the command does not start.
-pub fn run(
+pub fn refine(
     folders: &Folders,
     Retarder { retarder }: &Retarder,
     jobs: usize,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<usize, RunError> {
-    run_each(folders, jobs, progress, |rig| {
+    let stage = folders.found();
+    run_each(&stage, &rigs(folders)?, jobs, progress, |rig| {
         let mut refine = on_rig(retarder, &folders.plant(rig), "refine", folders, rig);
-        refine.arg("--out").arg(folders.refined(rig));
-        output(retarder, refine.arg("--json").arg(folders.finding(rig)))
+        refine.arg("--out").arg(stage.plant(rig));
+        output(retarder, refine.arg("--json").arg(stage.finding(rig)))
     })
+}
+
+/// Diagnoses every rig of `folders` with its refined plant, like [`refine`].
+///
+/// # Errors
+/// If files cannot be read or written, or the command does not start.
+pub fn diagnose(
+    folders: &Folders,
+    Retarder { retarder }: &Retarder,
+    jobs: usize,
+    progress: impl Fn(Progress) + Sync,
+) -> Result<usize, RunError> {
+    let (refined, stage) = (folders.found(), folders.named());
+    run_each(&stage, &rigs(folders)?, jobs, progress, |rig| {
+        let mut diagnose = on_rig(retarder, &refined.plant(rig), "diagnose", folders, rig);
+        output(retarder, diagnose.arg("--json").arg(stage.finding(rig)))
+    })
+}
+
+/// Adds the named effects to the refined plant of every rig of `folders` that has any, like [`refine`].
+///
+/// # Errors
+/// If files cannot be read or written, or the command does not start.
+pub fn fit(
+    folders: &Folders,
+    Retarder { retarder }: &Retarder,
+    jobs: usize,
+    progress: impl Fn(Progress) + Sync,
+) -> Result<usize, RunError> {
+    let (refined, stage) = (folders.found(), folders.fitted());
+    let mut named = Vec::new();
+    for rig in rigs(folders)? {
+        if !forms(folders, &rig)?.is_empty() {
+            named.push(rig);
+        }
+    }
+    run_each(&stage, &named, jobs, progress, |rig| {
+        let mut fit = on_rig(retarder, &refined.plant(rig), "refine", folders, rig);
+        for form in forms(folders, rig)? {
+            fit.arg("--add").arg(form);
+        }
+        fit.arg("--out").arg(stage.plant(rig));
+        output(retarder, fit.arg("--json").arg(stage.finding(rig)))
+    })
+}
+
+/// Named effects of a rig with the forms of their laws; none where the diagnosis did not end.
+fn forms(folders: &Folders, rig: &str) -> Result<Vec<String>, RunError> {
+    let finding: Option<Finding> = found(&folders.named().finding(rig))?;
+    Ok(finding.map(|finding| finding.forms()).unwrap_or_default())
 }

@@ -7,10 +7,10 @@ use std::fs;
 use plant_sim::PlantParameters;
 use serde::Serialize;
 
-use super::super::format::Folders;
+use super::super::format::{Folders, Stage};
 use super::super::score::gate::{Gate, gate};
 use super::super::score::share::Share;
-use super::super::score::{ScoreError, answers, parse};
+use super::super::score::{ScoreError, answers, found};
 use super::finding::{Estimated, Worst};
 use super::format::FieldAnswer;
 use super::ordinary::first_file;
@@ -90,39 +90,6 @@ impl FieldScored {
                 })
             })
             .collect()
-    }
-
-    /// What kind of log it is.
-    fn kind(&self) -> String {
-        let logger = &self.answer.logger;
-        let valves = if self.answer.is_vent_normally_open {
-            "vent normally open"
-        } else {
-            "normally closed"
-        };
-        let signals = match (logger.currents, logger.supply_pressure) {
-            (true, true) => "currents, supply",
-            (true, false) => "currents",
-            (false, true) => "supply",
-            (false, false) => "pressure alone",
-        };
-        let warm = match self
-            .answer
-            .logs
-            .each_ref()
-            .map(|log| log.relaxation_s > 0.0)
-        {
-            [true, true] => ", both logs begin warm",
-            [true, false] => ", id log begins warm",
-            [false, true] => ", check log begins warm",
-            [false, false] => "",
-        };
-        format!(
-            "{valves}, {:.0} Hz, {} bits, {:.1} mbar, {signals}{warm}",
-            logger.rate_hz,
-            logger.bits,
-            1e3 * logger.noise_bar
-        )
     }
 
     /// One line for each thing that went wrong.
@@ -239,14 +206,13 @@ fn begins_warm(rig: &FieldAnswer) -> bool {
 /// # Errors
 /// If an answer or a finding cannot be read. A finding that is not there is a miss of every gate.
 pub fn score(folders: &Folders) -> Result<FieldReport, ScoreError> {
-    let seconds = seconds(folders)?;
+    let seconds = seconds(&folders.found())?;
     let answers: Vec<FieldAnswer> = answers(folders)?;
     let rigs = answers.into_iter().map(|answer| {
-        let read = |path: std::path::PathBuf| path.exists().then(|| parse(&path)).transpose();
         Ok(FieldScored {
             seconds: seconds.get(&answer.rig).copied(),
-            refined: read(folders.finding(&answer.rig))?,
-            truth: read(folders.judged_truth(&answer.rig))?,
+            refined: found(&folders.found().finding(&answer.rig))?,
+            truth: found(&folders.judged_truth(&answer.rig))?,
             answer,
         })
     });
@@ -254,9 +220,9 @@ pub fn score(folders: &Folders) -> Result<FieldReport, ScoreError> {
     Ok(FieldReport::new(&rigs))
 }
 
-/// Time of the last refinement of each rig (s).
-fn seconds(folders: &Folders) -> Result<BTreeMap<String, f64>, ScoreError> {
-    let times = folders.times();
+/// Time of the last command of each rig (s).
+pub(super) fn seconds(stage: &Stage) -> Result<BTreeMap<String, f64>, ScoreError> {
+    let times = stage.times();
     if !times.exists() {
         return Ok(BTreeMap::new());
     }
@@ -291,7 +257,7 @@ impl FieldReport {
                 .iter()
                 .flat_map(|rig| {
                     let misses = rig.misses().into_iter();
-                    misses.map(|miss| format!("{} ({}): {miss}", rig.answer.rig, rig.kind()))
+                    misses.map(|miss| format!("{} ({}): {miss}", rig.answer.rig, rig.answer.kind()))
                 })
                 .collect(),
         }
@@ -365,16 +331,9 @@ impl fmt::Display for FieldReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "refined: {}", self.rigs)?;
         writeln!(f, "\ngates, with exact 95 % limits")?;
-        for gate in &self.gates {
-            let sign = if gate.is_least { "at least" } else { "at most" };
-            let verdict = if gate.holds { "pass" } else { "FAIL" };
-            let bound = format!("{sign} {:.0} %", 100.0 * gate.bound);
-            writeln!(
-                f,
-                "  {:48} {bound:13} {verdict:6} {}",
-                gate.promise, gate.share
-            )?;
-        }
+        self.gates
+            .iter()
+            .try_for_each(|gate| writeln!(f, "  {gate}"))?;
         let kind = "kind";
         writeln!(
             f,

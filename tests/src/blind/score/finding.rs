@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::super::format::Hidden;
+use super::judge::Named;
+
 /// A figure per signal.
 pub type BySignal = BTreeMap<String, f64>;
 
@@ -30,6 +33,12 @@ pub struct Step {
     /// What it changes.
     #[serde(default)]
     pub kind: String,
+    /// Effect that it adds, if any.
+    #[serde(default)]
+    pub added: Option<String>,
+    /// Form of its law.
+    #[serde(default)]
+    pub variant: Option<String>,
     /// Rms error on the id log.
     pub fit_rms: BySignal,
     /// Rms error on the check log.
@@ -71,7 +80,41 @@ pub struct Fitted {
     pub high: f64,
 }
 
+impl Fitted {
+    /// Whether the interval contains a value.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
 impl Finding {
+    /// The names.
+    pub fn named(&self) -> Named {
+        Named {
+            effects: self.effects.clone(),
+            equivalents: self.equivalents.clone(),
+        }
+    }
+
+    /// The named effects, each with the form of its law, as `retarder refine --add` reads them.
+    pub fn forms(&self) -> Vec<String> {
+        let form = |effect: &String| {
+            let mut steps = self.ladder.iter();
+            let step = steps.find(|step| step.added.as_ref() == Some(effect));
+            let variant = step.and_then(|step| step.variant.as_ref());
+            variant.map_or_else(|| effect.clone(), |variant| format!("{effect}:{variant}"))
+        };
+        self.effects.iter().map(form).collect()
+    }
+
+    /// Fitted and true value of the parameter of a hidden effect, where it is named by its own id and the library has the parameter.
+    pub fn size_of<'a>(&'a self, hidden: &'a Hidden) -> Option<(&'a Fitted, f64)> {
+        let (key, truth) = hidden.parameter.as_ref()?;
+        let fitted = self.fitted(&hidden.effect, key)?;
+        let is_named = self.effects.contains(&hidden.effect);
+        is_named.then_some((fitted, *truth))
+    }
+
     /// The plain model, refitted.
     pub fn plain(&self) -> Option<&Step> {
         let mut steps = self.ladder.iter();

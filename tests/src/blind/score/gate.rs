@@ -1,5 +1,7 @@
 //! What the names of the diagnosis, or of a rule, have to be worth.
 
+use std::fmt;
+
 use serde::Serialize;
 
 use super::super::format::Class;
@@ -116,6 +118,19 @@ pub(in crate::blind) fn gate(
     }
 }
 
+impl fmt::Display for Gate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = if self.is_least { "at least" } else { "at most" };
+        let verdict = if self.holds { "pass" } else { "FAIL" };
+        let bound = format!("{sign} {:.0} %", 100.0 * self.bound);
+        write!(
+            f,
+            "{:48} {bound:13} {verdict:6} {}",
+            self.promise, self.share
+        )
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::judge::tests::answer;
@@ -131,6 +146,8 @@ mod tests {
             equivalents: [].into(),
             ladder: vec![Step {
                 kind: "parameters_refitted".to_owned(),
+                added: None,
+                variant: None,
                 fit_rms: by_signal(1.0),
                 check_rms: by_signal((1.0 + excess * excess).sqrt()),
                 noise_floor: by_signal(1.0),

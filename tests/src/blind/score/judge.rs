@@ -1,8 +1,8 @@
-//! What a diagnosis said, held against what the rig hides.
+//! Compares the names of a diagnosis with what the rig hides.
 
 use std::collections::BTreeMap;
 
-use super::super::format::{Answer, Class, Hidden};
+use super::super::format::Hidden;
 
 /// Names given to one rig by the diagnosis or by a rule.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -27,23 +27,15 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// Holds names against an answer. Each name stands for one hidden effect at most.
-    pub fn new(answer: &Answer, named: &Named) -> Self {
-        let own = |effect: &str, hidden: &Hidden| {
-            answer.class != Class::Beyond && effect == hidden.effect
-        };
-        let stands = |effect: &str, hidden: &Hidden| {
-            let said = named.equivalents.get(effect);
-            own(effect, hidden)
-                || hidden.same.iter().any(|id| id == effect)
-                || answer.class != Class::Beyond
-                    && said.is_some_and(|ids| ids.contains(&hidden.effect))
-        };
+    /// Compares names with hidden effects. Each name stands for one hidden effect at most.
+    pub fn new(hidden: &[Hidden], named: &Named) -> Self {
+        let names = named.names();
+        let count = |assigned: Vec<Option<&str>>| assigned.into_iter().flatten().count();
         Self {
-            hidden: answer.hidden.len(),
+            hidden: hidden.len(),
             named: named.effects.len(),
-            right: matched(&named.effects, &answer.hidden, &stands),
-            by_own_id: matched(&named.effects, &answer.hidden, &own),
+            right: count(named.assigned(hidden)),
+            by_own_id: count(assigned(&names, hidden, &is_own_id)),
         }
     }
 
@@ -53,26 +45,60 @@ impl Judgement {
     }
 }
 
-/// Largest number of hidden effects that get a name each of their own.
-fn matched(names: &[String], hidden: &[Hidden], stands: &impl Fn(&str, &Hidden) -> bool) -> usize {
+impl Named {
+    /// For each hidden effect the name that stands for it. As many as possible have one, those in front before the others.
+    pub fn assigned(&self, hidden: &[Hidden]) -> Vec<Option<&str>> {
+        assigned(&self.names(), hidden, &|name, hidden| {
+            self.stands(name, hidden)
+        })
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.effects.iter().map(String::as_str).collect()
+    }
+
+    /// Whether a name stands for a hidden effect: by its id, by physics, or by a declared equivalent.
+    fn stands(&self, name: &str, hidden: &Hidden) -> bool {
+        let said = self.equivalents.get(name);
+        is_own_id(name, hidden)
+            || hidden.same.iter().any(|id| id == name)
+            || hidden.is_in_library() && said.is_some_and(|ids| ids.contains(&hidden.effect))
+    }
+}
+
+fn is_own_id(name: &str, hidden: &Hidden) -> bool {
+    hidden.is_in_library() && name == hidden.effect
+}
+
+/// For each hidden effect the name that stands for it, each name once: as many as possible, those in front before the others.
+fn assigned<'a>(
+    names: &[&'a str],
+    hidden: &[Hidden],
+    stands: &impl Fn(&str, &Hidden) -> bool,
+) -> Vec<Option<&'a str>> {
     let Some((first, rest)) = hidden.split_first() else {
-        return 0;
+        return Vec::new();
     };
-    let without = matched(names, rest, stands);
-    let with = (0..names.len())
-        .filter(|&n| stands(&names[n], first))
-        .map(|n| {
-            let mut others = names.to_vec();
-            others.remove(n);
-            1 + matched(&others, rest, stands)
-        });
-    with.fold(without, usize::max)
+    let name_first = |n: Option<usize>| {
+        let mut others = names.to_vec();
+        let name = n.map(|n| others.remove(n));
+        let mut all = vec![name];
+        all.extend(assigned(&others, rest, stands));
+        all
+    };
+    let named = (0..names.len()).filter(|&n| stands(names[n], first));
+    let ways = named.map(Some).chain([None]).map(name_first);
+    let worth = |way: &Vec<Option<&str>>| {
+        let has_name: Vec<bool> = way.iter().map(Option::is_some).collect();
+        (way.iter().flatten().count(), has_name)
+    };
+    ways.max_by_key(worth).unwrap_or_default()
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::blind::format::{Profile, SCHEMA};
+    use crate::blind::format::{Answer, Class, Profile, SCHEMA};
     use crate::reference_plant::catalogue::Kinship;
 
     pub(in super::super) fn answer(class: Class, hidden: &[(&str, &[&str])]) -> Answer {
@@ -86,7 +112,10 @@ pub(super) mod tests {
                 .map(|(effect, same)| Hidden {
                     effect: (*effect).to_owned(),
                     law: String::new(),
-                    kinship: Kinship::Matched,
+                    kinship: match class {
+                        Class::Beyond => Kinship::Beyond,
+                        _ => Kinship::Matched,
+                    },
                     same: same.iter().map(|&id| id.to_owned()).collect(),
                     size: 1.0,
                     unit: String::new(),
@@ -115,7 +144,7 @@ pub(super) mod tests {
     }
 
     fn check(answer: &Answer, names: &[(&str, &[&str])], right: usize, own: usize, wrong: usize) {
-        let judgement = Judgement::new(answer, &named(names));
+        let judgement = Judgement::new(&answer.hidden, &named(names));
         assert_eq!(
             (judgement.right, judgement.by_own_id, judgement.wrong()),
             (right, own, wrong),
@@ -160,6 +189,22 @@ pub(super) mod tests {
             1,
             1,
             1,
+        );
+    }
+
+    /// One name may stand for either: the one in front gets it, unless another name is left for the other.
+    #[test]
+    fn a_name_stands_for_the_effect_in_front_unless_both_can_have_one() {
+        let two = answer(
+            Class::Two,
+            &[("dead_volume", &["sensor_lag"]), ("sensor_lag", &[])],
+        );
+        let one = named(&[("sensor_lag", &[])]);
+        assert_eq!(one.assigned(&two.hidden), [Some("sensor_lag"), None]);
+        let both = named(&[("sensor_lag", &[]), ("dead_volume", &[])]);
+        assert_eq!(
+            both.assigned(&two.hidden),
+            [Some("dead_volume"), Some("sensor_lag")]
         );
     }
 

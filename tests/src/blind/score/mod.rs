@@ -2,7 +2,7 @@
 
 pub mod finding;
 pub(super) mod gate;
-mod judge;
+pub(super) mod judge;
 mod log;
 mod rules;
 pub mod share;
@@ -63,13 +63,8 @@ impl Scored {
         alone: Vec<f64>,
         log: Option<&log::Log>,
     ) -> Self {
-        let named = finding
-            .as_ref()
-            .map_or_else(Named::default, |finding| Named {
-                effects: finding.effects.clone(),
-                equivalents: finding.equivalents.clone(),
-            });
-        let judgement = Judgement::new(&answer, &named);
+        let named = finding.as_ref().map(Finding::named).unwrap_or_default();
+        let judgement = Judgement::new(&answer.hidden, &named);
         let by_rules = rules::RULES
             .iter()
             .map(|rule| {
@@ -78,7 +73,7 @@ impl Scored {
                     effects,
                     ..Named::default()
                 };
-                Judgement::new(&answer, &named)
+                Judgement::new(&answer.hidden, &named)
             })
             .collect();
         Self {
@@ -120,8 +115,7 @@ impl Scored {
 /// If an answer or a finding cannot be read. A finding that is not there is a rig without names.
 pub fn score(folders: &Folders) -> Result<Report, ScoreError> {
     let rigs = answers::<Answer>(folders)?.into_iter().map(|answer| {
-        let finding = folders.finding(&answer.rig);
-        let finding = finding.exists().then(|| parse(&finding)).transpose()?;
+        let finding = found(&folders.found().finding(&answer.rig))?;
         let alone = alone(folders, &answer)?;
         let log = log::Log::read(&folders.id_log(&answer.rig))?;
         Ok(Scored::new(answer, finding, alone, Some(&log)))
@@ -156,6 +150,11 @@ pub(super) fn answers<T: DeserializeOwned>(folders: &Folders) -> Result<Vec<T>, 
         return Err(ScoreError::NoAnswers(sealed));
     }
     paths.iter().map(|path| parse(path)).collect()
+}
+
+/// What a file says; none if it is not there.
+pub(super) fn found<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, ScoreError> {
+    path.exists().then(|| parse(path)).transpose()
 }
 
 pub(super) fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, ScoreError> {

@@ -136,6 +136,8 @@ mod tests {
             equivalents: [].into(),
             ladder: vec![Step {
                 kind: "parameters_refitted".to_owned(),
+                added: None,
+                variant: None,
                 fit_rms: by_signal(2.0, 1.0),
                 check_rms: by_signal(2.0, 1.0),
                 noise_floor: by_signal(1.0, 1.0),

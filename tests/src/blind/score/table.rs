@@ -204,15 +204,14 @@ fn sizes(rig: &Scored) -> Vec<Size> {
     let Some(finding) = &rig.finding else {
         return vec![];
     };
-    let of_hidden = |hidden: &super::super::format::Hidden| {
-        let (key, value) = hidden.parameter.as_ref()?;
-        let fitted = finding.fitted(&hidden.effect, key)?;
-        finding.effects.contains(&hidden.effect).then(|| Size {
-            is_held: (fitted.low..=fitted.high).contains(value),
-            deviation: (fitted.value / value - 1.0).abs(),
+    let sizes = rig.answer.hidden.iter();
+    sizes
+        .filter_map(|hidden| finding.size_of(hidden))
+        .map(|(fitted, truth)| Size {
+            is_held: fitted.contains(truth),
+            deviation: (fitted.value / truth - 1.0).abs(),
         })
-    };
-    rig.answer.hidden.iter().filter_map(of_hidden).collect()
+        .collect()
 }
 
 fn mean_set(findings: &[&Finding]) -> Option<f64> {
@@ -282,16 +281,9 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "diagnosed: {}", self.rigs)?;
         writeln!(f, "\npromises, with exact 95 % limits")?;
-        for gate in &self.gates {
-            let sign = if gate.is_least { "at least" } else { "at most" };
-            let verdict = if gate.holds { "kept" } else { "BROKEN" };
-            let bound = format!("{sign} {:.0} %", 100.0 * gate.bound);
-            writeln!(
-                f,
-                "  {:48} {bound:13} {verdict:6} {}",
-                gate.promise, gate.share
-            )?;
-        }
+        self.gates
+            .iter()
+            .try_for_each(|gate| writeln!(f, "  {gate}"))?;
         writeln!(
             f,
             "  {:69} {}",

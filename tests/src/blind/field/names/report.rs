@@ -1,0 +1,254 @@
+//! The gates and the tables of the names, as text and as JSON.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Serialize;
+
+use super::super::super::score::gate::{Gate, gate};
+use super::super::super::score::share::Share;
+use super::super::format::FieldAnswer;
+use super::super::thresholds::*;
+use super::{NamedRig, OfRig};
+
+/// What a score of the names says.
+#[derive(Debug, Clone, Serialize)]
+pub struct NamesReport {
+    /// Rigs, and those whose diagnosis came to an end.
+    pub rigs: Share,
+    /// The gates.
+    pub gates: Vec<Gate>,
+    /// Diagnoses in time: with few hidden effects, and with more.
+    pub in_time: [Share; 2],
+    /// By number of hidden effects, rate of the logger, and signals.
+    pub groups: Vec<Group>,
+    /// Hidden effects that are asked for by removal cost: from the first to the second (noise floors), and those that are named.
+    pub costs: Vec<([f64; 2], Share)>,
+    /// By id of the hidden effect.
+    pub effects: BTreeMap<String, OfEffect>,
+    /// Rigs on which something went wrong.
+    pub misses: Vec<String>,
+}
+
+/// Rigs of one kind.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Group {
+    /// The kind.
+    pub label: String,
+    /// Rigs.
+    pub rigs: usize,
+    /// Hidden effects that are asked for, and those of them that are named.
+    pub named: Share,
+    /// Rigs with a name that stands for nothing hidden.
+    pub wrong: usize,
+    /// Of those whose hidden effects are all in the library, rigs whose final plant runs free as it should.
+    pub free_run: Share,
+    /// Rigs whose diagnosis is in time.
+    pub in_time: usize,
+}
+
+/// Hidden effects of one id.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct OfEffect {
+    /// Rigs that hide it.
+    pub hidden: usize,
+    /// Those on which it is asked for, and those of them on which it is named.
+    pub named: Share,
+    /// Those on which it is named without being asked for.
+    pub unasked: usize,
+}
+
+type Kind = (&'static str, fn(&FieldAnswer) -> bool);
+
+/// Bands of removal costs that are counted by themselves (noise floors).
+const COSTS: [[f64; 2]; 4] = [
+    [ASKED_COST_MIN_FLOORS, 3.0],
+    [3.0, 10.0],
+    [10.0, 30.0],
+    [30.0, f64::INFINITY],
+];
+
+/// Kinds of loggers that are counted by themselves.
+const KINDS: [Kind; 5] = [
+    ("20 to 50 Hz", |rig| rig.logger.rate_hz < 50.0),
+    ("50 to 500 Hz", |rig| {
+        (50.0..500.0).contains(&rig.logger.rate_hz)
+    }),
+    ("500 to 5000 Hz", |rig| rig.logger.rate_hz >= 500.0),
+    ("currents logged", |rig| rig.logger.currents),
+    ("no currents", |rig| !rig.logger.currents),
+];
+
+impl NamesReport {
+    /// The score of these rigs.
+    pub fn new(rigs: &[NamedRig]) -> Self {
+        Self {
+            rigs: Share::of(rigs, |rig| rig.finding.is_some()),
+            gates: gates(rigs).to_vec(),
+            in_time: [true, false].map(|few| {
+                let of = rigs.iter().filter(|rig| rig.has_few_effects() == few);
+                Share::of(of, |rig| rig.is_in_time())
+            }),
+            groups: groups(rigs),
+            costs: costs(rigs),
+            effects: effects(rigs),
+            misses: rigs.iter().filter_map(NamedRig::miss).collect(),
+        }
+    }
+
+    /// Whether every rig has an answer, and every gate holds.
+    pub fn holds(&self) -> bool {
+        self.rigs.count == self.rigs.of && self.gates.iter().all(|gate| gate.holds)
+    }
+}
+
+fn gates(rigs: &[NamedRig]) -> [Gate; 5] {
+    let hide_nothing = rigs.iter().filter(|rig| rig.hides_nothing());
+    let hide_something = rigs.iter().filter(|rig| !rig.hides_nothing());
+    let intervals = rigs.iter().flat_map(NamedRig::intervals);
+    let in_library = rigs.iter().filter(|rig| rig.is_all_in_library());
+    [
+        gate(
+            "a rig without effect gets a name",
+            Share::of(hide_nothing, |rig| rig.has_false_name()),
+            FALSE_NAME_SHARE_MAX,
+            false,
+        ),
+        gate(
+            "an effect that costs a noise floor is named",
+            named_of_asked(rigs),
+            NAMED_SHARE_MIN,
+            true,
+        ),
+        gate(
+            "a rig with effects gets a wrong name",
+            Share::of(hide_something, |rig| rig.has_wrong_name()),
+            WRONG_NAME_SHARE_MAX,
+            false,
+        ),
+        gate(
+            "95 % intervals contain the true value",
+            Share::of(intervals, |one| one.fitted.contains(one.truth)),
+            COVERAGE_MIN,
+            true,
+        ),
+        gate(
+            "free run at most 1.5 noise floors",
+            Share::of(in_library, |rig| rig.runs_free()),
+            FREE_RUN_SHARE_MIN,
+            true,
+        ),
+    ]
+}
+
+fn named_of_asked<'a>(rigs: impl IntoIterator<Item = &'a NamedRig>) -> Share {
+    let hidden = rigs.into_iter().flat_map(NamedRig::hidden);
+    Share::of(hidden.filter(|one| one.is_asked), |one| one.is_named)
+}
+
+fn groups(rigs: &[NamedRig]) -> Vec<Group> {
+    let most = rigs.iter().map(|rig| rig.answer.hidden.len()).max();
+    let by_number = (0..=most.unwrap_or(0)).map(|number| {
+        let of = |rig: &&NamedRig| rig.answer.hidden.len() == number;
+        Group::new(format!("{number} hidden"), rigs.iter().filter(of))
+    });
+    let by_logger = KINDS.iter().map(|(label, is)| {
+        let of = rigs.iter().filter(|rig| is(&rig.answer));
+        Group::new((*label).to_owned(), of)
+    });
+    by_number.chain(by_logger).collect()
+}
+
+fn costs(rigs: &[NamedRig]) -> Vec<([f64; 2], Share)> {
+    let share = |[low, high]: [f64; 2]| {
+        let asked = rigs
+            .iter()
+            .flat_map(NamedRig::hidden)
+            .filter(|one| one.is_asked);
+        let within = asked.filter(|one| (low..high).contains(&one.cost));
+        ([low, high], Share::of(within, |one| one.is_named))
+    };
+    COSTS.map(share).to_vec()
+}
+
+fn effects(rigs: &[NamedRig]) -> BTreeMap<String, OfEffect> {
+    let mut effects: BTreeMap<String, OfEffect> = BTreeMap::new();
+    for OfRig {
+        hidden,
+        is_asked,
+        is_named,
+        ..
+    } in rigs.iter().flat_map(NamedRig::hidden)
+    {
+        let of = effects.entry(hidden.effect.clone()).or_default();
+        of.hidden += 1;
+        of.named.of += usize::from(is_asked);
+        of.named.count += usize::from(is_asked && is_named);
+        of.unasked += usize::from(!is_asked && is_named);
+    }
+    effects
+}
+
+impl Group {
+    fn new<'a>(label: String, rigs: impl Iterator<Item = &'a NamedRig>) -> Self {
+        let rigs: Vec<&NamedRig> = rigs.collect();
+        let count = |is: fn(&NamedRig) -> bool| rigs.iter().filter(|rig| is(rig)).count();
+        let in_library = rigs.iter().filter(|rig| rig.is_all_in_library());
+        Self {
+            label,
+            rigs: rigs.len(),
+            named: named_of_asked(rigs.iter().copied()),
+            wrong: count(|rig| rig.judgement.wrong() > 0),
+            free_run: Share::of(in_library, |rig| rig.runs_free()),
+            in_time: count(NamedRig::is_in_time),
+        }
+    }
+}
+
+impl fmt::Display for NamesReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "diagnosed: {}", self.rigs)?;
+        writeln!(f, "\ngates, with exact 95 % limits")?;
+        self.gates
+            .iter()
+            .try_for_each(|gate| writeln!(f, "  {gate}"))?;
+        writeln!(f, "\ndiagnoses in time")?;
+        let [few, many] = self.in_time;
+        let [few_s, many_s] = [FEW_EFFECTS_TIME_MAX, MANY_EFFECTS_TIME_MAX].map(|t| t.as_secs());
+        writeln!(f, "  up to {FEW_EFFECTS} hidden effects, {few_s} s:  {few}")?;
+        writeln!(f, "  more hidden effects, {many_s} s:  {many}")?;
+        let kind = "kind";
+        writeln!(f, "\n{kind:34} rigs asked named wrong free run of in time")?;
+        for group in &self.groups {
+            writeln!(
+                f,
+                "  {:32} {:4} {:5} {:5} {:5} {:8} {:2} {:7}",
+                group.label,
+                group.rigs,
+                group.named.of,
+                group.named.count,
+                group.wrong,
+                group.free_run.count,
+                group.free_run.of,
+                group.in_time
+            )?;
+        }
+        writeln!(f, "\neffects asked for, by removal cost (noise floors)")?;
+        for ([low, high], named) in &self.costs {
+            writeln!(f, "  {low:3} to {high:3}: {named}")?;
+        }
+        let effect = "hidden effect";
+        writeln!(f, "\n{effect:34} rigs asked named named unasked")?;
+        for (id, of) in &self.effects {
+            writeln!(
+                f,
+                "  {id:32} {:4} {:5} {:5} {:13}",
+                of.hidden, of.named.of, of.named.count, of.unasked
+            )?;
+        }
+        writeln!(f, "\nmisses: {}", self.misses.len())?;
+        self.misses
+            .iter()
+            .try_for_each(|miss| writeln!(f, "  {miss}"))
+    }
+}
