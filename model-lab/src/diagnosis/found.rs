@@ -67,7 +67,8 @@ fn climb_from(
             judge_anew(&bench, &mut singles);
         }
     }
-    if leaves_currents(&plain, &singles)
+    // A choice that leaves less may be the wrong one again, from which the right one is found.
+    while leaves_currents(&plain, &singles)
         && let Some(other) = taken_otherwise(split, plant, library, (&plain, &singles), watch)?
     {
         (plain, singles) = other;
