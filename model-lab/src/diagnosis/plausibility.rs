@@ -36,11 +36,17 @@ impl Practice {
     pub(crate) fn typical(&self, spec: &ParameterSpec) -> Option<f64> {
         let typical = spec.size?.typical;
         Some(match (spec.effect_id(), spec.unit) {
-            (Some("chamber_leak" | "supply_seat_leak"), "m2") => typical * self.volume,
-            (Some("sensor_offset"), "bar") => typical * self.pressure,
+            (Some("chamber_leak" | "supply_seat_leak"), "m2") => {
+                in_two_digits(typical * self.volume)
+            }
+            (Some("sensor_offset"), "bar") => in_two_digits(typical * self.pressure),
             _ => typical,
         })
     }
+}
+
+fn in_two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 /// Returns whether the fitted `parameters` of the effect `id` are plausible, in words. A strength may be as small as it likes.
