@@ -27,8 +27,9 @@ const CONVERGED: f64 = 0.5;
 const CONVERGED_SHARE: f64 = 1e-4;
 /// In a search, a decrease below this share of what the noise does not explain is none.
 const CONVERGED_EXCESS_SHARE: f64 = 5e-3;
-/// A fit has not converged if a further step promises this share of what the noise does not explain.
+/// A fit has not converged if a further step, damped by one of these, gains this share of what the noise does not explain.
 const UNCONVERGED_EXCESS_SHARE: f64 = 0.1;
+const STEP_DAMPINGS: [f64; 3] = [0.0, 1e-2, 1.0];
 /// A step is at most this long in each coordinate, ...
 const LONGEST_STEP: f64 = 1.5;
 /// ... and this long where large errors are forgiven: the way is long, and the model hardly linear.
@@ -384,12 +385,16 @@ impl<'a> Fitter<'a> {
         (cost - self.evidence.counted_samples()).max(0.0)
     }
 
-    /// Whether a further step from `fit`, which has its own Jacobian, promises little beside what is left.
+    /// Whether a further step from `fit`, which has its own Jacobian, gains little beside what is left. Where the model is not smooth, a
+    /// step may promise much and gain nothing.
     pub(crate) fn is_converged(&self, fit: &Fit) -> bool {
-        let (_, expected) = self.step(fit, 0.0);
         let cost = self.cost(&fit.z, &fit.residuals);
         let share = UNCONVERGED_EXCESS_SHARE * self.excess(cost);
-        expected <= self.converged(cost).max(share)
+        let little = self.converged(cost).max(share);
+        STEP_DAMPINGS.into_iter().all(|damping| {
+            let (z, expected) = self.step(fit, damping);
+            expected <= little || self.at(z).is_none_or(|next| cost - next.cost <= little)
+        })
     }
 
     /// The damped step from `fit` within the bounds, and by how much a linear model's cost falls.

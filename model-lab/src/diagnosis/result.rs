@@ -49,7 +49,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The answer in words.
     pub sentence: String,
-    /// Whether the last fit has converged: a further step promises little.
+    /// Whether the last fit has converged: a further step gains little.
     pub is_converged: bool,
     /// Ids of the named effects in the order added.
     pub effects: Vec<String>,

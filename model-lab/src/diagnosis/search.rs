@@ -137,7 +137,7 @@ pub(crate) fn try_all(
                 if is_followed {
                     bench.finish(opened)
                 } else {
-                    bench.leave(opened)
+                    bench.leave(base, opened)
                 }
             });
             let count = finished.fetch_add(1, Ordering::Relaxed) + 1;

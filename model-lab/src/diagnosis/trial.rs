@@ -179,9 +179,19 @@ impl Bench<'_> {
         Some(without)
     }
 
-    /// Judges what was begun as it is.
-    pub(crate) fn leave(&self, opened: Opened) -> Option<Trial> {
-        self.judge(opened.effects, opened.unknowns, opened.fit)
+    /// Judges what was begun on top of `base` as it is, by logs under the conditions that were fitted with `base`.
+    pub(crate) fn leave(&self, base: &Trial, opened: Opened) -> Option<Trial> {
+        let Opened {
+            effects,
+            unknowns,
+            fit,
+        } = opened;
+        let conditions = if self.checking.is_rest_of_fitted {
+            self.checked_conditions(&unknowns, &fit.z)
+        } else {
+            base.checked_conditions.clone()
+        };
+        self.judge_under(conditions, (effects, unknowns, fit))
     }
 
     pub(crate) fn judge(
@@ -190,8 +200,17 @@ impl Bench<'_> {
         unknowns: Unknowns,
         fit: Fit,
     ) -> Option<Trial> {
-        let plant = unknowns.plant(&fit.z);
         let conditions = self.checked_conditions(&unknowns, &fit.z);
+        self.judge_under(conditions, (effects, unknowns, fit))
+    }
+
+    /// Judges a fit by logs under these `conditions`.
+    fn judge_under(
+        &self,
+        conditions: Vec<Conditions>,
+        (effects, unknowns, fit): (Vec<EffectSetting>, Unknowns, Fit),
+    ) -> Option<Trial> {
+        let plant = unknowns.plant(&fit.z);
         let run = Run::Predicted;
         let residuals =
             self.checking

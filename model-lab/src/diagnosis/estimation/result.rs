@@ -44,7 +44,7 @@ pub struct Estimation {
     pub sentence: String,
     /// Whether the estimated model leaves no more than the noise.
     pub is_adequate: bool,
-    /// Whether the fit has converged: a further step from the estimated values promises little.
+    /// Whether the fit has converged: a further step from the estimated values gains little.
     pub is_converged: bool,
     /// The errors, from the plant as given on.
     pub steps: Vec<Step>,

@@ -48,7 +48,7 @@ pub(super) struct Fitted {
     pub(super) fit: Fit,
     /// The same point, simulated accurately, with a Jacobian in which what the logs leave open is open.
     pub(super) sharp: Fit,
-    /// Whether a further step promises little, or the noise alone is left.
+    /// Whether a further step gains little, or the noise alone is left.
     pub(super) is_converged: bool,
 }
 
