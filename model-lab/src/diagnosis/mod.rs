@@ -72,7 +72,6 @@ pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 
-use fit::Fitter;
 use gather::gather;
 use logged_supply::with_logged_supply;
 use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
@@ -167,8 +166,7 @@ fn diagnose_within(
     let last = found.steps.last_mut().expect("at least the plain plant");
     search::report(watch, "the final fit", 0.0)?;
     last.polish(&bench).ok_or_else(|| split.not_simulated())?;
-    let is_converged =
-        !last.is_material() || Fitter::new(bench.fitting, &last.unknowns).is_converged(&last.fit);
+    let is_converged = last.is_converged(&bench);
 
     let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
     search::report(watch, "detection limits", 0.0)?;

@@ -32,6 +32,9 @@ pub(crate) struct Opened {
     pub(crate) fit: Fit,
 }
 
+/// A last fit is gone on with this often, as long as it has not converged.
+const POLISHES: usize = 3;
+
 /// What every trial is held against.
 pub(crate) struct Bench<'a> {
     pub(crate) plant: &'a PlantParameters,
@@ -275,11 +278,23 @@ impl Trial {
 
     /// Fits on from where it is with a Jacobian of its own, which is then that at the fit: intervals need it.
     pub(crate) fn polish(&mut self, bench: &Bench) -> Option<()> {
-        self.refresh(bench)?;
-        let fitter = Fitter::new(bench.fitting, &self.unknowns);
-        let fit = fitter.descend(self.fit.clone(), Descent::Whole)?;
-        *self = bench.judge(self.effects.clone(), self.unknowns.clone(), fit)?;
-        self.sharpen(bench)
+        for _ in 0..POLISHES {
+            self.refresh(bench)?;
+            let fitter = Fitter::new(bench.fitting, &self.unknowns);
+            let fit = fitter.descend(self.fit.clone(), Descent::Whole)?;
+            *self = bench.judge(self.effects.clone(), self.unknowns.clone(), fit)?;
+            self.sharpen(bench)?;
+            if self.is_converged(bench) {
+                break;
+            }
+        }
+        Some(())
+    }
+
+    /// Whether its fit, which is sharp, is at its end, or leaves nothing material.
+    pub(crate) fn is_converged(&self, bench: &Bench) -> bool {
+        let fitter = || Fitter::accurate(bench.fitting, &self.unknowns);
+        !self.fitted.is_material() || fitter().is_converged(&self.fit)
     }
 
     /// Takes the Jacobian at the fit so accurately that directions which the logs leave open stay open.

@@ -100,7 +100,9 @@ pub(super) fn fit(
         Some(sharp)
     });
     let mut sharp = sharp.ok_or_else(|| split.not_simulated())?;
-    let is_converged = !is_material(&kept) || fitter.is_converged(&sharp);
+    let mut as_fitted = Fitter::accurate(&split.fitting, &unknowns);
+    as_fitted.loss = fitter.loss;
+    let is_converged = !is_material(&kept) || as_fitted.is_converged(&sharp);
     measure_weak_directions(&accurate, &mut sharp);
     if !is_material(&kept)
         && let Some(fit) = settled(&accurate, &sharp)
