@@ -27,9 +27,11 @@ use crate::options::CompareOptions;
 
 /// A size is open where its interval goes beyond this many times the value.
 const LOOSEST: f64 = 10.0;
-/// So many values of a wrong plant file stand in the sentence.
-const OUTSIDE_TOLD: usize = 3;
-/// What is said of a value outside of what the plant file admits.
+/// Caution of an answer whose fit has not converged.
+const NOT_CONVERGED: &str = "; the fit has not converged, so its values and names are in doubt: estimate the plant first (refine), and diagnose that";
+/// Number of values of a wrong plant file that the sentence lists.
+const OUTSIDE_LISTED: usize = 3;
+/// Alarm of a value outside of its range in the plant file.
 pub(crate) const OUTSIDE: &str =
     "lies outside of what the plant file admits: measure it, and correct the file";
 
@@ -284,36 +286,39 @@ pub(crate) fn regimes(
     Ok(regimes)
 }
 
-/// Where the refit of the ordinary parameters moves the error of a signal to another regime, in words.
+/// Returns a sentence for each signal whose error is in another regime once the ordinary parameters are refitted.
 pub(crate) fn moved_by_refit(given: &[Regime], refitted: &[Regime]) -> Vec<String> {
-    let told = given.iter().zip(refitted).filter_map(|(given, refitted)| {
-        given.regime.as_ref().filter(|_| given.regime != refitted.regime)?;
-        let after = match refitted.regime {
-            Some(_) => "most of what is left is elsewhere",
-            None => refitted.sentence.as_str(),
-        };
-        let Regime { log, signal, sentence, .. } = given;
-        Some(format!(
-            "{log}, {signal}: `compare` judges the plant as given, where {sentence}; with the ordinary parameters refitted, {after}"
-        ))
-    });
-    told.collect()
+    let pairs = given.iter().zip(refitted);
+    let moved =
+        pairs.filter(|(given, refitted)| given.regime.is_some() && given.regime != refitted.regime);
+    moved
+        .map(|(given, refitted)| {
+            let after = match refitted.regime {
+                Some(_) => "most of what is left is elsewhere",
+                None => refitted.sentence.as_str(),
+            };
+            let place = format!("{}, {}", given.log, given.signal);
+            let before = format!(
+                "`compare` judges the plant as given, where {}",
+                given.sentence
+            );
+            format!("{place}: {before}; with the ordinary parameters refitted, {after}")
+        })
+        .collect()
 }
 
-/// The values that are farthest outside, in words.
-fn worst_of(outside: &[OutsideValue]) -> String {
-    let mut worst: Vec<&OutsideValue> = outside.iter().collect();
-    worst.sort_by(|a, b| b.distance().total_cmp(&a.distance()));
-    let more = worst.len().saturating_sub(OUTSIDE_TOLD);
-    let told = worst
-        .iter()
-        .take(OUTSIDE_TOLD)
-        .map(|value| value.to_string());
-    let told = told.collect::<Vec<_>>().join(", ");
+/// Returns the values that are farthest outside, as a list in words.
+fn farthest(outside: &[OutsideValue]) -> String {
+    let mut farthest: Vec<&OutsideValue> = outside.iter().collect();
+    farthest.sort_by(|a, b| b.distance().total_cmp(&a.distance()));
+    let more = farthest.len().saturating_sub(OUTSIDE_LISTED);
+    let listed = farthest.iter().take(OUTSIDE_LISTED);
+    let listed: Vec<String> = listed.map(|value| value.to_string()).collect();
+    let listed = listed.join(", ");
     if more == 0 {
-        told
+        listed
     } else {
-        format!("{told}, and {more} more values")
+        format!("{listed}, and {more} more values")
     }
 }
 
@@ -323,6 +328,7 @@ pub(crate) fn sentence(
     steps: &[Step],
     (candidates, outside): (&[Candidate], &[OutsideValue]),
     equivalents: &BTreeMap<String, Vec<String>>,
+    is_converged: bool,
 ) -> String {
     let is_open = |id: &str| {
         let named = candidates.iter().find(|candidate| candidate.effect == id);
@@ -342,11 +348,11 @@ pub(crate) fn sentence(
             }
         })
         .collect();
-    let values = worst_of(outside);
+    let values = farthest(outside);
     let share = steps
         .last()
         .map_or(0.0, |step| 100.0 * step.explained_share);
-    match verdict {
+    let answer = match verdict {
         Verdict::Adequate => {
             let shown = candidates
                 .iter()
@@ -398,5 +404,10 @@ pub(crate) fn sentence(
             });
             format!("something is missing that no effect of the library explains{best}")
         }
+    };
+    if is_converged {
+        answer
+    } else {
+        answer + NOT_CONVERGED
     }
 }

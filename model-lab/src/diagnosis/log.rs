@@ -498,8 +498,8 @@ fn shut_off(parameters: &PlantParameters) -> PlantParameters {
     plant
 }
 
-/// Standard deviation of the noise where no quiet stretch tells it. A coarse signal that stands still most of the time shows its
-/// resolution alone; one that never changes shows nothing.
+/// Returns the standard deviation of the noise of a signal without a quiet interval. A coarse signal that is constant most of the time
+/// has that of its resolution; one that never changes has 0.
 fn scatter_or_resolution(signal: &Measured) -> f64 {
     let scatter = scatter(&signal.values);
     if scatter > 0.0 {
@@ -509,8 +509,8 @@ fn scatter_or_resolution(signal: &Measured) -> f64 {
     step.map_or(0.0, |step| step / 12_f64.sqrt())
 }
 
-/// Standard deviation of the noise by the samples alone: that of what no slow course can be, the second
-/// differences (a median, which the few samples at a switching valve do not move).
+/// Returns the standard deviation of the noise from second differences, in which a slow signal leaves nothing. Their median is not moved
+/// by the few samples at a switching valve.
 fn scatter(values: &[f64]) -> f64 {
     let mut curvatures: Vec<f64> = values
         .windows(3)

@@ -124,12 +124,9 @@ pub fn diagnose_with(
         .iter()
         .fold(estimated, |plant, id| plant.without_effect(id));
     let second = diagnose_within(library, &estimated, logs, check, watch)?.diagnosis;
-    let told = second_look::told_of(plant, (&first, &estimation), second);
-    Ok(told.unwrap_or(first))
+    let second = second_look::relative_to_file(plant, (&first, &estimation), second);
+    Ok(second.unwrap_or(first))
 }
-
-/// What an answer says beside a fit that has not converged.
-const NOT_CONVERGED: &str = "; the fit has not converged, so its values and names are in doubt: estimate the plant first (refine), and diagnose that";
 
 /// A diagnosis within what the plant file admits, and what a second look needs.
 struct Answer {
@@ -215,7 +212,8 @@ fn diagnose_within(
             &ladder,
             (&candidates, &outside),
             &equivalents,
-        ) + if is_converged { "" } else { NOT_CONVERGED },
+            is_converged,
+        ),
         is_converged,
         effects: ladder
             .iter()

@@ -32,9 +32,9 @@ fn excess(step: &Step) -> f64 {
     errors.filter_map(of_signal).sum()
 }
 
-/// The answer `second`, which was found with the `estimated` parameters, told of `plant`, the file as given; `first` was found with
-/// that. None where it explains no more.
-pub(super) fn told_of(
+/// Returns the answer `second`, found with the `estimated` parameters, relative to `plant`, the file as given, with which `first` was
+/// found; none where it explains no more.
+pub(super) fn relative_to_file(
     plant: &PlantParameters,
     (first, estimated): (&Diagnosis, &Estimation),
     mut second: Diagnosis,
@@ -59,6 +59,7 @@ pub(super) fn told_of(
         &second.ladder,
         (&second.candidates, &second.outside),
         &second.equivalents,
+        second.is_converged,
     );
     for value in &mut second.nuisance {
         let of_file = first.nuisance.iter().find(|there| there.name == value.name);

@@ -32,7 +32,7 @@ pub(crate) struct Opened {
     pub(crate) fit: Fit,
 }
 
-/// A last fit is gone on with this often, as long as it has not converged.
+/// Largest number of descents of a last fit that has not converged.
 const POLISHES: usize = 3;
 
 /// What every trial is held against.

@@ -26,19 +26,19 @@ struct Options {
 fn main() -> ExitCode {
     let Options { draw, names, json } = Options::parse();
     let (folders, json) = (Folders::new(draw), json.as_deref());
-    let told = if names {
-        names::score(&folders).map(|report| tell(&report, report.holds(), json))
+    let printed = if names {
+        names::score(&folders).map(|report| print(&report, report.holds(), json))
     } else {
-        score::score(&folders).map(|report| tell(&report, report.holds(), json))
+        score::score(&folders).map(|report| print(&report, report.holds(), json))
     };
-    told.unwrap_or_else(|error| {
+    printed.unwrap_or_else(|error| {
         eprintln!("{error}");
         ExitCode::from(2)
     })
 }
 
 /// Prints a report, and writes it as JSON where that is wanted.
-fn tell(report: &(impl Display + Serialize), holds: bool, json: Option<&Path>) -> ExitCode {
+fn print(report: &(impl Display + Serialize), holds: bool, json: Option<&Path>) -> ExitCode {
     print!("{report}");
     if let Some(path) = json {
         let text = serde_json::to_string_pretty(report).expect("a report is plain data");

@@ -173,6 +173,19 @@ struct Fitting {
     chosen: Chosen,
 }
 
+/// Returns the session `id` with its history, if it has the logs that `wish` asks for.
+fn fitting(
+    sessions: &Sessions,
+    id: String,
+    wish: &Fitting,
+) -> Result<(Arc<Session>, History), Refusal> {
+    let session = session(sessions, id)?;
+    wish.chosen.check(&session.project())?;
+    session.project().log(wish.log)?;
+    let history = history(&session)?;
+    Ok((session, history))
+}
+
 /// Begins a fit of all effects that are on, together with what differs from rig to rig, from the plant as opened or as last
 /// estimated.
 async fn fit(
@@ -180,10 +193,7 @@ async fn fit(
     Path(id): Path<String>,
     Json(wish): Json<Fitting>,
 ) -> Result<Json<Begun>, Refusal> {
-    let session = session(&sessions, id)?;
-    wish.chosen.check(&session.project())?;
-    session.project().log(wish.log)?;
-    let history = history(&session)?;
+    let (session, history) = fitting(&sessions, id, &wish)?;
     if !history.now().effects.iter().any(|effect| effect.is_on) {
         return Err(Refusal::too_early(
             "there is no effect to fit; add one or switch one on",

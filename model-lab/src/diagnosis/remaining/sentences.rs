@@ -9,8 +9,8 @@ pub(super) fn sentences(remaining: &Remaining, is_material: bool) -> Vec<String>
     sentences.extend(remaining.missing_flow.iter().map(curve));
     if sentences.is_empty() && is_material {
         sentences.push(
-            "what remains is more than noise, and none of the shapes that are looked for stands out in it: no curve of \
-             the missing flow against pressure, time or duty, no spectral line, no single lost pulse"
+            "the residual is above the noise, but has no known shape: no curve of the missing flow against pressure, time or \
+             duty, no spectral line, no single lost pulse"
                 .to_owned(),
         );
     }
@@ -88,4 +88,23 @@ fn curve(curve: &FlowCurve) -> String {
         points[points.len() - 1].at,
         100.0 * explained_share
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// "No shape that stands out from chance" stood beside 6 noise floors.
+    #[test]
+    fn a_residual_without_a_known_shape_is_not_said_to_be_chance() {
+        let [sentence] = &sentences(&Remaining::default(), true)[..] else {
+            panic!("one sentence");
+        };
+        assert!(
+            sentence.starts_with("the residual is above the noise"),
+            "{sentence}"
+        );
+        assert!(!sentence.contains("chance"), "{sentence}");
+        assert!(sentences(&Remaining::default(), false).is_empty());
+    }
 }

@@ -5,9 +5,9 @@ use axum::extract::{Path, State};
 use model_lab::diagnosis::{EstimatedPlant, Estimation, estimate as estimate_parameters};
 
 use super::change::REFINED;
-use super::{Fitting, add_fitted, history, note_errors};
+use super::{Fitting, add_fitted, fitting, note_errors};
 use crate::history::{Interval, Step, StepEffect};
-use crate::pages::{Begun, Shared, begin_job, session};
+use crate::pages::{Begun, Shared, begin_job};
 use crate::project::PlantFile;
 use crate::refusal::Refusal;
 
@@ -17,10 +17,7 @@ pub(super) async fn estimate(
     Path(id): Path<String>,
     Json(wish): Json<Fitting>,
 ) -> Result<Json<Begun>, Refusal> {
-    let session = session(&sessions, id)?;
-    wish.chosen.check(&session.project())?;
-    session.project().log(wish.log)?;
-    let history = history(&session)?;
+    let (session, history) = fitting(&sessions, id, &wish)?;
     Ok(begin_job(&session, move |session, job| {
         let now = history.now();
         let logs = session.recordings(&wish.chosen.logs)?;
