@@ -438,22 +438,6 @@ mod tests {
         "/../docs/schema/diagnosis.example.json"
     ));
 
-    /// "These logs cannot tell A from B" once stood beside a distance of 57 standard deviations.
-    #[test]
-    fn what_is_far_away_is_not_mistaken_however_alike_its_error_is() {
-        let mut found: Diagnosis = serde_json::from_str(EXAMPLE).unwrap();
-        let mut told = |far: f64| {
-            let (leak, volume) = ("chamber_leak".to_owned(), "dead_volume".to_owned());
-            found.distinguishability = [(leak.clone(), [(volume.clone(), far)].into())].into();
-            found.equivalents = [(leak.clone(), vec![leak, volume])].into();
-            found.alternatives().concat()
-        };
-        let (near, far) = (told(2.0), told(57.0));
-        let cannot = "cannot tell chamber leak from dead volume";
-        assert!(near.contains(cannot) && !far.contains(cannot), "{far}");
-        assert!(far.contains("explained by dead volume") && far.contains("dead volume 57"));
-    }
-
     /// "Nearest, in standard deviations of the noise: ." was once a whole sentence.
     #[test]
     fn an_effect_without_a_neighbour_has_no_empty_list_of_them() {
