@@ -13,9 +13,18 @@ pub(crate) struct Conditions {
     pub(crate) clock: Option<LoggerClock>,
     /// Gas in the chamber at the first row.
     pub(crate) start_gas: StartGas,
+    /// Time (ns) from the begin of a PWM period under the command delay to the ECU sample from which the clock counts: 0 where a sample
+    /// time is a whole number of PWM periods.
+    pub(crate) pwm_lead_ns: u64,
 }
 
 impl Conditions {
+    /// Returns the instant of the first row in the time of the ECU (ns).
+    pub(crate) fn first_row_ns(&self) -> u64 {
+        let of_clock = self.clock.map_or(0, |clock| clock.ecu_time_ns(0));
+        self.pwm_lead_ns + of_clock
+    }
+
     /// Returns `input`, whose row lies `log_ns` after the first one by the clock of the logger, in the time of the ECU. Its command was
     /// given at `issued_ns` of that time. Without a clock, the row is an instant of the ECU.
     pub(crate) fn on_ecu_time(
@@ -24,15 +33,18 @@ impl Conditions {
         log_ns: u64,
         issued_ns: Option<u64>,
     ) -> ReplayInput {
-        let Some((clock, issued_ns)) = self.clock.zip(issued_ns) else {
-            return input;
+        let (time_ns, issued_ns) = match self.clock.zip(issued_ns) {
+            None => (input.time_ns, input.issued_ns),
+            Some((clock, issued_ns)) => {
+                // What was taken out of pauses before the row.
+                let taken_ns = log_ns - input.time_ns;
+                let time_ns = clock.ecu_time_ns(log_ns).saturating_sub(taken_ns);
+                (time_ns, issued_ns.saturating_sub(taken_ns).min(time_ns))
+            }
         };
-        // What was taken out of pauses before the row.
-        let taken_ns = log_ns - input.time_ns;
-        let time_ns = clock.ecu_time_ns(log_ns).saturating_sub(taken_ns);
         ReplayInput {
-            time_ns,
-            issued_ns: issued_ns.saturating_sub(taken_ns).min(time_ns),
+            time_ns: time_ns + self.pwm_lead_ns,
+            issued_ns: issued_ns + self.pwm_lead_ns,
             ..input
         }
     }

@@ -108,9 +108,7 @@ impl LogStart {
         if let Some(command) = command.filter(|_| self.is_filled) {
             replay.begin_under(command);
             // An open valve moves air on the way to the first row.
-            if let Some(clock) = conditions.clock {
-                replay.advance_to_ns(clock.ecu_time_ns(0));
-            }
+            replay.advance_to_ns(conditions.first_row_ns());
         }
         if let Some(pressure) = self.pressure {
             let ratio = self.warmth(&mut replay, conditions, 0.0);

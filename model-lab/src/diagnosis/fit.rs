@@ -107,10 +107,11 @@ pub(crate) enum Difference {
 }
 
 /// How far a fit goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Descent {
-    /// A few steps with the Jacobian at hand: what is it worth?
-    Begun,
+    /// A few steps. Columns of the Jacobian that are there before are taken anew only once the cost is below `renews_below`: a fit that
+    /// gains nothing is not worth them.
+    Begun { renews_below: f64 },
     /// To the least cost, where a Jacobian of its own promises nothing more.
     Whole,
 }
@@ -118,7 +119,7 @@ pub(crate) enum Descent {
 impl Descent {
     fn iterations(self) -> usize {
         match self {
-            Self::Begun => FIRST_ITERATIONS,
+            Self::Begun { .. } => FIRST_ITERATIONS,
             Self::Whole => ITERATIONS,
         }
     }
@@ -326,20 +327,19 @@ impl<'a> Fitter<'a> {
         Some(())
     }
 
-    /// Goes down from `fit`, whose Jacobian may be of another point; none where nothing could be simulated.
+    /// Goes down from `fit`, whose Jacobian may be of another point and lack the last columns; none where nothing could be simulated.
     pub(crate) fn descend(&self, mut fit: Fit, descent: Descent) -> Option<Fit> {
-        let mut fresh = false;
-        if fit.jacobian.len() < self.unknowns.len() {
-            let known = fit.jacobian.len();
+        let known = fit.jacobian.len();
+        let mut fresh = known == 0;
+        if known < self.unknowns.len() {
             self.differentiate(&mut fit, known, Difference::Forward)?;
-            fresh = known == 0;
         }
         let mut damping = 1e-3;
         let mut secants = 0;
         for _ in 0..descent.iterations() {
             let (z, expected) = self.step(&fit, damping);
             let mut renew = expected < self.converged(fit.cost);
-            if renew && (fresh || descent == Descent::Begun) {
+            if renew && (fresh || descent != Descent::Whole) {
                 break;
             }
             let next = if renew { None } else { self.at(z) };
@@ -367,7 +367,11 @@ impl<'a> Fitter<'a> {
                 renew = true;
             }
             if renew {
-                self.differentiate(&mut fit, 0, Difference::Forward)?;
+                let first = match descent {
+                    Descent::Begun { renews_below } if fit.cost >= renews_below => known,
+                    _ => 0,
+                };
+                self.differentiate(&mut fit, first, Difference::Forward)?;
                 (fresh, secants) = (true, 0);
             }
         }

@@ -12,8 +12,10 @@ use super::verdict::{
 
 /// So many first effects are tried with every second one, ...
 const FIRSTS: usize = 3;
-/// ... if they explain at least this share of the excess on the fitted logs.
+/// ... if they explain at least this share of the excess on the fitted logs, ...
 const FIRST_SHARE: f64 = 0.05;
+/// ... and this share of what the best of them explains.
+const FIRST_OF_BEST: f64 = 0.25;
 
 /// What was found.
 pub(crate) struct Ladder {
@@ -198,11 +200,12 @@ struct Pair {
 /// these are few, those of which only what they leave, which others may explain, keeps open how strong they are.
 fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     let excess = plain.fitted.total_excess();
+    let explained = |trial: &Trial| excess - trial.fitted.total_excess();
     // What is bent until it fits leaves nothing true for a second effect.
     let (sound, unsound): (Vec<&Trial>, Vec<&Trial>) = singles
         .iter()
         .filter_map(|tried| tried.trial.as_ref())
-        .filter(|trial| trial.fitted.total_excess() <= (1.0 - FIRST_SHARE) * excess)
+        .filter(|trial| explained(trial) >= FIRST_SHARE * excess)
         .partition(|trial| trial.is_sound(bench, plain));
     let open: Vec<&Trial> = unsound
         .into_iter()
@@ -215,6 +218,8 @@ fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     let room = FIRSTS - firsts.len();
     firsts.extend(dominant);
     firsts.extend(others.take(room));
+    let most = firsts.iter().copied().map(explained).fold(0.0, f64::max);
+    firsts.retain(|trial| explained(trial) >= FIRST_OF_BEST * most);
     // The one that explains most is named first.
     firsts.sort_by(|a, b| a.mean_excess().total_cmp(&b.mean_excess()));
     firsts.into_iter().cloned().collect()

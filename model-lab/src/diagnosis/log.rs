@@ -171,6 +171,7 @@ impl Log {
                     excess_k: 0.0,
                     cooling_s: start.usual_gas.usual_s,
                 },
+                pwm_lead_ns: 0,
             },
             known_phase_s: (0.0, f64::INFINITY),
             is_clock_told: false,

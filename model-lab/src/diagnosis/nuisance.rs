@@ -18,8 +18,10 @@ struct Ordinary {
     shown_by: Shown,
     /// What would determine it, for people.
     determined_by: &'static str,
-    /// Standard deviation between two correct programs of one plant, as a share of the value.
-    between_programs: f64,
+    /// Standard deviation between two correct programs of one plant.
+    between_programs: Spread,
+    /// The same where no current is logged; none where that makes no difference.
+    without_current: Option<Spread>,
 }
 
 /// Distance from a value on which a parameter is centred.
@@ -32,7 +34,7 @@ enum Spread {
 }
 
 impl Spread {
-    /// The half width around `value`, in the unit of the parameter.
+    /// The distance from `value`, in the unit of the parameter.
     fn around(self, value: f64) -> f64 {
         match self {
             Self::Relative(share) => share * value.abs(),
@@ -56,6 +58,8 @@ enum Shown {
 /// What logs show, as far as it decides which parameters matter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Shows {
+    /// Whether a log has a coil current.
+    pub(crate) current: bool,
     /// Whether a log has the chamber pressure, ...
     pub(crate) pressure: bool,
     /// ... with a supply pressure that drives the model, ...
@@ -67,6 +71,7 @@ pub(crate) struct Shows {
 impl Shows {
     /// Whatever logs may show.
     pub(crate) const EVERYTHING: Self = Self {
+        current: true,
         pressure: true,
         with_supply: true,
         without_supply: true,
@@ -95,9 +100,15 @@ const fn relative(
         first_file: Spread::Relative(0.4),
         shown_by,
         determined_by,
-        between_programs: 0.01,
+        between_programs: Spread::Relative(0.01),
+        without_current: None,
     }
 }
+
+/// A coil with resistance and inductances larger by a factor, and a force constant larger by its square, moves the armature alike but for
+/// the drop of the freewheeling diode: pressures show these parameters together.
+const COIL_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.05));
+const FORCE_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.1));
 
 /// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume
 /// 4 %, magnetic circuits 8 %; the delay of an output stage, and a pressure regulator with its gauge.
@@ -121,7 +132,7 @@ static ORDINARY: [Ordinary; 14] = [
         "measure the volume, or the flow of one valve, and fix it; pressures alone show their ratio",
     ),
     Ordinary {
-        between_programs: 1e-3,
+        between_programs: Spread::Relative(1e-3),
         usual: Some(Spread::Absolute(0.2)),
         first_file: Spread::Absolute(0.8),
         ..relative(
@@ -133,6 +144,7 @@ static ORDINARY: [Ordinary; 14] = [
     },
     // A gauge of 10 bar and class 0.5. Left out, its offset would be a wrong end of each filling, which effects imitate.
     Ordinary {
+        between_programs: Spread::Absolute(4.5e-3),
         usual: Some(Spread::Absolute(0.05)),
         first_file: Spread::Absolute(0.05),
         ..relative(
@@ -153,7 +165,8 @@ static ORDINARY: [Ordinary; 14] = [
         )
     },
     Ordinary {
-        between_programs: 0.001,
+        between_programs: Spread::Relative(1e-3),
+        without_current: COIL_WITHOUT_CURRENT,
         first_file: Spread::Relative(0.2),
         ..relative(
             "coil.resistance_20c_ohm",
@@ -163,7 +176,8 @@ static ORDINARY: [Ordinary; 14] = [
         )
     },
     Ordinary {
-        between_programs: 0.001,
+        between_programs: Spread::Relative(3e-3),
+        without_current: COIL_WITHOUT_CURRENT,
         together_with: &["coil.inductance_open_h"],
         ..relative(
             "coil.inductance_closed_h",
@@ -173,7 +187,8 @@ static ORDINARY: [Ordinary; 14] = [
         )
     },
     Ordinary {
-        between_programs: 0.001,
+        between_programs: Spread::Relative(3e-3),
+        without_current: COIL_WITHOUT_CURRENT,
         usual: None,
         ..relative(
             "coil.inductance_open_h",
@@ -195,7 +210,7 @@ static ORDINARY: [Ordinary; 14] = [
         "vent with duty cycles around the one at which the valve begins to open, at several pressures",
     ),
     Ordinary {
-        between_programs: 0.025,
+        between_programs: Spread::Relative(0.025),
         ..relative(
             "armature.spring_n_per_m",
             0.08,
@@ -204,7 +219,7 @@ static ORDINARY: [Ordinary; 14] = [
         )
     },
     Ordinary {
-        between_programs: 0.025,
+        between_programs: Spread::Relative(0.025),
         usual: None,
         ..relative(
             "armature.mass_kg",
@@ -214,6 +229,7 @@ static ORDINARY: [Ordinary; 14] = [
         )
     },
     Ordinary {
+        without_current: FORCE_WITHOUT_CURRENT,
         usual: None,
         ..relative(
             "magnet.force_constant_n_m2_per_a2",
@@ -323,7 +339,10 @@ pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> 
                     "excite the part that it describes, or measure it and fix the value",
                     |ordinary| ordinary.determined_by,
                 ),
-                between_programs: ordinary.map_or(0.0, |one| one.between_programs * there.abs()),
+                between_programs: ordinary.map_or(0.0, |one| {
+                    let without = one.without_current.filter(|_| !shows.current);
+                    without.unwrap_or(one.between_programs).around(there)
+                }),
                 usual: ordinary
                     .and_then(|one| one.usual)
                     .map(|usual| usual.around(there)),

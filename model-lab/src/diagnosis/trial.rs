@@ -22,6 +22,8 @@ pub(crate) struct Sketch {
     unknowns: Unknowns,
     /// The most promising first.
     starts: Vec<Start>,
+    /// Cost of the plant without the effect.
+    before: f64,
 }
 
 /// A fit that was begun.
@@ -131,6 +133,7 @@ impl Bench<'_> {
             effects,
             unknowns,
             starts,
+            before: base.fit.cost,
         }
     }
 
@@ -140,6 +143,7 @@ impl Bench<'_> {
             effects,
             unknowns,
             starts,
+            before,
         } = sketch;
         let fitter = Fitter::for_search(self.fitting, &unknowns);
         let reached = starts.into_iter().flat_map(|start| {
@@ -150,7 +154,10 @@ impl Bench<'_> {
             [Some(start.fit), moved]
         });
         let start = reached.flatten().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        let fit = fitter.descend(start, Descent::Begun)?;
+        let begun = Descent::Begun {
+            renews_below: before,
+        };
+        let fit = fitter.descend(start, begun)?;
         Some(Opened {
             effects,
             unknowns,

@@ -88,6 +88,7 @@ pub(crate) enum Unknown {
 fn shown_by(logs: &[Log]) -> Shows {
     let with_pressure = || logs.iter().filter(|log| log.pressure().is_some());
     Shows {
+        current: logs.iter().any(Log::has_current),
         pressure: with_pressure().next().is_some(),
         with_supply: with_pressure().any(Log::drives_supply),
         without_supply: with_pressure().any(|log| !log.drives_supply()),

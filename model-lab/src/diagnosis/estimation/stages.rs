@@ -41,6 +41,11 @@ const FINISHED: usize = 2;
 /// ... and the share of the cost that one has to save to be another valley.
 const BETTER_VALLEY: f64 = 0.01;
 
+/// A few steps from one of several starts, with Jacobians of their own.
+const BEGUN: Descent = Descent::Begun {
+    renews_below: f64::INFINITY,
+};
+
 /// A fit of the ordinary parameters.
 pub(super) struct Fitted {
     /// The coordinates that it is in.
@@ -142,7 +147,7 @@ fn fit_coils(split: &mut Split, unknowns: &Unknowns, z: &[f64]) -> Result<Vec<f6
     for sampling in [CurrentSampling::MeanOfInterval, CurrentSampling::Instant] {
         let is_open = split.set_open_sampling(sampling);
         let fits = delays_all_over(unknowns, z).into_par_iter();
-        let fits = fits.filter_map(|z| coils(&split.fitting, z, Descent::Begun));
+        let fits = fits.filter_map(|z| coils(&split.fitting, z, BEGUN));
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
         begun.extend(best.map(|fit| (sampling, fit)));
         if !is_open {
@@ -188,7 +193,7 @@ fn from_other_starts(
     let starts = (1..=STARTS).into_par_iter();
     let begun = starts.filter_map(|n| {
         let start = all_over(unknowns, z, show_coils, n);
-        forgiving(evidence, unknowns, start, Descent::Begun)
+        forgiving(evidence, unknowns, start, BEGUN)
     });
     let mut begun: Vec<Fit> = begun.collect();
     begun.sort_by(|a, b| a.cost.total_cmp(&b.cost));

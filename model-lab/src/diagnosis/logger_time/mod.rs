@@ -6,6 +6,7 @@
 
 mod commands;
 mod of_one_log;
+mod pwm_lead;
 mod sampling;
 mod slow;
 
@@ -22,6 +23,7 @@ use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
 use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
 pub(crate) use of_one_log::conditions_of;
+use pwm_lead::find_pwm_lead;
 pub(crate) use sampling::find_sampling;
 pub(crate) use slow::{Search, centre_slow_clocks, find_slow_clocks};
 
@@ -127,15 +129,24 @@ struct Tried {
     loss: f64,
 }
 
-/// Finds the clock of the logger of `log` with `plant` as far as it is known. `drifts_ppm` are those of other logs, perhaps of the same
-/// logger.
+/// Finds how the rows of `log` lie in the time of the ECU, with `plant` as far as it is known. `drifts_ppm` are those of other logs,
+/// perhaps of the same logger.
 pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
-    let (interval_s, duration_s) = (log.interval_s, log.duration_s());
-    let has_rows = interval_s > 0.0 && duration_s > interval_s;
+    let has_rows = log.interval_s > 0.0 && log.duration_s() > log.interval_s;
     if !has_coil || !has_rows {
         return;
     }
+    find_pwm_lead(plant, log, delay);
+    find_loggers_clock(plant, log, delay, drifts_ppm);
+    if log.conditions.clock.is_some() {
+        find_pwm_lead(plant, log, delay);
+    }
+}
+
+/// Finds the clock of the logger of `log`, which has coils and several rows.
+fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
+    let (interval_s, duration_s) = (log.interval_s, log.duration_s());
     let sample_time_s = plant.ecu.sample_time_s;
     let told = clocks_from_commands(log.inputs(), sample_time_s);
     let is_told = !told.is_empty();

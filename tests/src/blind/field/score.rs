@@ -119,13 +119,13 @@ impl FieldScored {
         }
         for one in self.determined() {
             if one.half_widths_off > 1.0 {
+                let share = match one.truth {
+                    0.0 => String::new(),
+                    truth => format!(" ({:+.1} %)", 100.0 * (one.after / truth - 1.0)),
+                };
                 misses.push(format!(
-                    "{} {:.4e}, truly {:.4e} ({:+.1} %): {:.1} half widths off",
-                    one.name,
-                    one.after,
-                    one.truth,
-                    100.0 * (one.after / one.truth - 1.0),
-                    one.half_widths_off
+                    "{} {:.4e}, truly {:.4e}{share}: {:.1} half widths off",
+                    one.name, one.after, one.truth, one.half_widths_off
                 ));
             }
         }
