@@ -58,7 +58,8 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> BlackBox<M> {
         black_box
     }
 
-    /// Reports a reset of the ECU. It ends the recording, unless the reset was requested.
+    /// Reports a reset of the ECU. Any reset ends a recording that a fault has triggered. Without a fault, only an unintended reset
+    /// ends the recording, and only after the first record: watchdog, panic, exception, brownout or unknown cause.
     pub fn reset(&mut self, cause: ResetCause) {
         let trigger = match (self.trigger, cause) {
             (Trigger::Fault { number, faults }, _) => Trigger::FaultAndReset { number, faults },

@@ -95,7 +95,7 @@ fn a_wire_that_loses_everything_is_an_error_after_so_many_tries() {
     );
 }
 
-/// The device refuses invalid settings, and the error names the field.
+/// Invalid settings end the run before a frame is sent, with an error of the settings.
 #[test]
 fn settings_out_of_bounds_end_the_run_before_a_frame_is_sent() {
     let mut scenario = scenario();
