@@ -122,7 +122,8 @@ impl Pid {
         if self.integral == 0 {
             return Integrator::ZERO;
         }
-        // |u| ≤ 1 and K e ≤ 320 are clamped to 13 times 100 %. That is more than the largest bound and the largest term (0.079 · 32) together, and with 59 fraction bits it fits into 64.
+        // |u| ≤ 1 and K e ≤ 320 are clamped to 13 times 100 %. That is more than the largest bound and the largest term
+        // (0.079 · 32) together, and with 59 fraction bits it fits into 64.
         let rest = u.wrapping_sub(self.proportional(error)) as i64;
         let rest = held(rest, 13 << 20) << (59 - 20);
         let before = rest.wrapping_sub(wide_product(self.integral, error));

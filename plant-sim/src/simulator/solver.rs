@@ -39,7 +39,7 @@ const STIFF: u32 = 15;
 /// reset the decision: otherwise events in quick succession would leave a stiff plant to the explicit method, whose
 /// noise causes more of them.
 const RECONSIDERED: u32 = 3;
-/// Step (s) below which a rate that is NaN will stay NaN at any shorter step.
+/// Step (s) below which an infinite or NaN rate stays so at any shorter step.
 const SHORTEST_STEP: f64 = 1e-15;
 /// Minimum time (s) that passes with every located event; it lets a chattering armature make progress.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
@@ -81,7 +81,7 @@ pub(super) struct Solver<P> {
     stiffness: u32,
     /// Number of integrated steps since the last event.
     stretch: u32,
-    /// Whether a rate was NaN, so that there is no next step.
+    /// Whether a rate was infinite or NaN at the shortest step, so that there is no next step.
     has_no_step: bool,
 }
 
