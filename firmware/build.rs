@@ -1,9 +1,10 @@
-//! Gives the linker the memory map of the board, for the ECU only: compiled for the host the image is an ordinary program.
+//! Passes the memory map of the board to the linker, for the ECU only: compiled for the host the image is an ordinary
+//! program.
 
 use std::path::Path;
 use std::{env, fs};
 
-/// The features that choose a board, and the folders that they choose.
+/// Features that choose a board, with their folders.
 const BOARDS: [(&str, &str); 2] = [
     ("CARGO_FEATURE_BOARD_MPS2_AN386", "mps2_an386"),
     ("CARGO_FEATURE_BOARD_NUCLEO_G474RE", "nucleo_g474re"),
@@ -30,16 +31,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rerun-if-changed={}", addresses.display());
     // Read before `link.x` of cortex-m-rt, which includes `memory.x`.
     println!("cargo::rustc-link-arg-bins=-T{}", addresses.display());
-    // Where cargo starts the linker there is a `memory.x`, the workspace's; elsewhere it is looked for here.
+    // If cargo runs the linker in the workspace, the workspace's `memory.x` is found; elsewhere the linker looks for it
+    // here.
     let out = env::var("OUT_DIR")?;
     fs::copy(&map, Path::new(&out).join("memory.x"))?;
     println!("cargo::rustc-link-search={out}");
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
-    // The strings of the log stay in the ELF, for whoever decodes it, and out of the flash.
+    // The strings of the log stay in the ELF, where the host decodes them, and out of the flash.
     println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
-    // Without a word about it only errors would be logged.
+    // Without this setting only errors would be logged.
     println!("cargo::rustc-env=DEFMT_LOG=info");
-    // Page alignment would waste up to 64 KiB between the sections of a machine that has no pages.
+    // Page alignment would waste up to 64 KiB between the sections, and this machine has no pages.
     println!("cargo::rustc-link-arg-bins=--nmagic");
     Ok(())
 }

@@ -1,11 +1,11 @@
-//! The same full step in C, three styles of it, each compiled for speed and for size (`c/`, `build.rs`).
+//! The same full step in C, in three styles, each compiled for speed and for size (`c/`, `build.rs`).
 
 use controller::fixed::types::I16F16;
 use controller::{Boost, LowerLimit, Settings};
 
 use crate::callee::{self, FloatDuties};
 
-/// `integer_parameters` (Q16.16) and `float_parameters` of `c/controller.h`, which says what they mean.
+/// `integer_parameters` (Q16.16) and `float_parameters` of `c/controller.h`, which defines their meaning.
 #[repr(C)]
 pub(crate) struct Parameters<T> {
     tolerance: T,
@@ -35,9 +35,9 @@ pub(crate) struct State<T> {
 type Integer = Parameters<i32>;
 type Float = Parameters<f32>;
 
-/// A full step in integers.
+/// Full step in integers.
 pub(crate) type IntegerStep = callee::IntegerStep<Integer, State<i32>>;
-/// A full step in floats.
+/// Full step in floats.
 pub(crate) type FloatStep = callee::FloatStep<Float, State<f32>>;
 
 macro_rules! declared {
@@ -53,7 +53,8 @@ macro_rules! declared {
     };
 }
 
-// As `c/controller.h` and the files beside it declare them: the same structs in the same registers; none keeps a reference.
+// Declared as in `c/controller.h` and the files beside it: the same structs in the same registers; none keeps a
+// reference.
 declared! {
     saturating_step_o2(Integer, State<i32>, i32) -> u64;
     saturating_step_os(Integer, State<i32>, i32) -> u64;
@@ -63,7 +64,7 @@ declared! {
     float_step_os(Float, State<f32>, f32) -> FloatDuties;
 }
 
-/// The thesis' settings as a person who writes the C would work them out, in floating point on the desk.
+/// Parameters of the thesis' settings, computed in floating point like a C programmer would compute them by hand.
 pub(crate) const FLOAT: Float = {
     const SETTINGS: Settings = Settings::thesis();
     let LowerLimit::Constant { fill_pct, vent_pct } = SETTINGS.duty_min else {
@@ -100,7 +101,7 @@ pub(crate) const FLOAT: Float = {
     }
 };
 
-/// The same in Q16.16.
+/// The same parameters in Q16.16.
 pub(crate) const INTEGER: Integer = Parameters {
     tolerance: q16(FLOAT.tolerance),
     gain: q16(FLOAT.gain),

@@ -1,10 +1,10 @@
-//! Every candidate over the whole trace, one printed line each:
+//! Measurement of every candidate over the whole trace, one printed line each:
 //! ```text
 //! candidate=full_step entry=0x00000a1c calls=102400 sum=6400000 min=20 max=80 stack=24 state=24 config=44 deviation=0 decisions=0
 //! ```
-//! Instructions of the callee with its return; `stack`, `state` and `config` in bytes. `deviation` is the largest difference
-//! of a duty cycle from the project's own controller [2⁻¹⁶ %] while both drive the same valve, `decisions` the number of
-//! samples in which they do not; only the full steps have both.
+//! The instructions are those of the callee with its return; `stack`, `state` and `config` are in bytes. `deviation` is
+//! the largest difference of a duty cycle from the project's own controller (2⁻¹⁶ %) while both drive the same valve,
+//! `decisions` the number of samples in which they do not. Only the full steps have both.
 
 use core::cell::Cell;
 use core::fmt::{self, Write};
@@ -88,7 +88,7 @@ impl Bench {
         self.on_trace("advanced_pid", callee)
     }
 
-    /// The loop behind the plausibility of its pressure, and the whole ECU on a plant of its own.
+    /// Measures the loop with the plausibility check of its pressure, and the whole ECU on a separate plant.
     fn ecus(&mut self) -> fmt::Result {
         let (config, mut checked) = (ecu_samples::CHECKED, Checked::NEW);
         let callee = Callee::integer_step(ecu_samples::checked_loop, &config, &mut checked);
@@ -134,7 +134,7 @@ impl Bench {
         })
     }
 
-    /// Calls with what `feed` makes of the answer before.
+    /// Calls the candidate repeatedly with the inputs that `feed` computes from the previous answer.
     fn measure(
         &mut self,
         name: &str,
@@ -167,13 +167,13 @@ impl Bench {
     }
 }
 
-/// What goes into a call, and the duty cycles [2⁻¹⁶ %] that the project's own controller answers to it.
+/// Input of a call, and the duty cycles (2⁻¹⁶ %) with which the project's own controller answers.
 struct Fed {
     registers: Registers,
     expected: Option<[i32; 2]>,
 }
 
-/// Instructions over all calls.
+/// Instruction counts over all calls.
 struct Cost {
     sum: u32,
     min: u32,
@@ -201,7 +201,7 @@ impl fmt::Display for Cost {
     }
 }
 
-/// How far a candidate's duty cycles are from the project's own controller's.
+/// Difference between a candidate's duty cycles and those of the project's own controller.
 struct Difference {
     deviation: u32,
     decisions: u32,

@@ -1,4 +1,4 @@
-//! A candidate as it is called: a function, and the configuration and the state that it is given by reference.
+//! Candidate in the form in which it is called: a function with its configuration and its state, passed by reference.
 
 use core::cell::Cell;
 use core::marker::PhantomData;
@@ -6,13 +6,13 @@ use core::marker::PhantomData;
 use budgets::plant::Sample;
 use ecu::{Ecu, Inputs};
 
-/// A full step in integers: reference and pressure [2⁻¹⁶ bar] to fill and vent [2⁻¹⁶ %], in the lower and upper word.
+/// Full step in integers: reference and pressure (2⁻¹⁶ bar) to fill and vent (2⁻¹⁶ %), in the lower and upper word.
 pub(crate) type IntegerStep<C, S> = extern "C" fn(&C, &mut S, i32, i32) -> u64;
-/// A full step in floats: reference and pressure \[bar\] to fill and vent [%].
+/// Full step in floats: reference and pressure (bar) to fill and vent (%).
 pub(crate) type FloatStep<C, S> = extern "C" fn(&C, &mut S, f32, f32) -> FloatDuties;
-/// A PID controller and no more, in integers.
+/// PID controller only, in integers.
 pub(crate) type IntegerKernel<C, S> = extern "C" fn(&C, &mut S, i32, i32) -> i32;
-/// A PID controller and no more, in floats.
+/// PID controller only, in floats.
 pub(crate) type FloatKernel<C, S> = extern "C" fn(&C, &mut S, f32, f32) -> f32;
 
 /// Two duty cycles as the calling convention returns them, in the first two registers of the floating-point unit.
@@ -22,7 +22,7 @@ pub(crate) struct FloatDuties {
     vent: f32,
 }
 
-/// What goes into a call and what comes out of it, as far as the calling convention keeps it in registers.
+/// Inputs and results of a call, as far as the calling convention keeps them in registers.
 #[repr(C)]
 pub(crate) struct Registers {
     pub(crate) r0: u32,
@@ -34,7 +34,7 @@ pub(crate) struct Registers {
 }
 
 impl Registers {
-    /// Reference and pressure [2⁻¹⁶ bar], for integers and for floats \[bar\].
+    /// Creates the registers for reference and pressure (2⁻¹⁶ bar), for integers and for floats (bar).
     pub(crate) fn pressures(sample: Sample) -> Self {
         Self {
             s0: sample.reference as f32 / 65_536.0,
@@ -43,12 +43,12 @@ impl Registers {
         }
     }
 
-    /// Reference [2⁻¹⁶ bar] and the code of the sensor.
+    /// Creates the registers for the reference (2⁻¹⁶ bar) and the code of the sensor.
     pub(crate) fn code(sample: Sample) -> Self {
         Self::integers(sample.reference, i32::from(sample.code.bits()))
     }
 
-    /// For a candidate that finds its inputs elsewhere.
+    /// Registers of a candidate without inputs in registers.
     pub(crate) const NONE: Self = Self::integers(0, 0);
 
     const fn integers(r2: i32, r3: i32) -> Self {
@@ -63,16 +63,16 @@ impl Registers {
     }
 }
 
-/// Where a candidate's answer is.
+/// Place of a candidate's answer.
 #[derive(Clone, Copy)]
 enum Answer {
     Integers,
     Floats,
-    /// A kernel's control signal, which no other candidate shares: only its cost is compared.
+    /// Control signal of a kernel, which no other candidate shares: only its cost is compared.
     Kernel,
 }
 
-/// A candidate, ready to be called.
+/// Candidate, ready to be called.
 pub(crate) struct Callee<'a> {
     pub(crate) entry: usize,
     pub(crate) config: *const (),
@@ -113,7 +113,7 @@ impl<'a> Callee<'a> {
         Self::new(kernel as usize, config, state, Answer::Kernel)
     }
 
-    /// The whole ECU, which has its configuration in its state.
+    /// Creates the callee of the whole ECU, which has its configuration in its state.
     pub(crate) fn ecu(
         sample: IntegerStep<Cell<Inputs>, Ecu>,
         inputs: &'a Cell<Inputs>,
@@ -137,7 +137,7 @@ impl<'a> Callee<'a> {
         }
     }
 
-    /// The duty cycles in what a call left behind, fill and vent [2⁻¹⁶ %]; none of a kernel.
+    /// Returns the duty cycles after a call, fill and vent (2⁻¹⁶ %); `None` for a kernel.
     pub(crate) fn duties(&self, left: &Registers) -> Option<[i32; 2]> {
         let bits = |percent: f32| (percent * 65_536.0) as i32;
         match self.answer {

@@ -1,8 +1,8 @@
-//! Counts the instructions of one call exactly, and the stack that the calls touched.
+//! Exact count of the instructions of one call, and of the stack used by the calls.
 //!
-//! QEMU with `-icount shift=10` lets each instruction take 1024 ns. SysTick of the machine `mps2-an386` counts at 25 MHz, a
-//! tick every 40 ns: 25.6 ticks per instruction, so the difference of two readings leaves no doubt about the number. Only the
-//! callee runs between the two readings, on a stack of its own, which was painted before.
+//! QEMU with `-icount shift=10` makes each instruction take 1024 ns. SysTick of the machine `mps2-an386` counts at 25
+//! MHz, a tick every 40 ns: 25.6 ticks per instruction, so the difference of two readings gives the number without
+//! ambiguity. Only the callee runs between the two readings, on a separate stack that was painted before.
 
 use core::arch::naked_asm;
 use core::mem::offset_of;
@@ -14,22 +14,22 @@ const SYST_CSR: *mut u32 = 0xe000_e010 as *mut u32;
 const SYST_RVR: *mut u32 = 0xe000_e014 as *mut u32;
 const SYST_CVR_ADDRESS: usize = 0xe000_e018;
 const SYST_CVR: *mut u32 = SYST_CVR_ADDRESS as *mut u32;
-/// Enabled, from the processor's clock, without interrupt.
+/// Control value: enabled, from the processor's clock, without interrupt.
 const RUNNING: u32 = 0b101;
-/// It counts down through 24 bits.
+/// Range of the down-counter, 24 bits.
 const MASK: u32 = 0x00ff_ffff;
 
-/// How long an instruction takes, as QEMU is told, and a tick.
+/// Duration of an instruction, as set for QEMU, and of a tick.
 const INSTRUCTION_NS: u32 = 1024;
 const TICK_NS: u32 = 40;
-/// What lies between the two readings besides the callee: the call, and the second reading.
+/// Number of instructions between the two readings in addition to the callee: the call, and the second reading.
 const AROUND: u32 = 2;
 
-/// What lies in a word of the stack that nobody has written.
+/// Value of an unwritten word of the stack.
 const PAINT: u32 = 0xcccc_cccc;
 const STACK_WORDS: usize = 1024;
 
-/// Counts, for one callee.
+/// Instruction counter for one callee.
 #[repr(align(8))]
 pub(crate) struct Counter {
     stack: [u32; STACK_WORDS],
@@ -49,7 +49,7 @@ impl Counter {
         }
     }
 
-    /// Calls once, and returns the instructions of the callee, its return included.
+    /// Calls once, and returns the number of instructions of the callee, including its return.
     pub(crate) fn call(&mut self, callee: &Callee<'_>, registers: &mut Registers) -> u32 {
         registers.r0 = callee.config as u32;
         registers.r1 = callee.state as u32;
@@ -65,14 +65,14 @@ impl Counter {
         (ticks * TICK_NS + INSTRUCTION_NS / 2) / INSTRUCTION_NS - AROUND
     }
 
-    /// How deep the calls went, in bytes: down to the last word that is not as it was painted.
+    /// Returns the stack depth of the calls (bytes): down to the last word whose paint was changed.
     pub(crate) fn stack_touched(&self) -> usize {
         let untouched = self.stack.iter().take_while(|&&word| word == PAINT);
         size_of::<u32>() * (STACK_WORDS - untouched.count())
     }
 }
 
-/// One call, as the assembly below reads and completes it.
+/// One call, in the layout used by the assembly below.
 #[repr(C)]
 struct Call<'a> {
     entry: usize,
@@ -82,7 +82,7 @@ struct Call<'a> {
     after: u32,
 }
 
-/// Loads the registers, changes to the other stack, reads SysTick, calls, reads SysTick, and puts everything back.
+/// Loads the registers, changes to the other stack, reads SysTick, calls, reads SysTick, and restores everything.
 ///
 /// A `Callee` is a function of the calling convention of C whose arguments are alive for as long as it is borrowed; the
 /// convention keeps r4 to r11 and the stack pointer. The other stack has room for any candidate, as `stack_touched` shows.

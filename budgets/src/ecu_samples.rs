@@ -1,4 +1,4 @@
-//! A sample with all that an ECU puts around the controller, out of line, as the bench calls every candidate.
+//! Samples of an ECU with everything around the controller, out of line, as the bench calls every candidate.
 
 use core::cell::Cell;
 
@@ -11,7 +11,7 @@ use ecu::{
 use crate::ours::{Recommended, in_registers};
 use crate::plant::{Plant, Sample};
 
-/// The recommended controller on the bench of the thesis.
+/// Recommended controller on the bench of the thesis.
 pub const BENCH: EcuConfig = {
     let Ok(config) = EcuConfig::new(&EcuSettings::bench()) else {
         panic!("settings are out of bounds");
@@ -19,7 +19,7 @@ pub const BENCH: EcuConfig = {
     config
 };
 
-/// The same for the checked loop.
+/// Same configuration for the checked loop.
 pub const CHECKED: CheckedLoopConfig<Recommended> = {
     let Ok(config) = CheckedLoopConfig::new(&BENCH) else {
         panic!("the bench chooses other mechanisms than the recommended ones");
@@ -27,24 +27,24 @@ pub const CHECKED: CheckedLoopConfig<Recommended> = {
     config
 };
 
-/// The checked loop, and the telemetry that it leaves for the log.
+/// Checked loop, and its telemetry for the log.
 pub struct Checked {
-    /// Goes on to the next sample.
+    /// State, used by the next sample.
     pub checked_loop: CheckedLoop,
-    /// Of the last sample.
+    /// Telemetry of the last sample.
     pub telemetry: Option<LoopTelemetry>,
 }
 
 impl Checked {
-    /// As after a reset.
+    /// State after a reset.
     pub const NEW: Self = Self {
         checked_loop: CheckedLoop::NEW,
         telemetry: None,
     };
 }
 
-/// The full step with limits by pressure, behind the plausibility of its pressure, with telemetry: from the converter's
-/// register, which may hold anything.
+/// Runs the full step with pressure-dependent limits, plausibility check of its pressure, and telemetry. The input is
+/// the converter's register, which may have any value.
 pub extern "C" fn checked_loop(
     config: &CheckedLoopConfig<Recommended>,
     checked: &mut Checked,
@@ -58,25 +58,25 @@ pub extern "C" fn checked_loop(
     in_registers(output.duty_fill, output.duty_vent)
 }
 
-/// The whole sample: detectors, supervisor, controller, telemetry excepted. The last two arguments are not used.
+/// Runs the whole sample: detectors, supervisor and controller, without telemetry. The last two arguments are not used.
 pub extern "C" fn ecu_sample(inputs: &Cell<Inputs>, ecu: &mut Ecu, _: i32, _: i32) -> u64 {
     let outputs = ecu.sample(&inputs.get());
     in_registers(outputs.duty_fill, outputs.duty_vent)
 }
 
-/// The ECU on the bench, as after power-on.
+/// Returns the ECU on the bench, as after power-on.
 pub const fn bench_ecu() -> Ecu {
     Ecu::new(BENCH, ResetCause::PowerOn)
 }
 
-/// What the ECU measures on its plant.
+/// Plant of the ECU, with its measurements.
 pub struct Rig {
     plant: Plant,
     duties: [i32; 2],
 }
 
 impl Rig {
-    /// Before the first sample.
+    /// Creates the rig before the first sample.
     pub const fn new() -> Self {
         Self {
             plant: Plant::new(),
@@ -84,7 +84,7 @@ impl Rig {
         }
     }
 
-    /// The inputs of the next sample.
+    /// Returns the inputs of the next sample.
     pub fn sample(&mut self) -> Inputs {
         let Sample {
             reference, code, ..
@@ -100,7 +100,7 @@ impl Rig {
         }
     }
 
-    /// The coils with these duty cycles, fill and vent [2⁻¹⁶ %], until the next sample.
+    /// Drives the coils with these duty cycles, fill and vent (2⁻¹⁶ %), until the next sample.
     pub fn drive(&mut self, duties: [i32; 2]) {
         self.duties = duties;
         self.plant.drive(duties);
@@ -113,7 +113,7 @@ impl Default for Rig {
     }
 }
 
-/// Mean current of a coil: half an ampere at full duty.
+/// Returns the mean current of a coil: half an ampere at full duty.
 fn current_ma(duty: i32) -> u16 {
     (duty / 13_107) as u16
 }

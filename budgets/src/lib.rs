@@ -1,9 +1,9 @@
-//! What does a sample cost, beside its peers?
+//! Cost of a sample, compared with other controllers.
 //!
-//! An image for a Cortex-M4F that never leaves the emulator. It calls each candidate, the project's controller and what
-//! others write or use in its place, with the inputs of one closed [`trace`], counts the instructions of every call, and
-//! prints a line for each. `cargo xtask budgets` builds and runs it, proves from the linked code what no trace can show, and
-//! holds both against the budgets.
+//! This image for a Cortex-M4F runs only in the emulator. It calls each candidate, the project's controller and its
+//! alternatives, with the inputs of one closed [`trace`], counts the instructions of every call, and prints a line for
+//! each. `cargo xtask budgets` builds and runs it, proves from the linked code what no trace can show, and compares both
+//! with the budgets.
 
 #![cfg_attr(not(test), no_std)]
 

@@ -1,4 +1,5 @@
-//! The bench: every candidate over the whole trace, one line each. On the host there is no processor to count on; it says so.
+//! Bench: every candidate over the whole trace, one line each. On the host there is no processor to count on, and it
+//! says so.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -28,7 +29,7 @@ mod image {
 
     #[entry]
     fn main() -> ! {
-        // Semihosting alone can end the run: without it there is nothing to report to, and the watcher's deadline ends it.
+        // Only semihosting can end the run: without it no report is possible, and the watcher's deadline ends the run.
         debug::exit(match crate::bench::run() {
             Ok(()) => debug::EXIT_SUCCESS,
             Err(_) => debug::EXIT_FAILURE,
@@ -40,7 +41,7 @@ mod image {
 
     #[panic_handler]
     fn panic(info: &PanicInfo<'_>) -> ! {
-        // Whether the words get out cannot matter any more.
+        // The result of this output does not matter any more.
         let _ = hio::hstdout().map(|mut out| writeln!(out, "{info}"));
         debug::exit(debug::EXIT_FAILURE);
         loop {

@@ -1,25 +1,26 @@
-//! The project's own controller, out of line, as the bench calls every candidate: configuration, state, reference, pressure.
+//! The project's own controller, out of line, as the bench calls every candidate: configuration, state, reference,
+//! pressure.
 
 use controller::{
     Config, Distributor, Duty, FixedConfig, Input, Mechanisms, Output, Prediction, Pressure,
     Settings, State, Trace, step,
 };
 
-/// The mechanisms of the thesis.
+/// Mechanisms of the thesis.
 pub struct Thesis;
 
 impl Mechanisms for Thesis {
     const SETTINGS: Settings = Settings::thesis();
 }
 
-/// The mechanisms that go onto a truck: lower limits that follow the pressure.
+/// Mechanisms recommended for a truck: pressure-dependent lower limits.
 pub struct Recommended;
 
 impl Mechanisms for Recommended {
     const SETTINGS: Settings = Settings::recommended();
 }
 
-/// The PID controller and its anti-windup, and as little else as settings allow: the traditional distributor.
+/// PID controller with its anti-windup, and as little else as settings allow: the traditional distributor.
 pub struct PidAlone;
 
 impl Mechanisms for PidAlone {
@@ -31,7 +32,7 @@ impl Mechanisms for PidAlone {
     };
 }
 
-/// These mechanisms with the numbers of their own settings, checked by the compiler where it is a constant.
+/// Returns these mechanisms with the numbers of their own settings, checked at compile time if used in a constant.
 pub const fn fixed<M: Mechanisms>() -> FixedConfig<M> {
     let Ok(config) = Config::new(&M::SETTINGS) else {
         panic!("settings are out of bounds");
@@ -42,7 +43,7 @@ pub const fn fixed<M: Mechanisms>() -> FixedConfig<M> {
     fixed
 }
 
-/// The full step: its mechanisms are fixed, its numbers in RAM.
+/// Runs the full step: its mechanisms are fixed, its numbers in RAM.
 #[inline(never)]
 pub extern "C" fn full_step(
     config: &FixedConfig<Thesis>,
@@ -53,7 +54,7 @@ pub extern "C" fn full_step(
     duties(config.step(state, input(reference, pressure)))
 }
 
-/// The full step, every setting in RAM.
+/// Runs the full step with every setting in RAM.
 pub extern "C" fn full_step_any(
     config: &Config,
     state: &mut State,
@@ -63,7 +64,7 @@ pub extern "C" fn full_step_any(
     duties(step(config, state, input(reference, pressure)))
 }
 
-/// The PID controller alone: its mechanisms are fixed, its numbers in RAM.
+/// Runs the PID controller alone: its mechanisms are fixed, its numbers in RAM.
 pub extern "C" fn pid_alone(
     config: &FixedConfig<PidAlone>,
     state: &mut State,
@@ -73,16 +74,16 @@ pub extern "C" fn pid_alone(
     duties(config.step(state, input(reference, pressure)))
 }
 
-/// A controller's state, and the trace that it leaves for the log.
+/// State of a controller, and its trace for the log.
 pub struct Traced {
-    /// Goes on to the next sample.
+    /// State, used by the next sample.
     pub state: State,
-    /// Of the last sample.
+    /// Trace of the last sample.
     pub trace: Option<Trace>,
 }
 
 impl Traced {
-    /// Before the first sample.
+    /// State before the first sample.
     pub const fn at_rest() -> Self {
         Self {
             state: State::at_rest(),
@@ -91,7 +92,7 @@ impl Traced {
     }
 }
 
-/// The full step with its trace: its mechanisms are fixed, its numbers in RAM.
+/// Runs the full step with its trace: its mechanisms are fixed, its numbers in RAM.
 pub extern "C" fn traced_step(
     config: &FixedConfig<Recommended>,
     traced: &mut Traced,
@@ -114,13 +115,13 @@ fn duties(output: Output) -> u64 {
     in_registers(output.duty_fill, output.duty_vent)
 }
 
-/// Fill and vent [2⁻¹⁶ %] as the calling convention of C returns them in two registers.
+/// Packs fill and vent (2⁻¹⁶ %) as the calling convention of C returns them in two registers.
 pub(crate) fn in_registers(fill: Duty, vent: Duty) -> u64 {
     let word = |duty: Duty| u64::from(duty.to_bits() as u32);
     word(fill) | word(vent) << 32
 }
 
-/// What a step left in the two registers: fill, then vent [2⁻¹⁶ %].
+/// Unpacks the two registers of a step: fill, then vent (2⁻¹⁶ %).
 pub const fn in_words(duties: u64) -> [i32; 2] {
     [duties as i32, (duties >> 32) as i32]
 }

@@ -1,5 +1,5 @@
-//! PID controllers that others publish, each called as its documentation says. They have no prediction, no tolerance and no
-//! distributor; gains differ in meaning from crate to crate, and only the cost is compared.
+//! Published PID controllers of others, each called as its documentation says. They have no prediction, no deadband and
+//! no distributor. Gains differ in meaning from crate to crate, and only the cost is compared.
 
 use advanced_pid::{Pid as AdvancedPid, PidConfig, PidController};
 use dsp_fixedpoint::Q;
@@ -11,8 +11,8 @@ use pid::Pid;
 pub(crate) type FixedBiquad = BiquadClamp<Q<i32, i64, 29>, i32>;
 pub(crate) type FloatBiquad = BiquadClamp<f32, f32>;
 
-/// K (1 + T_s/T_i + T_d/T_s), -K (1 + 2 T_d/T_s), K T_d/T_s of the thesis' controller, of full scale instead of percent; and
-/// the integrator's pole.
+/// K (1 + T_s/T_i + T_d/T_s), -K (1 + 2 T_d/T_s), K T_d/T_s of the thesis' controller, relative to full scale instead
+/// of percent; and the integrator's pole.
 const COEFFICIENTS: [f32; 5] = [0.804, -1.2, 0.4, 1.0, 0.0];
 /// Full scale of u, ±1 in 2⁻¹⁶.
 const FULL: i32 = 1 << 16;
@@ -81,7 +81,7 @@ pub(crate) fn advanced_pid() -> AdvancedPid {
     AdvancedPid::new(PidConfig::new(40.0, 40.0, 0.4).with_limits(-100.0, 100.0))
 }
 
-/// The configuration is the sample time in seconds.
+/// Runs a step; the configuration is the sample time (s).
 pub(crate) extern "C" fn advanced_pid_step(
     sample_time: &f32,
     pid: &mut AdvancedPid,

@@ -1,31 +1,32 @@
-//! A simple plant: first order in the pressure, so that its numbers can be said in a line; the true one is `plant-sim`.
+//! Simple plant, first order in the pressure, with few numbers; the detailed plant is `plant-sim`.
 
 use ecu::{PressureSensor, SensorCode};
 
-/// Samples between two references: half of T_req, so that most of the time the loop is on its way.
+/// Number of samples between two references: half of T_req, so that the loop is in motion most of the time.
 const STRETCH: usize = 25;
-/// 8.4 bar gauge [2⁻¹⁶ bar].
+/// Supply pressure, 8.4 bar gauge (2⁻¹⁶ bar).
 const SUPPLY: i32 = 550_502;
-/// A fully open valve closes this part of the pressure difference in a sample, as a power of two: a time constant of 160 ms.
+/// Share of the pressure difference that a fully open valve closes in a sample, as a power of two: a time constant of
+/// 160 ms.
 const TIME_CONSTANT_LOG2: u32 = 4;
-/// One step of the sensor, 5 mbar [2⁻¹⁶ bar]: the noise on either side.
+/// Noise in either direction, one step of the sensor: 5 mbar (2⁻¹⁶ bar).
 const NOISE: i32 = 328;
-/// Where the thesis' valves begin to open and are fully open [2⁻¹⁶ %].
+/// Duty cycles at which the thesis' valves begin to open and are fully open (2⁻¹⁶ %).
 const OPENS: i32 = 1_671_168;
 const OPEN: i32 = 5_242_880;
 
-/// What the ECU gets in a sample.
+/// Inputs of the ECU in a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
-    /// Reference [2⁻¹⁶ bar gauge].
+    /// Reference (2⁻¹⁶ bar gauge).
     pub reference: i32,
-    /// Chamber pressure as the sensor's curve reads the code [2⁻¹⁶ bar gauge].
+    /// Chamber pressure as the sensor's curve converts the code (2⁻¹⁶ bar gauge).
     pub pressure: i32,
     /// Code of the sensor.
     pub code: SensorCode,
 }
 
-/// Two valves, a chamber and a sensor, and whoever asks for pressures: the same on every machine.
+/// Two valves, a chamber, a sensor, and a source of references: identical on every machine.
 pub struct Plant {
     random: u32,
     reference: i32,
@@ -34,7 +35,8 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// The chamber at ambient pressure, and nothing asked for in the first stretch: an ECU waits for that after its reset.
+    /// Creates the plant: the chamber at ambient pressure, and reference 0 in the first interval, which an ECU requires
+    /// after its reset.
     pub const fn new() -> Self {
         Self {
             random: 0x6c07_8965,
@@ -44,7 +46,7 @@ impl Plant {
         }
     }
 
-    /// The inputs of the next sample.
+    /// Returns the inputs of the next sample.
     pub fn sample(&mut self) -> Sample {
         if self.sample > 0 && self.sample.is_multiple_of(STRETCH) {
             self.reference = self.below(SUPPLY);
@@ -59,13 +61,13 @@ impl Plant {
         }
     }
 
-    /// The valves with these duty cycles, fill and vent [2⁻¹⁶ %], until the next sample.
+    /// Drives the valves with these duty cycles, fill and vent (2⁻¹⁶ %), until the next sample.
     pub fn drive(&mut self, duties: [i32; 2]) {
         self.pressure += flow(duties[0], SUPPLY - self.pressure);
         self.pressure -= flow(duties[1], self.pressure);
     }
 
-    /// Marsaglia's xorshift of 32 bits, as a value in `0..bound`.
+    /// Returns a random number in `0..bound`, from Marsaglia's xorshift of 32 bits.
     fn below(&mut self, bound: i32) -> i32 {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 17;
@@ -80,7 +82,7 @@ impl Default for Plant {
     }
 }
 
-/// The sensor's curve, from the pressure to the code below it.
+/// Returns the sensor's code below a pressure.
 fn code(pressure: i32) -> SensorCode {
     let gauge_pa = (i64::from(pressure) * 100_000) >> 16;
     let above_lowest = gauge_pa + PressureSensor::AMBIENT_PA - PressureSensor::LOWEST_PA;
@@ -89,7 +91,8 @@ fn code(pressure: i32) -> SensorCode {
     SensorCode::from_bits(bits as u16).unwrap_or(SensorCode::MAX)
 }
 
-/// What a valve with this duty cycle lets pass in a sample, driven by this pressure difference [2⁻¹⁶ bar].
+/// Returns the pressure change through a valve with this duty cycle in a sample, for this pressure difference (2⁻¹⁶
+/// bar).
 fn flow(duty: i32, difference: i32) -> i32 {
     let lift = (duty.min(OPEN) - OPENS).max(0);
     let share = i64::from(lift) * i64::from(difference) / i64::from(OPEN - OPENS);
@@ -100,7 +103,7 @@ fn flow(duty: i32, difference: i32) -> i32 {
 mod tests {
     use super::*;
 
-    /// One step of the sensor [2⁻¹⁶ bar].
+    /// One step of the sensor (2⁻¹⁶ bar).
     const STEP: i32 = 335;
 
     #[test]

@@ -1,26 +1,26 @@
-//! What every candidate is fed: the inputs of one closed loop, the thesis' controller on a simple [`Plant`].
+//! Inputs of every candidate: one closed loop of the thesis' controller on a simple [`Plant`].
 //!
-//! All see the same pressures, whatever they answer: one that rounds differently does not get an easier way. The whole ECU
-//! alone drives a plant of its own: its detectors would take another's valves for broken ones.
+//! All candidates get the same pressures, independent of their answers, so different rounding gives no advantage. Only
+//! the whole ECU drives a separate plant: its detectors would report another controller's valves as broken.
 
 use controller::{FixedConfig, State};
 
 use crate::ours::{Thesis, fixed, full_step, in_words};
 use crate::plant::{Plant, Sample};
 
-/// Samples of the trace.
+/// Number of samples of the trace.
 pub const SAMPLES: usize = 102_400;
 
 const CONTROLLER: FixedConfig<Thesis> = fixed();
 
-/// The loop: an endless sequence of inputs and of what its controller answers.
+/// Closed loop: an endless sequence of inputs and of its controller's answers.
 pub struct ClosedLoop {
     plant: Plant,
     state: State,
 }
 
 impl ClosedLoop {
-    /// Before the first sample.
+    /// Creates the loop before the first sample.
     pub const fn new() -> Self {
         Self {
             plant: Plant::new(),
@@ -28,10 +28,10 @@ impl ClosedLoop {
         }
     }
 
-    /// The inputs of the next sample, and the duty cycles of fill and vent valve [2⁻¹⁶ %] that the controller answers.
+    /// Returns the inputs of the next sample, and the controller's duty cycles of fill and vent valve (2⁻¹⁶ %).
     pub fn sample(&mut self) -> (Sample, [i32; 2]) {
         let sample = self.plant.sample();
-        // The function that is measured, not a second copy of the step: inlined here it would not be inlined there.
+        // It calls the measured function, not a second copy of the step: inlined here it would not be inlined there.
         let answer = full_step(
             &CONTROLLER,
             &mut self.state,
@@ -55,8 +55,8 @@ mod tests {
     use super::*;
     use controller::{Activity, Duty, Input, Pressure, Saturation};
 
-    /// Goal: the mean over the trace is that of a loop at work, not of one at rest, and its largest path can occur.
-    /// Method: what a traced controller says of each sample.
+    /// Goal: the mean over the trace is that of a working loop, not of one at rest, and its longest path can occur.
+    /// Method: the trace of the controller in each sample.
     #[test]
     fn the_loop_is_mostly_on_its_way_and_visits_every_branch() {
         let mut state = State::at_rest();

@@ -1,7 +1,7 @@
 //! The controller alone on a board: two `embedded-hal` PWM outputs and a pressure source, nothing else of this project.
 //!
-//! On a target replace [`Bench`] by the HAL's PWM channels and ADC; [`Loop`] stays as it is. Here it runs on the host against a chamber of a few lines and
-//! asserts its story:
+//! On a target replace [`Bench`] by the HAL's PWM channels and ADC; [`Loop`] stays unchanged. Here it runs on the host
+//! with a chamber model of a few lines and asserts the expected behaviour:
 //! ```sh
 //! cargo run -p retarder-controller --example embedded_hal_pwm
 //! ```
@@ -13,20 +13,20 @@ use controller::fixed::types::I16F16;
 use controller::{Config, Duty, Input, Output, Pressure, Settings, State, step};
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
 
-/// Checked by the compiler: settings out of bounds do not build.
+/// Checked at compile time: settings out of bounds do not build.
 const CONFIG: Config = match Config::new(&Settings::recommended()) {
     Ok(config) => config,
     Err(_) => panic!("settings out of bounds"),
 };
 
-/// Where the chamber pressure comes from: an ADC, a CAN message, a test.
+/// Source of the chamber pressure: an ADC, a CAN message, a test.
 trait PressureSource {
     type Error;
-    /// The chamber pressure now.
+    /// Returns the present chamber pressure.
     fn pressure(&mut self) -> Result<Pressure, Self::Error>;
 }
 
-/// Why a sample did not drive the valves as asked.
+/// Error: a sample did not drive the valves as the controller asked.
 #[derive(Debug)]
 enum LoopError<S, P> {
     /// No pressure; both valves were turned off.
@@ -35,12 +35,13 @@ enum LoopError<S, P> {
     Pwm(P),
 }
 
-/// The wiring: no decision is made here but the one about a missing pressure.
+/// Wiring of the controller. Its only decision is to switch the valves off when the pressure is missing.
 struct Loop<F, V, S> {
     fill: F,
     vent: V,
     sensor: S,
-    /// None until the first pressure, and again after a missing one: the controller then starts without a kick.
+    /// State of the controller; `None` until the first pressure and after a missing one, so that the controller starts
+    /// without a kick.
     state: Option<State>,
 }
 
@@ -50,7 +51,7 @@ where
     V: SetDutyCycle<Error = F::Error>,
     S: PressureSource,
 {
-    /// To be called once per sample time, 10 ms with these settings.
+    /// Runs one sample. Call it once per sample time, 10 ms with these settings.
     fn sample(&mut self, reference: Pressure) -> Result<Output, LoopError<S::Error, F::Error>> {
         let pressure = match self.sensor.pressure() {
             Ok(pressure) => pressure,
@@ -71,7 +72,7 @@ where
     }
 
     fn drive(&mut self, output: Output) -> Result<(), F::Error> {
-        // The valve that closes goes first: never both by the order of two writes.
+        // The valve that closes is written first, so that the order of the two writes never drives both.
         if output.duty_fill.is_off() {
             set(&mut self.fill, output.duty_fill)?;
             set(&mut self.vent, output.duty_vent)
@@ -82,7 +83,7 @@ where
     }
 }
 
-/// Exactly 0 and exactly full scale where the duty cycle is 0 and 100 %.
+/// Sets the duty cycle: exactly 0 for 0 % and exactly full scale for 100 %.
 fn set<P: SetDutyCycle>(pwm: &mut P, duty: Duty) -> Result<(), P::Error> {
     let counts = duty.to_counts(pwm.max_duty_cycle());
     pwm.set_duty_cycle(counts)
@@ -111,7 +112,7 @@ fn main() {
         bench.bar()
     );
 
-    // The sensor's wire breaks: both valves off, and the error says so.
+    // The sensor's wire breaks: both valves go off, and the sample returns the error.
     bench.broken.set(true);
     assert!(matches!(
         control.sample(three_bar),
@@ -119,7 +120,7 @@ fn main() {
     ));
     assert_eq!((bench.fill.get(), bench.vent.get()), (0, 0));
 
-    // It is mended, and the reference is lower: the vent valve works.
+    // The wire is repaired and the reference is lower: the vent valve works.
     bench.broken.set(false);
     let one_bar = Pressure::from_bar(I16F16::ONE);
     let vented = control.sample(one_bar).expect("the sensor works again");
@@ -130,7 +131,7 @@ fn main() {
     );
     assert!((bench.bar() - 1.0).abs() < 0.1, "{} bar", bench.bar());
 
-    // What a PWM gets at the ends is exact.
+    // The compare values at the ends are exact.
     let mut pwm = bench.pwm(&bench.fill);
     let _ = set(&mut pwm, Duty::FULL);
     assert_eq!(bench.fill.get(), Bench::COUNTS_MAX);
@@ -139,7 +140,7 @@ fn main() {
     println!("3 bar, a broken wire, 1 bar: all as told");
 }
 
-/// A chamber with two valves, driven by the compare values of two timer channels.
+/// Chamber with two valves, driven by the compare values of two timer channels.
 #[derive(Default)]
 struct Bench {
     fill: Cell<u16>,
@@ -160,7 +161,7 @@ impl Bench {
         self.bar.get()
     }
 
-    /// So many samples of 10 ms; the number of the last one in which a valve was driven.
+    /// Runs a number of samples of 10 ms and returns the number of the last one in which a valve was driven.
     fn run(
         &self,
         control: &mut Loop<Channel<'_>, Channel<'_>, Sensor<'_>>,
@@ -180,7 +181,8 @@ impl Bench {
         last_driven
     }
 
-    /// A sample of flow: a valve is open for what its duty cycle has above the half of it that the coil needs.
+    /// Computes the flow of one sample: a valve is open for the part of its duty cycle above the half that the coil
+    /// needs.
     fn flow(&self) {
         let open = |counts: &Cell<u16>| {
             (f64::from(counts.get()) / f64::from(Self::COUNTS_MAX) - 0.25).max(0.0)
@@ -218,7 +220,7 @@ impl PressureSource for Sensor<'_> {
     type Error = BrokenWire;
 
     fn pressure(&mut self) -> Result<Pressure, BrokenWire> {
-        // 10 bits over 10 bar, as an ADC gives it: integers from here on.
+        // 10 bits over 10 bar, as an ADC gives them: integers from here on.
         let code = (self.0.bar() / 10.0 * 1023.0).round() as i32;
         if self.0.broken.get() {
             return Err(BrokenWire);

@@ -8,11 +8,11 @@ use crate::pid::{Pid, sample_time};
 use crate::range::{Range, propagate, quotient};
 use crate::settings::{self, Settings};
 
-/// By how many bits the integral part (2⁻⁵⁹) is finer than the product of u (2⁻²⁰) and T_s/T_t (2⁻³⁰).
+/// Number of bits by which the integral part (2⁻⁵⁹) is finer than the product of u (2⁻²⁰) and T_s/T_t (2⁻³⁰).
 const FINER: u32 = 59 - 20 - 30;
 const TRACKING_TIME_MS: Range = Range::new("0.1", "30000");
 
-/// Which integral part a sample leaves behind.
+/// Anti-windup method: decides which integral part a sample leaves behind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) enum AntiWindup {
@@ -30,8 +30,8 @@ impl AntiWindup {
         }
     }
 
-    /// Leaves an integral part to the next sample: `summed`, the one in `kept` before this sample's error, or something between.
-    /// Says whether the error was summed.
+    /// Stores in `kept` the integral part for the next sample: `summed`, the unchanged `kept`, or `summed` drawn back
+    /// by the cut-off part of u. Returns whether the error was summed without restriction.
     #[inline(always)]
     pub(crate) fn settle(
         self,
@@ -56,19 +56,19 @@ impl AntiWindup {
     }
 }
 
-/// Whether u [100 %, 2⁻²⁰] is saturated and the error, along whose direction it is counted, drives it further.
+/// Returns whether u (100 %, 2⁻²⁰), counted along the error's direction, is saturated in that direction.
 #[inline(always)]
 pub(crate) const fn is_driven(u: i32) -> bool {
     u > ControlSignal::MAX.units()
 }
 
-/// What saturation cuts off u [100 %, 2⁻²⁰].
+/// Returns the part of u (100 %, 2⁻²⁰) that saturation cuts off.
 #[inline(always)]
 fn cut_off(u: i32) -> i32 {
     u.wrapping_sub(ControlSignal::from_units(u).saturated().units())
 }
 
-/// T_s/T_t, 2⁻³⁰, at most 1; 0 where nothing is drawn back.
+/// T_s/T_t, 2⁻³⁰, at most 1; 0 without back-calculation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Tracking(i32);
@@ -80,7 +80,7 @@ impl Tracking {
             return Ok(Self(0));
         };
         let sample_time = propagate!(sample_time(settings)) as u128;
-        // Faster than the sample time would take back more than was cut off.
+        // A tracking time shorter than the sample time would take back more than was cut off.
         let range = TRACKING_TIME_MS.from(settings.sample_time_ms);
         let tracking_time =
             propagate!(range.checked(Field::TrackingTime, tracking_time_ms)) as u128;
@@ -92,7 +92,7 @@ impl Tracking {
         Ok(Self(share as i32))
     }
 
-    /// The integral part, drawn back by its share of what saturation cut off, within its bound.
+    /// Returns the integral part reduced by T_s/T_t times the cut-off part of u, clamped to its bound.
     #[inline(always)]
     fn drawn(self, pid: &Pid, integral: Integrator, excess: i32) -> Integrator {
         // |excess| < 2³⁰ and the share at most 1: below 2⁶⁰, and the integral part at most 10 · 2⁵⁰.

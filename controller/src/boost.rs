@@ -1,4 +1,4 @@
-//! The boost, section 6.5.3: an extra integrator that runs only while the pressure does not respond.
+//! Boost (section 6.5.3): an extra integrator that runs only while the pressure does not respond.
 
 use crate::arithmetic::wide_product;
 use crate::error::{Coefficient, ConfigError, Field};
@@ -11,25 +11,25 @@ use crate::settings::Settings;
 const RATE_PCT_PER_BAR_S: Range = Range::new("0.1", "30000");
 const MAX_PCT: Range = Range::new("0", "1000");
 const RESPONSE_BAR: Range = Range::new("0", "10");
-/// Below it the rounding of the coefficient would show in u; above it the word ends.
+/// Below this range the rounding of the coefficient would be visible in u; above it the coefficient overflows its word.
 const RATE_PER_SAMPLE: CoefficientRange = CoefficientRange::new("0.1", "1000");
 
-/// The extra integrator's coefficients; without boost it is never needed.
+/// Coefficients of the extra integrator; without boost it never runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Boost {
-    /// Smallest change of the pressure towards the reference in a sample that counts as response \[bar\], 2⁻²⁵.
+    /// Smallest pressure change towards the reference in one sample (bar, 2⁻²⁵) that counts as a response.
     response: i32,
-    /// Rate times T_s [100 %/bar per sample], 2⁻²⁷.
+    /// Rate times T_s (100 %/bar per sample), 2⁻²⁷.
     rate: i32,
-    /// Of the boost [100 %], 2⁻²⁰.
+    /// Bound of the boost (100 %), 2⁻²⁰.
     max: Bound,
 }
 
 impl Boost {
     pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
         let Some(boost) = settings.boost else {
-            // No change of pressure within the control range falls short of that: never needed.
+            // No pressure change within the control range is below this response, so the boost never runs.
             return Ok(Self {
                 response: -(1 << 30),
                 rate: 0,
@@ -55,15 +55,15 @@ impl Boost {
         })
     }
 
-    /// By how much a pressure that changes like this towards the reference falls short of a response \[bar\], 2⁻²⁵; above 0 the boost
-    /// is needed.
+    /// Returns the response minus this pressure change towards the reference (bar, 2⁻²⁵). The boost is needed if the
+    /// result is above 0.
     #[inline(always)]
     pub(crate) const fn shortfall(&self, pressure_change: i32) -> i32 {
-        // The response is from -2³⁰ to 2²⁹ and the change within ±2³⁰: a word holds the difference.
+        // The response is from -2³⁰ to 2²⁹ and the change within ±2³⁰: the difference fits into a word.
         self.response.wrapping_sub(pressure_change)
     }
 
-    /// The boost of this sample: one step more, if it is needed, for an error along its direction; held at its bound.
+    /// Returns the boost of this sample: advanced by the error along its direction if `needed`, clamped to its bound.
     #[inline(always)]
     pub(crate) const fn advanced(&self, boost: Integrator, needed: bool, error: i32) -> Integrator {
         let summed = if needed {

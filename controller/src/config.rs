@@ -1,4 +1,4 @@
-//! Settings, checked once and multiplied out.
+//! Configuration: checked settings, converted into coefficients.
 
 use crate::anti_windup::Tracking;
 use crate::boost::Boost;
@@ -10,9 +10,9 @@ use crate::settings::Settings;
 use crate::structure::Structure;
 use crate::tolerance::Tolerance;
 
-/// A controller that can run: the proof that its [`Settings`] are within bounds, and the coefficients they lead to.
+/// Runnable controller: the proof that its [`Settings`] are within bounds, and the coefficients computed from them.
 ///
-/// Only whole words; no division is left for the sample.
+/// It consists of integers only; a sample contains no division.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config {
@@ -20,7 +20,7 @@ pub struct Config {
     pub(crate) coefficients: Coefficients,
 }
 
-/// The numbers of a controller.
+/// Numeric coefficients of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Coefficients {
@@ -34,7 +34,8 @@ pub(crate) struct Coefficients {
 impl Config {
     /// Checks every field and every coefficient.
     ///
-    /// Also at compile time, where a wrong setting is a compile error and the compiler folds what is not chosen:
+    /// It also runs at compile time: a wrong setting is then a compile error, and the compiler removes mechanisms that
+    /// are not chosen:
     /// ```
     /// use controller::{Config, Settings};
     /// const CONFIG: Config = match Config::new(&Settings::thesis()) {
@@ -44,7 +45,7 @@ impl Config {
     /// ```
     ///
     /// # Errors
-    /// The first field that is out of bounds, with its value and the bound ([`ConfigError`]).
+    /// Returns the first field that is out of bounds, with its value and the bound ([`ConfigError`]).
     pub const fn new(settings: &Settings) -> Result<Self, ConfigError> {
         Ok(Self {
             structure: Structure::of(settings),

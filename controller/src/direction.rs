@@ -1,9 +1,10 @@
-//! Which way the reference lies. A sample is computed along this direction, so filling and venting are one case.
+//! Direction of the error. A sample is computed along this direction, so filling and venting are one case.
 
-/// The direction of the error: up asks for filling, down for venting. An error of 0 counts as up.
+/// Direction of the error: `Up` asks for filling, `Down` for venting. An error of 0 counts as `Up`.
 ///
-/// Along it the error is never negative, a part of the control signal that works towards the reference is positive, and only
-/// the upper end of a sum can be reached. The mirrored error gives the same numbers, and so mirrored duty cycles.
+/// Along this direction the error is never negative, and a part of the control signal that works towards the reference
+/// is positive. A sum can then reach only its upper end. The mirrored error gives the same numbers, and therefore
+/// mirrored duty cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
     Up,
@@ -16,7 +17,7 @@ impl Direction {
         if signed < 0 { Self::Down } else { Self::Up }
     }
 
-    /// A signed number along this direction; or a number along it, signed again. Not for the most negative number.
+    /// Converts a signed number into a number along this direction, or back. Not for the most negative number.
     #[inline(always)]
     pub(crate) const fn along(self, number: i32) -> i32 {
         match self {

@@ -1,4 +1,4 @@
-//! The distributor: how the control signal becomes two duty cycles, section 6.3.
+//! Distributor: converts the control signal into two duty cycles (section 6.3).
 
 use fixed::types::I16F16;
 
@@ -12,7 +12,7 @@ use crate::range::{Range, propagate};
 use crate::settings::{self, Settings};
 use crate::structure::{Scheme, Structure};
 
-/// How u becomes two duty cycles. The traditional scheme is Scheme 1 from 0 to 100 %.
+/// Conversion of u into two duty cycles. The traditional scheme is Scheme 1 with limits of 0 and 100 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Distributor {
@@ -27,7 +27,8 @@ impl Distributor {
         let fill = propagate!(CheckedValve::new(FILL, settings));
         let vent = propagate!(CheckedValve::new(VENT, settings));
         let (fill, vent) = match settings.distributor {
-            // The limits were checked all the same, so that a change of scheme cannot bring up an old mistake.
+            // The limits are checked for every scheme, so that a later change of the scheme cannot reveal an old
+            // mistake.
             settings::Distributor::Traditional => (Valve::TRADITIONAL, Valve::TRADITIONAL),
             settings::Distributor::Scheme1 => (fill.valve, vent.valve),
             settings::Distributor::Scheme2 {
@@ -41,8 +42,8 @@ impl Distributor {
         Ok(Self { fill, vent, supply })
     }
 
-    /// The duty cycles of the fill and the vent valve for u, counted along the direction [100 %, 2⁻²⁰], at this chamber pressure
-    /// \[bar\], 2⁻²⁵.
+    /// Returns the duty cycles of the fill and the vent valve for u, counted along the direction (100 %, 2⁻²⁰), at this
+    /// chamber pressure (bar, 2⁻²⁵).
     #[inline(always)]
     pub(crate) fn duties(
         &self,
@@ -51,10 +52,11 @@ impl Distributor {
         u: i32,
         pressure: i32,
     ) -> (Duty, Duty) {
-        // |u| is below 2³⁰; saturated at 100 %.
+        // |u| is below 2³⁰; it saturates at 100 %.
         let magnitude = u.wrapping_abs().min(ControlSignal::MAX.units());
         let venting = Direction::of(u) != direction;
-        // By how much the pressure that helps it to open lowers each valve's limit; both differences are below 2³⁰.
+        // Reduction of each valve's lower limit by the pressure difference that helps to open it; both differences are
+        // below 2³⁰.
         let drop = |valve: &Valve, difference| match structure.lower_limit {
             LowerLimit::Constant => 0,
             LowerLimit::ByPressure => valve.limit.drop(&self.supply, difference),
@@ -77,27 +79,27 @@ impl Distributor {
     }
 }
 
-/// The range of one valve's duty cycle.
+/// Duty cycle range of one valve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Valve {
-    /// DC_min.
+    /// Lower limit DC_min.
     limit: OpeningCurve,
-    /// DC_max - DC_min without pressure [%], 2⁻²⁴.
+    /// DC_max - DC_min without pressure difference (%), 2⁻²⁴.
     span: i32,
-    /// What the valve gets at u = 0 when both are driven [%], 2⁻¹⁶.
+    /// Duty cycle at u = 0 when both valves are driven (%), 2⁻¹⁶.
     middle: i32,
 }
 
 impl Valve {
-    /// From 0 to 100 %: equations 6.3 to 6.5.
+    /// Range 0 to 100 % (equations 6.3 to 6.5).
     const TRADITIONAL: Self = Self {
         limit: OpeningCurve::level(0),
         span: Duty::FULL.to_bits() << SPAN_SHIFT,
         middle: 0,
     };
 
-    /// `magnitude` of u [100 %, 2⁻²⁰] from DC_min to DC_max.
+    /// Maps `magnitude` of u (100 %, 2⁻²⁰) to DC_min ..= DC_max.
     #[inline(always)]
     const fn alone(&self, magnitude: i32, drop: i32) -> Duty {
         let min = self.limit.without_pressure().wrapping_sub(drop);
@@ -105,7 +107,7 @@ impl Valve {
         Duty::from_proved_bits(min.wrapping_add(share(span, magnitude)))
     }
 
-    /// `magnitude` of u [100 %, 2⁻²⁰] from the middle up to DC_max.
+    /// Maps `magnitude` of u (100 %, 2⁻²⁰) to the range from the middle up to DC_max.
     #[inline(always)]
     const fn above_middle(&self, magnitude: i32) -> Duty {
         let max = self
@@ -115,7 +117,7 @@ impl Valve {
         self.towards(max, magnitude)
     }
 
-    /// `magnitude` of u [100 %, 2⁻²⁰] from the middle down to DC_min.
+    /// Maps `magnitude` of u (100 %, 2⁻²⁰) to the range from the middle down to DC_min.
     #[inline(always)]
     const fn below_middle(&self, magnitude: i32, drop: i32) -> Duty {
         self.towards(self.limit.without_pressure().wrapping_sub(drop), magnitude)
@@ -128,16 +130,16 @@ impl Valve {
     }
 }
 
-/// By how many bits a span is finer than a duty cycle: 100 % has 31 bits then.
+/// Number of bits by which a span is finer than a duty cycle: 100 % then has 31 bits.
 const SPAN_SHIFT: u32 = 8;
 
-/// The share |u| (2⁻²⁰, at most 1) of a span (2⁻²⁴ %) [%], 2⁻¹⁶: exactly 0 at 0 and the whole span at 1.
+/// Returns the share |u| (2⁻²⁰, at most 1) of a span (2⁻²⁴ %) in 2⁻¹⁶ %: exactly 0 at 0 and the whole span at 1.
 #[inline(always)]
 const fn share(span: i32, magnitude: i32) -> i32 {
     high_product(span, magnitude << 4)
 }
 
-/// The names under which errors show one valve's settings.
+/// Field names of one valve's settings, as error messages show them.
 #[derive(Clone, Copy)]
 struct Fields {
     min: Field,
@@ -166,11 +168,11 @@ const VENT: Fields = Fields {
     is_fill: false,
 };
 
-/// A valve without middle yet, and what the check of the middle needs.
+/// Checked valve without a middle yet, with the values that the check of the middle needs.
 struct CheckedValve {
     valve: Valve,
     fields: Fields,
-    /// The largest DC_min that pressure can lead to [%].
+    /// Largest DC_min over all pressure differences (%).
     min_pct: I16F16,
     max_pct: I16F16,
 }

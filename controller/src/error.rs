@@ -1,21 +1,22 @@
-//! What can be wrong with settings and with a saved state.
+//! Errors of settings and of a saved state.
 
 use core::fmt;
 
 use fixed::types::{I16F16, I32F32};
 
-/// Why [`Settings`](crate::Settings) are no configuration: which field, its value, the bound it broke.
+/// Reason why [`Settings`](crate::Settings) give no configuration: the field, its value and the violated bound.
 ///
-/// Nothing runs with such settings; mend the named field and build again. The first culprit in the order of the fields is named.
+/// No controller can run with such settings: correct the named field and build again. The first wrong field in the
+/// order of the fields is named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ConfigError {
     /// A field outside its own range.
     #[error("{field} = {value} {unit} is out of range: must be {min} ..= {max} {unit}", unit = field.unit())]
     OutOfRange {
-        /// Which field.
+        /// Rejected field.
         field: Field,
-        /// What it holds.
+        /// Value of the field.
         value: I16F16,
         /// Smallest allowed value.
         min: I16F16,
@@ -25,13 +26,13 @@ pub enum ConfigError {
     /// A field below another field that bounds it.
     #[error("{field} = {value} {unit} is below {other} = {min} {unit}: must be {min} ..= {max} {unit}", unit = field.unit())]
     BelowOther {
-        /// Which field.
+        /// Rejected field.
         field: Field,
-        /// What it holds.
+        /// Value of the field.
         value: I16F16,
-        /// The field it must not be below.
+        /// Field that gives the lower bound.
         other: Field,
-        /// What that one holds: the smallest allowed value.
+        /// Value of that field: the smallest allowed value.
         min: I16F16,
         /// Largest allowed value.
         max: I16F16,
@@ -39,26 +40,26 @@ pub enum ConfigError {
     /// A field above another field that bounds it.
     #[error("{field} = {value} {unit} is above {other} = {max} {unit}: must be {min} ..= {max} {unit}", unit = field.unit())]
     AboveOther {
-        /// Which field.
+        /// Rejected field.
         field: Field,
-        /// What it holds.
+        /// Value of the field.
         value: I16F16,
-        /// The field it must not be above.
+        /// Field that gives the upper bound.
         other: Field,
         /// Smallest allowed value.
         min: I16F16,
-        /// What that one holds: the largest allowed value.
+        /// Value of that field: the largest allowed value.
         max: I16F16,
     },
-    /// Fields that are fine alone and together give a coefficient that the arithmetic does not hold.
+    /// Coefficient beyond the range of the arithmetic, computed from fields that are each within their own range.
     #[error(
         "{coefficient} = {value} {unit} is out of range: must be {min} ..= {max} {unit}",
         unit = coefficient.unit()
     )]
     CoefficientOutOfRange {
-        /// Which product of fields.
+        /// Rejected product of fields.
         coefficient: Coefficient,
-        /// What it comes to.
+        /// Value of the coefficient.
         value: I32F32,
         /// Smallest allowed value.
         min: I32F32,
@@ -67,7 +68,7 @@ pub enum ConfigError {
     },
 }
 
-/// A number of [`Settings`](crate::Settings), under the name that errors show.
+/// Number of [`Settings`](crate::Settings), with the name that errors show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[allow(
@@ -99,7 +100,7 @@ pub enum Field {
 }
 
 impl Field {
-    /// The unit of the field's number.
+    /// Returns the unit of the field's number.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::SampleTime | Self::IntegralTime | Self::DerivativeTime | Self::TrackingTime => {
@@ -123,7 +124,7 @@ impl Field {
         }
     }
 
-    /// The name that errors show.
+    /// Returns the name that errors show.
     pub const fn name(self) -> &'static str {
         match self {
             Self::SampleTime => "sample_time",
@@ -157,15 +158,15 @@ impl fmt::Display for Field {
     }
 }
 
-/// A product of settings that the arithmetic has to hold.
+/// Product of settings that has to fit into the arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Coefficient {
-    /// K T_s / T_i: what one bar of error adds to u in one sample.
+    /// K T_s / T_i: contribution to u of one bar of error in one sample.
     Integral,
-    /// K T_d / T_s: what one bar of change of the error in one sample adds to u.
+    /// K T_d / T_s: contribution to u of one bar of error change in one sample.
     Derivative,
-    /// Boost rate times T_s: what one bar of error adds to u in one sample without response.
+    /// Boost rate times T_s: contribution to u of one bar of error in one sample without response.
     Boost,
 }
 
@@ -188,18 +189,18 @@ impl fmt::Display for Coefficient {
     }
 }
 
-/// Why a [`Config`](crate::Config) is no [`FixedConfig`](crate::FixedConfig) of some mechanisms.
+/// Error: a [`Config`](crate::Config) has other mechanisms than a [`FixedConfig`](crate::FixedConfig).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[error(
     "{mechanism} is another one than was compiled in: choose that one, or run this configuration with `step`"
 )]
 pub struct OtherMechanism {
-    /// The first one that differs.
+    /// First mechanism that differs.
     pub mechanism: Mechanism,
 }
 
-/// A choice of [`Settings`](crate::Settings), under the name that errors show.
+/// Choice in [`Settings`](crate::Settings), with the name that errors show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[allow(
@@ -230,7 +231,7 @@ impl fmt::Display for Mechanism {
     }
 }
 
-/// Why words are no [`State`](crate::State): no sequence of samples leads there.
+/// Reason why words are no valid [`State`](crate::State): no sequence of samples leads to them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StateError {
@@ -239,27 +240,27 @@ pub enum StateError {
         "word 0: pressure of {bits} units of 2^-16 bar is outside the control range of -16 ..< 16 bar"
     )]
     Pressure {
-        /// What was read.
+        /// Value that was read.
         bits: i32,
     },
     /// The error of the previous sample is not a difference of two pressures of the control range.
     #[error("word 1: error of {bits} units of 2^-16 bar is outside -32 ..= 32 bar")]
     Error {
-        /// What was read.
+        /// Value that was read.
         bits: i32,
     },
-    /// The integral part is beyond the largest bound that settings can give it.
+    /// The integral part is beyond the largest bound that settings allow.
     #[error(
         "words 2 and 3: integral part of {bits} units of 2^-59 is outside -10 ..= 10, which is 1000 %"
     )]
     Integral {
-        /// What was read.
+        /// Value that was read.
         bits: i64,
     },
-    /// The boost is negative, or beyond the largest bound that settings can give it.
+    /// The boost is negative, or beyond the largest bound that settings allow.
     #[error("words 4 and 5: boost of {bits} units of 2^-52 is outside 0 ..= 10, which is 1000 %")]
     Boost {
-        /// What was read.
+        /// Value that was read.
         bits: i64,
     },
 }

@@ -1,4 +1,4 @@
-//! A configuration whose mechanisms the compiler knows.
+//! Configuration whose mechanisms are known at compile time.
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -12,16 +12,16 @@ use crate::step::sample;
 use crate::structure::Structure;
 use crate::trace::Trace;
 
-/// The mechanisms that are compiled into the sample of a [`FixedConfig`].
+/// Mechanisms that are compiled into the sample of a [`FixedConfig`].
 pub trait Mechanisms {
-    /// Settings that choose these mechanisms. Their numbers do not count.
+    /// Settings that choose these mechanisms. Only the choices count, not the numbers.
     const SETTINGS: Settings;
 }
 
-/// A [`Config`] whose mechanisms are fixed at compile time, while each number stays tunable.
+/// [`Config`] whose mechanisms are fixed at compile time, while each number stays tunable.
 ///
-/// Its sample gives the bits of [`step`](crate::step()) with that configuration, at less than half the cost: what is not chosen
-/// is not there.
+/// A sample gives the same bits as [`step`](crate::step()) with that configuration, at less than half the cost:
+/// mechanisms that are not chosen are not compiled in.
 /// ```
 /// use controller::{Config, FixedConfig, Input, Mechanisms, Pressure, Settings, State};
 ///
@@ -45,10 +45,10 @@ pub struct FixedConfig<M> {
 impl<M: Mechanisms> FixedConfig<M> {
     const STRUCTURE: Structure = Structure::of(&M::SETTINGS);
 
-    /// The same configuration, if it has these mechanisms.
+    /// Creates a fixed configuration from `config`, if it has these mechanisms.
     ///
     /// # Errors
-    /// The first mechanism that is another one than was compiled in.
+    /// Returns the first mechanism that differs from the compiled ones.
     pub const fn new(config: Config) -> Result<Self, OtherMechanism> {
         match config.structure.difference(Self::STRUCTURE) {
             Some(mechanism) => Err(OtherMechanism { mechanism }),
@@ -59,25 +59,25 @@ impl<M: Mechanisms> FixedConfig<M> {
         }
     }
 
-    /// The configuration.
+    /// Returns the configuration.
     pub const fn config(&self) -> &Config {
         &self.config
     }
 
-    /// One sample, as [`step`](crate::step()).
+    /// Computes one sample, as [`step`](crate::step()) does.
     #[inline]
     pub fn step(&self, state: &mut State, input: Input) -> Output {
         sample(Self::STRUCTURE, &self.config.coefficients, state, input).0
     }
 
-    /// One sample and how it came to its output, as [`step_traced`](crate::step_traced).
+    /// Computes one sample and its trace, as [`step_traced`](crate::step_traced) does.
     #[inline]
     pub fn step_traced(&self, state: &mut State, input: Input) -> (Output, Trace) {
         sample(Self::STRUCTURE, &self.config.coefficients, state, input)
     }
 }
 
-// Derived, these would ask the same of `M`, which is only a name.
+// Implemented by hand: derived implementations would require the same trait of `M`, which is only a name.
 impl<M> Clone for FixedConfig<M> {
     fn clone(&self) -> Self {
         *self

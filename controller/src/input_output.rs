@@ -1,25 +1,25 @@
-//! What goes in and what comes out in a sample.
+//! Input and output of a sample.
 
 use crate::duty::Duty;
 use crate::pressure::Pressure;
 
-/// What the controller is told in a sample.
+/// Input of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Input {
-    /// Reference of the chamber pressure.
+    /// Reference for the chamber pressure.
     pub reference: Pressure,
     /// Measured chamber pressure.
     pub pressure: Pressure,
 }
 
-/// What the valves get until the next sample.
+/// Output of a sample: the duty cycles until the next sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
-    /// Fill valve.
+    /// Duty cycle of the fill valve.
     pub duty_fill: Duty,
-    /// Vent valve.
+    /// Duty cycle of the vent valve.
     pub duty_vent: Duty,
 }
 

@@ -1,10 +1,10 @@
-//! A bounded sum with a coefficient: the integral part and the boost are one each.
+//! Bounded integrator, used by the integral part and by the boost.
 
 use crate::arithmetic::{from_high_word, high_word};
 
-/// A part of the control signal that is summed over the samples — state. The owner gives the upper word its unit.
+/// Part of the control signal that is summed over the samples — state. The owner defines the unit of the upper word.
 ///
-/// Every term that is added is an exact product, so the sum has no rounding error of its own, however long it runs.
+/// Every added term is an exact product, so the sum has no rounding error of its own, after any number of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Integrator(i64);
@@ -20,27 +20,27 @@ impl Integrator {
         self.0
     }
 
-    /// What the sum adds to the control signal, in units of its upper word.
+    /// Returns the contribution to the control signal, in units of the upper word.
     #[inline(always)]
     pub(crate) const fn part(self) -> i32 {
         high_word(self.0)
     }
 
-    /// The same part, counted in the other direction.
+    /// Returns the same sum, counted in the other direction.
     #[inline(always)]
     pub(crate) const fn turned(self) -> Self {
         Self(self.0.wrapping_neg())
     }
 
-    /// `term` more. The owner holds the sum at its bound, and so keeps it from leaving its words.
+    /// Returns the sum plus `term`. The owner clamps the sum to its bound, so it cannot overflow.
     #[inline(always)]
     pub(crate) const fn advanced(self, term: i64) -> Self {
         Self(self.0.wrapping_add(term))
     }
 
-    /// The sum with its upper word held at the bound.
+    /// Returns the sum with its upper word clamped to the bound.
     ///
-    /// The lower word goes on: it is less than one unit of the upper word, which is all that u sees.
+    /// The lower word is not clamped: it is less than one unit of the upper word, and u uses only the upper word.
     #[inline(always)]
     pub(crate) const fn held(self, bound: Bound) -> Self {
         let low = self.0 & 0xFFFF_FFFF;
@@ -48,7 +48,7 @@ impl Integrator {
     }
 }
 
-/// The largest upper word that an [`Integrator`] may have; kept as its distance from the largest number, where a sum saturates by
+/// Largest upper word of an [`Integrator`], stored as its distance from `i32::MAX`, where an addition saturates by
 /// itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -57,7 +57,7 @@ pub(crate) struct Bound {
 }
 
 impl Bound {
-    /// A bound that is not negative, in units of the upper word.
+    /// Creates a bound from a number that is not negative, in units of the upper word.
     pub(crate) const fn new(bound: i32) -> Self {
         Self {
             headroom: i32::MAX.wrapping_sub(bound),
@@ -68,7 +68,7 @@ impl Bound {
         i32::MAX.wrapping_sub(self.headroom)
     }
 
-    /// The smaller one of `high` and the bound: up to where it saturates, and back; one QADD and one SUB.
+    /// Returns the smaller of `high` and the bound, by a saturating addition and a subtraction; one QADD and one SUB.
     #[inline(always)]
     const fn hold(self, high: i32) -> i32 {
         high.saturating_add(self.headroom)

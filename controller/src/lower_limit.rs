@@ -1,4 +1,4 @@
-//! The lower limit of a duty cycle, sections 6.3.1 and 7.2.
+//! Lower limit of a duty cycle (sections 6.3.1 and 7.2).
 
 use fixed::types::I16F16;
 
@@ -10,13 +10,13 @@ use crate::settings::{self, Distributor, OpeningDuty, Settings};
 
 const SUPPLY_PRESSURE_BAR: Range = Range::new("1", "15");
 
-/// What the lower limit depends on.
+/// Dependence of the lower limit on the pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) enum LowerLimit {
-    /// Nothing: the same at every pressure.
+    /// Constant: the same limit at every pressure.
     Constant,
-    /// What just opens the valve against this pressure difference.
+    /// Duty cycle that just opens the valve against this pressure difference.
     ByPressure,
 }
 
@@ -31,11 +31,11 @@ impl LowerLimit {
     }
 }
 
-/// Supply pressure, where the curves end.
+/// Supply pressure, at which the opening curves end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Supply {
-    /// p_sup \[bar\], 2⁻²⁵, 1 ..= 15.
+    /// p_sup (bar), 2⁻²⁵, 1 ..= 15.
     pub(crate) pressure: i32,
     /// 2⁴⁶/p_sup with p_sup in 2⁻¹⁶ bar, rounded up so that the supply pressure itself gives exactly y = 1.
     reciprocal: i32,
@@ -58,15 +58,15 @@ impl Supply {
         })
     }
 
-    /// y = Δp/p_sup from 0 to 1, 2⁻²⁴, of a pressure difference \[bar\], 2⁻²⁵.
+    /// Returns y = Δp/p_sup, clamped to 0 ..= 1, 2⁻²⁴, for a pressure difference (bar), 2⁻²⁵.
     #[inline(always)]
     fn share(&self, difference: i32) -> i32 {
-        // At most 2²⁹ · 2 times at most 2³⁰.
+        // A factor of at most 2²⁹ · 2 and a factor of at most 2³⁰.
         high_product(difference.max(0).min(self.pressure) << 1, self.reciprocal)
     }
 }
 
-/// The names under which errors show the three points of an [`OpeningDuty`].
+/// Field names of the three points of an [`OpeningDuty`], as error messages show them.
 #[derive(Clone, Copy)]
 pub(crate) struct OpeningFields {
     pub(crate) without_pressure: Field,
@@ -74,21 +74,21 @@ pub(crate) struct OpeningFields {
     pub(crate) with_supply_pressure: Field,
 }
 
-/// The duty cycle that just opens a valve, a parabola of the pressure difference that helps:
-/// D(y) = D₀ - (a + b y) y with y = Δp/p_sup from 0 to 1.
+/// Duty cycle that just opens a valve, as a parabola over the pressure difference that helps to open it: D(y) = D₀ -
+/// (a + b y) y with y = Δp/p_sup from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct OpeningCurve {
-    /// D₀ [%], 2⁻¹⁶.
+    /// D₀ (%), 2⁻¹⁶.
     without_pressure: i32,
-    /// a [%], 2⁻¹⁶, 0 ..= 200.
+    /// a (%), 2⁻¹⁶, 0 ..= 200.
     slope: i32,
-    /// b [%], 2⁻²⁴, -100 ..= 100.
+    /// b (%), 2⁻²⁴, -100 ..= 100.
     curvature: i32,
 }
 
 impl OpeningCurve {
-    /// The same at every pressure [%], 2⁻¹⁶.
+    /// Creates a constant curve with this limit (%), 2⁻¹⁶.
     pub(crate) const fn level(limit: i32) -> Self {
         Self {
             without_pressure: limit,
@@ -97,7 +97,7 @@ impl OpeningCurve {
         }
     }
 
-    /// The curve through the three points, if it falls all the way.
+    /// Creates the curve through the three points; an error if it does not fall along its whole length.
     pub(crate) const fn new(
         opening: &OpeningDuty,
         fields: OpeningFields,
@@ -115,7 +115,7 @@ impl OpeningCurve {
             fields.with_supply_pressure,
             with_supply_pressure_pct
         ));
-        // All within 0 ..= 100 % from here: no sum below leaves a word.
+        // From here all values are within 0 ..= 100 %, so no sum below overflows a word.
         let drop = without.wrapping_sub(with);
         let range = Range::between(
             I16F16::from_bits(with.wrapping_add(drop / 4)),
@@ -133,19 +133,21 @@ impl OpeningCurve {
         })
     }
 
-    /// D₀ [%], 2⁻¹⁶.
+    /// Returns D₀ (%), 2⁻¹⁶.
     #[inline(always)]
     pub(crate) const fn without_pressure(&self) -> i32 {
         self.without_pressure
     }
 
-    /// D₀ - D(y) [%], 2⁻¹⁶: by how much this pressure difference lowers the limit, from 0 to D₀ - D(1).
+    /// Returns D₀ - D(y) (%), 2⁻¹⁶: the reduction of the limit by this pressure difference, from 0 to D₀ - D(1).
     #[inline(always)]
     pub(crate) fn drop(&self, supply: &Supply, difference: i32) -> i32 {
         let share = supply.share(difference);
-        // a + b y is 0 ..= 200 % (to a unit), as the middle point is in the middle half; 7 and 1 bits up give 2⁻¹⁶ % again.
+        // a + b y is 0 ..= 200 % (to a unit), because the middle point is in the middle half. Shifts by 7 and 1 bits
+        // give 2⁻¹⁶ % again.
         let gradient = self.slope.wrapping_add(high_product(self.curvature, share));
-        // Both products are rounded down, so no limit is too low; where the curve is level, one could be a unit too high.
+        // Both products are rounded down, so no limit is too low. On a level part of the curve a limit could be a unit
+        // too high.
         high_product(gradient << 7, share << 1).max(0)
     }
 }
@@ -160,8 +162,8 @@ mod tests {
         with_supply_pressure: Field::DutyMinFillWithSupplyPressure,
     };
 
-    /// Goal: no rounding steps over an end, where it could: curves that are level over a unit. Method: all of the flattest
-    /// curves that are allowed, along their whole length and beyond.
+    /// Goal: rounding never moves a limit beyond the ends of a curve; curves that are level over a unit are the
+    /// critical ones. Method: all of the flattest allowed curves, along their whole length and beyond.
     #[test]
     fn the_flattest_curves_stay_within_their_ends() {
         let with = 1_867_776;

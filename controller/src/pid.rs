@@ -1,4 +1,4 @@
-//! The discrete PID controller, equation 6.2.
+//! Discrete PID controller (equation 6.2).
 
 use crate::arithmetic::{from_high_word, held, high_word, no_reading_ahead, wide_product};
 use crate::error::{Coefficient, ConfigError, Field};
@@ -6,11 +6,12 @@ use crate::integrator::{Bound, Integrator};
 use crate::range::{CoefficientRange, Quotient, Range, hundredth, propagate};
 use crate::settings::Settings;
 
-/// Fraction bits of a gain [100 %/bar]: with an error of 25 bits the product has 52, whose upper word is u with 20.
+/// Fraction bits of a gain (100 %/bar): its product with an error of 25 fraction bits has 52; the upper word of the
+/// product is u with 20.
 pub(crate) const GAIN_BITS: u32 = 27;
-/// Fraction bits of K T_s/T_i [100 %/bar per sample]: small, and summed, so it gets all that a word has.
+/// Fraction bits of K T_s/T_i (100 %/bar per sample): it is small and gets summed, so it uses all bits of a word.
 const INTEGRAL_GAIN_BITS: u32 = 34;
-/// By how many bits the upper word of the integral part is finer than u.
+/// Number of bits by which the upper word of the integral part is finer than u.
 const INTEGRAL_SHIFT: u32 = INTEGRAL_GAIN_BITS - GAIN_BITS;
 
 const SAMPLE_TIME_MS: Range = Range::new("0.1", "1000");
@@ -18,21 +19,22 @@ const GAIN_PCT_PER_BAR: Range = Range::new("0.01", "1000");
 const INTEGRAL_TIME_MS: Range = Range::new("1", "30000");
 const DERIVATIVE_TIME_MS: Range = Range::new("0", "30000");
 const INTEGRAL_MAX_PCT: Range = Range::new("0", "1000");
-/// Below it the rounding of the coefficient would show in u; above 12.5 the word ends.
+/// Below this range the rounding of the coefficient would be visible in u; above 12.5 the coefficient overflows its
+/// word.
 const INTEGRAL_GAIN: CoefficientRange = CoefficientRange::new("0.001", "7.9");
 const DERIVATIVE_GAIN: CoefficientRange = CoefficientRange::new("0", "1000");
 
-/// uₙ = K (eₙ + T_d (eₙ - eₙ₋₁)/T_s + T_s/T_i Σ eₖ), multiplied out.
+/// Coefficients of uₙ = K (eₙ + T_d (eₙ - eₙ₋₁)/T_s + T_s/T_i Σ eₖ).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Pid {
-    /// K [100 %/bar], 2⁻²⁷.
+    /// K (100 %/bar), 2⁻²⁷.
     proportional: i32,
-    /// K T_d/T_s [100 %/bar], 2⁻²⁷.
+    /// K T_d/T_s (100 %/bar), 2⁻²⁷.
     derivative: i32,
-    /// K T_s/T_i [100 %/bar per sample], 2⁻³⁴.
+    /// K T_s/T_i (100 %/bar per sample), 2⁻³⁴.
     integral: i32,
-    /// Of the integral part [100 %], 2⁻²⁷.
+    /// Bound of the integral part (100 %), 2⁻²⁷.
     integral_max: Bound,
 }
 
@@ -45,7 +47,7 @@ impl Pid {
             None => 0,
             Some(time) => {
                 let time = propagate!(INTEGRAL_TIME_MS.checked(Field::IntegralTime, time));
-                // At most 2²⁶ · 2²⁶, in 2⁻³²; the divisor takes 16 of these bits along.
+                // At most 2²⁶ · 2²⁶, in 2⁻³²; the divisor accounts for 16 of these bits.
                 let quotient = Quotient {
                     coefficient: Coefficient::Integral,
                     numerator: gain.wrapping_mul(sample_time),
@@ -79,7 +81,7 @@ impl Pid {
         })
     }
 
-    /// K eₙ + K T_d (eₙ - eₙ₋₁)/T_s [100 %], 2⁻²⁰.
+    /// Returns K eₙ + K T_d (eₙ - eₙ₋₁)/T_s (100 %), 2⁻²⁰.
     #[inline(always)]
     pub(crate) const fn proportional_and_derivative(&self, error: i32, error_change: i32) -> i32 {
         high_word(
@@ -88,19 +90,19 @@ impl Pid {
         )
     }
 
-    /// K eₙ [100 %], 2⁻²⁰.
+    /// Returns K eₙ (100 %), 2⁻²⁰.
     #[inline(always)]
     pub(crate) const fn proportional(&self, error: i32) -> i32 {
         high_word(wide_product(self.proportional, error))
     }
 
-    /// K T_d (eₙ - eₙ₋₁)/T_s [100 %], 2⁻²⁰.
+    /// Returns K T_d (eₙ - eₙ₋₁)/T_s (100 %), 2⁻²⁰.
     #[inline(always)]
     pub(crate) const fn derivative(&self, error_change: i32) -> i32 {
         high_word(wide_product(self.derivative, error_change))
     }
 
-    /// The sum with this sample's error.
+    /// Returns the integral part plus this sample's error, clamped to its bound.
     #[inline(always)]
     pub(crate) fn integrated(&self, integral: Integrator, error: i32) -> Integrator {
         let summed = integral.advanced(wide_product(self.integral, error));
@@ -108,37 +110,39 @@ impl Pid {
         summed.held(self.integral_max)
     }
 
-    /// Integral part of u [100 %], 2⁻²⁰.
+    /// Returns the integral part of u (100 %), 2⁻²⁰.
     #[inline(always)]
     pub(crate) const fn integral_part(integral: Integrator) -> i32 {
         integral.part() >> INTEGRAL_SHIFT
     }
 
-    /// The integral part before a sample of this error and no change, such that the sample gives `u`; within its bound.
+    /// Returns the integral part before a sample with this error and without error change, such that the sample gives
+    /// `u`; clamped to its bound.
     pub(crate) fn integral_that_gives(&self, u: i32, error: i32) -> Integrator {
         if self.integral == 0 {
             return Integrator::ZERO;
         }
-        // |u| ≤ 1 and K e ≤ 320 are held at 13 times 100 %: more than the largest bound and the largest term (0.079 · 32) together, and
-        // with 59 fraction bits still inside 64.
+        // |u| ≤ 1 and K e ≤ 320 are clamped to 13 times 100 %. That is more than the largest bound and the largest term
+        // (0.079 · 32) together, and with 59 fraction bits it fits into 64.
         let rest = u.wrapping_sub(self.proportional(error)) as i64;
         let rest = held(rest, 13 << 20) << (59 - 20);
         let before = rest.wrapping_sub(wide_product(self.integral, error));
         Integrator::from_bits(held(before, from_high_word(self.integral_max.get())))
     }
 
-    /// Bound of the integral part [100 %], 2⁻²⁷.
+    /// Returns the bound of the integral part (100 %), 2⁻²⁷.
     pub(crate) const fn integral_max(&self) -> i32 {
         self.integral_max.get()
     }
 }
 
-/// A bound in percent (2⁻¹⁶) as a part of 100 % with so many fraction bits, rounded down. At most 1000 % and 27 bits: 10 · 2²⁷.
+/// Converts a bound in percent (2⁻¹⁶) into a part of 100 % with `fraction_bits`, rounded down. At most 1000 % and 27
+/// bits: 10 · 2²⁷.
 pub(crate) const fn per_full_scale(bound: i32, fraction_bits: u32) -> i32 {
     (((bound as i64) << (fraction_bits - 16)) / 100) as i32
 }
 
-/// The sample time [2⁻¹⁶ ms], checked.
+/// Returns the checked sample time (2⁻¹⁶ ms).
 pub(crate) const fn sample_time(settings: &Settings) -> Result<u64, ConfigError> {
     let time = propagate!(SAMPLE_TIME_MS.checked(Field::SampleTime, settings.sample_time_ms));
     Ok(time as u64)

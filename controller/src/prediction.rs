@@ -1,12 +1,14 @@
-//! The error prediction and its switch-off, section 6.5.2 and figure 6.9.
+//! Prediction of the error, and the switch-off by it (section 6.5.2 and figure 6.9).
 
 use crate::settings::{Prediction, PredictionBasis, SwitchOff};
 use crate::structure::Structure;
 use crate::tolerance::Tolerance;
 
-/// eₙ₊ₕ = eₙ + h Δeₙ with h = 0, 1 or 2, equations 6.8 and 6.10; all along the direction of the error \[bar\], 2⁻²⁵.
+/// Returns eₙ₊ₕ = eₙ + h Δeₙ with h = 0, 1 or 2 (equations 6.8 and 6.10), all along the direction of the error (bar),
+/// 2⁻²⁵.
 ///
-/// What leaves the word is held at its end. That moves only what is beyond ±32 bar, where no tolerance reaches, and not to within.
+/// The sum saturates. That changes only results beyond ±32 bar, which is outside of every deadband, and leaves them
+/// outside.
 #[inline(always)]
 pub(crate) const fn predicted(
     structure: Structure,
@@ -25,8 +27,9 @@ pub(crate) const fn predicted(
     }
 }
 
-/// The change that the derivative part answers to \[bar\], 2⁻²⁵: that of the error. Blind to jumps of the reference, it does not count
-/// one towards the pressure: that shortens the way and moves nothing, and would open the other valve far from the reference.
+/// Returns the change of the error that the derivative part uses (bar), 2⁻²⁵. With the pressure as basis, a jump of the
+/// reference towards the pressure is not counted. Such a jump makes the error smaller without a motion of the pressure,
+/// and would open the other valve far from the reference.
 #[inline(always)]
 pub(crate) fn differentiated(structure: Structure, error_change: i32, pressure_change: i32) -> i32 {
     match structure.prediction_basis {
@@ -35,7 +38,7 @@ pub(crate) fn differentiated(structure: Structure, error_change: i32, pressure_c
     }
 }
 
-/// Whether the valves are to be turned off now, because of where the error will be.
+/// Returns whether the predicted error switches the valves off now.
 #[inline(always)]
 pub(crate) const fn switches_off(
     structure: Structure,

@@ -1,10 +1,10 @@
-//! The one way in which settings are checked; all of it also at compile time.
+//! Range checks of settings; all of them also run at compile time.
 
 use fixed::types::{I16F16, I32F32};
 
 use crate::error::{Coefficient, ConfigError, Field};
 
-/// What `?` does, which constant functions do not have.
+/// Propagates an error as `?` does, which constant functions do not have.
 macro_rules! propagate {
     ($result:expr) => {
         match $result {
@@ -15,7 +15,7 @@ macro_rules! propagate {
 }
 pub(crate) use propagate;
 
-/// Where a field may be, ends included. Made as constants: the decimal text is read by the compiler, not by the target.
+/// Allowed range of a field, ends included. Ranges are constants: the compiler parses the decimal text, not the target.
 #[derive(Clone, Copy)]
 pub(crate) struct Range {
     min: I16F16,
@@ -41,7 +41,7 @@ impl Range {
         Self { max, ..self }
     }
 
-    /// The bits of `value`, if it is in this range.
+    /// Returns the bits of `value`, if it is in this range.
     pub(crate) const fn checked(self, field: Field, value: I16F16) -> Result<i32, ConfigError> {
         let Self { min, max } = self;
         let bits = value.to_bits();
@@ -57,7 +57,7 @@ impl Range {
         }
     }
 
-    /// The bits of `value`, if it is in this range, whose lower end is the value of the field `other`.
+    /// Returns the bits of `value`, if it is in this range, whose lower end is the value of the field `other`.
     pub(crate) const fn checked_not_below(
         self,
         other: Field,
@@ -77,7 +77,7 @@ impl Range {
         self.checked(field, value)
     }
 
-    /// The bits of `value`, if it is in this range, whose upper end is the value of the field `other`.
+    /// Returns the bits of `value`, if it is in this range, whose upper end is the value of the field `other`.
     pub(crate) const fn checked_not_above(
         self,
         other: Field,
@@ -98,16 +98,16 @@ impl Range {
     }
 }
 
-/// A coefficient as the quotient of two whole numbers, with the range in which the arithmetic holds it.
+/// Coefficient as the quotient of two integers, with the range that fits into the arithmetic.
 pub(crate) struct Quotient {
     pub(crate) coefficient: Coefficient,
     pub(crate) numerator: u64,
-    /// Above 0.
+    /// Divisor, above 0.
     pub(crate) denominator: u64,
     pub(crate) range: CoefficientRange,
 }
 
-/// Where a coefficient may be, ends included; a constant as [`Range`].
+/// Allowed range of a coefficient, ends included; a constant like [`Range`].
 #[derive(Clone, Copy)]
 pub(crate) struct CoefficientRange {
     min: I32F32,
@@ -124,14 +124,14 @@ impl CoefficientRange {
 }
 
 impl Quotient {
-    /// The hundredth part of the quotient, as percent become a part of 100 %, with so many fraction bits, rounded to nearest, if
-    /// the quotient is within its range.
+    /// Returns a hundredth of the quotient with `fraction_bits`, rounded to nearest, if the quotient is within its
+    /// range. The division by 100 converts percent into a part of 100 %.
     ///
-    /// `max`/100 · 2^`fraction_bits` is below 2³¹; the coefficients' own files say why.
+    /// `max`/100 · 2^`fraction_bits` is below 2³¹; the files of the coefficients give the reason.
     pub(crate) const fn checked(self, fraction_bits: u32) -> Result<i32, ConfigError> {
         let numerator = self.numerator as u128;
         let denominator = self.denominator as u128;
-        // Below 2⁶¹: at most a gain of 2²⁶ by a time of 2³¹, through a time of at least 2¹² · 2¹⁶.
+        // Below 2⁶¹: at most a gain of 2²⁶ times a time of 2³¹, divided by a time of at least 2¹² · 2¹⁶.
         let bits = quotient((numerator << 32).wrapping_add(denominator / 2), denominator) as i64;
         let CoefficientRange { min, max } = self.range;
         if bits < min.to_bits() || bits > max.to_bits() {
@@ -146,16 +146,17 @@ impl Quotient {
     }
 }
 
-/// The hundredth part of a quotient, as percent become a part of 100 %, with so many fraction bits, rounded to nearest.
+/// Returns a hundredth of a quotient with `fraction_bits`, rounded to nearest: percent become a part of 100 %.
 ///
-/// The caller knows that it is below 2³¹.
+/// The caller ensures that the result is below 2³¹.
 pub(crate) const fn hundredth(numerator: u64, denominator: u64, fraction_bits: u32) -> i32 {
     let denominator = (denominator as u128).wrapping_mul(100);
     let rounded = ((numerator as u128) << fraction_bits).wrapping_add(denominator / 2);
     quotient(rounded, denominator) as i32
 }
 
-/// The quotient, rounded down. No caller divides by 0; if one did, the quotient would be out of every range, and not a panic.
+/// Returns the quotient, rounded down. No caller divides by 0. A division by 0 would give a quotient outside of every
+/// range, not a panic.
 pub(crate) const fn quotient(numerator: u128, denominator: u128) -> u128 {
     match numerator.checked_div(denominator) {
         Some(quotient) => quotient,

@@ -1,4 +1,4 @@
-//! Everything that one sample leaves to the next.
+//! State of the controller between two samples.
 
 use crate::arithmetic::from_high_word;
 use crate::config::Config;
@@ -11,11 +11,11 @@ use crate::pid::Pid;
 use crate::pressure::{ERROR_SHIFT, Pressure};
 use crate::settings::IntegralAtReference;
 
-/// What one sample leaves to the next: pressure and error of the sample, integral part, boost.
+/// State between two samples: pressure and error of the last sample, integral part, boost.
 ///
-/// Both parts are counted in the direction of that error: positive where they work towards the reference.
+/// Integral part and boost are counted in the direction of that error: positive where they work towards the reference.
 ///
-/// Two targets that started alike and saw the same inputs hold equal states, bit for bit.
+/// Two targets that start with the same state and get the same inputs have equal states, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct State {
@@ -24,18 +24,18 @@ pub struct State {
     pub(crate) boost: Integrator,
 }
 
-/// An input, limited to the control range, as its two differences need it.
+/// Input, limited to the control range, in the form in which its two differences are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Sample {
-    /// \[bar\], 2⁻²⁵, within the control range: 30 bits.
+    /// Chamber pressure (bar), 2⁻²⁵, within the control range: 30 bits.
     pub(crate) pressure: i32,
-    /// Reference - pressure \[bar\], 2⁻²⁵: 31 bits.
+    /// Reference - pressure (bar), 2⁻²⁵: 31 bits.
     pub(crate) error: i32,
 }
 
 impl Sample {
-    /// Largest magnitude of an error [2⁻¹⁶ bar]: the width of the control range.
+    /// Largest magnitude of an error (2⁻¹⁶ bar): the width of the control range.
     const ERROR_MAX: i32 = Pressure::MAX_CONTROL.to_bits() - Pressure::MIN_CONTROL.to_bits();
 
     #[inline(always)]
@@ -53,7 +53,7 @@ impl State {
     /// Number of words of a saved state.
     pub const WORDS: usize = 6;
 
-    /// Chamber at ambient pressure, reference 0, nothing summed: the truck was just started.
+    /// Returns the state after switching the truck on: chamber at ambient pressure, reference 0, integrators 0.
     pub const fn at_rest() -> Self {
         Self {
             previous: Sample {
@@ -65,8 +65,8 @@ impl State {
         }
     }
 
-    /// A start without a kick while the pressure may be anything: the input is taken as having been there before, so the
-    /// first sample sees no change of error or pressure. Nothing is summed.
+    /// Returns a state for a start without a kick at any pressure. The previous sample is set to this input, so the
+    /// first sample sees no change of error or pressure. Both integrators are 0.
     pub fn new(input: Input) -> Self {
         Self {
             previous: Sample::of(input),
@@ -74,10 +74,11 @@ impl State {
         }
     }
 
-    /// A bumpless takeover: as [`State::new`], with the integral part such that the first sample, if the error is outside the
-    /// tolerance and the input the same, continues from the control signal `u` that was applied until now.
+    /// Returns a state for a bumpless takeover: as [`State::new`], with an integral part that continues from `u`, the
+    /// control signal applied until now. This is valid for a first sample with the same input and an error outside the
+    /// deadband.
     ///
-    /// The integral part is held within its bound, and is zero for a controller without integral action.
+    /// The integral part is clamped to its bound, and is zero for a controller without integral action.
     pub fn taking_over(config: &Config, input: Input, u: ControlSignal) -> Self {
         let previous = Sample::of(input);
         let towards = Direction::of(previous.error);
@@ -92,7 +93,7 @@ impl State {
         }
     }
 
-    /// Forgets what only counts until the reference is reached.
+    /// Clears the boost and, if the settings say so, the integral part when the reference is reached.
     #[inline(always)]
     pub(crate) const fn clear_at_reference(&mut self, integral: IntegralAtReference) {
         self.boost = Integrator::ZERO;
@@ -101,29 +102,29 @@ impl State {
         }
     }
 
-    /// The direction of the last error, along which the two sums are counted.
+    /// Returns the direction of the last error, along which the two integrators are counted.
     #[inline(always)]
     pub(crate) const fn direction(&self) -> Direction {
         Direction::of(self.previous.error)
     }
 
-    /// The integral part of the control signal.
+    /// Returns the integral part of the control signal.
     pub const fn integral(&self) -> ControlSignal {
         self.signal(Pid::integral_part(self.integral))
     }
 
-    /// The boost's part of the control signal.
+    /// Returns the boost's part of the control signal.
     pub const fn boost(&self) -> ControlSignal {
         self.signal(self.boost.part())
     }
 
-    /// A part that is counted in the direction of the error.
+    /// Converts a part counted along the error into a control signal.
     const fn signal(&self, part: i32) -> ControlSignal {
         ControlSignal::from_units(self.direction().along(part))
     }
 
-    /// The state as words: pressure and error of the last sample [2⁻¹⁶ bar], then integral part [2⁻⁵⁹ of 100 %] and boost
-    /// [2⁻⁵² of 100 %] in the direction of that error, lower word first.
+    /// Returns the state as words: pressure and error of the last sample (2⁻¹⁶ bar), then integral part (2⁻⁵⁹ of 100 %)
+    /// and boost (2⁻⁵² of 100 %) in the direction of that error, lower word first.
     pub const fn to_words(&self) -> [i32; Self::WORDS] {
         let (integral, boost) = (self.integral.bits(), self.boost.bits());
         [
@@ -136,10 +137,10 @@ impl State {
         ]
     }
 
-    /// The state that [`State::to_words`] gave.
+    /// Restores the state from the words of [`State::to_words`].
     ///
     /// # Errors
-    /// Words that no sequence of samples leads to; the state is not usable then, start with [`State::new`].
+    /// Returns an error for words that no sequence of samples leads to. Start with [`State::new`] then.
     pub const fn from_words(words: [i32; Self::WORDS]) -> Result<Self, StateError> {
         let [
             pressure,
@@ -177,9 +178,9 @@ impl State {
     }
 }
 
-/// The largest bound that settings can give the integral part: 1000 %, 2⁻⁵⁹ of 100 %.
+/// Largest bound of the integral part that settings allow: 1000 %, 2⁻⁵⁹ of 100 %.
 const INTEGRAL_MAX: i64 = 10 << 59;
-/// The largest bound that settings can give the boost: 1000 %, 2⁻⁵² of 100 %.
+/// Largest bound of the boost that settings allow: 1000 %, 2⁻⁵² of 100 %.
 const BOOST_MAX: i64 = 10 << 52;
 
 const fn double_word(low: i32, high: i32) -> i64 {

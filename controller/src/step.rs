@@ -15,10 +15,10 @@ use crate::state::{Sample, State};
 use crate::structure::Structure;
 use crate::trace::{Activity, Saturation, Trace};
 
-/// One sample of the controller: a pure function of configuration, state and input.
+/// Computes one sample of the controller: a pure function of configuration, state and input.
 ///
-/// Call it once per sample time. Any input is allowed; pressures beyond the control range
-/// ([`Pressure::MIN_CONTROL`] ..= [`Pressure::MAX_CONTROL`]) are taken as its ends.
+/// Call it once per sample time. Any input is allowed; pressures beyond the control range ([`Pressure::MIN_CONTROL`]
+/// ..= [`Pressure::MAX_CONTROL`]) saturate at its ends.
 ///
 /// [`FixedConfig::step`](crate::FixedConfig::step) gives the same bits at half the cost.
 #[inline]
@@ -26,13 +26,14 @@ pub fn step(config: &Config, state: &mut State, input: Input) -> Output {
     sample(config.structure, &config.coefficients, state, input).0
 }
 
-/// [`step`], and how it came to its output. The same code: state and output are equal bit for bit.
+/// Computes one sample as [`step`] does, and its trace. It is the same code: state and output are equal bit for bit.
 #[inline]
 pub fn step_traced(config: &Config, state: &mut State, input: Input) -> (Output, Trace) {
     sample(config.structure, &config.coefficients, state, input)
 }
 
-// Always inlined, so that the compiler drops what a constant structure does not have, and what only the trace needs.
+// Always inlined, so that the compiler removes the mechanisms that a constant structure does not have, and the
+// computations that only the trace needs.
 #[inline(always)]
 pub(crate) fn sample(
     structure: Structure,
@@ -42,7 +43,7 @@ pub(crate) fn sample(
 ) -> (Output, Trace) {
     let now = Sample::of(input);
     let before = mem::replace(&mut state.previous, now);
-    // From here on all is counted along the direction of the error: filling and venting are one case.
+    // From here all values are counted along the direction of the error: filling and venting are one case.
     let direction = Direction::of(now.error);
     let error = direction.along(now.error);
     let error_change = direction.along(now.error.wrapping_sub(before.error));
@@ -65,7 +66,8 @@ pub(crate) fn sample(
         return (Output::OFF, trace);
     }
 
-    // The two parts without memory first, each sum next to its use: few numbers at a time are few registers to save.
+    // The two parts without memory come first, and each sum is next to its use: fewer live values mean fewer registers
+    // to save.
     let error_change = differentiated(structure, error_change, pressure_change);
     // At most 960 + 10 + 10 times 100 % in 2⁻²⁰: below 2³⁰.
     let u = config.pid.proportional_and_derivative(error, error_change);
@@ -85,7 +87,7 @@ pub(crate) fn sample(
     if !is_driven(u) {
         state.boost = boost;
     }
-    // The state knows the direction, too: no register has to, all this way.
+    // The direction is read again from the state, so that no register has to keep it until here.
     no_reading_ahead();
     let direction = state.direction();
     let (duty_fill, duty_vent) = config

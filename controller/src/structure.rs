@@ -1,4 +1,4 @@
-//! Which mechanisms a controller has: all in [`Settings`] that is a choice and not a number.
+//! Structure: the mechanisms of a controller, which are the choices in [`Settings`] without the numbers.
 
 use crate::anti_windup::AntiWindup;
 use crate::error::Mechanism;
@@ -7,8 +7,8 @@ use crate::settings::{
     Distributor, IntegralAtReference, Prediction, PredictionBasis, Settings, SwitchOff,
 };
 
-/// The choices of a controller. Where they are a constant, the compiler drops what is not chosen. Any structure runs with any
-/// coefficients within the ranges of docs/numerics.md.
+/// Choices of a controller. If they are constant, the compiler removes the mechanisms that are not chosen. Any
+/// structure runs with any coefficients within the ranges of docs/numerics.md.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Structure {
@@ -34,7 +34,7 @@ impl Structure {
         }
     }
 
-    /// The first choice in which the two differ.
+    /// Returns the first choice in which the two differ.
     pub(crate) const fn difference(self, other: Self) -> Option<Mechanism> {
         // Constant functions have no `==` on enums.
         if self.prediction as u8 != other.prediction as u8 {
@@ -57,13 +57,13 @@ impl Structure {
     }
 }
 
-/// Which valves are driven at a time.
+/// Valves that are driven at the same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) enum Scheme {
-    /// The valve that u asks for; the other is off (6.3.1).
+    /// Only the valve that u asks for; the other is off (6.3.1).
     Separate,
-    /// The valve that u asks for above its middle, the other below its own (6.3.2).
+    /// The valve that u asks for above its middle, the other below its own middle (6.3.2).
     Together,
 }
 

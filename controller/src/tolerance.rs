@@ -1,4 +1,4 @@
-//! The tolerance that turns both valves off, section 6.3.1.
+//! Deadband: the tolerance within which both valves are off (section 6.3.1).
 
 use crate::error::{ConfigError, Field};
 use crate::pressure::ERROR_SHIFT;
@@ -9,8 +9,9 @@ use crate::settings::Settings;
 const HALF_UNIT: i32 = 1 << (ERROR_SHIFT - 1);
 const TOLERANCE_BAR: Range = Range::new("0", "10");
 
-/// P_tol \[bar\], 2⁻²⁵, less half of the 2⁻¹⁶ in which errors come: an error inside is then one that is smaller, and one on the edge
-/// is neither. At least half a unit: then only e = 0 is inside, which is equation 6.5.
+/// Deadband P_tol (bar), 2⁻²⁵, less half of the 2⁻¹⁶ bar in which errors come. With this half unit an error is inside
+/// only if |e| is smaller than P_tol; |e| = P_tol is outside. The value is at least half a unit: then only e = 0 is
+/// inside, which is equation 6.5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Tolerance(i32);
@@ -22,14 +23,14 @@ impl Tolerance {
         Ok(Self((at_least_one << ERROR_SHIFT).wrapping_sub(HALF_UNIT)))
     }
 
-    /// |e| < P_tol, strictly, as in figure 6.9.
+    /// Returns whether |e| < P_tol, strictly, as in figure 6.9.
     #[inline(always)]
     pub(crate) const fn holds(self, error: i32) -> bool {
-        // From 0 to twice the tolerance, both ends excluded by the half unit.
+        // From 0 to twice the deadband; the half unit excludes both ends.
         (error.wrapping_add(self.0) as u32) < (self.0 as u32) << 1
     }
 
-    /// Whether an error counted along a direction is inside the tolerance or past it.
+    /// Returns whether an error counted along a direction is inside the deadband or beyond it.
     #[inline(always)]
     pub(crate) const fn is_reached(self, error: i32) -> bool {
         error < self.0

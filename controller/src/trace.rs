@@ -1,61 +1,62 @@
-//! How a sample came to its output.
+//! Trace: intermediate results of a sample.
 
 use crate::control_signal::ControlSignal;
 use crate::pressure::{ERROR_SHIFT, Pressure};
 use crate::state::State;
 
-/// How a sample came to its output, for logs and plots; computed only by [`step_traced`](crate::step_traced).
+/// Intermediate results of a sample, for logs and plots; computed only by [`step_traced`](crate::step_traced).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Trace {
     /// Reference - chamber pressure, both within the control range.
     pub error: Pressure,
-    /// The error that the prediction expects (equations 6.8, 6.10); the error itself where prediction is off. Beyond ±32 bar
-    /// only its side is right.
+    /// Predicted error (equations 6.8, 6.10); the error itself without prediction. Beyond ±32 bar only its sign is
+    /// right.
     pub predicted_error: Pressure,
-    /// K eₙ; 0 while the valves are turned off.
+    /// K eₙ; 0 while the valves are switched off.
     pub proportional: ControlSignal,
-    /// K T_d (eₙ - eₙ₋₁)/T_s; 0 while the valves are turned off.
+    /// K T_d (eₙ - eₙ₋₁)/T_s; 0 while the valves are switched off.
     pub derivative: ControlSignal,
     /// K T_s/T_i Σ eₖ, bounded.
     pub integral: ControlSignal,
-    /// The extra integrator.
+    /// Boost, the extra integrator.
     pub boost: ControlSignal,
-    /// Sum of the four parts; 0 while the valves are turned off.
+    /// Sum of the four parts; 0 while the valves are switched off.
     pub u_unsaturated: ControlSignal,
-    /// Control signal that the distributor gets.
+    /// Control signal that the distributor receives.
     pub u: ControlSignal,
-    /// What decided.
+    /// Mechanism that decided about the valves.
     pub activity: Activity,
-    /// Whether ±100 % cut u.
+    /// Saturation of u at ±100 %.
     pub saturation: Saturation,
-    /// Whether the integral part followed this sample's error: not while turned off, frozen or drawn back by anti-windup.
+    /// Whether the integral part followed this sample's error: false while the valves are off, or while anti-windup
+    /// freezes or draws it back.
     pub integrating: bool,
-    /// Whether the boost took this sample's error.
+    /// Whether the boost followed this sample's error.
     pub boosting: bool,
 }
 
-/// What decided about the valves in a sample.
+/// Mechanism that decided about the valves in a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Activity {
-    /// The PID controller.
+    /// The PID controller drives the valves.
     Controlling,
-    /// The tolerance turned both off.
+    /// The deadband switched both valves off.
     InsideTolerance,
-    /// The prediction turned both off.
+    /// The prediction switched both valves off.
     SwitchedOffAhead,
 }
 
-/// Which end cut the control signal.
+/// End of the range at which the control signal saturated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Saturation {
-    /// None.
+    /// No saturation.
     None,
-    /// 100 %.
+    /// Saturated at 100 %.
     High,
-    /// -100 %.
+    /// Saturated at -100 %.
     Low,
 }
 
@@ -72,7 +73,7 @@ impl Saturation {
 }
 
 impl Trace {
-    /// The account of a sample that left this state and turned the valves off.
+    /// Creates the trace of a sample that left this state and switched the valves off.
     #[inline(always)]
     pub(crate) const fn off(state: &State, predicted_error: Pressure, activity: Activity) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! The black box: the last seconds before the first fault, and a little after it.
+//! Black box: a record of the last seconds before the first fault and of a short time after it.
 //!
 //! ```text
 //!             first fault            as many samples more as are kept after it
@@ -7,12 +7,14 @@
 //!      └────────────────────────────────────────────────► FrozenByReset     reset │ (from Triggered)
 //! ```
 //!
-//! The first fault counts: what follows it is mostly its consequence. Frozen ends when somebody has read and cleared it.
+//! The first fault triggers, because later faults are mostly its consequences. A frozen box stays frozen until it is
+//! read and cleared.
 //!
-//! It lives in plain words that a warm reset leaves alone, and any bits may be found there; so it is its own ring and not one of
-//! `heapless`, whose indices would have to be trusted. The header is written when the box is cleared, the trigger when it
-//! changes, one record per sample: each has its own checksum, so the cost of a sample does not grow with the ring, and what
-//! a reset tore is told from what is whole. Where the ring ends follows from the numbers of its records.
+//! The box is stored in plain words that a warm reset does not change, and after a cold start they may have any
+//! content. Therefore it is its own ring and not one of `heapless`, whose indices would have to be trusted. The header
+//! is written when the box is cleared, the trigger when it changes, and one record per sample. Each has its own
+//! checksum, so the cost of a sample does not grow with the ring, and records torn by a reset are distinguished from
+//! whole ones. The end of the ring follows from the numbers of its records.
 
 mod memory;
 
@@ -23,20 +25,21 @@ use memory::{Contents, Memory, Trigger};
 
 pub use memory::words;
 
-/// Samples that are recorded after the one with the first fault, as far as half of the ring has room for them: 1 s.
+/// Samples recorded after the one with the first fault: 1 s, but at most half of the ring.
 pub const SAMPLES_AFTER: u32 = 100;
 
-/// A ring of records in `M`: an array of [`words()`] words, or a reference to one that resets leave alone.
+/// Ring of records in `M`: an array of [`words()`] words, or a reference to one that resets do not change.
 #[derive(Clone, Debug)]
 pub struct BlackBox<M> {
     memory: Memory<M>,
-    /// Number of the record to come.
+    /// Number of the next record.
     next: u32,
     trigger: Trigger,
 }
 
 impl<M: AsRef<[u32]> + AsMut<[u32]>> BlackBox<M> {
-    /// Takes over what is whole in this memory, or clears it if there is no black box in it. For the start after a reset.
+    /// Takes over the whole records in this memory, or clears it if it contains no black box. Call it at the start
+    /// after a reset.
     pub fn adopt(memory: M, cause: ResetCause) -> Self {
         let mut memory = Memory::new(memory);
         let (trigger, newest) = match memory.contents() {
@@ -55,7 +58,8 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> BlackBox<M> {
         black_box
     }
 
-    /// The ECU was reset: that ends what was going on, unless somebody asked for it.
+    /// Reports a reset of the ECU. Any reset ends a recording that a fault has triggered. Without a fault, only an unintended reset
+    /// ends the recording, and only after the first record: watchdog, panic, exception, brownout or unknown cause.
     pub fn reset(&mut self, cause: ResetCause) {
         let trigger = match (self.trigger, cause) {
             (Trigger::Fault { number, faults }, _) => Trigger::FaultAndReset { number, faults },
@@ -72,14 +76,14 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> BlackBox<M> {
         self.set_trigger(trigger);
     }
 
-    /// Forgets everything and records again.
+    /// Deletes all records and starts recording again.
     pub fn clear(&mut self) {
         self.memory.clear();
         self.next = 0;
         self.trigger = Trigger::None;
     }
 
-    /// What it is doing.
+    /// Returns the status of the recording.
     pub fn status(&self) -> BlackBoxStatus {
         match self.trigger {
             Trigger::None => BlackBoxStatus::Recording,
@@ -93,7 +97,7 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> BlackBox<M> {
         }
     }
 
-    /// Takes the record of a sample; its number is given here. Call once per sample.
+    /// Records a sample and assigns its number. Call it once per sample.
     pub fn record(&mut self, record: BlackBoxRecord) {
         if !self.is_recording() {
             return;
@@ -127,12 +131,12 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> BlackBox<M> {
         }
     }
 
-    /// One page of the records, oldest first.
+    /// Returns one page of the records, oldest first.
     ///
     /// # Errors
-    /// There are not so many.
+    /// Returns an error if there are fewer pages.
     pub fn page(&self, page: u16) -> Result<BlackBoxPage, Refusal> {
-        // After 2³² records the numbers go round; then only those since are counted.
+        // After 2³² records the numbers wrap; then only the records since the wrap are counted.
         let kept = self.next.min(self.memory.capacity());
         let pages = kept.div_ceil(RECORDS_MAX as u32).max(1);
         let pages = u16::try_from(pages).unwrap_or(u16::MAX);
@@ -146,7 +150,7 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> BlackBox<M> {
         let mut records = hil_protocol::heapless::Vec::new();
         for index in begin..end {
             match self.memory.read(first.wrapping_add(index)) {
-                // A page has room for as many.
+                // A page has room for this number of records.
                 Some(record) => drop(records.push(record)),
                 None => torn = torn.saturating_add(1),
             }

@@ -1,7 +1,7 @@
-//! What a calibration tool sees of an ECU while it runs: signals that it reads, settings that it reads and changes.
+//! Calibration interface of a running ECU: signals that a tool reads, settings that it reads and changes.
 //!
-//! Two tables name them, with their units. A number on the wire is an `i32`; its meaning stands in its row. The numbers of
-//! the rows are the ids of the messages; the digests of the tables tell a host whether it has the same tables.
+//! Two tables contain their names and units. A number on the wire is an `i32`; its row defines its meaning. The row
+//! numbers are the ids in the messages. The digests of the tables tell a host whether it has the same tables.
 
 mod checked;
 mod setting;

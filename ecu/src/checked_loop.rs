@@ -1,4 +1,4 @@
-//! The controller behind the plausibility of its input, for an ECU with a supervisor of its own.
+//! Controller with plausibility check of its input, for an ECU with its own supervisor.
 
 use controller::{
     ControlSignal, FixedConfig, Input, Mechanisms, OtherMechanism, Output, Pressure, State,
@@ -9,9 +9,9 @@ use crate::detector::PressureInput;
 use crate::fault::FaultSet;
 use crate::sensor::SensorCode;
 
-/// Controller and plausibility of the pressure, without supervisor: range, jump, stuck and missing codes.
+/// Controller and plausibility check of the pressure, without supervisor: range, jump, stuck and missing codes.
 ///
-/// [`Ecu`](crate::Ecu) has all of it; this is the part that has to fit into the fastest task.
+/// [`Ecu`](crate::Ecu) has the complete logic; this is the part that has to fit into the fastest task.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct CheckedLoop {
     controller: State,
@@ -19,17 +19,17 @@ pub struct CheckedLoop {
     opening: Output,
 }
 
-/// What the [`CheckedLoop`] needs of an [`EcuConfig`], with the controller's mechanisms fixed at compile time.
+/// Part of an [`EcuConfig`] that the [`CheckedLoop`] needs, with the controller's mechanisms fixed at compile time.
 pub struct CheckedLoopConfig<M> {
     controller: FixedConfig<M>,
     limits: Limits,
 }
 
 impl<M: Mechanisms> CheckedLoopConfig<M> {
-    /// Of this configuration, if its controller has these mechanisms.
+    /// Creates the part of this configuration, if its controller has these mechanisms.
     ///
     /// # Errors
-    /// The first mechanism that is another one than was compiled in.
+    /// Returns the first mechanism that differs from the compiled ones.
     pub const fn new(config: &EcuConfig) -> Result<Self, OtherMechanism> {
         match FixedConfig::new(config.controller) {
             Ok(controller) => Ok(Self {
@@ -41,27 +41,27 @@ impl<M: Mechanisms> CheckedLoopConfig<M> {
     }
 }
 
-/// What a sample of the [`CheckedLoop`] left, for a log.
+/// Internal values after a sample of the [`CheckedLoop`], for a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LoopTelemetry {
-    /// Control signal u; 0 in a sample whose pressure was not believed.
+    /// Control signal u; 0 in a sample with an implausible pressure.
     pub control_signal: ControlSignal,
-    /// The controller's state.
+    /// State of the controller.
     pub controller_state: State,
-    /// The confirmed faults of the pressure sensor.
+    /// Confirmed faults of the pressure sensor.
     pub faults: FaultSet,
 }
 
 impl CheckedLoop {
-    /// As after a reset.
+    /// State after a reset.
     pub const NEW: Self = Self {
         controller: State::at_rest(),
         input: PressureInput::NEW,
         opening: Output::OFF,
     };
 
-    /// One sample; both valves are off if this sample's code cannot be believed.
+    /// Runs one sample; both valves are off if this sample's code is implausible.
     #[inline]
     pub fn sample<M: Mechanisms>(
         &mut self,
@@ -97,7 +97,7 @@ impl<M> Clone for CheckedLoopConfig<M> {
     }
 }
 
-// Derived, these would ask the same of `M`, which is only a name.
+// Implemented by hand: derived implementations would require the same trait of `M`, which is only a name.
 impl<M> Copy for CheckedLoopConfig<M> {}
 
 impl<M> core::fmt::Debug for CheckedLoopConfig<M> {

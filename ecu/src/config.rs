@@ -1,4 +1,4 @@
-//! Settings, checked once and multiplied out.
+//! Configuration: checked settings, converted into limits in the units of a sample.
 
 use controller::fixed::types::I16F16;
 use controller::{Config, Distributor};
@@ -10,7 +10,7 @@ use crate::history::{History, Window};
 use crate::mechanism::{Mechanism, Mechanisms};
 use crate::settings::{EcuSettings, Supervision, VentValve};
 
-/// What `?` does, which constant functions do not have.
+/// Propagates an error as `?` does, which constant functions do not have.
 macro_rules! propagate {
     ($result:expr) => {
         match $result {
@@ -20,34 +20,35 @@ macro_rules! propagate {
     };
 }
 
-/// An ECU that can run: the proof that its [`EcuSettings`] are within bounds, and the limits they lead to.
+/// Runnable ECU: the proof that its [`EcuSettings`] are within bounds, and the limits computed from them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EcuConfig {
     pub(crate) controller: Config,
     pub(crate) vent_valve: VentValve,
-    /// Whether the distributor drives both valves at a time.
+    /// Whether the distributor drives both valves at the same time.
     pub(crate) drives_both: bool,
     pub(crate) limits: Limits,
 }
 
-/// The supervision's settings in the units of a sample. Pressures \[bar\], 2⁻¹⁶.
+/// Settings of the supervision in the units of a sample. Pressures (bar), 2⁻¹⁶.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Limits {
-    /// No chamber pressure is above the highest supply pressure and a margin for the sensor.
+    /// Highest plausible chamber pressure: the highest supply pressure plus a margin for the sensor.
     pub(crate) pressure_max: i32,
     pub(crate) reference_max: i32,
     pub(crate) supply_min: i32,
-    /// Largest change of the pressure in a sample: twice what the faster valve does at the highest supply pressure.
+    /// Largest plausible pressure change in a sample: twice the change by the faster valve at the highest supply
+    /// pressure.
     pub(crate) jump: i32,
-    /// What the open valve does at least, per sample and pressure difference across it, 2⁻³²: half of what the rig's does.
+    /// Minimum effect of the open valve, per sample and pressure difference across it, 2⁻³²: half of the nominal rate.
     pub(crate) least_rise: i32,
     pub(crate) least_fall: i32,
-    /// Duty cycles from which on the valves are open for sure [%], 2⁻¹⁶.
+    /// Duty cycles from which on the valves are open for sure (%), 2⁻¹⁶.
     pub(crate) open_fill: i32,
     pub(crate) open_vent: i32,
-    /// Samples from a command until the valve does it for sure.
+    /// Number of samples from a command until the valve follows it for sure.
     pub(crate) settling: Window,
     /// Change of the reference per sample.
     pub(crate) ramp: i32,
@@ -64,7 +65,7 @@ impl EcuConfig {
     /// Checks every field; also at compile time.
     ///
     /// # Errors
-    /// The first field that is out of bounds, with its value and the bound.
+    /// Returns the first field that is out of bounds, with its value and the bound.
     pub const fn new(settings: &EcuSettings) -> Result<Self, EcuConfigError> {
         let controller = match Config::new(&settings.controller) {
             Ok(controller) => controller,
@@ -81,7 +82,7 @@ impl EcuConfig {
         })
     }
 
-    /// The same without one safety mechanism, for a test that has to notice.
+    /// Returns the same configuration without one safety mechanism, for a test that has to detect the removal.
     #[cfg(any(test, feature = "mutilate"))]
     #[must_use]
     pub const fn without(self, mechanism: Mechanism) -> Self {
@@ -89,7 +90,7 @@ impl EcuConfig {
         self.with_mechanisms(mechanisms)
     }
 
-    /// The same without the detector of `fault`, for a test that has to notice.
+    /// Returns the same configuration without the detector of `fault`, for a test that has to detect the removal.
     #[cfg(any(test, feature = "mutilate"))]
     #[must_use]
     pub const fn without_detector(self, fault: Fault) -> Self {
@@ -109,11 +110,11 @@ impl EcuConfig {
     }
 }
 
-/// A sensor's error and noise above the highest pressure that can be: 0.2 bar, one per cent of its span.
+/// Margin for a sensor's error and noise above the highest possible pressure: 0.2 bar, one per cent of its span.
 const SENSOR_MARGIN: i64 = I16F16::lit("0.2").to_bits() as i64;
-/// Ambient pressure between the supply's gauge and absolute pressure, rounded up \[bar\].
+/// Ambient pressure, the difference between gauge and absolute supply pressure, rounded up (bar).
 const AMBIENT: i64 = I16F16::lit("1.02").to_bits() as i64;
-/// Settling is looked up in the history of the commands.
+/// Upper bound of the settling time, because settling is read from the history of the commands.
 const SETTLING_SAMPLES_MAX: i64 = History::SAMPLES_MAX as i64;
 
 impl Limits {
@@ -158,7 +159,7 @@ impl Limits {
         } else {
             vent_rate
         };
-        // At most 50/s in 1 s, 2⁻¹⁶, times 17 bar, 2⁻¹⁶: far inside 63 bits.
+        // At most 50/s in 1 s, 2⁻¹⁶, times 17 bar, 2⁻¹⁶, which fits into 63 bits.
         let fastest = (share_per_sample(faster, sample_ms) >> 16)
             .wrapping_mul(supply_max.wrapping_add(AMBIENT));
         Ok(Self {
@@ -183,7 +184,7 @@ impl Limits {
     }
 }
 
-/// A field, and where it may be.
+/// Field with its allowed range.
 struct Checked {
     field: Field,
     min: I16F16,
@@ -209,7 +210,7 @@ impl Checked {
         }
     }
 
-    /// The bits of `value`, if it is there.
+    /// Returns the bits of `value`, if it is in the range.
     const fn value(self, value: I16F16) -> Result<i64, EcuConfigError> {
         let Self { field, min, max } = self;
         if value.to_bits() < min.to_bits() || value.to_bits() > max.to_bits() {
@@ -225,12 +226,12 @@ impl Checked {
     }
 }
 
-/// A rate per second times the sample time, both 2⁻¹⁶: 2⁻³².
+/// Returns a rate per second times the sample time, both 2⁻¹⁶, in 2⁻³².
 const fn share_per_sample(rate_per_s: i64, sample_ms: i64) -> i64 {
     rate_per_s.wrapping_mul(sample_ms) / 1000
 }
 
-/// A duration in samples, rounded up.
+/// Returns a duration in samples, rounded up.
 const fn samples(duration: i64, sample: i64) -> u8 {
     let up = duration.wrapping_add(sample).wrapping_sub(1);
     match up.checked_div(sample) {
@@ -239,7 +240,7 @@ const fn samples(duration: i64, sample: i64) -> u8 {
     }
 }
 
-/// In the thousandth of the unit, from 2⁻¹⁶ of it.
+/// Converts 2⁻¹⁶ of a unit into thousandths of it.
 const fn thousandth(bits: i64) -> i64 {
     bits.wrapping_mul(1000) >> 16
 }
@@ -276,7 +277,7 @@ mod tests {
         ] {
             assert!((found - expected).abs() < 3e-5, "{found}, {expected}");
         }
-        // Half of what the valve does in 10 ms.
+        // Half of the valve's effect in 10 ms.
         for (found, rate_per_s) in [(limits.least_rise, 7.13), (limits.least_fall, 7.28)] {
             let share = f64::from(found) / 2.0_f64.powi(32);
             assert!((share - 0.5 * 0.01 * rate_per_s).abs() < 1e-6, "{share}");

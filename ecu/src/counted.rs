@@ -1,6 +1,6 @@
-//! Samples in a row.
+//! Counter of consecutive samples.
 
-/// One more sample in a row, up to 255, if it goes on; else none.
+/// Returns the number of consecutive samples, up to 255: one more if `goes_on`, otherwise 0.
 #[inline(always)]
 pub(crate) const fn counted(samples: u8, goes_on: bool) -> u8 {
     if goes_on {

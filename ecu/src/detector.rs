@@ -1,7 +1,8 @@
-//! What tells that something is wrong: one detector, one file.
+//! Fault detectors, one per file.
 //!
-//! Each takes what a sample shows and says which faults are confirmed. N, the number of samples it takes, is a constant in its file;
-//! `docs/safety.md` has the table with the reasons. None has a loop, a division or a float.
+//! Each detector takes the data of a sample and returns the confirmed faults. N, the number of samples for a
+//! confirmation, is a constant in its file; `docs/safety.md` has the table with the reasons. No detector has a loop, a
+//! division or a float.
 
 mod battery;
 mod coil;
@@ -34,7 +35,7 @@ use crate::fault::{Fault, FaultSet};
 use crate::input_output::{Inputs, Outputs};
 use crate::valve::Valves;
 
-/// All detectors of one ECU but the one of its memory.
+/// All detectors of one ECU except the one of its memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Detectors {
     reference: ReferenceInput,
@@ -47,24 +48,24 @@ pub(crate) struct Detectors {
     sample_time: SampleTimeDetector,
 }
 
-/// What the valves were told until now.
+/// Commands to the valves until now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Told {
     pub(crate) valves: Valves,
-    /// In the last sample.
+    /// Valve opening in the last sample.
     pub(crate) opening: Output,
 }
 
-/// What a sample shows.
+/// Observations of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Seen {
-    /// The chamber pressure; none if this sample's code cannot be believed.
+    /// Chamber pressure; `None` if this sample's code is implausible.
     pub(crate) pressure: Option<Pressure>,
-    /// The last valid reference.
+    /// Last valid reference.
     pub(crate) reference: Pressure,
-    /// Whether that is this sample's.
+    /// Whether the reference came with this sample.
     pub(crate) reference_is_new: bool,
-    /// The confirmed faults.
+    /// Confirmed faults.
     pub(crate) faults: FaultSet,
 }
 
@@ -80,7 +81,7 @@ impl Detectors {
         sample_time: SampleTimeDetector::NEW,
     };
 
-    /// One sample; `told` is what the valves were told until now.
+    /// Runs one sample; `told` is the commands to the valves until now.
     #[inline(always)]
     pub(crate) fn sample(&mut self, limits: &Limits, told: &Told, inputs: &Inputs) -> Seen {
         let reference_is_new = self.reference.sample(limits, inputs.reference);
@@ -100,7 +101,7 @@ impl Detectors {
         }
     }
 
-    /// What the coils just got.
+    /// Takes the duty cycles that the coils just got.
     #[inline(always)]
     pub(crate) fn told(&mut self, outputs: Outputs) {
         self.fill_coil.told(outputs.duty_fill);
@@ -128,10 +129,11 @@ impl Detectors {
 }
 
 impl Fault {
-    /// N: as many samples that look wrong confirm it; those of a row, or more than look right.
+    /// Returns N, the number of samples that look wrong before the fault is confirmed: N in a row, or N more wrong than
+    /// right ones.
     ///
-    /// For [`Fault::SensorStuck`] they are samples in which a valve was driven, for [`Fault::SensorOffset`] such with the vent valve
-    /// open, for a coil PWM periods.
+    /// For [`Fault::SensorStuck`] only samples with a driven valve count, for [`Fault::SensorOffset`] only samples with
+    /// the vent valve open. For a coil N counts PWM periods.
     pub const fn samples(self) -> u8 {
         match self {
             Self::SensorOpen
@@ -158,7 +160,7 @@ impl Fault {
     }
 }
 
-/// The limits of the bench, for the tests of each detector.
+/// Returns the limits of the bench, for the tests of each detector.
 #[cfg(test)]
 pub(crate) fn bench_limits() -> Limits {
     let settings = crate::settings::EcuSettings::bench();

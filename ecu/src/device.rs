@@ -1,4 +1,4 @@
-//! The ECU with its settings store and its black box, as a device on a link: the same code in the image and in process.
+//! ECU with its settings store and its black box, as a device on a link: the same code in the image and in process.
 
 use embedded_storage::nor_flash::NorFlash;
 use hil_protocol::{
@@ -15,7 +15,7 @@ use crate::ecu::Ecu;
 use crate::input_output::Inputs;
 use crate::store::SettingsStore;
 
-/// An ECU, its store in the flash memory `F` and its black box in the words `M`.
+/// ECU, its store in the flash memory `F` and its black box in the words `M`.
 ///
 /// ```text
 ///  sample ──► Ecu ──► answer              Write ──► shadow copy ──► Apply: checked whole, in effect with the next sample
@@ -30,7 +30,7 @@ pub struct EcuDevice<F, M> {
     cause: ResetCause,
     source: SettingsSource,
     in_effect: CheckedSettings,
-    /// What the host is writing; nothing of it is in effect.
+    /// Values that the host writes; none of them is in effect.
     shadow: SettingValues,
     store: SettingsStore<F>,
     black_box: BlackBox<M>,
@@ -39,8 +39,8 @@ pub struct EcuDevice<F, M> {
 }
 
 impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
-    /// As after a reset with this cause: settings from the store or, if there are none, `defaults`; the black box from what
-    /// the reset left. The digests of the tables are filled into `image`.
+    /// Starts the device as after a reset with this cause: settings from the store or, if there are none, `defaults`;
+    /// the black box from the content that the reset left. The digests of the tables are filled into `image`.
     pub fn start(
         image: ImageIdentity,
         defaults: &CheckedSettings,
@@ -69,7 +69,8 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
         }
     }
 
-    /// One sample, from the timer or from the link: what the coils get until the next one, and what is inside.
+    /// Runs one sample, started by the timer or by the link. Returns the duty cycles until the next sample, and
+    /// internal values.
     pub fn sample(&mut self, sample: u32, inputs: &Inputs) -> Answer {
         let actuators = self.ecu.sample(inputs).into();
         let telemetry = self.ecu.telemetry();
@@ -96,8 +97,8 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
         }
     }
 
-    /// The signals that a host measures, after the last sample; none if it measures none. To be sent unasked where the timer
-    /// sets the pace.
+    /// Returns the signals that a host measures, after the last sample; `None` if it measures none. Send them
+    /// unsolicited where the timer sets the pace.
     pub fn measured(&self) -> Option<Reply> {
         let snapshot = self.last.filter(|_| !self.measured.is_empty())?;
         Some(Reply::Measured {
@@ -106,22 +107,22 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
         })
     }
 
-    /// The settings' memory, as the supply leaves it when it goes.
+    /// Returns the settings' memory, with the content that a loss of supply would leave.
     pub fn into_flash(self) -> F {
         self.store.into_flash()
     }
 
-    /// The ECU.
+    /// Returns the ECU.
     pub const fn ecu(&self) -> &Ecu {
         &self.ecu
     }
 
-    /// Why it started.
+    /// Returns the cause of the last reset.
     pub const fn reset_cause(&self) -> ResetCause {
         self.cause
     }
 
-    /// Where the settings in effect come from.
+    /// Returns the source of the settings in effect.
     pub const fn settings_source(&self) -> SettingsSource {
         self.source
     }
@@ -129,7 +130,7 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
     fn values(&self, snapshot: &Snapshot) -> Measured {
         let mut values = Measured::new();
         for id in self.measured.iter().copied().filter_map(SignalId::numbered) {
-            // As many as there are numbers, which have the same room.
+            // The number of values equals the number of ids, and both lists have the same capacity.
             let _ = values.push(snapshot.signal(id));
         }
         values
@@ -180,7 +181,7 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
             });
         }
         let settings = self.shadow.checked()?;
-        // Between two samples: the next one has all of it, the last one had none.
+        // This happens between two samples: the next one uses all new settings, the last one used none of them.
         self.ecu.retune(settings.config());
         self.in_effect = settings;
         self.shadow = SettingValues::of(settings.settings());
@@ -202,7 +203,8 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
         }
     }
 
-    /// The logic's state after power-on or a reset; settings in effect and what is measured stay, as does the memory.
+    /// Restarts the logic as after power-on or a reset. The settings in effect, the measured signals and the memory
+    /// stay.
     fn restart(&mut self, cause: ResetCause) -> Reply {
         self.ecu = Ecu::new(self.in_effect.config(), cause);
         self.cause = cause;
@@ -241,7 +243,7 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
                 Ok(Reply::Done)
             }
             Request::Restart { cause } => Ok(self.restart(*cause)),
-            // The session's, or the machine's.
+            // Requests for the session or for the machine.
             Request::Hello { .. } | Request::Counters | Request::Log | Request::Reset => {
                 Err(Refusal::Unsupported)
             }
@@ -251,7 +253,7 @@ impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> EcuDevice<F, M> {
 
 impl<F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Device for EcuDevice<F, M> {
     fn open(&mut self, _lock_step: bool) -> Identity {
-        // What a host before has left half written is not this one's.
+        // Values that an earlier host left half written do not belong to this one.
         self.shadow = SettingValues::of(self.in_effect.settings());
         self.measured.clear();
         Identity {
@@ -276,7 +278,7 @@ const fn unknown_signal(id: u16) -> Refusal {
     }
 }
 
-/// Whether a coil is driven, or a pressure asked for.
+/// Returns whether a coil is driven or a pressure is asked for.
 fn is_in_use(last: Snapshot) -> bool {
     let asked_for = last
         .inputs

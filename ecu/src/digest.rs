@@ -1,10 +1,10 @@
-//! One number for everything that an ECU remembers.
+//! Digest of the complete state of an ECU, as one number.
 
 use core::hash::{Hash, Hasher};
 
 use hil_protocol::crc32;
 
-/// CRC-32 over every field of `state`, in the order of their declaration, the same on host and target.
+/// Returns the CRC-32 over every field of `state`, in the order of their declaration, equal on host and target.
 pub(crate) fn digest(state: &impl Hash) -> u32 {
     let mut bytes = Bytes {
         bytes: [0; BYTES_MAX],
@@ -14,10 +14,10 @@ pub(crate) fn digest(state: &impl Hash) -> u32 {
     bytes.finish() as u32
 }
 
-/// More than all fields together; a test says so.
+/// Buffer size, larger than all fields together; a test checks it.
 pub(crate) const BYTES_MAX: usize = 256;
 
-/// Gathers what a derived `Hash` writes.
+/// Buffer for the bytes that a derived `Hash` writes.
 struct Bytes {
     bytes: [u8; BYTES_MAX],
     length: usize,
@@ -31,7 +31,7 @@ impl Hasher for Bytes {
         self.length = self.length.saturating_add(bytes.len());
     }
 
-    // The number of a variant: the one integer that a derived `Hash` writes in the width of the machine.
+    // The number of a variant is the only integer that a derived `Hash` writes in the width of the machine.
     fn write_isize(&mut self, variant: isize) {
         self.write_i32(variant as i32);
     }

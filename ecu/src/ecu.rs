@@ -16,7 +16,7 @@ use crate::settings::VentValve;
 use crate::supervisor::{ReleaseRefused, Supervisor};
 use crate::valve::Valves;
 
-/// The logic between what an ECU measures and its two coils.
+/// Logic between the measured inputs of an ECU and its two coils.
 ///
 /// ```text
 ///  inputs ──► detectors ──► supervisor ──► controller ──► mode's valves ──► coils
@@ -26,30 +26,30 @@ use crate::valve::Valves;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ecu {
     config: EcuConfig,
-    /// The same, to be compared in every sample: no damaged number reaches a coil.
+    /// Copy of the configuration, compared in every sample: no damaged number reaches a coil.
     copy: EcuConfig,
     reset_cause: ResetCause,
     state: EcuState,
 }
 
-/// All that one sample leaves to the next.
+/// State between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct EcuState {
     controller: State,
     detectors: Detectors,
     supervisor: Supervisor,
     told: Told,
-    /// The last pressure that was believed.
+    /// Last plausible pressure.
     pressure: Pressure,
-    /// The reference that the controller got last.
+    /// Last reference that the controller got.
     reference: Pressure,
     u: ControlSignal,
-    /// Whether the controller was in charge in the last sample; it takes over where it was not.
+    /// Whether the controller was active in the last sample; otherwise it takes over.
     is_controlled: bool,
 }
 
 impl Ecu {
-    /// As after a reset with this cause.
+    /// Creates an ECU as after a reset with this cause.
     pub const fn new(config: EcuConfig, cause: ResetCause) -> Self {
         Self {
             config,
@@ -71,7 +71,7 @@ impl Ecu {
         }
     }
 
-    /// One sample: call it once per sample time, and give the coils what it returns until the next call.
+    /// Runs one sample: call it once per sample time, and apply the returned duty cycles until the next call.
     pub fn sample(&mut self, inputs: &Inputs) -> Outputs {
         let is_damaged = self.config != self.copy;
         let Self { config, state, .. } = self;
@@ -91,22 +91,22 @@ impl Ecu {
         outputs
     }
 
-    /// What the supervisor is doing.
+    /// Returns the mode of the supervisor.
     pub const fn mode(&self) -> Mode {
         self.state.supervisor.mode()
     }
 
-    /// Faults that are confirmed, or were since running last began.
+    /// Returns the faults that are confirmed, or were since running last began.
     pub const fn faults(&self) -> FaultSet {
         self.state.supervisor.latched()
     }
 
-    /// Why it was started.
+    /// Returns the cause of the last reset.
     pub const fn reset_cause(&self) -> ResetCause {
         self.reset_cause
     }
 
-    /// What the last sample left inside.
+    /// Returns the internal values after the last sample.
     pub fn telemetry(&self) -> Telemetry {
         Telemetry {
             control_signal: self.state.u.to_bits(),
@@ -117,16 +117,17 @@ impl Ecu {
         }
     }
 
-    /// Out of [`Mode::Locked`] into [`Mode::Waiting`], by somebody who knows what was wrong. The faults are forgotten when running
-    /// begins.
+    /// Releases [`Mode::Locked`] into [`Mode::Waiting`], on request of a person who knows the cause. The faults are
+    /// cleared when running begins.
     ///
     /// # Errors
-    /// What is missing: no fault and the reference at zero, each for ten samples; after damaged memory nothing but a reset helps.
+    /// Returns the missing condition: no fault and the reference at zero, each for ten samples. After damaged memory
+    /// only a reset helps.
     pub fn release(&mut self) -> Result<(), ReleaseRefused> {
         self.state.supervisor.release()
     }
 
-    /// Damages it, for a test that has to notice.
+    /// Damages the ECU, for a test that has to detect it.
     #[cfg(any(test, feature = "mutilate"))]
     pub fn damage(&mut self, damage: Damage) {
         match damage {
@@ -145,13 +146,14 @@ impl Ecu {
         }
     }
 
-    /// Other settings, whole, from the next sample on; the controller continues without a bump.
+    /// Applies other settings, all at once, from the next sample on; the controller continues without a bump.
     pub fn retune(&mut self, config: EcuConfig) {
         let input = Input {
             reference: self.state.reference,
             pressure: self.state.pressure,
         };
-        // What the old settings give while the pressure stays: the part of its change comes anew with the next sample.
+        // Control signal of the old settings at constant pressure; the part of its change is computed anew in the next
+        // sample.
         let state = self.state.controller;
         let (_, trace) = step_traced(&self.config.controller, &mut state.clone(), input);
         self.state.controller = if trace.activity == Activity::Controlling {
@@ -171,7 +173,7 @@ impl Ecu {
 }
 
 impl EcuState {
-    /// How far this sample opens the valves.
+    /// Returns the valve openings of this sample.
     #[inline(always)]
     fn opening_for(&mut self, config: &EcuConfig, seen: &Seen) -> Output {
         let mode = self.supervisor.mode();
@@ -187,7 +189,7 @@ impl EcuState {
         }
         let is_believed = seen.pressure.is_some() || !config.has(Mechanism::ShutOnDoubt);
         if !self.is_controlled || !is_believed {
-            // Without a pressure it cannot take over; one that was in charge stays so.
+            // Without a pressure it cannot take over; a controller that was active stays active.
             self.is_controlled &= was_controlled;
             return Output::OFF;
         }
@@ -205,7 +207,7 @@ impl EcuState {
         opening
     }
 
-    /// What the controller asks for.
+    /// Returns the valve openings that the controller asks for.
     #[inline(always)]
     fn controlled(&mut self, config: &EcuConfig, reference: Pressure, takes_over: bool) -> Output {
         self.reference = self.supervisor.reference(reference, self.pressure);
@@ -228,7 +230,7 @@ impl EcuState {
         output
     }
 
-    /// Remembers what the coils got.
+    /// Stores the duty cycles that the coils got.
     #[inline(always)]
     fn remember(&mut self, config: &EcuConfig, outputs: Outputs) {
         self.detectors.told(outputs);
@@ -237,13 +239,13 @@ impl EcuState {
     }
 }
 
-/// What no sound controller asks for that was not set up to.
+/// Output that a healthy controller never gives unless its settings allow it.
 const BOTH: Output = Output {
     duty_fill: Duty::FULL,
     duty_vent: Duty::FULL,
 };
 
-/// The duty cycles of the coils that open the valves so far.
+/// Returns the duty cycles of the coils that open the valves by this much.
 #[inline(always)]
 fn coils(opening: Output, vent_valve: VentValve) -> Outputs {
     Outputs {
@@ -255,7 +257,7 @@ fn coils(opening: Output, vent_valve: VentValve) -> Outputs {
     }
 }
 
-/// How far coils with these duty cycles open the valves.
+/// Returns the valve openings that coils with these duty cycles give.
 #[inline(always)]
 fn opening(outputs: Outputs, vent_valve: VentValve) -> Output {
     Output {
@@ -267,7 +269,7 @@ fn opening(outputs: Outputs, vent_valve: VentValve) -> Output {
     }
 }
 
-/// The rest of the period.
+/// Returns 100 % minus the duty cycle.
 #[inline(always)]
 fn complement(duty: Duty) -> Duty {
     Duty::saturating_from_bits(Duty::FULL.to_bits().wrapping_sub(duty.to_bits()))

@@ -1,23 +1,24 @@
-//! What can be wrong with the settings of an ECU.
+//! Errors in the settings of an ECU.
 
 use core::fmt;
 
 use controller::ConfigError;
 use controller::fixed::types::I16F16;
 
-/// Why [`EcuSettings`](crate::EcuSettings) are no configuration. Nothing runs with such settings; mend the named field.
+/// Reason why [`EcuSettings`](crate::EcuSettings) give no configuration. No ECU can run with such settings: correct the
+/// named field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum EcuConfigError {
-    /// The controller's settings.
+    /// Error in the controller's settings.
     #[error("controller: {0}")]
     Controller(#[from] ConfigError),
     /// A field of the supervision outside its range.
     #[error("{field} = {value} {unit} is out of range: must be {min} ..= {max} {unit}", unit = field.unit())]
     OutOfRange {
-        /// Which field.
+        /// Rejected field.
         field: SupervisionField,
-        /// What it holds.
+        /// Value of the field.
         value: I16F16,
         /// Smallest allowed value.
         min: I16F16,
@@ -26,7 +27,7 @@ pub enum EcuConfigError {
     },
 }
 
-/// A field of [`Supervision`](crate::Supervision).
+/// Field of [`Supervision`](crate::Supervision).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SupervisionField {
@@ -57,7 +58,7 @@ pub enum SupervisionField {
 }
 
 impl SupervisionField {
-    /// The field's name in [`Supervision`](crate::Supervision).
+    /// Returns the field's name in [`Supervision`](crate::Supervision).
     pub const fn name(self) -> &'static str {
         match self {
             Self::SupplyPressureMin => "supply_pressure_min_bar",
@@ -75,9 +76,9 @@ impl SupervisionField {
         }
     }
 
-    /// Smallest and largest value that any settings allow; another field may narrow it.
+    /// Returns the smallest and largest allowed value; another field may narrow the range.
     pub const fn range(self) -> [I16F16; 2] {
-        // Constants, so that the compiler reads the decimal text and not the target.
+        // Constants, so that the compiler parses the decimal text and not the target.
         const PRESSURE: [I16F16; 2] = range("1", "15");
         const RATE: [I16F16; 2] = range("0.1", "50");
         const DUTY: [I16F16; 2] = range("1", "100");
@@ -96,7 +97,7 @@ impl SupervisionField {
         }
     }
 
-    /// Its unit.
+    /// Returns the unit of the field.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::SupplyPressureMin | Self::SupplyPressureMax => "bar",

@@ -1,38 +1,38 @@
-//! The last samples of a condition.
+//! History of a condition over the last samples.
 
-/// Whether a condition held in each of the last 32 samples, the newest in bit 0.
+/// History of a condition in each of the last 32 samples, the newest in bit 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct History(u32);
 
 impl History {
-    /// As many samples as it remembers.
+    /// Number of stored samples.
     pub(crate) const SAMPLES_MAX: u8 = 32;
 
-    /// After a reset nobody knows: it did not hold.
+    /// History after a reset: the past is unknown, so the condition counts as false.
     pub(crate) const UNKNOWN: Self = Self(0);
 
-    /// One more sample.
+    /// Appends one sample.
     #[inline(always)]
     pub(crate) const fn push(&mut self, holds: bool) {
         self.0 = self.0 << 1 | holds as u32;
     }
 
-    /// Whether it held in each sample of `window`.
+    /// Returns whether the condition was true in each sample of `window`.
     #[inline(always)]
     pub(crate) const fn held_through(self, window: Window) -> bool {
         window.0 & !self.0 == 0
     }
 }
 
-/// The last N samples: N ones.
+/// Last N samples, as N ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Window(u32);
 
 impl Window {
-    /// The last `samples`, 1 ..= [`History::SAMPLES_MAX`].
+    /// Creates a window of the last `samples`, 1 ..= [`History::SAMPLES_MAX`].
     pub(crate) const fn last(samples: u8) -> Self {
-        // A shift by 0 ..= 31.
+        // The shift is 0 ..= 31.
         Self(u32::MAX >> (History::SAMPLES_MAX.wrapping_sub(samples) & 31))
     }
 }

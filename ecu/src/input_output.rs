@@ -1,25 +1,25 @@
-//! What goes in and what comes out in a sample.
+//! Inputs and outputs of a sample.
 
 use controller::{Duty, Pressure};
 use hil_protocol::{Actuators, Sensors};
 
 use crate::sensor::SensorCode;
 
-/// What the ECU measured and was told in a sample.
+/// Inputs of the ECU in a sample: measured values and reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Inputs {
-    /// Time since the sample before by the ECU's clock \[µs\]; 10 000 nominal.
+    /// Time since the previous sample by the ECU's clock (µs); nominally 10 000.
     pub elapsed_us: u32,
-    /// Reference of the chamber pressure; none: no valid message in this sample.
+    /// Reference for the chamber pressure; `None`: no valid message in this sample.
     pub reference: Option<Pressure>,
-    /// Code of the pressure sensor; none: the converter did not answer, or with more than 12 bits.
+    /// Code of the pressure sensor; `None`: the converter did not answer, or the code had more than 12 bits.
     pub pressure: Option<SensorCode>,
-    /// Current of the fill valve's coil, mean over the last PWM period \[mA\]; none: not measured.
+    /// Current of the fill valve's coil, mean over the last PWM period (mA); `None`: not measured.
     pub current_fill_ma: Option<u16>,
-    /// Current of the vent valve's coil, mean over the last PWM period \[mA\]; none: not measured.
+    /// Current of the vent valve's coil, mean over the last PWM period (mA); `None`: not measured.
     pub current_vent_ma: Option<u16>,
-    /// Supply voltage of the ECU \[mV\]; none: not measured.
+    /// Supply voltage of the ECU (mV); `None`: not measured.
     pub battery_mv: Option<u16>,
 }
 
@@ -36,13 +36,13 @@ impl From<Sensors> for Inputs {
     }
 }
 
-/// What the two coils get until the next sample.
+/// Duty cycles of the two coils until the next sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Outputs {
-    /// Coil of the fill valve.
+    /// Duty cycle of the fill valve's coil.
     pub duty_fill: Duty,
-    /// Coil of the vent valve.
+    /// Duty cycle of the vent valve's coil.
     pub duty_vent: Duty,
 }
 
@@ -56,8 +56,8 @@ impl From<Outputs> for Actuators {
     }
 }
 
-/// The safe state, stated once: no current in either coil. The fill valve is closed; a normally open vent valve empties the
-/// chamber, a normally closed one holds the pressure (`docs/safety.md`).
+/// Returns the safe state, which is defined only here: no current in either coil. The fill valve is closed; a normally
+/// open vent valve empties the chamber, a normally closed one keeps the pressure (`docs/safety.md`).
 pub const fn safe_outputs() -> Outputs {
     Outputs {
         duty_fill: Duty::OFF,

@@ -6,7 +6,8 @@ compile_error!(
     "`mutilate` takes safety mechanisms away, for tests on a host: no image is built with it"
 );
 
-// The tests of the supervisor run on the same bench inside, where mechanisms can be removed, and outside, where they cannot.
+// The supervisor's tests use the same bench inside the crate, where mechanisms can be removed, and outside, where they
+// cannot.
 #[cfg(test)]
 use crate as api;
 #[cfg(test)]

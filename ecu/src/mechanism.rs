@@ -1,44 +1,44 @@
-//! The safety mechanisms that a test can take away, one at a time, to see that something notices.
+//! Safety mechanisms that a test can remove, one at a time, to check that the removal is detected.
 
 #[cfg(test)]
 mod tests;
 
-/// A safety mechanism beside the detectors, each of which is one too.
+/// Safety mechanism in addition to the detectors; each detector is a safety mechanism, too.
 ///
-/// Removing one exists only with the feature `mutilate`, which no image can be built with.
+/// Removing one is possible only with the feature `mutilate`, which no image can be built with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Mechanism {
-    /// A fault needs N samples that look wrong.
+    /// A fault is confirmed only by N samples that look wrong.
     Debounce = 0,
-    /// Both valves are shut in a sample whose pressure is not plausible.
+    /// Both valves are shut in a sample with an implausible pressure.
     ShutOnDoubt = 1,
     /// No sample without a reference opens the fill valve further.
     NoIncreaseWithoutReference = 2,
-    /// Nothing is filled after a reset until the reference was seen at zero.
+    /// Nothing is filled after a reset until the reference was zero.
     NeutralInterlock = 3,
-    /// What holds a fault ends in the safe state.
+    /// Holding has a time limit, after which the ECU goes to the safe state.
     HoldLimit = 4,
-    /// The chamber is emptied before the coils are left without current.
+    /// The chamber is emptied before the coils are switched off.
     ActiveVent = 5,
-    /// The chamber is emptied for a bounded time.
+    /// The time for emptying the chamber is limited.
     VentLimit = 6,
-    /// The reference is led down, not dropped.
+    /// The reference is ramped down to zero instead of dropped.
     Ramp = 7,
     /// After a fault the reference rises no faster than the ramp.
     RecoveryRamp = 8,
-    /// The controller takes over as if the pressure had been there before.
+    /// The controller takes over as if the pressure had been constant before.
     BumplessTakeover = 9,
-    /// A fault that comes back too often locks.
+    /// A fault that recurs too often locks the ECU.
     RetryLimit = 10,
-    /// A fault stays known until the defined procedure clears it.
+    /// A fault stays latched until the defined procedure clears it.
     Latch = 11,
-    /// Never both valves, unless the controller was set up to.
+    /// Both valves are never driven together, unless the settings allow it.
     BothValvesInterlock = 12,
 }
 
 impl Mechanism {
-    /// Every mechanism, in the order of its number.
+    /// All mechanisms, in the order of their numbers.
     pub const ALL: [Self; 13] = [
         Self::Debounce,
         Self::ShutOnDoubt,
@@ -56,19 +56,19 @@ impl Mechanism {
     ];
 }
 
-/// What a test can damage while the ECU runs, to see what stands behind it.
+/// Damage that a test can cause while the ECU runs, to check that it is detected.
 #[cfg(any(test, feature = "mutilate"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Damage {
-    /// A bit of the configuration: the vent valve is taken for the other kind.
+    /// A flipped choice in the configuration: the vent valve counts as the other kind.
     Config,
-    /// Bits of the supervisor: it is in [`Mode::Running`](crate::Mode::Running), whatever it was in.
+    /// Flipped bits of the supervisor: the mode becomes [`Mode::Running`](crate::Mode::Running).
     Supervisor,
-    /// The controller drives both valves from now on.
+    /// A damaged controller that drives both valves from now on.
     Controller,
 }
 
-/// Which mechanisms and detectors are left.
+/// Mechanisms and detectors that are not removed.
 #[cfg(any(test, feature = "mutilate"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -79,7 +79,7 @@ pub(crate) struct Mechanisms {
     drives_both: bool,
 }
 
-/// All of them; takes no room.
+/// All mechanisms; a type without size.
 #[cfg(not(any(test, feature = "mutilate")))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -148,7 +148,7 @@ impl Mechanisms {
 }
 
 impl Mechanisms {
-    /// N of a detector, or 1 without debounce.
+    /// Returns N of a detector, or 1 without debounce.
     #[inline(always)]
     pub(crate) const fn samples(self, samples: u8) -> u8 {
         if self.has(Mechanism::Debounce) {

@@ -1,9 +1,9 @@
-//! What the supervisor is doing.
+//! Modes of the supervisor.
 
-/// Mode of the supervisor; the number is that of the telemetry.
+/// Mode of the supervisor; its number is the one in the telemetry.
 ///
-/// Filling is possible in [`Mode::Running`] alone. A fault leads downwards; among several the strictest way counts. The ways are
-/// those of `docs/safety.md`.
+/// Filling is possible only in [`Mode::Running`]. A fault leads downwards in the diagram; among several faults the
+/// strictest reaction counts. `docs/safety.md` describes the reactions.
 ///
 /// ```text
 ///            reset
@@ -32,24 +32,24 @@
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Mode {
-    /// Nothing is filled until the reference was seen at zero; the vent valve follows the reference downwards.
+    /// Nothing is filled until the reference was zero; the vent valve follows the reference downwards.
     Waiting = 0,
-    /// The controller has both valves.
+    /// The controller drives both valves.
     Running = 1,
     /// Both valves are shut while a fault may pass.
     Holding = 2,
-    /// The reference is led down to zero; only the vent valve is used.
+    /// The reference is ramped down to zero; only the vent valve is used.
     Ramping = 3,
-    /// The chamber is emptied without the sensor, in pulses or at once, for a bounded time.
+    /// The chamber is emptied without the sensor, in pulses or at once, for a limited time.
     Venting = 4,
-    /// Both coils off ([`safe_outputs`](crate::safe_outputs)).
+    /// Both coils are off ([`safe_outputs`](crate::safe_outputs)).
     Safe = 5,
-    /// Both coils off until somebody releases it, or the power comes back.
+    /// Both coils are off until the lock is released or the ECU is reset.
     Locked = 6,
 }
 
 impl Mode {
-    /// Every mode, in the order of its number.
+    /// All modes, in the order of their numbers.
     pub const ALL: [Self; 7] = [
         Self::Waiting,
         Self::Running,

@@ -1,13 +1,13 @@
-//! Settings that outlive the supply: two copies, of which one is always whole.
+//! Non-volatile settings: two copies, of which one is always whole.
 //!
 //! ```text
 //! copy 0 │ magic │ version, length │ sequence │ digest of the table │ numbers ... │ CRC-32 │ 0xFF ... to the end of its pages
 //! copy 1 │ the same                                                                        │
 //! ```
 //!
-//! A save erases the older copy and writes it anew with the next sequence number, the checksum at its end. Whenever the
-//! supply fails, the newer copy was not touched. A start takes the newest copy that is whole, of this image's table of
-//! settings, and possible; if there is none, the built-in settings, and says so.
+//! A save erases the older copy and writes it anew with the next sequence number, the checksum last. The newer copy is
+//! not touched, so a loss of supply at any time leaves it whole. A start takes the newest copy that is whole, valid,
+//! and of this image's table of settings. If there is none, it takes the built-in settings and reports this.
 
 mod ram_flash;
 mod record;
@@ -19,45 +19,45 @@ use crate::calibration::{CheckedSettings, SettingValues};
 pub use ram_flash::{RamFlash, RamFlashError};
 use record::{Found, RECORD_BYTES, Record};
 
-/// The two copies, in a flash memory of their own or in the part of one that is handed over.
+/// The two copies, in a flash memory of their own or in an assigned part of one.
 #[derive(Clone, Debug)]
 pub struct SettingsStore<F> {
     flash: F,
 }
 
-/// Why settings were not saved. What was saved before is still there.
+/// Reason why settings were not saved. The settings saved before are still stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreError {
-    /// The memory cannot hold two copies.
+    /// The memory is too small for two copies.
     #[error("the settings' memory has {bytes} bytes, two copies need {needed}")]
     TooSmall {
-        /// How much there is.
+        /// Size of the memory.
         bytes: usize,
-        /// How much there should be.
+        /// Required size.
         needed: usize,
     },
-    /// The memory refused to erase or to write.
+    /// The memory could not be erased or written.
     #[error("the settings' memory could not be erased or written")]
     Flash,
-    /// What was written reads otherwise: the memory is worn out or damaged.
+    /// The written copy reads differently: the memory is worn out or damaged.
     #[error(
         "copy {copy} of the settings reads otherwise than it was written: the memory is worn out or damaged"
     )]
     Verify {
-        /// 0 or 1.
+        /// Number of the copy, 0 or 1.
         copy: u8,
     },
 }
 
 impl<F: NorFlash> SettingsStore<F> {
-    /// Bytes from one copy to the other: as many whole pages as a record needs.
+    /// Distance of the two copies (bytes): the whole pages that a record needs.
     const STRIDE: usize = RECORD_BYTES.next_multiple_of(F::ERASE_SIZE);
 
-    /// Bytes of memory that two copies need.
+    /// Size of the two copies (bytes).
     pub const BYTES: usize = 2 * Self::STRIDE;
 
-    /// The copies in this memory, whatever is in it.
+    /// Opens the copies in this memory, with any content.
     pub const fn new(flash: F) -> Self {
         const {
             assert!(
@@ -69,7 +69,8 @@ impl<F: NorFlash> SettingsStore<F> {
         Self { flash }
     }
 
-    /// The settings to start with, and where they come from: the newest good copy, else `defaults`. Writes nothing.
+    /// Returns the settings for the start and their source: the newest good copy, otherwise `defaults`. It writes
+    /// nothing.
     pub fn load(&mut self, defaults: &CheckedSettings) -> (CheckedSettings, SettingsSource) {
         let copies = [self.read(0), self.read(1)];
         let source = match newest(&copies) {
@@ -88,13 +89,13 @@ impl<F: NorFlash> SettingsStore<F> {
         (*defaults, source)
     }
 
-    /// Keeps these settings for the next start, in place of the older copy.
+    /// Saves these settings for the next start, in place of the older copy.
     ///
-    /// Erasing takes the time that the memory needs, on many parts with the processor at rest: only while nothing depends on
-    /// the next sample.
+    /// Erasing takes time, on many parts with the processor stopped. Call it only while nothing depends on the next
+    /// sample.
     ///
     /// # Errors
-    /// The memory failed; the newer copy was not touched.
+    /// Returns an error if the memory failed; the newer copy was not touched.
     pub fn save(&mut self, values: &SettingValues) -> Result<SettingsSource, StoreError> {
         let bytes = self.flash.capacity();
         if bytes < Self::BYTES {
@@ -126,7 +127,7 @@ impl<F: NorFlash> SettingsStore<F> {
         Ok(stored(copy, sequence, &copies))
     }
 
-    /// The memory, to be used otherwise.
+    /// Returns the memory, for another use.
     pub fn into_flash(self) -> F {
         self.flash
     }
@@ -135,7 +136,7 @@ impl<F: NorFlash> SettingsStore<F> {
         let mut bytes = [0; RECORD_BYTES];
         match self.flash.read(Self::offset(copy), &mut bytes) {
             Ok(()) => match Found::in_bytes(&bytes) {
-                // Whole, but another version of this image wrote it, whose ranges were others.
+                // The copy is whole, but another version of this image wrote it, with other ranges.
                 Found::Whole(record) if record.values.checked().is_err() => Found::Damaged,
                 found => found,
             },
@@ -158,11 +159,11 @@ fn stored(copy: u8, sequence: u32, copies: &[Found; 2]) -> SettingsSource {
     }
 }
 
-/// The newer of the whole ones.
+/// Returns the newer one of the whole copies.
 fn newest(copies: &[Found; 2]) -> Option<(u8, &Record)> {
     match copies {
         [Found::Whole(first), Found::Whole(second)] => {
-            // Sequence numbers go round.
+            // Sequence numbers wrap.
             if second.sequence.wrapping_sub(first.sequence).cast_signed() > 0 {
                 Some((1, second))
             } else {

@@ -1,4 +1,4 @@
-//! The supervisor: which mode a sample is in, and what that allows.
+//! Supervisor: chooses the mode of a sample, and limits the reference accordingly.
 
 mod transition;
 mod way;
@@ -15,52 +15,53 @@ use crate::supervisor::transition::Situation;
 
 pub use way::Way;
 
-/// The reference is at zero up to 0.05 bar gauge, 2⁻¹⁶: less than any tolerance in use.
+/// Highest reference that counts as zero: 0.05 bar gauge, 2⁻¹⁶. It is less than any deadband in use.
 pub(crate) const ZERO_MAX: i32 = 3277;
-/// N \[samples\] with the reference at zero before anything is filled.
+/// N (samples) with the reference at zero before anything is filled.
 pub(crate) const ZERO_N: u8 = 10;
-/// N \[samples\] without a confirmed fault before it counts as gone.
+/// N (samples) without a confirmed fault before it counts as gone.
 pub(crate) const RECOVERY_N: u8 = 10;
-/// N \[samples\] in which a fault may pass while both valves are shut.
+/// N (samples) in which a fault may pass while both valves are shut.
 pub(crate) const HOLD_N: u16 = 50;
-/// N \[samples\] with the vent valve fully open: 2 s empty the largest chamber through the smallest orifice.
+/// N (samples) with the vent valve fully open: 2 s empty the largest chamber through the smallest orifice.
 pub(crate) const VENT_N: u16 = 200;
-/// N \[samples\] of venting in pulses: the same time of an open valve.
+/// N (samples) of venting in pulses: the same total time of an open valve.
 pub(crate) const RELEASE_N: u16 = VENT_N * PULSE_PERIOD / PULSE_N;
-/// Samples with the vent valve open in each [`PULSE_PERIOD`]: it opens and closes within two.
+/// Number of samples with the vent valve open in each [`PULSE_PERIOD`]: the valve opens and closes within two samples.
 pub(crate) const PULSE_N: u16 = 4;
-/// A power of two.
+/// Period of the pulses (samples); a power of two.
 pub(crate) const PULSE_PERIOD: u16 = 16;
-/// A fault may be survived so often ...
+/// Number of faults after which the ECU still recovers, if the loop does not run healthily in between.
 pub(crate) const RETRIES: u8 = 3;
-/// ... unless the loop ran so long without any: 60 s \[samples\].
+/// N (samples) of running without a fault, 60 s, after which the number of faults is reset.
 pub(crate) const HEALTHY_N: u16 = 6000;
 
-/// What the supervisor knows from sample to sample.
+/// State of the supervisor between two samples.
 ///
-/// What a flipped bit could turn into a filled chamber or a forgotten fault is kept twice, the second time as its complement.
+/// Decisions whose flipped bit could fill the chamber or clear a fault are stored twice, the second time as their
+/// complement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Supervisor {
     mode: Mode,
     latched: FaultSet,
-    /// Faults since the start or since the loop was last healthy.
+    /// Number of faults since the start or since the loop was last healthy.
     occurrences: u8,
-    /// Whether the reference was at zero since the last reset or release of the chamber.
+    /// Whether the reference was zero since the last reset or emptying of the chamber.
     is_enabled: bool,
-    /// Whether venting is not in pulses.
+    /// Whether the vent valve is permanently open while venting; otherwise it opens in pulses.
     vents_fully: bool,
     complement: u32,
-    /// Samples until this mode's time is over, where it has one.
+    /// Number of samples until the time of this mode is over, if it has a limit.
     remaining: u16,
     clear_for: u8,
     zero_for: u8,
     healthy_for: u16,
-    /// The reference is not followed above this; it leads the ramp down, and up again after a fault.
+    /// Upper limit of the reference; it leads the ramp down, and up again after a fault.
     ceiling: Pressure,
 }
 
 impl Supervisor {
-    /// After a reset.
+    /// State after a reset.
     pub(crate) const NEW: Self = {
         let mut new = Self {
             mode: Mode::Waiting,
@@ -83,12 +84,12 @@ impl Supervisor {
         self.mode
     }
 
-    /// Faults since the last time that running began.
+    /// Returns the faults since running last began.
     pub(crate) const fn latched(&self) -> FaultSet {
         self.latched
     }
 
-    /// One sample: from what was seen, and the last pressure that was believed, to the mode.
+    /// Runs one sample: chooses the mode from the observations and the last plausible pressure.
     #[inline(always)]
     pub(crate) fn sample(
         &mut self,
@@ -129,29 +130,29 @@ impl Supervisor {
         self.seal();
     }
 
-    /// The reference that the controller gets.
+    /// Returns the reference for the controller.
     #[inline(always)]
     pub(crate) fn reference(&self, reference: Pressure, pressure: Pressure) -> Pressure {
         let led = reference.min(self.ceiling);
         if self.mode == Mode::Running {
             led
         } else {
-            // Never above the pressure: nothing is to be filled, and nothing to be summed up.
+            // Never above the pressure: nothing must be filled, and nothing summed by the integrator.
             led.min(pressure)
         }
     }
 
-    /// Whether the vent valve is open in this sample of [`Mode::Venting`].
+    /// Returns whether the vent valve is open in this sample of [`Mode::Venting`].
     #[inline(always)]
     pub(crate) const fn vents_now(&self) -> bool {
         let left_in_period = self.remaining.wrapping_sub(1) & (PULSE_PERIOD - 1);
         self.vents_fully || left_in_period >= PULSE_PERIOD - PULSE_N
     }
 
-    /// Out of the lock, if the defined procedure was followed.
+    /// Releases the lock, if the defined procedure was followed.
     ///
     /// # Errors
-    /// What is missing.
+    /// Returns the missing condition.
     pub(crate) fn release(&mut self) -> Result<(), ReleaseRefused> {
         if self.mode != Mode::Locked {
             return Err(ReleaseRefused::NotLocked);
@@ -173,7 +174,7 @@ impl Supervisor {
         Ok(())
     }
 
-    /// Into the lock, whatever was decided before.
+    /// Locks the ECU, in every mode.
     #[inline(always)]
     pub(crate) fn lock(&mut self) {
         self.mode = Mode::Locked;
@@ -243,7 +244,8 @@ impl Supervisor {
         }
     }
 
-    /// In pulses or fully: fully once a fault asks for it, and after a ramp, when little is left to lose.
+    /// Chooses between pulses and full venting: full once a fault asks for it, and after a ramp, when little pressure
+    /// is left.
     #[inline(always)]
     fn settle_venting(&mut self, way: Option<Way>, before: Mode, is_over: bool) {
         let is_asked = way == Some(Way::Vent) || before == Mode::Ramping && is_over;
@@ -254,7 +256,7 @@ impl Supervisor {
         self.vents_fully = vents_fully;
     }
 
-    /// Leads the reference.
+    /// Moves the upper limit of the reference along the ramp.
     #[inline(always)]
     fn lead(&mut self, config: &EcuConfig, reference: Pressure) {
         let step = Pressure::from_bits(config.limits.ramp);
@@ -267,7 +269,7 @@ impl Supervisor {
         }
     }
 
-    /// What is kept twice, in one word.
+    /// Returns the decisions that are stored twice, in one word.
     #[inline(always)]
     const fn word(&self) -> u32 {
         let [mode, occurrences] = [self.mode as u32, self.occurrences as u32];
@@ -289,20 +291,20 @@ impl Supervisor {
     }
 }
 
-/// Why a locked ECU stays locked.
+/// Reason why a locked ECU stays locked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ReleaseRefused {
-    /// There is nothing to release.
+    /// The ECU is not locked.
     #[error("the ECU is not locked")]
     NotLocked,
-    /// Only a reset brings a sound configuration back.
+    /// The configuration was damaged: only a reset restores it.
     #[error("configuration or state were damaged: reset the ECU")]
     MemoryDamaged,
-    /// A fault is still there.
+    /// A fault is still present.
     #[error("a fault is present, or was within the last {RECOVERY_N} samples: mend it first")]
     FaultPresent,
-    /// Somebody still asks for pressure.
+    /// The reference is not at zero.
     #[error("the reference was not at zero for {ZERO_N} samples: take it back first")]
     ReferenceNotAtZero,
 }
@@ -355,7 +357,7 @@ mod tests {
         }
     }
 
-    /// Each has bits of its own.
+    /// Each decision has its own bits.
     #[test]
     fn no_two_decisions_share_a_bit_of_the_word() {
         let mut all = Supervisor::NEW;

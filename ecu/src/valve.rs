@@ -1,13 +1,14 @@
-//! What the valves do, as far as the commands tell.
+//! Estimated state of the valves, from their commands.
 
 use controller::{Duty, Output};
 
 use crate::config::Limits;
 use crate::history::{History, Window};
 
-/// What a valve was told.
+/// Command history of a valve.
 ///
-/// It is shut for sure when it was given nothing for the settling time, and open for sure when it was given at least its open duty
+/// The valve is shut for sure after the settling time without a command, and open for sure after the settling time at
+/// its open duty cycle or more. In between its state is unknown.
 /// for as long. Between the two it may be anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Valve {
@@ -16,13 +17,13 @@ pub(crate) struct Valve {
 }
 
 impl Valve {
-    /// After a reset nobody knows what it was told before.
+    /// History after a reset: earlier commands are unknown.
     pub(crate) const UNKNOWN: Self = Self {
         shut: History::UNKNOWN,
         open: History::UNKNOWN,
     };
 
-    /// The duty cycle that was just commanded; `open` is its open duty [%], 2⁻¹⁶.
+    /// Takes the duty cycle that was just commanded; `open` is the valve's open duty cycle (%), 2⁻¹⁶.
     #[inline(always)]
     fn told(&mut self, opening: Duty, open: i32) {
         self.shut.push(opening.is_off());
@@ -40,7 +41,7 @@ impl Valve {
     }
 }
 
-/// The fill and the vent valve.
+/// Fill and vent valve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Valves {
     pub(crate) fill: Valve,
@@ -53,7 +54,7 @@ impl Valves {
         vent: Valve::UNKNOWN,
     };
 
-    /// What the valves were just told.
+    /// Takes the commands that the valves just got.
     #[inline(always)]
     pub(crate) fn told(&mut self, limits: &Limits, opening: Output) {
         self.fill.told(opening.duty_fill, limits.open_fill);

@@ -1,4 +1,4 @@
-//! The contract between the image and the machine it runs on.
+//! Interface between the image and the machine it runs on.
 
 use ecu::{Inputs, Outputs};
 use hil_protocol::{FRAME_MAX, LogBytes, ResetCause, Sensors};
@@ -7,78 +7,80 @@ use crate::event::Event;
 use crate::pace::Pace;
 use crate::retained::Retained;
 
-/// What the image asks of a machine.
+/// Machine-dependent services of the image.
 ///
-/// A board's folder holds facts only: addresses, pins, clocks, the wiring of the [drivers](crate::drivers). What to do with
-/// them is decided above this trait, where the host's tests see it. No method waits longer than it says.
+/// A board's folder contains facts only: addresses, pins, clocks, the wiring of the [drivers](crate::drivers). All
+/// decisions are made above this trait, where tests on the host cover them. No method waits longer than its
+/// documentation says.
 pub trait Board {
-    /// The board's name, at most 32 bytes.
+    /// Name of the board, at most 32 bytes.
     const NAME: &'static str;
 
-    /// A number that differs from build to build; 0: not known.
+    /// Returns a number that differs from build to build; 0: not known.
     fn build(&self) -> u32;
 
-    /// The safe state: no current in either coil, whatever ran before.
+    /// Establishes the safe state: no current in either coil, in any situation.
     ///
-    /// Must work at any moment, does not wait and cannot fail. Calling it again changes nothing. It is the state at reset.
-    /// The handlers of panics, faults and the watchdog reach the same outputs without this value.
+    /// It must work at any moment, does not wait and cannot fail. Calling it again changes nothing. The same state is
+    /// present at reset. The handlers of panics, faults and the watchdog reach the same outputs without this value.
     fn coils_off(&mut self);
 
-    /// Why the machine started, as far as the hardware tells.
+    /// Returns the cause of the last reset, as far as the hardware reports it.
     fn reset_cause(&mut self) -> ResetCause;
 
-    /// The words that a warm reset leaves alone.
+    /// Returns the words that a warm reset does not change.
     fn retained(&self) -> Retained<'_>;
 
-    /// Time since some moment \[µs\], from a hardware counter; goes on at 0 after 2³² - 1. Never goes back.
+    /// Returns the time since a fixed moment (µs), from a hardware counter. It wraps to 0 after 2³² - 1 and never goes
+    /// back.
     fn now_us(&self) -> u32;
 
-    /// How often the sample timer, 10 ms, has come since the last call.
+    /// Returns the number of ticks of the sample timer, 10 ms, since the last call.
     fn take_ticks(&mut self) -> u32;
 
-    /// Time since the sample timer came last \[µs\], by that timer itself.
+    /// Returns the time since the last tick of the sample timer (µs), measured by that timer.
     fn since_tick_us(&self) -> u32;
 
-    /// Tells the watchdog that all is well; it resets the machine if this is not said again in time.
+    /// Feeds the watchdog, which resets the machine if it is not fed again in time.
     fn feed_watchdog(&mut self, pace: Pace);
 
-    /// A little work with each turn of the main loop, for what neither interrupts nor buffers; does not wait.
+    /// Does a little work in each turn of the main loop, for peripherals without interrupt and buffer; does not wait.
     fn background(&mut self) {}
 
-    /// Whether the inputs of this machine may come from the link at this moment: always in an emulator, on a real board
+    /// Returns whether the inputs of this machine may come from the link now: always in an emulator, on a real board
     /// only while its bench jumper is fitted.
     fn may_simulate(&mut self) -> bool;
 
-    /// Puts these values where the sensors' values come from, for the next [`Board::measure`].
+    /// Replaces the sensors' values by these, for the next [`Board::measure`].
     fn simulate(&mut self, sensors: &Sensors);
 
-    /// Back to the real sensors.
+    /// Returns to the real sensors.
     fn end_simulation(&mut self);
 
-    /// One sample of all inputs, through their drivers. What could not be measured is none.
+    /// Samples all inputs through their drivers. An input that could not be measured is `None`.
     fn measure(&mut self, elapsed_us: u32) -> Inputs;
 
-    /// Gives the coils their duty cycles, from the next PWM period on.
+    /// Sets the duty cycles of the coils, from the next PWM period on.
     fn drive(&mut self, outputs: Outputs);
 
-    /// What came over a link, if anything did. Does not wait.
+    /// Returns received data of a link, if there is any. Does not wait.
     fn receive<'a>(&mut self, buffer: &'a mut [u8; FRAME_MAX]) -> Option<Received<'a>>;
 
-    /// Sends a frame over the link from which the last byte or frame came. Does not wait: a frame for which there is no
-    /// room is lost, as on any wire.
+    /// Sends a frame over the link that received the last byte or frame. Does not wait: a frame without room in the
+    /// queue is lost, as on any wire.
     fn send(&mut self, frame: &[u8]);
 
-    /// Whether something of what was sent has not left yet.
+    /// Returns whether data is still being sent.
     fn is_sending(&self) -> bool;
 
     /// Writes an event to the log.
     fn log(&mut self, event: Event);
 
-    /// Takes the oldest bytes of the log; says how many were lost since the start.
+    /// Takes the oldest bytes of the log and returns the number of bytes lost since the start.
     fn take_log(&mut self, bytes: &mut LogBytes) -> u32;
 }
 
-/// What came over a link.
+/// Received data of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received<'a> {
     /// One byte of a stream.

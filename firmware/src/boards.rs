@@ -1,4 +1,4 @@
-//! The machines that the image knows, one folder each; one of them is the board of this image.
+//! Supported machines, one folder each; one of them is the board of this image.
 
 #[cfg(not(target_os = "none"))]
 pub(crate) mod host;

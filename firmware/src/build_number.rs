@@ -1,11 +1,11 @@
-//! Which build this is, told by the build itself.
+//! Build number, computed from the image.
 
 use core::slice;
 
 use hil_protocol::crc32;
 
-/// CRC-32 over code and constants as they lie in flash, from `__stext` to `__erodata`: whoever has the ELF can tell
-/// whether it is the one that runs, and a damaged flash is another build.
+/// Returns the CRC-32 over code and constants in flash, from `__stext` to `__erodata`. With the ELF a host can check
+/// whether it is the running build. A damaged flash gives another number.
 pub(crate) fn build_number() -> u32 {
     unsafe extern "C" {
         static __stext: u8;

@@ -1,11 +1,12 @@
-//! Bytes handed from an interrupt to the main loop, or back.
+//! Queue of bytes between an interrupt and the main loop.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
-/// A queue of `N` bytes between one writer and one reader, neither of which ever waits.
+/// Queue of `N` bytes between one writer and one reader, neither of which ever waits.
 ///
-/// `N` is a power of two. The two counters run freely and their difference is the fill; each is written by one side only,
-/// so that plain loads and stores suffice (Lamport, "Proving the Correctness of Multiprocess Programs", 1977).
+/// `N` is a power of two. The two counters run freely, and their difference is the fill level. Each is written by one
+/// side only, so that plain loads and stores suffice (Lamport, "Proving the Correctness of Multiprocess Programs",
+/// 1977).
 pub struct ByteRing<const N: usize> {
     bytes: [AtomicU8; N],
     written: AtomicU32,
@@ -18,7 +19,7 @@ impl<const N: usize> ByteRing<N> {
         N as u32
     };
 
-    /// Empty.
+    /// Creates an empty queue.
     #[expect(
         clippy::new_without_default,
         reason = "meant for a static, which needs a constant"
@@ -31,19 +32,19 @@ impl<const N: usize> ByteRing<N> {
         }
     }
 
-    /// Bytes that a writer may still push.
+    /// Returns the number of bytes that the writer may still push.
     pub fn room(&self) -> usize {
         let read = self.read.load(Ordering::Acquire);
         let fill = self.written.load(Ordering::Relaxed).wrapping_sub(read);
         Self::SIZE.saturating_sub(fill) as usize
     }
 
-    /// Whether a reader would find nothing.
+    /// Returns whether the queue is empty.
     pub fn is_empty(&self) -> bool {
         self.room() == N
     }
 
-    /// Puts a byte in, if there is room; says whether there was. The writer's side.
+    /// Appends a byte, if there is room, and returns whether there was. Call it on the writer's side.
     pub fn push(&self, byte: u8) -> bool {
         if self.room() == 0 {
             return false;
@@ -55,7 +56,7 @@ impl<const N: usize> ByteRing<N> {
         true
     }
 
-    /// Takes the oldest byte. The reader's side.
+    /// Takes the oldest byte. Call it on the reader's side.
     pub fn pop(&self) -> Option<u8> {
         let read = self.read.load(Ordering::Relaxed);
         if self.written.load(Ordering::Acquire) == read {
@@ -74,7 +75,7 @@ mod tests {
     use std::collections::VecDeque;
 
     proptest! {
-        /// Against the standard library's queue, across many turns of the ring.
+        /// Comparison with the standard library's queue, across many turns of the ring.
         #[test]
         fn bytes_come_out_once_and_in_order_and_a_full_ring_takes_no_more(
             moves in proptest::collection::vec((any::<bool>(), any::<u8>()), 0..400),

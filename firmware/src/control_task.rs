@@ -1,4 +1,5 @@
-//! The control task: one sample of the ECU, by the sample timer or by request, between the board's inputs and its coils.
+//! Control task: one sample of the ECU, started by the sample timer or by request, between the board's inputs and its
+//! coils.
 
 use controller::Duty;
 use ecu::device::EcuDevice;
@@ -16,17 +17,18 @@ use crate::pace::Pace;
 use crate::punctuality::{FIRST_SIGNAL, LAST_SIGNAL, PERIOD_US, Punctuality};
 use crate::retained::Farewell;
 
-/// The end of each period \[µs\], in which no request is begun, so that none is in work when the tick comes. The longest one
-/// puts settings into effect: 20 500 instructions, 0.8 ms of the slowest board.
+/// Duration at the end of each period (µs) in which no request is begun, so that none is in work when the tick comes.
+/// The longest request applies settings: 20 500 instructions, 0.8 ms on the slowest board.
 const QUIET_US: u32 = 1_000;
 
-/// Turns of the main loop between two looks at the clock while a host sets the pace: a millisecond or some.
+/// Number of turns of the main loop between two reads of the clock while a host sets the pace: about a millisecond.
 const TURNS_PER_LOOK: u32 = 4096;
 
-/// A host that sets the pace and asks for no sample for so long \[µs\] has gone: the coils are switched off.
+/// Timeout of a host that sets the pace (µs): after this time without a request for a sample the coils are switched
+/// off.
 const SILENCE_MAX_US: u32 = 1_000_000;
 
-/// The ECU on its board.
+/// ECU on its board.
 ///
 /// ```text
 ///                    Hello with lock step, simulated inputs allowed
@@ -34,28 +36,28 @@ const SILENCE_MAX_US: u32 = 1_000_000;
 ///  timer, 10 ms   ◄────────────────────────────────────────────────  coils off after a second without one
 ///                    Hello without
 /// ```
-/// Between the two lies a start of the ECU's logic: nothing that was measured on one side is believed on the other. A host
-/// that only looks on, without lock step, disturbs nothing.
+/// At each change of the pace the ECU's logic restarts: measured values from before the change are not used after it. A
+/// host that only observes, without lock step, disturbs nothing.
 pub(crate) struct ControlTask<B, F, M> {
     pub(crate) board: B,
     ecu: EcuDevice<F, M>,
     pace: Pace,
-    /// A host asked for a reset.
+    /// Whether a host asked for a reset.
     pub(crate) ends: bool,
     /// Number of the next sample by the timer.
     sample: u32,
-    /// When the last sample was taken.
+    /// Time of the last sample (µs).
     last_us: u32,
-    /// Turns of the loop, while a host sets the pace.
+    /// Number of turns of the loop while a host sets the pace.
     turns: u32,
-    /// What was told last of the supervisor; none since its logic started: the first sample tells.
+    /// Last logged mode and faults; `None` since the logic started, so that the first sample logs them.
     told: Option<(Mode, FaultSet)>,
     punctuality: Punctuality,
     measurement: Measurement,
 }
 
 impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M> {
-    /// From now on the sample timer counts, and the watchdog.
+    /// Creates the task. From now on the sample timer and the watchdog run.
     pub(crate) fn new(mut board: B, ecu: EcuDevice<F, M>) -> Self {
         board.take_ticks();
         board.feed_watchdog(Pace::Timer);
@@ -73,12 +75,12 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         }
     }
 
-    /// Whether the next tick is so near that what is begun now might still be in work then.
+    /// Returns whether the next tick is so near that a request begun now might still be in work then.
     pub(crate) fn is_quiet_time(&self) -> bool {
         self.pace == Pace::Timer && self.board.since_tick_us() >= PERIOD_US - QUIET_US
     }
 
-    /// A sample if its time has come; then what a host wants to measure of it, if it does.
+    /// Runs a sample if it is due. Returns the signals that a host measures of it, if it measures any.
     pub(crate) fn turn(&mut self) -> Option<Reply> {
         match self.pace {
             Pace::Timer => self.tick(),
@@ -109,12 +111,12 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         if missed > 0 {
             self.board.log(Event::TicksMissed { sample, missed });
         }
-        // Only now: a task that hangs anywhere in a sample is reset.
+        // Fed only here: a task that hangs anywhere in a sample is reset.
         self.board.feed_watchdog(Pace::Timer);
         self.measured(sample)
     }
 
-    /// What a host wants to see of each sample by the timer.
+    /// Returns the signals that a host measures of each sample by the timer.
     fn measured(&self, sample: u32) -> Option<Reply> {
         if self.measurement.is_empty() {
             return None;
@@ -129,7 +131,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         })
     }
 
-    /// Now and then: the loop is alive, and is the host?
+    /// Feeds the watchdog from time to time, and switches the coils off if the host is silent.
     fn watch_the_host(&mut self) {
         self.turns = self.turns.wrapping_add(1);
         if !self.turns.is_multiple_of(TURNS_PER_LOOK) {
@@ -142,7 +144,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         }
     }
 
-    /// A sample that a host asked for. Its values take the way of measured ones, through converter and driver.
+    /// Runs a sample on request of a host. Its values pass through converter and driver like measured ones.
     fn sample_by_request(&mut self, sensors: &Sensors) -> Reply {
         if self.pace == Pace::Timer {
             return Reply::Refused(Refusal::NotInLockStep);
@@ -164,7 +166,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         }
     }
 
-    /// Who sets the pace from now on.
+    /// Changes the source of the pace.
     fn change_pace(&mut self, pace: Pace) {
         if pace == self.pace {
             return;
@@ -182,7 +184,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         self.board.feed_watchdog(pace);
     }
 
-    /// A signal of the image.
+    /// Returns the value of a signal of the image.
     fn signal(&self, id: u16) -> Reply {
         let Some(value) = self.punctuality.signal(id) else {
             let last = LAST_SIGNAL;
@@ -215,7 +217,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         });
     }
 
-    /// Tells of the supervisor, if there is something to tell.
+    /// Logs mode and faults of the supervisor, if they changed.
     fn tell(&mut self, sample: u32) {
         let (mode, faults) = (self.ecu.ecu().mode(), self.ecu.ecu().faults());
         if self.told != Some((mode, faults)) {
@@ -268,7 +270,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Device for ControlTa
     }
 }
 
-/// What was measured, as the link would carry it.
+/// Returns measured inputs in the form of the link.
 fn as_sensors(sample: u32, inputs: &Inputs) -> Sensors {
     Sensors {
         sample,

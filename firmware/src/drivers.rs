@@ -1,4 +1,5 @@
-//! Drivers of the parts around the processor, over `embedded-hal` alone: the same code on each board and in the host's tests.
+//! Drivers of the parts around the processor, based on `embedded-hal` only: the same code on each board and in the
+//! tests on the host.
 
 pub mod analog;
 mod mcp3201;

@@ -1,4 +1,4 @@
-//! What the image tells: values on the target, text on the host.
+//! Events that the image logs: values on the target, text on the host.
 
 use ecu::{FaultSet, Mode, ResetCause};
 use hil_protocol::SettingsSource;
@@ -6,27 +6,27 @@ use hil_protocol::SettingsSource;
 use crate::pace::Pace;
 use crate::retained::Farewell;
 
-/// One line of the log.
+/// Line of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Event {
-    /// The image runs; the coils are off.
+    /// The image started; the coils are off.
     Started {
-        /// How often it started since the supply came.
+        /// Number of starts since power-on.
         boot: u32,
-        /// Why.
+        /// Cause of the start.
         cause: ResetCause,
-        /// What the life before said.
+        /// Reason that the image stored before the reset.
         farewell: Option<Farewell>,
     },
     /// The settings were chosen.
     Settings {
-        /// Where they come from.
+        /// Source of the settings.
         source: SettingsSource,
     },
     /// A host opened a session.
     Session {
-        /// Who sets the pace from now on.
+        /// Source of the pace from now on.
         pace: Pace,
     },
     /// The supervisor changed its mode, or the faults changed.
@@ -42,7 +42,7 @@ pub enum Event {
     TicksMissed {
         /// Number of the sample that came late.
         sample: u32,
-        /// How many samples were missed.
+        /// Number of missed samples.
         missed: u32,
     },
 }

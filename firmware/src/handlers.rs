@@ -1,4 +1,4 @@
-//! Every way out that is not the end of `main`: safe first, then the reason, then a reset.
+//! Handlers that end the run of the image: first the safe state, then the stored reason, then a reset.
 
 use core::panic::PanicInfo;
 
@@ -9,7 +9,8 @@ use firmware::Farewell;
 use crate::boards::board;
 use crate::kept;
 
-/// The one end of every life: coils off, the reason where the next life finds it, reset.
+/// Ends the run: switches the coils off, stores the reason for the next start, and resets. It is the only way to end
+/// it.
 pub(crate) fn end(farewell: Farewell) -> ! {
     board::coils_off();
     kept::retained().say(farewell);
@@ -24,7 +25,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     })
 }
 
-/// With this handler the image links only if nothing in it can panic.
+/// Panic handler with which the image links only if nothing in it can panic.
 #[cfg(feature = "prove-panic-free")]
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
@@ -35,14 +36,14 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     unsafe { this_image_can_panic() }
 }
 
-/// One panic in code that certainly runs.
+/// Panics in code that certainly runs.
 #[cfg(feature = "panic-canary")]
 pub(crate) fn sing() {
     use core::hint::black_box;
     black_box(black_box(&[0_u8; 4])[black_box(7)]);
 }
 
-/// A fault is a panic that the processor noticed.
+/// Handles a fault exception, as a panic is handled.
 // SAFETY: cortex-m-rt demands the signature. The handler runs above all other code, never returns, and touches only the
 // outputs, the retained words and the reset.
 #[exception]

@@ -1,4 +1,4 @@
-//! From reset on: the main loop.
+//! Start of the image and its main loop.
 
 use ecu::calibration::CheckedSettings;
 use ecu::device::EcuDevice;
@@ -10,29 +10,29 @@ use crate::board::{Board, Received};
 use crate::control_task::ControlTask;
 use crate::event::Event;
 
-/// Whether the image goes on.
+/// Result of a turn of the main loop: continue or reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use]
 pub enum Life {
-    /// It does.
+    /// The main loop continues.
     GoesOn,
-    /// A host asked for a reset, and the answer has left: the coils are off, reset the machine.
+    /// A host asked for a reset, and the answer is sent: the coils are off, reset the machine.
     Ends,
 }
 
-/// Records of the black box: the last 5.12 s.
+/// Number of records of the black box: the last 5.12 s.
 const BLACK_BOX_RECORDS: usize = 512;
 
-/// Words of RAM that the black box needs; a warm reset must leave them alone.
+/// Number of RAM words of the black box; a warm reset must not change them.
 pub const BLACK_BOX_WORDS: usize = ecu::black_box::words(BLACK_BOX_RECORDS);
 
-/// The settings of an ECU in which none were ever saved.
+/// Settings of an ECU in which none were ever saved.
 const DEFAULTS: CheckedSettings = match CheckedSettings::new(&EcuSettings::bench()) {
     Ok(settings) => settings,
     Err(_) => panic!("the built-in settings are impossible"),
 };
 
-/// The whole image on its board, with the settings' flash memory `F` and the black box's words `M`.
+/// Complete image on its board, with the settings' flash memory `F` and the black box's words `M`.
 pub struct Image<B, F, M> {
     session: DeviceSession,
     task: ControlTask<B, F, M>,
@@ -40,13 +40,13 @@ pub struct Image<B, F, M> {
 }
 
 impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
-    /// The first thing after a reset: coils off, reason of the reset, settings, and from then on the sample timer counts.
+    /// Starts the image after a reset: coils off, cause of the reset, settings; from then on the sample timer counts.
     pub fn start(mut board: B, flash: F, memory: M) -> Self {
         board.coils_off();
         let start = board.retained().start();
         let cause = match (start.farewell, board.reset_cause()) {
             (Some(farewell), _) => farewell.cause(),
-            // Only a supply that failed takes the words with it.
+            // Only a loss of supply destroys the words.
             (None, ResetCause::Unknown) if !start.warm => ResetCause::PowerOn,
             (None, told) => told,
         };
@@ -74,12 +74,12 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         }
     }
 
-    /// One turn of the main loop: a sample if its time has come, then at most one byte or frame of the link.
+    /// Runs one turn of the main loop: a sample if it is due, then at most one byte or frame of the link.
     pub fn turn(&mut self) -> Life {
         if self.task.ends {
             return self.last_turn();
         }
-        // Asked before the tick is looked for: a tick after that is a whole quiet time away.
+        // Evaluated before the tick is checked: a tick after that is at least a whole quiet time away.
         let is_quiet_time = self.task.is_quiet_time();
         self.task.board.background();
         if let Some(reply) = self.task.turn()
@@ -103,7 +103,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         Life::GoesOn
     }
 
-    /// The answer leaves first. If it cannot, the watchdog ends the wait.
+    /// Ends the run after the answer is sent. If it cannot be sent, the watchdog ends the wait.
     fn last_turn(&mut self) -> Life {
         self.task.board.background();
         self.task.board.coils_off();
@@ -114,7 +114,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         }
     }
 
-    /// The board.
+    /// Returns the board.
     pub fn board(&mut self) -> &mut B {
         &mut self.task.board
     }

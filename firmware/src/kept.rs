@@ -1,4 +1,4 @@
-//! RAM that a warm reset leaves alone, at the addresses of the board's `board.x`.
+//! RAM that a warm reset does not change, at the addresses of the board's `board.x`.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -18,7 +18,7 @@ unsafe extern "C" {
 
 const _: () = assert!(BLACK_BOX_WORDS * 4 <= BLACK_BOX_ROOM);
 
-/// The black box's words, for the first who asks.
+/// Returns the black box's words, on the first call only.
 pub(crate) fn black_box() -> Option<&'static mut [u32; BLACK_BOX_WORDS]> {
     static TAKEN: AtomicBool = AtomicBool::new(false);
     if TAKEN.swap(true, Ordering::Relaxed) {
@@ -28,7 +28,7 @@ pub(crate) fn black_box() -> Option<&'static mut [u32; BLACK_BOX_WORDS]> {
     unsafe { (&raw mut BLACK_BOX).as_mut() }
 }
 
-/// The words that the image tells its next life.
+/// Returns the words that the image stores for its next start.
 pub(crate) fn retained() -> Retained<'static> {
     Retained::new(&RETAINED)
 }

@@ -1,4 +1,4 @@
-//! The log's way from the macros into a ring in RAM, from which the link takes it.
+//! Transport of the log from the macros into a ring in RAM, from which the link takes it.
 
 use core::cell::UnsafeCell;
 
@@ -7,7 +7,7 @@ use defmt::{Logger, global_logger};
 use firmware::{Event, LogRing, Rzcobs};
 use hil_protocol::LogBytes;
 
-/// Bytes of the ring: about a hundred events.
+/// Size of the ring (bytes): about a hundred events.
 const RING: usize = 2048;
 
 struct Log {
@@ -71,14 +71,14 @@ pub(crate) fn log(event: Event) {
     }
 }
 
-/// Takes the oldest bytes; says how many were lost since the start.
+/// Takes the oldest bytes and returns the number of bytes lost since the start.
 pub(crate) fn take(bytes: &mut LogBytes) -> u32 {
     critical_section::with(|_| {
         // SAFETY: interrupts are off, and no macro of the log runs in here.
         let log = unsafe { &mut *LOG.0.get() };
         while !bytes.is_full() {
             let Some(byte) = log.ring.take() else { break };
-            // There is room.
+            // There is room, as checked by the loop.
             let _ = bytes.push(byte);
         }
         log.ring.lost()

@@ -1,23 +1,23 @@
-//! The log between the code that tells something and the link that carries it away.
+//! Ring buffer of the log, between the macros and the link.
 
-/// A ring of log frames, `N` bytes in all. When it is full the oldest frames make room, whole ones only.
+/// Ring of log frames, `N` bytes in total. When it is full, the oldest frames are dropped, whole ones only.
 ///
-/// Frames are as the logging framework encodes them: no byte of a frame is zero but its last (defmt's rzCOBS). So a
-/// reader who missed some frames begins with a whole one.
+/// Frames have the encoding of the logging framework: no byte of a frame is zero except its last (defmt's rzCOBS). A
+/// reader that missed some frames therefore resumes with a whole one.
 pub struct LogRing<const N: usize> {
     bytes: [u8; N],
-    /// Bytes ever put in and ever taken out; the ring holds what lies between.
+    /// Numbers of bytes ever written and ever taken; the ring contains the bytes in between.
     put: u32,
     taken: u32,
-    /// Where the frame in work began.
+    /// Position at which the frame in work began.
     frame_start: u32,
-    /// The frame in work does not fit into the whole ring.
+    /// Whether the frame in work is longer than the whole ring.
     overlong: bool,
-    /// Bytes that nobody took, since the start.
+    /// Number of bytes lost since the start.
     lost: u32,
 }
 
-/// Ends a frame.
+/// Byte that ends a frame.
 const DELIMITER: u8 = 0;
 
 impl<const N: usize> LogRing<N> {
@@ -26,7 +26,7 @@ impl<const N: usize> LogRing<N> {
         N as u32
     };
 
-    /// Empty.
+    /// Creates an empty ring.
     #[expect(
         clippy::new_without_default,
         reason = "meant for a static, which needs a constant"
@@ -42,13 +42,13 @@ impl<const N: usize> LogRing<N> {
         }
     }
 
-    /// A frame begins.
+    /// Begins a frame.
     pub fn start_frame(&mut self) {
         self.frame_start = self.put;
         self.overlong = false;
     }
 
-    /// The next byte of the frame.
+    /// Appends a byte to the frame.
     pub fn put(&mut self, byte: u8) {
         if !self.overlong && self.fill() == Self::SIZE && !self.drop_oldest() {
             self.give_up();
@@ -61,12 +61,12 @@ impl<const N: usize> LogRing<N> {
         self.put = self.put.wrapping_add(1);
     }
 
-    /// The frame is complete; from now on it may be taken.
+    /// Ends the frame; from now on it may be taken.
     pub fn end_frame(&mut self) {
         self.frame_start = self.put;
     }
 
-    /// The oldest byte of a complete frame.
+    /// Takes the oldest byte of a complete frame.
     pub fn take(&mut self) -> Option<u8> {
         if self.taken == self.frame_start {
             return None;
@@ -76,7 +76,7 @@ impl<const N: usize> LogRing<N> {
         Some(byte)
     }
 
-    /// Bytes that nobody took in time, since the start; stays at its largest number.
+    /// Returns the number of bytes lost since the start; it saturates.
     pub const fn lost(&self) -> u32 {
         self.lost
     }
@@ -85,7 +85,7 @@ impl<const N: usize> LogRing<N> {
         self.put.wrapping_sub(self.taken)
     }
 
-    /// Makes room by one complete frame, if there is one.
+    /// Drops the oldest complete frame, if there is one, and returns whether there was.
     fn drop_oldest(&mut self) -> bool {
         let mut dropped = false;
         while let Some(byte) = self.take() {
@@ -148,7 +148,7 @@ mod tests {
         let mut ring = LogRing::new();
         log(&mut ring, &[1, 1, 1, 1, 1, 0]);
         log(&mut ring, &[2, 2, 2, 2, 2, 0]);
-        // Four bytes are free; the fifth one needs the first frame's place.
+        // Four bytes are free; the fifth one needs the place of the first frame.
         log(&mut ring, &[3, 3, 3, 3, 0]);
         assert_eq!(ring.lost(), 6);
         assert_eq!(taken(&mut ring), [2, 2, 2, 2, 2, 0, 3, 3, 3, 3, 0]);
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(taken(&mut ring), [1, 0]);
     }
 
-    /// A frame that fits exactly is no loss, one byte more is.
+    /// A frame that fits exactly is not lost, a frame of one byte more is.
     #[test]
     fn the_ring_holds_as_many_bytes_as_it_says() {
         let mut ring = LogRing::new();

@@ -1,10 +1,10 @@
-//! One binary, two lives. Compiled for the ECU (`target_os = "none"`) it is the image that a board starts at reset; compiled
-//! for the host it is a program that runs the image's self-test and prints the same, so that the two can be compared bit
-//! for bit.
+//! One binary for two machines. Compiled for the ECU (`target_os = "none"`) it is the image that a board starts at
+//! reset. Compiled for the host it is a program that runs the image's self-test and prints the same lines, so that the
+//! two can be compared bit for bit.
 //!
-//! On the ECU every way out ends in the safe state ([`ecu::safe_outputs`]): the panic handler, the fault handler and the
-//! watchdog's interrupt switch the coils off, say why in RAM that a warm reset leaves alone, and reset the machine, which
-//! starts with the coils off and finds the reason.
+//! On the ECU every end of the run leads to the safe state ([`ecu::safe_outputs`]). The panic handler, the fault
+//! handler and the watchdog's interrupt switch the coils off, store the reason in RAM that a warm reset does not
+//! change, and reset the machine. It then starts with the coils off and reads the reason.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

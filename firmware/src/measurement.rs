@@ -1,24 +1,24 @@
-//! The signals that a host measures, those of the image among those of the ECU.
+//! Signals that a host measures, of the image and of the ECU.
 
 use hil_protocol::{Measured, Refusal, SignalIds};
 
 use crate::punctuality::{FIRST_SIGNAL, LAST_SIGNAL, Punctuality};
 
-/// The list, in the order in which a host asked for them.
+/// List of measured signals, in the order in which a host requested them.
 #[derive(Clone, Debug)]
 pub(crate) struct Measurement {
     ids: SignalIds,
 }
 
 impl Measurement {
-    /// Nothing is measured.
+    /// Creates an empty list.
     pub(crate) const fn new() -> Self {
         Self {
             ids: SignalIds::new(),
         }
     }
 
-    /// This list, if the image has each of its signals that are its own.
+    /// Creates this list, if all of its signals that belong to the image exist.
     pub(crate) fn of(ids: &SignalIds, punctuality: &Punctuality) -> Result<Self, Refusal> {
         let unknown = |id: u16| id >= FIRST_SIGNAL && punctuality.signal(id).is_none();
         match ids.iter().find(|&&id| unknown(id)) {
@@ -30,22 +30,22 @@ impl Measurement {
         }
     }
 
-    /// Whether nothing is measured.
+    /// Returns whether the list is empty.
     pub(crate) fn is_empty(&self) -> bool {
         self.ids.is_empty()
     }
 
-    /// What the ECU has to measure of it.
+    /// Returns the signals of the list that belong to the ECU.
     pub(crate) fn of_the_ecu(&self) -> SignalIds {
         let mut ids = SignalIds::new();
         for &id in self.ids.iter().filter(|&&id| id < FIRST_SIGNAL) {
-            // No longer than the list it is taken from.
+            // It is no longer than the list it is taken from.
             let _ = ids.push(id);
         }
         ids
     }
 
-    /// All numbers in their order, given those of the ECU in theirs.
+    /// Returns all values in the order of the list, given those of the ECU in their order.
     pub(crate) fn merged(&self, of_the_ecu: &Measured, punctuality: &Punctuality) -> Measured {
         let mut of_the_ecu = of_the_ecu.iter();
         let mut all = Measured::new();
@@ -54,7 +54,7 @@ impl Measurement {
                 .signal(id)
                 .or_else(|| of_the_ecu.next().copied());
             if let Some(value) = value {
-                // As many as there are numbers of signals.
+                // There is one value at most for each signal of the list.
                 let _ = all.push(value);
             }
         }

@@ -1,11 +1,11 @@
-//! Who says when the next sample is.
+//! Source of the pace of the samples.
 
-/// What sets the pace of the control task, and so how soon the watchdog has to bite.
+/// Source of the pace of the control task; it determines the timeout of the watchdog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Pace {
-    /// The sample timer: the watchdog bites after three samples without one.
+    /// Sample timer: the watchdog resets after three samples without one.
     Timer,
-    /// The host, which may stop to think: the watchdog only sees that the image is alive.
+    /// Host, which may pause: the watchdog only checks that the image runs.
     Host,
 }

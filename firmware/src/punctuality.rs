@@ -1,17 +1,17 @@
-//! Signals of the image itself, beside those of the ECU: when its samples come.
+//! Signals of the image in addition to those of the ECU: the timing of its samples.
 
 use ecu::calibration::{MISSING, Signal};
 
-/// Number of the first of them in messages; those of the ECU are below.
+/// Number of the first of these signals in messages; those of the ECU are below.
 pub const FIRST_SIGNAL: u16 = 0x100;
 
-/// How many there are.
+/// Number of these signals.
 const COUNT: usize = 7;
-/// Number of the last one.
+/// Number of the last of these signals.
 pub(crate) const LAST_SIGNAL: u16 = FIRST_SIGNAL + COUNT as u16 - 1;
 
-/// Every one of them, in the order of its number. The largest ones are since the session was opened; none has a value where a
-/// host sets the pace.
+/// All signals of the image, in the order of their numbers. The maxima are counted since the session was opened. No
+/// signal has a value while a host sets the pace.
 pub const SIGNALS: [Signal; COUNT] = [
     us("start_latency"),
     us("start_latency_max"),
@@ -32,7 +32,7 @@ const DRIVE: usize = 2;
 const INTERVAL: usize = 4;
 const MISSED: usize = 6;
 
-/// T_ECU \[µs\].
+/// T_ECU (µs).
 pub(crate) const PERIOD_US: u32 = 10_000;
 
 const fn us(name: &'static str) -> Signal {
@@ -44,7 +44,7 @@ const fn us(name: &'static str) -> Signal {
     }
 }
 
-/// How punctual the samples by the timer are.
+/// Timing of the samples by the timer.
 ///
 /// ```text
 /// tick            begin: inputs are measured            driven: duty cycles are at the outputs            next tick
@@ -55,12 +55,12 @@ const fn us(name: &'static str) -> Signal {
 #[derive(Clone, Debug)]
 pub(crate) struct Punctuality {
     values: [i32; COUNT],
-    /// When the last sample began, by the machine's clock \[µs\].
+    /// Time at which the last sample began, by the machine's clock (µs).
     begun_us: Option<u32>,
 }
 
 impl Punctuality {
-    /// No sample yet.
+    /// Creates the timing before the first sample.
     pub(crate) const fn new() -> Self {
         Self {
             values: [MISSING; COUNT],
@@ -68,7 +68,7 @@ impl Punctuality {
         }
     }
 
-    /// A sample begins, so long after its tick; so many ticks had none.
+    /// Records the begin of a sample, its latency after the tick, and the number of ticks without a sample.
     pub(crate) fn begin(&mut self, now_us: u32, latency_us: u32, missed: u32) {
         self.note::<START>(latency_us);
         if let Some(before_us) = self.begun_us.replace(now_us) {
@@ -79,18 +79,18 @@ impl Punctuality {
         self.values[MISSED] = missed;
     }
 
-    /// Its duty cycles are at the outputs, so long after the tick.
+    /// Records the latency after the tick at which the duty cycles were at the outputs.
     pub(crate) fn driven(&mut self, latency_us: u32) {
         self.note::<DRIVE>(latency_us);
     }
 
-    /// The number of a signal.
+    /// Returns the value of a signal.
     pub(crate) fn signal(&self, id: u16) -> Option<i32> {
         let row = id.checked_sub(FIRST_SIGNAL)?;
         self.values.get(usize::from(row)).copied()
     }
 
-    /// The latest, and in the row after it the largest.
+    /// Stores the latest value, and the largest one in the next row.
     fn note<const ROW: usize>(&mut self, us: u32) {
         self.values[ROW] = number(us);
         self.values[ROW + 1] = self.values[ROW + 1].max(number(us));

@@ -1,47 +1,47 @@
-//! What the image tells its next life: a few words of RAM that a warm reset leaves alone.
+//! Information for the next start: a few words of RAM that a warm reset does not change.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use hil_protocol::ResetCause;
 use hil_protocol::crc32::values_digest;
 
-/// Why the image ended its life itself, said before it resets the machine.
+/// Reason for which the image reset the machine, stored before the reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Farewell {
-    /// A host asked for it.
+    /// Request of a host.
     Requested,
-    /// The watchdog was about to bite.
+    /// Watchdog that was about to reset the machine.
     Watchdog,
-    /// The image panicked in this line of a source file.
+    /// Panic of the image in this line of a source file.
     Panic {
         /// Line number; 0: not known.
         line: u32,
     },
-    /// The processor took a fault exception at this address.
+    /// Fault exception of the processor at this address.
     Exception {
-        /// The program counter.
+        /// Program counter.
         pc: u32,
     },
 }
 
-/// The words, wherever the board keeps them. Any bits are allowed: what a cold start left there is recognised.
+/// Retained words, at the board's address. They may have any content: random content after a cold start is recognised.
 #[derive(Clone, Copy)]
 pub struct Retained<'a> {
     words: &'a [AtomicU32; WORDS],
 }
 
-/// How many words are retained.
+/// Number of retained words.
 pub const WORDS: usize = 4;
 
-/// What a start finds.
+/// Information that a start finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Start {
-    /// How often this image started since the words were lost, from 0.
+    /// Number of starts of this image since the words were lost, from 0.
     pub boot: u32,
-    /// Whether the words were there: the machine was reset, its supply did not fail.
+    /// Whether the words were valid: the machine was reset, its supply did not fail.
     pub warm: bool,
-    /// What the life before said, if it said anything.
+    /// Reason of the last reset, if the image stored one.
     pub farewell: Option<Farewell>,
 }
 
@@ -57,17 +57,17 @@ const PANIC: u32 = 3;
 const EXCEPTION: u32 = 4;
 
 impl<'a> Retained<'a> {
-    /// From words that no start-up code clears.
+    /// Creates it from words that no start-up code clears.
     pub const fn new(words: &'a [AtomicU32; WORDS]) -> Self {
         Self { words }
     }
 
-    /// Whether an earlier life left the words: the machine was reset, its supply did not fail.
+    /// Returns whether the words were written before the reset: the machine was reset, its supply did not fail.
     pub fn is_warm(&self) -> bool {
         self.word(CHECK) == self.check()
     }
 
-    /// A new life begins: takes what the last one said and counts on. Call once per start.
+    /// Begins a new run: reads the stored reason and increments the counter. Call it once per start.
     pub fn start(&self) -> Start {
         let warm = self.is_warm();
         let boot = if warm {
@@ -84,7 +84,7 @@ impl<'a> Retained<'a> {
         }
     }
 
-    /// Says why this life ends. Never waits and cannot fail; only the first word counts.
+    /// Stores the reason for the coming reset. It never waits and cannot fail; only the first reason counts.
     pub fn say(&self, farewell: Farewell) {
         if self.word(REASON) != NO_REASON {
             return;
@@ -120,7 +120,8 @@ impl<'a> Retained<'a> {
         self.words[index].load(Ordering::Relaxed)
     }
 
-    /// CRC-32 over the other words, so that what a cold start finds is taken for a message once in 2³² times.
+    /// Returns the CRC-32 over the other words, so that random content after a cold start counts as valid once in 2³²
+    /// times.
     fn check(&self) -> u32 {
         let words = [self.word(BOOT), self.word(REASON), self.word(DETAIL)];
         values_digest(&words.map(u32::cast_signed))
@@ -128,7 +129,7 @@ impl<'a> Retained<'a> {
 }
 
 impl Farewell {
-    /// What the link tells of it.
+    /// Returns the cause of the reset for the link.
     pub const fn cause(self) -> ResetCause {
         match self {
             Self::Requested => ResetCause::Software,

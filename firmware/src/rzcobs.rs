@@ -1,29 +1,30 @@
-//! The encoding of the log's frames: rzCOBS, as the logging framework defines it.
+//! Encoding of the log's frames: rzCOBS, as defined by the logging framework.
 //!
-//! The framework brings an encoder as well, but it can panic where overflow is checked, and nothing in the image may.
+//! The framework has an encoder as well, but it can panic where overflow is checked, and nothing in the image may
+//! panic.
 
-/// Encodes one frame after the other so that no byte of it is zero, but for one after its end.
+/// Encoder of successive frames: no byte of a frame is zero, except one after its end.
 ///
 /// ```text
 /// 0xxx_xxxx  ends up to seven bytes: a one stands for a zero byte, a zero for one of the bytes before, lowest bit first
 /// 1nnn_nnnn  ends n + 7 bytes without a zero among them, and stands for the zero after them
 /// 1111_1111  ends 134 bytes without a zero among or after them
 /// ```
-/// Read backwards from the end of a frame ("r"), so that the encoder needs no memory of the bytes.
+/// The encoding is read backwards from the end of a frame ("r"), so that the encoder needs no memory of the bytes.
 pub struct Rzcobs {
-    /// Bytes since the last code.
+    /// Number of bytes since the last code.
     run: u8,
-    /// Which of the first seven of them are zero, lowest bit first.
+    /// Zero bytes among the first seven of them, lowest bit first.
     zeros: u8,
 }
 
-/// Bytes that a code of the first kind has room for.
+/// Largest number of bytes of a code of the first kind.
 const SHORT: u8 = 7;
-/// Bytes after which a code of the third kind comes.
+/// Number of bytes after which a code of the third kind comes.
 const LONG: u8 = 134;
 
 impl Rzcobs {
-    /// Before a frame.
+    /// Creates an encoder before a frame.
     #[expect(
         clippy::new_without_default,
         reason = "meant for a static, which needs a constant"
@@ -32,7 +33,7 @@ impl Rzcobs {
         Self { run: 0, zeros: 0 }
     }
 
-    /// The next byte of the frame.
+    /// Encodes the next byte of the frame.
     pub fn write(&mut self, byte: u8, mut put: impl FnMut(u8)) {
         if byte != 0 {
             put(byte);
@@ -53,11 +54,11 @@ impl Rzcobs {
         *self = Self::new();
     }
 
-    /// The end of the frame.
+    /// Ends the frame.
     pub fn end(&mut self, mut put: impl FnMut(u8)) {
         match self.run {
             0 => {}
-            // What is missing of seven reads as zeros, which the reader drops.
+            // Bytes missing to seven read as zeros, which the reader drops.
             run @ 1..SHORT => put((self.zeros | 0xff << run) & 0x7f),
             _ => put(self.long_code()),
         }
@@ -102,7 +103,7 @@ mod tests {
         }
     }
 
-    /// Mostly zeros, few zeros, none: each kind of code is met.
+    /// Generates frames with mostly zeros, few zeros, and none, so that each kind of code occurs.
     fn frames() -> impl Strategy<Value = Vec<u8>> {
         (0_u8..=20).prop_flat_map(|weight| {
             let byte = prop_oneof![1 => Just(0), u32::from(weight) => 1..=u8::MAX];
@@ -111,7 +112,7 @@ mod tests {
     }
 
     proptest! {
-        /// Against the decoder of another author, which the host's tools use.
+        /// Comparison with the decoder of another author, which the host's tools use.
         #[test]
         fn a_decoder_finds_the_frame_and_no_byte_before_the_end_is_zero(frame in frames()) {
             let encoded = encoded(&frame);
@@ -119,7 +120,7 @@ mod tests {
             prop_assert_eq!(*end, 0);
             prop_assert!(!code.contains(&0));
             let mut decoded = rzcobs::decode(code).unwrap();
-            // What fills the last code up reads as zeros; the framework allows for them.
+            // The filling of the last code reads as zeros; the framework allows for them.
             let filled = decoded.split_off(frame.len().min(decoded.len()));
             prop_assert!(filled.len() < 7 && filled.iter().all(|byte| *byte == 0));
             prop_assert_eq!(decoded, frame);

@@ -1,7 +1,7 @@
-//! The controller against itself on another machine: a long deterministic run, told as digests.
+//! Comparison of the controller on two machines: a long deterministic run, reported as digests.
 //!
-//! Every configuration of `CONFIGURATIONS` is stepped `STEPS` times through the same random walk. Every word of every
-//! output and of every state goes into one digest, which is shown each `BLOCK` steps and at the end:
+//! Every configuration of `CONFIGURATIONS` runs `STEPS` steps of the same random walk. Every word of every output and
+//! of every state is folded into one digest, which is shown each `BLOCK` steps and at the end:
 //! ```text
 //! config=thesis step=1024 digest=00c0ffee00c0ffee
 //! config=thesis steps=65536 digest=0123456789abcdef
@@ -21,31 +21,31 @@ use digest::Digest;
 use line::Line;
 use walk::Walk;
 
-/// Steps between two shown digests.
+/// Number of steps between two shown digests.
 const BLOCK: u32 = 1024;
-/// Steps of one configuration.
+/// Number of steps of one configuration.
 const STEPS: u32 = 64 * BLOCK;
 
-// What the evidence says of the comparison holds for any list of configurations.
+// The evidence states at least a million steps; this checks it for any list of configurations.
 const _: () = assert!(CONFIGURATIONS.len() * STEPS as usize >= 1_000_000);
 
-/// Whoever watches a self-test.
+/// Receiver of the lines of a self-test.
 pub trait Watcher {
     /// Shows one line, without its end.
     ///
     /// # Errors
-    /// The line did not get out: nobody watches, or the channel is closed.
+    /// Returns an error if the line could not be shown: nothing receives it, or the channel is closed.
     fn show(&mut self, line: &str) -> Result<(), NotShown>;
 }
 
-/// A line did not get out.
+/// Error: a line could not be shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotShown;
 
-/// Why a self-test did not come to its end. The reason is shown where there is still somebody to show it to.
+/// Reason why a self-test was incomplete. It is shown if the channel still works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Incomplete {
-    /// A line did not get out.
+    /// A line could not be shown.
     NotShown,
     /// The controller refused one of the configurations.
     Refused,
@@ -59,11 +59,11 @@ impl From<NotShown> for Incomplete {
 
 /// Runs all configurations and shows their digests. No output reaches a coil.
 ///
-/// `flip` gives the bits to flip in the first output word of a configuration's step. It exists so that the comparison of
-/// two machines can be shown to notice; zero otherwise.
+/// `flip` gives the bits to flip in the first output word of a configuration's step, zero in normal use. It exists to
+/// show that the comparison of two machines detects a difference.
 ///
 /// # Errors
-/// [`Incomplete`]: the test has no result.
+/// Returns [`Incomplete`] if the test has no result.
 pub fn run(watcher: &mut impl Watcher, flip: impl Fn(&str, u32) -> u32) -> Result<(), Incomplete> {
     for (name, settings) in &CONFIGURATIONS {
         let Ok(config) = Config::new(settings) else {
@@ -96,10 +96,10 @@ pub fn run(watcher: &mut impl Watcher, flip: impl Fn(&str, u32) -> u32) -> Resul
     Ok(())
 }
 
-/// Shows how deep the stack was used: `stack used=312 of=65536`, in bytes.
+/// Shows the stack usage: `stack used=312 of=65536`, in bytes.
 ///
 /// # Errors
-/// The line did not get out.
+/// Returns an error if the line could not be shown.
 pub fn show_stack(watcher: &mut impl Watcher, used: u32, reserved: u32) -> Result<(), NotShown> {
     let line = Line::new().text("stack used=").decimal(used);
     watcher.show(line.text(" of=").decimal(reserved).as_str())
@@ -118,7 +118,7 @@ fn told(name: &str, key: &str, steps: u32, digest: Digest) -> Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    /// Keeps what it is shown, up to a number of lines.
+    /// Receiver that stores the lines, up to a limit.
     struct Listener {
         lines: Vec<String>,
         room: usize,
@@ -155,7 +155,7 @@ mod tests {
         }
     }
 
-    /// A choice that changed nothing would be compared in name only.
+    /// A choice without any effect on the digest would not really be compared.
     #[test]
     fn no_two_configurations_end_with_the_same_digest() {
         let lines = lines(|_, _| 0);
@@ -168,7 +168,7 @@ mod tests {
         assert_eq!(digests.len(), CONFIGURATIONS.len());
     }
 
-    /// The canary: step 4711 lies in the fifth block of its configuration.
+    /// Canary: step 4711 is in the fifth block of its configuration.
     #[test]
     fn one_flipped_bit_shows_from_its_block_to_the_end_of_its_configuration_and_nowhere_else() {
         let honest = lines(|_, _| 0);

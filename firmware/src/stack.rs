@@ -1,13 +1,13 @@
-//! How deep the stack was used, by the paint that the start-up code gave it.
+//! Stack usage, measured by the paint of the start-up code.
 
 use core::ptr;
 
-/// What the start-up code fills the stack with before `main` (cortex-m-rt, `paint-stack`).
+/// Value with which the start-up code fills the stack before `main` (cortex-m-rt, `paint-stack`).
 const PAINT: u32 = 0xcccc_cccc;
 
-/// The deepest use so far and the room there is, in bytes.
+/// Returns the largest stack usage so far and the reserved size, in bytes.
 ///
-/// Takes a few instructions per free word: not for a sample.
+/// It takes a few instructions per free word, too many for a sample.
 pub(crate) fn used_of_reserved() -> (u32, u32) {
     unsafe extern "C" {
         static _stack_start: u32;

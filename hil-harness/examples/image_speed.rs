@@ -1,6 +1,6 @@
-//! How fast the devices go in lock step, plant included: in process, and the image in QEMU over its two wires.
+//! Speed of the devices in lock step, including the plant: in process, and the image in QEMU over its two wires.
 //!
-//! `cargo run --release -p hil-harness --example image_speed [ELF]`; without an image it goes in process alone.
+//! `cargo run --release -p hil-harness --example image_speed [ELF]`; without an image only in process.
 
 use std::env;
 use std::error::Error;

@@ -1,4 +1,4 @@
-//! Runs every built-in scenario on many scattered rigs and prints how the loop stands.
+//! Runs every built-in scenario on many scattered rigs and prints the results.
 //!
 //! `cargo run -p hil-harness --example rigs --release [-- RIGS]`
 
@@ -12,7 +12,7 @@ use hil_harness::scenario::{
 use hil_harness::{controller_file, rigs};
 
 const RIGS: u32 = 200;
-/// Not the seed of the rigs that the recommended controller was tuned on, which is 1.
+/// Seed of the rigs; the recommended controller was tuned on those of seed 1.
 const SEED: u64 = 2026;
 
 fn main() -> ExitCode {

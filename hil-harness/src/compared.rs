@@ -1,4 +1,4 @@
-//! Two devices that must be one: the same bits at every sample.
+//! Comparison of two devices that must give the same bits at every sample.
 
 use ecu::EcuSettings;
 
@@ -6,7 +6,7 @@ use crate::device::{DeviceUnderTest, DutError};
 use crate::difference::Difference;
 use crate::wire::{Answer, Sensors};
 
-/// Two devices that get the same samples. The first answer in which they differ ends the run.
+/// Two devices that get the same samples. The first different answer ends the run.
 #[derive(Clone, Debug)]
 pub struct Compared<A, B> {
     reference: A,
@@ -15,7 +15,7 @@ pub struct Compared<A, B> {
 }
 
 impl<A: DeviceUnderTest, B: DeviceUnderTest> Compared<A, B> {
-    /// `device` beside the `reference` that it must be equal to.
+    /// Creates the comparison of `device` with the `reference` that it must be equal to.
     pub const fn new(reference: A, device: B) -> Self {
         Self {
             reference,
@@ -24,12 +24,12 @@ impl<A: DeviceUnderTest, B: DeviceUnderTest> Compared<A, B> {
         }
     }
 
-    /// Samples in which both were equal.
+    /// Returns the number of samples in which both were equal.
     pub const fn samples(&self) -> u64 {
         self.samples
     }
 
-    /// The device beside the reference.
+    /// Returns the compared device.
     pub const fn device_mut(&mut self) -> &mut B {
         &mut self.device
     }
@@ -75,7 +75,7 @@ mod tests {
     use crate::run::{RunError, run};
     use crate::scenario::Scenario;
 
-    /// An ECU of whose state one bit is lost on the way.
+    /// ECU that loses one bit of its state.
     struct Flipped(InProcess, u32);
 
     impl DeviceUnderTest for Flipped {

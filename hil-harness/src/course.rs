@@ -1,4 +1,4 @@
-//! The signals of a run, as a recording.
+//! Signals of a run, as a recording.
 
 use recording::{AddSignalError, Provenance, Recording, TimeBase, TimeBaseError, Unit};
 
@@ -6,22 +6,22 @@ use crate::scenario::Scenario;
 use crate::wire::{self, Exchange};
 use crate::world::World;
 
-/// Why what was simulated makes no recording.
+/// Reason why simulated data gives no recording.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotRecorded {
-    /// The instants make no time base.
+    /// The instants give no time base.
     #[error(transparent)]
     TimeBase(#[from] TimeBaseError),
-    /// The simulated values make no signal.
+    /// The simulated values give no signal.
     #[error(transparent)]
     Signal(#[from] AddSignalError),
 }
 
-/// The signals of a run from time 0 on, by name and unit.
+/// Signals of a run from time 0 on, by name and unit.
 pub(crate) struct Course {
     columns: [(&'static str, Unit, Vec<f64>); 12],
-    /// Lifts of the valves before time 0.
+    /// Number of lifts of the valves before time 0.
     lifts_before: Option<[u32; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! Devices under test: whatever answers to sensors with duty cycles.
+//! Devices under test, which answer to sensors with duty cycles.
 
 use ecu::{EcuConfigError, EcuSettings};
 
@@ -6,77 +6,77 @@ use crate::difference::Difference;
 use crate::link::LinkError;
 use crate::wire::{Answer, FULL_DUTY, Sensors};
 
-/// An ECU somewhere: in this process, in an emulator, on a board.
+/// ECU in this process, in an emulator, or on a board.
 ///
 /// ```text
 /// plant -> sensors, reference -> exchange -> duty cycles of the coils -> plant      once per sample
 /// ```
 pub trait DeviceUnderTest {
-    /// What it is: kind, name, version; for the record of a run.
+    /// Returns the identity: kind, name, version; for the record of a run.
     fn identity(&self) -> String;
 
-    /// With these settings, in the state after power-on.
+    /// Starts the device with these settings, in the state after power-on.
     ///
     /// # Errors
-    /// The device cannot be reached, or the settings are out of bounds.
+    /// Returns an error if the device cannot be reached, or the settings are out of bounds.
     fn start(&mut self, settings: &EcuSettings) -> Result<(), DutError>;
 
-    /// One sample.
+    /// Runs one sample.
     ///
     /// # Errors
-    /// The device did not answer, or what it answered is no pair of duty cycles. The run ends then.
+    /// Returns an error if the device did not answer, or its answer is no pair of duty cycles. The run ends then.
     fn exchange(&mut self, sensors: &Sensors) -> Result<Answer, DutError>;
 
-    /// What it logged since the last call, oldest line first; nothing from a device that does not log.
+    /// Returns the log since the last call, oldest line first; empty for a device without a log.
     ///
     /// # Errors
-    /// The device cannot be reached.
+    /// Returns an error if the device cannot be reached.
     fn take_log(&mut self) -> Result<Vec<String>, DutError> {
         Ok(Vec::new())
     }
 }
 
-/// Why a device gave no duty cycles.
+/// Reason why a device gave no duty cycles.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DutError {
-    /// No answer, or none that can be used.
+    /// There is no answer, or an unusable one.
     #[error(transparent)]
     Link(#[from] LinkError),
     /// The settings are out of bounds.
     #[error(transparent)]
     Settings(#[from] EcuConfigError),
-    /// Two devices that must be one are not.
+    /// Two devices that must be equal differ.
     #[error("{0}")]
     Different(Box<Difference>),
-    /// An answer to another sample.
+    /// The answer belongs to another sample.
     #[error(
         "the answer to sample {expected} carries number {found}: one was lost or repeated on the way"
     )]
     OtherSample {
-        /// Sample that was sent.
+        /// Number of the sent sample.
         expected: u32,
-        /// Sample that was answered.
+        /// Number of the answered sample.
         found: u32,
     },
-    /// A duty cycle that no PWM can give.
+    /// The duty cycle is impossible for a PWM.
     #[error(
         "sample {sample}: {bits} units of 2^-16 % for the {valve} valve is beyond 100 % (6553600 units)"
     )]
     ImpossibleDuty {
-        /// Sample that was answered.
+        /// Number of the answered sample.
         sample: u32,
         /// `fill` or `vent`.
         valve: &'static str,
-        /// What was answered.
+        /// Answered value.
         bits: u32,
     },
 }
 
-/// `answer`, if it is one to `sensors` and a PWM can give it.
+/// Returns `answer`, if it belongs to `sensors` and a PWM can output it.
 ///
 /// # Errors
-/// It is not.
+/// Returns an error otherwise.
 pub fn plausible(sensors: &Sensors, answer: Answer) -> Result<Answer, DutError> {
     if answer.sample != sensors.sample {
         return Err(DutError::OtherSample {

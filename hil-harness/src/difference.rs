@@ -1,21 +1,21 @@
-//! The first sample in which two devices differ.
+//! First sample in which two devices differ.
 
 use core::fmt;
 
 use crate::wire::{Answer, Sensors};
 
-/// The first sample in which two devices differ.
+/// First sample in which two devices differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// What both were told.
+    /// Sensors that both got.
     pub sensors: Sensors,
-    /// Who they are.
+    /// Identities of the devices.
     pub devices: [String; 2],
-    /// What each answered, with its state after the sample.
+    /// Answers of the devices, with their state after the sample.
     pub answers: [Answer; 2],
 }
 
-/// Every number of an answer, by name.
+/// Returns every number of an answer, by name.
 fn rows(answer: &Answer) -> Vec<(String, i64)> {
     let Answer {
         sample,

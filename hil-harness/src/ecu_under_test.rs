@@ -1,4 +1,4 @@
-//! An ECU at the end of a link, and the one in this process.
+//! ECU at the end of a link, and the ECU in this process.
 
 use ecu::black_box;
 use ecu::calibration::{CheckedSettings, SettingValues};
@@ -11,33 +11,33 @@ use crate::device::{DeviceUnderTest, DutError, plausible};
 use crate::link::{Direct, Link, LinkError};
 use crate::wire::{Answer, Sensors};
 
-/// An ECU at the end of a link, whatever the link is.
+/// ECU at the end of any link.
 #[derive(Clone, Debug)]
 pub struct EcuUnderTest<L> {
     link: L,
 }
 
 impl<L: Link> EcuUnderTest<L> {
-    /// The ECU at the end of this link.
+    /// Creates the ECU at the end of this link.
     pub const fn at(link: L) -> Self {
         Self { link }
     }
 
-    /// The link.
+    /// Returns the link.
     pub const fn link(&self) -> &L {
         &self.link
     }
 
-    /// The link, to ask what a run does not ask.
+    /// Returns the link, for requests that a run does not make.
     pub const fn link_mut(&mut self) -> &mut L {
         &mut self.link
     }
 }
 
-/// Puts settings into effect, whole and with the next sample, and leaves the ECU's state as it is.
+/// Applies settings, all at once from the next sample on, and does not change the ECU's state.
 ///
 /// # Errors
-/// The device cannot be reached, or refuses: then nothing has changed.
+/// Returns an error if the device cannot be reached or refuses; nothing has changed then.
 pub fn set(link: &mut (impl Link + ?Sized), settings: &SettingValues) -> Result<(), LinkError> {
     let mut first = 0;
     for chunk in settings.as_array().chunks(VALUES_MAX) {
@@ -49,10 +49,10 @@ pub fn set(link: &mut (impl Link + ?Sized), settings: &SettingValues) -> Result<
     carry_out(link, &Request::Apply { digest })
 }
 
-/// Asks for what has no answer but that it was done.
+/// Sends a request whose only answer is its completion.
 ///
 /// # Errors
-/// The device cannot be reached, or refuses.
+/// Returns an error if the device cannot be reached or refuses.
 pub fn carry_out(link: &mut (impl Link + ?Sized), request: &Request) -> Result<(), LinkError> {
     match link.ask(request)? {
         Reply::Done => Ok(()),
@@ -66,7 +66,7 @@ impl<L: Link> DeviceUnderTest for EcuUnderTest<L> {
     }
 
     fn start(&mut self, settings: &EcuSettings) -> Result<(), DutError> {
-        // Here the field that is out of bounds has its name; the device would say its number.
+        // Here the error names the field that is out of bounds; the device would return its number.
         EcuConfig::new(settings)?;
         set(&mut self.link, &SettingValues::of(settings))?;
         let cause = ResetCause::PowerOn;
@@ -87,15 +87,15 @@ impl<L: Link> DeviceUnderTest for EcuUnderTest<L> {
     }
 }
 
-/// Words of the black box: as many records as the image keeps, so that the two read the same.
+/// Number of words of the black box, for the same number of records as the image, so that both read equally.
 const BLACK_BOX_WORDS: usize = black_box::words(512);
-/// Bytes of the settings' memory: two copies.
+/// Size of the settings' memory (bytes): two copies.
 const FLASH_BYTES: usize = SettingsStore::<RamFlash<0>>::BYTES;
 
-/// The ECU with its settings store and black box, outside of any machine.
+/// ECU with its settings store and black box, outside of any machine.
 pub type EcuInProcess = EcuDevice<RamFlash<FLASH_BYTES>, Vec<u32>>;
 
-/// An ECU as it leaves the factory, set for the bench.
+/// Creates a new ECU, set for the bench.
 pub fn ecu_in_process() -> EcuInProcess {
     const BENCH: CheckedSettings = match CheckedSettings::new(&EcuSettings::bench()) {
         Ok(settings) => settings,
@@ -112,11 +112,11 @@ pub fn ecu_in_process() -> EcuInProcess {
     EcuDevice::start(image, &BENCH, RamFlash::new(), memory, ResetCause::PowerOn)
 }
 
-/// The ECU's logic in this process: what every other device is compared with.
+/// Logic of the ECU in this process, with which every other device is compared.
 pub type InProcess = EcuUnderTest<Direct<EcuInProcess>>;
 
 impl InProcess {
-    /// An ECU that was just switched on.
+    /// Creates an ECU that was just switched on.
     pub fn new() -> Self {
         Self::at(Direct::open(ecu_in_process()))
     }

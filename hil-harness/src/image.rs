@@ -1,4 +1,4 @@
-//! The image's file: where it is, and the texts of its log.
+//! File of the image: its place, and the texts of its log.
 
 use std::env;
 use std::fs;
@@ -9,7 +9,7 @@ use hil_protocol::crc32;
 
 use crate::image_log::{ImageLog, ImageLogError};
 
-/// An image with the texts of its log.
+/// Image with the texts of its log.
 #[derive(Debug)]
 pub struct Image {
     path: PathBuf,
@@ -17,14 +17,14 @@ pub struct Image {
     log: ImageLog,
 }
 
-/// Where `cargo xtask image` puts the image, below cargo's target folder.
+/// Place of the image built by `cargo xtask image`, below cargo's target folder.
 pub const PLACE: &str = "arm/thumbv7em-none-eabihf/firmware/firmware";
 
-/// Why there is no image.
+/// Reason why there is no image.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// Not built yet.
+    /// The image is not built yet.
     #[error(
         "there is no image at {PLACE} below cargo's target folder; build it with `cargo xtask image`, or name its ELF file \
          with --image"
@@ -33,26 +33,26 @@ pub enum ImageError {
     /// The file cannot be read.
     #[error("{}: {error}; build it with `cargo xtask image`", path.display())]
     Read {
-        /// Where it was looked for.
+        /// Path that was tried.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// Not the file of an image.
+    /// The file is not that of an image.
     #[error("{}: {error}", path.display())]
     Log {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Error of the log.
         error: ImageLogError,
     },
 }
 
 impl Image {
-    /// The image in this file, or the one that `cargo xtask image` has built.
+    /// Returns the image in this file, or the one built by `cargo xtask image`.
     ///
     /// # Errors
-    /// There is none, or it is no ELF file.
+    /// Returns an error if there is none, or it is no ELF file.
     pub fn find(named: Option<&Path>) -> Result<Self, ImageError> {
         match named {
             Some(path) => Self::read(path),
@@ -76,24 +76,24 @@ impl Image {
         })
     }
 
-    /// Its file.
+    /// Returns the path of its file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Its file's name and checksum, for the record of a run.
+    /// Returns its file's name and checksum, for the record of a run.
     pub fn name(&self) -> String {
         let name = self.path.file_name().unwrap_or(self.path.as_os_str());
         format!("{} (CRC-32 {:08x})", name.to_string_lossy(), self.crc)
     }
 
-    /// The texts of its log.
+    /// Returns the texts of its log.
     pub fn into_log(self) -> ImageLog {
         self.log
     }
 }
 
-/// The image below the target folder that this program was built into, or below the present folder's.
+/// Returns the image below the target folder of this program, or below that of the present folder.
 fn built() -> Option<PathBuf> {
     let program = env::current_exe().unwrap_or_default();
     let above = program.ancestors().map(|folder| folder.join(PLACE));

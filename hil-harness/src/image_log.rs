@@ -1,32 +1,32 @@
-//! The log of an image, from the bytes that it sends to lines that a person reads.
+//! Log of an image, decoded from bytes to readable lines.
 //!
-//! The image sends numbers only (defmt); the texts stand in its ELF file.
+//! The image sends numbers only (defmt); the texts are in its ELF file.
 
 use defmt_decoder::{Encoding, Table};
 use ecu::FaultSet;
 
-/// Decodes the log of one device.
+/// Decoder of one device's log.
 #[derive(Debug, Default)]
 pub struct ImageLog {
-    /// Texts of the image; none where its ELF file is not at hand.
+    /// Texts of the image; `None` without its ELF file.
     table: Option<Table>,
-    /// What has come of a frame that is not complete.
+    /// Received part of an incomplete frame.
     begun: Vec<u8>,
-    /// Bytes that the device has lost in all, so far.
+    /// Total number of bytes that the device has lost so far.
     lost: u32,
 }
 
-/// Why the texts of a log cannot be read from an ELF file.
+/// Reason why the texts of a log cannot be read from an ELF file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageLogError {
-    /// Not an ELF file, or made by another version of the logging framework.
+    /// The file is no ELF file, or was made by another version of the logging framework.
     #[error("its log cannot be read: {reason}")]
     Table {
-        /// What the decoder says.
+        /// Error of the decoder.
         reason: String,
     },
-    /// Frames that a lost byte would put out of step for ever.
+    /// The frames would lose synchronisation permanently after a lost byte.
     #[error(
         "its log has no frame ends (defmt encoding `raw`): build it with defmt's feature `encoding-rzcobs`"
     )]
@@ -34,15 +34,15 @@ pub enum ImageLogError {
 }
 
 impl ImageLog {
-    /// A log whose texts are not at hand: lines say how many bytes came.
+    /// Creates a log without texts: lines give the number of bytes.
     pub fn without_texts() -> Self {
         Self::default()
     }
 
-    /// A log whose texts stand in this ELF file.
+    /// Creates a log with the texts of this ELF file.
     ///
     /// # Errors
-    /// The file is none, or its log cannot be decoded.
+    /// Returns an error if the file is no ELF file, or its log cannot be decoded.
     pub fn of_elf(elf: &[u8]) -> Result<Self, ImageLogError> {
         let table = Table::parse(elf).map_err(|error| ImageLogError::Table {
             reason: format!("{error:#}"),
@@ -56,7 +56,7 @@ impl ImageLog {
         }
     }
 
-    /// The lines that `bytes` complete. `lost` is what the device has lost since its start.
+    /// Returns the lines that `bytes` complete. `lost` is the number of bytes that the device has lost since its start.
     pub fn decode(&mut self, bytes: &[u8], lost: u32) -> Vec<String> {
         let mut lines = Vec::new();
         let mut bytes = bytes;
@@ -66,7 +66,7 @@ impl ImageLog {
                 lost.wrapping_sub(self.lost)
             ));
             self.lost = lost;
-            // What was begun has lost its end, and what comes next its beginning.
+            // The begun frame has lost its end, and the next one its beginning.
             self.begun.clear();
             let end = bytes.iter().position(|byte| *byte == 0);
             bytes = end.map_or(&[][..], |end| &bytes[end..]);
@@ -95,12 +95,12 @@ impl ImageLog {
     }
 }
 
-/// One frame, without its end.
+/// Decodes one frame, without its end.
 fn line(table: &Table, frame: &[u8]) -> String {
     let mut decoder = table.new_stream_decoder();
     decoder.received(frame);
     decoder.received(&[0]);
-    // What else can go wrong with a whole frame is that it is damaged.
+    // A complete frame can only fail because it is damaged.
     decoder.decode().map_or_else(
         |_| "... a damaged line ...".to_owned(),
         |frame| {
@@ -116,7 +116,7 @@ fn line(table: &Table, frame: &[u8]) -> String {
     )
 }
 
-/// A line in which sets of faults are named, where the image sent their bits.
+/// Returns a line with the names of faults where the image sent their bits.
 fn with_fault_names(line: &str) -> String {
     const SET: &str = "FaultSet(";
     let mut named = String::new();

@@ -1,24 +1,25 @@
-//! What happens before time 0.
+//! Lead-in: the time before time 0.
 //!
-//! After a reset an ECU fills nothing until it has seen the reference at zero. A run therefore begins as a drive does: the ECU
-//! starts beside a chamber at ambient pressure and is told zero; if the scenario starts from another pressure, the loop then
-//! fills the chamber to it by itself. Only then comes time 0, with the chamber at exactly the scenario's start.
-//! Nothing before time 0 is recorded or judged, so a check means what it meant without a lead-in.
+//! After a reset an ECU fills nothing until the reference was zero. Therefore a run begins like a drive: the ECU starts
+//! with a chamber at ambient pressure and a reference of zero. If the scenario starts from another pressure, the loop
+//! then fills the chamber to it. Time 0 follows, with the chamber at exactly the scenario's start pressure. Nothing
+//! before time 0 is recorded or judged, so a check has the same meaning as without a lead-in.
 
-/// What is asked of the loop before time 0.
+/// References before time 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeadIn {
     start_bar: f64,
     fill_samples: u32,
 }
 
-/// The reference is zero for this long \[samples\]: twice what the ECU wants to see.
+/// Duration of the reference of zero (samples): twice what the ECU requires.
 const ZERO_SAMPLES: u32 = 20;
-/// The loop has this long to reach the start \[s\]: four times T_req.
+/// Time for the loop to reach the start pressure (s): four times T_req.
 const FILL_S: f64 = 2.0;
 
 impl LeadIn {
-    /// Of a scenario that starts from `start_bar` [bar gauge], with an ECU that samples every `sample_time_s` \[s\].
+    /// Creates the lead-in of a scenario that starts from `start_bar` (bar gauge), with an ECU that samples every
+    /// `sample_time_s` (s).
     pub(crate) fn to(start_bar: f64, sample_time_s: f64) -> Self {
         Self {
             start_bar,
@@ -26,7 +27,7 @@ impl LeadIn {
         }
     }
 
-    /// How long it takes \[samples\].
+    /// Returns its duration (samples).
     pub fn samples(self) -> u32 {
         if self.start_bar > 0.0 {
             ZERO_SAMPLES + self.fill_samples
@@ -35,7 +36,7 @@ impl LeadIn {
         }
     }
 
-    /// The reference at one of its samples [bar gauge].
+    /// Returns the reference at one of its samples (bar gauge).
     pub fn reference_bar(self, sample: u32) -> f64 {
         if sample < ZERO_SAMPLES {
             0.0

@@ -1,11 +1,11 @@
-//! How a request reaches a device and its reply comes back.
+//! Transport of requests to a device and of its replies.
 //!
 //! ```text
 //! Direct:                 Request ------------------------------> Device        no frames
 //! Framed<Transport>:      Request -> HostSession -> frame -> wire -> DeviceSession -> Device
 //! ```
 //!
-//! The wall clock appears here and nowhere else in this crate, and only to bound waiting: no result depends on it.
+//! The wall clock is used only here in this crate, and only to limit waiting times: no result depends on it.
 
 mod direct;
 mod disturbed;
@@ -25,20 +25,20 @@ pub use loopback::Loopback;
 pub use serial::{BAUD_RATE, SerialError, SerialPort};
 pub use transport::{Stream, TimedStream, Transport, TransportError};
 
-/// A way to a device, in lock step.
+/// Link to a device, in lock step.
 pub trait Link {
-    /// What answers, and over what; for the record of a run.
+    /// Returns the identity of the device and of its link, for the record of a run.
     fn identity(&self) -> String;
 
-    /// Carries one request to the device and waits for its reply.
+    /// Sends one request to the device and waits for its reply.
     ///
     /// # Errors
-    /// No reply came in time, or the device refused.
+    /// Returns an error if no reply came in time, or the device refused.
     fn ask(&mut self, request: &Request) -> Result<Reply, LinkError>;
 
-    /// What the device logged since the last call, decoded, oldest line first.
+    /// Returns the log of the device since the last call, decoded, oldest line first.
     ///
     /// # Errors
-    /// As [`Link::ask`].
+    /// Returns the same errors as [`Link::ask`].
     fn take_log(&mut self) -> Result<Vec<String>, LinkError>;
 }

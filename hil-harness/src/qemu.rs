@@ -1,4 +1,4 @@
-//! The very image that would be flashed, on an emulated machine: QEMU's `mps2-an386`, a Cortex-M4F.
+//! Image on an emulated machine, the same image that would be flashed: QEMU's `mps2-an386`, a Cortex-M4F.
 //!
 //! ```text
 //!  Framed -- Wire::Mailbox: frames through memory that both map    [`SharedMemory`]
@@ -21,7 +21,7 @@ pub use emulator::{Clock, Emulator};
 pub use memory::SharedMemory;
 pub use wire::{QemuLink, Wire};
 
-/// Why there is no emulated device.
+/// Reason why there is no emulated device.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum QemuError {
@@ -33,34 +33,34 @@ pub enum QemuError {
         /// Name of the program.
         program: &'static str,
     },
-    /// The emulator or what it needs cannot be set up.
+    /// The emulator or its environment cannot be set up.
     #[error("{what}: {error}")]
     Io {
-        /// What was tried.
+        /// Step that failed.
         what: &'static str,
-        /// What the operating system says.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// The memory cannot be shared.
     #[error("the emulated machine's memory cannot be shared: {reason}")]
     Memory {
-        /// Why.
+        /// Reason of the failure.
         reason: String,
     },
     /// The emulator did not connect.
     #[error("the emulator did not connect its UART within {waited_ms} ms; it printed:\n{printed}")]
     NotConnected {
-        /// How long was waited \[ms\].
+        /// Waiting time (ms).
         waited_ms: u128,
-        /// What it printed.
+        /// Output of the emulator.
         printed: String,
     },
     /// The image does not answer.
     #[error("{image}: {error}")]
     Link {
-        /// The image's file.
+        /// File of the image.
         image: String,
-        /// Why.
+        /// Error of the link.
         error: Box<LinkError>,
     },
 }
@@ -68,7 +68,7 @@ pub enum QemuError {
 /// Starts the image and opens a session in lock step with it over `wire`.
 ///
 /// # Errors
-/// QEMU is missing or fails, or the image does not answer.
+/// Returns an error if QEMU is missing or fails, or the image does not answer.
 pub fn start(image: Image, wire: Wire) -> Result<Framed<QemuLink>, QemuError> {
     open(image, wire, Clock::Host, Pace::LockStep)
 }
@@ -76,7 +76,7 @@ pub fn start(image: Image, wire: Wire) -> Result<Framed<QemuLink>, QemuError> {
 /// Starts the image on a machine with this clock, and opens a session with it over `wire`.
 ///
 /// # Errors
-/// As [`start`].
+/// Returns the same errors as [`start`].
 pub fn open(
     image: Image,
     wire: Wire,
@@ -91,7 +91,7 @@ pub fn open(
     })
 }
 
-/// How long is waited for an emulated device. A busy machine may leave an emulator without processor for seconds.
+/// Timeouts for an emulated device. A busy machine may leave an emulator without processor time for seconds.
 pub const PATIENCE: Patience = Patience {
     reply: Duration::from_secs(3),
     tries: 3,

@@ -1,5 +1,5 @@
-//! Chance that can be repeated: every number is a function of a seed, a stream and a counter, so that one draw more in one
-//! place changes nothing in another.
+//! Repeatable random numbers: every number is a function of a seed, a stream and a counter, so that an additional draw
+//! in one place changes nothing in another.
 
 /// Source of the numbers of one stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,7 +7,7 @@ pub struct Random {
     key: u64,
 }
 
-/// What the numbers are for; each use has its own stream.
+/// Use of the numbers; each use has its own stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stream {
     /// Noise of the pressure sensor, one draw per sample.
@@ -16,33 +16,33 @@ pub enum Stream {
     RigScatter,
     /// Seeds of the rigs of a batch, one draw per rig.
     RigSeed,
-    /// What an ECU is fed to compare it with another one.
+    /// Inputs of an ECU for a comparison with another one.
     Walk,
-    /// What happens to frames on a bad wire.
+    /// Disturbances of frames on a bad wire.
     Wire,
 }
 
 impl Random {
-    /// The numbers of `stream` under `seed`.
+    /// Creates the numbers of `stream` under `seed`.
     pub fn new(seed: u64, stream: Stream) -> Self {
         Self {
             key: mix(mix(seed).wrapping_add(stream as u64)),
         }
     }
 
-    /// Number `counter`, all 64 bits uniform.
+    /// Returns number `counter`, all 64 bits uniform.
     pub fn bits(&self, counter: u64) -> u64 {
         mix(self.key ^ mix(counter))
     }
 
-    /// Number `counter`, uniform over -1 ..= 1 in steps of 2⁻⁵².
+    /// Returns number `counter`, uniform over -1 ..= 1 in steps of 2⁻⁵².
     pub fn symmetric(&self, counter: u64) -> f64 {
         let steps = (self.bits(counter) >> 11) as i64 - (1 << 52);
         steps as f64 / (1_u64 << 52) as f64
     }
 
-    /// Number `counter`, normally distributed with standard deviation 1 as far as the sum of twelve uniform numbers is; at
-    /// most ±6. A sum is the same on every machine, a logarithm need not be.
+    /// Returns number `counter`, normally distributed with standard deviation 1, approximated by the sum of twelve
+    /// uniform numbers; at most ±6. A sum is the same on every machine, a logarithm need not be.
     pub fn normal(&self, counter: u64) -> f64 {
         // A uniform number over -1 ..= 1 has variance 1/3: twelve of them, halved, have variance 1.
         (0..12)
@@ -52,7 +52,7 @@ impl Random {
     }
 }
 
-/// The numbers of a stream one after the other, for what is drawn as it comes.
+/// Numbers of a stream in sequence, for draws without a fixed counter.
 #[derive(Clone, Debug)]
 pub struct Draws {
     random: Random,
@@ -60,32 +60,33 @@ pub struct Draws {
 }
 
 impl Draws {
-    /// From number 0 on.
+    /// Creates the sequence from number 0 on.
     pub const fn new(random: Random) -> Self {
         Self { random, next: 0 }
     }
 
-    /// The next number, all 64 bits uniform.
+    /// Returns the next number, all 64 bits uniform.
     pub fn bits(&mut self) -> u64 {
         let bits = self.random.bits(self.next);
         self.next += 1;
         bits
     }
 
-    /// Uniform over 0 .. `bound`; 0 if there is nothing below it.
+    /// Returns a number uniform over 0 .. `bound`; 0 if `bound` is 0.
     pub fn below(&mut self, bound: u32) -> u32 {
         // The high half of a product with 32 random bits.
         (((self.bits() >> 32) * u64::from(bound)) >> 32) as u32
     }
 
-    /// Uniform over `from` ..= `to`.
+    /// Returns a number uniform over `from` ..= `to`.
     pub fn between(&mut self, from: f64, to: f64) -> f64 {
         let share = (self.bits() >> 11) as f64 / ((1_u64 << 53) - 1) as f64;
         from + (to - from) * share
     }
 }
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection in which every input bit reaches every output bit.
+/// Applies the finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection in which every input bit affects every
+/// output bit.
 fn mix(value: u64) -> u64 {
     let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,10 +1,10 @@
-//! What the chamber pressure is asked to do over time.
+//! Reference of the chamber pressure over time.
 
 use core::fmt;
 
 use recording::{ConversionError, MissingSignal, Quantity, Recording, Unit};
 
-/// Reference over time: holds, steps and ramps, built in the order of time.
+/// Reference over time: holds, steps and ramps, in the order of time.
 ///
 /// ```
 /// use hil_harness::ReferenceProfile;
@@ -17,7 +17,7 @@ use recording::{ConversionError, MissingSignal, Quantity, Recording, Unit};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceProfile {
-    /// In order of time; two at one instant are a step, and the later one counts.
+    /// Knots in order of time; two at one instant are a step, and the later one counts.
     knots: Vec<Knot>,
 }
 
@@ -27,24 +27,24 @@ struct Knot {
     reference_bar: f64,
 }
 
-/// A change of the reference: a step, or a ramp where it takes time.
+/// Change of the reference: a step, or a ramp if it has a duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// When it begins \[ns\].
+    /// Begin of the change (ns).
     pub time_ns: u64,
-    /// What it leads to [bar gauge].
+    /// Reference at its end (bar gauge).
     pub to_bar: f64,
-    /// How long it takes \[ns\].
+    /// Duration of the change (ns).
     pub within_ns: u64,
 }
 
-/// Lowest and highest reference [bar gauge]: vacuum, and the largest supply pressure that a controller can be set to.
+/// Lowest and highest reference (bar gauge): vacuum, and the largest supply pressure that a controller can be set to.
 pub const REFERENCE_RANGE_BAR: [f64; 2] = [-1.0, 15.0];
 
 const NS_PER_MS: u64 = 1_000_000;
 
 impl ReferenceProfile {
-    /// Begins at `reference_bar` [bar gauge].
+    /// Creates a profile that begins at `reference_bar` (bar gauge).
     pub fn starting_at(reference_bar: f64) -> Self {
         Self {
             knots: vec![Knot {
@@ -54,20 +54,20 @@ impl ReferenceProfile {
         }
     }
 
-    /// Rests for `duration_ms` \[ms\].
+    /// Appends a constant reference for `duration_ms` (ms).
     #[must_use]
     pub fn hold_ms(self, duration_ms: u32) -> Self {
         let reference_bar = self.last().reference_bar;
         self.ramp_to(reference_bar, duration_ms)
     }
 
-    /// Jumps to `reference_bar` [bar gauge].
+    /// Appends a step to `reference_bar` (bar gauge).
     #[must_use]
     pub fn step_to(self, reference_bar: f64) -> Self {
         self.ramp_to(reference_bar, 0)
     }
 
-    /// Goes straight to `reference_bar` [bar gauge] within `duration_ms` \[ms\].
+    /// Appends a linear ramp to `reference_bar` (bar gauge) within `duration_ms` (ms).
     #[must_use]
     pub fn ramp_to(mut self, reference_bar: f64, duration_ms: u32) -> Self {
         let time_ns = self.last().time_ns + u64::from(duration_ms) * NS_PER_MS;
@@ -78,11 +78,12 @@ impl ReferenceProfile {
         self
     }
 
-    /// The signal `p_ref` of a recording, such as a CSV with the columns `time_s` and `p_ref_bar_gauge`. Each value holds
-    /// until the next, and the first instant becomes time 0.
+    /// Creates a profile from the signal `p_ref` of a recording, such as a CSV with the columns `time_s` and
+    /// `p_ref_bar_gauge`. Each value is constant until the next, and the first instant becomes time 0.
     ///
     /// # Errors
-    /// There is no such signal, a value is missing (nothing is filled in), or a value is out of range.
+    /// Returns an error if there is no such signal, a value is missing (nothing is filled in), or a value is out of
+    /// range.
     pub fn from_recording(recording: &Recording) -> Result<Self, ProfileError> {
         let signal = recording.require("p_ref", Quantity::Pressure)?;
         let values = signal.values_in(Unit::BarGauge)?;
@@ -109,10 +110,11 @@ impl ReferenceProfile {
         Ok(profile)
     }
 
-    /// A profile from its reference at time 0 [bar gauge], its changes in the order of time, and its end \[ns\].
+    /// Creates a profile from its reference at time 0 (bar gauge), its changes in the order of time, and its end (ns).
     ///
     /// # Errors
-    /// A change begins before the one before it has ended, or ends after the end; a reference is out of range.
+    /// Returns an error if a change begins before the previous one has ended, or ends after the end, or if a reference
+    /// is out of range.
     pub fn from_changes(
         start_bar: f64,
         changes: &[Change],
@@ -143,7 +145,7 @@ impl ReferenceProfile {
         Ok(profile)
     }
 
-    /// What changes after time 0, in the order of time; see [`Self::from_changes`].
+    /// Returns the changes after time 0, in the order of time; see [`Self::from_changes`].
     pub fn changes(&self) -> Vec<Change> {
         self.knots
             .windows(2)
@@ -156,12 +158,12 @@ impl ReferenceProfile {
             .collect()
     }
 
-    /// The reference before anything changes [bar gauge].
+    /// Returns the reference before the first change (bar gauge).
     pub fn start_bar(&self) -> f64 {
         self.knots.first().map_or(0.0, |knot| knot.reference_bar)
     }
 
-    /// The reference at an instant [bar gauge]; the last one holds for ever.
+    /// Returns the reference at an instant (bar gauge); the last one is valid forever.
     pub fn at_ns(&self, time_ns: u64) -> f64 {
         let after = self.knots.partition_point(|knot| knot.time_ns <= time_ns);
         let Some(&from) = after.checked_sub(1).and_then(|index| self.knots.get(index)) else {
@@ -176,7 +178,7 @@ impl ReferenceProfile {
         }
     }
 
-    /// When it ends \[ns\].
+    /// Returns the end of the profile (ns).
     pub fn end_ns(&self) -> u64 {
         self.last().time_ns
     }
@@ -184,7 +186,7 @@ impl ReferenceProfile {
     /// Checks that every reference is a pressure within [`REFERENCE_RANGE_BAR`].
     ///
     /// # Errors
-    /// The first that is not.
+    /// Returns the first reference that is not.
     pub fn check(&self) -> Result<(), ProfileError> {
         let [low, high] = REFERENCE_RANGE_BAR;
         match self
@@ -209,7 +211,7 @@ impl ReferenceProfile {
 }
 
 impl fmt::Display for ReferenceProfile {
-    /// `0 s: 2 bar, 0.5 s: step to 3 bar, 1.7 s: ramp to 1 bar`, in gauge.
+    /// Writes `0 s: 2 bar, 0.5 s: step to 3 bar, 1.7 s: ramp to 1 bar`, in gauge.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "0 s: {} bar", self.start_bar())?;
         for pair in self.knots.windows(2) {
@@ -228,7 +230,7 @@ impl fmt::Display for ReferenceProfile {
     }
 }
 
-/// Why something is no reference profile.
+/// Reason why data is no reference profile.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProfileError {
@@ -245,29 +247,29 @@ pub enum ProfileError {
     Missing {
         /// Index of the sample, from 0.
         index: usize,
-        /// Its time \[s\].
+        /// Time of the sample (s).
         time_s: f64,
     },
-    /// The profile does not go on in time.
+    /// The changes are not in the order of time.
     #[error(
         "what comes at {time_s} s begins before {before_s} s, where the change before it ends; bring the changes and the \
          end into the order of time"
     )]
     Order {
-        /// When it begins \[s\].
+        /// Begin of the change (s).
         time_s: f64,
-        /// When the change before it ends \[s\].
+        /// End of the previous change (s).
         before_s: f64,
     },
-    /// A reference is no pressure that a chamber could be asked for.
+    /// The reference is no possible pressure of a chamber.
     #[error(
         "reference {reference_bar} bar gauge at {time_s} s is out of range: allowed {} to {} bar gauge",
         REFERENCE_RANGE_BAR[0], REFERENCE_RANGE_BAR[1]
     )]
     OutOfRange {
-        /// Time of the reference \[s\].
+        /// Time of the reference (s).
         time_s: f64,
-        /// The reference [bar gauge].
+        /// Value of the reference (bar gauge).
         reference_bar: f64,
     },
 }

@@ -1,38 +1,39 @@
-//! What the loop must do, in one place, with its source.
+//! Requirements on the loop, defined in one place, with their source.
 
-/// What is asked of the loop. Pressures that the thesis gives in p_sup are kept so.
+/// Requirements on the loop. Pressures that the thesis gives in p_sup keep this unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
-    /// T_req \[samples\]: the time within which a reference is reached (section 1.4).
+    /// T_req (samples): the time within which a reference is reached (section 1.4).
     pub t_req_samples: u32,
-    /// P_tol \[bar\]: how close is reached (section 1.4; the size is that of figure 6.8).
+    /// P_tol (bar): the distance at which a reference counts as reached (section 1.4; the value is that of figure 6.8).
     pub p_tol_bar: f64,
-    /// p_sup [bar gauge], the unit of the following shares (working value, see data/thesis/measurements.toml).
+    /// p_sup (bar gauge), the unit of the following shares (working value, see data/thesis/measurements.toml).
     pub supply_pressure_bar: f64,
-    /// References that the retarder uses, lowest and highest \[p_sup\] (section 6.4.2).
+    /// Lowest and highest reference of the retarder (p_sup), section 6.4.2.
     pub operating_range_psup: [f64; 2],
-    /// Filling from ambient pressure to here \[p_sup\] ... (section 1.4)
+    /// End of the filling from ambient pressure (p_sup), section 1.4.
     pub fill_to_psup: f64,
-    /// ... takes less than this \[T_req\].
+    /// Upper limit of the time of this filling, exclusive (T_req).
     pub fill_max_t_req: f64,
-    /// Venting from here \[p_sup\] ... (section 1.4)
+    /// Begin of the venting (p_sup), section 1.4.
     pub vent_from_psup: f64,
-    /// ... to here \[p_sup\] ...
+    /// End of the venting (p_sup).
     pub vent_to_psup: f64,
-    /// ... takes less than this \[T_req\].
+    /// Upper limit of the time of this venting, exclusive (T_req).
     pub vent_max_t_req: f64,
-    /// Duty cycles that the fill valve may get besides 0: lowest and highest \[%\]. The lowest of all conditions is that of the
+    /// Lowest and highest duty cycle of the fill valve, apart from 0 (%). The lowest of all conditions is that of the
     /// thesis' Scheme 1 (section 6.4.1), the highest fully opens (table 4.1).
     pub duty_fill_pct: [f64; 2],
-    /// The same for the vent valve (tables 4.1 and 4.2).
+    /// Lowest and highest duty cycle of the vent valve, apart from 0 (%), tables 4.1 and 4.2.
     pub duty_vent_pct: [f64; 2],
-    /// Most valve actuations within any one second at rest, both valves together. Assumed, the thesis gives no number: it
-    /// asks for "a minimum use of the valves" (section 6.3.1). One correction may take a few pulses; more is a limit cycle.
+    /// Largest number of valve actuations within any one second at rest, both valves together. Assumed, because the
+    /// thesis gives no number: it asks for "a minimum use of the valves" (section 6.3.1). One correction may take a few
+    /// pulses; more is a limit cycle.
     pub rest_actuations_per_s: u32,
 }
 
 impl Requirement {
-    /// The thesis' requirement.
+    /// Requirements of the thesis.
     pub const THESIS: Self = Self {
         t_req_samples: 50,
         p_tol_bar: 0.1,
@@ -48,20 +49,20 @@ impl Requirement {
         rest_actuations_per_s: 3,
     };
 
-    /// A share of the supply pressure [bar gauge].
+    /// Returns a share of the supply pressure (bar gauge).
     pub fn psup(&self, share: f64) -> f64 {
         share * self.supply_pressure_bar
     }
 
-    /// Whether the retarder uses this reference [bar gauge]; the ends belong to the range.
+    /// Returns whether the retarder uses this reference (bar gauge); the ends belong to the range.
     pub fn is_operating_reference(&self, reference_bar: f64) -> bool {
         let [low, high] = self.operating_range_psup.map(|share| self.psup(share));
-        // A reference arrives as a multiple of 2⁻¹⁶ bar: the ends are met within one of those.
+        // A reference is a multiple of 2⁻¹⁶ bar on the wire: the ends are compared within one of these.
         (low - RESOLUTION_BAR..=high + RESOLUTION_BAR).contains(&reference_bar)
     }
 }
 
-/// Resolution of pressures on the wire \[bar\].
+/// Resolution of pressures on the wire (bar).
 const RESOLUTION_BAR: f64 = 1.0 / 65536.0;
 
 impl Default for Requirement {
@@ -74,7 +75,7 @@ impl Default for Requirement {
 mod tests {
     use super::*;
 
-    /// The figures come from one place; this crate must not drift away from it.
+    /// Compares the figures with their source, so that this crate cannot deviate from it.
     #[test]
     fn the_requirement_is_the_one_in_the_thesis_data() {
         let path = concat!(

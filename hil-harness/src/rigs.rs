@@ -1,4 +1,4 @@
-//! Many rigs of one kind: no two valves are alike.
+//! Many scattered rigs of one kind: no two valves are alike.
 
 use plant_sim::{ParameterError, PlantParameters};
 use schemars::JsonSchema;
@@ -10,7 +10,8 @@ use crate::requirement::Requirement;
 use crate::run::{RunError, run_in_process};
 use crate::scenario::Scenario;
 
-/// How one parameter, or several together, differ from rig to rig: uniform, within ± `share` of the value and ± `offset`.
+/// Scatter of one parameter, or of several together, from rig to rig: uniform, within ± `share` of the value and ±
+/// `offset`.
 struct Scatter {
     keys: &'static [&'static str],
     share: f64,
@@ -33,7 +34,7 @@ const fn absolute(keys: &'static [&'static str], offset: f64) -> Scatter {
     }
 }
 
-/// The scatter of the bench (data/README.md).
+/// Scatter of the bench (data/README.md).
 const SCATTER: &[Scatter] = &[
     relative(&["flow.discharge_fill"], 0.08),
     relative(&["flow.discharge_vent"], 0.08),
@@ -50,10 +51,11 @@ const SCATTER: &[Scatter] = &[
     absolute(&["gas.supply_pressure_bar_gauge"], 0.15),
 ];
 
-/// One rig of the kind of `parameters`: the same seed gives the same rig.
+/// Returns one scattered rig of the kind of `parameters`: the same seed gives the same rig.
 ///
 /// # Errors
-/// A scattered value leaves the range of its parameter, as a kind at the edge of a range can.
+/// Returns an error if a scattered value leaves the range of its parameter, as is possible for a kind at the edge of a
+/// range.
 pub fn scattered(
     parameters: &PlantParameters,
     seed: u64,
@@ -85,18 +87,18 @@ pub struct RigVerdict {
     pub verdict: Verdict,
 }
 
-/// Why a batch has no result for a rig.
+/// Reason why a batch has no result for a rig.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RigError {
-    /// The scattered parameters are no plant.
+    /// The scattered parameters give no valid plant.
     #[error("rig {rig} (seed {seed}): {error}")]
     Parameters {
         /// Number of the rig.
         rig: u32,
-        /// Its seed.
+        /// Seed of the rig.
         seed: u64,
-        /// Which parameter.
+        /// Error of the parameter.
         error: Box<ParameterError>,
     },
     /// The rig could not be run.
@@ -104,9 +106,9 @@ pub enum RigError {
     Run {
         /// Number of the rig.
         rig: u32,
-        /// Its seed.
+        /// Seed of the rig.
         seed: u64,
-        /// Why.
+        /// Error of the run.
         error: Box<RunError>,
     },
     /// The run could not be judged.
@@ -114,7 +116,7 @@ pub enum RigError {
     Judge(#[from] JudgeError),
 }
 
-/// Runs `scenario` on `count` rigs of its plant's kind, one after the other as the iterator is asked.
+/// Runs `scenario` on `count` rigs of its plant's kind, lazily, one per step of the iterator.
 pub fn verdicts<'a>(
     scenario: &'a Scenario,
     requirement: &'a Requirement,
@@ -148,7 +150,7 @@ pub fn verdicts<'a>(
 mod tests {
     use super::*;
 
-    /// Every scattered parameter, with the bounds that data/README.md gives, over many rigs.
+    /// Every scattered parameter is within the bounds of data/README.md and uses them, over many rigs.
     #[test]
     fn rigs_differ_within_the_scatter_of_the_bench_and_use_all_of_it() {
         let kind = PlantParameters::nominal();

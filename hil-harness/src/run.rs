@@ -1,4 +1,4 @@
-//! The loop in lock-step: plant to sensor, sensor to device, device to plant, once per sample.
+//! Loop in lock step: plant to sensor, sensor to device, device to plant, once per sample.
 
 use core::ops::ControlFlow;
 
@@ -14,23 +14,23 @@ use crate::scenario::{Scenario, ScenarioError};
 use crate::wire::Exchange;
 use crate::world::World;
 
-/// What came of a scenario.
+/// Result of a scenario.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// All signals on the sample grid from time 0 on. Duty cycles hold from their instant on, currents are means of the
-    /// interval before, as in a bench log.
+    /// All signals on the sample grid from time 0 on. Duty cycles are valid from their instant on, currents are means
+    /// of the interval before, as in a bench log.
     pub recording: Recording,
-    /// Everything that crossed the wire, lead-in included, with what the device told about its inside. Two devices are the
-    /// same if these are equal.
+    /// All data on the wire, including the lead-in, with the telemetry of the device. If these are equal for two
+    /// devices, the devices behave equally.
     pub exchanges: Vec<Exchange>,
-    /// Which device answered.
+    /// Identity of the device.
     pub device: String,
-    /// What the device logged, oldest line first.
+    /// Log of the device, oldest line first.
     pub log: Vec<String>,
 }
 
 impl Run {
-    /// The first sample in which `device` gave another answer than this one in the same run.
+    /// Returns the first sample in which `device` gave another answer than this one in the same run.
     pub fn first_difference(&self, device: &Self) -> Option<Difference> {
         let mut pairs = self.exchanges.iter().zip(&device.exchanges);
         let (expected, found) = pairs.find(|(expected, found)| expected != found)?;
@@ -41,16 +41,16 @@ impl Run {
         })
     }
 
-    /// How the run stands against `requirement`.
+    /// Judges the run by `requirement`.
     ///
     /// # Errors
-    /// A signal is missing, which a run of [`run`] never lacks.
+    /// Returns an error if a signal is missing, which never occurs in a run of [`run`].
     pub fn verdict(&self, requirement: &Requirement) -> Result<Verdict, JudgeError> {
         judge(&self.recording, requirement)
     }
 }
 
-/// Why a run has no result.
+/// Reason why a run has no result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
@@ -60,42 +60,42 @@ pub enum RunError {
     /// The device under test failed.
     #[error("{device}: {error}")]
     Device {
-        /// Which device.
+        /// Identity of the device.
         device: String,
-        /// What happened.
+        /// Error of the device.
         error: Box<DutError>,
     },
-    /// Whoever watched wanted no more.
+    /// The observer stopped the run.
     #[error("stopped at sample {sample}")]
     Stopped {
-        /// The last sample that was run.
+        /// Number of the last sample.
         sample: u32,
     },
-    /// What was simulated makes no recording.
+    /// The simulated data gives no recording.
     #[error(transparent)]
     NotRecorded(#[from] NotRecorded),
 }
 
-/// What is seen of a run as it goes.
+/// Data of one sample, for an observer of the run.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a> {
-    /// Time of the sample \[s\]; negative in the lead-in.
+    /// Time of the sample (s); negative in the lead-in.
     pub time_s: f64,
-    /// Chamber pressure [bar gauge].
+    /// Chamber pressure (bar gauge).
     pub pressure_bar: f64,
-    /// What crossed the wire.
+    /// Data on the wire.
     pub exchange: &'a Exchange,
-    /// What the device logged since the last moment.
+    /// Log of the device since the last sample shown.
     pub log: &'a [String],
 }
 
-/// Between two looks at the device's log \[samples\].
+/// Number of samples between two reads of the device's log.
 const LOG_EVERY: u32 = 100;
 
 /// Runs `scenario` with the ECU in this process.
 ///
 /// # Errors
-/// The scenario or its controller cannot be run.
+/// Returns an error if the scenario or its controller cannot be run.
 pub fn run_in_process(scenario: &Scenario) -> Result<Run, RunError> {
     run(scenario, &mut InProcess::new())
 }
@@ -103,15 +103,15 @@ pub fn run_in_process(scenario: &Scenario) -> Result<Run, RunError> {
 /// Runs `scenario` with `device` from power-on, with the scenario's settings.
 ///
 /// # Errors
-/// The scenario cannot be run, or the device fails.
+/// Returns an error if the scenario cannot be run, or the device fails.
 pub fn run(scenario: &Scenario, device: &mut dyn DeviceUnderTest) -> Result<Run, RunError> {
     run_watched(scenario, device, &mut |_| ControlFlow::Continue(()))
 }
 
-/// The same, with each sample shown to `watch`, who may stop it.
+/// Runs `scenario` and passes each sample to `watch`, which may stop the run.
 ///
 /// # Errors
-/// As [`run`], or it was stopped.
+/// Returns the errors of [`run`], or an error if the run was stopped.
 pub fn run_watched(
     scenario: &Scenario,
     device: &mut dyn DeviceUnderTest,

@@ -1,4 +1,4 @@
-//! A scenario: everything that decides how a run goes, and nothing else.
+//! Scenario: all data that determines a run.
 
 use core::fmt;
 
@@ -12,41 +12,41 @@ use crate::reference_profile::ReferenceProfile;
 use crate::requirement::Requirement;
 use crate::supervision::{supervision, vent_valve};
 
-/// Everything that decides how a run goes. Two runs of one scenario are equal bit for bit.
+/// All data that determines a run. Two runs of one scenario are equal bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// Short name, for tables and file names.
     pub name: String,
-    /// What the chamber pressure is asked to do.
+    /// Reference of the chamber pressure.
     pub reference: ReferenceProfile,
-    /// How long it runs \[samples\]; the profile's last reference holds if it ends earlier.
+    /// Duration (samples); the profile's last reference stays valid if the profile ends earlier.
     pub duration_samples: u32,
-    /// The plant.
+    /// Parameters of the plant.
     pub plant: PlantParameters,
-    /// Chamber pressure at the start [bar gauge].
+    /// Chamber pressure at the start (bar gauge).
     pub start_pressure_bar: f64,
-    /// The controller.
+    /// Settings of the controller.
     pub controller: Settings,
-    /// What the ECU knows of the kind of rig that the plant is one of.
+    /// Data of the ECU about the plant's kind of rig.
     pub supervision: Supervision,
-    /// Noise of the pressure sensor before the ADC [mbar rms].
+    /// Noise of the pressure sensor before the ADC (mbar rms).
     pub sensor_noise_mbar_rms: f64,
-    /// Source of all chance.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
-/// Noise of the pressure sensor on the bench [mbar rms] (data/README.md).
+/// Noise of the pressure sensor on the bench (mbar rms), data/README.md.
 pub const BENCH_NOISE_MBAR_RMS: f64 = 4.0;
 
-/// Largest noise that a scenario may have [mbar rms].
+/// Largest noise of a scenario (mbar rms).
 pub const NOISE_MAX_MBAR_RMS: f64 = 1000.0;
 
-/// Longest scenario \[samples\]: a day at 100 Hz, so that a run's recording fits into memory.
+/// Longest scenario (samples): a day at 100 Hz, so that a run's recording fits into memory.
 pub const DURATION_MAX_SAMPLES: u32 = 8_640_000;
 
 impl Scenario {
-    /// A reference profile on the nominal plant with the recommended controller and the bench's sensor noise, from ambient
-    /// pressure to the end of the profile.
+    /// Creates a scenario with this reference profile, the nominal plant, the recommended controller and the bench's
+    /// sensor noise, from ambient pressure to the end of the profile.
     pub fn new(name: impl Into<String>, reference: ReferenceProfile) -> Self {
         let plant = PlantParameters::nominal();
         let duration_samples = samples(reference.end_ns(), &plant);
@@ -63,7 +63,8 @@ impl Scenario {
         }
     }
 
-    /// The same on another kind of plant, which the ECU is told. It lasts as long (s), whatever the sample time.
+    /// Returns the scenario on another kind of plant, with the matching settings of the ECU. Its duration (s) is the
+    /// same for any sample time.
     #[must_use]
     pub fn on(self, plant: PlantParameters) -> Self {
         Self {
@@ -72,7 +73,7 @@ impl Scenario {
         }
     }
 
-    /// The same on another rig of the same kind: the ECU's settings stay.
+    /// Returns the scenario on another rig of the same kind: the ECU's settings are unchanged.
     #[must_use]
     pub fn on_rig(self, plant: PlantParameters) -> Self {
         let intervals = u64::from(self.duration_samples.saturating_sub(1));
@@ -84,19 +85,19 @@ impl Scenario {
         }
     }
 
-    /// The same with another controller.
+    /// Returns the scenario with another controller.
     #[must_use]
     pub fn controlled_by(self, controller: Settings) -> Self {
         Self { controller, ..self }
     }
 
-    /// The same with another source of chance.
+    /// Returns the scenario with another seed.
     #[must_use]
     pub fn seeded(self, seed: u64) -> Self {
         Self { seed, ..self }
     }
 
-    /// The built-in scenario of this name.
+    /// Returns the built-in scenario of this name.
     pub fn built_in(name: &str) -> Option<Self> {
         BUILT_IN
             .iter()
@@ -104,7 +105,7 @@ impl Scenario {
             .map(BuiltIn::scenario)
     }
 
-    /// What the ECU is set to.
+    /// Returns the settings of the ECU.
     pub fn ecu_settings(&self) -> EcuSettings {
         EcuSettings {
             controller: self.controller,
@@ -113,20 +114,20 @@ impl Scenario {
         }
     }
 
-    /// What happens before time 0.
+    /// Returns the lead-in before time 0.
     pub fn lead_in(&self) -> LeadIn {
         LeadIn::to(self.start_pressure_bar, self.plant.ecu.sample_time_s)
     }
 
-    /// Chamber pressure at time 0 [Pa abs].
+    /// Returns the chamber pressure at time 0 (Pa abs).
     pub fn start_pressure_pa(&self) -> f64 {
         self.plant.gas.ambient_pressure_pa + self.start_pressure_bar * 1e5
     }
 
-    /// Checks what the types leave open.
+    /// Checks the values that the types do not restrict.
     ///
     /// # Errors
-    /// The first thing that cannot be run.
+    /// Returns the first problem.
     pub fn check(&self) -> Result<(), ScenarioError> {
         self.reference.check()?;
         if !(1..=DURATION_MAX_SAMPLES).contains(&self.duration_samples) {
@@ -148,7 +149,7 @@ impl Scenario {
         }
         let controller_ms: f64 = self.controller.sample_time_ms.to_num();
         let plant_ms = self.plant.ecu.sample_time_s * 1e3;
-        // A controller file keeps 2⁻¹⁶ ms.
+        // A controller file has a resolution of 2⁻¹⁶ ms.
         if (controller_ms - plant_ms).abs() > 1.0 / 65536.0 {
             return Err(ScenarioError::SampleTimes {
                 controller_ms,
@@ -159,7 +160,7 @@ impl Scenario {
     }
 }
 
-/// Whole samples of the ECU of `plant` in a time.
+/// Returns the number of whole samples of the ECU of `plant` in a time.
 fn samples(time_ns: u64, plant: &PlantParameters) -> u32 {
     u32::try_from(time_ns / plant.ecu.sample_time_ns().max(1)).unwrap_or(u32::MAX)
 }
@@ -191,12 +192,12 @@ impl fmt::Display for Scenario {
     }
 }
 
-/// A scenario that comes with the crate.
+/// Scenario that comes with the crate.
 #[derive(Debug)]
 pub struct BuiltIn {
     /// Name for the command line.
     pub name: &'static str,
-    /// What it is for, in one sentence.
+    /// Purpose of the scenario, in one sentence.
     pub about: &'static str,
     profile: fn() -> ReferenceProfile,
     start: Start,
@@ -208,12 +209,12 @@ pub struct BuiltIn {
 enum Start {
     /// Ambient pressure.
     Ambient,
-    /// The profile's first reference.
+    /// First reference of the profile.
     AtReference,
 }
 
 impl BuiltIn {
-    /// The scenario.
+    /// Returns the scenario.
     pub fn scenario(&self) -> Scenario {
         let scenario = Scenario::new(self.name, (self.profile)());
         let plant = with_orifices(scenario.plant.clone(), self.orifice_m);
@@ -225,7 +226,7 @@ impl BuiltIn {
     }
 }
 
-/// The same plant with both orifices of this diameter \[m\], such as prototype 2 with 1.3 mm.
+/// Returns the plant with both orifices of this diameter (m), such as prototype 2 with 1.3 mm.
 pub fn with_orifices(mut plant: PlantParameters, diameter_m: f64) -> PlantParameters {
     plant.flow.orifice_fill_m = diameter_m;
     plant.flow.orifice_vent_m = diameter_m;
@@ -237,10 +238,10 @@ pub fn with_orifices(mut plant: PlantParameters, diameter_m: f64) -> PlantParame
     plant
 }
 
-/// Orifice of the rig of figures 6.5 and 6.7 \[m\].
+/// Orifice of the rig of figures 6.5 and 6.7 (m).
 pub const FIGURE_ORIFICE_M: f64 = 1.3e-3;
 
-/// Orifice that the thesis finds necessary \[m\] (section 6.4.2); that of the nominal plant.
+/// Orifice that the thesis finds necessary (m), section 6.4.2; that of the nominal plant.
 pub const REQUIRED_ORIFICE_M: f64 = 1.9e-3;
 
 /// All built-in scenarios.
@@ -301,8 +302,9 @@ fn psup(share: f64) -> f64 {
     Requirement::THESIS.psup(share)
 }
 
-/// Figures 6.5 and 6.7 print axes only: 0 to 16 s and 0 to 30 s, up to about 8 bar. The text tells a fill step near 4 s that
-/// overshoots, and figure 6.6 a step near 15.6 s between 4 and 7 bar. This staircase has those; its levels are ours.
+/// Returns a staircase like figures 6.5 and 6.7, which print axes only: 0 to 16 s and 0 to 30 s, up to about 8 bar. The
+/// text mentions a fill step near 4 s that overshoots, and figure 6.6 a step near 15.6 s between 4 and 7 bar. This
+/// staircase has both; its levels are ours.
 fn staircase(stair_ms: u32, before_last_ms: u32, last_ms: u32) -> ReferenceProfile {
     [
         1.5, 3.0, 4.5, 6.0, 7.0, 8.0, 7.0, 6.0, 4.5, 3.0, 1.5, 3.5, 5.5, 4.0,
@@ -357,7 +359,7 @@ fn small_steps() -> ReferenceProfile {
         })
 }
 
-/// From each of six references to each other one: every size, both directions, at every pressure.
+/// Returns steps from each of six references to each other one: every size, both directions, at every pressure.
 fn operating_range() -> ReferenceProfile {
     let levels = [0.18, 0.28, 0.38, 0.49, 0.60, 0.71].map(psup);
     let start = ReferenceProfile::starting_at(levels[0]).hold_ms(1000);
@@ -382,46 +384,46 @@ fn full_range() -> ReferenceProfile {
         )
 }
 
-/// What a scenario cannot be run with.
+/// Problem of a scenario that cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
-    /// A reference out of range.
+    /// A reference is out of range.
     #[error(transparent)]
     Reference(#[from] crate::reference_profile::ProfileError),
-    /// No sample, or more than memory is planned for.
+    /// The duration has no sample, or more than fit into the planned memory.
     #[error(
         "a duration of {samples} samples is out of range: 1 to {DURATION_MAX_SAMPLES}; split the profile"
     )]
     Duration {
-        /// Wanted duration \[samples\].
+        /// Wanted duration (samples).
         samples: u32,
     },
-    /// The chamber cannot start there.
+    /// The chamber cannot start at this pressure.
     #[error(
         "start at {bar} bar gauge is out of range: 0 to the plant's supply pressure, {supply_bar} bar gauge"
     )]
     StartPressure {
-        /// Wanted start [bar gauge].
+        /// Wanted start (bar gauge).
         bar: f64,
-        /// Supply pressure of the plant [bar gauge].
+        /// Supply pressure of the plant (bar gauge).
         supply_bar: f64,
     },
-    /// No noise of a pressure sensor.
+    /// The noise is impossible for a pressure sensor.
     #[error("sensor noise {mbar_rms} mbar rms is out of range: 0 to {NOISE_MAX_MBAR_RMS} mbar rms")]
     Noise {
-        /// Wanted noise [mbar rms].
+        /// Wanted noise (mbar rms).
         mbar_rms: f64,
     },
-    /// Controller and plant disagree about the sample time.
+    /// Controller and plant have different sample times.
     #[error(
         "the controller's sample_time_ms = {controller_ms} is not the plant's ecu.sample_time_s = {plant_ms} ms: \
          set both to the ECU's period"
     )]
     SampleTimes {
-        /// The controller's \[ms\].
+        /// Sample time of the controller (ms).
         controller_ms: f64,
-        /// The plant's \[ms\].
+        /// Sample time of the plant (ms).
         plant_ms: f64,
     },
 }
@@ -465,7 +467,7 @@ mod tests {
         assert!(references.contains(&low) && references.contains(&high));
     }
 
-    /// A profile of 30 s ran for 60 s on a plant that samples every 20 ms.
+    /// A profile of 30 s once ran for 60 s on a plant that samples every 20 ms.
     #[test]
     fn a_scenario_lasts_as_long_whatever_the_sample_time() {
         for built_in in BUILT_IN {
@@ -483,7 +485,7 @@ mod tests {
                 );
                 let lead_in_s = f64::from(there.lead_in().samples()) * sample_time_s;
                 assert!(there.start_pressure_bar == 0.0 || lead_in_s >= 2.0);
-                // There and back nothing is lost.
+                // Nothing is lost there and back.
                 let back = there.on_rig(scenario.plant.clone());
                 assert!(back.duration_samples.abs_diff(scenario.duration_samples) <= 10);
             }

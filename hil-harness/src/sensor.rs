@@ -1,14 +1,14 @@
-//! The pressure sensor from the plant's side: from a pressure to the code that the ECU reads.
+//! Pressure sensor on the plant's side: conversion of a pressure into the code that the ECU reads.
 //!
-//! The curve is the ECU's ([`PressureSensor`]), in floats and the other way round.
+//! The curve is the inverse of the ECU's ([`PressureSensor`]), in floats.
 
 use ecu::{PressureSensor, SensorCode};
 
-/// The code at a pressure [Pa abs], nearest, held at the rails. A NaN reads as the lowest code.
+/// Returns the nearest code at a pressure (Pa abs), saturated at the rails. A NaN gives the lowest code.
 pub fn code(pressure_pa: f64) -> SensorCode {
     let steps = (pressure_pa - PressureSensor::LOWEST_PA as f64) / PressureSensor::STEP_PA as f64;
     let code = (steps + PressureSensor::CODE_AT_LOWEST as f64).round();
-    // The conversion saturates by definition of `as`; what 12 bits do not hold is above the upper rail.
+    // The conversion saturates by definition of `as`; a value beyond 12 bits is above the upper rail.
     SensorCode::from_bits(code as u16).unwrap_or(SensorCode::MAX)
 }
 

@@ -1,4 +1,4 @@
-//! What two ECUs are fed to compare them: a rig that mostly works, and what an ECU should never meet.
+//! Inputs for the comparison of two ECUs: a rig that mostly works, and inputs that an ECU should never get.
 
 use ecu::VentValve;
 
@@ -6,8 +6,8 @@ use crate::random::{Draws, Random, Stream};
 use crate::sensor;
 use crate::wire::{self, Actuators, FULL_DUTY, Sensors};
 
-/// A random walk through what an ECU measures and is told. It answers to the coils as a rig does, roughly: so every mode of the
-/// supervisor is reached, and left again.
+/// Random walk through the inputs of an ECU. It responds to the coils roughly like a rig, so that every mode of the
+/// supervisor is reached and left again.
 #[derive(Clone, Debug)]
 pub struct SensorWalk {
     draws: Draws,
@@ -15,11 +15,11 @@ pub struct SensorWalk {
     sample: u32,
     pressure_bar: f64,
     reference_bar: f64,
-    /// What is broken, if anything is.
+    /// Present fault, if any.
     broken: Option<Broken>,
-    /// Samples left in this manner.
+    /// Number of samples left in this interval.
     left: u32,
-    /// What a stuck converter shows.
+    /// Code of a stuck converter.
     last_code: u16,
 }
 
@@ -63,19 +63,19 @@ const WAYS: [Broken; 18] = [
     Broken::Anything,
 ];
 
-/// The reference is zero for this long first, as an ECU wants to see it.
+/// Number of first samples with a reference of zero, as an ECU requires.
 const ZERO_SAMPLES: u32 = 16;
-/// The longest time in one manner: past the time in which a fault is forgiven.
+/// Longest interval with one kind of behaviour (samples): longer than the time in which a fault is forgiven.
 const STRETCH_MAX: u32 = 400;
-/// p_sup [bar gauge].
+/// p_sup (bar gauge).
 const SUPPLY_BAR: f64 = 8.4;
-/// What an open valve moves per sample, of the absolute pressure before it.
+/// Pressure change by an open valve per sample, as a share of the absolute upstream pressure.
 const SHARE_PER_SAMPLE: f64 = 0.07;
-/// Current of a coil at 100 % \[mA\].
+/// Current of a coil at 100 % (mA).
 const FULL_CURRENT_MA: f64 = 292.0;
 
 impl SensorWalk {
-    /// From switching on, on a rig with this vent valve.
+    /// Creates the walk from switching on, on a rig with this vent valve.
     pub fn new(seed: u64, vent_valve: VentValve) -> Self {
         let mut draws = Draws::new(Random::new(seed, Stream::Walk));
         let is_full = draws.below(8) == 0;
@@ -92,7 +92,7 @@ impl SensorWalk {
         if !is_full {
             return empty;
         }
-        // Left under pressure, and leaking before anything is filled.
+        // The chamber was left under pressure, and leaks before anything is filled.
         Self {
             pressure_bar: 4.0,
             reference_bar: 5.0,
@@ -102,7 +102,7 @@ impl SensorWalk {
         }
     }
 
-    /// The next sample, after the coils got `driven`.
+    /// Returns the next sample, after the coils got `driven`.
     pub fn next(&mut self, driven: Actuators) -> Sensors {
         if self.left == 0 {
             self.turn();
@@ -116,7 +116,8 @@ impl SensorWalk {
         sensors
     }
 
-    /// Another manner, mostly sound, and mostly another reference; zero often enough for the ECU to start again.
+    /// Begins another interval, mostly healthy, and mostly with another reference; zero often enough for the ECU to
+    /// start again.
     fn turn(&mut self) {
         self.left = 1 + self.draws.below(STRETCH_MAX);
         self.broken = match self.draws.below(4) {
@@ -124,11 +125,11 @@ impl SensorWalk {
             _ => None,
         };
         if matches!(self.broken, Some(Broken::ValvesOpen)) {
-            // A short one: else little else would be seen of this life.
+            // A short interval: a long one would leave little time for anything else.
             self.left = 1 + self.left % 20;
         }
         self.reference_bar = match (self.broken, self.draws.below(4)) {
-            // Seen only while nothing else moves, or while filled.
+            // These faults are visible only while nothing else moves, or while the chamber is filled.
             (Some(Broken::Leak), _) => self.reference_bar,
             (Some(Broken::SupplyLost), _) => self.pressure_bar + 2.0,
             (_, 0) => 0.0,
@@ -245,7 +246,7 @@ mod tests {
     use crate::device::DeviceUnderTest as _;
     use crate::ecu_under_test::InProcess;
 
-    /// A walk that stayed in one mode would compare a million times the same step.
+    /// A walk that stayed in one mode would compare the same step a million times.
     #[test]
     fn the_walk_reaches_every_mode_and_every_fault_and_runs_a_quarter_of_its_time() {
         let mut device = InProcess::new();

@@ -1,4 +1,4 @@
-//! How long the loop takes on rigs that differ: a distribution.
+//! Distribution of the settling times on scattered rigs.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,36 +18,36 @@ pub struct SettlingTimes {
 }
 
 impl SettlingTimes {
-    /// Of every step on every rig.
+    /// Collects the settling times of every step on every rig.
     pub fn of_steps(rigs: &[RigVerdict]) -> Self {
         rigs.iter().flat_map(|rig| times(&rig.verdict)).collect()
     }
 
-    /// Of the slowest step of each rig.
+    /// Collects the settling time of the slowest step of each rig.
     pub fn of_rigs(rigs: &[RigVerdict]) -> Self {
         let slowest =
             |rig: &RigVerdict| times(&rig.verdict).reduce(|one, other| Some(one?.max(other?)));
         rigs.iter().filter_map(slowest).collect()
     }
 
-    /// How many there are.
+    /// Returns the number of steps.
     pub fn count(&self) -> usize {
         self.samples.len() + self.never
     }
 
-    /// Share that settles within `samples`, 0 to 1; none of nothing.
+    /// Returns the share that settles within `samples`, 0 to 1; `None` without steps.
     pub fn share_within(&self, samples: u32) -> Option<f64> {
         let within = self.samples.partition_point(|&time| time <= samples);
         (self.count() > 0).then(|| within as f64 / self.count() as f64)
     }
 
-    /// The time within which this share settles, 0 to 1 \[samples\]; none if so many never do.
+    /// Returns the time within which this share, 0 to 1, settles (samples); `None` if too many steps never do.
     pub fn quantile(&self, share: f64) -> Option<u32> {
         let rank = (share * self.count() as f64).ceil().max(1.0) as usize;
         self.samples.get(rank - 1).copied()
     }
 
-    /// Each time that occurs, with the share that has settled by then.
+    /// Returns each time that occurs, with the share that has settled by then.
     pub fn distribution(&self) -> Vec<(u32, f64)> {
         let count = self.count() as f64;
         let mut steps: Vec<(u32, f64)> = Vec::new();
@@ -62,7 +62,7 @@ impl SettlingTimes {
     }
 }
 
-/// Of each step in the operating range; none is one that never settled.
+/// Returns the time of each step in the operating range; `None` for one that never settled.
 fn times(verdict: &Verdict) -> impl Iterator<Item = Option<u32>> {
     let steps = verdict.steps.iter().filter(|step| step.in_operating_range);
     steps.map(|step| step.settled_samples)
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(SettlingTimes::default().quantile(0.5), None);
     }
 
-    /// The distribution and the verdicts say the same: a rig that keeps T_req has its slowest step within it.
+    /// Distribution and verdicts agree: a rig that meets T_req has its slowest step within it.
     #[test]
     fn the_slowest_step_of_a_rig_is_what_its_verdict_is_about() {
         let scenario = Scenario::built_in("figure-6.5").unwrap();

@@ -1,11 +1,11 @@
-//! Every signal that a device has, by name: those of the ECU and those of the image around it.
+//! Signals of a device by name: those of the ECU and those of the image.
 
 use ecu::calibration::{MISSING, SIGNALS, Signal};
 
 /// Number of the image's first signal; those of the ECU are below.
 const FIRST_OF_IMAGE: u16 = 0x100;
 
-/// The image's own signals, in the order of their numbers: how punctual its samples by the timer are.
+/// Signals of the image, in the order of their numbers: the timing of its samples by the timer.
 const OF_IMAGE: [Signal; 7] = [
     of_image("start_latency", "us"),
     of_image("start_latency_max", "us"),
@@ -25,17 +25,17 @@ const fn of_image(name: &'static str, unit: &'static str) -> Signal {
     }
 }
 
-/// Every signal with its number in messages.
+/// Returns every signal with its number in messages.
 pub fn all() -> impl Iterator<Item = (u16, &'static Signal)> {
     (0..).zip(&SIGNALS).chain((FIRST_OF_IMAGE..).zip(&OF_IMAGE))
 }
 
-/// The signal of this name and its number in messages.
+/// Returns the signal of this name and its number in messages.
 pub fn named(name: &str) -> Option<(u16, &'static Signal)> {
     all().find(|(_, signal)| signal.name == name)
 }
 
-/// What a number on the wire means in the signal's unit; none if the signal was missing in that sample.
+/// Converts a number on the wire into the signal's unit; `None` if the signal was missing in that sample.
 pub fn value(signal: &Signal, number: i32) -> Option<f64> {
     let number = match (signal.signed, number) {
         (true, MISSING) => return None,

@@ -1,4 +1,4 @@
-//! What an ECU has to know of a kind of rig, from the parameters of its plant.
+//! Supervision settings of an ECU for a kind of rig, from the parameters of its plant.
 
 use controller::fixed::types::I16F16;
 use ecu::{Supervision, VentValve};
@@ -6,10 +6,10 @@ use plant_sim::PlantParameters;
 use plant_sim::plant::VENT;
 use plant_sim::valve::ValveFunction;
 
-/// The bounds within which the ECU finds the plants of a kind sound. Rates and currents are those of `plant`; a rig that differs
-/// from it as rigs do is still sound.
+/// Returns bounds within which the ECU accepts plants of this kind as healthy. Rates and currents are those of `plant`;
+/// a rig with the usual scatter is still healthy.
 ///
-/// What the supervision of the nominal plant leaves as margin stays the same share.
+/// Every margin keeps the same relative size as in the supervision of the nominal plant.
 pub fn supervision(plant: &PlantParameters) -> Supervision {
     let nominal = PlantParameters::nominal();
     let known = Supervision::nominal();
@@ -20,7 +20,7 @@ pub fn supervision(plant: &PlantParameters) -> Supervision {
     let battery_v = |plant: &PlantParameters| plant.ecu.supply_voltage_v;
     let current =
         |plant: &PlantParameters| plant.ecu.supply_voltage_v / plant.coil.resistance_20c_ohm;
-    // No controller can be set to more.
+    // No controller can be set to a higher value.
     let limit_bar = I16F16::lit("15");
     Supervision {
         supply_pressure_min_bar: scaled(known.supply_pressure_min_bar, supply_bar).min(limit_bar),
@@ -39,7 +39,7 @@ pub fn supervision(plant: &PlantParameters) -> Supervision {
     }
 }
 
-/// What the vent valve of `plant` does without current.
+/// Returns the position of the vent valve of `plant` without current.
 pub fn vent_valve(plant: &PlantParameters) -> VentValve {
     match plant.functions[VENT] {
         ValveFunction::NormallyOpen | ValveFunction::AlwaysOpen => VentValve::NormallyOpen,
@@ -49,7 +49,7 @@ pub fn vent_valve(plant: &PlantParameters) -> VentValve {
     }
 }
 
-/// Rate of an open valve up to a factor that all plants share: choked flow into the chamber's volume.
+/// Returns the rate of an open valve up to a factor common to all plants: choked flow into the chamber's volume.
 fn rate(plant: &PlantParameters, discharge: f64, orifice_m: f64) -> f64 {
     let gas = &plant.gas;
     let sound_m_per_s = (gas.gas_constant_j_per_kg_k * gas.temperature_k).sqrt();

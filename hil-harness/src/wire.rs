@@ -1,4 +1,4 @@
-//! What crosses the wire, and what its numbers mean in the units of the plant.
+//! Data on the wire, and the conversion of its numbers into the units of the plant.
 
 use ecu::{PressureSensor, SensorCode};
 
@@ -7,50 +7,51 @@ pub use hil_protocol::{Actuators, Answer, Sensors, Telemetry};
 /// One sample on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Exchange {
-    /// To the device.
+    /// Data to the device.
     pub sensors: Sensors,
-    /// From the device.
+    /// Data from the device.
     pub answer: Answer,
 }
 
-/// A duty cycle of 100 %, in units of the wire (2⁻¹⁶ %).
+/// Duty cycle of 100 %, in units of the wire (2⁻¹⁶ %).
 pub const FULL_DUTY: u32 = 100 << 16;
 
-/// The reference nearest to `bar` [2⁻¹⁶ bar gauge]; the ends of the range for what is beyond, 0 for NaN.
+/// Returns the reference nearest to `bar` (2⁻¹⁶ bar gauge), saturated at the ends of the range; 0 for NaN.
 pub fn reference_bits(bar: f64) -> i32 {
     // The conversion saturates by definition of `as`.
     (bar * 65536.0).round() as i32
 }
 
-/// A pressure [bar gauge], exactly.
+/// Returns a pressure (bar gauge), exactly.
 pub fn bar(bits: i32) -> f64 {
     f64::from(bits) / 65536.0
 }
 
-/// What the ECU takes a code of its pressure sensor for [bar gauge], exactly; NaN for what no converter gives.
+/// Returns the pressure that the ECU computes from a code of its sensor (bar gauge), exactly; NaN for an impossible
+/// code.
 pub fn measured_bar(code: u16) -> f64 {
     SensorCode::from_bits(code).map_or(f64::NAN, |code| {
         bar(PressureSensor::pressure(code).to_bits())
     })
 }
 
-/// A duty cycle \[%\], exactly.
+/// Returns a duty cycle (%), exactly.
 pub fn duty_pct(bits: u32) -> f64 {
     f64::from(bits) / 65536.0
 }
 
-/// A control signal \[%\], exactly.
+/// Returns a control signal (%), exactly.
 pub fn control_signal_pct(bits: i32) -> f64 {
     f64::from(bits) / 4096.0
 }
 
-/// A current \[mA\] as the ECU reads it from `ampere`: nearest, held at the ends of 16 bits.
+/// Converts `ampere` into the current that the ECU reads (mA): nearest, saturated at the ends of 16 bits.
 pub fn current_ma(ampere: f64) -> u16 {
     // The conversion saturates by definition of `as`.
     (1e3 * ampere).round() as u16
 }
 
-/// A voltage \[mV\] as the ECU reads it from `volt`: nearest, held at the ends of 16 bits.
+/// Converts `volt` into the voltage that the ECU reads (mV): nearest, saturated at the ends of 16 bits.
 pub fn battery_mv(volt: f64) -> u16 {
     // The conversion saturates by definition of `as`.
     (1e3 * volt).round() as u16

@@ -1,4 +1,4 @@
-//! What surrounds the ECU: the plant, its pressure sensor, its coil currents, its battery, and the reference.
+//! Environment of the ECU: the plant, its pressure sensor, its coil currents, its battery, and the reference.
 
 use plant_sim::{Command, Sample, Simulator};
 
@@ -7,28 +7,28 @@ use crate::scenario::Scenario;
 use crate::sensor;
 use crate::wire::{self, Actuators, Sensors};
 
-/// How often the armatures are watched [ns]: a full stroke and back takes several milliseconds.
+/// Interval at which the armatures are observed (ns): a full stroke and back takes several milliseconds.
 const WATCH_NS: u64 = 1_000_000;
-/// An armature is lifted beyond this share of its stroke ...
+/// Share of the stroke above which an armature counts as lifted.
 const LIFTED_ABOVE: f64 = 0.10;
-/// ... and down again below this one.
+/// Share of the stroke below which a lifted armature counts as down again.
 const DOWN_BELOW: f64 = 0.05;
 
-/// The world of a scenario, sample by sample: sense, then actuate.
+/// World of a scenario, sample by sample: sense, then actuate.
 #[derive(Clone, Debug)]
 pub struct World<'a> {
     scenario: &'a Scenario,
     simulator: Simulator,
     noise: Random,
     sample_ns: u64,
-    /// Samples sensed so far.
+    /// Number of samples sensed so far.
     samples: u32,
     shown: Sample,
     lifts: [Lifts; 2],
 }
 
 impl<'a> World<'a> {
-    /// The scenario's world at power-on: the chamber at ambient pressure, valves at rest.
+    /// Creates the scenario's world at power-on: the chamber at ambient pressure, valves at rest.
     pub fn new(scenario: &'a Scenario) -> Self {
         let mut simulator = Simulator::new(&scenario.plant);
         Self {
@@ -42,7 +42,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// What the ECU measures and is told in the next sample, nothing broken.
+    /// Returns the inputs of the ECU in the next sample, without a fault.
     pub fn sense(&mut self) -> Sensors {
         let sample = self.samples;
         self.samples += 1;
@@ -74,7 +74,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Gives the coils their duty cycles until the next sample.
+    /// Applies duty cycles to the coils until the next sample.
     pub fn actuate(&mut self, actuators: Actuators) {
         self.simulator.command(Command {
             duty_fill_pct: wire::duty_pct(actuators.duty_fill),
@@ -91,28 +91,28 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The plant as it was when the ECU last measured.
+    /// Returns the plant at the ECU's last measurement.
     pub fn shown(&self) -> &Sample {
         &self.shown
     }
 
-    /// Chamber pressure when the ECU last measured [bar gauge].
+    /// Returns the chamber pressure at the ECU's last measurement (bar gauge).
     pub fn pressure_bar(&self) -> f64 {
         (self.shown.pressure - self.scenario.plant.gas.ambient_pressure_pa) / 1e5
     }
 
-    /// How often the fill and the vent valve were lifted since power-on.
+    /// Returns the numbers of lifts of the fill and the vent valve since power-on.
     pub fn lifts(&self) -> [u32; 2] {
         self.lifts.map(|lifts| lifts.count)
     }
 
-    /// The plant, to break it.
+    /// Returns the plant, to apply a fault.
     pub fn simulator_mut(&mut self) -> &mut Simulator {
         &mut self.simulator
     }
 }
 
-/// Counts how often an armature is lifted.
+/// Counter of an armature's lifts.
 #[derive(Clone, Copy, Debug, Default)]
 struct Lifts {
     is_lifted: bool,

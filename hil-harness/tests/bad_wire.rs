@@ -1,4 +1,5 @@
-//! A loop whose frames are lost, damaged, repeated, late and out of order: the same bits, and each of them counted.
+//! Loop whose frames are lost, damaged, repeated, late and out of order: the same bits, and each disturbance is
+//! counted.
 
 use std::time::Duration;
 
@@ -50,7 +51,7 @@ fn frames_that_are_lost_damaged_repeated_or_late_change_no_bit_and_are_counted()
     };
     let [to_device, to_host] = link.transport().disturbances();
     let at_host = link.counters();
-    // A flipped delimiter makes one damaged frame of two, so not each one is counted by itself.
+    // A flipped delimiter makes one damaged frame of two, so some are not counted separately.
     assert!(at_device.corrupt >= to_device.damaged / 2 && at_host.corrupt >= to_host.damaged / 2);
     // The second of two answers may come after the next request.
     assert!(at_device.duplicate >= to_device.repeated);
@@ -94,7 +95,7 @@ fn a_wire_that_loses_everything_is_an_error_after_so_many_tries() {
     );
 }
 
-/// The first answer may be any; the device refuses what it does not allow, and the error names the field.
+/// Invalid settings end the run before a frame is sent, with an error of the settings.
 #[test]
 fn settings_out_of_bounds_end_the_run_before_a_frame_is_sent() {
     let mut scenario = scenario();

@@ -1,4 +1,4 @@
-//! The fault-injection campaign: what the ECU promises, and that the oracle would notice if it did not keep it.
+//! Fault-injection campaign: requirements on the ECU, and checks that the oracle detects violations.
 
 use ecu::{Damage, Ecu, EcuConfig, Fault, Mechanism, Mode};
 use hil_harness::campaign::Promise::{
@@ -9,11 +9,11 @@ use hil_harness::campaign::{
     EcuFault, FaultClass, InProcessTarget, Injection, Outcome, Summary, Target, run,
 };
 
-/// Damages an ECU's memory; whether it is another one then.
+/// Damages an ECU's memory; returns whether that changed it.
 fn damage(ecu: &mut Ecu, fault: EcuFault) -> bool {
     match fault {
         EcuFault::ConfigDamaged => ecu.damage(Damage::Config),
-        // Into running, where it may be already.
+        // The damage sets the mode to running, which has no effect if it is running already.
         EcuFault::SupervisorDamaged if ecu.mode() == Mode::Running => return false,
         EcuFault::SupervisorDamaged => ecu.damage(Damage::Supervisor),
         EcuFault::ControllerDamaged => ecu.damage(Damage::Controller),
@@ -30,7 +30,8 @@ fn outcome(injection: &Injection, target: &mut InProcessTarget) -> Outcome {
     run(injection, target).expect("an ECU in this process always answers")
 }
 
-/// Every class of fault at random instants, on scattered rigs: first safe, then live. The example runs as many as one likes.
+/// Every class of fault at random instants, on scattered rigs: first safe, then live. The example runs any number of
+/// them.
 #[test]
 fn no_promise_is_broken_in_two_thousand_runs_with_a_fault() {
     let mut target = whole();
@@ -56,8 +57,8 @@ fn a_line_repeats_its_run_bit_for_bit() {
     assert_eq!(first.injection.to_string(), line);
 }
 
-/// The battery rose again while the pressure still came back from the last time: what 41 V do in the nine samples before that is
-/// confirmed is no bump of the comeback.
+/// The battery voltage rose again while the pressure still recovered from the previous fault. The effect of 41 V in the
+/// nine samples before that is confirmed is no bump of the recovery.
 #[test]
 fn a_comeback_is_judged_until_the_next_fault_begins() {
     let line = "ecu/battery-high onset=150 duration=30 times=3 severity=0.50 rig=0 seed=0x0";
@@ -65,13 +66,13 @@ fn a_comeback_is_judged_until_the_next_fault_begins() {
     assert_eq!(outcome(&injection, &mut whole()).violations, []);
 }
 
-/// A part of the campaign that needs one mechanism: a fault on several rigs with several drives.
+/// Part of the campaign that needs one mechanism: a fault on several rigs with several drives.
 struct Slice<T> {
-    /// What it needs.
+    /// Required mechanism.
     needs: T,
-    /// What is broken in one of its runs at least when that is gone.
+    /// Requirement that is violated in at least one of its runs without the mechanism.
     promise: Promise,
-    /// The fault, as its line has it; what is not told is chosen run by run.
+    /// Fault in the form of a line; missing parts are chosen run by run.
     fault: &'static str,
 }
 
@@ -83,11 +84,11 @@ const fn slice<T>(needs: T, promise: Promise, fault: &'static str) -> Slice<T> {
     }
 }
 
-/// Runs of a slice.
+/// Number of runs of a slice.
 const RUNS: u32 = 20;
 
 impl<T: core::fmt::Debug> Slice<T> {
-    /// The runs in which a promise was broken.
+    /// Returns the runs with a violated requirement.
     fn failures(&self, target: &mut InProcessTarget) -> Vec<Outcome> {
         (0..RUNS)
             .map(|number| {
@@ -101,7 +102,8 @@ impl<T: core::fmt::Debug> Slice<T> {
             .collect()
     }
 
-    /// In this slice the ECU keeps every promise, and without the mechanism breaks the one that needs it.
+    /// Checks that in this slice the ECU meets every requirement, and without the mechanism violates the one that needs
+    /// it.
     fn check(&self, without: impl Fn(EcuConfig) -> EcuConfig + 'static) -> Result<(), String> {
         let needs = &self.needs;
         if let [failure, ..] = self.failures(&mut whole()).as_slice() {

@@ -1,4 +1,5 @@
-//! The campaign on the very image that would be flashed, in QEMU. Named by `RETARDER_IMAGE`, as in `image_in_the_loop.rs`:
+//! Campaign on the image, the same that would be flashed, in QEMU. `RETARDER_IMAGE` names it, as in
+//! `image_in_the_loop.rs`:
 //!
 //! `RETARDER_IMAGE=ELF cargo nextest run -p hil-harness --features image-in-the-loop --test campaign_on_the_image -j 1`
 

@@ -1,4 +1,4 @@
-//! A slice of the example `false_alarms`, small enough for every run of the tests.
+//! Short version of the example `false_alarms`, for every run of the tests.
 
 #[path = "../examples/false_alarms/soak.rs"]
 #[allow(dead_code, reason = "the example tells more of it")]

@@ -1,4 +1,4 @@
-//! The loop as a whole: the same bits twice, alarms that ring, promises kept on many rigs.
+//! Complete loop: repeatable bits, checks that detect violations, requirements met on many rigs.
 
 use controller::Settings;
 use ecu::EcuSettings;
@@ -17,7 +17,7 @@ use recording::csv;
 
 const REQUIREMENT: Requirement = Requirement::THESIS;
 
-/// Rigs that the recommended controller was not tuned on; those came from seed 1.
+/// Seed of rigs on which the recommended controller was not tuned; those came from seed 1.
 const FRESH_SEED: u64 = 2026;
 
 fn short_scenario() -> Scenario {
@@ -43,7 +43,7 @@ fn the_same_scenario_gives_the_same_bits_and_another_seed_does_not() {
     );
 }
 
-/// The first run is cut off while the boost is at work; nothing of it may reach the second one.
+/// The first run is stopped while the boost is active; nothing of it may affect the second one.
 #[test]
 fn a_device_that_has_run_before_starts_from_power_on_again() {
     let scenario = Scenario::new("one bar", ReferenceProfile::starting_at(1.0).hold_ms(500));
@@ -165,7 +165,7 @@ fn a_shut_valve_is_not_counted_and_an_opened_one_is() {
             .map(|a| (a.fill, a.vent)),
         Some((0, 0))
     );
-    // A fully energised valve opens once and stays open; what it did before time 0 is not counted.
+    // A fully energised valve opens once and stays open; lifts before time 0 are not counted.
     let time_0 = short_scenario().lead_in().samples();
     let mut open = Puppet(|sensors: Sensors| Actuators {
         duty_fill: match sensors.sample {
@@ -186,7 +186,7 @@ fn a_shut_valve_is_not_counted_and_an_opened_one_is() {
     );
 }
 
-/// A result is a recording: what was written to a file and read back is judged alike, as a bench log would be.
+/// A result is a recording: written to a file and read back it is judged equally, like a bench log.
 #[test]
 fn a_run_read_back_from_csv_has_the_same_verdict() {
     let recording = run_in_process(&short_scenario()).unwrap().recording;
@@ -217,7 +217,7 @@ fn a_reference_from_csv_drives_the_loop() {
     assert_eq!(found, [(10, 3.0), (110, 2.0)]);
 }
 
-/// A device that does what it is told here.
+/// Device with answers defined by the test.
 struct Puppet<F>(F);
 
 impl<F: FnMut(Sensors) -> Actuators> DeviceUnderTest for Puppet<F> {
@@ -244,7 +244,7 @@ impl<F: FnMut(Sensors) -> Actuators> DeviceUnderTest for Puppet<F> {
     }
 }
 
-/// The alarm is tested too: each cheat must turn its own check red.
+/// Test of the checks: each cheating controller must fail its own check.
 #[test]
 fn a_controller_that_cheats_is_found_out() {
     let duty = |percent: u32| percent << 16;
@@ -353,7 +353,7 @@ fn late_steps(scenario: &Scenario, rigs_count: u32) -> (usize, usize, u32) {
     (late, steps.len(), steps.iter().map(settled).max().unwrap())
 }
 
-/// The requirement on the rigs that a series would bring, with twenty samples in hand on the required orifice.
+/// Requirement on the rigs of a series, with a margin of twenty samples on the required orifice.
 #[test]
 fn the_recommended_controller_reaches_every_operating_reference_in_time_on_200_rigs() {
     for name in ["operating-range", "hold"] {
@@ -413,7 +413,8 @@ fn the_recommended_controller_fills_in_time_on_nearly_every_rig() {
     assert!(fills >= 190, "{fills} of 200 rigs");
 }
 
-/// Table 4.3 has 0.052 T_req for this rig with the valve fully open: 2.6 samples, where 2.5 are required. No controller mends that.
+/// Table 4.3 has 0.052 T_req for this rig with the valve fully open: 2.6 samples, where 2.5 are required. No controller
+/// can correct that.
 #[test]
 fn venting_misses_its_limit_even_with_the_valve_fully_open_as_in_table_4_3() {
     let mut scenario = Scenario::new(
@@ -452,8 +453,8 @@ fn responses_without_noise(scenario: Scenario, controller: Settings) -> Vec<Step
         .steps
 }
 
-/// Section 6.4.1: 25.5 % in all conditions is slow close to a reference, as it opens the fill valve least at high pressure;
-/// section 7.2 expects the pressure-dependent limit to mend that. Only the limit differs here.
+/// Section 6.4.1: 25.5 % in all conditions is slow close to a reference, because it opens the fill valve least at high
+/// pressure. Section 7.2 expects the pressure-dependent limit to correct that. Only the limit differs here.
 #[test]
 fn the_thesis_lower_limit_makes_small_fills_at_high_pressure_slow() {
     let profile = [4.6, 4.9, 5.2, 5.5, 5.8].into_iter().fold(

@@ -1,11 +1,11 @@
-//! A reference that is taken back and raised again while the pressure is still above it.
+//! Reference that is lowered and raised again while the pressure is still above it.
 
 use hil_harness::scenario::{FIGURE_ORIFICE_M, with_orifices};
 use hil_harness::wire::{bar, measured_bar};
 use hil_harness::{ReferenceProfile, Scenario, run_in_process};
 
-/// From `from_bar` it is taken to zero for `samples`, then raised to `to_bar`, which the falling pressure has not reached yet: by how
-/// much the pressure rises again while it is above the reference and its tolerance \[bar\].
+/// Returns the rise of the pressure (bar) while it is above the reference and its deadband. The reference goes from
+/// `from_bar` to zero for `samples`, then up to `to_bar`, which the falling pressure has not reached yet.
 fn rise_bar(scenario: &Scenario, from_bar: f64, samples: u32, to_bar: f64) -> f64 {
     let settled = ReferenceProfile::starting_at(0.0)
         .step_to(from_bar)
@@ -34,7 +34,7 @@ fn rise_bar(scenario: &Scenario, from_bar: f64, samples: u32, to_bar: f64) -> f6
         .fold(0.0, f64::max)
 }
 
-/// The largest rise over many such jumps \[bar\].
+/// Returns the largest rise over many such jumps (bar).
 fn worst_bar(scenario: &Scenario) -> f64 {
     let mut worst_bar = 0.0_f64;
     for from in 2..=8 {

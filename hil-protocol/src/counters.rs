@@ -1,33 +1,33 @@
-//! What a link did to the frames.
+//! Frame counters of a link.
 
 use serde::{Deserialize, Serialize};
 
-/// What one side of a link has seen; each number stays at its largest once it got there.
+/// Frame counters of one side of a link; each number saturates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LinkCounters {
     /// Frames that arrived undamaged and were due.
     pub accepted: u32,
-    /// Frames whose framing or checksum is wrong, or that are longer than a frame can be.
+    /// Frames with wrong framing or checksum, or longer than a frame can be.
     pub corrupt: u32,
-    /// Undamaged frames whose header or message is not known.
+    /// Undamaged frames with an unknown header or message.
     pub unknown: u32,
-    /// Frames of the own direction: somebody sends them back.
+    /// Frames of the own direction, sent back by the wire.
     pub echoed: u32,
-    /// Frames that came once more: the last request, answered again, or an answer that was there already.
+    /// Repeated frames: the last request, which is answered again, or an answer that was already received.
     pub duplicate: u32,
     /// Frames that came late, after newer ones.
     pub stale: u32,
     /// Frames of another session.
     pub foreign: u32,
-    /// Requests that came although one before them is missing.
+    /// Requests that came although an earlier one is missing.
     pub skipped: u32,
-    /// Requests that were sent again because no answer came: theirs or the answer's frame was lost.
+    /// Requests that were sent again because no answer came: the frame of the request or of the answer was lost.
     pub repeated: u32,
 }
 
 impl LinkCounters {
-    /// Nothing seen.
+    /// All counters zero.
     pub const ZERO: Self = Self {
         accepted: 0,
         corrupt: 0,
@@ -41,7 +41,7 @@ impl LinkCounters {
     };
 }
 
-/// One more.
+/// Increments a counter, saturating.
 pub(crate) fn count(counter: &mut u32) {
     *counter = counter.saturating_add(1);
 }

@@ -1,11 +1,12 @@
 //! CRC-32 as in Ethernet and zlib (ISO-HDLC), which every tool can compute.
 //!
-//! Written here because the usual crate keeps panics when overflow is checked; the tests hold it against that crate.
+//! It is implemented here because the usual crate contains panics when overflow is checked. The tests compare it with
+//! that crate.
 
-/// The polynomial of IEEE 802.3, lowest bit first.
+/// Polynomial of IEEE 802.3, lowest bit first.
 const POLYNOMIAL: u32 = 0xEDB8_8320;
 
-/// What a byte does to the remainder.
+/// Effect of each byte on the remainder.
 static TABLE: [u32; 256] = table();
 
 const fn table() -> [u32; 256] {
@@ -25,7 +26,7 @@ const fn table() -> [u32; 256] {
     table
 }
 
-/// CRC-32 of bytes.
+/// Returns the CRC-32 of bytes.
 pub fn digest(bytes: &[u8]) -> u32 {
     let mut digest = Digest::new();
     for &byte in bytes {
@@ -34,7 +35,7 @@ pub fn digest(bytes: &[u8]) -> u32 {
     digest.value()
 }
 
-/// CRC-32 of numbers, each as four bytes, lowest first.
+/// Returns the CRC-32 of numbers, each as four bytes, lowest first.
 pub fn values_digest(values: &[i32]) -> u32 {
     let mut digest = Digest::new();
     for value in values {
@@ -43,21 +44,21 @@ pub fn values_digest(values: &[i32]) -> u32 {
     digest.value()
 }
 
-/// CRC-32 of bytes that come one after the other.
+/// CRC-32 of successive bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digest {
     remainder: u32,
 }
 
 impl Digest {
-    /// Of no byte yet.
+    /// Creates the digest of no bytes.
     pub const fn new() -> Self {
         Self {
             remainder: u32::MAX,
         }
     }
 
-    /// Takes one byte.
+    /// Adds one byte.
     #[inline]
     pub const fn update(&mut self, byte: u8) {
         let [low, ..] = self.remainder.to_le_bytes();
@@ -65,14 +66,14 @@ impl Digest {
         self.remainder = (self.remainder >> 8) ^ TABLE[(low ^ byte) as usize];
     }
 
-    /// Takes the four bytes of a word, lowest first.
+    /// Adds the four bytes of a word, lowest first.
     pub fn update_word(&mut self, word: u32) {
         for byte in word.to_le_bytes() {
             self.update(byte);
         }
     }
 
-    /// Takes the bytes of a text and a zero after them.
+    /// Adds the bytes of a text and a terminating zero.
     pub const fn update_text(&mut self, text: &str) {
         let mut rest = text.as_bytes();
         while let Some((&byte, after)) = rest.split_first() {
@@ -82,7 +83,7 @@ impl Digest {
         self.update(0);
     }
 
-    /// Of what was taken so far.
+    /// Returns the CRC-32 of all bytes added so far.
     pub const fn value(self) -> u32 {
         !self.remainder
     }

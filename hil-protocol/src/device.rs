@@ -1,14 +1,15 @@
-//! What a device does with a request.
+//! Interface of a device that answers requests.
 
 use crate::message::{Identity, Reply, Request};
 
-/// A device, apart from its link: the same on a board, in an emulator and in process.
+/// Device without its link: the same on a board, in an emulator and in process.
 pub trait Device {
-    /// A host opened a session; from now on samples come from the link (`lock_step`) or from the timer.
+    /// Opens a session of a host. From now on samples come from the link (`lock_step`) or from the timer.
     ///
-    /// `boot` of the identity is filled in by the session.
+    /// The session fills in `boot` of the identity.
     fn open(&mut self, lock_step: bool) -> Identity;
 
-    /// Carries out one request. Called once for each request that was sent, however often its frame arrives.
+    /// Carries out one request. It is called once for each request that was sent, even if its frame arrives several
+    /// times.
     fn answer(&mut self, request: &Request) -> Reply;
 }

@@ -1,32 +1,33 @@
-//! The same frames through memory that a host and an emulated device share.
+//! Mailbox: the same frames through memory that a host and an emulated device share.
 //!
 //! ```text
 //! slot to the device │ sent │ taken │ length │ bytes, four to a word, lowest first │
 //! slot to the host   │ sent │ taken │ length │ bytes ...                            │
 //! ```
 //!
-//! Each slot holds one frame. Its writer owns `sent`, its reader `taken`, and both count frames: the slot is free while
-//! they are equal and full while they differ, so nothing is read while it is written. Storing a count with Release after
-//! the bytes were written, or read, and loading the other's with Acquire before, orders everything else.
+//! Each slot contains one frame. Its writer owns `sent`, its reader owns `taken`, and both count frames. The slot is
+//! free while the counts are equal and full while they differ, so no frame is read while it is written. A count is
+//! stored with Release after the bytes were written or read, and the other side's count is loaded with Acquire before.
+//! This orders all other accesses.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use crate::frame::FRAME_MAX;
 
-/// Where the emulated machine has the mailbox.
+/// Address of the mailbox in the emulated machine.
 pub const ADDRESS: usize = 0x2100_0000;
 
-/// Words of one slot.
+/// Number of words of one slot.
 pub const SLOT_WORDS: usize = 3 + FRAME_MAX / WORD_BYTES;
 
-/// Words of a mailbox: the slot to the device, then the slot to the host.
+/// Number of words of a mailbox: the slot to the device, then the slot to the host.
 pub const WORDS: usize = 2 * SLOT_WORDS;
 
 const WORD_BYTES: usize = 4;
 
-/// Memory that both sides see, in words: an array on the target, a mapped file on the host.
+/// Memory shared by both sides, in words: an array on the target, a mapped file on the host.
 pub trait Words {
-    /// The word with this number, 0 ..< [`WORDS`]; none beyond what there is.
+    /// Returns the word with this number, 0 ..< [`WORDS`]; `None` beyond the memory.
     fn word(&self, index: usize) -> Option<&AtomicU32>;
 }
 
@@ -36,7 +37,7 @@ impl Words for &[AtomicU32; WORDS] {
     }
 }
 
-/// One side's view of the mailbox: a slot to send through and one to receive from.
+/// View of the mailbox from one side: a slot to send through and one to receive from.
 #[derive(Clone, Copy, Debug)]
 pub struct Mailbox<W> {
     words: W,
@@ -44,28 +45,29 @@ pub struct Mailbox<W> {
     incoming: Slot,
 }
 
-/// Why a frame was not sent.
+/// Reason why a frame was not sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MailboxError {
-    /// The frame before was not taken yet.
+    /// The previous frame was not taken yet.
     #[error("the frame before was not taken yet")]
     Full,
-    /// Longer than a frame can be.
+    /// The frame is longer than the maximum size.
     #[error("{length} bytes are more than a frame can have ({FRAME_MAX})")]
     TooLong {
-        /// Of what was to be sent.
+        /// Size of the rejected frame (bytes).
         length: usize,
     },
 }
 
 impl<W: Words> Mailbox<W> {
-    /// The device's side. What was sent to it before is dropped: it belongs to a session that its reset has ended.
+    /// Creates the device's side. Frames sent to it before are dropped: they belong to a session that its reset has
+    /// ended.
     pub fn device(words: W) -> Self {
         Self::new(words, Slot::TO_HOST, Slot::TO_DEVICE)
     }
 
-    /// The host's side. What was sent to it before is dropped.
+    /// Creates the host's side. Frames sent to it before are dropped.
     pub fn host(words: W) -> Self {
         Self::new(words, Slot::TO_DEVICE, Slot::TO_HOST)
     }
@@ -79,31 +81,31 @@ impl<W: Words> Mailbox<W> {
         }
     }
 
-    /// Sends a frame, if the one before was taken.
+    /// Sends a frame, if the previous one was taken.
     ///
     /// # Errors
-    /// It was not, or the frame is too long. Nothing is written then.
+    /// Returns an error if the previous frame was not taken, or the frame is too long. Nothing is written then.
     pub fn send(&self, frame: &[u8]) -> Result<(), MailboxError> {
         self.outgoing.send(&self.words, frame)
     }
 
-    /// Takes the frame that came, if one did.
+    /// Takes the received frame, if there is one.
     pub fn receive<'b>(&self, buffer: &'b mut [u8; FRAME_MAX]) -> Option<&'b [u8]> {
         self.incoming.receive(&self.words, buffer)
     }
 }
 
-/// Room for one frame: the number of its first word.
+/// Room for one frame, given by the number of its first word.
 #[derive(Clone, Copy, Debug)]
 struct Slot(usize);
 
-/// Word of a slot: frames that the writer has put there.
+/// Word of a slot: number of frames that the writer has stored.
 const SENT: usize = 0;
-/// Word of a slot: frames that the reader has taken.
+/// Word of a slot: number of frames that the reader has taken.
 const TAKEN: usize = 1;
-/// Word of a slot: length of the frame in bytes.
+/// Word of a slot: length of the frame (bytes).
 const LENGTH: usize = 2;
-/// First word of a slot that holds bytes.
+/// First word of a slot with bytes of the frame.
 const BYTES: usize = 3;
 
 impl Slot {
@@ -120,7 +122,7 @@ impl Slot {
             }
         };
         let sent = self.load(words, SENT, Ordering::Relaxed);
-        // Acquire: the reader is through with the bytes.
+        // Acquire: the reader has finished with the bytes.
         if self.load(words, TAKEN, Ordering::Acquire) != sent {
             return Err(MailboxError::Full);
         }
@@ -132,19 +134,19 @@ impl Slot {
             self.store(words, index, u32::from_le_bytes(bytes), Ordering::Relaxed);
         }
         self.store(words, LENGTH, length, Ordering::Relaxed);
-        // Release: whoever sees the new count sees the bytes.
+        // Release: a side that sees the new count sees the bytes.
         self.store(words, SENT, sent.wrapping_add(1), Ordering::Release);
         Ok(())
     }
 
     fn receive<'b>(self, words: &impl Words, buffer: &'b mut [u8; FRAME_MAX]) -> Option<&'b [u8]> {
-        // Acquire: the bytes are those of this count.
+        // Acquire: the bytes belong to this count.
         let sent = self.load(words, SENT, Ordering::Acquire);
         if self.load(words, TAKEN, Ordering::Relaxed) == sent {
             return None;
         }
         let length = self.load(words, LENGTH, Ordering::Relaxed) as usize;
-        // Memory that nobody has written yet may hold any length.
+        // Unwritten memory may contain any length.
         let frame = buffer.get_mut(..length).unwrap_or(&mut []);
         for (index, chunk) in (BYTES..SLOT_WORDS).zip(frame.chunks_mut(WORD_BYTES)) {
             let bytes = self.load(words, index, Ordering::Relaxed).to_le_bytes();
@@ -152,7 +154,7 @@ impl Slot {
                 *byte = source;
             }
         }
-        // Release: whoever sees the new count may write over the bytes.
+        // Release: a side that sees the new count may overwrite the bytes.
         self.store(words, TAKEN, sent, Ordering::Release);
         Some(frame)
     }
@@ -162,7 +164,7 @@ impl Slot {
         self.store(words, TAKEN, sent, Ordering::Release);
     }
 
-    /// A word that is not there reads as 0, so that a slot without memory stays empty for ever.
+    /// Loads a word. A missing word reads as 0, so that a slot without memory always stays empty.
     fn load(self, words: &impl Words, index: usize, order: Ordering) -> u32 {
         words
             .word(self.0.wrapping_add(index))

@@ -1,47 +1,47 @@
-//! What host and device say to each other.
+//! Messages between host and device.
 //!
-//! Every integer has a definite width; none depends on the machine. A number of a signal or a setting is an `i32` whose
-//! meaning (name, unit, fraction bits, or the names of choices) stands in the device's tables; the digests of the tables
-//! are part of the [`Identity`].
+//! Every integer has a fixed width; none depends on the machine. The value of a signal or a setting is an `i32` whose
+//! meaning (name, unit, fraction bits, or the names of choices) is defined in the device's tables. The digests of the
+//! tables are part of the [`Identity`].
 
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
 use crate::counters::LinkCounters;
 
-/// Version of the wire format: messages, frames and sessions. Raised whenever a bit of them changes its meaning.
+/// Version of the wire format: messages, frames and sessions. It is raised whenever a bit of them changes its meaning.
 pub const VERSION: u16 = 1;
 
-/// Words of the controller's state in the [`Telemetry`].
+/// Number of words of the controller's state in the [`Telemetry`].
 pub const STATE_WORDS: usize = 6;
 
-/// Most numbers of signals or settings in one message.
+/// Maximum number of values of signals or settings in one message.
 pub const VALUES_MAX: usize = 64;
 
-/// Most signals that are measured at once.
+/// Maximum number of signals that are measured at once.
 pub const MEASURED_MAX: usize = 16;
 
-/// Most records of the black box in one page.
+/// Maximum number of black box records in one page.
 pub const RECORDS_MAX: usize = 16;
 
-/// Most bytes of the log in one message.
+/// Maximum number of log bytes in one message.
 pub const LOG_MAX: usize = 512;
 
-/// Numbers of consecutive settings, or of signals in the order in which they were asked for.
+/// Values of consecutive settings, or of signals in the order in which they were requested.
 pub type Values = Vec<i32, VALUES_MAX>;
 
 /// Numbers of signals that are measured together.
 pub type SignalIds = Vec<u16, MEASURED_MAX>;
 
-/// Numbers of measured signals, in the order of their [`SignalIds`].
+/// Values of measured signals, in the order of their [`SignalIds`].
 pub type Measured = Vec<i32, MEASURED_MAX>;
 
 /// Name of a board, or a version.
 pub type Name = String<32>;
 
-/// A name, cut where it is longer than a [`Name`] can be; of ASCII, or it is empty.
+/// Creates a [`Name`], cut off at its maximum length; a text that is not ASCII gives an empty name.
 ///
-/// The list's own way from text keeps a panic when overflow is checked.
+/// The list's own conversion from text contains a panic when overflow is checked.
 pub fn name(text: &str) -> Name {
     let mut bytes = Vec::new();
     for byte in text.bytes() {
@@ -55,31 +55,31 @@ pub fn name(text: &str) -> Name {
 /// Bytes of the device's log, as the logging framework encoded them.
 pub type LogBytes = Vec<u8, LOG_MAX>;
 
-/// What the ECU measures and is asked for in one sample.
+/// Measured values and reference of the ECU in one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Sensors {
     /// Number of the sample, from 0.
     pub sample: u32,
-    /// Time since the sample before by the ECU's clock \[µs\]; 10 000 nominal.
+    /// Time since the previous sample by the ECU's clock (µs); nominally 10 000.
     pub elapsed_us: u32,
-    /// Reference of the chamber pressure [2⁻¹⁶ bar gauge]; none: no valid message in this sample.
+    /// Reference for the chamber pressure (2⁻¹⁶ bar gauge); `None`: no valid message in this sample.
     pub reference: Option<i32>,
-    /// Code of the pressure sensor, 12 bits; none: the converter did not answer.
+    /// Code of the pressure sensor, 12 bits; `None`: the converter did not answer.
     pub pressure: Option<u16>,
-    /// Current of the fill valve's coil, mean over the last PWM period \[mA\]; none: not measured.
+    /// Current of the fill valve's coil, mean over the last PWM period (mA); `None`: not measured.
     pub current_fill_ma: Option<u16>,
-    /// Current of the vent valve's coil, mean over the last PWM period \[mA\]; none: not measured.
+    /// Current of the vent valve's coil, mean over the last PWM period (mA); `None`: not measured.
     pub current_vent_ma: Option<u16>,
-    /// Supply voltage of the ECU \[mV\]; none: not measured.
+    /// Supply voltage of the ECU (mV); `None`: not measured.
     pub battery_mv: Option<u16>,
 }
 
 /// Duty cycles of the two coils until the next sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Actuators {
-    /// Coil of the fill valve [2⁻¹⁶ %], 0 ..= 100 %.
+    /// Duty cycle of the fill valve's coil (2⁻¹⁶ %), 0 ..= 100 %.
     pub duty_fill: u32,
-    /// Coil of the vent valve [2⁻¹⁶ %], 0 ..= 100 %.
+    /// Duty cycle of the vent valve's coil (2⁻¹⁶ %), 0 ..= 100 %.
     pub duty_vent: u32,
 }
 
@@ -91,33 +91,33 @@ impl Actuators {
     };
 }
 
-/// What a sample left inside the ECU, to be logged and compared bit for bit.
+/// Internal values of the ECU after a sample, to be logged and compared bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Control signal u [2⁻¹² %], -100 ..= 100 %.
+    /// Control signal u (2⁻¹² %), -100 ..= 100 %.
     pub control_signal: i32,
-    /// The controller's state after the sample.
+    /// State of the controller after the sample.
     pub controller_state: [i32; STATE_WORDS],
-    /// The supervisor's mode; `ecu::Mode` has the names.
+    /// Mode of the supervisor; `ecu::Mode` has the names.
     pub mode: u8,
-    /// The faults that are present or latched, one bit each; `ecu::Fault` has the names.
+    /// Faults that are present or latched, one bit each; `ecu::Fault` has the names.
     pub faults: u32,
     /// CRC-32 over every other word of the ECU's state.
     pub ecu_digest: u32,
 }
 
-/// What the ECU answers to [`Sensors`].
+/// Answer of the ECU to [`Sensors`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Answer {
-    /// Number of the sample that is answered.
+    /// Number of the answered sample.
     pub sample: u32,
-    /// What the coils get.
+    /// Duty cycles of the coils.
     pub actuators: Actuators,
-    /// What is inside.
+    /// Internal values of the ECU.
     pub telemetry: Telemetry,
 }
 
-/// From the host to the device.
+/// Request from the host to the device.
 #[expect(
     clippy::large_enum_variant,
     reason = "one at a time exists, and there is no allocator to box with"
@@ -135,180 +135,183 @@ pub enum Request {
     Sample(Sensors),
     /// Reads one signal. Answered by [`Reply::Values`] with one number.
     Signal {
-        /// Its number in the table of signals.
+        /// Number of the signal in the table of signals.
         id: u16,
     },
-    /// Chooses what comes with each sample from now on; none ends it. Answered by [`Reply::Done`].
+    /// Chooses the signals that are sent with each sample from now on; an empty list ends it. Answered by
+    /// [`Reply::Done`].
     Measure {
-        /// Their numbers in the table of signals.
+        /// Numbers of the signals in the table of signals.
         ids: SignalIds,
     },
-    /// Reads settings that are in effect. Answered by [`Reply::Values`]: as many as there are and fit.
+    /// Reads settings in effect. Answered by [`Reply::Values`] with all that exist and fit.
     Settings {
-        /// Number of the first one in the table of settings.
+        /// Number of the first setting in the table of settings.
         first: u16,
     },
     /// Writes settings into the shadow copy; nothing takes effect yet. Answered by [`Reply::Done`].
     Write {
-        /// Number of the first one in the table of settings.
+        /// Number of the first setting in the table of settings.
         first: u16,
-        /// New numbers of this one and of those that follow.
+        /// New values of this setting and of those that follow.
         values: Values,
     },
-    /// Validates the shadow copy as a whole and puts it into effect with the next sample. Answered by [`Reply::Done`].
+    /// Validates the shadow copy as a whole and applies it from the next sample on. Answered by [`Reply::Done`].
     Apply {
-        /// CRC-32 over all numbers of the shadow copy as the host means it ([`values_digest`](crate::crc32::values_digest)).
+        /// CRC-32 over all values of the shadow copy as the host expects it
+        /// ([`values_digest`](crate::crc32::values_digest)).
         digest: u32,
     },
-    /// Makes the shadow copy equal to what is in effect. Answered by [`Reply::Done`].
+    /// Resets the shadow copy to the settings in effect. Answered by [`Reply::Done`].
     Discard,
-    /// Makes the shadow copy equal to the built-in settings. Answered by [`Reply::Done`].
+    /// Resets the shadow copy to the built-in settings. Answered by [`Reply::Done`].
     Defaults,
-    /// Keeps what is in effect for the next start. Answered by [`Reply::Done`].
+    /// Saves the settings in effect for the next start. Answered by [`Reply::Done`].
     Save,
     /// Reads a page of the black box. Answered by [`Reply::BlackBox`].
     BlackBox {
         /// Number of the page, from 0, oldest first.
         page: u16,
     },
-    /// Empties the black box and lets it record again. Answered by [`Reply::Done`].
+    /// Clears the black box, which then records again. Answered by [`Reply::Done`].
     ClearBlackBox,
     /// Takes bytes from the device's log. Answered by [`Reply::Log`].
     Log,
-    /// Reads what the device counted on the link. Answered by [`Reply::Counters`].
+    /// Reads the device's frame counters. Answered by [`Reply::Counters`].
     Counters,
-    /// Starts the ECU's logic again, as after a reset with this cause; machine and session go on. Answered by [`Reply::Done`].
+    /// Restarts the ECU's logic, as after a reset with this cause; machine and session continue. Answered by
+    /// [`Reply::Done`].
     Restart {
-        /// What the ECU is told.
+        /// Cause that the ECU gets.
         cause: ResetCause,
     },
     /// Resets the machine after the answer, which is [`Reply::Done`]; the session ends.
     Reset,
 }
 
-/// From the device to the host.
+/// Reply from the device to the host.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reply {
-    /// Who answers: to [`Request::Hello`].
+    /// Identity of the device: answer to [`Request::Hello`].
     Identity(Identity),
-    /// The request had no effect.
+    /// Refusal: the request had no effect.
     Refused(Refusal),
-    /// To [`Request::Sample`].
+    /// Answer to [`Request::Sample`].
     Sample {
         /// Duty cycles and state.
         answer: Answer,
         /// Signals chosen by [`Request::Measure`], after this sample.
         measured: Measured,
     },
-    /// To [`Request::Signal`] and [`Request::Settings`].
+    /// Answer to [`Request::Signal`] and [`Request::Settings`].
     Values {
         /// Number of the first one in its table.
         first: u16,
-        /// Its number, and those of the ones that follow.
+        /// Value of the first one, and values of those that follow.
         values: Values,
     },
-    /// The request was carried out.
+    /// Confirmation that the request was carried out.
     Done,
-    /// To [`Request::BlackBox`].
+    /// Answer to [`Request::BlackBox`].
     BlackBox(BlackBoxPage),
-    /// To [`Request::Log`].
+    /// Answer to [`Request::Log`].
     Log {
-        /// The oldest bytes not taken before.
+        /// Oldest bytes not taken before.
         bytes: LogBytes,
-        /// Bytes that were overwritten before anybody took them, since the start.
+        /// Number of bytes that were overwritten before they were taken, since the start.
         lost: u32,
     },
-    /// To [`Request::Counters`].
+    /// Answer to [`Request::Counters`].
     Counters(LinkCounters),
-    /// Without request, once per sample while signals are measured and the timer runs the control task.
+    /// Unsolicited message, once per sample while signals are measured and the timer runs the control task.
     Measured {
         /// Number of the sample.
         sample: u32,
-        /// The signals, after this sample.
+        /// Values of the signals, after this sample.
         values: Measured,
     },
 }
 
-/// Who answers, in which state it was found.
+/// Identity of the device, and its state when the session was opened.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Version of the device's wire format.
     pub version: u16,
-    /// A number that differs from boot to boot of this device; part of the session's number from here on.
+    /// Number that differs from boot to boot of this device; part of the session's number from here on.
     pub boot: u32,
-    /// The image.
+    /// Image of the device.
     pub image: ImageIdentity,
-    /// Why it started.
+    /// Cause of the last reset.
     pub reset_cause: ResetCause,
-    /// Where its settings come from.
+    /// Source of its settings.
     pub settings_source: SettingsSource,
-    /// CRC-32 over the numbers of the settings in effect.
+    /// CRC-32 over the values of the settings in effect.
     pub settings_digest: u32,
 }
 
-/// Which image runs, on what.
+/// Identity of the running image and its board.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImageIdentity {
-    /// The board's name.
+    /// Name of the board.
     pub board: Name,
     /// Version of the firmware.
     pub version: Name,
-    /// A number that differs from build to build; 0: not known.
+    /// Number that differs from build to build; 0: not known.
     pub build: u32,
-    /// CRC-32 over the table of signals: host and device mean the same if it is the same.
+    /// CRC-32 over the table of signals: if it is equal, host and device have the same table.
     pub signals: u32,
     /// CRC-32 over the table of settings.
     pub settings: u32,
 }
 
-/// Why a device started.
+/// Cause of a device's start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ResetCause {
-    /// The supply came.
+    /// The supply was switched on.
     PowerOn,
-    /// The supply sagged below what the part needs.
+    /// The supply voltage fell below the part's minimum.
     Brownout,
-    /// Somebody pulled the reset pin.
+    /// The reset pin was activated.
     Pin,
-    /// The image asked for it, by request of the host.
+    /// The image reset the machine on request of the host.
     Software,
-    /// The watchdog was not served.
+    /// The watchdog was not fed.
     Watchdog,
     /// The image panicked.
     Panic,
     /// The processor took a fault exception.
     Exception,
-    /// The part does not tell.
+    /// The hardware does not report the cause.
     Unknown,
 }
 
-/// Where the settings in effect come from.
+/// Source of the settings in effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SettingsSource {
-    /// A stored copy.
+    /// Stored copy.
     Stored {
-        /// 0 or 1.
+        /// Number of the copy, 0 or 1.
         copy: u8,
-        /// Counts the saves.
+        /// Number of saves.
         sequence: u32,
-        /// Whether the other copy is damaged: the next save mends it.
+        /// Whether the other copy is damaged; the next save repairs it.
         other_damaged: bool,
     },
-    /// Built in: nothing was ever saved.
+    /// Built-in settings: nothing was ever saved.
     DefaultsNeverSaved,
-    /// Built in: what was saved is damaged, or not of this image. To be reported.
+    /// Built-in settings: the saved ones are damaged, or not of this image. To be reported.
     DefaultsDamaged,
-    /// Set over the link since the start.
+    /// Settings written over the link since the start.
     Link,
 }
 
-/// Why a request had no effect, with what was found and what would have been right.
+/// Reason why a request had no effect, with the found and the required value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
-    /// The device speaks another version.
+    /// The device has another protocol version.
     #[error(
         "the device speaks version {device} of the protocol, not {VERSION}: use the tools that came with its image"
     )]
@@ -316,75 +319,76 @@ pub enum Refusal {
         /// Version of the device's wire format.
         device: u16,
     },
-    /// The device knows no such session: it was reset, or another host opened one.
+    /// The session is unknown to the device: it was reset, or another host opened one.
     #[error(
         "the device knows no such session: it was reset, or another host opened one; open a new one"
     )]
     NoSession,
-    /// A request is missing before this one.
+    /// An earlier request is missing.
     #[error("request {found} came where {expected} was due")]
     Skipped {
-        /// Number that was due.
+        /// Expected number.
         expected: u32,
-        /// Number that came.
+        /// Received number.
         found: u32,
     },
-    /// The frame was undamaged, its message is none that the device knows.
+    /// The frame is undamaged, but the device does not know its message.
     #[error("the device does not know this message")]
     UnknownMessage,
-    /// A sample was sent, and the timer runs the control task.
+    /// A sample was sent while the timer runs the control task.
     #[error("samples are taken from the link in lock step only: open the session with it")]
     NotInLockStep,
-    /// No such signal.
+    /// The signal does not exist.
     #[error("signal {id} does not exist: the last one is {last}")]
     UnknownSignal {
-        /// What was asked for.
+        /// Requested number.
         id: u16,
         /// Largest number in the table.
         last: u16,
     },
-    /// No such setting.
+    /// The setting does not exist.
     #[error("setting {id} does not exist: the last one is {last}")]
     UnknownSetting {
-        /// What was asked for.
+        /// Requested number.
         id: u16,
         /// Largest number in the table.
         last: u16,
     },
-    /// The shadow copy is not what the host means: part of a change is missing, or somebody else's is in it.
+    /// The shadow copy differs from what the host expects: part of a change is missing, or another host's change is in
+    /// it.
     #[error(
         "the change is torn: its digest is {found:#010x}, the host's {expected:#010x}; discard it and write it again"
     )]
     Torn {
-        /// The host's digest.
+        /// Digest expected by the host.
         expected: u32,
-        /// The device's digest of its shadow copy.
+        /// Digest of the device's shadow copy.
         found: u32,
     },
-    /// A setting is out of its range, or of the range that another one leaves it.
+    /// A setting is outside its range, or outside the range that another setting leaves.
     #[error(
         "setting {id} = {value} is out of range: must be {min} ..= {max}, in units of its table"
     )]
     OutOfRange {
-        /// Its number in the table of settings.
+        /// Number of the setting in the table of settings.
         id: u16,
-        /// What the shadow copy holds.
+        /// Value in the shadow copy.
         value: i32,
         /// Smallest allowed value.
         min: i32,
         /// Largest allowed value.
         max: i32,
-        /// The setting that gives the bound, if it is not a fixed one.
+        /// Setting that gives the bound, if the bound is not fixed.
         bound_by: Option<u16>,
     },
-    /// Settings that are fine alone and together give a coefficient that the arithmetic does not hold.
+    /// Coefficient beyond the range of the arithmetic, computed from settings that are each within their own range.
     #[error(
         "setting {id} and those it is multiplied with give {value}, in units of 2^-32: must be {min} ..= {max}"
     )]
     Product {
-        /// The setting to change first.
+        /// Setting to change first.
         id: u16,
-        /// What the product comes to.
+        /// Value of the product.
         value: i64,
         /// Smallest allowed value.
         min: i64,
@@ -394,80 +398,80 @@ pub enum Refusal {
     /// Flash must not be written while a valve is in use: erasing can stop the processor for many samples.
     #[error("settings are saved only while both coils are off and nothing is asked for")]
     ValvesInUse,
-    /// The storage refused.
+    /// The storage reported a fault.
     #[error(
         "the settings could not be saved: the storage reports a fault; what was saved before is still there"
     )]
     Storage,
-    /// No such page.
+    /// The page does not exist.
     #[error("page {page} does not exist: the black box has {pages}")]
     UnknownPage {
-        /// What was asked for.
+        /// Requested page.
         page: u16,
-        /// How many there are.
+        /// Number of pages.
         pages: u16,
     },
-    /// This device cannot do that.
+    /// The device does not support the request.
     #[error("this device cannot do that")]
     Unsupported,
 }
 
-/// A page of the black box, and what all pages have in common.
+/// Page of the black box, with the data common to all pages.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BlackBoxPage {
-    /// What it is doing.
+    /// Status of the black box.
     pub status: BlackBoxStatus,
     /// Number of this page.
     pub page: u16,
-    /// How many pages there are.
+    /// Number of pages.
     pub pages: u16,
-    /// Records of this page that a reset tore; they are left out.
+    /// Number of torn records in this page's range; they are left out.
     pub torn: u16,
-    /// Oldest first.
+    /// Records, oldest first.
     pub records: Vec<BlackBoxRecord, RECORDS_MAX>,
 }
 
-/// What the black box is doing.
+/// Status of the black box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BlackBoxStatus {
-    /// It records; nothing happened.
+    /// Recording; no fault occurred.
     Recording,
-    /// A first fault came; it records a little longer.
+    /// Recording a little longer after the first fault.
     Triggered {
-        /// Number of the record in which it came.
+        /// Number of the record with the first fault.
         number: u32,
-        /// The faults then.
+        /// Faults in this record.
         faults: u32,
     },
-    /// It keeps what it has.
+    /// Frozen after a fault.
     Frozen {
-        /// Number of the record in which the first fault came.
+        /// Number of the record with the first fault.
         number: u32,
-        /// The faults then.
+        /// Faults in this record.
         faults: u32,
     },
-    /// It was recording when the device was reset, and keeps what it has.
+    /// Frozen by a reset of the device during the recording.
     FrozenByReset,
 }
 
-/// One sample in the black box.
+/// Record of one sample in the black box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct BlackBoxRecord {
-    /// Counts the records since the black box was emptied.
+    /// Number of the record since the black box was cleared.
     pub number: u32,
-    /// Reference [2⁻¹⁶ bar gauge]; none: no valid message.
+    /// Reference (2⁻¹⁶ bar gauge); `None`: no valid message.
     pub reference: Option<i32>,
-    /// Code of the pressure sensor; none: the converter did not answer.
+    /// Code of the pressure sensor; `None`: the converter did not answer.
     pub pressure: Option<u16>,
-    /// Coil of the fill valve [2⁻¹⁶ %].
+    /// Duty cycle of the fill valve's coil (2⁻¹⁶ %).
     pub duty_fill: u32,
-    /// Coil of the vent valve [2⁻¹⁶ %].
+    /// Duty cycle of the vent valve's coil (2⁻¹⁶ %).
     pub duty_vent: u32,
-    /// Control signal u [2⁻¹² %].
+    /// Control signal u (2⁻¹² %).
     pub control_signal: i32,
-    /// The supervisor's mode.
+    /// Mode of the supervisor.
     pub mode: u8,
-    /// The faults.
+    /// Faults, one bit each.
     pub faults: u32,
 }

@@ -1,4 +1,4 @@
-//! Who may say what next: sessions and sequence numbers.
+//! Sessions and sequence numbers.
 
 mod device;
 mod host;
@@ -6,21 +6,21 @@ mod host;
 pub use device::DeviceSession;
 pub use host::{Event, HostError, HostSession};
 
-/// Where the number of a frame stands to the newest one of its session.
+/// Position of a frame's number relative to the newest one of its session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
-    /// The newest again.
+    /// Equal to the newest.
     Same,
-    /// The one after it.
+    /// One after the newest.
     Next,
-    /// Beyond that: at least one is missing.
+    /// Further ahead: at least one frame is missing.
     Beyond,
-    /// Before it.
+    /// Before the newest.
     Before,
 }
 
 impl Place {
-    /// Numbers go round; half of them are ahead.
+    /// Compares two numbers. They wrap; half of them count as ahead.
     const fn of(found: u32, newest: u32) -> Self {
         match found.wrapping_sub(newest) {
             0 => Self::Same,
@@ -31,8 +31,8 @@ impl Place {
     }
 }
 
-/// A session's number: the host's half, which differs from session to session, and the device's, which differs from boot to
-/// boot. So a device that was reset never takes part in the session before.
+/// Returns the number of a session: the sum of the host's part, which differs from session to session, and the device's
+/// part, which differs from boot to boot. Therefore a device that was reset never takes part in the previous session.
 const fn session_number(nonce: u32, boot: u32) -> u32 {
     nonce.wrapping_add(boot)
 }

@@ -1,15 +1,15 @@
-//! What each effect costs: solver steps per PWM period on one minute of mixed duty cycles, counted, not timed.
+//! Cost of each effect: solver steps per PWM period on one minute of mixed duty cycles, counted, not timed.
 
 use plant_sim::effects::{EffectSetting, LIBRARY};
 use plant_sim::{Command, PlantParameters, Simulator};
 
 const SAMPLES: u64 = 6000;
 
-/// Steps (repeated ones included), stretches passed by formula and events per PWM period.
+/// Returns steps (including repeated ones), intervals passed by formula, and events per PWM period.
 fn cost(plant: &PlantParameters) -> [f64; 3] {
     let mut simulator = Simulator::new(plant);
     for sample in 0..SAMPLES {
-        // Each pair of duty cycles holds for a fifth of a second; fill and vent take turns and overlap.
+        // Each pair of duty cycles is constant for a fifth of a second; fill and vent alternate and overlap.
         let phase = sample / 20;
         let level = (phase * 37 % 100) as f64;
         let (duty_fill_pct, duty_vent_pct) = match phase % 5 {

@@ -1,6 +1,7 @@
-//! An effect of your own: the compressor makes the supply pressure swing.
+//! User-defined effect: the compressor makes the supply pressure swing.
 //!
-//! Describe it, install it, name it in a plant file. Everything between the two rulers is the effect, less than thirty lines.
+//! Describe it, install it, name it in a plant file. The code between the two rulers is the effect, less than thirty
+//! lines.
 
 use plant_sim::effects::{About, Effect, EffectSetting, EntryPoint, Variant};
 use plant_sim::parameters::{NOMINAL_PLANT_TOML, ParameterSpec, Size};
@@ -63,7 +64,7 @@ fn main() -> Result<(), plant_sim::ParameterError> {
     assert!((-0.3e5..-0.28e5).contains(&least), "{least}");
     assert!((0.28e5..0.3e5).contains(&largest), "{largest}");
 
-    // Off is the plain plant, bit for bit.
+    // Switched off it is the plain plant, bit for bit.
     let mut off = plant.clone();
     off.set("effects.supply_pulsation.swing_bar", 0.0, "off")?;
     assert!(off.effects[0].is_off());

@@ -21,14 +21,14 @@ pub struct Armature {
 }
 
 impl Armature {
-    /// Force at rest without the magnet's (N), positive towards the stroke; `pressure_drop` is upside
-    /// minus downside pressure (Pa).
+    /// Returns the static force without the magnet's (N), positive towards the stroke; `pressure_drop` is upstream
+    /// minus downstream pressure (Pa).
     #[inline]
     pub fn static_force(&self, x: f64, pressure_drop: f64) -> f64 {
         self.pressure_area * pressure_drop - self.preload - self.spring_rate * x
     }
 
-    /// Acceleration (m/s²) under the magnet's force (equation 3.11).
+    /// Returns the acceleration (m/s²) under the magnet's force (equation 3.11).
     #[inline]
     pub fn acceleration(&self, magnetic_force: f64, x: f64, v: f64, pressure_drop: f64) -> f64 {
         (magnetic_force + self.static_force(x, pressure_drop) - self.viscous_friction * v)

@@ -1,4 +1,4 @@
-//! The chamber (equations 3.17, 3.18, 3.23, 3.24): constant volume, isothermal gas.
+//! Chamber (equations 3.17, 3.18, 3.23, 3.24): constant volume, isothermal gas.
 
 /// Chamber parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,7 +10,7 @@ pub struct Chamber {
 }
 
 impl Chamber {
-    /// A chamber of `volume` (m³) with gas of `gas_constant` (J/(kg K)) at `temperature` (K).
+    /// Creates a chamber of `volume` (m³) with gas of `gas_constant` (J/(kg K)) at `temperature` (K).
     pub fn new(volume: f64, gas_constant: f64, temperature: f64) -> Self {
         Self {
             pressure_per_mass: gas_constant * temperature / volume,
@@ -18,7 +18,7 @@ impl Chamber {
         }
     }
 
-    /// dp/dt (Pa/s) for the mass flows in and out (kg/s) (equation 3.24).
+    /// Returns dp/dt (Pa/s) for the mass flows in and out (kg/s) (equation 3.24).
     #[inline]
     pub fn pressure_rate(&self, mass_flow_in: f64, mass_flow_out: f64) -> f64 {
         self.pressure_per_mass * (mass_flow_in - mass_flow_out)

@@ -1,15 +1,15 @@
-//! The coil of a valve (equations 3.2 to 3.6): resistance, an inductance that grows as the armature
-//! moves in, and the motional voltage i dL/dt.
+//! Coil of a valve (equations 3.2 to 3.6): resistance, an inductance that grows as the armature moves in, and the
+//! motional back-EMF i dL/dt.
 
-/// What drives the coil; fixed between two events.
+/// Drive of the coil; constant between two events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive {
-    /// The ECU output is high: the coil sees the supply voltage (V) (equation 3.2).
+    /// The ECU output is high: the coil has the supply voltage (V) (equation 3.2).
     Energised(f64),
-    /// The output is low and the current circulates through the free-wheel diode, whose drop (V)
-    /// opposes it (equation 3.5).
+    /// The output is low and the current circulates through the freewheeling diode, whose drop (V) opposes it (equation
+    /// 3.5).
     FreeWheeling(f64),
-    /// The output is low and the current is extinct: the diode blocks.
+    /// The output is low and the current has decayed to zero: the diode blocks.
     Blocked,
 }
 
@@ -25,13 +25,13 @@ pub struct Coil {
 }
 
 impl Coil {
-    /// Inductance at armature position `x` (m) (equation 3.6) (H).
+    /// Returns the inductance at armature position `x` (m) (equation 3.6) (H).
     #[inline]
     pub fn inductance(&self, x: f64) -> f64 {
         self.inductance_at_rest + self.inductance_slope * x
     }
 
-    /// di/dt (A/s) with the motional voltage of equation 3.3; `v` is dx/dt (m/s).
+    /// Returns di/dt (A/s) with the back-EMF of equation 3.3; `v` is dx/dt (m/s).
     #[inline]
     pub fn current_rate(&self, drive: Drive, current: f64, x: f64, v: f64) -> f64 {
         let Some(voltage) = drive.voltage() else {
@@ -40,7 +40,7 @@ impl Coil {
         (voltage - (self.resistance + self.inductance_slope * v) * current) / self.inductance(x)
     }
 
-    /// The exact current at rest in position `x`, from `current` on (equation 4.2 and its free-wheeling
+    /// Returns the exact current at rest in position `x`, from `current` on (equation 4.2 and its free-wheeling
     /// counterpart).
     #[inline]
     pub fn at_rest(&self, drive: Drive, current: f64, x: f64) -> RestingCurrent {
@@ -56,7 +56,7 @@ impl Coil {
 }
 
 impl Drive {
-    /// Voltage around the loop without the resistive drop (V); none where the diode blocks.
+    /// Returns the voltage around the loop without the resistive drop (V); `None` if the diode blocks.
     #[inline]
     pub fn voltage(self) -> Option<f64> {
         match self {
@@ -67,7 +67,7 @@ impl Drive {
     }
 }
 
-/// An exponential current with the armature at rest, valid from time 0 on. It ends at zero: the diode blocks.
+/// Exponential current with the armature at rest, valid from time 0 on. It ends at zero, where the diode blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RestingCurrent {
     initial: f64,
@@ -82,7 +82,7 @@ impl RestingCurrent {
         time_constant: 1.0,
     };
 
-    /// Current at `time` (s) (A).
+    /// Returns the current at `time` (s) (A).
     #[inline]
     pub fn at(&self, time: f64) -> f64 {
         if self.initial == self.steady {
@@ -92,7 +92,7 @@ impl RestingCurrent {
         (self.steady + (self.initial - self.steady) * decay).max(0.0)
     }
 
-    /// ∫ i dt from 0 to `time` (s), where the current is already `end` there (A s).
+    /// Returns ∫ i dt from 0 to `time` (s), where the current is already `end` (A s).
     #[inline]
     pub fn charge(&self, time: f64, end: f64) -> f64 {
         let flowing = if end > 0.0 {
@@ -103,7 +103,7 @@ impl RestingCurrent {
         self.steady * flowing + self.time_constant * (self.initial - end)
     }
 
-    /// Time at which a falling current is extinct (s); infinite where it never is.
+    /// Returns the time at which a falling current has decayed to zero (s); infinite if it never does.
     fn extinction(&self) -> f64 {
         if self.steady < 0.0 {
             self.time_constant * (1.0 - self.initial / self.steady).ln()
@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(current.at(end * 1.001), 0.0);
     }
 
-    /// The charge follows from the flux balance R ∫i dt = ∫u dt - L Δi, whatever happens in between.
+    /// The charge follows from the flux balance R ∫i dt = ∫u dt - L Δi, independent of events in between.
     #[test]
     fn charge_agrees_with_quadrature_also_beyond_extinction() {
         for (drive, start) in [
@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    /// Motional term: with the flux λ = L(x) i, dλ/dt = u - R i must hold for any motion.
+    /// Motional term: with the flux λ = L(x) i, dλ/dt = u - R i must be true for any motion.
     #[test]
     fn flux_balance_holds_while_the_armature_moves() {
         let coil = coil();

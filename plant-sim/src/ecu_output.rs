@@ -1,8 +1,8 @@
-//! The ECU output stage (section 3.2, equation 3.1): commands take effect after the command delay, and
-//! each PWM period is high for the duty cycle that is in force when it begins.
+//! Output stage of the ECU (section 3.2, equation 3.1): commands take effect after the command delay, and each PWM
+//! period is high for the duty cycle that is valid when it begins.
 //!
-//! All instants are integer nanoseconds, so that edges never depend on rounding or on the order of
-//! events. At one instant a command takes effect before a period begins.
+//! All instants are integer nanoseconds, so that edges never depend on rounding or on the order of events. At one
+//! instant a command takes effect before a period begins.
 
 use std::collections::VecDeque;
 
@@ -27,16 +27,16 @@ pub struct EcuOutput {
     period_ns: u64,
     delay_ns: u64,
     next_period_ns: u64,
-    /// Commands on their way, with the instant at which they take effect.
+    /// Delayed commands, with the instant at which they take effect.
     pending: VecDeque<(u64, Command)>,
     in_force: Command,
-    /// End of the high phase of the running period; in the past while low.
+    /// End of the high phase of the running period; in the past while the output is low.
     high_until_ns: [u64; 2],
 }
 
 impl EcuOutput {
-    /// Outputs with PWM of `period_ns`; commands wait for `delay_ns`, periods begin at the delayed
-    /// sample instants.
+    /// Creates outputs with PWM of `period_ns`; commands are delayed by `delay_ns`, periods begin at the delayed sample
+    /// instants.
     pub fn new(period_ns: u64, delay_ns: u64) -> Self {
         Self {
             period_ns,
@@ -53,7 +53,7 @@ impl EcuOutput {
         self.pending.push_back((now_ns + self.delay_ns, command));
     }
 
-    /// The next instant after `now_ns` at which an output may change.
+    /// Returns the next instant after `now_ns` at which an output may change.
     pub fn next_edge_ns(&self, now_ns: u64) -> u64 {
         self.high_until_ns
             .into_iter()
@@ -61,7 +61,8 @@ impl EcuOutput {
             .fold(self.next_period_ns, u64::min)
     }
 
-    /// Brings the outputs up to `now_ns`, which is not beyond the next edge, and tells which are high (fill, vent) from now on.
+    /// Updates the outputs to `now_ns`, which is not beyond the next edge, and returns which are high (fill, vent) from
+    /// now on.
     pub fn update(&mut self, now_ns: u64) -> [bool; 2] {
         if now_ns == self.next_period_ns {
             while let Some(&(effective_ns, command)) = self.pending.front()
@@ -71,7 +72,7 @@ impl EcuOutput {
                 self.pending.pop_front();
             }
             self.high_until_ns = self.in_force.duty_pct().map(|duty_pct| {
-                // Half a nanosecond of a period of milliseconds: far below any timer's tick.
+                // Half a nanosecond of a period of milliseconds, much less than any timer's tick.
                 let share = (duty_pct / 100.0).clamp(0.0, 1.0);
                 now_ns.saturating_add((share * self.period_ns as f64).round() as u64)
             });

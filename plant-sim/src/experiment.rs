@@ -1,4 +1,4 @@
-//! The bench experiments of chapter 4, on the model: duty-cycle limits, filling and venting times, currents.
+//! Bench experiments of chapter 4 on the model: duty-cycle limits, filling and venting times, currents.
 
 use crate::ecu_output::Command;
 use crate::parameters::{PA_PER_BAR, PlantParameters};
@@ -9,9 +9,9 @@ use crate::valve::ValveFunction;
 /// One of the two valves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ValveId {
-    /// Between supply and chamber.
+    /// Valve between supply and chamber.
     Fill,
-    /// Between chamber and drain.
+    /// Valve between chamber and drain.
     Vent,
 }
 
@@ -39,18 +39,18 @@ impl ValveId {
 
 /// Resolution of the duty limits (%).
 pub const DUTY_RESOLUTION_PCT: f64 = 0.05;
-/// Share of the stroke by which an armature must leave its seat before the bench notices.
+/// Share of the stroke by which an armature must leave its seat before the bench detects it.
 ///
-/// Below it the armature trembles by micrometres: no pressure change that a log shows within a second.
+/// Below it the armature trembles by micrometres: no pressure change that is visible in a log within a second.
 pub const NOTICEABLE_TRAVEL: f64 = 0.05;
 /// Time in which the PWM reaches its steady cycle (ns), and at least thirty periods.
 const SETTLING_NS: u64 = 300_000_000;
-/// PWM periods over which the steady cycle is watched.
+/// Number of PWM periods in which the steady cycle is observed.
 const WATCHED_PERIODS: u64 = 20;
 
-/// The lowest duty cycle (%) that opens the valve (section 4.1): its armature leaves the rest stop by a
-/// noticeable travel, with the full supply pressure across the valve or with none. None where even 100 %
-/// does not, and for a normally open valve, which needs none to open.
+/// Returns the lowest duty cycle (%) that opens the valve (section 4.1): its armature leaves the rest stop by a
+/// noticeable travel, with the full supply pressure across the valve or with none. Returns `None` if even 100 % does
+/// not open it, and for a normally open valve, which opens without current.
 pub fn opening_duty_pct(
     parameters: &PlantParameters,
     valve: ValveId,
@@ -63,10 +63,10 @@ pub fn opening_duty_pct(
     })
 }
 
-/// The lowest duty cycle (%) that keeps the valve open (section 4.1), with no pressure across it: the armature
-/// no longer returns to its seat within a PWM period. The thesis found this limit by ear, and a seat that is no
-/// longer struck is what ends the sound; at rest at full stroke the armature is only from about 7 % duty more
-/// on. None where even 100 % does not keep it open, and for a normally open valve.
+/// Returns the lowest duty cycle (%) that keeps the valve open (section 4.1), with no pressure across it: the armature
+/// no longer returns to its seat within a PWM period. The thesis found this limit by ear, and the sound ends when the
+/// seat is no longer struck. The armature rests at full stroke only from about 7 % duty cycle more on. Returns `None`
+/// if even 100 % does not keep it open, and for a normally open valve.
 pub fn holding_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
     let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
     let start_ns = settled_ns(parameters);
@@ -77,12 +77,12 @@ pub fn holding_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<
     })
 }
 
-/// The instant at which the PWM has reached its steady cycle, counted from the command (ns).
+/// Returns the instant at which the PWM has reached its steady cycle, counted from the command (ns).
 fn settled_ns(parameters: &PlantParameters) -> u64 {
     parameters.ecu.command_delay_ns() + SETTLING_NS.max(30 * parameters.ecu.pwm_period_ns())
 }
 
-/// Armature positions between two instants, a hundred in each PWM period.
+/// Returns armature positions between two instants, a hundred in each PWM period.
 fn positions(
     parameters: &PlantParameters,
     mut simulator: Simulator,
@@ -117,7 +117,7 @@ fn at_duty(
     simulator
 }
 
-/// Bisection for the lowest duty cycle at which `holds`, for a valve that opens under current.
+/// Finds the lowest duty cycle at which `holds` is true by bisection, for a valve that opens under current.
 fn lowest_duty_pct(
     parameters: &PlantParameters,
     valve: ValveId,
@@ -139,7 +139,7 @@ fn lowest_duty_pct(
     Some(above)
 }
 
-/// A measured pressure change.
+/// Measured pressure change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressureStep {
     /// Time from the command to the first change of pressure (s).
@@ -150,14 +150,14 @@ pub struct PressureStep {
 
 /// Time grid on which pressures are read (ns).
 const GRID_NS: u64 = 50_000;
-/// A pressure change that a sensor would notice (Pa): one step of it.
+/// Pressure change that a sensor would detect (Pa): one step of it.
 const NOTICEABLE_PA: f64 = 510.0;
-/// Longest time waited for a pressure (ns).
+/// Maximum waiting time for a pressure (ns).
 const PATIENCE_NS: u64 = 20_000_000_000;
 
-/// Steps `valve` to `duty_pct` and reads the time from `from` to `to` (bar gauge); the chamber starts at
-/// ambient pressure for the fill valve and at supply pressure for the vent valve (figures 4.1, 4.2, 4.9 to
-/// 4.11). None where `to` is not reached within 20 s.
+/// Steps `valve` to `duty_pct` and returns the time from `from` to `to` (bar gauge). The chamber starts at ambient
+/// pressure for the fill valve and at supply pressure for the vent valve (figures 4.1, 4.2, 4.9 to 4.11). Returns
+/// `None` if `to` is not reached within 20 s.
 pub fn pressure_step(
     parameters: &PlantParameters,
     valve: ValveId,
@@ -195,7 +195,7 @@ pub fn pressure_step(
     None
 }
 
-/// Mean, least and largest current (A) of the fill valve in the steady PWM cycle at `duty_pct`, with the
+/// Returns mean, smallest and largest current (A) of the fill valve in the steady PWM cycle at `duty_pct`, with the
 /// supply pressure disconnected (figures 4.3 and 4.4).
 pub fn steady_current(parameters: &PlantParameters, duty_pct: f64) -> [f64; 3] {
     let mut simulator = at_duty(parameters, ValveId::Fill, duty_pct, false);
@@ -260,7 +260,7 @@ mod tests {
         }
     }
 
-    /// A slow ECU changes when things happen, not what happens.
+    /// A slow ECU changes the time of events, but not their result.
     #[test]
     fn a_long_command_delay_does_not_change_the_limits() {
         let mut delayed = PlantParameters::nominal();

@@ -1,18 +1,18 @@
-//! Laws of your own: closures that a plant calls while it is simulated.
+//! User-defined laws: closures that a plant calls during the simulation.
 //!
-//! Each answers one question about the plant as it is [`Now`]; answers of several add up.
+//! Each returns one quantity of the plant at an instant ([`Now`]); the results of several are added.
 
 use core::fmt;
 use std::sync::Arc;
 
-/// The plant at an instant, as a law sees it. SI units, absolute pressures; fill valve first.
+/// Plant at an instant, as seen by a law. SI units, absolute pressures; fill valve first.
 #[derive(Debug, Clone, Copy)]
 pub struct Now<'a> {
     /// Time since the start (s).
     pub time: f64,
     /// Chamber pressure (Pa abs).
     pub pressure: f64,
-    /// Supply pressure as the plant file has it (Pa abs).
+    /// Supply pressure of the plant file (Pa abs).
     pub supply_pressure: f64,
     /// Ambient pressure (Pa abs).
     pub ambient_pressure: f64,
@@ -24,11 +24,11 @@ pub struct Now<'a> {
     pub position: [f64; 2],
     /// Armature velocities (m/s).
     pub velocity: [f64; 2],
-    /// The states that your effects added, in the order of adding.
+    /// States added by user-defined effects, in the order of adding.
     pub own: &'a [f64],
 }
 
-/// A law: a number for every instant.
+/// Law: a number for every instant.
 #[derive(Clone)]
 pub struct Law(Arc<dyn Fn(&Now) -> f64 + Send + Sync>);
 
@@ -54,7 +54,7 @@ impl PartialEq for Law {
     }
 }
 
-/// A state of your own, integrated with the plant.
+/// User-defined state, integrated with the plant.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OwnState {
     pub(crate) initial: f64,
@@ -62,7 +62,7 @@ pub(crate) struct OwnState {
     pub(crate) rate: Law,
 }
 
-/// All laws of a plant's own effects.
+/// All laws of a plant's user-defined effects.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Hooks {
     pub(crate) inflow: Vec<Law>,
@@ -74,45 +74,45 @@ pub struct Hooks {
 }
 
 impl Hooks {
-    /// Most states that effects of your own may add.
+    /// Maximum number of states that user-defined effects may add.
     pub const MAX_STATES: usize = 4;
 
-    /// A mass flow into the chamber (kg/s), at the chamber's temperature.
+    /// Adds a mass flow into the chamber (kg/s), at the chamber's temperature.
     pub fn add_inflow(&mut self, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
         self.inflow.push(Law::new(law));
     }
 
-    /// What the supply pressure is more than the plant file says (Pa).
+    /// Adds a difference to the supply pressure of the plant file (Pa).
     pub fn add_supply_pressure(&mut self, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
         self.supply_pressure.push(Law::new(law));
     }
 
-    /// A force on the armature of a valve, fill 0, vent 1 (N), positive towards full stroke.
+    /// Adds a force on the armature of a valve, fill 0, vent 1 (N), positive towards full stroke.
     ///
     /// # Panics
-    /// If there is no such valve.
+    /// Panics if there is no such valve.
     pub fn add_force(&mut self, valve: usize, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
         self.force[valve].push(Law::new(law));
     }
 
-    /// A voltage in the loop of a coil, fill 0, vent 1 (V), positive drives the current.
+    /// Adds a voltage in the loop of a coil, fill 0, vent 1 (V); a positive voltage drives the current.
     ///
     /// # Panics
-    /// If there is no such valve.
+    /// Panics if there is no such valve.
     pub fn add_voltage(&mut self, valve: usize, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
         self.voltage[valve].push(Law::new(law));
     }
 
-    /// What the sensor shows more than it senses (Pa).
+    /// Adds a difference to the pressure that the sensor shows (Pa).
     pub fn add_measured(&mut self, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
         self.measured.push(Law::new(law));
     }
 
-    /// A state that begins at `initial` and changes by `rate` (per second), solved to `tolerance` per step; its
-    /// index in [`Now::own`].
+    /// Adds a state that begins at `initial` and changes by `rate` (per second), solved to `tolerance` per step.
+    /// Returns its index in [`Now::own`].
     ///
     /// # Panics
-    /// If there are [`Self::MAX_STATES`] already, or the tolerance is not positive.
+    /// Panics if there are [`Self::MAX_STATES`] already, or the tolerance is not positive.
     pub fn add_state(
         &mut self,
         initial: f64,
@@ -133,7 +133,7 @@ impl Hooks {
         self.states.len() - 1
     }
 
-    /// Whether there is no law that acts on the plant while it moves.
+    /// Returns whether there is no law that acts on the plant's motion.
     pub(crate) fn is_empty(&self) -> bool {
         let Self {
             inflow,
@@ -151,7 +151,7 @@ impl Hooks {
     }
 }
 
-/// The sum of what the laws say.
+/// Returns the sum of the laws.
 #[inline]
 pub(crate) fn sum(laws: &[Law], now: &Now) -> f64 {
     laws.iter().map(|law| law.at(now)).sum()

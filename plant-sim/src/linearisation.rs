@@ -1,21 +1,21 @@
-//! The linearised plant (appendix A): Δẋ = A Δx + B Δu about an operating point between the end stops.
+//! Linearised plant (appendix A): Δẋ = A Δx + B Δu about an operating point between the end stops.
 //!
-//! States and inputs are those of section 3.5, in SI units: i, x, v of the fill valve, chamber pressure,
-//! i, x, v of the vent valve; the two coil voltages.
+//! States and inputs are those of section 3.5, in SI units: i, x, v of the fill valve, chamber pressure, i, x, v of the
+//! vent valve; the two coil voltages.
 //!
-//! # Where the printed formulas are wrong
+//! # Errors in the printed formulas
 //!
 //! - The coil rows: with L = L_off - x (L_off - L_on)/(x_on - x_off), ∂f1/∂x1 is -R/L. Printed is
 //!   -R/(x (L_off - L_on)/(x_on - x_off) - L_off) = +R/L, an unstable coil; likewise ∂f5/∂x5. The entries of B
 //!   have the same wrong sign (printed -1/L).
-//! - ∂f1/∂x2 and ∂f5/∂x6 have the wrong sign for the same reason, and ∂f5/∂x6 is printed with u1 for u2; they
-//!   vanish at an equilibrium, where u = R i. The motional term of equation 3.4, dropped in 3.26 and 3.30, adds
-//!   ∂f1/∂x3 = -i L'/L, which does not vanish.
+//! - ∂f1/∂x2 and ∂f5/∂x6 have the wrong sign for the same reason, and ∂f5/∂x6 is printed with u1 for u2; they vanish at
+//!   an equilibrium, where u = R i. The back-EMF of equation 3.4, dropped in 3.26 and 3.30, adds ∂f1/∂x3 = -i L'/L,
+//!   which does not vanish.
 //! - ∂f7/∂x4 is printed as -π/m (d/2)². Equation 3.32 has +(x4 - P_atm): the chamber pressure lifts the vent
 //!   valve, so the sign is plus.
-//! - ∂f4/∂x4 is printed for a choked fill and a subsonic vent valve. With both valves open and orifices of one
-//!   size the balance lies near 0.81 P_sup: the fill flow is subsonic and the vent flow choked. Here
-//!   both are taken as they are.
+//! - ∂f4/∂x4 is printed for a choked fill and a subsonic vent valve. With both valves open and orifices of one size the
+//!   balance is near 0.81 P_sup: the fill flow is subsonic and the vent flow choked. This module evaluates each flow in
+//!   its actual regime.
 //! - ∂f4/∂x2 and ∂f4/∂x6 are zero where the bore limits the flow (equation 3.21), which is so at full stroke.
 //! - C and D are printed as ∂f/∂x; they are ∂g/∂x and ∂g/∂u.
 
@@ -27,14 +27,14 @@ pub const STATES: usize = 7;
 /// Row and column of the chamber pressure.
 pub const PRESSURE: usize = 3;
 
-/// The linear model about one operating point.
+/// Linear model about one operating point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linearisation {
-    /// ∂f/∂x.
+    /// Matrix A: ∂f/∂x.
     pub a: [[f64; STATES]; STATES],
-    /// ∂f/∂u for the voltages of fill and vent coil (V).
+    /// Matrix B: ∂f/∂u for the voltages of fill and vent coil (V).
     pub b: [[f64; 2]; STATES],
-    /// ∂g/∂x of the output y = chamber pressure.
+    /// Output row C: ∂g/∂x of the output y = chamber pressure.
     pub c: [f64; STATES],
 }
 
@@ -62,7 +62,7 @@ pub fn linearise(plant: &Plant, voltage: [f64; 2], state: &[f64; STATES]) -> Lin
         let armature = &valve.armature;
         let force = valve.magnet.force(i, x);
         let gap = valve.magnet.gap - x;
-        // d(pressure drop)/d(chamber pressure): the chamber is downside of the fill, upside of the vent valve.
+        // d(pressure drop)/d(chamber pressure): the chamber is downstream of the fill, upstream of the vent valve.
         let drop_slope = if index == FILL { -1.0 } else { 1.0 };
         a[velocity][current] = 2.0 * valve.magnet.force_constant * i / (gap * gap) / armature.mass;
         a[velocity][position] = (2.0 * force / gap - armature.spring_rate) / armature.mass;
@@ -83,7 +83,7 @@ pub fn linearise(plant: &Plant, voltage: [f64; 2], state: &[f64; STATES]) -> Lin
     Linearisation { a, b, c }
 }
 
-/// d(mass flow per effective area)/d(chamber pressure) (s/m).
+/// Returns d(mass flow per effective area)/d(chamber pressure) (s/m).
 fn flow_slope(plant: &Plant, index: usize, pressure: f64) -> f64 {
     let nozzle = &plant.nozzle;
     if index == FILL {
@@ -117,8 +117,8 @@ mod tests {
         a
     }
 
-    /// Every entry against central differences, in and out of equilibrium, choked and subsonic, on both
-    /// sides of the kink in the area.
+    /// Compares every entry with central differences, in and out of equilibrium, choked and subsonic, on both sides of
+    /// the kink in the area.
     #[test]
     fn matrices_are_the_derivatives_of_the_right_hand_side() {
         let mut parameters = PlantParameters::nominal();
@@ -148,8 +148,8 @@ mod tests {
         }
     }
 
-    /// Both armatures hover between their stops under a steady voltage; a small voltage step moves the
-    /// simulated plant as the linear model says.
+    /// Both armatures hover between their stops under a constant voltage. A small voltage step moves the simulated
+    /// plant as the linear model predicts.
     #[test]
     fn small_step_response_agrees_with_the_simulator() {
         let mut parameters = PlantParameters::nominal();

@@ -1,20 +1,20 @@
-//! The clock of a logger beside the clock of the ECU.
+//! Clock of a logger relative to the clock of the ECU.
 //!
-//! The ECU samples and commands on its own grid, n T_ECU. A logger of its own takes rows at other instants and its clock
-//! runs fast or slow by some parts per million, so that its rows wander through the ECU's samples. A row shows the
-//! command in force at its instant: the one that the ECU gave at its last sample before.
+//! The ECU samples and commands on its own grid, n T_ECU. A separate logger takes rows at other instants, and its clock
+//! is fast or slow by some parts per million, so that its rows drift through the ECU's samples. A row shows the command
+//! valid at its instant: the one that the ECU gave at its last sample before.
 
-/// Samples of the ECU that [`LoggerClock::later`] leaves before the first row.
+/// Number of ECU samples that [`LoggerClock::later`] leaves before the first row.
 const SAMPLES_OF_ROOM: f64 = 3.0;
 
-/// Clock of a logger beside that of the ECU.
+/// Clock of a logger relative to that of the ECU.
 ///
 /// The row at `t` seconds after the first row of the log has the ECU time `phase_s + t (1 + drift_ppm 1e-6)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoggerClock {
     /// ECU time of the first row (s), since the ECU sample at or before it: 0 to T_ECU.
     pub phase_s: f64,
-    /// Time that the ECU counts beyond the logger's, per logged time (ppm).
+    /// Drift: time that the ECU counts beyond the logger's, per logged time (ppm).
     pub drift_ppm: f64,
 }
 
@@ -27,8 +27,8 @@ impl LoggerClock {
         }
     }
 
-    /// Returns the clock some whole samples of the ECU later, so that no row lies before the beginning: a clock that runs fast may
-    /// reach back before the first sample.
+    /// Returns the clock some whole samples of the ECU later, so that no row is before the beginning: a clock that is
+    /// fast may reach back before the first sample.
     pub fn later(self, sample_time_s: f64) -> Self {
         Self {
             phase_s: self.phase_s.rem_euclid(sample_time_s) + SAMPLES_OF_ROOM * sample_time_s,
@@ -36,7 +36,8 @@ impl LoggerClock {
         }
     }
 
-    /// Returns by how much (s) the ECU time of an instant `log_s` after the first row is later than the logger's count.
+    /// Returns the difference (s) between the ECU time of an instant `log_s` after the first row and the logger's
+    /// count.
     pub fn phase_at_s(&self, log_s: f64) -> f64 {
         self.phase_s + log_s * self.drift_ppm * 1e-6
     }
@@ -49,11 +50,11 @@ impl LoggerClock {
             .max(0.0) as u64
     }
 
-    /// Returns the number of the ECU's sample, `sample_time_ns` apart, whose command a row shows for the first time. The row
-    /// lies `log_ns` after the first one, and rows are `interval_ns` apart.
+    /// Returns the number of the ECU's sample, `sample_time_ns` apart, whose command a row shows for the first time.
+    /// The row is `log_ns` after the first one, and rows are `interval_ns` apart.
     ///
-    /// The sample lies between the row before and this one, in the mean by half a row before it: so the sample next to that
-    /// instant is taken, which forgives a clock that is slightly wrong.
+    /// The sample is between the previous row and this one, on average half a row before it. The sample next to that
+    /// instant is taken, which tolerates a slightly wrong clock.
     pub fn ecu_sample(&self, log_ns: u64, interval_ns: u64, sample_time_ns: u64) -> u64 {
         let mean_lag_ns = interval_ns.min(sample_time_ns) / 2;
         let given_ns = self.ecu_time_ns(log_ns).saturating_sub(mean_lag_ns);

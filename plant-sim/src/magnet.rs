@@ -10,7 +10,7 @@ pub struct Magnet {
 }
 
 impl Magnet {
-    /// Force in the direction of +x (N) (equation 3.10).
+    /// Returns the force in the direction of +x (N) (equation 3.10).
     #[inline]
     pub fn force(&self, current: f64, x: f64) -> f64 {
         let ratio = current / (self.gap - x);

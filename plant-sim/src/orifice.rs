@@ -4,32 +4,31 @@ use core::f64::consts::PI;
 
 use crate::solver::table::Table;
 
-/// Ratio of downstream to upstream pressure above which the flow is taken as linear in the
-/// pressure drop.
+/// Ratio of downstream to upstream pressure above which the flow is linear in the pressure drop.
 ///
-/// The isentropic law has an infinite slope at equal pressures, which no solver likes and no orifice
-/// has: the flow turns laminar there. At 9 bar the linear zone is 0.9 mbar wide.
+/// The isentropic law has an infinite slope at equal pressures, which is a problem for any solver and unphysical: the
+/// flow turns laminar there. At 9 bar the linear zone is 0.9 mbar wide.
 pub const LAMINAR_RATIO: f64 = 0.9999;
 
-/// Intervals in which the subsonic branch is tabulated; the error is below 1e-9 of the choked flow.
+/// Number of intervals of the tabulated subsonic branch; the error is below 1e-9 of the choked flow.
 const INTERVALS: usize = 192;
 
-/// The form of the subsonic branch.
+/// Form of the subsonic branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subsonic {
-    /// The ideal nozzle's, stretched over the ratios above the critical one (E10).
+    /// Branch of the ideal nozzle, stretched over the ratios above the critical one (E10).
     Isentropic,
-    /// The quarter ellipse of ISO 6358-1 (E57).
+    /// Quarter ellipse of ISO 6358-1 (E57).
     Ellipse,
 }
 
-/// The gas and the nozzle law, prepared once: everything in equation 3.19 but area and pressures.
+/// Gas and nozzle law, prepared once: everything in equation 3.19 except area and pressures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NozzleLaw {
     /// Ratio below which the flow is choked (-), equation 3.22.
     critical_ratio: f64,
     branch: Subsonic,
-    /// (1 - the isentropic critical ratio) / (1 - the orifice's): 1 for the ideal orifice.
+    /// (1 - the isentropic critical ratio) / (1 - the orifice's critical ratio): 1 for the ideal orifice.
     stretch: f64,
     /// (k-1)/k (-).
     exponent: f64,
@@ -46,11 +45,10 @@ pub struct NozzleLaw {
 impl NozzleLaw {
     /// Prepares the law for a gas.
     ///
-    /// `heat_capacity_ratio` k > 1, `gas_constant` (J/(kg K)), `temperature` (K),
-    /// `critical_ratio` as in equation 3.22 (0.528 for air). A real component has a smaller one: its subsonic
-    /// branch is the isentropic one stretched over the ratios that are left, so that the flow falls smoothly
-    /// from choked to none whatever the ratio. A ratio that is equation 3.22 rounded to three digits is taken as
-    /// that equation.
+    /// `heat_capacity_ratio` k > 1, `gas_constant` (J/(kg K)), `temperature` (K), `critical_ratio` as in equation 3.22
+    /// (0.528 for air). A real component has a smaller one. Its subsonic branch is the isentropic one stretched over
+    /// the remaining ratios, so that the flow falls smoothly from choked to none for any ratio. A ratio that equals
+    /// equation 3.22 rounded to three digits is replaced by that equation.
     pub fn new(
         heat_capacity_ratio: f64,
         gas_constant: f64,
@@ -66,7 +64,7 @@ impl NozzleLaw {
         )
     }
 
-    /// The law with another form of the subsonic branch.
+    /// Prepares the law with another form of the subsonic branch.
     pub fn with_branch(
         heat_capacity_ratio: f64,
         gas_constant: f64,
@@ -105,7 +103,7 @@ impl NozzleLaw {
         law
     }
 
-    /// Mass flow from `upstream` to `downstream` (kg/s); negative where the pressures are reversed.
+    /// Returns the mass flow from `upstream` to `downstream` (kg/s); negative if the pressures are reversed.
     ///
     /// `effective_area` is discharge coefficient times area (m²), pressures are absolute (Pa).
     #[inline]
@@ -119,8 +117,8 @@ impl NozzleLaw {
         }
     }
 
-    /// The derivatives of `mass_flow` per effective area by `upstream` and `downstream` (s/m), for the linearisation
-    /// of appendix A.
+    /// Returns the derivatives of `mass_flow` per effective area by `upstream` and `downstream` (s/m), for the
+    /// linearisation of appendix A.
     pub fn mass_flow_slopes(&self, upstream: f64, downstream: f64) -> [f64; 2] {
         if upstream < downstream {
             let [by_downstream, by_upstream] = self.mass_flow_slopes(downstream, upstream);
@@ -131,28 +129,28 @@ impl NozzleLaw {
         [self.flow_function(ratio) - ratio * slope, slope]
     }
 
-    /// Whether the flow from `upstream` to `downstream` (Pa abs) is choked.
+    /// Returns whether the flow from `upstream` to `downstream` (Pa abs) is choked.
     #[inline]
     pub fn is_choked(&self, upstream: f64, downstream: f64) -> bool {
         downstream <= self.critical_ratio * upstream
     }
 
-    /// Critical pressure ratio (-).
+    /// Returns the critical pressure ratio (-).
     pub fn critical_ratio(&self) -> f64 {
         self.critical_ratio
     }
 
-    /// Ψ / sqrt(R T) of choked flow (s/m).
+    /// Returns Ψ / sqrt(R T) of choked flow (s/m).
     pub fn choked_factor(&self) -> f64 {
         self.choked_factor
     }
 
-    /// Mass flow per effective area, upstream pressure and (1 - ratio) where the pressures are nearly equal (s/m).
+    /// Returns the mass flow per effective area, upstream pressure and (1 - ratio) for nearly equal pressures (s/m).
     pub fn laminar_slope(&self) -> f64 {
         self.laminar_slope
     }
 
-    /// Ψ(ratio) / sqrt(R T) (s/m): mass flow per effective area and upstream pressure.
+    /// Returns Ψ(ratio) / sqrt(R T) (s/m): mass flow per effective area and upstream pressure.
     #[inline]
     pub fn flow_function(&self, ratio: f64) -> f64 {
         if ratio <= self.critical_ratio {
@@ -164,7 +162,7 @@ impl NozzleLaw {
         }
     }
 
-    /// d(`flow_function`)/d(ratio) (s/m), for the linearisation of appendix A.
+    /// Returns d(`flow_function`)/d(ratio) (s/m), for the linearisation of appendix A.
     pub fn flow_function_slope(&self, ratio: f64) -> f64 {
         if ratio <= self.critical_ratio {
             0.0
@@ -175,13 +173,13 @@ impl NozzleLaw {
         }
     }
 
-    /// The ratio at which the ideal orifice stands where this one stands at `ratio`.
+    /// Returns the ratio of the ideal orifice that corresponds to `ratio` of this one.
     #[inline]
     fn stretched(&self, ratio: f64) -> f64 {
         1.0 - self.stretch * (1.0 - ratio)
     }
 
-    /// Where `ratio` stands between choked flow, 0, and equal pressures, 1.
+    /// Returns the position of `ratio` between choked flow, 0, and equal pressures, 1.
     fn beyond_critical(&self, ratio: f64) -> f64 {
         (ratio - self.critical_ratio).max(0.0) / (1.0 - self.critical_ratio)
     }
@@ -195,7 +193,7 @@ impl NozzleLaw {
         }
     }
 
-    /// d(`subsonic_branch`)/d(ratio).
+    /// Returns d(`subsonic_branch`)/d(ratio).
     fn subsonic_slope(&self, ratio: f64) -> f64 {
         match self.branch {
             Subsonic::Isentropic => self.isentropic_slope(ratio),
@@ -206,15 +204,15 @@ impl NozzleLaw {
         }
     }
 
-    /// The subsonic branch of equation 3.19 as printed, with r^(2/k) - r^((k+1)/k) = (r/w)² (1 - w) and
-    /// w = r^((k-1)/k): one power instead of two.
+    /// Returns the subsonic branch of equation 3.19 as printed, with r^(2/k) - r^((k+1)/k) = (r/w)² (1 - w) and w =
+    /// r^((k-1)/k): one power instead of two.
     fn isentropic(&self, ratio: f64) -> f64 {
         let ratio = self.stretched(ratio);
         let w = ratio.powf(self.exponent);
         self.subsonic_factor * (ratio / w) * (1.0 - w).sqrt()
     }
 
-    /// d(`isentropic`)/d(ratio): with w as above, Ψ² = c (r/w)² (1 - w) and d(r/w)/dr = 1/(k w).
+    /// Returns d(`isentropic`)/d(ratio): with w as above, Ψ² = c (r/w)² (1 - w) and d(r/w)/dr = 1/(k w).
     fn isentropic_slope(&self, ratio: f64) -> f64 {
         let ratio = self.stretched(ratio);
         let w = ratio.powf(self.exponent);
@@ -225,16 +223,16 @@ impl NozzleLaw {
     }
 }
 
-/// What limits the flow of a valve.
+/// Part of a valve that limits its flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Limit {
-    /// The gap between armature and seat (equation 3.20).
+    /// Curtain between armature and seat (equation 3.20).
     Curtain,
-    /// The bore behind it (equation 3.21).
+    /// Bore behind it (equation 3.21).
     Bore,
 }
 
-/// The opening of a valve: a curtain that grows with the lift until the bore limits it.
+/// Opening of a valve: a curtain that grows with the lift until the bore limits it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orifice {
     /// π d0 (m).
@@ -246,7 +244,7 @@ pub struct Orifice {
 }
 
 impl Orifice {
-    /// An orifice of `diameter` (m) with a discharge coefficient.
+    /// Creates an orifice of `diameter` (m) with a discharge coefficient.
     pub fn new(diameter: f64, discharge_coefficient: f64) -> Self {
         Self {
             circumference: PI * diameter,
@@ -255,19 +253,19 @@ impl Orifice {
         }
     }
 
-    /// Lift beyond which the area no longer grows (m): d0/4, from equations 3.20 and 3.21.
+    /// Returns the lift beyond which the area no longer grows (m): d0/4, from equations 3.20 and 3.21.
     pub fn saturation_lift(&self) -> f64 {
         self.saturation_lift
     }
 
-    /// Discharge coefficient times smallest area at `lift` (m) (equations 3.20, 3.21) (m²).
+    /// Returns the discharge coefficient times the smallest area at `lift` (m) (equations 3.20, 3.21) (m²).
     #[inline]
     pub fn effective_area(&self, lift: f64) -> f64 {
         self.discharge_coefficient * self.circumference * lift.clamp(0.0, self.saturation_lift)
     }
 
-    /// The effective area (m²) by one part of the law, continued smoothly beyond its end: a solver's step
-    /// that passes the kink or a stop sees no kink, and ends there.
+    /// Returns the effective area (m²) by one part of the law, continued smoothly beyond its end: a solver's step that
+    /// passes the kink or a stop sees no kink, and ends there.
     #[inline]
     pub fn effective_area_by(&self, limit: Limit, lift: f64) -> f64 {
         let lift = match limit {
@@ -277,7 +275,7 @@ impl Orifice {
         self.discharge_coefficient * self.circumference * lift
     }
 
-    /// d(effective area)/d(lift) at `lift` (m): zero where the bore limits the flow.
+    /// Returns d(effective area)/d(lift) at `lift` (m): zero if the bore limits the flow.
     pub fn effective_area_slope(&self, lift: f64) -> f64 {
         if lift < self.saturation_lift {
             self.discharge_coefficient * self.circumference

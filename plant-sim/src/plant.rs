@@ -1,4 +1,4 @@
-//! Two valves and a chamber: the right-hand side of equations 3.26 to 3.32, and what effects add to it.
+//! Two valves and a chamber: the right-hand side of equations 3.26 to 3.32, and the additions of effects.
 
 use crate::additions::Additions;
 use crate::chamber::Chamber;
@@ -12,30 +12,30 @@ pub const FILL: usize = 0;
 /// Index of the vent valve.
 pub const VENT: usize = 1;
 
-/// The physics of the plant, prepared from the parameters.
+/// Physics of the plant, prepared from the parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plant {
     /// Fill and vent valve.
     pub valves: [Valve; 2],
     /// Flow law of both orifices.
     pub nozzle: NozzleLaw,
-    /// The universal curves of subsonic flow with these orifices.
+    /// Universal curves of subsonic flow with these orifices.
     pub subsonic: SubsonicCurves,
-    /// The chamber.
+    /// Chamber of the plant.
     pub chamber: Chamber,
-    /// Supply pressure (Pa abs), upside of the fill valve.
+    /// Supply pressure (Pa abs), upstream of the fill valve.
     pub supply_pressure: f64,
     /// Ambient pressure (Pa abs).
     pub ambient_pressure: f64,
-    /// Pressure of the drain (Pa abs), downside of the vent valve: ambient but for an effect.
+    /// Pressure of the drain (Pa abs), downstream of the vent valve: ambient without effects.
     pub drain_pressure: f64,
-    /// Drop of the free-wheel diode (V).
+    /// Drop of the freewheeling diode (V).
     pub diode_drop: f64,
-    /// What effects add; the methods here do without it, the simulator does not.
+    /// Additions of effects; the methods here ignore them, the simulator does not.
     pub additions: Additions,
 }
 
-/// The state of the plant: x1 to x7 of section 3.5 with the discrete state of each valve.
+/// State of the plant: x1 to x7 of section 3.5 with the discrete state of each valve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantState {
     /// Fill and vent valve.
@@ -45,7 +45,7 @@ pub struct PlantState {
 }
 
 impl Plant {
-    /// Everything at rest: coils dead, armatures at their rest stops, chamber at ambient pressure.
+    /// Returns the state at rest: coils without current, armatures at their rest stops, chamber at ambient pressure.
     pub fn rest_state(&self) -> PlantState {
         PlantState {
             valves: [ValveState::AT_REST; 2],
@@ -53,13 +53,13 @@ impl Plant {
         }
     }
 
-    /// The share of its travel that a plunger has at rest (-).
+    /// Returns the share of its travel that a plunger has at rest (-).
     pub(crate) fn swept_at_rest(&self) -> f64 {
         let plunger = &self.additions.plunger;
         plunger.map_or(0.0, |plunger| plunger.share(0.0, self.ambient_pressure))
     }
 
-    /// Upside minus downside pressure of a valve (Pa) at chamber pressure `pressure` (Pa abs).
+    /// Returns the upstream minus downstream pressure of a valve (Pa) at chamber pressure `pressure` (Pa abs).
     #[inline]
     pub fn pressure_drop(&self, valve: usize, pressure: f64) -> f64 {
         if valve == FILL {
@@ -69,7 +69,7 @@ impl Plant {
         }
     }
 
-    /// Mass flow through a valve with `effective_area` (m²) (kg/s), positive downstream.
+    /// Returns the mass flow through a valve with `effective_area` (m²) (kg/s), positive downstream.
     #[inline]
     pub fn mass_flow(&self, valve: usize, effective_area: f64, pressure: f64) -> f64 {
         if effective_area == 0.0 {
@@ -83,7 +83,7 @@ impl Plant {
         }
     }
 
-    /// dp/dt (Pa/s) for the effective areas of fill and vent valve (m²) (equation 3.29).
+    /// Returns dp/dt (Pa/s) for the effective areas of fill and vent valve (m²) (equation 3.29).
     #[inline]
     pub fn pressure_rate(&self, effective_areas: [f64; 2], pressure: f64) -> f64 {
         self.chamber.pressure_rate(
@@ -92,10 +92,10 @@ impl Plant {
         )
     }
 
-    /// The whole right-hand side between the end stops, equations 3.26 to 3.32 with the motional term of
-    /// equation 3.4, for the states in the order of section 3.5: i, x, v of the fill valve, chamber
-    /// pressure, i, x, v of the vent valve (SI units). The simulator integrates the moving part of it; this
-    /// form is for linearisation and for other solvers, and knows no additions.
+    /// Returns the whole right-hand side between the end stops, equations 3.26 to 3.32 with the back-EMF of equation
+    /// 3.4, for the states in the order of section 3.5: i, x, v of the fill valve, chamber pressure, i, x, v of the
+    /// vent valve (SI units). The simulator integrates the moving part of it. This form is for linearisation and for
+    /// other solvers, and ignores additions.
     pub fn rates(&self, drives: [Drive; 2], state: &[f64; 7]) -> [f64; 7] {
         let [i_fill, x_fill, v_fill, pressure, i_vent, x_vent, v_vent] = *state;
         let [fill, vent] = &self.valves;

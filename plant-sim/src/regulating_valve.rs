@@ -1,14 +1,14 @@
-//! The regulating valve behind the chamber (section 3.4, equation 3.25): a plunger between air and oil,
-//! with a spring, static and dynamic friction and two stops. An output stage: its displacement is small
-//! against the chamber, so it does not act back (section 3.4).
+//! Regulating valve behind the chamber (section 3.4, equation 3.25): a plunger between air and oil, with a spring,
+//! static and dynamic friction and two stops. It is an output stage: its displacement is small compared with the
+//! chamber, so it does not act back (section 3.4).
 //!
-//! Within a step the chamber pressure is taken as linear in time. The plunger is then an oscillator under
-//! a ramp, solved exactly from one change of direction, stop or stick to the next.
+//! Within a step the chamber pressure is linear in time. The plunger is then an oscillator under a ramp, solved exactly
+//! from one change of direction, stop or stick to the next.
 
 use crate::parameters::{PA_PER_BAR, RegulatingValveParameters};
 use crate::solver::root::first_positive;
 
-/// The plunger's state.
+/// State of the plunger.
 #[derive(Debug, Clone)]
 pub struct RegulatingValve {
     parameters: RegulatingValveParameters,
@@ -38,7 +38,7 @@ impl Slide {
         self.ramp + self.omega * (self.b * cos - self.a * sin)
     }
 
-    /// The first time after 0 at which the velocity is zero; infinite if it never is.
+    /// Returns the first time after 0 at which the velocity is zero; infinite if there is none.
     fn reversal(&self) -> f64 {
         // ramp + c cos(ωt + φ) = 0 with c cos φ = ω b and c sin φ = ω a.
         let amplitude = self.omega * self.a.hypot(self.b);
@@ -50,7 +50,7 @@ impl Slide {
         let full_turn = core::f64::consts::TAU;
         let after_start = |angle: f64| {
             let turned = (angle - phase).rem_euclid(full_turn);
-            // A slide begins with zero velocity as often as not: that instant does not count.
+            // A slide often begins with zero velocity: that instant does not count.
             if turned < 1e-9 {
                 turned + full_turn
             } else {
@@ -62,7 +62,7 @@ impl Slide {
 }
 
 impl RegulatingValve {
-    /// A plunger at rest at its air-side stop.
+    /// Creates a plunger at rest at its air-side stop.
     pub fn new(parameters: RegulatingValveParameters) -> Self {
         Self {
             parameters,
@@ -71,17 +71,17 @@ impl RegulatingValve {
         }
     }
 
-    /// Position of the plunger (m).
+    /// Returns the position of the plunger (m).
     pub fn position(&self) -> f64 {
         self.x
     }
 
-    /// Velocity of the plunger (m/s).
+    /// Returns the velocity of the plunger (m/s).
     pub fn velocity(&self) -> f64 {
         self.v
     }
 
-    /// Force on the plunger without friction (N) at chamber gauge pressure `pressure` (Pa).
+    /// Returns the force on the plunger without friction (N) at chamber gauge pressure `pressure` (Pa).
     fn force(&self, pressure: f64, x: f64) -> f64 {
         let p = &self.parameters;
         pressure * p.air_area_m2
@@ -106,7 +106,7 @@ impl RegulatingValve {
         }
     }
 
-    /// Whether friction or a stop holds the resting plunger against `force`.
+    /// Returns whether friction or a stop keeps the resting plunger in place against `force`.
     fn is_held(&self, force: f64) -> bool {
         let p = &self.parameters;
         force.abs() <= p.static_friction_n
@@ -126,7 +126,7 @@ impl RegulatingValve {
         (direction * p.static_friction_n - force) / force_rate + 1e-9
     }
 
-    /// Slides in one direction until it reverses, meets a stop or `limit` (s) is over.
+    /// Slides in one direction until it reverses, meets a stop, or `limit` (s) is over.
     fn slide(&mut self, force: f64, force_rate: f64, limit: f64) -> f64 {
         let p = &self.parameters;
         let direction = if self.v == 0.0 {
@@ -182,7 +182,7 @@ mod tests {
         }
     }
 
-    /// Pressure steps of one pascal against a fine fixed-step simulation of equation 3.25.
+    /// Pressure steps of one pascal, compared with a fine fixed-step simulation of equation 3.25.
     #[test]
     fn exact_solution_agrees_with_a_fine_simulation() {
         let mut valve = RegulatingValve::new(parameters());

@@ -1,8 +1,8 @@
-//! Duty log in, recording out: the model driven by the commands of a measurement.
+//! Replay: the model driven by the commands of a measurement, from a duty log to a recording.
 //!
-//! A row of a log holds what the ECU knew at one instant: the duty cycles that it commands from there on,
-//! and the sensor values sampled just then. Coil currents are means over the interval that ends there when
-//! rows are slower than the PWM (an ECU log), and values of the instant when they are faster (a scope).
+//! A row of a log contains the knowledge of the ECU at one instant: the duty cycles that it commands from there on, and
+//! the sensor values sampled at that instant. Coil currents are means over the interval that ends there if rows are
+//! slower than the PWM (an ECU log), and values of the instant if they are faster (a scope).
 
 mod error;
 mod inputs;
@@ -26,17 +26,17 @@ use crate::plant::{FILL, VENT};
 use crate::regulating_valve::RegulatingValve;
 use crate::simulator::{Sample, Simulator, Statistics, Tolerance};
 
-/// How the coil current of a row is meant.
+/// Meaning of the coil current of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CurrentSampling {
     /// Mean over the interval that ends at the row: an ECU's current measurement.
     MeanOfInterval,
-    /// Value of the instant: an oscilloscope.
+    /// Value at the instant: an oscilloscope.
     Instant,
 }
 
 impl CurrentSampling {
-    /// What rows `interval_s` apart can show: a scope resolves the PWM period.
+    /// Returns the sampling that rows `interval_s` apart can show: a scope resolves the PWM period.
     pub fn of_interval(interval_s: f64, parameters: &PlantParameters) -> Self {
         if interval_s < 0.25 / parameters.ecu.pwm_frequency_hz {
             Self::Instant
@@ -46,8 +46,8 @@ impl CurrentSampling {
     }
 }
 
-/// One row of a simulated recording, in the order and the units of [`ROW_SIGNALS`]; NaN where the plant leaves out
-/// what has the signal.
+/// One row of a simulated recording, in the order and the units of [`ROW_SIGNALS`]; NaN for a signal of a part that the
+/// plant omits.
 pub type Row = [f64; ROW_SIGNALS.len()];
 
 /// Names and units of a simulated row.
@@ -64,7 +64,7 @@ pub const ROW_SIGNALS: [(&str, Unit); 10] = [
     ("t_gas", Unit::Kelvin),
 ];
 
-/// The signals that a plant has: those of its parts.
+/// Returns the signals of a plant: those of its parts.
 pub fn signals(parameters: &PlantParameters) -> impl Iterator<Item = (&'static str, Unit)> {
     ROW_SIGNALS
         .into_iter()
@@ -84,15 +84,16 @@ fn has_signal(parameters: &PlantParameters, name: &str) -> bool {
     }
 }
 
-/// Steps that a replay may take at its beginning ...
+/// Maximum number of steps of a replay at its beginning.
 const WORK_AT_START: u64 = 100_000;
-/// ... and for each PWM period of a row, at least one ...
+/// Maximum number of steps for each PWM period of a row, with at least one period.
 const WORK_PER_PERIOD: u64 = 400;
-/// ... and at most so many: a log with an hour between its rows is no longer than one with a second.
+/// Maximum number of PWM periods that count for a row: a log with an hour between its rows takes no longer than one
+/// with a second.
 const PERIODS_OF_ROW_MAX: u64 = 100;
 
-/// Replays a log row by row in constant memory, and in a number of steps that the number of its rows bounds: beyond it
-/// the [simulation is given up](Simulator::is_given_up), and rows are NaN.
+/// Replay of a log row by row in constant memory. The number of rows limits the number of steps: beyond it the
+/// [simulation is aborted](Simulator::is_given_up), and rows are NaN.
 #[derive(Debug, Clone)]
 pub struct Replay {
     simulator: Simulator,
@@ -106,22 +107,22 @@ pub struct Replay {
     has_coil: bool,
     command: Command,
     supply_voltage_v: f64,
-    /// As its gauge shows it (Pa abs); none before one was logged.
+    /// Supply pressure as shown by its gauge (Pa abs); `None` before one was logged.
     supply_pressure: Option<f64>,
-    /// What the gauge shows too much (Pa).
+    /// Offset of the gauge (Pa).
     supply_gauge_offset: f64,
     last: Option<Sample>,
     /// Simulated time before the first row (ns).
     lead_ns: u64,
 }
 
-/// Least supply pressure (Pa abs).
+/// Lowest supply pressure (Pa abs).
 const LEAST_SUPPLY: f64 = 1.0;
 /// Time (s) after which a coil and an armature rest under a lasting command.
 const LEAD_S: f64 = 0.2;
 
 impl Replay {
-    /// Starts at rest; `tolerance` sets the accuracy.
+    /// Creates a replay from rest; `tolerance` sets the accuracy.
     pub fn new(
         parameters: &PlantParameters,
         sampling: CurrentSampling,
@@ -150,8 +151,8 @@ impl Replay {
         }
     }
 
-    /// Begins under a `command` that has been in force for long: currents and armatures have come to rest. Called once, before the
-    /// first row and before [`Self::begin_showing`].
+    /// Begins under a `command` that has been valid for long: currents and armatures are at rest. Call it once, before
+    /// the first row and before [`Self::begin_showing`].
     pub fn begin_under(&mut self, command: Command) {
         let periods = (LEAD_S * 1e9 / self.pwm_period_ns as f64).ceil() as u64;
         let lead_ns = periods * self.pwm_period_ns;
@@ -168,23 +169,23 @@ impl Replay {
         self.lead_ns = lead_ns;
     }
 
-    /// Begins with a supply whose gauge shows `shown` (Pa abs). Called before [`Self::begin_under`] and the first row.
+    /// Begins with a supply whose gauge shows `shown` (Pa abs). Call it before [`Self::begin_under`] and the first row.
     pub fn begin_supplied(&mut self, shown: f64) {
         self.supply_pressure = Some(shown);
-        // No gauge shows less than nothing, but its offset may.
+        // No gauge shows less than zero, but its offset may give a lower value.
         let pressure = (shown - self.supply_gauge_offset).max(LEAST_SUPPLY);
         self.simulator.set_supply_pressure(pressure);
     }
 
-    /// The simulator, to correct its state or to read its statistics.
+    /// Returns the simulator, to correct its state or to read its statistics.
     pub fn simulator(&mut self) -> &mut Simulator {
         &mut self.simulator
     }
 
-    /// Begins at the chamber pressure at which the sensor shows `shown` (Pa abs), whatever its offset.
+    /// Begins at the chamber pressure at which the sensor shows `shown` (Pa abs), with its offset.
     ///
     /// # Panics
-    /// If `shown` is not positive and finite.
+    /// Panics if `shown` is not positive and finite.
     pub fn begin_showing(&mut self, shown: f64) {
         self.simulator.set_chamber_pressure(shown);
         let too_much = self.simulator.sample().measured_pressure - shown;
@@ -193,13 +194,13 @@ impl Replay {
         }
     }
 
-    /// Instant (ns) up to which the log has been simulated, since its first row; 0 before it.
+    /// Returns the instant (ns) up to which the log has been simulated, since its first row; 0 before it.
     pub fn time_ns(&self) -> u64 {
         self.simulator.time_ns().saturating_sub(self.lead_ns)
     }
 
-    /// Allows the simulator the steps of the row of `input` and hands over the command at the instant at which it was given: for
-    /// whoever advances it on the way there.
+    /// Grants the simulator the steps of the row of `input`, and passes the command at the instant at which it was
+    /// given. It is for callers that advance to instants before the row.
     pub fn begin_row(&mut self, input: &ReplayInput) {
         let span_ns = input.time_ns.saturating_sub(self.time_ns());
         let periods = span_ns.div_ceil(self.pwm_period_ns.max(1));
@@ -216,7 +217,7 @@ impl Replay {
         }
     }
 
-    /// Advances to an instant (ns) on the way to a row that was begun.
+    /// Advances to an instant (ns) before the row that was begun.
     pub fn advance_to_ns(&mut self, time_ns: u64) {
         self.simulator.advance_to_ns(time_ns + self.lead_ns);
     }
@@ -274,24 +275,25 @@ impl Replay {
     }
 }
 
-/// A replayed log and what it took.
+/// Replayed log, with the work that it took.
 #[derive(Debug, Clone)]
 pub struct Replayed {
-    /// The model's signals on the time base of the log.
+    /// Signals of the model on the time base of the log.
     pub recording: Recording,
-    /// How the currents are meant.
+    /// Meaning of the currents.
     pub sampling: CurrentSampling,
-    /// Rows in which a command was missing and the last one was held.
+    /// Number of rows without a command, for which the last one stayed valid.
     pub held_commands: usize,
-    /// The simulator's work.
+    /// Work of the simulator.
     pub statistics: Statistics,
 }
 
-/// Replays a whole log: the duty cycle of each coil that the plant has, and `u_bat` and `p_sup` where they were logged. `correct` sees
-/// the simulator after each row and may move its pressure, as a predictor does; pass `|_, _| {}` for a free run.
+/// Replays a whole log: the duty cycle of each coil that the plant has, and `u_bat` and `p_sup` if they were logged.
+/// `correct` gets the simulator after each row and may change its pressure, as a predictor does; pass `|_, _| {}` for a
+/// free-run simulation.
 ///
 /// # Errors
-/// As [`inputs`].
+/// Returns the same errors as [`inputs`].
 pub fn replay(
     parameters: &PlantParameters,
     log: &Recording,

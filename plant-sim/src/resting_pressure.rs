@@ -1,7 +1,7 @@
-//! The exact course of the chamber pressure while no armature moves.
+//! Exact chamber pressure over time while no armature moves.
 //!
-//! With constant areas the pressure follows one autonomous equation of first order, so it has a closed form or
-//! a universal curve:
+//! With constant areas the pressure follows one autonomous equation of first order, so it has a closed form or a
+//! universal curve:
 //!
 //! - **closed or choked** through either valve or both: dp/dt = a - b p, a line or an exponential;
 //! - **subsonic** through one valve: with the pressure ratio r over the valve and the effective area A,
@@ -10,12 +10,12 @@
 //! - **nearly equal** pressures, where the flow is linear in the pressure drop: an exponential in 1 - r (fill)
 //!   or (1 - r)/r (vent).
 //!
-//! Only subsonic flow through both valves at once is left to the solver.
+//! Only simultaneous subsonic flow through both valves is left to the solver.
 
 use crate::orifice::LAMINAR_RATIO;
 use crate::plant::{FILL, Plant, VENT};
 
-/// How the pressure goes on.
+/// Law of the pressure over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     /// dp/dt = `rise` - `decay_rate` p.
@@ -34,17 +34,17 @@ enum Kind {
     },
 }
 
-/// A chamber pressure that is known over time.
+/// Chamber pressure that is known over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RestingPressure {
     kind: Kind,
-    /// Time for which the formula holds (s).
+    /// Time for which the formula is valid (s).
     valid_for: f64,
 }
 
 impl RestingPressure {
-    /// The course from `pressure` (Pa abs) on while the effective areas (m²) stay as they are; none where it has
-    /// to be integrated.
+    /// Returns the pressure over time from `pressure` (Pa abs) on while the effective areas (m²) are constant; `None`
+    /// if it has to be integrated.
     pub fn of(plant: &Plant, effective_areas: [f64; 2], pressure: f64) -> Option<Self> {
         let nozzle = &plant.nozzle;
         let flows = |valve: usize, choked: bool| effective_areas[valve] == 0.0 || choked;
@@ -66,7 +66,7 @@ impl RestingPressure {
         let rise = factor * fill_area * plant.supply_pressure;
         let decay_rate = factor * vent_area;
         let time_of = |level: f64| time_to_level(pressure, rise, decay_rate, level);
-        // The fill flow stops being choked on the way up, the vent flow on the way down.
+        // The fill flow stops being choked while the pressure rises, the vent flow while it falls.
         let mut valid_for = f64::INFINITY;
         if fill_area > 0.0 {
             valid_for = valid_for.min(time_of(nozzle.critical_ratio() * plant.supply_pressure));
@@ -84,7 +84,7 @@ impl RestingPressure {
         }
     }
 
-    /// Subsonic flow through one valve; none where it flows backwards.
+    /// Returns subsonic flow through one valve; `None` for reverse flow.
     fn through_one(plant: &Plant, valve: usize, area: f64, ratio: f64) -> Option<Self> {
         let pace = plant.chamber.pressure_per_mass * area;
         if ratio > 1.0 {
@@ -113,12 +113,12 @@ impl RestingPressure {
         }
     }
 
-    /// Time for which the formula holds (s).
+    /// Returns the time for which the formula is valid (s).
     pub fn valid_for(&self) -> f64 {
         self.valid_for
     }
 
-    /// Pressure at `time` (s) (Pa abs).
+    /// Returns the pressure at `time` (s) (Pa abs).
     #[inline]
     pub fn at(&self, plant: &Plant, time: f64) -> f64 {
         let (valve, ratio) = match self.kind {
@@ -161,7 +161,7 @@ impl RestingPressure {
     }
 }
 
-/// The time at which dp/dt = `rise` - `decay_rate` p leads from `pressure` to `level`; infinite if it does not.
+/// Returns the time in which dp/dt = `rise` - `decay_rate` p leads from `pressure` to `level`; infinite if it does not.
 fn time_to_level(pressure: f64, rise: f64, decay_rate: f64, level: f64) -> f64 {
     let (rate_now, rate_then) = (rise - decay_rate * pressure, rise - decay_rate * level);
     let ahead = (level - pressure) * rate_now;
@@ -180,7 +180,7 @@ mod tests {
     use crate::PlantParameters;
     use crate::solver::dormand_prince;
 
-    /// Every formula against many small steps of the pressure's own equation, from choked through subsonic into
+    /// Compares every formula with many small steps of the pressure's own equation, from choked through subsonic into
     /// the laminar zone, filling and venting, with an ideal and a real critical ratio.
     #[test]
     fn every_course_solves_the_equation_of_the_pressure() {

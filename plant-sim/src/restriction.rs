@@ -1,14 +1,14 @@
-//! Fixed restrictions: orifices and tubes beside or in series with a valve (E46).
+//! Fixed restrictions: orifices and tubes in parallel or in series with a valve (E46).
 
 use crate::orifice::NozzleLaw;
 use crate::solver::root::first_positive;
 
-/// Ratio of downstream to upstream pressure above which the flow through a restriction between two volumes is
-/// linear in the pressure drop. A hundred times as wide as that of a valve: both sides are nearly equal most of the
-/// time, and an orifice's slope there would be a time constant of microseconds, which no tube has.
+/// Ratio of downstream to upstream pressure above which the flow through a restriction between two volumes is linear in
+/// the pressure drop. The zone is a hundred times as wide as that of a valve. Both sides are nearly equal most of the
+/// time, and an orifice's slope there would give a time constant of microseconds, which no tube has.
 pub const LINEAR_RATIO: f64 = 0.99;
 
-/// A fixed orifice.
+/// Fixed orifice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Restriction {
     /// Discharge coefficient times area (m²).
@@ -16,8 +16,8 @@ pub struct Restriction {
 }
 
 impl Restriction {
-    /// The orifice that lets through what this one and `other` let through in series: 1/A² adds up, which is exact
-    /// for small pressure drops and within a few percent for all.
+    /// Returns the orifice with the flow of this one and `other` in series: 1/A² adds up, which is exact for small
+    /// pressure drops and within a few percent for all.
     #[must_use]
     pub fn in_series_with(self, other: Option<Self>) -> Self {
         let Some(other) = other else { return self };
@@ -27,7 +27,7 @@ impl Restriction {
         }
     }
 
-    /// Mass flow between two volumes (kg/s): the nozzle law, linear where the pressures are nearly equal.
+    /// Returns the mass flow between two volumes (kg/s): the nozzle law, linear for nearly equal pressures.
     #[inline]
     pub fn mass_flow(&self, nozzle: &NozzleLaw, upside: f64, downside: f64) -> f64 {
         if upside < downside {
@@ -43,8 +43,8 @@ impl Restriction {
     }
 }
 
-/// Flow through two orifices in series without a volume between them: mass flow (kg/s) and the pressure between
-/// them (Pa abs). `areas` are effective areas (m²) in the order of the flow from `upside` to `downside`.
+/// Returns the flow through two orifices in series without a volume between them: mass flow (kg/s) and the pressure
+/// between them (Pa abs). `areas` are effective areas (m²) in the order of the flow from `upside` to `downside`.
 pub fn in_series(nozzle: &NozzleLaw, areas: [f64; 2], upside: f64, downside: f64) -> (f64, f64) {
     if upside < downside {
         let (flow, between) = in_series(nozzle, [areas[1], areas[0]], downside, upside);
@@ -56,8 +56,8 @@ pub fn in_series(nozzle: &NozzleLaw, areas: [f64; 2], upside: f64, downside: f64
     if areas[1] <= 0.0 || upside == downside {
         return (0.0, upside);
     }
-    // More leaves than enters: grows with the pressure between. The squares of flows are nearly linear in it, so the
-    // root is found in a few evaluations; the flows themselves have an infinite slope at either end.
+    // Outflow minus inflow grows with the pressure between. The squares of flows are nearly linear in it, so the root
+    // is found in a few evaluations; the flows themselves have an infinite slope at either end.
     let surplus = |above: f64| {
         let between = downside + above;
         let out = nozzle.mass_flow(areas[1], between, downside);
@@ -86,7 +86,7 @@ mod tests {
         }
     }
 
-    /// Both choked: the pressure between is A1/A2 of the upside's.
+    /// Both choked: the pressure between is A1/A2 times the upstream pressure.
     #[test]
     fn two_choked_orifices_have_the_pressure_of_the_areas_ratio_between_them() {
         let nozzle = PlantParameters::nominal().plant().nozzle;

@@ -4,10 +4,10 @@ use crate::orifice::{LAMINAR_RATIO, NozzleLaw};
 use crate::solver::dormand_prince;
 use crate::solver::table::Table;
 
-/// Intervals of a tabulated curve; the error is below 1e-9 of the pressure ratio.
+/// Number of intervals of a tabulated curve; the error is below 1e-9 of the pressure ratio.
 const INTERVALS: usize = 192;
 
-/// The universal curves of subsonic flow through the fill and the vent valve.
+/// Universal curves of subsonic flow through the fill and the vent valve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SubsonicCurves {
     curves: [Curve; 2],
@@ -24,14 +24,14 @@ impl SubsonicCurves {
         }
     }
 
-    /// The curve of the fill (0) or the vent valve (1).
+    /// Returns the curve of the fill (0) or the vent valve (1).
     #[inline]
     pub(crate) fn of(&self, valve: usize) -> &Curve {
         &self.curves[valve]
     }
 }
 
-/// r(θ) of dr/dθ = h(r) from the critical ratio up to the laminar zone, in s = √(1 - r): the square root at equal
+/// Curve r(θ) of dr/dθ = h(r) from the critical ratio up to the laminar zone, in s = √(1 - r): the square root at equal
 /// pressures is then a straight line.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Curve {
@@ -45,8 +45,7 @@ pub(crate) struct Curve {
 
 impl Curve {
     fn new(h: impl Fn(f64) -> f64, lowest_ratio: f64) -> Self {
-        // -ds/dθ, smooth and positive up to equal pressures. The ratio stays off the ends, where the law
-        // changes.
+        // -ds/dθ, smooth and positive up to equal pressures. The ratio does not reach the ends, where the law changes.
         let (nearly_choked, nearly_laminar) = (lowest_ratio + 1e-12, LAMINAR_RATIO - 1e-12);
         let rate = |s: f64| h((1.0 - s * s).clamp(nearly_choked, nearly_laminar)) / (2.0 * s);
         let (least, most) = ((1.0 - LAMINAR_RATIO).sqrt(), (1.0 - lowest_ratio).sqrt());
@@ -77,24 +76,24 @@ impl Curve {
         }
     }
 
-    /// θ at which the laminar zone begins.
+    /// Returns θ at which the laminar zone begins.
     pub(crate) fn end(&self) -> f64 {
         self.end
     }
 
-    /// θ at a pressure ratio.
+    /// Returns θ at a pressure ratio.
     pub(crate) fn theta_of(&self, ratio: f64) -> f64 {
         self.theta.at((1.0 - ratio).sqrt())
     }
 
-    /// Pressure ratio at θ.
+    /// Returns the pressure ratio at θ.
     pub(crate) fn ratio_at(&self, theta: f64) -> f64 {
         let s = self.s.at(theta);
         1.0 - s * s
     }
 }
 
-/// ∫ f over `step` from `start`, by Boole's rule.
+/// Returns ∫ f over `step` from `start`, by Boole's rule.
 fn integral(f: impl Fn(f64) -> f64, start: f64, step: f64) -> f64 {
     let at = |quarter: f64| f(start + 0.25 * quarter * step);
     step / 90.0 * (7.0 * (at(0.0) + at(4.0)) + 32.0 * (at(1.0) + at(3.0)) + 12.0 * at(2.0))

@@ -1,43 +1,43 @@
-//! One solenoid valve: coil, magnet, armature and orifice between an upside and a downside pressure.
+//! Solenoid valve: coil, magnet, armature and orifice between an upstream and a downstream pressure.
 
 use crate::armature::Armature;
 use crate::coil::{Coil, Drive, RestingCurrent};
 use crate::magnet::Magnet;
 use crate::orifice::{Limit, Orifice};
 
-/// What the valve does without current (section 2.3), or what a rig has in its place.
+/// Function of the valve without current (section 2.3), or of the part in its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ValveFunction {
     /// Closed without current; the armature's travel is the lift.
     NormallyClosed,
     /// Open without current; the armature's travel closes the orifice.
     NormallyOpen,
-    /// An orifice that nothing closes: no coil, no armature.
+    /// Orifice that is always open: no coil, no armature.
     AlwaysOpen,
-    /// A coil whose armature is held at its rest stop: no air flows.
+    /// Coil whose armature is blocked at its rest stop: no air flows.
     Blocked,
     /// Neither valve nor orifice.
     Absent,
 }
 
 impl ValveFunction {
-    /// Whether there is a coil to command.
+    /// Returns whether there is a coil to command.
     pub fn has_coil(self) -> bool {
         self.has_armature() || self == Self::Blocked
     }
 
-    /// Whether there is an armature that may move.
+    /// Returns whether there is an armature that may move.
     pub fn has_armature(self) -> bool {
         matches!(self, Self::NormallyClosed | Self::NormallyOpen)
     }
 
-    /// Whether air may flow.
+    /// Returns whether air may flow.
     pub fn has_orifice(self) -> bool {
         self.has_armature() || self == Self::AlwaysOpen
     }
 }
 
-/// A valve's physics.
+/// Physics of a valve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Valve {
     /// Electrical model.
@@ -48,11 +48,11 @@ pub struct Valve {
     pub armature: Armature,
     /// Pneumatic model.
     pub orifice: Orifice,
-    /// Normally closed or normally open.
+    /// Function, such as normally closed or normally open.
     pub function: ValveFunction,
 }
 
-/// Where the armature is.
+/// Motion of the armature.
 ///
 /// ```text
 ///          departs              arrives
@@ -63,17 +63,17 @@ pub struct Valve {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Motion {
-    /// Held against the stop at x = 0 by spring and preload.
+    /// At rest against the stop at x = 0, by spring and preload.
     AtRestStop,
     /// Between the stops: current, position and velocity are integrated together.
     Moving,
-    /// Held against the stop at x = stroke by the magnet.
+    /// At rest against the stop at x = stroke, by the magnet.
     AtFullStroke,
-    /// Held between the stops by dry friction, which the plain model has not.
+    /// At rest between the stops by dry friction, which the plain model does not have.
     Stuck,
 }
 
-/// The state of a valve between two events.
+/// State of a valve between two events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValveState {
     /// Coil current (A), never negative.
@@ -82,14 +82,14 @@ pub struct ValveState {
     pub x: f64,
     /// Armature velocity (m/s).
     pub v: f64,
-    /// At a stop or moving.
+    /// Motion of the armature.
     pub motion: Motion,
-    /// What drives the coil.
+    /// Drive of the coil.
     pub drive: Drive,
 }
 
 impl ValveState {
-    /// Dead coil, armature at its rest stop.
+    /// Coil without current, armature at its rest stop.
     pub const AT_REST: Self = Self {
         current: 0.0,
         x: 0.0,
@@ -100,7 +100,7 @@ impl ValveState {
 }
 
 impl Valve {
-    /// Lift of the valve seat (m) with the armature at `x`.
+    /// Returns the lift of the valve seat (m) with the armature at `x`.
     #[inline]
     pub fn lift(&self, x: f64) -> f64 {
         match self.function {
@@ -109,13 +109,13 @@ impl Valve {
         }
     }
 
-    /// Discharge coefficient times open area (m²) with the armature at `x`.
+    /// Returns the discharge coefficient times open area (m²) with the armature at `x`.
     #[inline]
     pub fn effective_area(&self, x: f64) -> f64 {
         self.orifice.effective_area(self.lift(x))
     }
 
-    /// The part of the area law that holds at `x` and, at the kink itself, where `v` leads.
+    /// Returns the part of the area law that is valid at `x` and, at the kink itself, in the direction of `v`.
     #[inline]
     pub fn limit(&self, x: f64, v: f64) -> Limit {
         let [lowest, highest] = self.interval(Limit::Curtain);
@@ -129,14 +129,14 @@ impl Valve {
         }
     }
 
-    /// Discharge coefficient times open area (m²) by one part of the area law.
+    /// Returns the discharge coefficient times open area (m²) by one part of the area law.
     #[inline]
     pub fn effective_area_by(&self, limit: Limit, x: f64) -> f64 {
         self.orifice.effective_area_by(limit, self.lift(x))
     }
 
-    /// The armature positions between which one part of the area law holds (m): from a stop to the kink, where
-    /// curtain and bore are equal, or from there to the other stop.
+    /// Returns the armature positions between which one part of the area law is valid (m): from a stop to the kink,
+    /// where curtain and bore are equal, or from there to the other stop.
     pub fn interval(&self, limit: Limit) -> [f64; 2] {
         let stroke = self.armature.stroke;
         let saturation = self.orifice.saturation_lift().min(stroke);
@@ -152,7 +152,7 @@ impl Valve {
         }
     }
 
-    /// (di/dt, dx/dt, dv/dt) of a moving valve.
+    /// Returns (di/dt, dx/dt, dv/dt) of a moving valve.
     #[inline]
     pub fn rates(
         &self,
@@ -170,13 +170,13 @@ impl Valve {
         ]
     }
 
-    /// The exact current while the armature stays where it is.
+    /// Returns the exact current while the armature stays at its position.
     #[inline]
     pub fn resting_current(&self, state: &ValveState) -> RestingCurrent {
         self.coil.at_rest(state.drive, state.current, state.x)
     }
 
-    /// The force that pulls a resting armature off its stop (N): it departs when this is positive.
+    /// Returns the breakaway force on a resting armature (N): it leaves its stop if this is positive.
     #[inline]
     pub fn departing_force(&self, motion: Motion, x: f64, current: f64, pressure_drop: f64) -> f64 {
         let net = self.magnet.force(current, x) + self.armature.static_force(x, pressure_drop);

@@ -1,4 +1,4 @@
-//! Every effect at every size, with and without supply: a simulation comes to an end, in a number of steps that is known.
+//! Every effect at every size, with and without supply: a simulation ends in a bounded number of steps.
 
 use plant_sim::effects::{About, Effect, EffectSetting, EntryPoint, LIBRARY, Variant, by_id};
 use plant_sim::parameters::{PARAMETERS, ParameterSpec, Size};
@@ -7,13 +7,13 @@ use plant_sim::{Command, PlantParameters, Simulator};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// Most work in a simulated second: steps, repeated ones and formulas.
+/// Maximum work in a simulated second: steps, repeated ones and formulas.
 const MOST_WORK_PER_SECOND: u64 = 500_000;
-/// Simulated time of a run (ns), and the time for which its duty cycles hold.
+/// Simulated time of a run (ns), and the time for which its duty cycles are constant.
 const RUN_NS: u64 = 80_000_000;
 const HOLD_NS: u64 = 20_000_000;
 
-/// Duty cycles that take turns: at rest, one valve open or pulsed, both, everything.
+/// Sequences of duty cycles: at rest, one valve open or pulsed, both, everything.
 const PATTERNS: [(&str, &[(f64, f64)]); 5] = [
     ("rest", &[(0.0, 0.0)]),
     ("fill pulsed", &[(75.0, 0.0)]),
@@ -25,7 +25,8 @@ const PATTERNS: [(&str, &[(f64, f64)]); 5] = [
     ),
 ];
 
-/// The variant at shares and multiples of its typical size, and each value alone at the ends of its range.
+/// Returns the variant at fractions and multiples of its typical size, and with each value alone at the ends of its
+/// range.
 fn sizes(effect: &'static dyn Effect, variant: &'static Variant) -> Vec<EffectSetting> {
     let typical = EffectSetting::typical_variant(effect, variant);
     let scaled = [0.02, 0.3, 1.0, 5.0].map(|factor| {
@@ -43,7 +44,7 @@ fn sizes(effect: &'static dyn Effect, variant: &'static Variant) -> Vec<EffectSe
     scaled.into_iter().chain(ends).collect()
 }
 
-/// What is wrong with a run on a grid of `row_ns`; none where it keeps the bound.
+/// Returns the problem of a run on a grid of `row_ns`; `None` if it meets the bound.
 fn complaint(plant: &PlantParameters, duties: &[(f64, f64)], row_ns: u64) -> Option<String> {
     let mut simulator = Simulator::new(plant);
     simulator.set_work_limit(MOST_WORK_PER_SECOND * RUN_NS / 1_000_000_000);
@@ -66,7 +67,7 @@ fn complaint(plant: &PlantParameters, duties: &[(f64, f64)], row_ns: u64) -> Opt
     None
 }
 
-/// A leak sized by a supply that is shut off leaked 0/0, and the solver looked for a step without error for ever.
+/// A leak sized by a supply that was shut off once gave 0/0, and the solver searched for a step without error forever.
 #[test]
 fn every_effect_at_every_size_takes_a_bounded_number_of_steps() {
     let mut complaints = Vec::new();
@@ -98,8 +99,9 @@ fn every_effect_at_every_size_takes_a_bounded_number_of_steps() {
     assert!(complaints.is_empty(), "{complaints:#?}");
 }
 
-/// A vent valve that a breath moves, held by friction in a field that eddy currents end within a microsecond, was left to
-/// the explicit method at its limit of stability, whose noise let it depart and halt a hundred million times a second.
+/// A vent valve that the smallest force moves, with friction, in a field that eddy currents end within a microsecond.
+/// It was once left to the explicit method at its limit of stability, whose noise let it break away and halt a hundred
+/// million times a second.
 #[test]
 fn an_armature_in_the_grip_of_friction_does_not_chatter() {
     let mut plant = PlantParameters::nominal();
@@ -155,12 +157,12 @@ fn an_armature_in_the_grip_of_friction_does_not_chatter() {
     }
 }
 
-/// Most work in a simulated second of venting into a small line near ambient pressure.
+/// Maximum work in a simulated second of venting into a small line near ambient pressure.
 const MOST_WORK_NEAR_AMBIENT: u64 = 2_000;
 
-/// With a small line behind the open vent valve, the explicit method was at its limit of stability near ambient pressure.
-/// It did not notice: the linear zone of the orifice is as wide there as the tolerance. These three took 15,000, 7,700 and
-/// 28,000 steps.
+/// With a small line behind the open vent valve, the explicit method was at its limit of stability near ambient
+/// pressure. This was not detected: the linear zone of the orifice is as wide there as the tolerance. These three took
+/// 15,000, 7,700 and 28,000 steps.
 #[test]
 fn a_small_line_near_ambient_pressure_takes_few_steps() {
     let effect = by_id("drain_back_pressure").unwrap();
@@ -191,7 +193,7 @@ fn a_small_line_near_ambient_pressure_takes_few_steps() {
     }
 }
 
-/// A law of one's own that is no number at all.
+/// User-defined law that is NaN.
 #[derive(Debug)]
 struct Nonsense;
 
@@ -241,7 +243,7 @@ fn a_rate_that_is_no_number_gives_the_simulation_up() {
     );
 }
 
-/// The limit ends an advance in its middle, and a larger one lets it go on.
+/// The limit ends an advance in its middle, and a larger one lets it continue.
 #[test]
 fn a_simulation_is_given_up_at_its_limit() {
     let mut simulator = Simulator::new(&PlantParameters::nominal());
@@ -258,11 +260,11 @@ fn a_simulation_is_given_up_at_its_limit() {
     assert!(!simulator.is_given_up() && simulator.sample().pressure.is_finite());
 }
 
-/// Most work of a random plant in fifteen samples of 10 ms: its PWM has 3 to 75 periods in that time, and rates that no
-/// bench has.
+/// Maximum work of a random plant in fifteen samples of 10 ms: its PWM has 3 to 75 periods in that time, and rates that
+/// no bench has.
 const MOST_WORK_OF_ANY_PLANT: u64 = 4_000_000;
 
-/// A value of the range: evenly over the decades, and now and then one of the ends.
+/// Returns a value of the range: uniform over the decades, and sometimes one of the ends.
 fn drawn(spec: &ParameterSpec, draw: f64) -> f64 {
     let (least, most) = match spec.key {
         "pwm_frequency_hz" => (20.0, 500.0),
@@ -277,7 +279,7 @@ fn drawn(spec: &ParameterSpec, draw: f64) -> f64 {
     }
 }
 
-/// Any plant that a plant file may describe, with any effects.
+/// Generates any plant that a plant file may describe, with any effects.
 fn any_plants() -> impl Strategy<Value = PlantParameters> {
     let draws = || prop::collection::vec(0.0..1.0_f64, 4);
     (
@@ -318,8 +320,8 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// An armature without mass to speak of, held by friction, in a field that eddy currents end in nanoseconds, was left
-    /// to the explicit method at its limit of stability: two million halts in 10 ms.
+    /// A nearly massless armature with friction, in a field that eddy currents end in nanoseconds, was once left to the
+    /// explicit method at its limit of stability: two million halts in 10 ms.
     #[test]
     fn any_plant_with_any_effects_takes_a_bounded_number_of_steps(
         plant in any_plants(),

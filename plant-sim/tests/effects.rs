@@ -1,11 +1,11 @@
-//! The library of effects: what holds for every one of them, whatever it is.
+//! Library of effects: requirements on every effect.
 
 use plant_sim::effects::{EffectSetting, LIBRARY, Variant, by_id};
 use plant_sim::parameters::{NOMINAL_PLANT_TOML, PARAMETERS};
 use plant_sim::{Command, PlantParameters, Sample, Simulator, Statistics, Tolerance};
 use proptest::prelude::*;
 
-/// Every variant of every effect at its typical size.
+/// Returns every variant of every effect at its typical size.
 fn settings() -> Vec<EffectSetting> {
     let variants = |effect: &&'static dyn plant_sim::effects::Effect| {
         let effect = *effect;
@@ -16,7 +16,7 @@ fn settings() -> Vec<EffectSetting> {
     LIBRARY.iter().flat_map(variants).collect()
 }
 
-/// The setting with all strengths at their off values.
+/// Returns the setting with all strengths at their off values.
 fn off(mut setting: EffectSetting) -> EffectSetting {
     for (index, spec) in setting.parameters().iter().enumerate() {
         if let Some(off) = spec.size.and_then(|size| size.off) {
@@ -26,7 +26,7 @@ fn off(mut setting: EffectSetting) -> EffectSetting {
     setting
 }
 
-/// A plant with every effect of the library in its first variant.
+/// Returns a plant with every effect of the library in its first variant.
 fn with_all(plant: &PlantParameters) -> PlantParameters {
     LIBRARY.iter().fold(plant.clone(), |plant, effect| {
         plant.with_effect(EffectSetting::typical(*effect))
@@ -51,7 +51,7 @@ fn run(
     (samples, simulator.statistics())
 }
 
-/// Fills, holds, vents, overlaps: every part of the plant works.
+/// Returns an excitation that fills, holds, vents and overlaps: every part of the plant works.
 fn manoeuvre() -> Vec<(f64, f64)> {
     let phases = [
         (15, 100.0, 0.0),
@@ -166,7 +166,7 @@ fn every_effect_at_its_typical_size_shows_in_pressure_or_current() {
     }
 }
 
-/// The event-driven solution with effects converges as the plain one does.
+/// The event-driven solution with effects converges like the plain one.
 #[test]
 fn every_effect_converges_with_the_tolerance() {
     let duties = &manoeuvre()[..100];
@@ -204,8 +204,8 @@ fn every_effect_converges_with_the_tolerance() {
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-/// A line so short and wide, a cavity so small that their pressures follow in microseconds: the plant is the plain one
-/// but for the cavity's half percent of air, and costs no millions of steps.
+/// A line so short and wide, and a cavity so small, that their pressures follow in microseconds. The plant is the plain
+/// one except for the cavity's half percent of air, and does not take millions of steps.
 #[test]
 fn what_is_much_faster_than_the_plant_costs_few_steps_and_changes_nothing() {
     let duties = manoeuvre();
@@ -332,7 +332,7 @@ fn every_effect_is_in_the_list_of_parameters() {
     }
 }
 
-/// What no single effect may lose, all of them together keep: the state stays physical and the work bounded.
+/// All effects together meet the requirement on each: the state stays physical and the work bounded.
 #[test]
 fn all_effects_together_stay_in_bounds() {
     let plant = with_all(&PlantParameters::nominal());

@@ -1,4 +1,4 @@
-//! A supply pressure that was logged drives the plant (E60).
+//! Logged supply pressure that drives the plant (E60).
 
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::plant::FILL;
@@ -10,7 +10,7 @@ use recording::{Provenance, Recording, TimeBase, Unit};
 const STEP_S: f64 = 0.01;
 const BAR: f64 = 1e5;
 
-/// A vessel of 20 l that one orifice fills: choked for seconds.
+/// Returns a vessel of 20 l that one orifice fills: choked for seconds.
 fn vessel() -> PlantParameters {
     let mut plant = PlantParameters::nominal();
     plant.functions = [ValveFunction::AlwaysOpen, ValveFunction::Absent];
@@ -18,7 +18,7 @@ fn vessel() -> PlantParameters {
     plant
 }
 
-/// A log that begins at ambient pressure, with `p_sup` in `unit`.
+/// Returns a log that begins at ambient pressure, with `p_sup` in `unit`.
 fn log(unit: Unit, supply: &[f64]) -> Recording {
     let mut log = Recording::new(Provenance::from_source("bench"));
     let base = TimeBase::uniform(0.0, STEP_S, supply.len()).unwrap();
@@ -31,7 +31,7 @@ fn log(unit: Unit, supply: &[f64]) -> Recording {
     log
 }
 
-/// The simulated chamber pressure (bar gauge).
+/// Returns the simulated chamber pressure (bar gauge).
 fn filled(plant: &PlantParameters, log: &Recording) -> Vec<f64> {
     let tolerance = Tolerance::scaled(0.01);
     let replayed = replay(plant, log, tolerance, |_, _| {}).unwrap();
@@ -39,14 +39,14 @@ fn filled(plant: &PlantParameters, log: &Recording) -> Vec<f64> {
     pressure.values_or_nan().to_vec()
 }
 
-/// Rise of the choked pressure (bar) in one row under each supply pressure (bar abs), E14.
+/// Returns the rise of the choked pressure (bar) in one row per supply pressure (bar abs), E14.
 fn rise_per_row(plant: &PlantParameters) -> f64 {
     let plant = plant.plant();
     let area = plant.valves[FILL].effective_area(0.0);
     plant.chamber.pressure_per_mass * plant.nozzle.choked_factor() * area * STEP_S
 }
 
-/// Levels of the supply (bar gauge), 50 rows each.
+/// Returns the levels of the supply (bar gauge), 50 rows each.
 fn levels() -> Vec<f64> {
     [7.0, 6.0, 8.5, 5.0]
         .iter()
@@ -64,13 +64,13 @@ fn choked_filling_is_the_sum_over_the_supply_pressures_that_were_logged() {
     let mut expected = 0.0;
     for (row, found) in found.iter().enumerate() {
         assert!((found - expected).abs() < 1e-6, "{row}: {found} {expected}");
-        // The value of a row is in force until the next one.
+        // The value of a row is valid until the next one.
         expected += per_row * (supply[row] + ambient_bar);
     }
     assert!(expected > 0.4, "{expected}");
 }
 
-/// The same numbers as absolute pressures are another supply; the same supply is the same course.
+/// The same numbers as absolute pressures are another supply; the same supply gives the same pressures.
 #[test]
 fn gauge_and_absolute_pressure_are_told_apart() {
     let plant = vessel();
@@ -90,10 +90,10 @@ fn missing_and_impossible_cells_hold_the_last_value() {
     let mut supply = levels();
     let mut held = supply.clone();
     supply[60..70].fill(f64::NAN);
-    // A sensor that lost its supply, and one whose wire broke.
+    // A sensor without supply, and one with a broken wire.
     supply[110] = -1.1;
     supply[111] = 900.0;
-    // Before the first sample there is the first sample.
+    // Before the first sample, the first sample is used.
     supply[0] = f64::NAN;
     held[60..70].fill(6.0);
     held[110..112].fill(8.5);
@@ -121,7 +121,7 @@ fn what_the_gauge_shows_too_much_is_taken_off() {
     assert_eq!(read.gas.supply_gauge_offset_bar, 0.3);
 }
 
-/// A small chamber comes to the supply, and back to a supply that gave way: the open valve lets air back.
+/// A small chamber reaches the supply pressure, and follows a falling supply: the open valve lets air back.
 #[test]
 fn a_supply_that_gives_way_takes_air_back() {
     let mut plant = vessel();
@@ -133,7 +133,8 @@ fn a_supply_that_gives_way_takes_air_back() {
     assert!((found[199] - 3.0).abs() < 1e-3, "{}", found[199]);
 }
 
-/// The logged pressure is that before the line: the line of a `supply_line_droop` draws from it, and begins at rest with it.
+/// The logged pressure is upstream of the line: the line of a `supply_line_droop` draws from it, and begins at rest
+/// with it.
 #[test]
 fn a_supply_line_draws_from_the_logged_pressure() {
     let droop = by_id("supply_line_droop").unwrap();
@@ -172,7 +173,7 @@ fn without_supply(log: &Recording) -> Recording {
     bare
 }
 
-/// A gauge that was sampled more slowly holds its value until the next one.
+/// The value of a gauge that was sampled more slowly is valid until the next one.
 #[test]
 fn a_supply_with_a_rate_of_its_own_is_held() {
     let plant = vessel();

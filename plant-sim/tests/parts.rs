@@ -1,4 +1,4 @@
-//! Plants with parts left out, every combination of them.
+//! Plants with omitted parts, in every combination.
 
 use plant_sim::effects::{EffectSetting, LIBRARY, by_id};
 use plant_sim::parameters::Part;
@@ -14,7 +14,7 @@ const FUNCTIONS: [ValveFunction; 5] = [
     ValveFunction::Absent,
 ];
 
-/// Every plant that has at least a coil or a chamber.
+/// Returns every plant that has at least a coil or a chamber.
 fn plants() -> impl Iterator<Item = PlantParameters> {
     let pairs = FUNCTIONS.map(|fill| FUNCTIONS.map(|vent| [fill, vent]));
     pairs.into_iter().flatten().flat_map(|functions| {
@@ -24,16 +24,16 @@ fn plants() -> impl Iterator<Item = PlantParameters> {
             if !has_chamber {
                 plant.chamber.volume_m3 = 0.0;
             }
-            // Only the keys of the parts that are there make it into the file.
+            // Only the keys of existing parts are written to the file.
             PlantParameters::from_toml(&plant.to_toml(), "rig.toml").ok()
         })
     })
 }
 
-/// Steps that 0.1 s of a plant take at most, with the stiffest effect at its typical size.
+/// Maximum number of steps of a plant for 0.1 s, with the stiffest effect at its typical size.
 const STEPS_MAX: u64 = 20_000;
 
-/// Fills, vents and holds for 0.1 s; the signals that the plant has are finite, the others are not there.
+/// Fills, vents and holds for 0.1 s. The signals of the plant are finite, the others are missing.
 fn check(plant: &PlantParameters, what: &str) {
     let mut replay = Replay::new(plant, CurrentSampling::Instant, Tolerance::default());
     for time_ns in (0..=100_u64).map(|ms| ms * 1_000_000) {
@@ -65,7 +65,7 @@ fn check(plant: &PlantParameters, what: &str) {
 
 #[test]
 fn every_combination_of_parts_is_a_plant_but_nothing_at_all() {
-    // Neither coil nor chamber: an orifice or nothing in place of each valve.
+    // Without coil and chamber: an orifice or nothing in place of each valve.
     assert_eq!(plants().count(), 50 - 4);
     for plant in plants() {
         assert!(plant.check().is_ok());
@@ -92,7 +92,7 @@ fn every_effect_joins_every_plant_that_has_what_it_acts_on() {
     }
 }
 
-/// A vent valve alone has a restriction of its own and none that a fill valve would need.
+/// A vent valve alone has its own restriction and none that a fill valve would need.
 #[test]
 fn a_form_of_an_effect_is_there_where_each_of_its_parts_is() {
     let restriction = by_id("series_restriction").unwrap();

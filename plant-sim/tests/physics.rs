@@ -1,4 +1,4 @@
-//! The simulator against analytic limits and balances.
+//! Comparison of the simulator with analytic limits and balances.
 
 use plant_sim::plant::{FILL, Plant, PlantState, VENT};
 use plant_sim::valve::{Motion, ValveFunction};
@@ -13,7 +13,7 @@ fn command(duty_fill_pct: f64, duty_vent_pct: f64) -> Command {
     }
 }
 
-/// Areas that the orifices show at a state [m²].
+/// Returns the areas of the orifices at a state (m²).
 fn areas(plant: &Plant, state: &PlantState) -> [f64; 2] {
     [FILL, VENT].map(|index| plant.valves[index].effective_area(state.valves[index].x))
 }
@@ -120,7 +120,7 @@ fn filling_ends_at_the_supply_and_venting_at_the_ambient_pressure() {
     assert!((end.state().pressure - nominal.gas.ambient_pressure_pa).abs() < 1.0);
 }
 
-/// Mass in the chamber against the flows summed by quadrature on a fine grid, through pulses of both valves.
+/// The mass in the chamber equals the flows summed by quadrature on a fine grid, through pulses of both valves.
 #[test]
 fn mass_is_conserved() {
     let nominal = PlantParameters::nominal();
@@ -153,7 +153,7 @@ fn mass_is_conserved() {
     );
 }
 
-/// Equation 3.4 times i: what the source delivers is heat, field energy and motional work i² L'v/2.
+/// Equation 3.4 times i: the energy from the source becomes heat, field energy and motional work i² L'v/2.
 #[test]
 fn coil_energy_is_balanced() {
     let nominal = PlantParameters::nominal();
@@ -183,11 +183,11 @@ fn coil_energy_is_balanced() {
     );
 }
 
-/// The mean current that a sample reports against quadrature of the current.
+/// The mean current of a sample equals the quadrature of the current.
 #[test]
 fn mean_current_is_the_mean_of_the_current() {
     let nominal = PlantParameters::nominal();
-    // Tight, so that both trajectories are the same one.
+    // Tight, so that both trajectories are equal.
     let tight = Tolerance::scaled(1e-3);
     let mut fine = Simulator::with_tolerance(&nominal, tight);
     let mut coarse = Simulator::with_tolerance(&nominal, tight);

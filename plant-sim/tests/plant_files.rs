@@ -1,4 +1,4 @@
-//! Plant files: what is read, what is refused, and what the refusal says.
+//! Plant files: reading, refusals, and their messages.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::EffectSetting;
@@ -18,7 +18,7 @@ dynamic_friction_n = 8
 stroke_m = 15e-3
 ";
 
-/// The nominal file with `from` replaced by `to`, which must occur.
+/// Returns the nominal file with `from` replaced by `to`; `from` must occur.
 fn changed(from: &str, to: &str) -> String {
     assert!(NOMINAL_PLANT_TOML.contains(from), "{from}");
     NOMINAL_PLANT_TOML.replacen(from, to, 1)
@@ -275,7 +275,7 @@ fn hostile_files_are_refused_without_harm() {
     }
 }
 
-/// A plant file of the repository.
+/// Returns a plant file of the repository.
 fn bundled(name: &str) -> PlantParameters {
     let path = format!("{}/../data/plants/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap();

@@ -1,4 +1,4 @@
-//! The model driven by the commands of a log.
+//! Model driven by the commands of a log.
 
 use plant_sim::plant::VENT;
 use plant_sim::replay::{CurrentSampling, LONGEST_GAP_S, ReplayError, replay, unknown_signals};
@@ -6,7 +6,7 @@ use plant_sim::valve::ValveFunction;
 use plant_sim::{Command, PlantParameters, Simulator, Tolerance};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
-/// A log with one row every `step_s`.
+/// Returns a log with one row every `step_s`.
 fn log(step_s: f64, signals: &[(&str, Unit, Vec<f64>)]) -> Recording {
     let mut log = Recording::new(Provenance::from_source("bench"));
     let base = TimeBase::uniform(0.0, step_s, signals[0].2.len()).unwrap();
@@ -17,7 +17,7 @@ fn log(step_s: f64, signals: &[(&str, Unit, Vec<f64>)]) -> Recording {
     log
 }
 
-/// The same with a vent valve that is not commanded, if the log does not say otherwise.
+/// Returns a log with a vent valve that is not commanded, if `signals` has no command of it.
 fn vent_shut(step_s: f64, signals: &[(&str, Unit, Vec<f64>)]) -> Recording {
     let shut = ("duty_vent", Unit::Percent, vec![0.0; signals[0].2.len()]);
     log(step_s, &[signals, &[shut]].concat())
@@ -74,7 +74,7 @@ fn a_scope_sees_the_instant_and_an_ecu_the_mean() {
     let ecu = run(&nominal, &vent_shut(0.01, &[fill(vec![100.0; 5])]));
     assert_eq!(scope.sampling, CurrentSampling::Instant);
     assert_eq!(ecu.sampling, CurrentSampling::MeanOfInterval);
-    // 25 ms after the current began: the scope shows more than the mean of the last 10 ms.
+    // 25 ms after the current began, the scope shows more than the mean of the last 10 ms.
     assert!(last(&scope.recording, "i_fill") > last(&ecu.recording, "i_fill") + 1.0);
 }
 
@@ -144,7 +144,8 @@ fn the_trajectory_converges_with_the_tolerance() {
     }
 }
 
-/// The nominal plant with parts left out: `lines` that begin with one of the keys go, and so do the tables.
+/// Returns the nominal plant with omitted parts: without the lines that begin with one of the keys, and without the
+/// tables.
 fn without(keys: &[&str], valves: &str) -> PlantParameters {
     let is_left = |line: &&str| !keys.iter().any(|key| line.starts_with(key));
     let text = plant_sim::parameters::NOMINAL_PLANT_TOML;
@@ -189,7 +190,8 @@ fn pressure(samples: Vec<f64>) -> (&'static str, Unit, Vec<f64>) {
     ("p_ch", Unit::BarAbsolute, samples)
 }
 
-/// An orifice that nothing closes is the vent valve held open: against the nominal plant at 100 %, once that is open.
+/// An orifice that is always open equals the open vent valve: compared with the nominal plant at 100 %, once that is
+/// open.
 #[test]
 fn a_vessel_blows_down_through_an_orifice_as_through_an_open_valve() {
     let vessel = without(&COIL_KEYS, "fill = \"absent\"\nvent = \"always_open\"");
@@ -296,7 +298,7 @@ fn a_command_to_a_coil_that_is_not_there_is_refused_and_zeros_are_not() {
     );
 }
 
-/// A misspelt column was taken for 0 %, and a diagnosis found something.
+/// A misspelt column once counted as 0 %, and a diagnosis found a cause for it.
 #[test]
 fn a_command_that_is_not_there_is_no_zero_and_the_column_that_may_be_it_is_named() {
     let nominal = PlantParameters::nominal();
@@ -347,7 +349,7 @@ fn a_name_that_the_model_does_not_know_is_told_with_what_it_may_be() {
     let pressure = [("p_ch", Unit::BarGauge, vec![1.0; 20])];
     assert_eq!(nearest("pressure", Unit::BarGauge, &[]), ["p_ch"]);
     assert_eq!(nearest("pressure", Unit::KilopascalAbsolute, &[]), ["p_ch"]);
-    // A second pressure is no riddle.
+    // A second pressure is no unknown signal.
     assert_eq!(nearest("p_supply", Unit::BarGauge, &pressure), [""; 0]);
     assert_eq!(nearest("i_fil", Unit::Milliampere, &pressure), ["i_fill"]);
     assert_eq!(nearest("i_fil", Unit::Volt, &pressure), [""; 0]);
@@ -358,7 +360,7 @@ fn a_name_that_the_model_does_not_know_is_told_with_what_it_may_be() {
     );
 }
 
-/// Without a chamber the armature moves as between equal pressures; nothing of an orifice is left to stumble over.
+/// Without a chamber the armature moves as between equal pressures; no data of an orifice is needed.
 #[test]
 fn a_valve_without_air_moves_to_its_stop() {
     let keys = [

@@ -6,7 +6,7 @@ use plant_sim::valve::ValveFunction;
 use plant_sim::{Command, PlantParameters, Sample, Simulator, Tolerance};
 use proptest::prelude::*;
 
-/// The nominal plant with every parameter multiplied by up to `spread` either way, kept in its range.
+/// Generates the nominal plant with every parameter multiplied or divided by up to `spread`, within its range.
 fn plants(spread: f64) -> impl Strategy<Value = PlantParameters> {
     prop::collection::vec(-1.0..1.0_f64, PARAMETERS.len()).prop_map(move |exponents| {
         let mut plant = PlantParameters::nominal();
@@ -23,8 +23,9 @@ fn plants(spread: f64) -> impl Strategy<Value = PlantParameters> {
     })
 }
 
-/// Any plant without effects that a plant file may describe, every value drawn evenly over the decades of its range,
-/// valves normally closed or open; PWM and delay as ECUs have them, so that a case ends within the test's patience.
+/// Generates any plant without effects that a plant file may describe, with every value uniform over the decades of its
+/// range, and valves normally closed or open. PWM and delay are in the range of ECUs, so that a case ends in acceptable
+/// time.
 fn any_plants() -> impl Strategy<Value = PlantParameters> {
     let draws = prop::collection::vec(0.0..1.0_f64, PARAMETERS.len());
     (draws, any::<[bool; 2]>()).prop_map(|(draws, open)| {
@@ -79,9 +80,9 @@ proptest! {
         let (samples, work) = run(&plant, &duties);
         let gas = &plant.gas;
         let (supply, ambient) = (gas.supply_pressure_pa(), gas.ambient_pressure_pa);
-        // Ten times what a step may err: a fifth of a millibar.
+        // Ten times the allowed error of a step: a fifth of a millibar.
         let slack = 10.0 * Tolerance::default().pressure;
-        // At most the steady current, pushed up by the flux that a moving armature displaces.
+        // At most the steady current, increased by the flux that a moving armature displaces.
         let coil = &plant.coil;
         let displaced = coil.inductance_open_h / coil.inductance_closed_h;
         let most = plant.ecu.supply_voltage_v / coil.resistance_20c_ohm * displaced.max(1.0 / displaced);
@@ -97,7 +98,7 @@ proptest! {
         prop_assert!((work as f64) < 2000.0 * (periods + duties.len() as f64), "{work} steps in {periods} periods");
     }
 
-    /// Chattering at a seat once cost 14 million events in a tenth of a second.
+    /// Chattering at a seat once caused 14 million events in a tenth of a second.
     #[test]
     fn the_work_stays_bounded_for_any_plant_file(plant in any_plants(), duties in duties()) {
         let duties = &duties[..duties.len().min(15)];

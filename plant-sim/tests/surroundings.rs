@@ -1,4 +1,4 @@
-//! Surroundings that were measured with a log.
+//! Surroundings measured with a log.
 
 use plant_sim::plant::FILL;
 use plant_sim::replay::{ReplayError, Surroundings, replay};
@@ -9,7 +9,7 @@ use recording::{Provenance, Recording, TimeBase, Unit};
 const ROWS: usize = 100;
 const STEP_S: f64 = 0.01;
 
-/// A log with one row every 10 ms.
+/// Returns a log with one row every 10 ms.
 fn log(signals: &[(&str, Unit, f64)]) -> Recording {
     let mut log = Recording::new(Provenance::from_source("bench.csv"));
     let base = log.add_time_base(TimeBase::uniform(0.0, STEP_S, ROWS).unwrap());
@@ -25,7 +25,7 @@ fn last(plant: &PlantParameters, log: &Recording, name: &str) -> f64 {
     *signal.values_or_nan().last().unwrap()
 }
 
-/// A vessel of 20 l that one orifice fills: choked for seconds.
+/// Returns a vessel of 20 l that one orifice fills: choked for seconds.
 fn vessel() -> PlantParameters {
     let mut plant = PlantParameters::nominal();
     plant.functions = [ValveFunction::AlwaysOpen, ValveFunction::Absent];
@@ -33,7 +33,7 @@ fn vessel() -> PlantParameters {
     plant
 }
 
-/// E14: the choked rise goes with the absolute supply pressure and with the root of the temperature.
+/// E14: the choked rise is proportional to the absolute supply pressure and to the root of the temperature.
 #[test]
 fn choked_filling_knows_the_pressure_and_the_temperature_of_its_surroundings() {
     let plant = vessel();
@@ -60,7 +60,7 @@ fn choked_filling_knows_the_pressure_and_the_temperature_of_its_surroundings() {
     );
 }
 
-/// A coil at 80 °C: U / (R (1 + α 60 K)), equation 5.7.
+/// Coil at 80 °C: U / (R (1 + α 60 K)), equation 5.7.
 #[test]
 fn a_coil_begins_with_the_resistance_of_its_temperature() {
     let mut plant = PlantParameters::nominal();
@@ -101,7 +101,7 @@ fn surroundings_that_cannot_be_say_where_and_what_to_do() {
         coil.contains("resistance_temperature_coefficient"),
         "{coil}"
     );
-    // What a plant leaves out has no surroundings.
+    // An omitted part has no surroundings.
     let mut coil_alone = PlantParameters::nominal();
     coil_alone.chamber.volume_m3 = 0.0;
     let found = Surroundings::of(&coil_alone, &log(&[("p_amb", Unit::BarAbsolute, 0.9)]));

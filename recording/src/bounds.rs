@@ -1,27 +1,27 @@
-//! Hard bounds of every quantity: beyond them a value is no measurement, whatever a mapping says.
+//! Hard bounds of every quantity: a value beyond them is no measurement, under any mapping.
 
 use std::fmt;
 use std::ops::RangeInclusive;
 
 use crate::{Quantity, STANDARD_ATMOSPHERE_PA, Unit};
 
-/// Values that a signal of a quantity can have; what is computed from a log survives all of them.
+/// Possible values of a quantity. Computations on a log work for all values within them.
 ///
-/// A measured cell outside counts as missing and is listed ([`OutOfBounds`]); where half of a column or more is outside,
+/// A measured cell outside counts as missing and is listed ([`OutOfBounds`]). If half of a column or more is outside,
 /// or a duty cycle or a time is, the file is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Least value in [`Bounds::unit`].
+    /// Smallest value, in [`Bounds::unit`].
     pub least: f64,
-    /// Largest value in [`Bounds::unit`].
+    /// Largest value, in [`Bounds::unit`].
     pub most: f64,
-    /// Unit of the bounds; of a pressure absolute.
+    /// Unit of the bounds; absolute for a pressure.
     pub unit: Unit,
-    /// Why nothing beyond is measured.
+    /// Reason why no measurement is beyond the bounds.
     pub reason: &'static str,
 }
 
-/// The symmetric bounds of a quantity that has a sign.
+/// Returns the symmetric bounds of a signed quantity.
 const fn within(most: f64, unit: Unit, reason: &'static str) -> Bounds {
     between(-most, most, unit, reason)
 }
@@ -38,7 +38,7 @@ const fn between(least: f64, most: f64, unit: Unit, reason: &'static str) -> Bou
 const LARGE: &str = "far beyond any machine with a valve";
 
 impl Bounds {
-    /// The bounds of `quantity`.
+    /// Returns the bounds of `quantity`.
     pub const fn of(quantity: Quantity) -> Self {
         use Quantity as Q;
         match quantity {
@@ -89,44 +89,44 @@ impl Bounds {
         }
     }
 
-    /// The bounds in `unit` of the same quantity, gauge pressures at the standard atmosphere.
+    /// Returns the bounds in `unit` of the same quantity; gauge pressures are relative to the standard atmosphere.
     pub fn in_unit(&self, unit: Unit) -> RangeInclusive<f64> {
         match self.unit.converter_at_ambient(unit, STANDARD_ATMOSPHERE_PA) {
             Ok(converter) => converter.apply(self.least)..=converter.apply(self.most),
-            // The unit of a ratio that is a duty cycle by its name, or of another quantity: no value is outside.
+            // The unit of a ratio that its name makes a duty cycle, or a unit of another quantity: no value is outside.
             Err(_) => f64::MIN..=f64::MAX,
         }
     }
 }
 
-/// Cells of one signal that hold values outside the [`Bounds`] of its quantity and count as missing.
+/// Cells of one signal with values outside the [`Bounds`] of its quantity; they count as missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutOfBounds {
     /// Name of the signal.
     pub signal: String,
     /// Unit of the values.
     pub unit: Unit,
-    /// What is allowed, in this unit.
+    /// Allowed range, in this unit.
     pub allowed: RangeInclusive<f64>,
-    /// Column in a CSV file, from 1; none in MF4.
+    /// Column in a CSV file, from 1; `None` in MF4.
     pub column: Option<usize>,
     /// Number of such cells.
     pub count: u64,
-    /// The first of them, at most [`OutOfBounds::LISTED_MAX`].
+    /// First of these cells, at most [`OutOfBounds::LISTED_MAX`].
     pub first: Vec<Outlier>,
 }
 
-/// A cell outside the bounds.
+/// Cell outside the bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
     /// Line in a CSV file, from 1; sample in MF4, from 0.
     pub place: u64,
-    /// The value after scale and offset.
+    /// Value after scale and offset.
     pub value: f64,
 }
 
 impl OutOfBounds {
-    /// Number of cells that are listed.
+    /// Maximum number of listed cells.
     pub const LISTED_MAX: usize = 10;
 
     pub(crate) fn new(signal: &str, unit: Unit, bounds: &Bounds, column: Option<usize>) -> Self {
@@ -147,7 +147,7 @@ impl OutOfBounds {
         }
     }
 
-    /// Where an outlier is: line and column, or sample.
+    /// Returns the place of an outlier: line and column, or sample.
     pub fn place(&self, outlier: &Outlier) -> String {
         match self.column {
             Some(column) => format!("line {}, column {column}", outlier.place),
@@ -156,10 +156,10 @@ impl OutOfBounds {
     }
 }
 
-/// One sentence: how many cells, what is allowed, and where the first ones are.
+/// One sentence with the number of cells, the allowed range, and the places of the first cells.
 impl fmt::Display for OutOfBounds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        /// Cells in the sentence.
+        /// Maximum number of cells in the sentence.
         const NAMED_MAX: usize = 3;
         let cells = if self.count == 1 { "cell" } else { "cells" };
         write!(
@@ -186,7 +186,7 @@ impl fmt::Display for OutOfBounds {
     }
 }
 
-/// A number of any size in few characters.
+/// Number of any size, in few characters.
 pub(crate) struct Short(pub(crate) f64);
 
 impl fmt::Display for Short {
@@ -198,7 +198,7 @@ impl fmt::Display for Short {
     }
 }
 
-/// A range of values with its unit, to six digits.
+/// Range of values with its unit, to six digits.
 pub(crate) struct Allowed<'a>(pub(crate) &'a RangeInclusive<f64>, pub(crate) Unit);
 
 impl fmt::Display for Allowed<'_> {

@@ -1,11 +1,11 @@
-//! What a recording lacks: rows that the logger did not write, and cells without a value.
+//! Defects of a recording: rows that the logger did not write, and cells without a value.
 
 use crate::{OutOfBounds, Recording, Sampling, Signal};
 
-/// Gaps and missing cells of a recording; one sentence for each in [`Defects::sentences`].
+/// Gaps and missing cells of a recording; [`Defects::sentences`] has one sentence for each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Defects {
-    /// Pauses of the logger, of every time base in order of time, the first [`Defects::LISTED_MAX`].
+    /// Pauses of the logger in every time base, in order of time; the first [`Defects::LISTED_MAX`].
     pub gaps: Vec<Pause>,
     /// Number of all pauses.
     pub gap_count: usize,
@@ -13,34 +13,34 @@ pub struct Defects {
     pub missing: Vec<MissingCells>,
 }
 
-/// A time without rows.
+/// Interval without rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pause {
-    /// Instant of the last row before it, in s.
+    /// Instant of the last row before the pause (s).
     pub start_s: f64,
-    /// Instant of the first row after it, in s.
+    /// Instant of the first row after the pause (s).
     pub end_s: f64,
-    /// Rows that are not there, by the median distance of two rows.
+    /// Number of missing rows, from the median distance of two rows.
     pub rows: f64,
 }
 
-/// Cells of a signal that hold no value.
+/// Cells of a signal without a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissingCells {
     /// Name of the signal.
     pub signal: String,
-    /// Number of such cells, those out of bounds included.
+    /// Number of these cells, including those out of bounds.
     pub cells: usize,
     /// Number of all cells.
     pub of: usize,
-    /// Instant of the first one, in s.
+    /// Instant of the first of these cells (s).
     pub first_s: f64,
-    /// The cells that held a value out of bounds.
+    /// Cells that had a value out of bounds.
     pub out_of_bounds: Option<OutOfBounds>,
 }
 
 impl Recording {
-    /// Gaps and missing cells.
+    /// Returns gaps and missing cells.
     pub fn defects(&self) -> Defects {
         let mut defects = Defects::default();
         for (_, base) in self.time_bases() {
@@ -79,10 +79,10 @@ impl Recording {
     }
 }
 
-/// Counts the defects of a log that is read in pieces, in memory that does not grow with the log.
+/// Counter of the defects of a log that is read in pieces; its memory does not grow with the log.
 #[derive(Clone, Debug, Default)]
 pub struct DefectCounter {
-    /// Median distance of two rows of the first piece, in s.
+    /// Median distance of two rows of the first piece (s).
     step_s: Option<f64>,
     last_s: Option<f64>,
     gaps: Vec<Pause>,
@@ -90,7 +90,7 @@ pub struct DefectCounter {
     signals: Vec<Cells>,
 }
 
-/// Cells of a signal as far as they are counted.
+/// Cells of a signal counted so far.
 #[derive(Clone, Debug)]
 struct Cells {
     signal: String,
@@ -100,7 +100,8 @@ struct Cells {
 }
 
 impl DefectCounter {
-    /// Adds the next rows: each piece has the same signals on one time base. How far apart rows are is that of the first piece.
+    /// Adds the next rows. Each piece has the same signals on one time base; the first piece gives the distance of the
+    /// rows.
     pub fn add(&mut self, piece: &Recording) {
         let Some((_, base)) = piece.time_bases().next() else {
             return;
@@ -134,7 +135,7 @@ impl DefectCounter {
         }
     }
 
-    /// Returns what was counted; `out_of_bounds` are the cells that the reader refused.
+    /// Returns the counted defects; `out_of_bounds` contains the cells that the reader refused.
     pub fn finish<'a>(
         self,
         out_of_bounds: impl Iterator<Item = &'a OutOfBounds> + Clone,
@@ -171,17 +172,17 @@ impl Cells {
 }
 
 impl Defects {
-    /// Number of pauses that are listed.
+    /// Maximum number of listed pauses.
     pub const LISTED_MAX: usize = 100;
 
-    /// Whether there is none.
+    /// Returns whether there are no defects.
     pub fn is_empty(&self) -> bool {
         self.gap_count == 0 && self.missing.is_empty()
     }
 
-    /// One sentence for each defect, without a full stop; of many pauses the first ones.
+    /// Returns one sentence for each defect, without a full stop; of many pauses only the first ones.
     pub fn sentences(&self) -> Vec<String> {
-        /// Pauses that have a sentence each.
+        /// Maximum number of pauses with a sentence each.
         const TOLD_MAX: usize = 5;
         let mut sentences: Vec<String> = self
             .gaps
@@ -201,7 +202,7 @@ impl Defects {
 }
 
 impl Pause {
-    /// What is missing where.
+    /// Returns a sentence with the missing rows and their times.
     pub fn sentence(&self) -> String {
         format!(
             "no rows from {:.3} to {:.3} s ({:.3} s, about {:.0} samples)",
@@ -214,7 +215,7 @@ impl Pause {
 }
 
 impl MissingCells {
-    /// How many cells are missing, and which were out of bounds.
+    /// Returns a sentence with the number of missing cells and those out of bounds.
     pub fn sentence(&self) -> String {
         let begin = format!(
             "{} of {} cells of {} are missing, the first at {:.3} s",
@@ -261,7 +262,7 @@ mod tests {
         );
     }
 
-    /// However the rows are cut, the defects are those of the whole.
+    /// For any division into pieces, the defects are those of the whole.
     #[test]
     fn defects_that_are_counted_in_pieces_are_those_of_the_whole() {
         let cell = |row: u32| match row {

@@ -10,13 +10,13 @@ use tempfile::NamedTempFile;
 
 pub use identity::FileIdentity;
 
-/// An output file that appears whole or not at all.
+/// Output file that appears completely or not at all.
 ///
-/// What is written goes to a temporary file in the same folder; [`AtomicFile::commit`] renames it. Dropped before
-/// that, on an error or a panic, it leaves nothing behind and an older file of that name unchanged. A temporary file
-/// that a killed process left is removed by the next [`AtomicFile`] in that folder.
+/// The data goes to a temporary file in the same folder; [`AtomicFile::commit`] renames it. If it is dropped before, on
+/// an error or a panic, no temporary file is left and an older file of that name is unchanged. A temporary file of a
+/// killed process is removed by the next [`AtomicFile`] in that folder.
 ///
-/// A file that is replaced keeps its mode, its owner and its hard links; links to it are followed.
+/// A replaced file keeps its mode, its owner and its hard links; symbolic links to it are followed.
 #[derive(Debug)]
 pub struct AtomicFile {
     temporary: BufWriter<NamedTempFile>,
@@ -28,16 +28,16 @@ impl AtomicFile {
     /// Begins the file that will be `path`.
     ///
     /// # Errors
-    /// The folder does not exist or is not writable, or `path` is something other than a regular file, or is
+    /// Returns an error if the folder does not exist or is not writable, or if `path` is not a regular file or is
     /// write-protected.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
         Self::begin(path.as_ref(), true)
     }
 
-    /// Begins the file that will be `path`, where no file may be yet, nor when it is committed.
+    /// Begins the file that will be `path`. No file may exist there now or at the commit.
     ///
     /// # Errors
-    /// Those of [`AtomicFile::create`], and a file that exists.
+    /// Returns the errors of [`AtomicFile::create`], or an error if the file exists.
     pub fn create_new(path: impl AsRef<Path>) -> io::Result<Self> {
         Self::begin(path.as_ref(), false)
     }
@@ -62,7 +62,8 @@ impl AtomicFile {
     /// Makes the file visible under its name, after its bytes have reached the disk.
     ///
     /// # Errors
-    /// Disk full, folder gone: then an older file is still untouched, unless it has several names.
+    /// Returns an error for a full disk or a missing folder; an older file is then unchanged, unless it has several
+    /// names.
     pub fn commit(self) -> io::Result<()> {
         let temporary = self
             .temporary
@@ -95,10 +96,10 @@ impl Seek for AtomicFile {
     }
 }
 
-/// Writes the file `path` with `write`, whole or not at all. See [`AtomicFile`].
+/// Writes the file `path` with `write`, completely or not at all. See [`AtomicFile`].
 ///
 /// # Errors
-/// Those of `write`, and those of [`AtomicFile`].
+/// Returns the errors of `write` and those of [`AtomicFile`].
 pub fn write_file_atomically<E: From<io::Error>>(
     path: impl AsRef<Path>,
     write: impl FnOnce(&mut AtomicFile) -> Result<(), E>,
@@ -108,8 +109,8 @@ pub fn write_file_atomically<E: From<io::Error>>(
     Ok(file.commit()?)
 }
 
-/// The place that `path` leads to. A rename onto a link would replace the link, and one onto `/dev/null` the device; a
-/// rename asks nobody whether the file may be written.
+/// Returns the place that `path` leads to, if it is writable. A rename to a link would replace the link, and one to
+/// `/dev/null` would replace the device. A rename does not check whether the file may be written.
 fn writable_place(path: &Path) -> io::Result<PathBuf> {
     let refused = |kind, reason: &str| {
         let message = format!("{} {reason}: choose another output", path.display());

@@ -2,15 +2,16 @@
 
 use crate::{Provenance, Recording, TimeBase, TimeBaseId};
 
-/// A sample counts until the next one should have come, and half a step more.
+/// Maximum age of a sample: until the next one should have come, and half a step more.
 const AGE_IN_MEDIAN_STEPS: f64 = 1.5;
-/// Instants closer than this share of a step are the same: groups of one logger differ in the last bits.
+/// Difference below which instants are equal: groups of one logger differ in the last bits.
 const SAME_IN_MEDIAN_STEPS: f64 = 1e-6;
 
 impl Recording {
-    /// The recording with every signal at the instants of `time_base`: of the others the last sample that was known
-    /// then, as an ECU sees them. Nothing is interpolated or averaged; where the last sample is missing, or older than
-    /// one and a half of its signal's median steps, there is none. None if the time base is another recording's.
+    /// Returns the recording with every signal at the instants of `time_base`. Other signals have their last known
+    /// sample at these instants, as an ECU sees them. Nothing is interpolated or averaged. If the last sample is
+    /// missing, or older than one and a half of its signal's median steps, the value is missing. Returns `None` if the
+    /// time base belongs to another recording.
     pub fn known_at(&self, time_base: TimeBaseId) -> Option<Self> {
         let instants = self.time_base(time_base)?.clone();
         let mut known = Self::new(Provenance::clone(self.provenance()));
@@ -44,7 +45,7 @@ impl Recording {
     }
 }
 
-/// For each of `instants`, which sample of `base` was the last one, unless it is too old.
+/// Returns for each of `instants` the last sample of `base`, unless it is too old.
 fn last_known(base: &TimeBase, instants: &TimeBase) -> Vec<Option<usize>> {
     let step_s = base.sampling().median_step_s.unwrap_or(0.0);
     let (same_s, oldest_s) = (SAME_IN_MEDIAN_STEPS * step_s, AGE_IN_MEDIAN_STEPS * step_s);
@@ -68,7 +69,7 @@ mod tests {
     use super::*;
     use crate::Unit;
 
-    /// 1 kHz and 100 Hz, the slow one 2 ms late.
+    /// Returns a recording with 1 kHz and 100 Hz, the slow signal 2 ms late.
     fn two_rates() -> (Recording, TimeBaseId, TimeBaseId) {
         let mut recording = Recording::new(Provenance::from_source("bench"));
         let fast = recording.add_time_base(TimeBase::uniform(0.0, 0.001, 100).unwrap());
@@ -117,7 +118,7 @@ mod tests {
         assert_eq!(seen, expected);
     }
 
-    /// 0.06 s is not 60 times 0.001 s: the sample of the same instant would be passed over.
+    /// 0.06 s is not exactly 60 times 0.001 s: without the tolerance the sample of the same instant would be skipped.
     #[test]
     fn instants_that_differ_in_their_last_bits_are_the_same() {
         let mut recording = Recording::new(Provenance::default());

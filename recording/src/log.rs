@@ -1,4 +1,4 @@
-//! A log of either format: by what is in it, not by its name.
+//! Logs of either format, recognised by their content and not by their name.
 
 use std::fs::File;
 use std::io::{Cursor, Read, Seek};
@@ -8,20 +8,20 @@ use crate::Recording;
 use crate::csv::{self, CsvError, Mapping};
 use crate::mf4::{self, Mf4Error};
 
-/// Enough of a file to know its format.
+/// Number of bytes needed to recognise the format.
 const BEGINNING_BYTES: u64 = 8;
 
-/// A format of logs and recordings.
+/// Format of logs and recordings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogFormat {
-    /// Text with separators.
+    /// CSV: text with separators.
     Csv,
-    /// ASAM MDF 4.
+    /// MF4: ASAM MDF 4.
     Mf4,
 }
 
 impl LogFormat {
-    /// The format of a file that begins with these bytes: MF4 says so, all else is taken for CSV.
+    /// Returns the format of a file that begins with these bytes: MF4 has a signature, everything else counts as CSV.
     pub fn of_beginning(bytes: &[u8]) -> Self {
         match bytes.starts_with(b"MDF  ") || bytes.starts_with(b"UnFinMF") {
             true => Self::Mf4,
@@ -29,7 +29,7 @@ impl LogFormat {
         }
     }
 
-    /// The format that a file of this name should have: MF4 by the extension `mf4`, else CSV.
+    /// Returns the format for a file name: MF4 for the extension `mf4`, otherwise CSV.
     pub fn of_name(path: impl AsRef<Path>) -> Self {
         let extension = path.as_ref().extension();
         match extension.is_some_and(|extension| extension.eq_ignore_ascii_case("mf4")) {
@@ -39,10 +39,10 @@ impl LogFormat {
     }
 }
 
-/// What to know before a log is read, whatever its format.
+/// Options for reading a log of either format.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogOptions {
-    /// What the columns or channels are, where the file does not say it.
+    /// Meaning of the columns or channels, where the file does not define it.
     pub mapping: Mapping,
     /// Budgets for CSV.
     pub csv_limits: csv::Limits,
@@ -51,7 +51,7 @@ pub struct LogOptions {
 }
 
 impl LogOptions {
-    /// The options of the CSV reader.
+    /// Returns the options of the CSV reader.
     pub fn csv(&self) -> csv::Options {
         csv::Options {
             mapping: self.mapping.clone(),
@@ -59,7 +59,7 @@ impl LogOptions {
         }
     }
 
-    /// The options of the MF4 reader.
+    /// Returns the options of the MF4 reader.
     pub fn mf4(&self) -> mf4::Options {
         mf4::Options {
             mapping: self.mapping.clone(),
@@ -68,20 +68,20 @@ impl LogOptions {
     }
 }
 
-/// Why a log was refused.
+/// Refusal of a log.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LogError {
-    /// It is no CSV that can be read.
+    /// The log is no readable CSV.
     #[error(transparent)]
     Csv(#[from] CsvError),
-    /// It is no MF4 that can be read.
+    /// The log is no readable MF4.
     #[error(transparent)]
     Mf4(#[from] Mf4Error),
 }
 
 impl LogError {
-    /// The stable code, such as `E-CSV-TIME-ORDER`.
+    /// Returns the stable code, such as `E-CSV-TIME-ORDER`.
     pub fn code(&self) -> &'static str {
         match self {
             Self::Csv(error) => error.code(),
@@ -90,18 +90,18 @@ impl LogError {
     }
 }
 
-/// A log that was opened: CSV to be read row by row, or the recording of a format that is read as a whole.
+/// Opened log: CSV to be read row by row, or the recording of a format that is read as a whole.
 pub enum OpenLog<'a> {
-    /// CSV, from its beginning on.
+    /// CSV, from its beginning.
     Csv(Box<dyn Read + 'a>),
-    /// What was read.
+    /// Complete recording.
     Recording(Box<Recording>),
 }
 
-/// Opens a log that cannot be read twice, such as the standard input. MF4 is held in memory meanwhile.
+/// Opens a log that cannot be read twice, such as the standard input. An MF4 log is buffered in memory meanwhile.
 ///
 /// # Errors
-/// MF4 that cannot be read; or the input's error, as that of a CSV.
+/// Returns an error for an unreadable MF4, or the input's error as a CSV error.
 pub fn open_log<'a>(
     source_name: &str,
     mut input: impl Read + 'a,
@@ -117,7 +117,7 @@ pub fn open_log<'a>(
     if LogFormat::of_beginning(&beginning) == LogFormat::Csv {
         return Ok(OpenLog::Csv(Box::new(Cursor::new(beginning).chain(input))));
     }
-    // One byte more than the budget is refused by the reader, which says so.
+    // The reader refuses one byte more than the budget, with a message.
     let rest = options.mf4_limits.file_bytes.saturating_add(1) - BEGINNING_BYTES;
     input
         .take(rest)
@@ -130,7 +130,7 @@ pub fn open_log<'a>(
 /// Opens a log file.
 ///
 /// # Errors
-/// MF4 that cannot be read; or the file's error, as that of a CSV.
+/// Returns an error for an unreadable MF4, or the file's error as a CSV error.
 pub fn open_log_file(
     path: impl AsRef<Path>,
     options: &LogOptions,
@@ -162,7 +162,7 @@ pub fn open_log_file(
 /// Reads a log that cannot be read twice into a recording.
 ///
 /// # Errors
-/// The first thing that is wrong with it.
+/// Returns the first problem of the log.
 pub fn read_log(
     source_name: &str,
     input: impl Read,
@@ -177,7 +177,7 @@ pub fn read_log(
 /// Reads a log file into a recording.
 ///
 /// # Errors
-/// The first thing that is wrong with the file.
+/// Returns the first problem of the file.
 pub fn read_log_file(path: impl AsRef<Path>, options: &LogOptions) -> Result<Recording, LogError> {
     let path = path.as_ref();
     match open_log_file(path, options)? {

@@ -1,22 +1,22 @@
 use crate::{Quantity, Unit};
 
-/// Longest name of a signal in bytes.
+/// Maximum length of a signal's name (bytes).
 pub const NAME_BYTES_MAX: usize = 256;
 
-/// What is wrong with the name of a signal.
+/// Problem of a signal's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NameError {
-    /// Nothing but white space.
+    /// The name has no visible character.
     #[error("a name has at least one visible character")]
     Empty,
-    /// Longer than [`NAME_BYTES_MAX`].
+    /// The name is longer than [`NAME_BYTES_MAX`].
     #[error("a name has at most {NAME_BYTES_MAX} bytes, this one {0}")]
     Long(usize),
-    /// Control or bidirectional-override characters, which make a terminal or a page show something else.
+    /// The name has control or bidirectional-override characters, which change what a terminal or a page shows.
     #[error("a name has no control characters, this one has U+{:04X}", *.0 as u32)]
     Control(char),
-    /// White space at an end, which no reader would see.
+    /// The name begins or ends with white space, which no reader would see.
     #[error("a name neither begins nor ends with white space")]
     OuterSpace,
 }
@@ -37,13 +37,13 @@ pub(crate) fn check_name(name: &str) -> Result<(), NameError> {
     Ok(())
 }
 
-/// Characters that change how the rest of a line is shown, or are not shown at all.
+/// Returns whether a character changes how the rest of a line is shown, or is not shown at all.
 pub(crate) fn is_unprintable(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
 
-/// Whether a column of this name and unit is the time base and no signal. `t_degC` is a temperature.
+/// Returns whether a column with this name and unit is the time base and no signal. `t_degC` is a temperature.
 pub(crate) fn is_time_column(name: &str, unit: Unit) -> bool {
     unit.quantity() == Quantity::Time
         && ["time", "t", "timestamp", "zeit"]

@@ -1,8 +1,8 @@
-//! The name that was probably meant.
+//! Suggestion of the name that was probably meant.
 
 use strsim::levenshtein;
 
-/// Longer words are no slips of a name.
+/// Maximum length of a word; a longer one is no misspelled name.
 const WORD_CHARACTERS: usize = 80;
 
 /// Returns the candidate with the fewest edits to `word`, if fewer than half of its letters change.
@@ -17,7 +17,7 @@ pub fn nearest_name<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -
         .map(|(_, candidate)| candidate)
 }
 
-/// Returns those of `names` that `word` probably means: the nearest one, or else those that it is a part of.
+/// Returns those of `names` that `word` probably means: the nearest one, or otherwise those that contain it.
 pub fn names_meant<'a>(word: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a str> {
     match nearest_name(word, names.clone()) {
         Some(name) => vec![name],

@@ -1,4 +1,5 @@
-//! Does the size of the values fit their declared unit? A unit that is wrong by a factor reads without any error.
+//! Check whether the size of the values fits their declared unit. A unit that is wrong by a factor causes no other
+//! error.
 
 use std::fmt;
 
@@ -7,40 +8,40 @@ use crate::proposal::signal_line;
 use crate::signal::quantity_of;
 use crate::{Converter, PressureReference, Quantity, Unit};
 
-/// No pneumatic brake holds more; its supply is at 6 to 12 bar.
+/// Largest plausible pressure of a pneumatic brake (bar); its supply is at 6 to 12 bar.
 const LARGEST_BAR: f64 = 50.0;
-/// The pressure of a charged chamber.
+/// Pressure range of a charged chamber (bar).
 const CHARGED_BAR: std::ops::RangeInclusive<f64> = 1.0..=25.0;
-/// Where the pressure of a charged chamber usually ends.
+/// Usual highest pressure of a charged chamber (bar).
 const USUAL_BAR: f64 = 6.0;
-/// Below this a log in a small unit is suspected to be one in a larger unit.
+/// Pressure below which a log in a small unit is suspected to be one in a larger unit (bar).
 const SMALL_BAR: f64 = 0.25;
-/// The thinnest atmosphere a vehicle meets, at about 5500 m.
+/// Lowest ambient pressure for a vehicle, at an altitude of about 5500 m (bar).
 const AMBIENT_MIN_BAR: f64 = 0.5;
 
 /// Values that no logged signal of this unit has.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Implausible {
-    /// A duty cycle that no PWM output has.
+    /// A duty cycle is impossible for a PWM output.
     DutyRange {
-        /// The duty cycle in %.
+        /// Duty cycle (%).
         percent: f64,
     },
     /// Half of the cells or more are outside the hard bounds of their quantity.
     OutOfBounds {
-        /// The first such cells, how many there are, and what is allowed.
+        /// First such cells, their number, and the allowed range.
         cells: Box<OutOfBounds>,
-        /// Number of cells that hold a value.
+        /// Number of cells with a value.
         of: u64,
     },
-    /// Values whose size does not fit the declared unit.
+    /// The size of the values does not fit the declared unit.
     Scale {
-        /// The value farthest from zero.
+        /// Value farthest from zero.
         largest: f64,
         /// Declared unit.
         declared: Unit,
-        /// The unit they look like.
+        /// Unit that the values seem to have.
         looks_like: Option<Unit>,
         /// Line for a mapping file that accepts them.
         proposal: String,
@@ -48,7 +49,7 @@ pub enum Implausible {
 }
 
 impl Implausible {
-    /// The end of its stable code, behind that of the reader.
+    /// Returns the last part of the stable code, which follows that of the reader.
     pub(crate) fn code(&self) -> Code {
         match self {
             Self::DutyRange { .. } => Code::DutyRange,
@@ -58,7 +59,7 @@ impl Implausible {
         }
     }
 
-    /// What to do next, as an instruction.
+    /// Returns the next step, as an instruction.
     pub fn next_step(&self) -> String {
         match self {
             Self::DutyRange { .. } => "check the unit (pct or frac) and the logger".to_owned(),
@@ -108,7 +109,7 @@ impl fmt::Display for Implausible {
     }
 }
 
-/// How a code says what is implausible.
+/// Kind of implausibility in a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Code {
     DutyRange,
@@ -123,21 +124,21 @@ fn is_below_vacuum(cells: &OutOfBounds) -> bool {
         && first.is_some_and(|outlier| outlier.value < *cells.allowed.start())
 }
 
-/// Watches the values of one signal.
+/// Observer of the values of one signal.
 #[derive(Debug)]
 pub(crate) struct Watch {
     law: Law,
     unit: Unit,
-    /// Of all values ...
+    /// Extremes of all values.
     all: Extremes,
-    /// ... and of those within the bounds.
+    /// Extremes of the values within the bounds.
     within: Extremes,
     cells: u64,
     outside: OutOfBounds,
     between_zero_and_one: bool,
 }
 
-/// The ends of some values, and where they are.
+/// Extremes of some values, with their places.
 #[derive(Debug)]
 struct Extremes {
     min: f64,
@@ -180,8 +181,8 @@ enum Law {
 }
 
 impl Watch {
-    /// A watch on the signal `name` in `column` of a CSV file, or of MF4; without `check_scale` values of unusual size
-    /// pass, but none outside the bounds of the quantity.
+    /// Creates an observer of the signal `name` in `column` of a CSV file, or of MF4. Without `check_scale` values of
+    /// unusual size are accepted, but none outside the bounds of the quantity.
     pub(crate) fn new(name: &str, unit: Unit, check_scale: bool, column: Option<usize>) -> Self {
         let quantity = quantity_of(name, unit);
         let law = match (quantity, unit.pressure_reference()) {
@@ -209,10 +210,10 @@ impl Watch {
         }
     }
 
-    /// Takes one value, from a line or sample `place`, and returns it, or NaN where it is out of bounds.
+    /// Takes one value, from a line or sample `place`, and returns it, or NaN if it is out of bounds.
     ///
     /// # Errors
-    /// A duty cycle that is impossible: it is a command, and no other one can be put in its place.
+    /// Returns an error for an impossible duty cycle: it is a command, and no other value can replace it.
     pub(crate) fn take(&mut self, value: f64, place: u64) -> Result<f64, Implausible> {
         if let Law::Duty { to_percent, .. } = &self.law {
             let percent = to_percent.apply(value);
@@ -232,16 +233,16 @@ impl Watch {
         }
     }
 
-    /// The cells that were out of bounds; none if there are none.
+    /// Returns the cells that were out of bounds; `None` if there are none.
     pub(crate) fn outside(&self) -> Option<&OutOfBounds> {
         (self.outside.count > 0).then_some(&self.outside)
     }
 
-    /// Judges the size of the values so far; only at the end of the file can they be too small. A mapping calls the
+    /// Checks the size of the values so far; only at the end of the file can they be too small. A mapping calls the
     /// signal `name` and its column `key`.
     ///
     /// # Errors
-    /// The place of the largest value, and what is wrong with it.
+    /// Returns the place of the largest value, and its problem.
     pub(crate) fn judge(
         &self,
         name: &str,
@@ -251,7 +252,7 @@ impl Watch {
         let is_outside = self.outside.count > 0 && 2 * self.outside.count >= self.cells;
         let seen = if is_outside { &self.all } else { &self.within };
         match self.judge_scale(seen, (name, key), at_end) {
-            // No unit makes sense of values that are out of bounds: then these are told.
+            // No unit makes values out of bounds plausible: then these are reported.
             Err((
                 _,
                 Implausible::Scale {
@@ -330,7 +331,7 @@ impl Watch {
         ))
     }
 
-    /// The unit in which these values would be those of a chamber that is charged at some time.
+    /// Returns the unit in which these values would be those of a chamber that is charged at some time.
     fn likely_unit(
         &self,
         seen: &Extremes,
@@ -360,7 +361,8 @@ impl Watch {
             .into_iter()
             .filter(|&unit| unit != self.unit)
             .filter_map(|unit| {
-                // Too small values can only come from a larger unit; psi is no larger unit anyone mixes up there.
+                // Values that are too small can only come from a larger unit; psi is not a larger unit that anyone
+                // confuses there.
                 if !large && matches!(unit, U::PsiGauge | U::PsiAbsolute) {
                     return None;
                 }
@@ -374,7 +376,7 @@ impl Watch {
                 let fits = CHARGED_BAR.contains(&max_bar) && min_bar >= lowest_bar;
                 fits.then_some((unit, (max_bar / USUAL_BAR).ln().abs()))
             })
-            // 120 is a chamber at 8 bar in psi before it is one at 1.2 bar in kPa.
+            // A value of 120 is rather a chamber at 8 bar in psi than one at 1.2 bar in kPa.
             .min_by(|one, other| one.1.total_cmp(&other.1))
             .map(|(unit, _)| unit)
     }

@@ -1,6 +1,6 @@
-//! What a person may write into a mapping file.
+//! Proposals for lines of a mapping file.
 
-/// A line of a mapping: the signal `name` is the column `key`, which is TOML already, in `unit`.
+/// Returns a line of a mapping: the signal `name` is the column `key`, which is valid TOML, in `unit`.
 pub(crate) fn signal_line(name: &str, key: &str, unit: &str) -> String {
     format!(
         "signal.{} = {{ column = {key}, unit = \"{unit}\" }}",
@@ -8,7 +8,7 @@ pub(crate) fn signal_line(name: &str, key: &str, unit: &str) -> String {
     )
 }
 
-/// A bare key where TOML allows one.
+/// Returns a bare key where TOML allows one, otherwise a quoted one.
 fn toml_key(name: &str) -> String {
     let bare = name
         .bytes()

@@ -2,23 +2,23 @@ use std::fmt::Write as _;
 
 use crate::StartTime;
 
-/// Where a recording comes from.
+/// Origin of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Provenance {
-    /// File name, or what stands for one: `practice-00-id.csv`, `plant-sim`.
+    /// File name, or a name in its place: `practice-00-id.csv`, `plant-sim`.
     pub source: String,
-    /// Who or what produced the values: a logger, a program with its version.
+    /// Producer of the values: a logger, a program with its version.
     pub producer: Option<String>,
-    /// Instant at which its time is 0 s \[ns since 1970\]; none where nobody knows, as in CSV and in a simulation.
+    /// Instant at which its time is 0 s; `None` where it is unknown, as in CSV and in a simulation.
     pub start: Option<StartTime>,
-    /// Further remarks in the order given.
+    /// Further remarks, in the given order.
     pub notes: Vec<Note>,
-    /// Size and hash of the file the values were read from.
+    /// Size and hash of the file from which the values were read.
     pub input: Option<InputFile>,
 }
 
 impl Provenance {
-    /// Provenance with a source and nothing else.
+    /// Creates a provenance with a source only.
     pub fn from_source(source: impl Into<String>) -> Self {
         Self {
             source: source.into(),
@@ -26,7 +26,7 @@ impl Provenance {
         }
     }
 
-    /// The same with one more remark.
+    /// Returns the provenance with one more remark.
     #[must_use]
     pub fn with_note(mut self, key: impl Into<String>, value: impl Into<String>) -> Self {
         self.notes.push(Note {
@@ -37,26 +37,26 @@ impl Provenance {
     }
 }
 
-/// A remark, `key: value`.
+/// Remark, `key: value`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// What the remark is about.
+    /// Subject of the remark.
     pub key: String,
-    /// What it says.
+    /// Text of the remark.
     pub value: String,
 }
 
-/// Identity of an input file: the only defence against a byte that changed unseen.
+/// Identity of an input file, the only protection against an unnoticed change of a byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InputFile {
-    /// Size in bytes.
+    /// Size (bytes).
     pub size_bytes: u64,
     /// SHA-256 of all bytes.
     pub sha256: [u8; 32],
 }
 
 impl InputFile {
-    /// The hash as 64 lower-case hexadecimal digits.
+    /// Returns the hash as 64 lower-case hexadecimal digits.
     pub fn sha256_hex(&self) -> String {
         self.sha256
             .iter()

@@ -1,12 +1,12 @@
 use std::fmt;
 
-/// What a signal tells about the world; units convert only within one quantity.
+/// Physical quantity of a signal; units convert only within one quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
     /// Instant or duration.
     Time,
-    /// Pressure against the atmosphere (gauge) or against vacuum (absolute); the unit says which.
+    /// Pressure relative to the atmosphere (gauge) or to vacuum (absolute), as defined by the unit.
     Pressure,
     /// Difference of two pressures, such as a residual: neither gauge nor absolute.
     PressureDifference,

@@ -4,7 +4,7 @@ use crate::name::{NameError, check_name, is_time_column};
 use crate::signal::quantity_of;
 use crate::{OutOfBounds, Provenance, Quantity, Signal, TimeBase, Unit};
 
-/// What was measured or simulated: named signals with unit and time base, and where they come from.
+/// Measured or simulated data: named signals with unit and time base, and their provenance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     provenance: Provenance,
@@ -15,21 +15,21 @@ pub struct Recording {
     needs: Vec<(String, f64)>,
 }
 
-/// What its source has and the recording has not.
+/// Channel of the source that is no signal of the recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Name as the source has it.
+    /// Name in the source.
     pub name: String,
-    /// Why it is no signal, and what to do about it.
+    /// Reason why it is no signal, and what to do about it.
     pub reason: String,
 }
 
-/// Names one time base of a recording.
+/// Identifier of one time base of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TimeBaseId(usize);
 
 impl Recording {
-    /// A recording without signals.
+    /// Creates a recording without signals.
     pub fn new(provenance: Provenance) -> Self {
         Self {
             provenance,
@@ -37,7 +37,7 @@ impl Recording {
         }
     }
 
-    /// Adds a time base; its id is for this recording only.
+    /// Adds a time base and returns its id, which is valid for this recording only.
     pub fn add_time_base(&mut self, time_base: TimeBase) -> TimeBaseId {
         self.time_bases.push(time_base);
         TimeBaseId(self.time_bases.len() - 1)
@@ -46,8 +46,8 @@ impl Recording {
     /// Adds a signal with `samples` in `unit`; NaN marks a missing sample.
     ///
     /// # Errors
-    /// [`AddSignalError`]: the name is taken or impossible, the number of samples is not that of the time base, or a
-    /// sample is infinite.
+    /// Returns an [`AddSignalError`] if the name is taken or invalid, the number of samples is not that of the time
+    /// base, or a sample is infinite.
     pub fn add_signal(
         &mut self,
         name: impl Into<String>,
@@ -58,10 +58,10 @@ impl Recording {
         self.add_shared_signal(name, unit, time_base, Arc::new(samples))
     }
 
-    /// Adds a signal whose samples somebody else has, too: they are not copied.
+    /// Adds a signal whose samples are shared with another owner: they are not copied.
     ///
     /// # Errors
-    /// As [`Recording::add_signal`].
+    /// Returns the same errors as [`Recording::add_signal`].
     pub fn add_shared_signal(
         &mut self,
         name: impl Into<String>,
@@ -105,7 +105,8 @@ impl Recording {
         Ok(&self.signals[last])
     }
 
-    /// Notes that the source has `name`, which is no signal here because of `reason`: whoever asks for it is told.
+    /// Notes that the source has `name`, which is no signal here because of `reason`; the reason is reported when
+    /// `name` is required.
     pub fn leave_out(&mut self, name: impl Into<String>, reason: impl Into<String>) {
         self.left_out.push(LeftOut {
             name: name.into(),
@@ -113,17 +114,19 @@ impl Recording {
         });
     }
 
-    /// What the source has and the recording has not, in the order of the source.
+    /// Returns the channels of the source that are no signals, in the order of the source.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
 
-    /// Notes that an error of the signal `name` up to `need`, rms in the unit of the signal, is of no interest to the user.
+    /// Sets the error of the signal `name`, rms in the unit of the signal, up to which it is of no interest to the
+    /// user.
     pub fn set_need(&mut self, name: impl Into<String>, need: f64) {
         self.needs.push((name.into(), need));
     }
 
-    /// The error of the signal `name` that is of no interest to the user, rms in the unit of the signal; 0 where nothing is said.
+    /// Returns the error of the signal `name` that is of no interest to the user, rms in the unit of the signal; 0 if
+    /// it was not set.
     pub fn need(&self, name: &str) -> f64 {
         let needs = self.needs.iter().filter(|(signal, _)| signal == name);
         needs.map(|&(_, need)| need).fold(0.0, f64::max)
@@ -133,18 +136,18 @@ impl Recording {
         self.out_of_bounds.push(cells);
     }
 
-    /// Cells of the source that hold values outside the hard bounds of their quantity, signal by signal: they are
-    /// missing here.
+    /// Returns the cells of the source with values outside the hard bounds of their quantity, signal by signal: they
+    /// are missing here.
     pub fn out_of_bounds(&self) -> &[OutOfBounds] {
         &self.out_of_bounds
     }
 
-    /// Whether the source has `name`, as a signal or left out.
+    /// Returns whether the source has `name`, as a signal or left out.
     pub fn mentions(&self, name: &str) -> bool {
         self.signal(name).is_some() || self.reason_left_out(name).is_some()
     }
 
-    /// Why `name` was left out, if it was, and if no other channel became the signal of this name.
+    /// Returns the reason why `name` was left out, if it was, and if no other channel became the signal of this name.
     pub fn reason_left_out(&self, name: &str) -> Option<&str> {
         if self.signal(name).is_some() {
             return None;
@@ -155,22 +158,22 @@ impl Recording {
             .map(|left_out| left_out.reason.as_str())
     }
 
-    /// Where the recording comes from.
+    /// Returns the provenance of the recording.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
 
-    /// Where the recording comes from, to add a note.
+    /// Returns the provenance of the recording for changes, such as a further note.
     pub fn provenance_mut(&mut self) -> &mut Provenance {
         &mut self.provenance
     }
 
-    /// All signals in the order they were added.
+    /// Returns all signals in the order in which they were added.
     pub fn signals(&self) -> &[Signal] {
         &self.signals
     }
 
-    /// All time bases with their ids.
+    /// Returns all time bases with their ids.
     pub fn time_bases(&self) -> impl Iterator<Item = (TimeBaseId, &TimeBase)> {
         self.time_bases
             .iter()
@@ -178,26 +181,26 @@ impl Recording {
             .map(|(index, base)| (TimeBaseId(index), base))
     }
 
-    /// The time base with this id, none if the id is another recording's.
+    /// Returns the time base with this id; `None` if the id belongs to another recording.
     pub fn time_base(&self, id: TimeBaseId) -> Option<&TimeBase> {
         self.time_bases.get(id.0)
     }
 
-    /// The time base of the signal `name`.
+    /// Returns the time base of the signal `name`.
     pub fn time_base_of(&self, name: &str) -> Option<&TimeBase> {
         self.signal(name)
             .and_then(|signal| self.time_base(signal.time_base()))
     }
 
-    /// The signal `name`, if there is one.
+    /// Returns the signal `name`, if it exists.
     pub fn signal(&self, name: &str) -> Option<&Signal> {
         self.signals.iter().find(|signal| signal.name() == name)
     }
 
-    /// The signal `name`, which must be a `quantity`.
+    /// Returns the signal `name`, which must have this `quantity`.
     ///
     /// # Errors
-    /// [`MissingSignal`] says which signals there are, or which quantity the signal has.
+    /// Returns a [`MissingSignal`] with the existing signals, or with the quantity of the signal.
     pub fn require(&self, name: &str, quantity: Quantity) -> Result<&Signal, MissingSignal> {
         let source = || self.provenance.source.clone();
         let absent = || match self.reason_left_out(name) {
@@ -230,7 +233,7 @@ impl Recording {
     }
 }
 
-/// Why a signal cannot join a recording.
+/// Reason why a signal cannot be added to a recording.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AddSignalError {
@@ -239,10 +242,10 @@ pub enum AddSignalError {
     Name {
         /// The refused name.
         name: String,
-        /// What is wrong with it.
+        /// Problem of the name.
         problem: NameError,
     },
-    /// A column of this name and unit would be read back as the time.
+    /// A column with this name and unit would be read back as the time.
     #[error("{name:?} with a unit of time is the time base: choose another name")]
     TimeIsNoSignal {
         /// The refused name.
@@ -260,7 +263,7 @@ pub enum AddSignalError {
         /// Name of the signal.
         name: String,
     },
-    /// Number of samples and of instants differ.
+    /// The numbers of samples and of instants differ.
     #[error(
         "{name:?} has {found} samples, its time base {expected}: give one per instant, NaN where missing"
     )]
@@ -282,7 +285,7 @@ pub enum AddSignalError {
     },
 }
 
-/// Names as they stand in a sentence.
+/// Returns names as part of a sentence.
 fn listed(names: &[String]) -> String {
     if names.is_empty() {
         "none".to_owned()
@@ -291,11 +294,11 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// A signal that was asked for is not there, or is something else.
+/// Error: a required signal is missing, or has another quantity.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MissingSignal {
-    /// No signal of this name.
+    /// No signal has this name.
     #[error(
         "{source_name} has no signal {name:?} ({quantity}); it has {}: log it, or map a column to this name",
         listed(present)
@@ -307,20 +310,20 @@ pub enum MissingSignal {
         name: String,
         /// Wanted quantity.
         quantity: Quantity,
-        /// Names that are there.
+        /// Names of the existing signals.
         present: Vec<String>,
     },
-    /// The source has it, but it could not be read as a signal.
+    /// The source has the channel, but it could not be read as a signal.
     #[error("{name:?} in {source_name} was left out: {reason}")]
     LeftOut {
         /// Source of the recording.
         source_name: String,
         /// Wanted name.
         name: String,
-        /// Why, and what to do.
+        /// Reason, and what to do about it.
         reason: String,
     },
-    /// A signal of this name, but of another quantity.
+    /// The signal has another quantity.
     #[error(
         "{name:?} in {source_name} is logged in {unit}, a {}; wanted is a {quantity}: check its unit",
         quantity_of(name, *unit)

@@ -9,32 +9,32 @@ pub struct Signal {
     pub(crate) name: String,
     pub(crate) unit: Unit,
     pub(crate) time_base: TimeBaseId,
-    /// Finite, or NaN where missing.
+    /// Samples: finite, or NaN where missing.
     pub(crate) samples: Arc<Vec<f64>>,
 }
 
 impl Signal {
-    /// Base name without the unit, such as `p_ch`.
+    /// Returns the base name without the unit, such as `p_ch`.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The unit of the samples.
+    /// Returns the unit of the samples.
     pub fn unit(&self) -> Unit {
         self.unit
     }
 
-    /// What the signal tells about the world.
+    /// Returns the physical quantity of the signal.
     pub fn quantity(&self) -> Quantity {
         quantity_of(&self.name, self.unit)
     }
 
-    /// The time base of the samples.
+    /// Returns the time base of the samples.
     pub fn time_base(&self) -> TimeBaseId {
         self.time_base
     }
 
-    /// Number of samples, missing ones included; that of the time base.
+    /// Returns the number of samples, including missing ones; it equals that of the time base.
     #[expect(
         clippy::len_without_is_empty,
         reason = "as the time base, a signal is never empty"
@@ -43,7 +43,7 @@ impl Signal {
         self.samples.len()
     }
 
-    /// Sample `index` in the logged unit; none if it is missing or there is no such sample.
+    /// Returns sample `index` in the logged unit; `None` if it is missing or does not exist.
     pub fn get(&self, index: usize) -> Option<f64> {
         self.samples
             .get(index)
@@ -51,32 +51,33 @@ impl Signal {
             .filter(|sample| !sample.is_nan())
     }
 
-    /// The samples in the logged unit, none where missing.
+    /// Iterates over the samples in the logged unit, `None` where missing.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Option<f64>> + '_ {
         self.samples
             .iter()
             .map(|&sample| Some(sample).filter(|sample| !sample.is_nan()))
     }
 
-    /// The samples in the logged unit, NaN where missing.
+    /// Returns the samples in the logged unit, NaN where missing.
     pub fn values_or_nan(&self) -> &[f64] {
         &self.samples
     }
 
-    /// Returns the samples in the logged unit, NaN where missing, for whoever keeps them: they are not copied.
+    /// Returns the samples in the logged unit, NaN where missing, as a shared owner: they are not copied.
     pub fn shared_values(&self) -> Arc<Vec<f64>> {
         Arc::clone(&self.samples)
     }
 
-    /// Number of missing samples.
+    /// Returns the number of missing samples.
     pub fn missing_count(&self) -> usize {
         self.samples.iter().filter(|sample| sample.is_nan()).count()
     }
 
-    /// The samples in `unit`, NaN where missing. See [`Unit::converter`].
+    /// Returns the samples in `unit`, NaN where missing. See [`Unit::converter`].
     ///
     /// # Errors
-    /// Another quantity, or gauge against absolute: then see [`Signal::values_at_ambient`].
+    /// Returns an error for another quantity, or for gauge against absolute; for that see
+    /// [`Signal::values_at_ambient`].
     pub fn values_in(&self, unit: Unit) -> Result<Vec<f64>, ConversionError> {
         let converter = self.unit.converter(unit)?;
         Ok(self
@@ -86,10 +87,11 @@ impl Signal {
             .collect())
     }
 
-    /// The samples in `unit`, NaN where missing, gauge and absolute related by `ambient_pressure_pa` in Pa absolute.
+    /// Returns the samples in `unit`, NaN where missing, with `ambient_pressure_pa` (Pa absolute) between gauge and
+    /// absolute.
     ///
     /// # Errors
-    /// Those of [`Unit::converter_at_ambient`].
+    /// Returns the errors of [`Unit::converter_at_ambient`].
     pub fn values_at_ambient(
         &self,
         unit: Unit,
@@ -104,7 +106,8 @@ impl Signal {
     }
 }
 
-/// A ratio is a duty cycle by its name, `duty_fill`; every other quantity follows from the unit.
+/// Returns the quantity of a signal: a ratio with a name like `duty_fill` is a duty cycle; all others follow from the
+/// unit.
 pub(crate) fn quantity_of(name: &str, unit: Unit) -> Quantity {
     match unit.quantity() {
         Quantity::Ratio if name == "duty" || name.starts_with("duty_") => Quantity::DutyCycle,

@@ -2,7 +2,7 @@ use std::fmt;
 
 use time::{Duration, OffsetDateTime};
 
-/// Instant at which the time of a recording is 0 s, as the clock of the logger had it.
+/// Instant at which the time of a recording is 0 s, by the clock of the logger.
 ///
 /// ```
 /// use recording::{Clock, StartTime};
@@ -12,26 +12,26 @@ use time::{Duration, OffsetDateTime};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StartTime {
-    /// Time since 1970-01-01 00:00:00 of `clock` \[ns\], without leap seconds; up to the year 2554.
+    /// Time since 1970-01-01 00:00:00 of `clock` (ns), without leap seconds; up to the year 2554.
     pub since_1970_ns: u64,
-    /// What it was counted by.
+    /// Clock of the time.
     pub clock: Clock,
 }
 
-/// What an absolute time is counted by.
+/// Clock of an absolute time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
-    /// Universal time. Clocks where it was recorded were ahead of it by so much \[min\], less than a day; 0 also where nobody
-    /// knows.
+    /// Universal time. Local clocks at the place of the recording were ahead of it by this number of minutes, less than
+    /// a day; 0 also if unknown.
     Utc {
         /// Minutes to add for the local time.
         ahead_min: i16,
     },
-    /// Local time of the logger, in a zone that nobody wrote down.
+    /// Local time of the logger, in an unknown zone.
     Local,
 }
 
-/// Date and time of the place where it was recorded, to the second, rounded down, and what it is counted by.
+/// Date and time at the place of the recording, to the second, rounded down, and their clock.
 impl fmt::Display for StartTime {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ahead_min = match self.clock {

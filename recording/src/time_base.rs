@@ -2,17 +2,17 @@ use std::sync::Arc;
 
 use crate::{Bounds, Quantity};
 
-/// The instants at which signals were sampled: seconds, at least one, strictly increasing. A clone shares them.
+/// Instants at which signals were sampled (s): at least one, strictly increasing. A clone shares them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeBase {
     times_s: Arc<Vec<f64>>,
 }
 
 impl TimeBase {
-    /// A time base of these instants in s.
+    /// Creates a time base of these instants (s).
     ///
     /// # Errors
-    /// [`TimeBaseError`] names the first instant that breaks the order.
+    /// Returns a [`TimeBaseError`] with the first instant that violates the order.
     pub fn new(times_s: Vec<f64>) -> Result<Self, TimeBaseError> {
         if times_s.is_empty() {
             return Err(TimeBaseError::Empty);
@@ -42,10 +42,12 @@ impl TimeBase {
         })
     }
 
-    /// `count` instants from `start_s`, `step_s` apart; each is computed from its index, so no error adds up.
+    /// Creates `count` instants from `start_s`, `step_s` apart; each is computed from its index, so errors do not
+    /// accumulate.
     ///
     /// # Errors
-    /// As [`TimeBase::new`]: a step that is not positive, or too small beside the start to move the time.
+    /// Returns the errors of [`TimeBase::new`]: for a step that is not positive, or too small compared with the start
+    /// to change the time.
     pub fn uniform(start_s: f64, step_s: f64, count: usize) -> Result<Self, TimeBaseError> {
         Self::new(
             (0..count)
@@ -54,33 +56,33 @@ impl TimeBase {
         )
     }
 
-    /// The instants in s.
+    /// Returns the instants (s).
     pub fn times_s(&self) -> &[f64] {
         &self.times_s
     }
 
-    /// Returns the instants in s for whoever keeps them: they are not copied.
+    /// Returns the instants (s) as a shared owner: they are not copied.
     pub fn shared_times_s(&self) -> Arc<Vec<f64>> {
         Arc::clone(&self.times_s)
     }
 
-    /// Number of instants, at least 1.
+    /// Returns the number of instants, at least 1.
     #[expect(clippy::len_without_is_empty, reason = "a time base is never empty")]
     pub fn len(&self) -> usize {
         self.times_s.len()
     }
 
-    /// First instant in s.
+    /// Returns the first instant (s).
     pub fn start_s(&self) -> f64 {
         self.times_s[0]
     }
 
-    /// Last instant in s.
+    /// Returns the last instant (s).
     pub fn end_s(&self) -> f64 {
         self.times_s[self.times_s.len() - 1]
     }
 
-    /// How regular the sampling was.
+    /// Returns the regularity of the sampling.
     pub fn sampling(&self) -> Sampling {
         let step_s = |pair: &[f64]| pair[1] - pair[0];
         let mut steps_s: Vec<f64> = self.times_s.windows(2).map(step_s).collect();
@@ -114,66 +116,66 @@ impl TimeBase {
     }
 }
 
-/// How regular a time base is.
+/// Regularity of a time base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampling {
-    /// Median distance of two samples in s; none for a single sample.
+    /// Median distance of two samples (s); `None` for a single sample.
     pub median_step_s: Option<f64>,
-    /// True if a step, gaps aside, differs from the median by more than [`Sampling::UNEVEN_SHARE`].
+    /// Whether a step, apart from gaps, differs from the median by more than [`Sampling::UNEVEN_SHARE`].
     pub uneven: bool,
-    /// Stretches without samples, in order of time.
+    /// Intervals without samples, in order of time.
     pub gaps: Vec<Gap>,
 }
 
 impl Sampling {
-    /// A step longer than this many median steps is a gap: a drop-out and not jitter.
+    /// Ratio to the median step above which a step is a gap: a drop-out and not jitter.
     pub const GAP_IN_MEDIAN_STEPS: f64 = 5.0;
-    /// Steps may differ by this share of the median before the sampling counts as uneven.
+    /// Share of the median by which steps may differ before the sampling counts as uneven.
     pub const UNEVEN_SHARE: f64 = 0.01;
 }
 
-/// A stretch of time without samples.
+/// Interval without samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Index of the last sample before the gap.
     pub index_before: usize,
-    /// Instant of the last sample before the gap, in s.
+    /// Instant of the last sample before the gap (s).
     pub start_s: f64,
-    /// Instant of the first sample after the gap, in s.
+    /// Instant of the first sample after the gap (s).
     pub end_s: f64,
 }
 
-/// Why instants do not make a time base.
+/// Reason why instants form no time base.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TimeBaseError {
-    /// No instant at all.
+    /// There is no instant.
     #[error("a time base needs at least one instant")]
     Empty,
-    /// NaN or infinite.
+    /// An instant is NaN or infinite.
     #[error("instant {index} is {time_s} s: times must be finite")]
     NotFinite {
         /// Index of the instant, from 0.
         index: usize,
-        /// Its time in s.
+        /// Time of the instant (s).
         time_s: f64,
     },
-    /// Farther from zero than any logger's clock.
+    /// An instant is beyond the range of any logger's clock.
     #[error("instant {index} is {time_s} s: times must be within {} s of zero", Bounds::of(Quantity::Time).most)]
     OutOfBounds {
         /// Index of the instant, from 0.
         index: usize,
-        /// Its time in s.
+        /// Time of the instant (s).
         time_s: f64,
     },
-    /// Repeated or backwards.
+    /// An instant is repeated or goes backwards.
     #[error("instant {index} is {time_s} s after {previous_s} s: times must strictly increase")]
     NotIncreasing {
         /// Index of the instant, from 0.
         index: usize,
-        /// The instant before it in s.
+        /// Previous instant (s).
         previous_s: f64,
-        /// Its time in s.
+        /// Time of the instant (s).
         time_s: f64,
     },
 }

@@ -1,5 +1,5 @@
-//! Values that no measurement has: single cells are missing and listed, a column of them is refused, a mapping that
-//! accepts unusual sizes changes nothing about it.
+//! Values that no measurement has: single cells are missing and listed, a column of them is refused, and a mapping that
+//! accepts unusual sizes does not change this.
 
 use std::io::Cursor;
 
@@ -19,7 +19,7 @@ fn plain(log: &str) -> Result<Recording, CsvError> {
     mapped("schema = 1", log)
 }
 
-/// A log of 100 rows in which `cell` says the second column of each.
+/// Returns a log of 100 rows with the second column from `cell`.
 fn log(header: &str, cell: impl Fn(usize) -> String) -> String {
     let rows = (0..100).map(|row| format!("{:.2},{},0.0\n", row as f64 * 0.01, cell(row)));
     format!(
@@ -102,7 +102,7 @@ fn a_column_in_a_wrong_unit_is_told_its_unit_although_it_is_out_of_bounds() {
     assert!(error.to_string().contains("Pa_gauge"), "{error}");
 }
 
-/// An offset of 2^32 once made a table of 43 thousand million cells of a bar.
+/// An offset of 2^32 once caused a table of 43 thousand million cells of a bar.
 #[test]
 fn a_mapping_that_leads_out_of_bounds_is_refused() {
     for line in [
@@ -123,7 +123,7 @@ fn a_mapping_that_leads_out_of_bounds_is_refused() {
     }
 }
 
-/// A command has no other value in its place.
+/// No other value can replace a command.
 #[test]
 fn an_impossible_duty_cycle_is_refused_in_a_single_cell() {
     let error = plain("time_s,duty_fill_pct\n0.00,0.5\n0.01,50\n0.02,101\n").unwrap_err();
@@ -199,7 +199,7 @@ fn mf4_has_the_same_bounds() {
     let error = read(vec![-1.02; 100]).unwrap_err();
     assert_eq!(error.code(), "E-MF4-BELOW-VACUUM", "{error}");
     assert_eq!(read(vec![1e5; 100]).unwrap_err().code(), "E-MF4-SCALE");
-    // What was taken at the instants of another signal keeps the list.
+    // The list is kept when signals are taken at the instants of another one.
     let mut values = vec![1.5; 100];
     values[3] = 5000.0;
     let recording = read(values).unwrap();
@@ -207,7 +207,7 @@ fn mf4_has_the_same_bounds() {
     assert_eq!(recording.known_at(base).unwrap().out_of_bounds().len(), 1);
 }
 
-/// A pressure in another unit than declared is told by the pressure that the unit would make of it.
+/// A pressure in another unit than declared is recognised by the usual pressure that the right unit gives.
 #[test]
 fn the_unit_that_makes_a_usual_pressure_of_the_values_is_proposed() {
     let proposed = |per_bar: f64| {

@@ -1,4 +1,4 @@
-//! The logs that come with the project load as they are, with the values the files show.
+//! Bundled logs: they load without a mapping or with the bundled one, with the values shown in the files.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ fn load(path: &str) -> Recording {
     read_file(data(path), &Options::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Goal: no bundled file surprises the reader. Method: the number of signals and rows that each kind of log has.
+/// Goal: every bundled file is read as expected. Method: number of signals and rows of each kind of log.
 #[test]
 fn every_practice_log_loads_with_its_signals_and_rows() {
     let mut seen = 0;
@@ -220,7 +220,7 @@ fn a_mapping_says_what_the_inrush_logs_leave_unsaid() {
     }
 }
 
-/// The first row that is kept is the one after the first that is lower than all before it by more than the noise.
+/// The first kept row follows the first one that is lower than all before it by more than the noise.
 #[test]
 fn the_leak_down_logs_are_cut_where_the_supply_was_shut_off() {
     for (name, plateau, first) in [

@@ -1,4 +1,4 @@
-//! Small files made by hand, each wrong in one way or right in an odd way.
+//! Small hand-made files, each wrong in one way or valid in an unusual way.
 
 #[allow(dead_code, reason = "each test holds some of the promises")]
 mod promise;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use recording::csv::{CsvError, Mapping, Options, read};
 
-/// File, code, and line of the offence where there is one.
+/// File, code, and line of the problem if it has one.
 #[rustfmt::skip]
 const WRONG: &[(&str, &str, Option<u64>)] = &[
     ("both-separators.csv", "E-CSV-THOUSANDS", Some(2)),
@@ -104,8 +104,8 @@ const WRONG_MAPPINGS: &[(&str, &str, Option<usize>)] = &[
     ("unknown-key.toml", "E-MAP-TOML", Some(3)),
 ];
 
-/// Mappings that once made memory or a panic of a good log, and the code that they are refused with; none where less
-/// than half of the cells are out of bounds.
+/// Mappings that once caused a panic or excessive memory with a good log, and the code with which they are refused;
+/// `None` if less than half of the cells are out of bounds.
 const OUT_OF_BOUNDS: [(&str, Option<&str>); 4] = [
     ("offset-1e9.toml", Some("E-CSV-BOUNDS")),
     ("offset-2-to-the-32.toml", Some("E-CSV-BOUNDS")),
@@ -158,7 +158,7 @@ fn each_wrong_file_is_refused_with_its_code_and_line() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// The text is one line for a terminal: code, file, what was found, what was expected, and a next step.
+/// The text is one line for a terminal: code, file, found value, expected value, and a next step.
 #[test]
 fn each_refusal_is_one_printable_line_that_names_the_file_and_a_next_step() {
     for &(name, code, _) in WRONG {
@@ -226,7 +226,7 @@ fn mappings_that_lead_out_of_bounds_are_refused_or_leave_the_cells_out() {
     }
 }
 
-/// All of them hold the same three samples, in different clothes.
+/// All files contain the same three samples in different dialects.
 #[test]
 fn every_odd_dialect_gives_the_same_recording() {
     let names = names("good");
@@ -247,7 +247,7 @@ fn every_odd_dialect_gives_the_same_recording() {
     }
 }
 
-/// The seeds of the fuzz targets keep the promises that the targets test.
+/// The seeds of the fuzz targets meet the requirements that the targets test.
 #[test]
 fn the_seeds_of_the_fuzzer_keep_its_promises() {
     let files = |folder: &'static str| {

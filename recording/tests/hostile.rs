@@ -1,7 +1,7 @@
-//! Files that want memory, time or a panic: none of them gets any.
+//! Hostile files that try to cause a panic or excessive memory or time: none succeeds.
 //!
-//! `memory.rs` counts the heap; the tests here count how far a refused input was read, and on Linux the growth of the
-//! process while a long one is streamed.
+//! `memory.rs` counts the heap. The tests here count the bytes read of a refused input, and on Linux the growth of the
+//! process while a long input is streamed.
 
 #[allow(dead_code, reason = "each test holds some of the promises")]
 mod promise;
@@ -14,7 +14,7 @@ use recording::csv::{CsvError, Limits, Options, Reader, read};
 
 const MIB: u64 = 1 << 20;
 
-/// Repeats a pattern after a beginning, up to a size, and counts what was taken.
+/// Input that repeats a pattern after a beginning, up to a size, and counts the bytes read.
 struct Generated<'a> {
     beginning: &'a [u8],
     pattern: &'a [u8],
@@ -43,7 +43,7 @@ impl Read for Generated<'_> {
     }
 }
 
-/// The refusal of a generated input, and how many bytes of it were read.
+/// Returns the refusal of a generated input, and the number of bytes read.
 fn refusal(beginning: &[u8], pattern: &[u8], size: u64) -> (CsvError, u64) {
     let mut taken = 0;
     let input = Generated {
@@ -81,7 +81,7 @@ fn an_unclosed_quote_of_300_megabytes_is_refused_after_the_record_limit() {
     let (error, taken) = refusal(b"\"", b"time_s,", 300 * MIB);
     assert_eq!(error.code(), "E-CSV-DELIMITER", "{error}");
     assert!(taken < 4 * MIB, "{taken}");
-    // Short fields, each quoted: only the record is too long.
+    // Short quoted fields: only the record is too long.
     let (error, taken) = refusal(b"time_s,a_V\n0.0,1.5\n", b"\"\n\",", 300 * MIB);
     assert_eq!(error.code(), "E-CSV-LIMIT-COLUMNS", "{error}");
     assert!(taken < 2 * MIB, "{taken}");
@@ -197,7 +197,7 @@ fn each_budget_holds_at_its_bound_and_refuses_one_beyond() {
     );
 }
 
-/// Rows of our own format without end, made as they are read.
+/// Endless rows of our own format, generated while they are read.
 struct Rows {
     next: u64,
     count: u64,
@@ -229,7 +229,7 @@ impl Read for Rows {
     }
 }
 
-/// Pages in memory of this process, from the kernel.
+/// Returns the resident memory of this process, from the kernel.
 #[cfg(target_os = "linux")]
 fn resident_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
@@ -383,7 +383,7 @@ proptest! {
     }
 }
 
-/// A prefix of a good file is never taken for the whole, unless it ends with a whole row.
+/// A prefix of a good file never counts as complete, unless it ends with a whole row.
 #[test]
 fn no_cut_of_a_log_is_taken_for_the_whole_unless_it_ends_between_rows() {
     let bytes = b"time_s,p_ch_bar_gauge,i_fill_mA\n0.00,1.5,2\n0.01,1.25,30\n0.02,1.75,400\n";

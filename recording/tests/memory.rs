@@ -1,4 +1,4 @@
-//! What a reader takes from the heap, counted by the allocator: never more than its budgets say, whatever the file says.
+//! Heap usage of the readers, counted by the allocator: never more than their budgets, for any file.
 
 use std::fs;
 use std::io::{Cursor, Read};
@@ -10,12 +10,12 @@ use recording::{csv, mf4};
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// The peak belongs to the process, so one test counts at a time.
+/// The peak belongs to the process, so only one test counts at a time.
 static COUNTING: Mutex<()> = Mutex::new(());
 
 const MIB: usize = 1 << 20;
 
-/// Bytes by which the heap grows at most while `work` is done.
+/// Returns the maximum growth of the heap during `work` (bytes).
 fn peak(work: impl FnOnce()) -> usize {
     HEAP.reset_peak_usage();
     let before = HEAP.current_usage();
@@ -27,7 +27,7 @@ fn set_u64(bytes: &mut [u8], at: usize, value: u64) {
     bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
 }
 
-/// Every word of every fixture becomes a length or a count that is beyond the file.
+/// Every word of every fixture is replaced by a length or a count beyond the file.
 #[test]
 fn an_mf4_file_takes_what_its_budgets_allow_and_no_more() {
     let _one = COUNTING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -41,7 +41,7 @@ fn an_mf4_file_takes_what_its_budgets_allow_and_no_more() {
         limits,
         ..mf4::Options::default()
     };
-    // Blocks that are no data, one unpacked, and samples.
+    // Blocks without data, one unpacked block, and samples.
     let bound = 3 * MIB;
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/mf4");
     let mut files = 0;
@@ -72,7 +72,7 @@ fn an_mf4_file_takes_what_its_budgets_allow_and_no_more() {
     assert!(files > 0, "no fixture in {folder}");
 }
 
-/// A record without an end, a field without an end, and more columns than anyone has.
+/// A record without end, a field without end, and too many columns.
 #[test]
 fn a_csv_file_without_an_end_takes_what_a_record_may() {
     let _one = COUNTING.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! Files written by the Python package asammdf, and a few by hand: what is read from them is what asammdf reads.
+//! Fixtures written by the Python package asammdf and some made by hand: the reader returns the same values as asammdf.
 
 use std::fs;
 use std::io::Cursor;
@@ -23,12 +23,12 @@ fn read_fixture(name: &str) -> Recording {
         .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// A channel as asammdf reads it.
+/// Channel as read by asammdf.
 struct Expected {
     is_time: bool,
     name: String,
     unit: String,
-    /// None for a channel of texts.
+    /// Values; `None` for a channel of texts.
     values: Option<Vec<Option<f64>>>,
 }
 
@@ -52,7 +52,7 @@ fn expected(name: &str) -> Vec<Expected> {
         .collect()
 }
 
-/// Every channel with a unit is there, bit for bit; every other one is left out with a reason.
+/// Checks that every channel with a unit is read bit for bit, and every other one is left out with a reason.
 fn check(fixture: &str, left_out: &[&str]) {
     let recording = read_fixture(fixture);
     let bits = |value: Option<f64>| value.map(f64::to_bits);
@@ -111,7 +111,8 @@ fn every_number_is_the_one_that_asammdf_reads() {
     check("started-local", &[]);
 }
 
-/// Byte of the start time in the fixtures: behind the identification, and the head and six links of the header.
+/// Position of the start time in the fixtures (bytes): after the identification, and the header and six links of the
+/// header block.
 const START_AT: usize = 64 + 24 + 6 * 8;
 
 #[test]
@@ -130,7 +131,7 @@ fn the_start_is_the_one_that_asammdf_wrote() {
     let local = said(&bytes("started-local")).unwrap();
     assert_eq!(local, "2024-05-03 16:12:07 local time");
     assert_eq!(start_of(&bytes("unsorted")), None);
-    // Zone, summer time and flags; a zone of a day or more is none.
+    // Zone, summer time and flags; a zone of a day or more is ignored.
     let with = |zone_min: i16, summer_min: i16, flags: u8| {
         let mut bytes = started.clone();
         bytes[START_AT + 8..START_AT + 10].copy_from_slice(&zone_min.to_le_bytes());
@@ -189,7 +190,7 @@ fn who_asks_for_a_channel_that_was_left_out_is_told_what_to_write() {
     assert_eq!(reason("state"), "its values differ in length, as texts do");
 }
 
-/// The comments of the reader: unfinished, texts, NaN.
+/// Notes of the reader: unfinished, texts, NaN.
 #[test]
 fn what_was_done_to_the_numbers_is_noted() {
     let noted = |name: &str| -> Vec<String> {
@@ -298,7 +299,7 @@ fn a_listing_has_every_channel_with_what_stands_in_its_way() {
     assert!(unfinished.is_unfinished);
 }
 
-/// `p_ch` in two groups: neither is taken without a mapping, which chooses one by the number of its group.
+/// `p_ch` is in two groups: neither is taken without a mapping, which chooses one by the number of its group.
 #[test]
 fn one_name_in_two_groups_is_chosen_by_the_mapping() {
     let mut bytes = bytes("rates");
@@ -346,7 +347,7 @@ fn a_mapping_brings_two_rates_to_the_instants_of_one() {
     assert_eq!(slow.time_bases().count(), 1);
     let all = read_fixture("rates");
     let fast = all.signal("p_ch").unwrap().values_or_nan();
-    // Of samples up to 59 ms the last one is still known at 60 ms, and none at 70 ms.
+    // The last of samples up to 59 ms is still known at 60 ms; none is known at 70 ms.
     let picked = slow.signal("p_ch").unwrap();
     let known: Vec<f64> = picked.iter().map_while(|value| value).collect();
     let places = [0, 10, 20, 30, 40, 50, 59];
@@ -358,7 +359,7 @@ fn a_mapping_brings_two_rates_to_the_instants_of_one() {
     assert_eq!(at("i_vent").unwrap_err().code(), "E-MF4-NO-INSTANTS");
 }
 
-/// Not by the name: a log is what its first bytes say, also where it cannot be read twice.
+/// A log is recognised by its first bytes and not by its name, also where it cannot be read twice.
 #[test]
 fn a_log_of_either_format_is_known_by_its_beginning() {
     let csv = b"time_s,p_ch_bar_gauge\n0.0,1.5\n0.1,1.6\n";

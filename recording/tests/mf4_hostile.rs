@@ -1,4 +1,4 @@
-//! MF4 files that are damaged, cut, or made to hurt: each is a recording or a typed error, in bounded memory and time.
+//! Damaged, cut and hostile MF4 files: each gives a recording or a typed error, in bounded memory and time.
 
 #[allow(dead_code, reason = "each test holds some of the promises")]
 mod promise;
@@ -30,7 +30,7 @@ fn fixture(name: &str) -> Vec<u8> {
     fs::read(format!("{folder}/{name}.mf4")).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// Where the block `id` begins that comes after `skip` others.
+/// Returns the position of the block `id` that comes after `skip` others.
 fn block_at(bytes: &[u8], id: &[u8; 4], skip: usize) -> usize {
     let places = (0..bytes.len() / 8).map(|place| 8 * place);
     let mut found = places.filter(|&at| bytes[at..].starts_with(id));
@@ -69,7 +69,7 @@ fn a_file_with_any_wrong_byte_is_refused_or_read() {
         let mut bytes = fixture(name);
         for at in 0..bytes.len() {
             let right = bytes[at];
-            // The lowest bit, the highest bit, or none, in turn.
+            // The lowest bit flipped, the highest bit flipped, or zero, in turn.
             bytes[at] = [right ^ 1, right ^ 0x80, 0][at % 3];
             promise::mf4_reader(&bytes);
             bytes[at] = right;
@@ -94,7 +94,7 @@ proptest! {
     }
 }
 
-/// Links, counts and lengths that lead somewhere: inside of the file, to its ends, and beyond all numbers.
+/// Generates links, counts and lengths: inside of the file, at its ends, and very large.
 fn word() -> impl Strategy<Value = u64> {
     prop_oneof![
         (0u64..1000).prop_map(|place| 8 * place),
@@ -120,7 +120,7 @@ fn what_leads_nowhere_is_refused_with_its_block_and_place() {
         assert!(error.to_string().contains(said), "{error}");
         assert!(error.place().offset.is_some(), "{error}");
     };
-    // The link to the next group, to itself, beyond the end, and between two places of blocks.
+    // The link to the next group: to itself, beyond the end, and to an address where no block may begin.
     check(group + 24, group as u64, "E-MF4-LOOP", "##DG at byte");
     check(
         group + 24,
@@ -174,7 +174,7 @@ fn packed_data_that_lie_about_their_size_are_refused() {
     assert_eq!(refusal(&damaged, Limits::default()).code(), "E-MF4-PACKED");
 }
 
-/// A block of zeros packs a thousand to one; a list of the same block would multiply it once more.
+/// A block of zeros packs a thousand to one; a list with the same block repeated would multiply it again.
 #[test]
 fn a_block_is_data_once() {
     let mut bytes = fixture("lists");
@@ -262,7 +262,7 @@ fn what_is_no_mdf_4_is_refused_by_its_first_bytes() {
     assert_eq!(code(&older), "E-MF4-VERSION");
 }
 
-/// A record of variable length may say that it has 4 GiB.
+/// A record of variable length may claim 4 GiB.
 #[test]
 fn a_record_that_never_ends_is_passed_over() {
     let mut bytes = fixture("unsorted");

@@ -1,4 +1,4 @@
-//! What is written as MF4 is read back bit for bit, by our reader and by the Python package asammdf.
+//! MF4 round trip: written files are read back bit for bit, by our reader and by the Python package asammdf.
 
 use std::io::Cursor;
 use std::process::Command;
@@ -37,7 +37,7 @@ fn assert_same(recording: &Recording, back: &Recording) {
     }
 }
 
-/// Units whose values only the hard bounds of their quantity limit.
+/// Units whose values are limited only by the hard bounds of their quantity.
 const FREE_UNITS: [Unit; 6] = [
     Unit::Milliampere,
     Unit::Volt,
@@ -53,7 +53,7 @@ fn any_finite() -> impl Strategy<Value = f64> {
         .prop_filter("finite", |value| value.is_finite())
 }
 
-/// A value that `unit` may have: any bits within the bounds of its quantity.
+/// Returns a possible value in `unit`: any bits within the bounds of its quantity.
 fn within_bounds(value: f64, unit: Unit) -> f64 {
     let bounds = Bounds::of(unit.quantity()).in_unit(unit);
     match bounds.contains(&value) {
@@ -66,7 +66,7 @@ fn any_name() -> impl Strategy<Value = String> {
     "[a-z=+@'#<&\\-][a-zA-Z0-9_ ,;\"<>&/\\\\\\[\\]()µ]{0,20}[a-z)\\]\"]"
 }
 
-/// One to three time bases, each with some signals.
+/// Generates one to three time bases, each with some signals.
 fn any_recording() -> impl Strategy<Value = Recording> {
     let base = prop::collection::btree_set(any::<i32>(), 1..30).prop_flat_map(|ticks| {
         let sample = prop::option::weighted(0.9, any_finite());
@@ -84,7 +84,7 @@ fn any_recording() -> impl Strategy<Value = Recording> {
                     within_bounds(sample.unwrap_or(f64::NAN), FREE_UNITS[unit])
                 };
                 let samples = samples.into_iter().map(sample).collect();
-                // A name that is taken already is one signal less.
+                // A name that is already taken gives one signal less.
                 let _ = recording.add_signal(name, FREE_UNITS[unit], base, samples);
             }
         }
@@ -176,7 +176,7 @@ fn the_start_goes_with_the_samples_where_it_is_known() {
     }
 }
 
-/// Row by row, the number of rows is known at the end only: the bytes are the same.
+/// Row by row, the number of rows is known only at the end: the bytes are the same.
 #[test]
 fn row_by_row_gives_the_bytes_of_the_whole() {
     let mut recording = Recording::new(Provenance::from_source("bench"));
@@ -245,7 +245,7 @@ fn rows_that_no_reader_would_take_are_not_written() {
     ));
 }
 
-/// Asks the Python package, where there is one: the interpreter in `ASAMMDF_PYTHON`, or `python3`.
+/// Uses the Python package, if it is installed: the interpreter in `ASAMMDF_PYTHON`, or `python3`.
 #[test]
 fn asammdf_reads_what_we_write_bit_for_bit() {
     let python = std::env::var("ASAMMDF_PYTHON").unwrap_or_else(|_| "python3".to_owned());

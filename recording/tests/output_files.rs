@@ -1,4 +1,4 @@
-//! Output files: they appear whole, keep what is not content, and leave nothing behind.
+//! Output files: they appear completely, keep owner, mode and links, and leave no temporary file.
 
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -138,7 +138,7 @@ fn a_new_file_replaces_none_not_even_one_that_came_in_the_meantime() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
-/// A killed process leaves its temporary file without a lock on it.
+/// A killed process leaves its temporary file without a lock.
 #[test]
 fn what_a_killed_process_left_is_removed_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
@@ -205,7 +205,7 @@ fn a_file_is_the_same_however_its_path_is_spelled() {
     assert!(open.is_none_or(|open| open == FileIdentity::of(place("a.csv"))));
 }
 
-/// As the file would be where the link leads, not in place of the link.
+/// The file appears at the target of the link, and does not replace the link.
 #[cfg(unix)]
 #[test]
 fn a_file_appears_at_the_end_of_links_that_lead_to_none_yet() {

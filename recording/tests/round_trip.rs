@@ -1,4 +1,4 @@
-//! What the writer writes, the reader reads back: the same bits, the same gaps, the same names and units.
+//! CSV round trip: the reader returns what the writer wrote, with the same bits, gaps, names and units.
 
 use proptest::prelude::*;
 use recording::csv::{Column, Decimals, Options, WriteError, Writer, read, write};
@@ -14,7 +14,7 @@ fn read_back(bytes: &[u8]) -> Recording {
         .unwrap_or_else(|error| panic!("{error}\n{}", String::from_utf8_lossy(bytes)))
 }
 
-/// Units whose values only the hard bounds of their quantity limit.
+/// Units whose values are limited only by the hard bounds of their quantity.
 const FREE_UNITS: [Unit; 5] = [
     Unit::Milliampere,
     Unit::Volt,
@@ -29,7 +29,7 @@ fn any_finite() -> impl Strategy<Value = f64> {
         .prop_filter("finite", |value| value.is_finite())
 }
 
-/// A value that `unit` may have: any bits within the bounds of its quantity.
+/// Returns a possible value in `unit`: any bits within the bounds of its quantity.
 fn within_bounds(value: f64, unit: Unit) -> f64 {
     let bounds = Bounds::of(unit.quantity()).in_unit(unit);
     match bounds.contains(&value) {

@@ -1,5 +1,5 @@
-//! The project's controller in an image that cannot panic: its panic handler calls a function that nobody defines, so it
-//! links only if no panic is left in it, with overflow checks on. With the feature `panic-canary` it must fail to link.
+//! Image of the project's controller that cannot panic: its panic handler calls an undefined function, so it links only
+//! if no panic is left in it, with overflow checks on. With the feature `panic-canary` it must fail to link.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -64,7 +64,7 @@ mod image {
         unsafe extern "C" {
             fn this_image_can_panic() -> !;
         }
-        // SAFETY: there is no such function; an image in which this call is left does not link.
+        // SAFETY: no such function exists; an image in which this call is left does not link.
         unsafe { this_image_can_panic() }
     }
 }

@@ -1,4 +1,4 @@
-//! How the control signal becomes two duty cycles, section 6.3 and the lower limits of section 7.2.
+//! Conversion of the control signal into two duty cycles (section 6.3), with the lower limits of section 7.2.
 
 use controller::{ControlSignal, Distributor, LowerLimit, Output, Settings};
 
@@ -73,7 +73,8 @@ fn scheme_2_gives_both_middles_where_the_control_signal_is_zero_and_none_inside_
     assert_eq!(samples[2].0, Output::OFF);
 }
 
-/// Tables 4.1 and 4.2 at their ends: what helps the fill valve is missing at full chamber pressure, and the reverse.
+/// Tables 4.1 and 4.2 at their ends: at full chamber pressure no pressure difference helps the fill valve, and the
+/// reverse.
 #[test]
 fn the_pressure_dependent_limits_meet_the_measured_opening_duties() {
     let settings = Settings {
@@ -99,7 +100,7 @@ fn the_pressure_dependent_limits_meet_the_measured_opening_duties() {
     assert_limit(limit("7", "8.4"), 25.5);
     assert_limit(limit("-0.5", "0"), 51.5);
     assert_limit(limit("4.1", "4.2"), 40.635_6);
-    // Beyond the ends nothing goes further.
+    // The limit does not change beyond the ends.
     assert_limit(limit("9", "8.9"), 54.5);
     assert_limit(limit("3", "9.5"), 25.5);
 }
@@ -167,7 +168,7 @@ fn full_control_signal_gives_the_upper_limit_at_any_pressure() {
     }
 }
 
-/// What works against the error is the other valve's: there the lower limit of that one counts.
+/// A control signal against the error drives the other valve, whose lower limit then applies.
 #[test]
 fn scheme_2_lowers_the_other_valve_to_what_just_opens_it_at_this_pressure() {
     let settings = Settings {

@@ -1,4 +1,4 @@
-//! Mechanisms that are fixed at compile time: the same bits, and no others by mistake.
+//! Mechanisms fixed at compile time: same bits as the configurable controller; other mechanisms are refused.
 
 use controller::{
     AntiWindup, Distributor, FixedConfig, IntegralAtReference, LowerLimit, Mechanism, Mechanisms,
@@ -19,7 +19,7 @@ impl Mechanisms for Recommended {
     const SETTINGS: Settings = Settings::recommended();
 }
 
-/// Goal: a compiler that knows the mechanisms drops some, and changes nothing. Method: both sides of it through every regime.
+/// Goal: fixing the mechanisms at compile time changes no result. Method: both versions run through every regime.
 fn assert_same_bits<M: Mechanisms>(settings: &Settings) {
     let any = config(settings);
     let fixed = FixedConfig::<M>::new(any).expect("these mechanisms");
@@ -131,7 +131,7 @@ fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
     check(Settings::recommended(), Mechanism::Prediction, "prediction");
 }
 
-/// The traditional distributor is Scheme 1 from 0 to 100 %, whatever the lower limits are.
+/// The traditional distributor is Scheme 1 from 0 to 100 %, for all lower limits.
 #[test]
 fn what_differs_in_numbers_alone_is_the_same_mechanism() {
     for settings in [

@@ -1,6 +1,6 @@
-//! The bits of a million samples of each configuration, as one number each.
+//! Digests of a million samples of each configuration, one number each.
 //!
-//! A change here means that every target computes something else than before. If that is the intention, bless it:
+//! A change here means that every target computes a different result than before. If that is the intention, bless it:
 //! `BLESS=1 cargo nextest run -p retarder-controller golden`, and say in the commit what moved and why.
 
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ use crate::support::{Bench, config, configurations};
 const SAMPLES: usize = 1_000_000;
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/suite/golden.txt");
 
-/// FNV-1a over the words, little endian: simple, and the same everywhere.
+/// FNV-1a over the words, little endian: simple and identical on every machine.
 struct Digest(u64);
 
 impl Digest {

@@ -1,4 +1,4 @@
-//! What holds for any input and any settings that make a configuration.
+//! Invariants for any input and any settings that make a configuration.
 
 use controller::fixed::types::I16F16;
 use controller::{
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use crate::support::{any_inputs, any_settings, mirrored};
 
-/// One sample as a checker sees it: what went in, the state before and after, what came out.
+/// One sample as a checker sees it: input, state before and after, output.
 struct Sample {
     input: Input,
     before: State,
@@ -18,7 +18,7 @@ struct Sample {
     trace: Trace,
 }
 
-/// Runs the inputs from rest and shows every sample to `check`.
+/// Runs the inputs from rest and passes every sample to `check`.
 fn check(
     config: &Config,
     inputs: &[Input],
@@ -39,7 +39,7 @@ fn check(
     Ok(())
 }
 
-/// Smallest and largest duty cycle that may open a valve.
+/// Returns the smallest and largest duty cycle that may open each valve.
 fn limits(settings: &Settings) -> [(Duty, Duty); 2] {
     let duty = |percent| Duty::from_percent(percent).expect("checked by Config::new");
     if settings.distributor == Distributor::Traditional {
@@ -57,18 +57,18 @@ fn limits(settings: &Settings) -> [(Duty, Duty); 2] {
     ]
 }
 
-/// |bits| of a pressure, also of the lowest.
+/// Returns |bits| of a pressure, also of the lowest one.
 fn magnitude(pressure: Pressure) -> u32 {
     pressure.to_bits().unsigned_abs()
 }
 
-/// The integral part in 2⁻⁵⁹ of 100 % along the error, from the words.
+/// Returns the integral part in 2⁻⁵⁹ of 100 % along the error, from the words.
 fn integral_bits(state: &State) -> i64 {
     let words = state.to_words();
     (i64::from(words[3]) << 32) | i64::from(words[2] as u32)
 }
 
-/// The boost in 2⁻⁵² of 100 % along the error, from the words.
+/// Returns the boost in 2⁻⁵² of 100 % along the error, from the words.
 fn boost_bits(state: &State) -> i64 {
     let words = state.to_words();
     (i64::from(words[5]) << 32) | i64::from(words[4] as u32)
@@ -132,7 +132,7 @@ proptest! {
             let in_range = |pressure: Pressure| i64::from(pressure.saturated_to_control_range().to_bits());
             let pressure = in_range(sample.input.pressure);
             let error = in_range(sample.input.reference) - pressure;
-            // With the basis Pressure the previous error is what it would have been with today's reference.
+            // With the basis Pressure the previous error is computed with the present reference.
             let error_before = match settings.prediction_basis {
                 PredictionBasis::Error => previous.0,
                 PredictionBasis::Pressure => error + pressure - previous.1,
@@ -144,7 +144,7 @@ proptest! {
             };
             previous = (error, pressure);
             let seen = i64::from(sample.trace.predicted_error.to_bits());
-            // Beyond 32 bar, which no tolerance reaches, only the side counts.
+            // Beyond 32 bar, which is outside of every deadband, only the sign counts.
             if predicted.abs() <= 32 << 16 {
                 prop_assert_eq!(seen, predicted);
             } else {
@@ -160,7 +160,7 @@ proptest! {
 
     #[test]
     fn the_integrators_stay_within_their_bounds((settings, config) in any_settings(), inputs in any_inputs()) {
-        // The upper word is held at the bound, rounded down; the lower word goes on and is less than a unit.
+        // The upper word is clamped to the bound, rounded down; the lower word is not clamped and is less than a unit.
         let bound = |percent: I16F16, bits: u32| (((i64::from(percent.to_bits()) << (bits - 16)) / 100 + 1) << 32) - 1;
         let integral_max = bound(settings.integral_max_pct, 27);
         let boost_max = settings.boost.map_or(0, |boost| bound(boost.max_pct, 20));
@@ -230,7 +230,8 @@ proptest! {
         errors in proptest::collection::vec((0..(7 << 16), 0..(1 << 16)), 1..40),
     ) {
         let other_config = Config::new(&mirrored(&settings)).expect("mirrored settings are as valid");
-        // Mirrored about half the supply pressure, so that what helps one valve helps the other one then.
+        // Mirrored about half the supply pressure, so that the pressure difference that helped one valve helps the
+        // other.
         let supply = settings.supply_pressure_bar.to_bits();
         let within = |raw: i32| ((i64::from(raw) * i64::from(supply)) >> 19) as i32;
         let mirror = |bits: i32| Pressure::from_bits(supply - bits);
@@ -242,10 +243,11 @@ proptest! {
             let input = Input { reference: Pressure::from_bits(reference), pressure: Pressure::from_bits(pressure) };
             let output = step(&config, &mut state, input);
             let other = step(&other_config, &mut other_state, Input { reference: mirror(reference), pressure: mirror(pressure) });
-            // With u = 0 the two signs are one, and Scheme 2 treats it as positive: both valves get their middles either way.
+            // With u = 0 both signs are equal, and Scheme 2 treats u as positive: both valves get their middles in
+            // either case.
             prop_assert_eq!((output.duty_fill, output.duty_vent), (other.duty_vent, other.duty_fill));
             prop_assert_eq!(state.boost().to_bits(), -other_state.boost().to_bits());
-            // Along the error both are the same; an error of 0 has no other sign.
+            // Along the error both are equal; an error of 0 has no other sign.
             let sign = if reference == pressure { -1 } else { 1 };
             prop_assert_eq!(integral_bits(&state), sign * integral_bits(&other_state));
             prop_assert_eq!(boost_bits(&state), boost_bits(&other_state));
@@ -290,7 +292,7 @@ proptest! {
                 step(&config, &mut State::new(input), input).duty_vent
             })
             .collect();
-        // Where the curve is level the rounding may show, by two units.
+        // Where the curve is level, rounding may be visible by two units.
         prop_assert!(limits.windows(2).all(|pair| pair[1].to_bits() <= pair[0].to_bits() + 2), "{limits:?}");
     }
 }

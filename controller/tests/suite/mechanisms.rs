@@ -1,4 +1,4 @@
-//! What each mechanism of chapter 6 does, in a small story each.
+//! Behaviour of each mechanism of chapter 6, in a small scenario each.
 
 use controller::fixed::types::I16F16;
 use controller::{
@@ -115,7 +115,7 @@ fn leaving_the_tolerance_gives_no_derivative_kick() {
     assert_close(samples[2].1.derivative, 7.5);
 }
 
-/// At 5 bar, vented for 0 bar, 3 bar are asked for: equation 6.2 would fill.
+/// The pressure is 5 bar and is vented towards 0 bar; then 3 bar are asked for. Equation 6.2 would fill.
 #[test]
 fn a_reference_that_jumps_towards_the_pressure_makes_the_derivative_part_fill_only_where_it_sees_the_jump()
  {
@@ -131,11 +131,11 @@ fn a_reference_that_jumps_towards_the_pressure_makes_the_derivative_part_fill_on
     let towards = [("0", "5"), ("3", "5")];
     assert_close(derivative(error, &towards), 120.0);
     assert_close(derivative(pressure, &towards), 0.0);
-    // The pressure itself still counts.
+    // A change of the pressure itself still counts.
     let falling = [("0", "5"), ("3", "4.5")];
     assert_close(derivative(error, &falling), 140.0);
     assert_close(derivative(pressure, &falling), 20.0);
-    // So does a jump that asks for more, to either side.
+    // A jump of the reference away from the pressure still counts, in both directions.
     for (inputs, expected) in [
         ([("3", "5"), ("1", "5")], -80.0),
         ([("3", "2"), ("5", "2")], 80.0),
@@ -163,7 +163,7 @@ fn the_integral_part_is_held_or_cleared_at_the_reference_as_chosen() {
             .map(|sample| percent(sample.2.integral()))
             .collect::<Vec<_>>()
     };
-    // K T_s/T_i = 1 % per bar and sample: 1, held inside, 1 + 0.5, 1.5 - 0.5
+    // K T_s/T_i = 1 % per bar and sample: 1, frozen inside, 1 + 0.5, 1.5 - 0.5
     assert_eq!(integrals(&hold), [1.0, 1.0, 1.5, 1.0]);
     // 1, cleared inside, 0.5, cleared by the change of sign and then -0.5
     assert_eq!(integrals(&clear), [1.0, 0.0, 0.5, -0.5]);
@@ -214,7 +214,8 @@ fn the_pid_acts_on_the_actual_error_until_the_prediction_switches_off() {
     assert_close(samples[1].1.u, -40.0 * 0.9);
 }
 
-/// The thesis predicts the error, reference included: a jump by a third of the error looks like a pressure about to arrive.
+/// The thesis predicts the error including the reference: a jump by a third of the error looks like a pressure close to
+/// the reference.
 #[test]
 fn a_reference_jump_can_switch_off_wrongly_for_one_sample_where_the_error_is_predicted() {
     let inputs = [("5", "2"), ("4", "2"), ("4", "2")];
@@ -298,7 +299,7 @@ fn a_control_signal_of_exactly_100_percent_is_not_cut() {
             Saturation::High => trace(far(units), Pressure::ZERO),
             _ => trace(Pressure::ZERO, far(units)),
         };
-        // 100 % lies within these errors, in which u goes on by hardly more than its last bit.
+        // 100 % lies within these errors, for which u changes by hardly more than its last bit.
         let exact = (0..64).map(at).find(|trace| trace.u_unsaturated == end);
         assert_eq!(exact.map(|trace| trace.saturation), Some(Saturation::None));
         assert_eq!(at(64).saturation, beyond);
@@ -317,7 +318,7 @@ fn a_reference_jump_from_rest_switches_nothing_off() {
     }
 }
 
-/// 0.44 bar a sample, as an orifice of 1.9 mm fills 75 cm³: the error is predicted to jump over the tolerance.
+/// 0.44 bar a sample, as an orifice of 1.9 mm fills 75 cm³: the predicted error jumps over the deadband.
 #[test]
 fn a_pressure_that_is_predicted_past_the_tolerance_is_switched_off_only_beyond() {
     let inputs = [("3", "2.1"), ("3", "2.54")];
@@ -352,7 +353,8 @@ const WINDING: Settings = Settings {
     ..Settings::thesis()
 };
 
-/// The thesis' example: fully open for a second and the reference not reached, then the reference falls below the pressure.
+/// Example of the thesis: fully open for a second without reaching the reference, then the reference falls below the
+/// pressure.
 #[test]
 fn only_without_anti_windup_the_valve_stays_open_after_the_reference_fell() {
     let samples_until_venting = |anti_windup| {
@@ -426,7 +428,7 @@ fn back_calculation_draws_the_integral_part_by_the_share_of_what_was_cut_off() {
     assert_close(samples[1].2.integral(), -24.5 - 115.5 / 4.0);
 }
 
-/// A derivative can drive u to the end that the error does not ask for.
+/// A derivative part can drive u to the end opposite to the error.
 #[test]
 fn back_calculation_draws_at_both_ends_and_says_that_the_error_was_not_summed() {
     let settings = Settings {
@@ -521,8 +523,8 @@ fn the_boost_does_not_run_while_the_control_signal_is_saturated() {
     assert_eq!(boosts(&[("8", "2"), ("8", "2")]), [0.0, 0.0]);
 }
 
-/// The case the boost is there for: switched off too early, the pressure stops outside the tolerance and the duty cycle is too small
-/// to open the valve.
+/// The case for which the boost exists: after an early switch-off the pressure stops outside the deadband, and the duty
+/// cycle is too small to open the valve.
 #[test]
 fn the_boost_lifts_the_duty_cycle_until_the_valve_opens() {
     let config = config(&BOOSTING);
@@ -547,7 +549,7 @@ fn without_boost_a_pressure_that_does_not_respond_changes_nothing() {
     }
 }
 
-/// 50 % of P and 50 % of boost are 100 %, which a valve can still do.
+/// 50 % of P and 50 % of boost give 100 %, which is not saturated.
 #[test]
 fn exactly_100_percent_is_not_saturated() {
     let settings = Settings {

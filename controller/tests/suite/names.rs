@@ -1,4 +1,4 @@
-//! How quantities, settings and coefficients are shown: what a person reads in a log or an error.
+//! Displayed text of quantities, settings and coefficients, as a person reads it in a log or an error.
 
 use controller::fixed::types::I20F12;
 use controller::{Coefficient, ControlSignal, Duty, Field};

@@ -1,8 +1,9 @@
-//! The fixed-point controller against one in floating point, sample by sample.
+//! Comparison of the fixed-point controller with one in floating point, sample by sample.
 //!
-//! The second one is written from the equations of the thesis and the README's rules, not from the code: no shift, no bound on an input, one `f64`
-//! per quantity. Where a decision hangs on a number that is closer to its threshold than the bound that we claim for that number (u at ±100 %,
-//! u at 0), either answer is right; there it takes the controller's, and such samples are counted.
+//! The reference implementation follows the equations of the thesis and the README's rules, not the code: no shift, no
+//! bound on an input, one `f64` per quantity. A decision may depend on a number that is closer to its threshold than
+//! the claimed bound for that number (u at ±100 %, u at 0). Then either answer is right: the reference takes the
+//! controller's, and such samples are counted.
 
 use std::fmt;
 
@@ -13,7 +14,7 @@ use controller::{
 
 use crate::support::{Bench, config, configurations};
 
-/// The claim: u and the duty cycles are within this of floating point [%].
+/// Claimed bound: the largest deviation of u and of the duty cycles from floating point (%).
 const BOUND_PCT: f64 = 0.001;
 const SAMPLES: u32 = 2_000_000;
 
@@ -25,7 +26,7 @@ struct Reference<'a> {
     boost: f64,
 }
 
-/// What the reference thinks of one sample.
+/// Expected result of one sample, from the reference implementation.
 struct Expected {
     u: f64,
     fill: f64,
@@ -102,7 +103,7 @@ impl Reference<'_> {
         });
         let unsaturated = gain * error + derivative + integral + boost;
 
-        // Whether a u of 100 % was cut off is either's choice.
+        // Near 100 % either answer about the saturation of u is right.
         let at_its_end = (unsaturated.abs() - 100.0).abs() < BOUND_PCT;
         let cut = if at_its_end {
             seen.saturation != Saturation::None
@@ -123,14 +124,14 @@ impl Reference<'_> {
             }
         }
 
-        // Around u = 0 the valve, or none, is either's choice.
+        // Near u = 0 either answer about the driven valve, or none, is right.
         let tie = u.abs() < BOUND_PCT;
         let (fill, vent) = distributed(s, u, pressure);
         Expected { u, fill, vent, tie }
     }
 }
 
-/// Section 6.3: duty cycles of fill and vent valve [%].
+/// Returns the duty cycles of fill and vent valve (%), section 6.3.
 fn distributed(s: &Settings, u: f64, pressure: f64) -> (f64, f64) {
     let supply = value(s.supply_pressure_bar);
     let (fill_min, vent_min) = match s.duty_min {
@@ -161,7 +162,7 @@ fn distributed(s: &Settings, u: f64, pressure: f64) -> (f64, f64) {
     }
 }
 
-/// The parabola through three points by Lagrange's formula.
+/// Returns the parabola through three points, by Lagrange's formula.
 fn opening(duty: &OpeningDuty, share: f64) -> f64 {
     let y = share.clamp(0.0, 1.0);
     let (start, half, end) = (
@@ -172,7 +173,7 @@ fn opening(duty: &OpeningDuty, share: f64) -> f64 {
     start * 2.0 * (y - 0.5) * (y - 1.0) - half * 4.0 * y * (y - 1.0) + end * 2.0 * y * (y - 0.5)
 }
 
-/// Largest and root mean square deviation of one quantity [%].
+/// Largest and root mean square deviation of one quantity (%).
 #[derive(Default)]
 struct Norm {
     worst: f64,

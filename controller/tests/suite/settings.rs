@@ -1,4 +1,4 @@
-//! Every bound of the settings at N-1, N and N+1, and what the errors say.
+//! Bounds of the settings at N-1, N and N+1, and the texts of the errors.
 
 use controller::fixed::types::I16F16;
 use controller::{
@@ -20,8 +20,8 @@ const OPENING: OpeningDuty = OpeningDuty {
     with_supply_pressure_pct: I16F16::lit("20"),
 };
 
-/// `bound` is allowed, and one unit beyond it (`outward` is 1 or -1) is refused as this field with this value; one unit
-/// inside is allowed.
+/// Checks that `bound` and one unit inside are allowed, and that one unit beyond it (`outward` is 1 or -1) is refused
+/// as this field with this value.
 fn check(field: Field, bound: &str, outward: i32, with: impl Fn(I16F16) -> Settings) {
     let bound = lit(bound);
     let at = |units: i32| I16F16::from_bits(bound.to_bits() + units * outward);
@@ -236,7 +236,7 @@ fn each_bound_of_a_pressure_dependent_limit_is_the_last_allowed_value() {
             ..bare()
         }
     });
-    // A quarter of the drop of 40 % above the lower and below the upper end.
+    // A quarter of the drop of 40 % above the lower end, and below the upper end.
     check(Field::DutyHalfFill, "30", -1, |at_half_pct| {
         by_pressure(OpeningDuty {
             at_half_pct,
@@ -268,7 +268,8 @@ fn each_bound_of_a_pressure_dependent_limit_is_the_last_allowed_value() {
     });
 }
 
-/// Goal: coefficients that the words do not hold are refused at the last unit. Method: settings whose product moves in single units.
+/// Goal: coefficients that do not fit into their words are refused at the last unit. Method: settings whose product
+/// moves in single units.
 #[test]
 fn each_bound_of_the_coefficients_is_the_last_allowed_value() {
     let check = |coefficient: Coefficient, allowed: Settings, refused: Settings| {
@@ -449,7 +450,7 @@ fn the_force_balance_lies_above_the_straight_line_and_meets_it_at_the_ends() {
     );
 }
 
-/// Settings may hold anything until they are checked.
+/// Settings may have any value until they are checked.
 #[test]
 fn the_force_balance_of_what_no_valve_has_stays_in_its_type() {
     let balance = OpeningDuty::force_balance(I16F16::MIN, I16F16::MIN);
@@ -458,7 +459,7 @@ fn the_force_balance_of_what_no_valve_has_stays_in_its_type() {
     assert_eq!(balance.at_half_pct, I16F16::MAX);
 }
 
-/// The README's table: in what the recommended controller differs from the thesis'.
+/// Checks the README's table: the differences between the recommended controller and the thesis'.
 #[test]
 fn the_recommended_controller_differs_from_the_thesis_in_what_its_table_says() {
     let (thesis, recommended) = (Settings::thesis(), Settings::recommended());

@@ -1,4 +1,4 @@
-//! The state can be saved, compared and restored, and a controller can start anywhere without a kick.
+//! State: it can be saved, compared and restored, and a controller can start anywhere without a kick.
 
 use controller::{ControlSignal, Pressure, State, StateError, step, step_traced};
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! What the tests share: settings of every kind, inputs of every kind, a small random source.
+//! Shared parts of the tests: settings of every kind, inputs of every kind, a small random source.
 
 use controller::fixed::types::I16F16;
 use controller::{
@@ -27,7 +27,7 @@ pub(crate) fn config(settings: &Settings) -> Config {
     Config::new(settings).expect("valid settings in a test")
 }
 
-/// Runs the inputs, the first of which is where the controller starts, and gives every sample's output and account.
+/// Runs the inputs, beginning from the state of the first, and returns the output, trace and state of every sample.
 pub(crate) fn run(settings: &Settings, inputs: &[(&str, &str)]) -> Vec<(Output, Trace, State)> {
     let config = config(settings);
     let mut state = State::new(input(inputs[0].0, inputs[0].1));
@@ -44,7 +44,8 @@ pub(crate) fn percent(signal: ControlSignal) -> f64 {
     signal.percent().to_num()
 }
 
-/// Two control signals are the same to the last of their 12 bits and the tenth of a unit that a decimal setting may be off.
+/// Asserts that two control signals are equal to their last of 12 bits, plus the tenth of a unit by which a decimal
+/// setting may be off.
 pub(crate) fn assert_close(actual: ControlSignal, expected: f64) {
     let deviation = (percent(actual) - expected).abs();
     assert!(deviation < 0.000_3, "{actual} is not {expected} %");
@@ -54,7 +55,7 @@ pub(crate) fn duties(output: &Output) -> (I16F16, I16F16) {
     (output.duty_fill.percent(), output.duty_vent.percent())
 }
 
-/// Two duty cycles as expected [%], within what the rounding of u leaves of them.
+/// Asserts two duty cycles (%), up to the rounding error of u.
 #[track_caller]
 pub(crate) fn assert_duties(output: &Output, expected: (&str, &str)) {
     let (fill, vent) = duties(output);
@@ -65,7 +66,8 @@ pub(crate) fn assert_duties(output: &Output, expected: (&str, &str)) {
     );
 }
 
-/// A P controller with nothing else: K 40 %/bar, Scheme 1. The stories switch on what they are about.
+/// Returns a P controller with nothing else: K 40 %/bar, Scheme 1. Each test switches on the mechanism that it is
+/// about.
 pub(crate) fn bare() -> Settings {
     Settings {
         integral_time_ms: None,
@@ -78,7 +80,7 @@ pub(crate) fn bare() -> Settings {
     }
 }
 
-/// Every configuration that has evidence of its own, with the name under which it appears.
+/// Returns every configuration with evidence of its own, and its name.
 pub(crate) fn configurations() -> Vec<(&'static str, Settings)> {
     let thesis = Settings::thesis();
     let recommended = Settings::recommended();
@@ -141,7 +143,7 @@ pub(crate) fn configurations() -> Vec<(&'static str, Settings)> {
     ]
 }
 
-/// The same controller with the two valves exchanged.
+/// Returns the same controller with the two valves exchanged.
 pub(crate) fn mirrored(settings: &Settings) -> Settings {
     Settings {
         distributor: match settings.distributor {
@@ -170,13 +172,13 @@ pub(crate) fn mirrored(settings: &Settings) -> Settings {
     }
 }
 
-/// Any number of the range, its ends more often than chance would have it.
+/// Generates any number of the range; its ends occur more often than by chance.
 fn within(min: &str, max: &str) -> impl Strategy<Value = I16F16> {
     let (min, max) = (lit(min).to_bits(), lit(max).to_bits());
     prop_oneof![1 => Just(min), 1 => Just(max), 8 => min..=max].prop_map(I16F16::from_bits)
 }
 
-/// A share of the way from `low` to `high`; shares are in 1/65536, ends included.
+/// Returns the value at a share of the way from `low` to `high`; shares are in 1/65536, ends included.
 fn between(low: I16F16, high: I16F16, share: i32) -> I16F16 {
     let span = i64::from(high.to_bits()) - i64::from(low.to_bits());
     I16F16::from_bits(low.to_bits() + ((span * i64::from(share)) >> 16) as i32)
@@ -281,7 +283,7 @@ fn switching() -> impl Strategy<Value = Settings> {
         )
 }
 
-/// DC_min without pressure, where DC_min goes with pressure, the middle of it, DC_max, and a middle duty cycle of Scheme 2.
+/// Generates DC_min without pressure, an opening curve that begins there, DC_max, and a middle duty cycle of Scheme 2.
 fn valve() -> impl Strategy<Value = (I16F16, OpeningDuty, I16F16, I16F16)> {
     (within("0", "100"), share(), share(), share(), share()).prop_map(
         |(min, drop, half, max, middle)| {
@@ -333,7 +335,7 @@ fn distribution() -> impl Strategy<Value = Settings> {
     )
 }
 
-/// Any settings that make a configuration. Where a coefficient leaves its range, its mechanism is left out.
+/// Generates any settings that make a configuration. If a coefficient is out of range, its mechanism is switched off.
 pub(crate) fn any_settings() -> impl Strategy<Value = (Settings, Config)> {
     (pid(), switching(), distribution()).prop_map(|(pid, switching, distribution)| {
         let mut settings = Settings {
@@ -363,7 +365,7 @@ pub(crate) fn any_settings() -> impl Strategy<Value = (Settings, Config)> {
     })
 }
 
-/// Any 32 bits as a pressure: far beyond the control range, its ends, and what a truck has.
+/// Generates any 32 bits as a pressure: far beyond the control range, at its ends, and in a truck's range.
 pub(crate) fn any_pressure() -> impl Strategy<Value = Pressure> {
     prop_oneof![
         1 => any::<i32>(),
@@ -373,7 +375,7 @@ pub(crate) fn any_pressure() -> impl Strategy<Value = Pressure> {
     .prop_map(Pressure::from_bits)
 }
 
-/// A sequence of any inputs, and of inputs that stay close to each other, which is where tolerance and prediction live.
+/// Generates sequences of any inputs, and of inputs close to each other, for which deadband and prediction matter.
 pub(crate) fn any_inputs() -> impl Strategy<Value = Vec<Input>> {
     let wild =
         proptest::collection::vec((any_pressure(), any_pressure()), 1..40).prop_map(|pairs| {
@@ -405,7 +407,7 @@ pub(crate) fn any_inputs() -> impl Strategy<Value = Vec<Input>> {
     prop_oneof![wild, close]
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014): a few lines, the same numbers for ever; a library's may change.
+/// SplitMix64 (Steele, Lea, Flood 2014). It is implemented here because the random numbers of a library may change.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -417,15 +419,16 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// From `-bound` to `bound`.
+    /// Returns a number from `-bound` to `bound`.
     pub(crate) fn symmetric(&mut self, bound: i32) -> i32 {
         let width = 2 * bound as u64 + 1;
         (self.next() % width) as i32 - bound
     }
 }
 
-/// A reference that jumps and sometimes ramps, and a pressure that follows the valves roughly, with noise and a sensor's steps: visits
-/// every regime of the controller. Integers only, so that it is the same everywhere.
+/// Bench whose reference jumps and sometimes ramps, and whose pressure follows the valves roughly, with noise and a
+/// sensor's steps. It visits every regime of the controller. It uses integers only, so it is identical on every
+/// machine.
 pub(crate) struct Bench {
     random: Random,
     reference: i32,
@@ -443,12 +446,12 @@ impl Bench {
         }
     }
 
-    /// The next input, after the valves had these duty cycles [2⁻¹⁶ %].
+    /// Returns the next input, after the valves had these duty cycles (2⁻¹⁶ %).
     pub(crate) fn next(&mut self, duty_fill: i32, duty_vent: i32) -> Input {
         match self.random.next() % 400 {
             0 => (self.reference, self.ramp) = ((self.random.next() % (8 << 16)) as i32, 0),
             1 => self.ramp = self.random.symmetric(400),
-            // Rarely anything at all, far outside what a sensor gives.
+            // Rarely any value, far outside of a sensor's range.
             2 => self.pressure = self.random.next() as i32 >> 8,
             _ => {}
         }

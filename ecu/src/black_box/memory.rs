@@ -1,4 +1,4 @@
-//! The black box's words: how header, trigger and records lie in them, each with its checksum.
+//! Memory layout of the black box: header, trigger and records, each with its checksum.
 
 use hil_protocol::BlackBoxRecord;
 use hil_protocol::crc32::Digest;
@@ -6,61 +6,62 @@ use hil_protocol::crc32::Digest;
 /// `BLKB`, lowest byte first; the last letter is the version of this layout.
 const MAGIC: u32 = 0x424B_4C42;
 
-/// Magic, generation, capacity; checksum.
+/// Words of the header: magic, generation, capacity; checksum.
 const HEADER: usize = 4;
-/// Kind, number, faults; checksum.
+/// Words of the trigger: kind, number, faults; checksum.
 const TRIGGER: usize = 4;
-/// Number, reference, code and mode and what is there, both duty cycles, control signal, faults; checksum.
+/// Words of a record: number, reference, code with mode and presence bits, both duty cycles, control signal, faults;
+/// checksum.
 const RECORD: usize = 8;
 
 const REFERENCE_PRESENT: u32 = 1 << 24;
 const PRESSURE_PRESENT: u32 = 1 << 25;
 
-/// Words that a ring of so many records needs. It uses the largest power of two of them.
+/// Returns the number of words for a ring of `records`. The ring uses the largest power of two of them.
 pub const fn words(records: usize) -> usize {
     HEADER + TRIGGER + RECORD * records
 }
 
-/// Why the ring stands still, or will.
+/// Reason why the ring is frozen, or will be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Trigger {
     None,
-    /// The first fault, with the number of its record.
+    /// First fault, with the number of its record.
     Fault {
         number: u32,
         faults: u32,
     },
-    /// A reset came while the samples after the fault were recorded.
+    /// Reset while the samples after the fault were recorded.
     FaultAndReset {
         number: u32,
         faults: u32,
     },
-    /// A reset came without a fault before it.
+    /// Reset without a fault before it.
     Reset,
 }
 
-/// What the words are.
+/// Kind of content found in the words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contents {
     /// No black box, or one of another size.
     Other,
-    /// A black box.
+    /// Black box with its trigger.
     Recording(Trigger),
 }
 
 #[derive(Clone, Debug)]
 pub(super) struct Memory<M> {
     words: M,
-    /// Part of every checksum but the header's: what was written before the last clearing is not whole.
+    /// Generation, part of every checksum except the header's: it invalidates records written before the last clearing.
     generation: u32,
-    /// Records that fit, less one: a power of two less one.
+    /// Number of records that fit, less one: a power of two less one.
     mask: u32,
 }
 
 impl<M: AsRef<[u32]> + AsMut<[u32]>> Memory<M> {
     pub(super) fn new(words: M) -> Self {
         let room = words.as_ref().len().saturating_sub(HEADER + TRIGGER) / RECORD;
-        // The largest power of two that is not above the room; no record at all if there is none.
+        // The largest power of two that is not above the room; without room the mask is 0, and no record fits.
         let mask = match u32::try_from(room).unwrap_or(u32::MAX).checked_ilog2() {
             Some(bits) => (1_u32 << bits).wrapping_sub(1),
             None => 0,
@@ -76,12 +77,12 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Memory<M> {
         memory
     }
 
-    /// How many records the ring keeps.
+    /// Returns the number of records in the ring.
     pub(super) const fn capacity(&self) -> u32 {
         self.mask.wrapping_add(1)
     }
 
-    /// Makes everything that is there invalid.
+    /// Invalidates the whole content.
     pub(super) fn clear(&mut self) {
         self.generation = self.generation.wrapping_add(1);
         let header = self.header();
@@ -118,7 +119,7 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Memory<M> {
             0 if whole => Trigger::None,
             1 if whole => Trigger::Fault { number, faults },
             2 if whole => Trigger::FaultAndReset { number, faults },
-            // Also one that a reset tore: the records are there.
+            // Kind 3, or a trigger torn by a reset: the records are still valid.
             _ => Trigger::Reset,
         })
     }
@@ -141,10 +142,10 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Memory<M> {
         }
     }
 
-    /// The number of the newest record that is whole.
+    /// Returns the number of the newest whole record.
     pub(super) fn newest(&self) -> Option<u32> {
         let whole = (0..self.capacity()).filter_map(|slot| self.whole_in(slot));
-        // Numbers go round, and those in the ring are close to each other.
+        // Numbers wrap, and the numbers in the ring are close to each other.
         whole.map(|record| record.number).reduce(|newest, number| {
             if number.wrapping_sub(newest).cast_signed() > 0 {
                 number
@@ -154,7 +155,7 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Memory<M> {
         })
     }
 
-    /// The record of this number, if it is there and whole.
+    /// Returns the record of this number, if it exists and is whole.
     pub(super) fn read(&self, number: u32) -> Option<BlackBoxRecord> {
         self.whole_in(number & self.mask)
             .filter(|record| record.number == number)
@@ -223,7 +224,7 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Memory<M> {
     }
 }
 
-/// Where the record of a slot begins.
+/// Returns the offset of a slot's record.
 const fn place(slot: u32) -> usize {
     (slot as usize)
         .wrapping_mul(RECORD)

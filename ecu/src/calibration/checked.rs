@@ -1,10 +1,10 @@
-//! Settings that are possible.
+//! Checked settings.
 
 use crate::config::EcuConfig;
 use crate::error::EcuConfigError;
 use crate::settings::EcuSettings;
 
-/// Settings that passed every check, with the configuration that they lead to.
+/// Settings that passed every check, with the configuration computed from them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CheckedSettings {
@@ -13,10 +13,10 @@ pub struct CheckedSettings {
 }
 
 impl CheckedSettings {
-    /// Checks them; also at compile time, where wrong ones are a compile error.
+    /// Checks the settings; also at compile time, where wrong settings are a compile error.
     ///
     /// # Errors
-    /// The first field that is out of bounds, with its value and the bound.
+    /// Returns the first field that is out of bounds, with its value and the bound.
     pub const fn new(settings: &EcuSettings) -> Result<Self, EcuConfigError> {
         match EcuConfig::new(settings) {
             Ok(config) => Ok(Self {
@@ -27,12 +27,12 @@ impl CheckedSettings {
         }
     }
 
-    /// The settings.
+    /// Returns the settings.
     pub const fn settings(&self) -> &EcuSettings {
         &self.settings
     }
 
-    /// What they lead to.
+    /// Returns the configuration computed from the settings.
     pub const fn config(&self) -> EcuConfig {
         self.config
     }

@@ -1,15 +1,15 @@
-//! The table of settings.
+//! Table of settings.
 
 use hil_protocol::crc32::Digest;
 
-/// One setting: what its number means.
+/// Description of one setting: the meaning of its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// The name of the field in [`EcuSettings`](crate::EcuSettings), with its unit at the end.
+    /// Name of the field in [`EcuSettings`](crate::EcuSettings), with its unit at the end.
     pub name: &'static str,
-    /// The unit, of which the number counts 2⁻¹⁶; empty for a choice.
+    /// Unit of the setting; the number counts 2⁻¹⁶ of it. Empty for a choice.
     pub unit: &'static str,
-    /// What can be chosen, the first one with the number 0; empty for a quantity.
+    /// Allowed choices, beginning with number 0; empty for a quantity.
     pub choices: &'static [&'static str],
 }
 
@@ -22,15 +22,15 @@ macro_rules! settings {
             $(#[doc = concat!("`", $name, "`")] $id,)*
         }
 
-        /// How many settings there are.
+        /// Number of settings.
         pub const SETTING_COUNT: usize = [$(SettingId::$id),*].len();
 
         impl SettingId {
-            /// All of them, in the order of the table.
+            /// All settings, in the order of the table.
             pub const ALL: [Self; SETTING_COUNT] = [$(Self::$id),*];
         }
 
-        /// Every setting, in the order of its number.
+        /// All settings, in the order of their numbers.
         pub static SETTINGS: [Setting; SETTING_COUNT] = TABLE;
 
         const TABLE: [Setting; SETTING_COUNT] = [
@@ -87,18 +87,18 @@ settings! {
 }
 
 impl SettingId {
-    /// Its row in the table.
+    /// Returns the setting's row in the table.
     pub const fn setting(self) -> &'static Setting {
         &TABLE[self as usize]
     }
 
-    /// The setting of this name, and its number.
+    /// Returns the number of the setting with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|id| id.setting().name == name)
     }
 }
 
-/// CRC-32 over the table: names, units, choices, each ended by a zero.
+/// CRC-32 of the table: names, units, choices, each terminated by a zero.
 pub const SETTINGS_DIGEST: u32 = digest();
 
 const fn digest() -> u32 {

@@ -1,4 +1,4 @@
-//! Settings as numbers, and back.
+//! Conversion of settings into numbers and back.
 
 mod choices;
 mod from_settings;
@@ -12,46 +12,46 @@ use super::checked::CheckedSettings;
 use super::setting::{SETTING_COUNT, SettingId};
 use refusal::refusal;
 
-/// All settings as the numbers of the table, which may or may not be possible ones.
+/// All settings as numbers of the table; they may be invalid.
 ///
-/// A quantity that the choices leave without use is 0, and may be anything when it comes from a host.
+/// A quantity that the choices do not use is 0. It may have any value when it comes from a host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SettingValues([i32; SETTING_COUNT]);
 
 const LAST: u16 = SETTING_COUNT as u16 - 1;
 
 impl SettingValues {
-    /// The numbers, in the order of the table.
+    /// Creates the values from numbers in the order of the table.
     pub const fn from_array(values: [i32; SETTING_COUNT]) -> Self {
         Self(values)
     }
 
-    /// The numbers, in the order of the table.
+    /// Returns the numbers, in the order of the table.
     pub const fn as_array(&self) -> &[i32; SETTING_COUNT] {
         &self.0
     }
 
-    /// CRC-32 over all of them.
+    /// Returns the CRC-32 of all numbers.
     pub fn digest(&self) -> u32 {
         values_digest(&self.0)
     }
 
-    /// The number of one setting.
+    /// Returns the number of one setting.
     #[inline]
     pub const fn get(&self, id: SettingId) -> i32 {
         self.0[id as usize]
     }
 
-    /// Another number for one setting.
+    /// Replaces the number of one setting.
     #[inline]
     pub const fn set(&mut self, id: SettingId, value: i32) {
         self.0[id as usize] = value;
     }
 
-    /// Other numbers for settings that follow each other; all or none.
+    /// Replaces the numbers of consecutive settings, either all or none.
     ///
     /// # Errors
-    /// The first number that no setting belongs to.
+    /// Returns the first number that belongs to no setting.
     pub fn set_from(&mut self, first: u16, values: &[i32]) -> Result<(), Refusal> {
         let start = usize::from(first);
         let end = start.saturating_add(values.len());
@@ -68,10 +68,10 @@ impl SettingValues {
         Ok(())
     }
 
-    /// The settings that have these numbers, checked as a whole.
+    /// Returns the settings with these numbers, checked as a whole.
     ///
     /// # Errors
-    /// The first number that is impossible, with its bounds.
+    /// Returns the first invalid number, with its bounds.
     pub fn checked(&self) -> Result<CheckedSettings, Refusal> {
         CheckedSettings::new(&self.settings()?).map_err(|error| refusal(&error))
     }

@@ -1,4 +1,4 @@
-//! The table of signals.
+//! Table of signals.
 
 use hil_protocol::crc32::Digest;
 use hil_protocol::{Actuators, Telemetry};
@@ -6,20 +6,20 @@ use hil_protocol::{Actuators, Telemetry};
 use crate::input_output::Inputs;
 use crate::sensor::PressureSensor;
 
-/// One signal: what its number means.
+/// Description of one signal: the meaning of its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Signal {
-    /// Its name.
+    /// Name of the signal.
     pub name: &'static str,
-    /// The unit; empty for what has none.
+    /// Unit of the signal; empty if it has none.
     pub unit: &'static str,
-    /// The number counts 2 to the minus this of the unit.
+    /// Number of fraction bits: the number counts 2 to the minus this of the unit.
     pub fraction_bits: u8,
-    /// Whether the number is an `i32`; else its bits are a `u32`.
+    /// Whether the number is an `i32`; otherwise its bits are a `u32`.
     pub signed: bool,
 }
 
-/// The number of a signal that was not there in the last sample.
+/// Number of a signal that was missing in the last sample.
 pub const MISSING: i32 = i32::MIN;
 
 macro_rules! signals {
@@ -31,15 +31,15 @@ macro_rules! signals {
             $(#[doc = concat!("`", $name, "`")] $id,)*
         }
 
-        /// How many signals there are.
+        /// Number of signals.
         pub const SIGNAL_COUNT: usize = [$(SignalId::$id),*].len();
 
         impl SignalId {
-            /// All of them, in the order of the table.
+            /// All signals, in the order of the table.
             pub const ALL: [Self; SIGNAL_COUNT] = [$(Self::$id),*];
         }
 
-        /// Every signal, in the order of its number.
+        /// All signals, in the order of their numbers.
         pub static SIGNALS: [Signal; SIGNAL_COUNT] = TABLE;
 
         const TABLE: [Signal; SIGNAL_COUNT] = [
@@ -77,23 +77,23 @@ signals! {
 }
 
 impl SignalId {
-    /// Its row in the table.
+    /// Returns the signal's row in the table.
     pub const fn signal(self) -> &'static Signal {
         &TABLE[self as usize]
     }
 
-    /// The signal with this number.
+    /// Returns the signal with this number.
     pub fn numbered(number: u16) -> Option<Self> {
         Self::ALL.get(usize::from(number)).copied()
     }
 
-    /// The signal of this name.
+    /// Returns the signal with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|id| id.signal().name == name)
     }
 }
 
-/// CRC-32 over the table: names and units, each ended by a zero, fraction bits and sign.
+/// CRC-32 of the table: names and units, each terminated by a zero, fraction bits and sign.
 pub const SIGNALS_DIGEST: u32 = digest();
 
 const fn digest() -> u32 {
@@ -115,21 +115,21 @@ const fn digest() -> u32 {
     digest.value()
 }
 
-/// All that went in and came out in one sample: what signals are read from.
+/// Inputs and results of one sample, from which signals are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Snapshot {
     /// Number of the sample.
     pub sample: u32,
-    /// What the ECU measured and was told.
+    /// Measured inputs and reference.
     pub inputs: Inputs,
-    /// What the coils got.
+    /// Outputs to the coils.
     pub actuators: Actuators,
-    /// What the sample left inside.
+    /// Internal values after the sample.
     pub telemetry: Telemetry,
 }
 
 impl Snapshot {
-    /// The number of one signal.
+    /// Returns the number of one signal.
     pub fn signal(&self, id: SignalId) -> i32 {
         let Self {
             sample,

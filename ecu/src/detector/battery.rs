@@ -1,13 +1,13 @@
-//! The supply voltage of the ECU.
+//! Detector of the ECU's supply voltage.
 
 use crate::config::Limits;
 use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
-/// N \[samples\].
+/// N (samples).
 pub(crate) const BATTERY_N: u8 = 10;
 
-/// A window; a voltage that is not measured is not judged.
+/// Window check of the supply voltage; a voltage that is not measured is not checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct BatteryDetector {
     low: Debounce,

@@ -1,4 +1,4 @@
-//! A coil by its current.
+//! Detector of coil faults by the coil current.
 
 use controller::Duty;
 
@@ -7,12 +7,13 @@ use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 use crate::history::History;
 
-/// N \[PWM periods\], one in each sample.
+/// N (PWM periods), one in each sample.
 pub(crate) const COIL_N: u8 = 3;
-/// A coil is energised from this duty cycle on: 20 %, 2⁻¹⁶. Below, the current may end within each period.
+/// Lowest duty cycle at which a coil counts as energised: 20 %, 2⁻¹⁶. Below, the current may decay to zero within each
+/// period.
 pub(crate) const ENERGISED_MIN: i32 = 20 << 16;
 
-/// One coil; a current that is not measured is not judged.
+/// Detector of one coil; a current that is not measured is not checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct CoilDetector {
     energised: History,
@@ -29,7 +30,7 @@ impl CoilDetector {
         short: Debounce::CLEAR,
     };
 
-    /// Mean current over the last PWM period \[mA\].
+    /// Takes the mean current over the last PWM period (mA).
     #[inline(always)]
     pub(crate) fn sample(&mut self, limits: &Limits, current_ma: Option<u16>) {
         let Some(current_ma) = current_ma else { return };
@@ -42,7 +43,7 @@ impl CoilDetector {
         self.short.update(takes_too_much || is_off && takes_some, n);
     }
 
-    /// The duty cycle that the coil just got.
+    /// Takes the duty cycle that the coil just got.
     #[inline(always)]
     pub(crate) fn told(&mut self, duty: Duty) {
         self.energised.push(duty.to_bits() >= ENERGISED_MIN);
@@ -63,7 +64,8 @@ mod tests {
     use super::*;
     use crate::detector::bench_limits;
 
-    /// A coil with this duty cycle for `told` samples, then in each of `samples` more with this current, too.
+    /// Returns the faults of a coil that has this duty cycle for `told` samples, then also this current for `samples`
+    /// more.
     fn faults_after(percent: &str, told: usize, current_ma: u16, samples: usize) -> FaultSet {
         let duty = Duty::from_percent(percent.parse::<I16F16>().unwrap()).unwrap();
         let mut coil = CoilDetector::NEW;
@@ -108,7 +110,7 @@ mod tests {
             assert_eq!(faults_after("0", 6, 15, samples), expected, "{samples}");
         }
         assert_eq!(faults_after("0", 6, 14, 9), FaultSet::NONE);
-        // The first sample that is judged is the one after six without command.
+        // The first checked sample is the one after six samples without command.
         for (samples, expected) in [(8, FaultSet::NONE), (9, short)] {
             assert_eq!(faults_after("0", 0, 15, samples), expected, "{samples}");
         }

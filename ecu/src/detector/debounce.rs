@@ -1,9 +1,9 @@
-//! From a sample that looks wrong to a fault.
+//! Debouncing: from wrong samples to a confirmed fault.
 
-/// Counts samples that look wrong up and the others down.
+/// Counter that counts wrong samples up and right ones down.
 ///
-/// A fault is confirmed by N wrong samples in a row, or N more wrong than right ones; what is wrong less than half of the time, such
-/// as noise, confirms nothing. A confirmed fault is gone after N right samples in a row.
+/// A fault is confirmed by N wrong samples in a row, or by N more wrong than right ones. A condition that is wrong less
+/// than half of the time, such as noise, confirms nothing. A confirmed fault is over after N right samples in a row.
 ///
 /// ```text
 ///  unconfirmed   0 ⇄ 1 ⇄ ... ⇄ N-1 ──► -N    one byte, negative while confirmed
@@ -15,7 +15,7 @@ pub(crate) struct Debounce(i8);
 impl Debounce {
     pub(crate) const CLEAR: Self = Self(0);
 
-    /// One sample; `limit` is N, 1 ..= 127 and the same in each sample.
+    /// Takes one sample; `limit` is N, 1 ..= 127 and the same in each sample.
     #[inline(always)]
     pub(crate) fn update(&mut self, looks_wrong: bool, limit: u8) {
         let count = self.0;

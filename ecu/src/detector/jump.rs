@@ -1,18 +1,18 @@
-//! A pressure that moved faster than any valve could move it.
+//! Detector of a pressure that changed faster than any valve could change it.
 
 use controller::Pressure;
 
 use crate::config::Limits;
 use crate::fault::Fault;
 
-/// What is wrong with a pressure that cannot follow on the last one that was believed.
+/// Returns a fault if the pressure cannot follow the last plausible one within a sample.
 #[inline(always)]
 pub(crate) fn jumped(
     limits: &Limits,
     believed: Option<Pressure>,
     pressure: Pressure,
 ) -> Option<Fault> {
-    // Pressures of a sensor: 21 bits.
+    // Pressures of a sensor have 21 bits.
     let change = pressure.to_bits().wrapping_sub(believed?.to_bits());
     (change.wrapping_abs() > limits.jump).then_some(Fault::SensorJump)
 }
@@ -39,7 +39,7 @@ mod tests {
         }
     }
 
-    /// Twice the faster rate, 7.28/s, times 11.02 bar absolute, in 10 ms.
+    /// The limit is twice the faster rate, 7.28/s, times 11.02 bar absolute, in 10 ms.
     #[test]
     fn the_limit_is_twice_what_the_faster_valve_does() {
         let bar = f64::from(bench_limits().jump) / 65_536.0;

@@ -1,21 +1,22 @@
-//! A sensor that shows a pressure in an empty chamber.
+//! Detector of a sensor that shows a pressure in an empty chamber.
 
 use crate::config::Limits;
 use crate::fault::{Fault, FaultSet};
 use crate::valve::Valves;
 
-/// N \[samples\] with the vent valve open for sure: 2 s empty the largest chamber through the smallest orifice.
+/// N (samples) with the vent valve open for sure: 2 s empty the largest chamber through the smallest orifice.
 pub(crate) const OFFSET_N: u8 = 200;
-/// An empty chamber shows no more: 0.2 bar gauge, 2⁻¹⁶. The highest ambient pressure is 0.07 bar above the standard one; the rest is
-/// the sensor's error and noise.
+/// Highest pressure reading of an empty chamber: 0.2 bar gauge, 2⁻¹⁶. The highest ambient pressure is 0.07 bar above
+/// the standard one; the rest is the sensor's error and noise.
 pub(crate) const EMPTY_MAX: i32 = 13_107;
 
-/// Drift that only a vented chamber shows.
+/// Detector of drift that is visible only in a vented chamber.
 ///
-/// While the vent valve is not open there is no evidence: N samples later the fault is over, so that the loop may try again.
+/// While the vent valve is not open there is no evidence: N samples later the fault is over, so that the loop may try
+/// again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct OffsetDetector {
-    /// Samples until it is confirmed, or until it is over: 0 to N.
+    /// Number of samples counted towards the confirmation, or left until the fault is over: 0 to N.
     evidence: u8,
     confirmed: bool,
 }
@@ -26,7 +27,7 @@ impl OffsetDetector {
         confirmed: false,
     };
 
-    /// `pressure` \[bar\], 2⁻¹⁶; none is not judged.
+    /// Takes `pressure` (bar), 2⁻¹⁶; `None` is not checked.
     #[inline(always)]
     pub(crate) fn sample(&mut self, limits: &Limits, valves: &Valves, pressure: Option<i32>) {
         let Some(pressure) = pressure else { return };
@@ -63,7 +64,7 @@ mod tests {
         duty_vent: Duty::FULL,
     };
 
-    /// A detector, and valves that were told this for long.
+    /// Returns a detector, and valves that have had this command for a long time.
     fn settled(opening: Output) -> (OffsetDetector, Valves) {
         let mut valves = Valves::UNKNOWN;
         for _ in 0..40 {

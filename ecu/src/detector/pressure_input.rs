@@ -1,4 +1,4 @@
-//! The pressure of a sample, and whether it can be believed.
+//! Pressure of a sample, with its plausibility check.
 
 use controller::{Output, Pressure};
 
@@ -10,16 +10,16 @@ use crate::detector::stuck::StuckDetector;
 use crate::fault::{Fault, FaultSet};
 use crate::sensor::{PressureSensor, SensorCode};
 
-/// N \[samples\] that cannot be believed, for whatever reason: a loose plug gives all of them in turn.
+/// N (samples) with an implausible code, for any reason: a loose plug causes all of the reasons in turn.
 pub(crate) const DOUBT_N: u8 = 5;
 
-/// Missing codes, codes out of range, jumps, and codes that are stuck.
+/// Plausibility check of the pressure: missing codes, codes out of range, jumps, and stuck codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct PressureInput {
     doubt: Debounce,
-    /// Why the sample was not believed that confirmed the fault.
+    /// Reason of the implausible sample that confirmed the fault.
     reason: Fault,
-    /// The last pressure that was believed; none before the first.
+    /// Last plausible pressure; `None` before the first.
     believed: Option<Pressure>,
     stuck: StuckDetector,
 }
@@ -32,7 +32,7 @@ impl PressureInput {
         stuck: StuckDetector::NEW,
     };
 
-    /// The pressure, if this sample's code can be believed. `opening` is what the valves were told last.
+    /// Returns the pressure, if this sample's code is plausible. `opening` is the last command to the valves.
     #[inline(always)]
     pub(crate) fn sample(
         &mut self,
@@ -49,7 +49,8 @@ impl PressureInput {
         let outside = out_of_range(limits, code, pressure);
         let wrong = outside.or_else(|| jumped(limits, self.believed, pressure));
         self.judge(limits, wrong);
-        // A jump that was reported is where the pressure comes back from; a code out of range is no pressure to come from.
+        // After a confirmed jump the new pressure is the starting point; a code out of range is not a valid starting
+        // point.
         if wrong.is_none() || self.doubt.is_confirmed() && outside.is_none() {
             self.believed = Some(pressure);
         }
@@ -88,7 +89,7 @@ mod tests {
         input.faults(&bench_limits())
     }
 
-    /// An input that believes code 1000.
+    /// Returns an input whose last plausible code is 1000.
     fn sound() -> PressureInput {
         let mut input = PressureInput::NEW;
         assert!(shown(&mut input, Some(1000)).is_some());

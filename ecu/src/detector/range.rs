@@ -1,4 +1,4 @@
-//! Sensor wires, and pressures that cannot be.
+//! Detector of sensor wire faults and of impossible pressures.
 
 use controller::Pressure;
 
@@ -6,14 +6,16 @@ use crate::config::Limits;
 use crate::fault::Fault;
 use crate::sensor::SensorCode;
 
-/// Up to this code the wire is open or shorted to ground: a quarter of the way to the end of the sensor's span.
+/// Highest code of an open wire or a short to ground: a quarter of the way to the end of the sensor's span.
 pub(crate) const RAIL_LOW: u16 = 12;
-/// From this code on the wire is shorted to the supply.
+/// Lowest code of a short to the supply.
 pub(crate) const RAIL_HIGH: u16 = 4084;
-/// The lowest code of the span less 80 mbar of noise and error. Lowest ambient pressure on a road, 5500 m high: 0.5 bar abs.
+/// Lowest plausible code: the lowest code of the span less 80 mbar of noise and error. Lowest ambient pressure on a
+/// road, 5500 m high: 0.5 bar abs.
 pub(crate) const CODE_MIN: u16 = 32;
 
-/// What is wrong with a code that no sound sensor gives in a sound chamber; `pressure` is the code's.
+/// Returns the fault of a code that a healthy sensor cannot give in a healthy chamber; `pressure` is the code's
+/// pressure.
 #[inline(always)]
 pub(crate) fn out_of_range(limits: &Limits, code: SensorCode, pressure: Pressure) -> Option<Fault> {
     let bits = code.bits();
@@ -62,7 +64,7 @@ mod tests {
         }
     }
 
-    /// The supply gives 10 bar at most, the sensor is within 0.2 bar.
+    /// The supply gives at most 10 bar, and the sensor is within 0.2 bar.
     #[test]
     fn no_pressure_is_above_the_highest_of_the_supply_and_the_sensors_error() {
         let highest = (32..4096).filter(|&bits| fault(bits).is_none()).max();

@@ -1,4 +1,4 @@
-//! The reference of a sample, and for how long there was none.
+//! Reference of a sample, with a detector of its loss.
 
 use controller::Pressure;
 
@@ -6,12 +6,12 @@ use crate::config::Limits;
 use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
-/// N \[samples\].
+/// N (samples).
 pub(crate) const REFERENCE_N: u8 = 5;
-/// Lowest reference that somebody can mean: vacuum, 2⁻¹⁶ bar gauge.
+/// Lowest possible reference: vacuum, 2⁻¹⁶ bar gauge.
 pub(crate) const REFERENCE_MIN: i32 = -(1 << 16);
 
-/// Keeps the last valid reference.
+/// Reference input: stores the last valid reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ReferenceInput {
     lost: Debounce,
@@ -24,7 +24,7 @@ impl ReferenceInput {
         last: Pressure::ZERO,
     };
 
-    /// Whether this sample's reference is valid; one that no supply could give is not.
+    /// Returns whether this sample's reference is valid; one below vacuum or above the highest supply pressure is not.
     #[inline(always)]
     pub(crate) fn sample(&mut self, limits: &Limits, reference: Option<Pressure>) -> bool {
         let valid = reference.filter(|reference| {
@@ -38,7 +38,7 @@ impl ReferenceInput {
         valid.is_some()
     }
 
-    /// The last valid reference; zero before the first.
+    /// Returns the last valid reference; zero before the first.
     #[inline(always)]
     pub(crate) const fn last(&self) -> Pressure {
         self.last

@@ -1,31 +1,31 @@
-//! The pressure against the model of the valve commands.
+//! Comparison of the pressure with the model of the valve commands.
 
 use crate::config::Limits;
 use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 use crate::valve::Valves;
 
-/// N \[samples\] with more than [`EXCESS_MAX`].
+/// N (samples) with more than [`EXCESS_MAX`].
 pub(crate) const RESPONSE_N: u8 = 3;
-/// So far the pressure may stay behind, or ahead of, what the commands explain: 0.5 bar, 2⁻¹⁶. More than the noise of a burst of
-/// ten times the sensor's, from peak to peak.
+/// Largest difference between the pressure and the range that the commands explain: 0.5 bar, 2⁻¹⁶. It is more than the
+/// peak-to-peak noise of a burst of ten times the sensor's noise.
 pub(crate) const EXCESS_MAX: i32 = 1 << 15;
-/// The sums stop a little above, so that what is over is soon forgotten.
+/// End of the sums, a little above the limit, so that an excess that is over soon decays.
 const EXCESS_END: i32 = EXCESS_MAX + (EXCESS_MAX >> 3);
-/// What a shut chamber may do by itself in a sample: 5 mbar, 2⁻¹⁶. Leaks, and gas that takes the walls' temperature after it was
-/// compressed: at most 15 % of a step within about two seconds.
+/// Largest pressure change of a shut chamber in a sample: 5 mbar, 2⁻¹⁶. Causes are leaks, and gas that takes the walls'
+/// temperature after it was compressed: at most 15 % of a step within about two seconds.
 pub(crate) const CREEP: i32 = 328;
 
-/// A fall in a sample beyond this is one of the pressure, not of the sensor's noise: 31 mbar, 2⁻¹⁶, five times what two samples of
-/// the bench's noise differ by.
+/// Pressure drop in a sample beyond which the pressure really falls and the drop is not noise: 31 mbar, 2⁻¹⁶, five
+/// times the difference of two samples of the bench's noise.
 pub(crate) const FALLING: i32 = 1 << 11;
 
-/// Two cumulative sums of what no command explains (Page, Biometrika 41, 1954).
+/// Two cumulative sums of the pressure change that no command explains (Page, Biometrika 41, 1954).
 ///
-/// The model gives bounds, not a pressure: a valve that is open for sure moves the pressure by at least half of its rate times the
-/// pressure difference across it, since choked and subsonic flow both do; one that is shut for sure moves it by the creep at most;
-/// and one that may be either explains everything in its direction. Changes telescope in a sum, so noise adds up to no more than
-/// its own height.
+/// The model gives bounds, not a pressure. A valve that is open for sure moves the pressure by at least half of its
+/// rate times the pressure difference across it; this is valid for choked and subsonic flow. A valve that is shut for
+/// sure moves it by the creep at most. A valve in between explains everything in its direction. Changes telescope in a
+/// sum, so noise contributes no more than its own amplitude.
 ///
 /// ```text
 ///   change   │  too little: vent valve shut for sure      too much: fill valve shut for sure
@@ -39,7 +39,7 @@ pub(crate) struct ResponseDetector {
     too_much: Excess,
 }
 
-/// One of the sums \[bar\], 2⁻¹⁶, and what it stood for when it was too large.
+/// One of the sums (bar), 2⁻¹⁶, with the fault that it stood for when it became too large.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Excess {
     sum: i32,
@@ -56,11 +56,11 @@ impl Excess {
         }
     }
 
-    /// Adds what this sample leaves unexplained; none if a command explains anything in this direction.
+    /// Adds the unexplained pressure change of this sample; `None` if a command explains any change in this direction.
     #[inline(always)]
     fn add(&mut self, unexplained: Option<i32>, fault: Fault, n: u8) {
         self.sum = match unexplained {
-            // The sum and what is added are below 2²³.
+            // The sum and the added change are below 2²³.
             Some(unexplained) => self.sum.wrapping_add(unexplained).clamp(0, EXCESS_END),
             None => 0,
         };
@@ -83,7 +83,8 @@ impl ResponseDetector {
         too_much: Excess::new(Fault::NoFall),
     };
 
-    /// `pressure` \[bar\], 2⁻¹⁶; none in a sample whose code is not believed: the sums begin again with the next.
+    /// Takes `pressure` (bar), 2⁻¹⁶; `None` in a sample with an implausible code: the sums begin again with the next
+    /// sample.
     #[inline(always)]
     pub(crate) fn sample(&mut self, limits: &Limits, valves: &Valves, pressure: Option<i32>) {
         let n = limits.mechanisms.samples(RESPONSE_N);
@@ -137,7 +138,8 @@ impl ResponseDetector {
     }
 }
 
-/// What an open valve moves in a sample, at least: `share` [2⁻³²] of the pressure difference across it.
+/// Returns the minimum pressure change by an open valve in a sample: `share` (2⁻³²) of the pressure difference across
+/// it.
 #[inline(always)]
 fn moved(share: i32, difference: i32) -> i32 {
     ((i64::from(share).wrapping_mul(i64::from(difference.max(0)))) >> 32) as i32
@@ -151,7 +153,7 @@ mod tests {
     use super::*;
     use crate::detector::bench_limits;
 
-    /// A detector beside two valves that were told the same for long, and the pressure [2⁻¹⁶ bar].
+    /// Detector with two valves that have had the same command for a long time, and the pressure (2⁻¹⁶ bar).
     struct Told {
         detector: ResponseDetector,
         valves: Valves,
@@ -159,7 +161,7 @@ mod tests {
     }
 
     impl Told {
-        /// Fill and vent duty cycle [%].
+        /// Creates it with these fill and vent duty cycles (%).
         fn for_long(fill: i32, vent: i32, pressure: i32) -> Self {
             let duty = |percent| Duty::from_percent(I16F16::from_num(percent)).unwrap();
             let opening = Output {
@@ -190,7 +192,7 @@ mod tests {
             self.sees(Some(self.pressure))
         }
 
-        /// The sample, from 1 on, in which a fault is confirmed at last, with this change in each.
+        /// Returns the sample, from 1 on, in which a fault is confirmed, with this change in each sample.
         fn confirms(&mut self, change: i32, samples: u32) -> Option<(u32, FaultSet)> {
             (1..=samples).find_map(|sample| {
                 let faults = self.changes(change);
@@ -201,7 +203,7 @@ mod tests {
 
     const BAR: i32 = 1 << 16;
 
-    /// One step, and the sum sinks by the creep in each sample after it.
+    /// One step; after it the sum decreases by the creep in each sample.
     #[test]
     fn n_samples_beyond_the_excess_confirm_and_one_less_does_not() {
         for (sign, fault) in [(-1, Fault::UncommandedFall), (1, Fault::UncommandedRise)] {
@@ -228,7 +230,7 @@ mod tests {
         }
     }
 
-    /// At least half of 7.13/s times 7.5 bar in 10 ms: 0.267 bar.
+    /// The minimum rise is half of 7.13/s times 7.5 bar in 10 ms: 0.267 bar.
     #[test]
     fn a_filled_chamber_that_does_not_rise_is_found_in_the_fourth_sample() {
         let mut told = Told::for_long(75, 0, 0);
@@ -245,7 +247,7 @@ mod tests {
         assert_eq!(faults, FaultSet::of(Fault::SupplyLost));
     }
 
-    /// At least half of 7.28/s times 5 bar in 10 ms: 0.182 bar.
+    /// The minimum fall is half of 7.28/s times 5 bar in 10 ms: 0.182 bar.
     #[test]
     fn a_vented_chamber_that_does_not_fall_is_found_in_the_fifth_sample() {
         let mut told = Told::for_long(0, 75, 5 * BAR);
@@ -322,7 +324,7 @@ mod tests {
         assert_eq!(told.changes(-BAR), first);
     }
 
-    /// The sums end an eighth above the excess: 4096 of them, 328 less in each sample.
+    /// The sums end an eighth above the excess: 4096 units, which decrease by 328 in each sample.
     #[test]
     fn what_is_over_is_soon_forgotten() {
         for sign in [-1, 1] {

@@ -1,13 +1,13 @@
-//! Whether the control task runs when it should.
+//! Detector of a control task that does not run in time.
 
 use crate::config::Limits;
 use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
-/// N \[samples\].
+/// N (samples).
 pub(crate) const SAMPLE_TIME_N: u8 = 3;
 
-/// Time between samples outside half to twice the sample time. Inside, the loop works.
+/// Detector of a time between samples outside half to twice the sample time. Inside this range the loop works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct SampleTimeDetector(Debounce);
 

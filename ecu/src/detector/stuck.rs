@@ -1,4 +1,4 @@
-//! A sensor that shows the same code whatever the valves do.
+//! Detector of a sensor that shows the same code although the valves are driven.
 
 use controller::{Output, Pressure};
 
@@ -6,15 +6,15 @@ use crate::config::Limits;
 use crate::fault::{Fault, FaultSet};
 use crate::sensor::SensorCode;
 
-/// N \[samples\] in which a valve was driven.
+/// N (samples) in which a valve was driven.
 pub(crate) const STUCK_N: u8 = 50;
-/// Below this pressure a vent valve has little to move: 0.5 bar gauge, 2⁻¹⁶.
+/// Pressure below which a vent valve has little to move: 0.5 bar gauge, 2⁻¹⁶.
 pub(crate) const ROOM_TO_FALL: i32 = 1 << 15;
 
-/// Counts driven samples without a single changed bit.
+/// Counter of driven samples without a single changed bit.
 ///
-/// A valve that stays shut looks the same but for the noise of the sensor, which changes a bit now and then. At rest nothing is
-/// driven and nothing is counted: a sensor that is stuck at rest is not seen before the next command.
+/// A valve that stays shut looks the same except for the noise of the sensor, which changes a bit now and then. At rest
+/// no valve is driven and nothing is counted: a sensor that is stuck at rest is not detected before the next command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct StuckDetector {
     code: SensorCode,
@@ -27,7 +27,7 @@ impl StuckDetector {
         unmoved: 0,
     };
 
-    /// `opening` is what the valves were told last, `pressure` that of the code.
+    /// Takes a sample; `opening` is the last command to the valves, `pressure` that of the code.
     #[inline(always)]
     pub(crate) fn sample(
         &mut self,
@@ -81,7 +81,7 @@ mod tests {
         detector.faults(&limits).contains(Fault::SensorStuck)
     }
 
-    /// After one sample that shows the code, `samples` more of it.
+    /// Returns whether the code counts as stuck after one sample with it and `samples` more.
     fn is_stuck_after(opening: Output, bits: u16, samples: usize) -> bool {
         let mut detector = StuckDetector::NEW;
         sampled(&mut detector, opening, code(bits));

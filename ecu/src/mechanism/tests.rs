@@ -1,4 +1,4 @@
-//! Each mechanism against an ECU without it: what is removed is missed.
+//! Test of each mechanism against an ECU without it: the removal has a visible effect.
 
 use super::{Damage, Mechanism};
 use crate::bench::Bench;
@@ -16,7 +16,7 @@ fn whole() -> EcuConfig {
     EcuConfig::new(&EcuSettings::bench()).unwrap()
 }
 
-/// What the same story tells of an ECU with the mechanism, and of one without.
+/// Returns the result of the same scenario for an ECU with the mechanism and for one without it.
 fn with_and_without<T>(mechanism: Mechanism, story: impl Fn(Bench) -> T) -> [T; 2] {
     [whole(), whole().without(mechanism)].map(|config| {
         let ecu = Ecu::new(config, ResetCause::PowerOn);
@@ -56,7 +56,7 @@ fn without_its_mechanism_a_missing_reference_opens_the_fill_valve_further() {
     let grew = with_and_without(Mechanism::NoIncreaseWithoutReference, |bench| {
         let mut bench = bench.settled_at(3.0);
         bench.reference_bar = 3.3;
-        // Nothing passes the valve, so that the boost grows.
+        // No air passes the valve, so the boost grows.
         bench.rig.fill_stuck_at = Some(0.0);
         bench.steps(6);
         let before = bench.duties()[0];
@@ -143,7 +143,7 @@ fn without_bumpless_takeover_the_first_sample_sees_a_change_that_was_none() {
         }
         bench.ecu.telemetry().control_signal
     });
-    // 35 %/bar of an error of 1 bar; 100 % is 409 600.
+    // 35 %/bar times an error of 1 bar; 100 % is 409 600.
     let [by_the_error, other] = signals.map(|signal| (signal + 143_360).abs());
     assert!(by_the_error < 8192 && other > 40_960, "{signals:?}");
 }

@@ -1,16 +1,16 @@
-//! Flash memory that is none: for a machine without one, and for a controller in process.
+//! Flash memory simulated in RAM, for a machine without flash memory and for a controller in process.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-/// Memory that behaves as flash does: erased in pages to 0xFF, written in words.
+/// RAM that behaves like flash memory: erased in pages to 0xFF, written in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RamFlash<const BYTES: usize> {
     bytes: [u8; BYTES],
 }
 
-/// An address beyond the memory, or between its words.
+/// Error: an address beyond the memory, or not aligned to its words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("outside of the memory, or between its words")]
 pub struct RamFlashError;
@@ -22,7 +22,7 @@ impl NorFlashError for RamFlashError {
 }
 
 impl<const BYTES: usize> RamFlash<BYTES> {
-    /// Erased, as it leaves the factory.
+    /// Creates an erased memory, as a new part is.
     pub const fn new() -> Self {
         Self {
             bytes: [0xFF; BYTES],

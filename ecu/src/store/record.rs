@@ -6,30 +6,30 @@ use crate::calibration::{SETTING_COUNT, SETTINGS_DIGEST, SettingValues};
 
 /// `RETA`, lowest byte first.
 const MAGIC: u32 = 0x4154_4552;
-/// Raised whenever these bytes change their meaning.
+/// Version of this layout, raised whenever its bytes change their meaning.
 const VERSION: u16 = 1;
 
 const WORD: usize = 4;
-/// Magic, version and length, sequence number, digest of the table; the numbers; checksum.
+/// Words of a record: magic, version and length, sequence number, digest of the table; the numbers; checksum.
 const WORDS: usize = 4 + SETTING_COUNT + 1;
 const LENGTH: u16 = (WORDS * WORD) as u16;
 
-/// Bytes of a record, filled up with 0xFF to a whole number of any flash memory's words.
+/// Size of a record (bytes), filled up with 0xFF to a whole number of any flash memory's words.
 pub(super) const RECORD_BYTES: usize = (WORDS * WORD).next_multiple_of(64);
 
 const ERASED: u8 = 0xFF;
 
-/// What a copy says.
+/// Content of a copy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Record {
     pub(super) sequence: u32,
     pub(super) values: SettingValues,
 }
 
-/// What the bytes of a copy are.
+/// Kind of content found in the bytes of a copy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Found {
-    /// Nothing was ever written there, or it was erased.
+    /// Erased, or never written.
     Erased,
     /// No record, or one of another version or table.
     Damaged,
@@ -70,7 +70,7 @@ impl Found {
         let (chunks, _) = bytes.as_chunks::<WORD>();
         let mut words = chunks.iter().map(|&chunk| u32::from_le_bytes(chunk));
         let mut values = [0; SETTING_COUNT];
-        // What does not matter to the comparison below is taken as it should be.
+        // Values that do not matter to the comparison below are assumed to be correct.
         let (Some(_magic), Some(_version), Some(sequence), Some(_table)) =
             (words.next(), words.next(), words.next(), words.next())
         else {
@@ -83,7 +83,8 @@ impl Found {
             sequence,
             values: SettingValues::from_array(values),
         };
-        // Whole is what this image would have written: magic, version, length, table, checksum and filling.
+        // A record is whole if it equals what this image would have written: magic, version, length, table, checksum
+        // and filling.
         if record.to_bytes() == *bytes {
             Self::Whole(record)
         } else {

@@ -1,27 +1,28 @@
-//! From mode to mode: a pure function of what a sample shows.
+//! Transitions between modes: a pure function of the situation in a sample.
 
 use crate::mode::Mode;
 use crate::supervisor::way::Way;
 
-/// All that decides about the next mode.
+/// Inputs of the decision about the next mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Situation {
-    /// The way of the confirmed faults; none: no fault.
+    /// Reaction to the confirmed faults; `None`: no fault.
     pub(crate) way: Option<Way>,
-    /// No fault was confirmed for the time of recovery, and retries are left.
+    /// Whether no fault was confirmed for the time of recovery, and retries are left.
     pub(crate) recovered: bool,
-    /// The reference was at zero for long enough.
+    /// Whether the reference was at zero for long enough.
     pub(crate) at_zero: bool,
-    /// The mode's time is over: of holding, ramping or venting.
+    /// Whether the time limit of holding, ramping or venting is over.
     pub(crate) is_over: bool,
-    /// The chamber may be filled again without the reference at zero: it was there since the last reset or release of the chamber.
+    /// Whether the chamber may be filled again without a reference of zero: it was zero since the last reset or
+    /// emptying of the chamber.
     pub(crate) is_enabled: bool,
-    /// A fault may come back once more.
+    /// Whether a fault may occur once more.
     pub(crate) retries_left: bool,
 }
 
 impl Mode {
-    /// The mode of this sample after `self` in the one before.
+    /// Returns the mode of this sample; `self` is the mode of the previous one.
     #[inline(always)]
     pub(crate) fn next(self, situation: Situation) -> Self {
         let Situation {
@@ -54,7 +55,7 @@ impl Mode {
         } else if way >= Some(Way::Release) || is_interrupted && is_over {
             Self::Venting
         } else if way == Some(Way::Hold) {
-            // Without the sensor there is no ramp.
+            // Without the sensor a ramp is impossible.
             if self == Self::Ramping {
                 Self::Venting
             } else {
@@ -76,7 +77,7 @@ impl Mode {
 mod tests {
     use super::*;
 
-    /// The table of docs/safety.md, row by row: the first row that fits decides. `None` in a column means any.
+    /// Table of docs/safety.md, row by row: the first matching row decides. `None` in a column means any.
     #[rustfmt::skip]
     fn expected(mode: Mode, s: Situation) -> Mode {
         use Mode::{Holding, Locked, Ramping, Running, Safe, Venting, Waiting};

@@ -1,28 +1,28 @@
-//! Which way leads from a fault into the safe state.
+//! Fault reactions: how the ECU reaches the safe state.
 
 use crate::fault::{Fault, FaultSet};
 
-/// A way into the safe state, the stricter the later. `docs/safety.md` has the reason for each fault.
+/// Fault reaction, in order of increasing strictness. `docs/safety.md` has the reason for each fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Way {
-    /// Shut both valves and see whether the fault passes; then release.
+    /// Shut both valves and wait whether the fault passes; then release.
     Hold = 0,
-    /// Lead the reference down to zero with the vent valve, then empty the chamber.
+    /// Ramp the reference down to zero with the vent valve, then empty the chamber.
     Ramp = 1,
     /// Empty the chamber in pulses, without the sensor.
     Release = 2,
     /// Empty the chamber at once.
     Vent = 3,
-    /// Both coils off at once.
+    /// Switch both coils off at once.
     Off = 4,
-    /// Both coils off until somebody releases it.
+    /// Switch both coils off until the lock is released.
     Lock = 5,
 }
 
 impl Fault {
-    /// Its way into the safe state.
+    /// Returns the reaction to the fault.
     pub const fn way(self) -> Way {
         match self {
             Self::SensorOpen
@@ -55,7 +55,7 @@ const VENTED: FaultSet = taking(Way::Vent);
 const SWITCHED_OFF: FaultSet = taking(Way::Off);
 const LOCKED: FaultSet = taking(Way::Lock);
 
-/// The faults with this way.
+/// Returns the faults with this reaction.
 const fn taking(way: Way) -> FaultSet {
     let mut set = FaultSet::NONE;
     let mut faults: &[Fault] = &Fault::ALL;
@@ -67,7 +67,8 @@ const fn taking(way: Way) -> FaultSet {
 }
 
 impl Way {
-    /// The strictest way of these faults; none for none. Without a sensor there is no ramp: held and ramped together release.
+    /// Returns the strictest reaction to these faults, or `None` without a fault. A ramp needs the sensor: `Hold` and
+    /// `Ramp` together give `Release`.
     #[inline(always)]
     pub(crate) const fn of(faults: FaultSet) -> Option<Self> {
         let is_ramped = faults.has_any_of(RAMPED);

@@ -1,4 +1,4 @@
-//! The black box.
+//! Black box.
 
 use ecu::black_box::{BlackBox, SAMPLES_AFTER, words};
 use hil_protocol::{BlackBoxRecord, BlackBoxStatus, RECORDS_MAX, Refusal, ResetCause};
@@ -32,7 +32,7 @@ fn record(
     faults: u32,
 ) {
     for number in numbers {
-        // The number is given by the box.
+        // The box assigns the number.
         black_box.record(BlackBoxRecord {
             number: 0,
             ..sample(number, faults)
@@ -40,7 +40,7 @@ fn record(
     }
 }
 
-/// Everything in it, over all pages, and how many were torn.
+/// Returns all records of all pages, and the number of torn ones.
 fn contents(black_box: &BlackBox<impl AsRef<[u32]> + AsMut<[u32]>>) -> (Vec<BlackBoxRecord>, u16) {
     let pages = black_box.page(0).unwrap().pages;
     let (mut records, mut torn) = (Vec::new(), 0);
@@ -181,7 +181,7 @@ fn a_reset_after_the_fault_keeps_what_there_is() {
     assert_eq!(again.status(), frozen);
 }
 
-/// The reset comes after each of the words of a record: that one is missing, all others are there.
+/// A reset after each of the words of a record: only that record is missing.
 #[test]
 fn a_record_torn_by_a_reset_is_told_from_a_whole_one() {
     for recorded in [5, RECORDS as u32 + 5] {
@@ -206,7 +206,7 @@ fn a_record_torn_by_a_reset_is_told_from_a_whole_one() {
                 Some(&sample(recorded - 1, 0)),
                 "{written} words"
             );
-            // In a full ring the torn one has taken the place of the oldest.
+            // In a full ring the torn record has replaced the oldest.
             let overwrites = written > 0 && recorded > RECORDS as u32;
             assert_eq!(torn, u16::from(overwrites));
             let kept = recorded.min(RECORDS as u32) as usize;
@@ -215,7 +215,7 @@ fn a_record_torn_by_a_reset_is_told_from_a_whole_one() {
     }
 }
 
-/// The same for the words of the trigger: the records are kept in any case.
+/// The same for the words of the trigger: no record is lost.
 #[test]
 fn a_trigger_torn_by_a_reset_costs_no_record() {
     let mut memory: Memory = [0; WORDS];
@@ -251,7 +251,7 @@ fn a_reset_while_it_is_cleared_leaves_an_empty_one_or_the_old_one() {
     }
 }
 
-/// A reference is what the image has; an array is what a controller in process has. Too little memory is no black box.
+/// The image passes a reference, a controller in process passes an array. In too little memory there is no black box.
 #[test]
 fn any_memory_will_do_and_too_little_keeps_nothing() {
     for length in 0..words(4) {
@@ -266,7 +266,7 @@ fn any_memory_will_do_and_too_little_keeps_nothing() {
 }
 
 proptest! {
-    /// What a cold start finds in RAM.
+    /// Memory content that a cold start may find in RAM.
     #[test]
     fn whatever_the_memory_holds_it_starts_empty(seed: [u32; 8], cause in 0_usize..3) {
         let mut memory: Memory = std::array::from_fn(|word| seed[word % 8].rotate_left(word as u32));

@@ -1,4 +1,4 @@
-//! The tables of settings and signals.
+//! Tables of settings and signals.
 
 use std::collections::HashSet;
 
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 use crate::support::healthy;
 
-/// Everything that can be chosen is in use, so that every number counts.
+/// Returns values with every choice in use, so that every number counts.
 fn all_in_use() -> SettingValues {
     let one = 1 << 16;
     let mut values = SettingValues::of(&EcuSettings::bench());
@@ -176,7 +176,7 @@ fn numbers_beyond_the_table_are_refused_and_none_is_taken() {
     assert_eq!(values.get(SettingId::CoilCurrentMax), 1);
 }
 
-/// Each number in its place: settings that differ in one number differ in one field.
+/// Each number has its own place: settings that differ in one number differ in one field.
 #[test]
 fn each_number_belongs_to_one_field() {
     let base = all_in_use();
@@ -195,7 +195,7 @@ fn each_number_belongs_to_one_field() {
 }
 
 proptest! {
-    /// Numbers without use come back as 0; what is left is the same settings, for ever.
+    /// Numbers that are not in use come back as 0; further conversions do not change the settings.
     #[test]
     fn settings_and_numbers_are_the_same_thing(
         quantities in prop::array::uniform::<_, SETTING_COUNT>(any::<i32>()),

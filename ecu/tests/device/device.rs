@@ -1,4 +1,4 @@
-//! The device on its link, as a host sees it.
+//! Device on its link, as seen by a host.
 
 use ecu::black_box::words;
 use ecu::calibration::{SETTING_COUNT, SETTINGS_DIGEST, SIGNALS_DIGEST, SettingId, SettingValues};
@@ -55,7 +55,7 @@ impl Bench {
         }
     }
 
-    /// Another host takes over.
+    /// Connects another host.
     fn reopened(self) -> Self {
         Self::with(self.device, true)
     }
@@ -94,7 +94,7 @@ impl Bench {
     }
 }
 
-/// An ECU without link, store, black box.
+/// Returns an ECU without link, store and black box.
 fn twin() -> Ecu {
     Ecu::new(defaults().config(), ResetCause::PowerOn)
 }
@@ -129,7 +129,7 @@ fn the_identity_names_the_image_its_tables_and_its_settings() {
     );
 }
 
-/// All that a calibration tool does, before every sample: the control task does not notice.
+/// All operations of a calibration tool, before every sample: the control task is not affected.
 #[test]
 fn full_calibration_traffic_changes_no_bit_of_the_control_task() {
     let mut bench = Bench::new();
@@ -182,7 +182,7 @@ fn a_change_takes_effect_whole_with_the_sample_after_it_was_applied() {
     assert_eq!(bench.identity.settings_source, SettingsSource::Link);
 }
 
-/// Every beginning of a change that the host did not finish.
+/// Every incomplete change by a host.
 #[test]
 fn a_torn_change_changes_nothing_and_says_so() {
     let built_in = SettingValues::of(defaults().settings());
@@ -261,7 +261,7 @@ fn settings_are_saved_at_rest_and_the_next_start_has_them() {
     };
     assert_eq!(bench.identity.settings_source, source);
     assert_eq!(bench.settings(), new);
-    // The way back.
+    // Back to the built-in settings.
     assert_eq!(bench.ask(Request::Defaults), Reply::Done);
     let digest = SettingValues::of(defaults().settings()).digest();
     assert_eq!(bench.ask(Request::Apply { digest }), Reply::Done);
@@ -275,7 +275,7 @@ fn settings_are_not_saved_while_a_valve_is_in_use() {
         bench.sample(sample);
         assert_eq!(bench.ask(Request::Save), Reply::Done, "sample {sample}");
     }
-    // From here on 3 bar are asked for.
+    // From here 3 bar are asked for.
     for sample in 21..100 {
         bench.sample(sample);
         assert_eq!(

@@ -1,8 +1,8 @@
-//! A flash memory whose supply fails.
+//! Flash memory whose supply fails.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 
-/// What the byte that was being written holds when the supply fails.
+/// Content of the byte that was being written when the supply fails.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Cut {
     Old,
@@ -14,10 +14,10 @@ pub(crate) enum Cut {
 #[derive(Clone, Debug)]
 pub(crate) struct Flash {
     pub(crate) bytes: Vec<u8>,
-    /// Bytes that are written or erased until the supply fails.
+    /// Number of bytes that are written or erased until the supply fails.
     pub(crate) until_cut: Option<(usize, Cut)>,
     dead: bool,
-    /// A byte that no longer takes what is written.
+    /// Byte that can no longer be written.
     pub(crate) worn: Option<usize>,
 }
 
@@ -33,7 +33,7 @@ impl Flash {
         }
     }
 
-    /// The supply comes back.
+    /// Restores the supply.
     pub(crate) fn revived(mut self) -> Self {
         self.dead = false;
         self.until_cut = None;

@@ -1,4 +1,5 @@
-//! What surrounds the ECU's logic: settings that are read, changed and kept, the black box, and the device that has them all.
+//! Parts around the ECU's logic: settings that are read, changed and saved, the black box, and the device that contains
+//! them all.
 
 mod black_box;
 mod calibration;

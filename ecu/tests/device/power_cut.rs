@@ -1,5 +1,5 @@
-//! The supply fails at every byte of a save, and again at every byte of the one after: a start has the settings from before or
-//! those that were being saved, never a mix, never the built-in ones.
+//! Loss of supply at every byte of a save, and again at every byte of the next save. A start then has the old settings
+//! or those that were being saved, never a mix and never the built-in ones.
 
 use ecu::calibration::SettingValues;
 use ecu::store::SettingsStore;
@@ -8,10 +8,10 @@ use hil_protocol::SettingsSource;
 use crate::flash::{Cut, Flash};
 use crate::support::{defaults, with_gain};
 
-/// Bytes that a save touches: a page is erased, a record written.
+/// Number of bytes that a save changes: a page is erased, a record written.
 const TOUCHED: usize = 2 * Flash::PAGE;
 
-/// Two bytes that are neither old nor new stand for random ones.
+/// Two bytes that are neither old nor new represent random ones.
 const CUTS: [Cut; 5] = [
     Cut::Old,
     Cut::New,
@@ -24,13 +24,13 @@ fn store(flash: Flash) -> SettingsStore<Flash> {
     SettingsStore::new(flash)
 }
 
-/// What a start goes with.
+/// Returns the settings of a start, and their source.
 fn started(flash: &Flash) -> (SettingValues, SettingsSource) {
     let (settings, source) = store(flash.clone()).load(&defaults());
     (SettingValues::of(settings.settings()), source)
 }
 
-/// Flash in which `values` were saved last, into copy 0 after an odd number of saves.
+/// Returns flash memory in which `values` were saved last, into copy 0 after an odd number of saves.
 fn saved(saves: usize, values: &SettingValues) -> Flash {
     let mut store = store(Flash::new(2));
     for _ in 1..saves {
@@ -40,7 +40,7 @@ fn saved(saves: usize, values: &SettingValues) -> Flash {
     store.into_flash()
 }
 
-/// `flash` after a save that the supply did not survive.
+/// Returns `flash` after a save during which the supply failed.
 fn cut_while_saving(flash: &Flash, values: &SettingValues, at: usize, cut: Cut) -> Flash {
     let mut flash = flash.clone();
     flash.until_cut = Some((at, cut));
@@ -68,7 +68,7 @@ fn a_save_that_is_cut_leaves_the_old_settings_or_the_new() {
         }
     }
     assert_eq!(outcomes.iter().sum::<usize>(), 2 * TOUCHED * CUTS.len());
-    // The alarm rings: near the end the record is whole before its filling is.
+    // Both outcomes occur: near the end the record is whole before its filling is.
     assert!(outcomes[0] > 4_000 && outcomes[1] > 100, "{outcomes:?}");
 }
 

@@ -1,4 +1,4 @@
-//! The settings store, apart from power cuts.
+//! Settings store, without losses of supply.
 
 use ecu::calibration::{SettingId, SettingValues};
 use ecu::store::{RamFlash, SettingsStore, StoreError};
@@ -72,7 +72,7 @@ fn two_damaged_copies_mean_the_built_in_settings_and_it_is_reported() {
     assert_eq!(load(&flash), (built_in, SettingsSource::DefaultsDamaged));
 }
 
-/// The record's checksum, made good again after a change: only its contents are wrong then.
+/// Corrects the record's checksum after a change, so that only its contents are wrong.
 fn rechecked(flash: &mut Flash) {
     let length = usize::from(u16::from_le_bytes([flash.bytes[6], flash.bytes[7]]));
     let check = crc32::digest(&flash.bytes[..length - 4]).to_le_bytes();
@@ -91,7 +91,7 @@ fn a_copy_of_another_format_version_length_or_table_is_not_taken() {
             "byte {word}"
         );
     }
-    // The sequence number is free, and shows that the checksum was made good.
+    // The sequence number may have any value; the result shows that the checksum was corrected.
     let mut flash = saved(&[10]);
     flash.bytes[8] ^= 1;
     rechecked(&mut flash);

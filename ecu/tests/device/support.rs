@@ -1,4 +1,4 @@
-//! Settings to tell apart, and samples.
+//! Distinguishable settings, and samples.
 
 use ecu::calibration::{CheckedSettings, SettingId, SettingValues};
 use ecu::controller::fixed::types::I16F16;
@@ -9,14 +9,14 @@ pub(crate) fn defaults() -> CheckedSettings {
     CheckedSettings::new(&EcuSettings::bench()).unwrap()
 }
 
-/// The bench with another gain.
+/// Returns the settings of the bench with another gain.
 pub(crate) fn with_gain(gain: i32) -> SettingValues {
     let mut values = SettingValues::of(&EcuSettings::bench());
     values.set(SettingId::Gain, I16F16::from_num(gain).to_bits());
     values
 }
 
-/// The sensor's code nearest to a pressure [2⁻¹⁶ bar gauge].
+/// Returns the sensor's code nearest to a pressure (2⁻¹⁶ bar gauge).
 pub(crate) fn code(pressure: i32) -> u16 {
     (0..4096)
         .min_by_key(|&code| {
@@ -26,7 +26,8 @@ pub(crate) fn code(pressure: i32) -> u16 {
         .unwrap()
 }
 
-/// A healthy rig: nothing is asked for in the first 20 samples, then 3 bar, and the pressure follows slowly.
+/// Returns the sensors of a healthy rig: reference 0 in the first 20 samples, then 3 bar, and the pressure follows
+/// slowly.
 pub(crate) fn healthy(sample: u32) -> Sensors {
     let asked_for = sample.saturating_sub(20).min(1).cast_signed() * (3 << 16);
     let reached = (sample.saturating_sub(25).min(200).cast_signed() * (3 << 16)) / 200;

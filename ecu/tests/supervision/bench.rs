@@ -1,4 +1,4 @@
-//! An ECU on a rig that is simple enough to be right without a simulator: a chamber of first order, valves with a dead time.
+//! ECU on a rig that is simple enough to be right without a simulator: a first-order chamber, valves with a dead time.
 
 use crate::api::controller::Pressure;
 use crate::api::{
@@ -6,23 +6,23 @@ use crate::api::{
     SensorCode, VentValve, safe_outputs,
 };
 
-/// A chamber between two valves, and what is broken about it.
+/// Chamber between two valves, with their faults.
 #[derive(Clone, Debug)]
 pub(crate) struct Rig {
     pub(crate) pressure_bar: f64,
     pub(crate) supply_bar: f64,
-    /// A valve that does not do what it is told: its opening, 0 to 1.
+    /// Opening of a stuck valve, 0 to 1.
     pub(crate) fill_stuck_at: Option<f64>,
     pub(crate) vent_stuck_at: Option<f64>,
-    /// What the valves were told in the sample before, which they do in this one [%].
+    /// Commands of the previous sample, which the valves follow in this one (%).
     told: [f64; 2],
 }
 
-/// The rates of the nominal plant, per sample.
+/// Rates of the nominal plant, per sample.
 const FILL_RATE: f64 = 0.0713;
 const VENT_RATE: f64 = 0.0728;
 
-/// More than any story takes.
+/// More samples than any scenario takes.
 const SAMPLES_MAX: u32 = 30_000;
 
 impl Rig {
@@ -37,7 +37,7 @@ impl Rig {
     }
 }
 
-/// An ECU, its rig, and what is asked of it.
+/// ECU with its rig and its reference.
 #[derive(Clone, Debug)]
 pub(crate) struct Bench {
     pub(crate) ecu: Ecu,
@@ -49,7 +49,7 @@ pub(crate) struct Bench {
 }
 
 impl Bench {
-    /// After a reset, the chamber at ambient pressure.
+    /// Creates a bench after a reset, the chamber at ambient pressure.
     pub(crate) fn new() -> Self {
         Self::with(&EcuSettings::bench())
     }
@@ -76,7 +76,7 @@ impl Bench {
         }
     }
 
-    /// The loop holds this pressure.
+    /// Creates a bench whose loop has settled at this pressure.
     pub(crate) fn at(pressure_bar: f64) -> Self {
         Self::new().settled_at(pressure_bar)
     }
@@ -92,7 +92,7 @@ impl Bench {
         self
     }
 
-    /// What the ECU measures of a sound rig; a sensor's last bit is never at rest.
+    /// Returns the inputs that the ECU measures on a healthy rig; the last bit of the sensor always changes.
     pub(crate) fn inputs(&self) -> Inputs {
         let current_ma = |duty: f64| Some((3.0 * duty) as u16);
         let [fill_pct, vent_pct] = self.duties();
@@ -107,14 +107,14 @@ impl Bench {
         }
     }
 
-    /// A sample in which nothing is wrong with the inputs.
+    /// Runs a sample with healthy inputs.
     pub(crate) fn step(&mut self) -> Outputs {
         self.step_with(|_| {})
     }
 
-    /// A sample in which the ECU sees something else.
+    /// Runs a sample with changed inputs.
     pub(crate) fn step_with(&mut self, change: impl FnOnce(&mut Inputs)) -> Outputs {
-        // A test that waits for what never comes ends here.
+        // A test that waits for an event that never comes ends here.
         assert!(self.sample < SAMPLES_MAX, "{:?} for ever", self.ecu.mode());
         let mut inputs = self.inputs();
         change(&mut inputs);
@@ -135,14 +135,14 @@ impl Bench {
         }
     }
 
-    /// Samples that all see the same change.
+    /// Runs samples with the same change in each.
     pub(crate) fn steps_with(&mut self, samples: u32, change: impl Fn(&mut Inputs)) {
         for _ in 0..samples {
             self.step_with(&change);
         }
     }
 
-    /// How many samples in a row it stays in `mode`, beginning with the last one.
+    /// Returns the number of consecutive samples in `mode`, beginning with the last one.
     pub(crate) fn stays_in(&mut self, mode: Mode, change: impl Fn(&mut Inputs)) -> u32 {
         let mut samples = 0;
         while self.ecu.mode() == mode && samples < 10_000 {
@@ -156,7 +156,7 @@ impl Bench {
         self.ecu.faults().contains(fault)
     }
 
-    /// Duty cycles of the coils in the last sample [%].
+    /// Returns the duty cycles of the coils in the last sample (%).
     pub(crate) fn duties(&self) -> [f64; 2] {
         let Outputs {
             duty_fill,
@@ -174,7 +174,7 @@ pub(crate) fn pressure(bar: f64) -> Pressure {
     Pressure::from_bits((bar * 65_536.0).round() as i32)
 }
 
-/// The sensor's code at a pressure [bar gauge].
+/// Returns the sensor's code at a pressure (bar gauge).
 pub(crate) fn code(bar: f64) -> SensorCode {
     let abs_pa = bar * 1e5 + PressureSensor::AMBIENT_PA as f64;
     let steps = (abs_pa - PressureSensor::LOWEST_PA as f64) / PressureSensor::STEP_PA as f64;

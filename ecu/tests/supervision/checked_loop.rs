@@ -1,4 +1,4 @@
-//! The controller behind the plausibility of its input.
+//! Controller with plausibility check of its input.
 
 use ecu::controller::{Input, Mechanisms, Output, Settings, State, step_traced};
 use ecu::{

@@ -1,10 +1,10 @@
-//! Each fault that an input shows is confirmed in its N-th sample, answered in that very sample, and not before.
+//! Detection of each fault that an input shows: confirmed and answered in its N-th sample, and not before.
 
 use ecu::{Fault, Inputs, Mode, SensorCode, Way};
 
 use crate::bench::{Bench, code};
 
-/// A situation, and what is wrong with the inputs from then on.
+/// Test case: a fault, the bench before it, and the change of the inputs from then on.
 struct Case {
     fault: Fault,
     before: fn() -> Bench,
@@ -15,7 +15,7 @@ fn holding() -> Bench {
     Bench::at(3.0)
 }
 
-/// Filling with a high duty cycle for longer than a valve needs to settle.
+/// Returns a bench that has been filling with a high duty cycle for longer than the settling time of a valve.
 fn filling() -> Bench {
     let mut bench = Bench::at(1.0);
     bench.reference_bar = 8.0;
@@ -164,7 +164,7 @@ fn one_sample_less_than_n_leaves_no_trace() {
     }
 }
 
-/// What a valve does wrong shows only in the pressure: within so many samples of a command that shows it.
+/// A broken valve shows only in the pressure, within a number of samples after a command that reveals it.
 #[test]
 fn a_broken_valve_or_supply_is_found_within_20_samples_of_the_command_that_shows_it() {
     type Case = (
@@ -228,7 +228,7 @@ fn a_broken_valve_or_supply_is_found_within_20_samples_of_the_command_that_shows
     }
 }
 
-/// The duty cycle stays too low for a valve that is open for sure, and the code stays.
+/// The duty cycle stays too low for a valve to be open for sure, and the code does not change.
 #[test]
 fn a_sensor_that_is_stuck_is_found_when_a_valve_was_driven_for_n_samples() {
     let mut bench = Bench::at(3.0);
@@ -247,7 +247,7 @@ fn a_sensor_that_is_stuck_is_found_when_a_valve_was_driven_for_n_samples() {
     assert_eq!(bench.ecu.mode(), Mode::Venting);
 }
 
-/// Ten times the noise of the bench for 100 ms: nothing is latched, and the pressure stays where it was.
+/// Ten times the noise of the bench for 100 ms: nothing is latched, and the pressure hardly changes.
 #[test]
 fn a_burst_of_noise_latches_nothing() {
     for seed in 0..50_u64 {
@@ -276,8 +276,8 @@ fn a_burst_of_noise_latches_nothing() {
     }
 }
 
-/// The sensor shows half a bar too much and the reference is zero: found when the vent valve was fully open for two seconds, tried
-/// again, and locked in the end.
+/// The sensor shows half a bar too much and the reference is zero. The fault is found when the vent valve was fully
+/// open for two seconds; after retries the ECU locks.
 #[test]
 fn a_chamber_that_shows_pressure_when_it_was_vented_is_an_offset() {
     let offset = |inputs: &mut Inputs| {
@@ -298,7 +298,7 @@ fn a_chamber_that_shows_pressure_when_it_was_vented_is_an_offset() {
     }
 }
 
-/// Documented as such: a sensor that is stuck while nothing is driven looks like a chamber at rest.
+/// Documented limit: a sensor that is stuck while nothing is driven looks like a chamber at rest.
 #[test]
 fn a_sensor_that_is_stuck_at_rest_is_not_found() {
     let mut bench = Bench::at(3.0);
@@ -308,7 +308,7 @@ fn a_sensor_that_is_stuck_at_rest_is_not_found() {
     assert!(bench.ecu.faults().is_empty());
 }
 
-/// Documented as such: what leaks is made up for, and the pressure is the one that is asked for.
+/// Documented limit: the loop compensates the leak, and the pressure equals the reference.
 #[test]
 fn a_leak_that_the_loop_makes_up_for_is_not_found() {
     let mut bench = Bench::at(3.0);

@@ -1,4 +1,4 @@
-//! `docs/safety.md` says what the code does.
+//! Comparison of `docs/safety.md` with the code.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use ecu::{EcuSettings, Fault, Mechanism, Way};
 
 const PAGE: &str = include_str!("../../../docs/safety.md");
 
-/// The rows of the table with these columns: its first cell without quotes, and the others.
+/// Returns the rows of the table with these columns: the first cell without quotes, and the others.
 fn rows(columns: &str) -> BTreeMap<&'static str, Vec<&'static str>> {
     let (_, table) = PAGE
         .split_once(columns)
@@ -93,7 +93,7 @@ fn each_mechanism_is_on_the_page() {
     assert_eq!(rows.len(), Mechanism::ALL.len());
 }
 
-/// Flow through equal orifices with the discharge of the nominal plant: choked into the open, subsonic from the supply.
+/// Flow through equal orifices with the discharge of the nominal plant: choked to ambient, subsonic from the supply.
 #[test]
 fn a_fill_valve_stuck_open_leaves_the_pressure_that_the_page_says() {
     let (supply_abs, ambient) = (8.4 + 1.013, 1.013);
@@ -115,7 +115,7 @@ fn a_fill_valve_stuck_open_leaves_the_pressure_that_the_page_says() {
     assert!(PAGE.contains(&told), "{told}");
 }
 
-/// Tests and files that the page names are there.
+/// Tests and files that the page names exist.
 #[test]
 fn what_the_page_points_at_exists() {
     let tests = concat!(

@@ -1,11 +1,11 @@
-//! What holds whatever happens: random faults, references and durations on the same rig.
+//! Invariants under random faults, references and durations on the same rig.
 
 use ecu::{Inputs, Mode, SensorCode};
 use proptest::prelude::*;
 
 use crate::bench::{Bench, code, pressure};
 
-/// Something that happens for a while.
+/// Event that lasts for a number of samples.
 #[derive(Clone, Debug)]
 enum Event {
     Ask(f64),
@@ -69,7 +69,8 @@ proptest! {
     #[test]
     fn no_output_is_ever_unsafe(events in prop::collection::vec((event(), 1..150_u32), 1..25)) {
         let mut bench = Bench::new();
-        // Samples of the reference at zero in a row, and whether there were ten since the chamber was last released.
+        // Consecutive samples with the reference at zero, and whether there were ten since the chamber was last
+        // emptied.
         let (mut zeros, mut was_at_zero) = (0, false);
         for (event, samples) in events {
             event.happens_to(&mut bench);

@@ -1,6 +1,6 @@
-//! The whole ECU on a simple rig: faults, ways into the safe state, recovery, resets.
+//! Complete ECU on a simple rig: faults, fault reactions, recovery, resets.
 
-// As the bench is shared with the tests inside.
+// The bench is shared with the tests inside the crate, which use this name.
 use ecu as api;
 
 mod bench;

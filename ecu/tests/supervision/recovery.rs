@@ -1,4 +1,4 @@
-//! When a fault is gone: how the loop comes back, how often, and how a lock is released.
+//! Recovery after a fault: how the loop comes back, how often, and how a lock is released.
 
 use ecu::{Fault, Inputs, Mode, ReleaseRefused};
 
@@ -9,7 +9,8 @@ const NO_REFERENCE: fn(&mut Inputs) = |inputs| inputs.reference = None;
 const LATE: fn(&mut Inputs) = |inputs| inputs.elapsed_us = 30_000;
 const FILL_SHORT: fn(&mut Inputs) = |inputs| inputs.current_fill_ma = Some(900);
 
-/// Five sound samples clear the fault, and the tenth sample without it, the one that cleared it included, runs.
+/// Five good samples clear the fault. The loop runs again in the tenth sample without it, counting the one that cleared
+/// it.
 #[test]
 fn a_fault_that_is_gone_for_ten_samples_is_over_and_not_before() {
     let mut bench = Bench::at(5.0);
@@ -31,7 +32,8 @@ fn a_fault_that_comes_back_within_ten_samples_was_never_gone() {
     assert_eq!(bench.ecu.mode(), Mode::Holding);
 }
 
-/// While both valves were shut the pressure leaked away: the loop goes on from where it is and rises no faster than the ramp.
+/// While both valves were shut the pressure leaked away: the loop continues from the present pressure and rises no
+/// faster than the ramp.
 #[test]
 fn the_loop_comes_back_without_a_bump() {
     let mut bench = Bench::at(5.0);
@@ -56,13 +58,13 @@ fn the_loop_comes_back_without_a_bump() {
         );
     }
     assert!((bench.rig.pressure_bar - 5.0).abs() < 0.1);
-    // From then on the reference is followed at once again.
+    // From here the reference is followed at once again.
     bench.reference_bar = 7.0;
     bench.steps(30);
     assert!(bench.rig.pressure_bar > 6.0, "{}", bench.rig.pressure_bar);
 }
 
-/// The reference went below the pressure while both valves were shut: the loop lets go, and fills nothing.
+/// The reference fell below the pressure while both valves were shut: the loop vents, and fills nothing.
 #[test]
 fn the_loop_comes_back_below_the_pressure_without_a_sample_of_filling() {
     for reference_bar in [4.5, 3.0, 1.0] {
@@ -117,7 +119,7 @@ fn after_the_safe_state_the_reference_has_to_be_at_zero_first() {
     assert!(bench.ecu.faults().is_empty());
 }
 
-/// A chamber that was still full when the time for emptying it was over: the next attempt begins by itself.
+/// The chamber was still full when the time for emptying it was over: the next attempt begins by itself.
 #[test]
 fn a_vent_valve_that_comes_free_again_empties_the_chamber_after_all() {
     let mut bench = Bench::at(5.0);
@@ -134,7 +136,7 @@ fn a_vent_valve_that_comes_free_again_empties_the_chamber_after_all() {
     assert!(bench.rig.pressure_bar < 0.1, "{}", bench.rig.pressure_bar);
 }
 
-/// A ramp to the end, or a hold that took too long, ends in the safe state too; it does not come back by itself.
+/// The fault is gone before the chamber is empty: venting still takes its 200 samples and ends in `Safe`.
 #[test]
 fn a_fault_that_comes_while_the_chamber_is_emptied_does_not_stop_that() {
     let mut bench = Bench::at(5.0);
@@ -173,7 +175,7 @@ fn three_faults_are_survived_and_the_fourth_locks() {
     assert!(bench.is_off());
 }
 
-/// The samples of running since the last fault, the one that began it not counted.
+/// The samples of running since the last fault, without the one in which running began.
 #[test]
 fn after_6000_healthy_samples_the_retries_begin_anew_and_not_before() {
     for (healthy, expected) in [(5999, Mode::Holding), (6000, Mode::Running)] {
@@ -184,7 +186,7 @@ fn after_6000_healthy_samples_the_retries_begin_anew_and_not_before() {
         while bench.ecu.mode() != Mode::Running {
             bench.step();
         }
-        // `interrupted` ran on for this many of its twenty samples.
+        // `interrupted` already ran for this many of its twenty samples.
         let already = 20 - (4 + 10);
         bench.steps(healthy - already - 5);
         interrupted(&mut bench);
@@ -227,7 +229,7 @@ fn a_lock_is_released_when_nothing_is_wrong_and_nothing_asked_for() {
     );
     bench.step();
     assert_eq!(bench.ecu.mode(), Mode::Running);
-    // All retries are left again.
+    // All retries are available again.
     bench.reference_bar = 5.0;
     bench.steps(200);
     for _ in 0..3 {

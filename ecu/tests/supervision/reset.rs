@@ -1,10 +1,10 @@
-//! After a reset nothing is filled until the reference was seen at zero.
+//! Resets: nothing is filled until the reference was zero.
 
 use ecu::{Ecu, EcuConfig, EcuSettings, Mode, ResetCause, VentValve};
 
 use crate::bench::Bench;
 
-/// A reset while the chamber is full and the driver still asks for 5 bar.
+/// Returns a bench after a reset with a full chamber, while the driver still asks for 5 bar.
 fn reset_while_braking(cause: ResetCause) -> Bench {
     let before = Bench::at(5.0);
     let config = EcuConfig::new(&EcuSettings::bench()).unwrap();
@@ -51,7 +51,7 @@ fn while_it_waits_the_vent_valve_follows_the_reference_down() {
     assert_eq!(bench.ecu.mode(), Mode::Waiting);
 }
 
-/// The controller that vents while it waits goes on when running begins.
+/// The controller vents while the ECU waits, and continues when running begins.
 #[test]
 fn a_chamber_that_is_emptied_while_it_waits_is_not_filled_when_running_begins() {
     let mut bench = reset_while_braking(ResetCause::Watchdog);

@@ -1,4 +1,4 @@
-//! Settings, telemetry and what surrounds a sample.
+//! Settings, telemetry and other interfaces of a sample.
 
 use ecu::controller::Distributor;
 use ecu::controller::fixed::types::I16F16;
@@ -37,7 +37,7 @@ fn other_settings_take_effect_with_the_next_sample_and_the_old_ones_again_leave_
     assert_ne!(others, as_before);
 }
 
-/// The pressure stands still, so that nothing but the settings could move the control signal.
+/// The pressure is constant, so that only the settings could move the control signal.
 #[test]
 fn another_gain_does_not_move_the_control_signal() {
     let mut bench = Bench::at(3.0);
@@ -88,7 +88,7 @@ fn telemetry_tells_mode_faults_signal_and_state() {
     assert_eq!(holding.control_signal, 0);
 }
 
-/// Two ECUs that saw the same are equal to the last bit; one bit in one sample, and the digest tells them apart.
+/// Two ECUs with the same inputs are equal to the last bit; one changed bit in one sample changes the digest.
 #[test]
 fn the_digest_is_that_of_everything_a_sample_leaves() {
     let mut bench = Bench::at(3.0);

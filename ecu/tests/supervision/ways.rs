@@ -1,4 +1,4 @@
-//! The ways into the safe state: which valves move, for how long, and how the pressure goes.
+//! Fault reactions: driven valves, durations and pressures.
 
 use ecu::{EcuSettings, Fault, Inputs, Mode, SensorCode, VentValve, safe_outputs};
 
@@ -43,7 +43,7 @@ fn a_sample_without_reference_does_not_open_the_fill_valve_further() {
         bench.step_with(NO_REFERENCE);
         assert!(bench.duties()[0] <= before);
     }
-    // A vent valve is not kept from opening.
+    // The vent valve may still open.
     let mut bench = Bench::at(5.0);
     bench.reference_bar = 1.0;
     bench.step();
@@ -77,7 +77,7 @@ fn holding_shuts_both_valves_for_50_samples_then_the_chamber_is_released_in_puls
     assert!(before_bar > 4.8 && bench.rig.pressure_bar < 0.01);
 }
 
-/// Sudden loss of braking torque is a hazard: two seconds of pulses, not a tenth of a second.
+/// A sudden loss of braking torque is a hazard: two seconds of pulses instead of a tenth of a second.
 #[test]
 fn a_release_in_pulses_takes_longer_than_venting_at_once() {
     let half_life = |mut bench: Bench, wrong: &dyn Fn(&mut Inputs)| {
@@ -102,7 +102,8 @@ fn a_ramp_leads_the_pressure_down_with_the_vent_valve_alone() {
     let mut samples = 0;
     while bench.ecu.mode() == Mode::Ramping {
         assert_eq!(bench.duties()[0], 0.0);
-        // 5 bar/s are 0.05 bar in a sample; a sample of the vent valve, and the tolerance, below it.
+        // 5 bar/s are 0.05 bar in a sample; the pressure is below by at most a sample of the vent valve and the
+        // deadband.
         let led_bar = 5.0 - 0.05 * f64::from(samples);
         let below_bar = led_bar - bench.rig.pressure_bar;
         assert!(
@@ -125,7 +126,7 @@ fn a_ramp_leads_the_pressure_down_with_the_vent_valve_alone() {
     assert!(bench.is_off());
 }
 
-/// From the reference or the pressure, whichever is lower: a ramp never fills.
+/// The ramp begins at the lower one of reference and pressure, so it never fills.
 #[test]
 fn a_ramp_begins_at_the_pressure_when_the_reference_is_above_it() {
     let mut bench = Bench::at(1.0);
@@ -160,7 +161,7 @@ fn what_is_released_in_pulses_is_vented_at_once_when_a_fault_asks_for_it() {
     assert_eq!(bench.ecu.mode(), Mode::Venting);
     bench.steps_with(3, |inputs| inputs.current_fill_ma = Some(900));
     assert_eq!(bench.duties(), [0.0, 100.0]);
-    // It stays so when that fault is over, and ends 200 samples after it began.
+    // Full venting continues after that fault is over, and ends 200 samples after it began.
     assert_eq!(bench.stays_in(Mode::Venting, LATE), 200);
     assert_eq!(bench.ecu.mode(), Mode::Safe);
 }
@@ -171,7 +172,7 @@ fn a_vent_coil_that_cannot_be_trusted_is_left_without_current() {
     bench.steps_with(3, |inputs| inputs.current_vent_ma = Some(900));
     assert_eq!(bench.ecu.mode(), Mode::Safe);
     assert!(bench.is_off());
-    // The bench's vent valve is normally closed: the pressure is held.
+    // The bench's vent valve is normally closed: the pressure stays in the chamber.
     let before_bar = bench.rig.pressure_bar;
     bench.steps_with(1000, |inputs| inputs.current_vent_ma = Some(900));
     assert_eq!(bench.rig.pressure_bar, before_bar);

@@ -1,4 +1,4 @@
-//! The developer's own machine: the self-test on standard output.
+//! The developer's machine: the self-test on standard output.
 
 use std::env;
 use std::io::{Write, stdout};
@@ -6,8 +6,8 @@ use std::process::ExitCode;
 
 use firmware::self_test::{self, NotShown, Watcher};
 
-/// Names where the self-test flips one bit of its own, as `CONFIGURATION:STEP`: whoever compares the two machines must
-/// find it there. Known to the host only; the image cannot be asked to lie.
+/// Environment variable with the place where the self-test flips one bit on purpose, as `CONFIGURATION:STEP`. A
+/// comparison of two machines must find it there. Only the host has it; the image cannot falsify its result.
 const CANARY: &str = "FIRMWARE_CANARY";
 
 struct Terminal;
@@ -18,7 +18,7 @@ impl Watcher for Terminal {
     }
 }
 
-/// The host's counterpart of reset.
+/// Runs the program, as the host's counterpart of reset.
 pub(crate) fn run() -> ExitCode {
     let canary = env::var(CANARY).unwrap_or_default();
     let place = canary.split_once(':');

@@ -1,13 +1,13 @@
-//! What the processor's own converter measures: means over a PWM period, and their scales.
+//! Evaluation of the processor's converter: means over a PWM period, and scaling.
 
 use controller::Pressure;
 
 /// Highest code of the processor's converter, 12 bits.
 pub const CODE_MAX: u16 = 4095;
 
-/// The mean of all codes since it was taken last.
+/// Mean of all codes since the last call of [`Mean::take`].
 ///
-/// A coil's current rises and falls within a PWM period; what tells a broken coil from a sound one is its mean.
+/// A coil's current rises and falls within a PWM period; its mean distinguishes a broken coil from a healthy one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mean {
     sum: u32,
@@ -15,12 +15,12 @@ pub struct Mean {
 }
 
 impl Mean {
-    /// Nothing measured yet.
+    /// Creates a mean without codes.
     pub const fn new() -> Self {
         Self { sum: 0, count: 0 }
     }
 
-    /// One more code. After a million, which is minutes without being taken, further ones are left out.
+    /// Adds a code. After a million codes, which is minutes without being taken, further ones are ignored.
     pub fn add(&mut self, code: u16) {
         if self.count < 1 << 20 {
             self.sum = self.sum.saturating_add(u32::from(code.min(CODE_MAX)));
@@ -28,7 +28,7 @@ impl Mean {
         }
     }
 
-    /// The mean, nearest, and begins anew; none if nothing was measured.
+    /// Returns the mean, rounded to nearest, and starts again; `None` without codes.
     pub fn take(&mut self) -> Option<u16> {
         let Self { sum, count } = core::mem::take(self);
         let mean = sum.saturating_add(count >> 1).checked_div(count)?;
@@ -36,27 +36,27 @@ impl Mean {
     }
 }
 
-/// What a code stands for if the highest one stands for `full_scale`; nearest.
+/// Returns the value of a code whose highest value corresponds to `full_scale`, rounded to nearest.
 pub fn scaled(code: u16, full_scale: u16) -> u16 {
     let product = u32::from(code.min(CODE_MAX)).saturating_mul(u32::from(full_scale));
     (product.saturating_add(u32::from(CODE_MAX / 2)) / u32::from(CODE_MAX)) as u16
 }
 
-/// The lever that asks for a pressure: a potentiometer between two resistors, so that 10 % of the supply is its one end
-/// and 90 % the other. From 10 to 90 % it asks for 0 to 6 bar gauge, the operating range of the thesis' retarder (0.71 of
-/// 8.4 bar, section 6.4.2); up to 5 % beyond either end it asks for that end; further out a wire is broken or shorted.
+/// Returns the reference set by the lever, a potentiometer between two resistors: one end is 10 % of the supply, the
+/// other 90 %. 10 to 90 % give 0 to 6 bar gauge, the operating range of the thesis' retarder (0.71 of 8.4 bar, section
+/// 6.4.2). Up to 5 % beyond an end gives that end. Further out a wire is broken or shorted, and the result is `None`.
 pub fn lever_reference(code: u16) -> Option<Pressure> {
     const TENTH: i32 = 410;
     const NINE_TENTHS: i32 = 3686;
     const MARGIN: i32 = 205;
-    /// [2⁻¹⁶ bar gauge]
+    /// Full travel (2⁻¹⁶ bar gauge).
     const FULL: i32 = 6 << 16;
     let code = i32::from(code);
     if !(TENTH - MARGIN..=NINE_TENTHS + MARGIN).contains(&code) {
         return None;
     }
     let travel = (code - TENTH).clamp(0, NINE_TENTHS - TENTH);
-    // At most 3276 · 120; the slope is rounded once, so that full travel asks for 1.5 mbar less than 6 bar.
+    // At most 3276 · 120. The slope is rounded once, so that full travel gives 1.5 mbar less than 6 bar.
     Some(Pressure::from_bits(travel * (FULL / (NINE_TENTHS - TENTH))))
 }
 

@@ -1,12 +1,12 @@
-//! The pressure sensor's converter: Microchip MCP3201, 12 bits, SPI (data sheet DS21290F).
+//! Converter of the pressure sensor: Microchip MCP3201, 12 bits, SPI (data sheet DS21290F).
 
 use ecu::SensorCode;
 use embedded_hal::spi::SpiDevice;
 
-/// A Microchip MCP3201: one channel, 12 bits, 100 000 conversions per second, 2.7 V to 5.5 V.
+/// Microchip MCP3201: one channel, 12 bits, 100 000 conversions per second, 2.7 V to 5.5 V.
 ///
 /// A conversion begins with chip select and is shifted out by the clock that reads it, on falling edges, for SPI mode
-/// (0, 0) or (1, 1), at up to 1.6 MHz with a supply of 5 V (section 1.0). In 32 clocks the part says everything twice
+/// (0, 0) or (1, 1), at up to 1.6 MHz with a supply of 5 V (section 1.0). In 32 clocks the part sends the result twice
 /// (sections 5.0 and 6.1):
 ///
 /// ```text
@@ -15,21 +15,21 @@ use embedded_hal::spi::SpiDevice;
 ///      sample | null | most significant  | least significant  | nothing left
 ///             |      | bit first         | bit first          |
 /// ```
-/// Two clocks sample the input, with the output open. Then a conversion that was disturbed on its way differs from its
-/// mirror image, and a line that hangs high is no null bit: both are an error and no pressure. A line that hangs low reads
-/// as code 0, which the sensor never gives (its lowest is 48): the supervisor sees that one.
+/// Two clocks sample the input, with the output open. If the transfer of a conversion was disturbed, it differs from
+/// its mirror image. A line that is stuck high has no null bit. Both are errors and give no pressure. A line that is
+/// stuck low reads as code 0, which the sensor never gives (its lowest is 48): the supervisor detects it.
 #[derive(Debug)]
 pub struct Mcp3201<S> {
     spi: S,
 }
 
-/// Why there is no code.
+/// Reason why there is no code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadError<E> {
-    /// The bus did not do its work.
+    /// The SPI bus failed.
     #[error("the SPI bus failed")]
     Bus(E),
-    /// No null bit, or something after the end: nobody drives the line.
+    /// No null bit, or set bits after the end: no part drives the line.
     #[error("the converter did not answer: {word:#010x}")]
     NoAnswer {
         /// The 32 bits, first clock first.
@@ -40,20 +40,20 @@ pub enum ReadError<E> {
         "the answer was disturbed: {code:#05x}, but bits 11 to 1 came again as {mirrored:#05x}"
     )]
     Disturbed {
-        /// Bits 11 to 0, as they came first.
+        /// Bits 11 to 0, as sent first.
         code: u16,
-        /// Bits 11 to 1, as they came second.
+        /// Bits 11 to 1, as sent second.
         mirrored: u16,
     },
 }
 
-/// Clock 3, counted from the most significant of 32 bits.
+/// Null bit: clock 3, counted from the most significant of 32 bits.
 const NULL_BIT: u32 = 1 << 29;
-/// Clocks 27 to 32.
+/// Bits after the end: clocks 27 to 32.
 const END_BITS: u32 = 0x3f;
 
 impl<S: SpiDevice> Mcp3201<S> {
-    /// From an SPI device in mode (0, 0) or (1, 1), at no more than 1.6 MHz.
+    /// Creates the driver from an SPI device in mode (0, 0) or (1, 1), at no more than 1.6 MHz.
     pub const fn new(spi: S) -> Self {
         Self { spi }
     }
@@ -61,7 +61,7 @@ impl<S: SpiDevice> Mcp3201<S> {
     /// Converts once and reads the result: 32 clocks, 20 µs at 1.6 MHz.
     ///
     /// # Errors
-    /// [`ReadError`]; there is no code then, and the next call may succeed.
+    /// Returns [`ReadError`] if there is no code; the next call may succeed.
     pub fn read(&mut self) -> Result<SensorCode, ReadError<S::Error>> {
         let mut frame = [0; 4];
         self.spi.read(&mut frame).map_err(ReadError::Bus)?;
@@ -70,7 +70,7 @@ impl<S: SpiDevice> Mcp3201<S> {
             return Err(ReadError::NoAnswer { word });
         }
         let code = (word >> 17) as u16 & SensorCode::MAX.bits();
-        // Eleven bits, B1 in front: turned round they are B11 to B1.
+        // Eleven bits, B1 first; reversed they are B11 to B1.
         let mirrored = ((word >> 6) as u16 & 0x7ff).reverse_bits() >> 5;
         match SensorCode::from_bits(code) {
             Some(read) if code >> 1 == mirrored => Ok(read),
@@ -79,9 +79,9 @@ impl<S: SpiDevice> Mcp3201<S> {
     }
 }
 
-/// The 32 bits with which the part answers for a code: for whoever simulates it.
+/// Returns the 32 bits with which the part answers for a code, for a simulation of the part.
 ///
-/// The two bits before the null bit, which nobody drives, are high as a pull-up would make them.
+/// The two bits before the null bit are not driven; they are high, as a pull-up would make them.
 pub const fn frame_of(code: SensorCode) -> [u8; 4] {
     let code = code.bits() as u32;
     let mirror = (code >> 1).reverse_bits() >> 21;
@@ -94,7 +94,7 @@ mod tests {
     use embedded_hal::spi::{ErrorKind, ErrorType, Operation};
     use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 
-    /// What the driver makes of one answer of the part.
+    /// Returns the driver's result for one answer of the part.
     fn read(frame: [u8; 4]) -> Result<SensorCode, ReadError<ErrorKind>> {
         let mut spi = Mock::new(&[
             Transaction::transaction_start(),
@@ -128,7 +128,7 @@ mod tests {
         }
     }
 
-    /// The last bit is said once only, since it is where the part turns round.
+    /// The last bit is sent only once, because the order reverses there.
     #[test]
     fn any_single_disturbed_bit_is_an_error_except_the_undriven_ones_and_the_last_one() {
         const UNDRIVEN: [u32; 2] = [31, 30];
@@ -155,7 +155,7 @@ mod tests {
         assert_eq!(read([0; 4]), Ok(SensorCode::MIN));
     }
 
-    /// The mock of the bus cannot fail; this one can do nothing else.
+    /// SPI device that always fails; the mock of the bus cannot fail.
     struct Broken;
 
     impl ErrorType for Broken {

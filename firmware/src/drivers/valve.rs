@@ -1,45 +1,45 @@
-//! A valve's coil driver on a PWM output.
+//! Coil driver of a valve on a PWM output.
 
 use controller::Duty;
 use embedded_hal::pwm::SetDutyCycle;
 
-/// The coil driver of one on/off valve, on a PWM output of the ECU.
+/// Coil driver of one on/off valve, on a PWM output of the ECU.
 ///
-/// Active high: a longer pulse is more current. What the output does without a pulse is the board's matter (a pull-down at
-/// the gate), so that the coil is off while the processor is in reset.
+/// Active high: a longer pulse gives more current. The board defines the output without pulses by a pull-down at the
+/// gate, so that the coil is off while the processor is in reset.
 #[derive(Debug)]
 pub struct Valve<P> {
     pwm: P,
 }
 
 impl<P: SetDutyCycle> Valve<P> {
-    /// Takes the output over and switches it off.
+    /// Takes over the output and switches it off.
     ///
     /// # Errors
-    /// What the output answers.
+    /// Returns the error of the output.
     pub fn new(pwm: P) -> Result<Self, P::Error> {
         let mut valve = Self { pwm };
         valve.off()?;
         Ok(valve)
     }
 
-    /// Gives the coil a duty cycle, from the next PWM period on.
+    /// Sets the coil's duty cycle, from the next PWM period on.
     ///
-    /// Nearest count of the timer: at most half a count off, which is 76 ns of a 10 ms period for a timer of 65 535 counts,
-    /// a thousandth of the shortest pulse that lifts an armature. 0 % and 100 % are exact. A duty below half a count is
-    /// off: there the rounding errs towards the safe state.
+    /// The duty cycle is rounded to the nearest count of the timer. The error is at most half a count, which is 76 ns
+    /// of a 10 ms period for a timer of 65 535 counts, a thousandth of the shortest pulse that lifts an armature. 0 %
+    /// and 100 % are exact. A duty cycle below half a count is off: there the rounding is towards the safe state.
     ///
     /// # Errors
-    /// What the output answers; the coil then has an unknown duty cycle.
+    /// Returns the error of the output; the coil then has an unknown duty cycle.
     pub fn drive(&mut self, duty: Duty) -> Result<(), P::Error> {
         let counts = duty.to_counts(self.pwm.max_duty_cycle());
         self.pwm.set_duty_cycle(counts)
     }
 
-    /// No current from the next PWM period on.
+    /// Switches the coil off from the next PWM period on.
     ///
     /// # Errors
-    /// What the output answers.
+    /// Returns the error of the output.
     pub fn off(&mut self) -> Result<(), P::Error> {
         self.pwm.set_duty_cycle_fully_off()
     }
@@ -56,7 +56,7 @@ mod tests {
         Duty::saturating_from_bits((percent * 65536.0) as i32)
     }
 
-    /// What a timer of `counts_max` is told for each duty, after the valve was taken over.
+    /// Checks the timer's counts for each duty cycle, for a timer of `counts_max`.
     fn check(counts_max: u16, expected: &[(Duty, u16)]) {
         let mut transactions = vec![Transaction::set_duty_cycle(0)];
         for (_, counts) in expected {

@@ -1,4 +1,4 @@
-//! The controllers that are compared: the thesis' one, the recommended one, and each choice away from it at least once.
+//! Compared controllers: the thesis' one, the recommended one, and each deviating choice at least once.
 
 use controller::fixed::types::I16F16;
 use controller::{
@@ -137,7 +137,7 @@ const LINEAR_LOWER_LIMIT: LowerLimit = LowerLimit::PressureDependent {
     vent: OpeningDuty::linear(I16F16::lit("51.5"), I16F16::lit("25.5")),
 };
 
-/// Near the lower bounds, where a rounding that differs would weigh most.
+/// Settings near the lower bounds, where a different rounding would have the largest effect.
 const SMALL: Settings = Settings {
     gain_pct_per_bar: I16F16::lit("0.5"),
     integral_time_ms: Some(I16F16::lit("4500")),
@@ -145,7 +145,7 @@ const SMALL: Settings = Settings {
     ..RECOMMENDED
 };
 
-/// Near the upper bounds, where a saturation that differs would show.
+/// Settings near the upper bounds, where a different saturation would be visible.
 const LARGE: Settings = Settings {
     gain_pct_per_bar: I16F16::lit("900"),
     integral_time_ms: Some(I16F16::lit("1200")),

@@ -1,9 +1,10 @@
-//! A number that stands for all words folded into it, in order.
+//! Digest of all words folded into it, in order.
 
-/// FNV-1a of 64 bits (Fowler, Noll, Vo), fed with words of 32 bits instead of bytes.
+/// FNV-1a of 64 bits (Fowler, Noll, Vo), with words of 32 bits instead of bytes.
 ///
-/// Each fold is one-to-one in the value so far and in the word: two runs that differ in a single word keep different
-/// digests for as long as the words after it are the same. Only a second difference could hide the first, by chance of 2⁻⁶⁴.
+/// Each fold is one-to-one in the present value and in the word. Two runs that differ in a single word therefore keep
+/// different digests while the following words are equal. Only a second difference could cancel the first, with a
+/// probability of 2⁻⁶⁴.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Digest(u64);
 

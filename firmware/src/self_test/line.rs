@@ -1,7 +1,7 @@
-//! One line of text, made without the core library's formatter: that one calls through pointers and can panic, and then
-//! neither could the image's stack be bounded nor its panics be ruled out.
+//! One line of text, built without the core library's formatter. The formatter calls through pointers and can panic;
+//! with it neither the image's stack could be bounded nor its panics excluded.
 
-/// A line of at most [`Line::LENGTH_MAX`] bytes; what does not fit is left out.
+/// Line of at most [`Line::LENGTH_MAX`] bytes; longer text is cut off.
 pub(crate) struct Line {
     bytes: [u8; Self::LENGTH_MAX],
     length: usize,
@@ -10,7 +10,7 @@ pub(crate) struct Line {
 impl Line {
     const LENGTH_MAX: usize = 128;
 
-    /// Empty.
+    /// Creates an empty line.
     pub(crate) const fn new() -> Self {
         Self {
             bytes: [0; Self::LENGTH_MAX],
@@ -18,7 +18,7 @@ impl Line {
         }
     }
 
-    /// ... and then this text, up to its first character that is not ASCII.
+    /// Appends this text, up to its first character that is not ASCII.
     pub(crate) fn text(mut self, text: &str) -> Self {
         for byte in text.bytes().take_while(u8::is_ascii) {
             self.push(byte);
@@ -26,7 +26,7 @@ impl Line {
         self
     }
 
-    /// ... and then this number, without leading zeros.
+    /// Appends this number, without leading zeros.
     pub(crate) fn decimal(mut self, number: u32) -> Self {
         let mut divisor = 1_000_000_000;
         while divisor > 1 && number < divisor {
@@ -39,7 +39,7 @@ impl Line {
         self
     }
 
-    /// ... and then this number, 16 hexadecimal digits.
+    /// Appends this number, as 16 hexadecimal digits.
     pub(crate) fn hex(mut self, number: u64) -> Self {
         for place in (0..16).rev() {
             let digit = (number >> (4 * place)) as u8 & 0xf;
@@ -52,10 +52,10 @@ impl Line {
         self
     }
 
-    /// The whole line.
+    /// Returns the whole line.
     pub(crate) fn as_str(&self) -> &str {
         let bytes = self.bytes.get(..self.length).unwrap_or_default();
-        // Only ASCII was pushed.
+        // Only ASCII was appended.
         core::str::from_utf8(bytes).unwrap_or_default()
     }
 

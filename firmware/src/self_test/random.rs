@@ -4,12 +4,12 @@
 pub(crate) struct Random(u32);
 
 impl Random {
-    /// From a seed other than zero, the one state that xorshift never leaves.
+    /// Creates a generator from a seed other than zero; xorshift never leaves the state zero.
     pub(crate) const fn new(seed: core::num::NonZeroU32) -> Self {
         Self(seed.get())
     }
 
-    /// Any value but zero.
+    /// Returns any value but zero.
     pub(crate) fn bits(&mut self) -> u32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 17;
@@ -17,13 +17,13 @@ impl Random {
         self.0
     }
 
-    /// A value in `0..bound`; zero if `bound` is zero.
+    /// Returns a value in `0..bound`; zero if `bound` is zero.
     pub(crate) fn below(&mut self, bound: u32) -> u32 {
-        // The high half of the product: no division, and as even as the bits are.
+        // The high half of the product: no division, and as uniform as the bits.
         ((u64::from(self.bits()) * u64::from(bound)) >> 32) as u32
     }
 
-    /// A value in `-size..=size`, for sizes below 2³⁰.
+    /// Returns a value in `-size..=size`, for sizes below 2³⁰.
     pub(crate) fn around_zero(&mut self, size: u32) -> i32 {
         self.below(2 * size + 1) as i32 - size as i32
     }

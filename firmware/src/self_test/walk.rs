@@ -1,4 +1,4 @@
-//! What the controller is fed: a random walk through everything it meets, and through what it should never meet.
+//! Inputs of the self-test: a random walk through all regimes of the controller, and through invalid inputs.
 
 use core::num::NonZeroU32;
 
@@ -6,41 +6,41 @@ use controller::{Input, Pressure};
 
 use super::random::Random;
 
-/// Each machine and each configuration starts here, so that digests differ by configuration only.
+/// Seed of each machine and each configuration, so that digests differ by configuration only.
 const SEED: NonZeroU32 = NonZeroU32::new(0x6c07_8965).unwrap();
-/// Longest time in one manner, in samples.
+/// Longest interval with one kind of motion (samples).
 const STRETCH_MAX: u32 = 200;
-/// Supply pressure of the thesis' rigs, 8.4 bar gauge [2⁻¹⁶ bar].
+/// Supply pressure of the thesis' rigs, 8.4 bar gauge (2⁻¹⁶ bar).
 const SUPPLY: u32 = 550_502;
-/// Ten times the thesis' tolerance of 0.1 bar [2⁻¹⁶ bar].
+/// Ten times the thesis' deadband of 0.1 bar (2⁻¹⁶ bar).
 const NEAR: u32 = 65_536;
 
-/// How the pressure moves for a while.
+/// Motion of the pressure during an interval.
 #[derive(Clone, Copy)]
 enum Manner {
-    /// Towards the reference, by a part of the way in each sample, with some noise: a loop that works.
+    /// Towards the reference, by a part of the distance in each sample, with some noise: a loop that works.
     Approach {
-        /// log₂ of the samples that the way takes.
+        /// log₂ of the number of samples for the distance.
         slowness: u32,
     },
-    /// Around the reference, in and out of the tolerance.
+    /// Around the reference, inside and outside of the deadband.
     Linger,
-    /// By itself, whatever the reference is: a leak, a stuck valve.
+    /// Independent of the reference: a leak, a stuck valve.
     Drift {
-        /// [2⁻¹⁶ bar per sample]
+        /// Rate of the drift (2⁻¹⁶ bar per sample).
         rate: i32,
     },
-    /// Reference and pressure are any 32 bits: a broken sensor, a broken bus.
+    /// Any 32 bits for reference and pressure: a broken sensor, a broken bus.
     Anything,
 }
 
-/// The inputs of one run, without end.
+/// Inputs of one run, without end.
 pub(crate) struct Walk {
     random: Random,
     manner: Manner,
-    /// Samples left in this manner.
+    /// Number of samples left in this interval.
     left: u32,
-    /// [2⁻¹⁶ bar gauge], as all below.
+    /// Reference (2⁻¹⁶ bar gauge); the pressure has the same unit.
     reference: i32,
     pressure: i32,
 }
@@ -56,7 +56,7 @@ impl Walk {
         }
     }
 
-    /// The next sample's input.
+    /// Returns the next sample's input.
     pub(crate) fn input(&mut self) -> Input {
         if self.left == 0 {
             self.turn();
@@ -85,7 +85,7 @@ impl Walk {
         }
     }
 
-    /// Another manner and, after some of them, another reference.
+    /// Begins an interval with another kind of motion and, in some cases, another reference.
     fn turn(&mut self) {
         let broken = matches!(self.manner, Manner::Anything);
         if broken || self.random.below(2) == 0 {
@@ -121,7 +121,7 @@ mod tests {
             .collect()
     }
 
-    /// A walk that stayed in one place would compare a million times the same step.
+    /// A walk that stayed in one place would compare the same step a million times.
     #[test]
     fn the_walk_spends_its_time_inside_the_tolerance_outside_it_and_beyond_all_bounds() {
         let errors = errors_bar();

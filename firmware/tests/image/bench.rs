@@ -1,4 +1,4 @@
-//! A board without hardware, and a host at the other end of its link.
+//! Board without hardware, and a host at the other end of its link.
 
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicU32;
@@ -13,10 +13,10 @@ use hil_protocol::{
     FRAME_MAX, HostSession, Identity, LogBytes, Reply, Request, ResetCause, Sensors, SignalIds,
 };
 
-/// T_ECU \[µs\].
+/// T_ECU (µs).
 pub(crate) const PERIOD_US: u32 = 10_000;
 
-/// What the image did with its board, in order.
+/// Calls of the board by the image, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Deed {
     CoilsOff,
@@ -26,7 +26,7 @@ pub(crate) enum Deed {
     Send,
 }
 
-/// What outlives a reset of the machine.
+/// Memory that survives a reset of the machine.
 pub(crate) struct Memory {
     pub(crate) retained: [AtomicU32; RETAINED_WORDS],
     flash: RamFlash<16_384>,
@@ -34,7 +34,7 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// As the supply finds it.
+    /// Creates the memory as after power-on.
     pub(crate) fn cold() -> Self {
         Self {
             retained: [const { AtomicU32::new(0x5a5a_5a5a) }; RETAINED_WORDS],
@@ -43,7 +43,7 @@ impl Memory {
         }
     }
 
-    /// A reset, of which the hardware tells no cause.
+    /// Resets the machine; the hardware reports no cause.
     pub(crate) fn start(&mut self) -> Machine<'_> {
         let board = TestBoard {
             retained: &self.retained,
@@ -69,12 +69,12 @@ impl Memory {
     }
 }
 
-/// A rig at rest, in which nothing is wrong: 0 bar asked for, 0 bar measured, no current.
+/// Returns the inputs of a healthy rig at rest: reference 0 bar, pressure 0 bar, no current.
 pub(crate) fn healthy() -> Inputs {
     Inputs::from(sensors(0))
 }
 
-/// The same, as a host would send it.
+/// Returns the same inputs as a host would send them.
 pub(crate) fn sensors(sample: u32) -> Sensors {
     Sensors {
         sample,
@@ -104,14 +104,14 @@ pub(crate) struct TestBoard<'a> {
 }
 
 impl TestBoard<'_> {
-    /// The sample timer comes.
+    /// Advances the time to the next tick of the sample timer.
     pub(crate) fn tick(&mut self) {
         self.clock_us = self.tick_us.wrapping_add(PERIOD_US);
         self.tick_us = self.clock_us;
         self.ticks += 1;
     }
 
-    /// Time passes until so long after the last tick.
+    /// Advances the time to this time after the last tick.
     pub(crate) fn wait_us(&mut self, since_tick_us: u32) {
         self.clock_us = self.tick_us.wrapping_add(since_tick_us);
     }
@@ -209,12 +209,12 @@ impl Board for TestBoard<'_> {
 
 type TestImage<'a> = Image<TestBoard<'a>, &'a mut RamFlash<16_384>, &'a mut [u32; BLACK_BOX_WORDS]>;
 
-/// A running image with a host at its link.
+/// Running image with a host at its link.
 pub(crate) struct Machine<'a> {
     pub(crate) image: TestImage<'a>,
     host: HostSession,
     sessions: u32,
-    /// What came without being asked for.
+    /// Unsolicited messages.
     pub(crate) unasked: Vec<Reply>,
 }
 
@@ -223,19 +223,19 @@ impl<'a> Machine<'a> {
         self.image.board()
     }
 
-    /// The sample timer comes, and the loop goes round once.
+    /// Advances to the next tick and runs one turn of the main loop.
     pub(crate) fn tick(&mut self) {
         self.board().tick();
         assert_eq!(self.image.turn(), Life::GoesOn);
         self.hear();
     }
 
-    /// So many samples by the timer.
+    /// Runs a number of samples by the timer.
     pub(crate) fn ticks(&mut self, count: u32) {
         (0..count).for_each(|_| self.tick());
     }
 
-    /// So many samples by request, of a rig at rest from this number on.
+    /// Runs a number of samples by request, of a rig at rest, from this number on.
     pub(crate) fn samples(&mut self, from: u32, count: u32) {
         for sample in from..from + count {
             let reply = self.ask(&Request::Sample(sensors(sample)));
@@ -260,7 +260,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// A request is on its way; nobody waits for its answer.
+    /// Sends a request without waiting for the answer.
     pub(crate) fn say(&mut self, request: &Request) {
         let frame = self.host.request(request).unwrap().to_vec();
         self.board().incoming.push_back(frame);
@@ -291,7 +291,7 @@ impl<'a> Machine<'a> {
         self.hear()
     }
 
-    /// What the host hears: its answer; the rest is kept.
+    /// Returns the answer to the host; other messages are stored.
     fn hear(&mut self) -> Option<hil_protocol::Event> {
         let mut answer = None;
         while let Some(frame) = self.board().sent.pop_front() {

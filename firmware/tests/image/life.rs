@@ -1,4 +1,4 @@
-//! Starts and ends of the image, and what one life leaves to the next.
+//! Starts and ends of the image, and the information that one run leaves to the next.
 
 use ecu::EcuSettings;
 use ecu::calibration::SettingValues;
@@ -13,7 +13,7 @@ fn the_first_thing_after_a_reset_is_to_switch_the_coils_off() {
     assert_eq!(memory.start().board().deeds.first(), Some(&Deed::CoilsOff));
 }
 
-/// A loop that hangs before its first sample is seen as well.
+/// A loop that hangs before its first sample is detected as well.
 #[test]
 fn the_watchdog_is_started_before_the_first_sample() {
     let mut memory = Memory::cold();
@@ -39,7 +39,7 @@ fn a_cold_start_says_that_the_supply_came_and_that_nothing_was_saved() {
     assert_eq!(identity.image.build, 4711);
 }
 
-/// Panic, fault and watchdog handlers leave their word and reset the machine.
+/// The handlers of panic, fault and watchdog store their reason and reset the machine.
 #[test]
 fn the_next_life_tells_why_the_last_one_ended() {
     for (farewell, cause) in [
@@ -52,7 +52,7 @@ fn the_next_life_tells_why_the_last_one_ended() {
         Retained::new(&memory.retained).say(farewell);
         let identity = memory.start().hello(false);
         assert_eq!((identity.reset_cause, identity.boot), (cause, 1));
-        // Nobody said anything in the second life.
+        // The second run stored no reason.
         assert_eq!(memory.start().hello(false).reset_cause, ResetCause::Unknown);
     }
 }

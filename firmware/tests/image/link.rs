@@ -1,4 +1,4 @@
-//! What a calibration tool sees and changes while the image runs.
+//! Access of a calibration tool while the image runs.
 
 use ecu::calibration::{MISSING, SignalId};
 use firmware::{Event, FIRST_SIGNAL, SIGNALS};

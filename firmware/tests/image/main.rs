@@ -1,4 +1,4 @@
-//! Claims about the whole image, on a board that a test makes up: what it does with ticks, hosts and resets.
+//! Tests of the whole image on a simulated board: ticks, hosts and resets.
 
 mod bench;
 mod life;

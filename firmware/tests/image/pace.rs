@@ -1,4 +1,4 @@
-//! Who sets the pace, and what the coils get meanwhile.
+//! Source of the pace, and the duty cycles of the coils at its changes.
 
 use ecu::calibration::SignalId;
 use ecu::{Outputs, safe_outputs};
@@ -105,7 +105,7 @@ fn a_board_without_its_jumper_takes_no_simulated_sample() {
     assert_eq!(machine.board().count(Deed::Measure), 1);
 }
 
-/// A rig at rest, of which 3 bar are asked.
+/// Returns the sensors of a rig at rest, with a reference of 3 bar.
 fn asking(sample: u32) -> Sensors {
     Sensors {
         reference: Some(3 << 16),
@@ -113,7 +113,7 @@ fn asking(sample: u32) -> Sensors {
     }
 }
 
-/// Runs until the reference was seen at zero, then asks for 3 bar: the fill valve works.
+/// Runs until the reference was zero, then asks for 3 bar: the fill valve works.
 fn filling(machine: &mut Machine<'_>) -> Outputs {
     machine.ticks(12);
     machine.board().inputs.reference = Some(controller::Pressure::from_bits(3 << 16));
@@ -136,7 +136,7 @@ fn a_host_that_only_looks_on_does_not_disturb_a_running_loop() {
     assert_eq!(outputs.duty_vent, machine.board().outputs.duty_vent);
 }
 
-/// What was measured on one side is not believed on the other: the reference has to be seen at zero anew.
+/// Values from before the change are not used after it: the reference has to be zero again.
 #[test]
 fn a_change_of_pace_switches_the_coils_off_and_starts_the_logic_again() {
     let mut memory = Memory::cold();

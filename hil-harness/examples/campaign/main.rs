@@ -1,4 +1,5 @@
-//! Breaks plant, sensor, link and ECU in many runs, and asks of each whether the loop stayed safe and came back.
+//! Fault-injection campaign: breaks plant, sensor, link and ECU in many runs, and checks that the loop stays safe and
+//! recovers.
 //!
 //! ```sh
 //! cargo run --release -p hil-harness --example campaign                              # 2000 runs
@@ -8,7 +9,8 @@
 //! cargo run --release -p hil-harness --example campaign -- --dut qemu --runs 100     # the image; --image names its ELF file
 //! ```
 //!
-//! Ends with 0 if every promise was kept, with 1 if not, with 2 if it could not run. Ctrl-C leaves the table of what was run.
+//! Exit code 0: every requirement was met; 1: a requirement was violated; 2: the campaign could not run. Ctrl-C prints
+//! the table of the finished runs.
 
 mod options;
 mod trace;
@@ -37,7 +39,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does it, and tells how many runs broke a promise.
+/// Does the requested work, and returns the number of runs that violated a requirement.
 fn work(options: &Options) -> Result<u32, String> {
     match &options.work {
         Work::Reproduce(injection) => {
@@ -121,11 +123,11 @@ fn target(options: &Options) -> Result<Box<dyn Target>, String> {
     }
 }
 
-/// Damages the memory of an ECU in this process; whether it is another one then.
+/// Damages the memory of an ECU in this process; returns whether that changed it.
 fn damage(ecu: &mut Ecu, fault: EcuFault) -> bool {
     match fault {
         EcuFault::ConfigDamaged => ecu.damage(Damage::Config),
-        // Into running, where it may be already.
+        // The damage sets the mode to running, which has no effect if it is running already.
         EcuFault::SupervisorDamaged if ecu.mode() == Mode::Running => return false,
         EcuFault::SupervisorDamaged => ecu.damage(Damage::Supervisor),
         EcuFault::ControllerDamaged => ecu.damage(Damage::Controller),

@@ -1,17 +1,17 @@
-//! What is asked for on the command line.
+//! Options of the command line.
 
 use std::path::PathBuf;
 
 use hil_harness::campaign::{FaultClass, Injection};
 
-/// Runs of a campaign that nobody gives a number.
+/// Default number of runs of a campaign.
 const RUNS: u64 = 2000;
 
-/// Everything that is asked for.
+/// Parsed options.
 pub(crate) struct Options {
     pub(crate) work: Work,
     pub(crate) dut: Dut,
-    /// The ELF file of the image.
+    /// ELF file of the image.
     pub(crate) image: Option<PathBuf>,
 }
 
@@ -31,7 +31,7 @@ pub(crate) enum Dut {
 }
 
 impl Options {
-    /// From the words after the program's name.
+    /// Parses the words after the program's name.
     pub(crate) fn from_arguments(
         mut arguments: impl Iterator<Item = String>,
     ) -> Result<Self, String> {

@@ -4,7 +4,7 @@ use ecu::{FaultSet, Mode};
 use hil_harness::campaign::{CampaignError, Injection, Target, run_watched};
 use hil_harness::wire::measured_bar;
 
-/// Runs `injection`, prints every sample, and tells how many runs broke a promise: 0 or 1.
+/// Runs `injection`, prints every sample, and returns the number of runs that violated a requirement: 0 or 1.
 pub(crate) fn print(injection: &Injection, target: &mut dyn Target) -> Result<u32, CampaignError> {
     println!("sample  p_ref   p_ch  shown   fill%  vent%  fill_mA vent_mA  mode     faults");
     let outcome = run_watched(injection, target, &mut |seen, telemetry| {

@@ -1,13 +1,13 @@
-//! How often the detectors of the ECU are wrong about a sound rig.
+//! False alarm rate of the ECU's detectors on healthy rigs.
 //!
 //! ```sh
 //! cargo run --release -p hil-harness --example false_alarms              # 120 000 samples
 //! cargo run --release -p hil-harness --example false_alarms 10000000     # what docs/safety.md tells
 //! ```
 //!
-//! Rigs of six kinds (both orifices, chambers of 50, 75 and 125 cm³) with the scatter of the bench, batteries from 22 to 30 V, noise on
-//! every signal, the built-in reference profiles and random ones, two controllers; each rig for a minute. Ends with 1 if there was
-//! an alarm, with 2 if it was asked for nonsense.
+//! Rigs of six kinds (both orifices, chambers of 50, 75 and 125 cm³) with the scatter of the bench, batteries from 22
+//! to 30 V, noise on every signal, the built-in reference profiles and random ones, two controllers; each rig for a
+//! minute. Exit code 1: there was an alarm; 2: invalid arguments.
 
 mod soak;
 
@@ -35,7 +35,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The same rigs, whatever the number of cores.
+/// Runs the same rigs on any number of cores.
 fn on_all_cores(rigs: u32) -> Alarms {
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get() as u32);
     let share = rigs.div_ceil(threads);

@@ -1,4 +1,4 @@
-//! Sound rigs in closed loop with the whole ECU, and what its detectors say about them.
+//! Healthy rigs in closed loop with the whole ECU, and the alarms of its detectors.
 
 use std::fmt;
 
@@ -12,30 +12,30 @@ use hil_harness::wire::{battery_mv, current_ma, reference_bits};
 use hil_harness::{ReferenceProfile, scattered};
 use plant_sim::{Command, PlantParameters, Simulator};
 
-/// Samples on one rig: a minute.
+/// Number of samples on one rig: a minute.
 pub(crate) const RIG_SAMPLES: u32 = 6000;
 /// Noise of the pressure sensor (data/README.md).
 const PRESSURE_NOISE_PA: f64 = 400.0;
 /// Noise of the current and the voltage (data/README.md).
 const CURRENT_NOISE_A: f64 = 0.7e-3;
 const VOLTAGE_NOISE_V: f64 = 20e-3;
-/// Kinds of rigs: orifices \[m\] and chambers \[m³\] of the thesis' prototypes (sections 2.2 and 6.4.2).
+/// Kinds of rigs: orifices (m) and chambers (m³) of the thesis' prototypes (sections 2.2 and 6.4.2).
 const ORIFICES_M: [f64; 2] = [1.3e-3, 1.9e-3];
 const VOLUMES_M3: [f64; 3] = [50e-6, 75e-6, 125e-6];
 const KINDS: u32 = 6;
-/// Battery of a 24 V truck: from one that feeds the starter's last turns to one that is charged.
+/// Battery voltage of a 24 V truck: from a nearly empty one during starting to a charged one.
 const BATTERY_V: [f64; 2] = [22.0, 30.0];
 
-/// What the detectors said about sound rigs.
+/// Alarms of the detectors on healthy rigs.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Alarms {
     pub(crate) rigs: u32,
     pub(crate) samples: u64,
-    /// Samples in which the loop ran.
+    /// Number of samples in which the loop ran.
     pub(crate) running: u64,
     /// Confirmed faults, by the number of the fault.
     pub(crate) by_fault: [u32; Fault::ALL.len()],
-    /// Rig and sample of the first.
+    /// Rig and sample of the first alarm.
     pub(crate) first: Option<(u32, u32, Fault)>,
 }
 
@@ -79,7 +79,7 @@ impl fmt::Display for Alarms {
     }
 }
 
-/// Runs rigs `from..from + count` of a soak, each for `samples`; tells after each.
+/// Runs rigs `from..from + count` of a soak, each for `samples`; reports after each.
 pub(crate) fn soak(
     seed: u64,
     from: u32,
@@ -95,7 +95,7 @@ pub(crate) fn soak(
     alarms
 }
 
-/// One rig, its ECU and its driver.
+/// One rig with its ECU and its driver.
 struct Rig {
     simulator: Simulator,
     ecu: Ecu,
@@ -190,7 +190,7 @@ impl Rig {
 }
 
 const SAMPLE_NS: u64 = 10_000_000;
-/// The ECU fills nothing before it saw a reference of zero.
+/// Number of samples with a reference of zero, before which the ECU fills nothing.
 const LEAD_IN_SAMPLES: u32 = 20;
 
 fn kind(rig: u32) -> PlantParameters {
@@ -209,7 +209,7 @@ fn kind(rig: u32) -> PlantParameters {
     kind
 }
 
-/// Steps and ramps between 0 and 8 bar, small and large, with rests of a tenth of a second to four seconds.
+/// Returns steps and ramps between 0 and 8 bar, small and large, with rests of a tenth of a second to four seconds.
 fn random_profile(chance: &Random) -> ReferenceProfile {
     let mut profile = ReferenceProfile::starting_at(0.0);
     let mut level_bar: f64 = 0.0;
@@ -233,7 +233,7 @@ fn random_profile(chance: &Random) -> ReferenceProfile {
     profile
 }
 
-/// Number `counter`, uniform over 0 ..= 1.
+/// Returns number `counter`, uniform over 0 ..= 1.
 fn uniform(chance: &Random, counter: u64) -> f64 {
     0.5 + 0.5 * chance.symmetric(counter)
 }

@@ -1,4 +1,4 @@
-//! The vocabulary: what can be broken.
+//! Classes of faults.
 
 use core::fmt;
 use core::str::FromStr;
@@ -10,23 +10,23 @@ use super::fault::link::LinkFault;
 use super::fault::plant::PlantFault;
 use super::fault::sensor::SensorFault;
 
-/// What is broken, as family and member: `sensor/stuck`.
+/// Fault class, as family and member: `sensor/stuck`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FaultClass {
-    /// Valves, coils, chamber, supply.
+    /// Fault of valves, coils, chamber or supply.
     Plant(PlantFault),
-    /// The pressure sensor.
+    /// Fault of the pressure sensor.
     Sensor(SensorFault),
-    /// The messages that carry the reference.
+    /// Fault of the messages with the reference.
     Link(LinkFault),
-    /// Battery, task, reset, memory.
+    /// Fault of battery, task, reset or memory.
     Ecu(EcuFault),
-    /// The running image's memory; only an emulated target has one.
+    /// Fault in the running image's memory; only an emulated target has one.
     Image(ImageFault),
 }
 
 impl FaultClass {
-    /// Every class, family by family.
+    /// Returns all classes, family by family.
     pub fn all() -> impl Iterator<Item = Self> {
         let plant = PlantFault::ALL.iter().copied().map(Self::Plant);
         let sensor = SensorFault::ALL.iter().copied().map(Self::Sensor);
@@ -46,7 +46,7 @@ impl FaultClass {
         }
     }
 
-    /// What becomes of a loop that this breaks for `duration` samples.
+    /// Returns the expected behaviour of a loop with this fault for `duration` samples.
     pub(super) fn survival(self, duration: u32) -> Survival {
         match self {
             Self::Sensor(fault) => fault.survival(duration),
@@ -56,7 +56,8 @@ impl FaultClass {
         }
     }
 
-    /// Whether it shows as one row of the table and nothing else, so that the way can be followed sample by sample.
+    /// Returns whether the fault shows as exactly one row of the table, so that the reaction can be checked sample by
+    /// sample.
     pub(super) fn is_plain(self) -> bool {
         match self {
             Self::Sensor(fault) => fault.is_plain(),
@@ -66,7 +67,7 @@ impl FaultClass {
         }
     }
 
-    /// Whether the chamber can be emptied by the vent valve while this lasts.
+    /// Returns whether the vent valve can empty the chamber during the fault.
     pub(super) fn leaves_venting(self) -> bool {
         match self {
             Self::Plant(fault) => !fault.hinders_venting(),
@@ -84,11 +85,11 @@ impl fmt::Display for FaultClass {
     }
 }
 
-/// There is no such class.
+/// Error: the class does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no fault class {found:?}; a class is one of {}", known())]
 pub struct ClassError {
-    /// What was read.
+    /// Text that was read.
     pub found: String,
 }
 

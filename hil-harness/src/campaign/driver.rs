@@ -1,4 +1,4 @@
-//! What is asked of the loop in a run: a drive, the fault in its midst, and then the way back.
+//! References of a run: a drive, the fault during it, and then the recovery.
 //!
 //! ```text
 //!  bar │      ┌─┐ ┌──── random steps and ramps ──┐                                      ┌──── level
@@ -15,31 +15,31 @@ use crate::lead_in::LeadIn;
 use crate::reference_profile::ReferenceProfile;
 use crate::requirement::Requirement;
 
-/// From power-on to the first reference above zero \[samples\].
+/// Returns the time from power-on to the first reference above zero (samples).
 pub(super) fn lead_in_samples() -> u32 {
     LeadIn::to(0.0, f64::from(SAMPLE_MS) * 1e-3).samples()
 }
 
-/// From the end of the fault until the level is asked for that the loop has to reach by itself \[samples\].
+/// Time from the end of the fault until the level that the loop has to reach by itself (samples).
 const BACK_AFTER: u32 = 20;
-/// How long that is held \[samples\]: up the ramp from zero to the highest level, and T_req twice.
+/// Duration of this level (samples): up the ramp from zero to the highest level, and T_req twice.
 const HELD: u32 = 300;
-/// How long the reference is then zero \[samples\]: every way ends in that time ...
+/// Duration of the following reference of zero (samples), in which every reaction ends.
 const ZERO: u32 = 1000;
-/// ... unless none was gone.
+/// Duration of the reference of zero if no reaction is expected (samples).
 const ZERO_SHORT: u32 = 60;
-/// The mechanic looks after a locked ECU so long before the end of that time \[samples\].
+/// Time before the end of the reference of zero at which the mechanic releases a locked ECU (samples).
 const RELEASE_BEFORE: u32 = 20;
-/// How long the last level is held \[samples\].
+/// Duration of the last level (samples).
 const LAST: u32 = 160;
-/// The end of a level, in which the loop has to be there \[samples\].
+/// Length of the end of a level in which the loop has to be at the reference (samples).
 const JUDGED: u32 = 50;
 const SAMPLE_MS: u32 = 10;
 
-/// The instants of a run \[samples\].
+/// Instants of a run (samples).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
-    /// Whether the loop has to come back by itself.
+    /// Whether the loop has to recover by itself.
     pub(super) resumes: bool,
     level_until: u32,
     zero_until: u32,
@@ -57,27 +57,27 @@ impl Drive {
         }
     }
 
-    /// How long the run is.
+    /// Returns the length of the run (samples).
     pub(super) fn samples(&self) -> u32 {
         self.zero_until + LAST
     }
 
-    /// When the mechanic tries to release the ECU.
+    /// Returns the instant at which the mechanic tries to release the ECU.
     pub(super) fn release_at(&self) -> u32 {
         self.zero_until - RELEASE_BEFORE
     }
 
-    /// Whether the loop has to have come back by itself in this sample.
+    /// Returns whether the loop has to have recovered by itself in this sample.
     pub(super) fn has_to_have_resumed(&self, sample: u32) -> bool {
         self.resumes && (self.level_until - JUDGED..self.level_until).contains(&sample)
     }
 
-    /// Whether the loop has to be live again in this sample.
+    /// Returns whether the loop has to be live again in this sample.
     pub(super) fn has_to_be_live(&self, sample: u32) -> bool {
         sample >= self.samples() - JUDGED
     }
 
-    /// What the driver asks for, from the end of the lead-in on.
+    /// Returns the driver's reference, from the end of the lead-in on.
     pub(super) fn reference(&self, injection: &Injection) -> ReferenceProfile {
         let chance = chance(injection.seed, Chance::Driver);
         let mut draw = 0;
@@ -119,10 +119,10 @@ impl Drive {
     }
 }
 
-/// Highest reference of the drive [bar gauge]; a scattered supply is above.
+/// Highest reference of the drive (bar gauge); a scattered supply is above.
 const HIGHEST_BAR: f64 = 8.0;
 
-/// A reference within the range in which the loop keeps its requirement [bar gauge].
+/// Returns a reference within the range in which the loop has to meet its requirement (bar gauge).
 fn level(chance: f64) -> f64 {
     let requirement = Requirement::THESIS;
     let [low, high] = requirement

@@ -12,16 +12,16 @@ use crate::random::Random;
 use crate::wire::{self, Actuators, Sensors};
 use crate::world::World;
 
-/// An ECU with one thing broken.
+/// ECU with one fault.
 pub(super) struct Broken {
     fault: EcuFault,
     severity: f64,
     random: Random,
-    /// Voltage of the rig's battery \[V\].
+    /// Voltage of the rig's healthy battery (V).
     sound_v: f64,
-    /// Periods since the last sample.
+    /// Number of periods since the last sample.
     elapsed_periods: u32,
-    /// The battery, while it has another voltage than it should \[V\].
+    /// Battery voltage during a fault of it (V).
     battery_v: Option<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! The image on its emulated machine, as a target: its coils are the compare values of its PWM, its memory can be damaged.
+//! Image on its emulated machine as a target: its coils are the compare values of its PWM, and its memory can be
+//! damaged.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -20,7 +21,7 @@ use crate::link::{Framed, LinkError, Pace, Patience, Transport, TransportError};
 use crate::qemu::{Clock, QemuError, QemuLink, Wire};
 use crate::wire::{Actuators, Answer, FULL_DUTY, Sensors};
 
-/// Why there is no emulated target.
+/// Reason why there is no emulated target.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EmulatedError {
@@ -41,25 +42,25 @@ impl From<QemuError> for EmulatedError {
     }
 }
 
-/// The image in the emulator.
+/// Image in the emulator.
 #[derive(Debug)]
 pub struct EmulatedTarget {
     image: Option<PathBuf>,
     machine: Machine,
     settings: EcuSettings,
     mode: u8,
-    /// Something has happened to it that a session's start does not mend.
+    /// Whether damage remains that the start of a session does not repair.
     is_hurt: bool,
 }
 
-/// A machine and a session with its image.
+/// Machine, and a session with its image.
 #[derive(Debug)]
 struct Machine {
     link: Shared,
     device: EcuUnderTest<Framed<Shared>>,
 }
 
-/// The link of a machine whose sessions end.
+/// Link of a machine whose sessions end.
 #[derive(Clone, Debug)]
 struct Shared(Rc<RefCell<QemuLink>>);
 
@@ -85,25 +86,25 @@ impl Transport for Shared {
     }
 }
 
-/// A machine that was hurt may be silent for as long as its watchdog takes while a host sets the pace: 10 s.
+/// Timeouts: a damaged machine may be silent until its watchdog resets it, 10 s while a host sets the pace.
 const PATIENCE: Patience = Patience {
     reply: Duration::from_secs(2),
     tries: 2,
     start: Duration::from_secs(60),
 };
-/// Where the image's variables begin, and how many bytes of them are flipped in.
+/// Address of the image's variables, and number of their bytes in which bits are flipped.
 const VARIABLES: (usize, u64) = (mailbox::ADDRESS + 0x1_0000, 0x1800);
-/// The part of the stack that is in use, from its end upwards: the image and the ECU's state live there.
+/// Used part of the stack, from its end upwards: the image's and the ECU's state are there.
 const STACK: (usize, u64) = (
     mailbox::ADDRESS + 0x3_0000 - STACK_BYTES as usize,
     STACK_BYTES,
 );
 const STACK_BYTES: u64 = 12 << 10;
-/// Where an accident is asked for, and in which words (`firmware/src/boards/mps2_an386/pins.rs`).
+/// Address and values of a request for an accident (`firmware/src/boards/mps2_an386/pins.rs`).
 const ACCIDENT: usize = mailbox::ADDRESS + 0x1000 + 4 * 17;
 const HANG: u32 = u32::from_be_bytes(*b"hang");
 const TRAP: u32 = u32::from_be_bytes(*b"trap");
-/// The compare value of a PWM that is always on.
+/// Compare value of a PWM that is always on.
 const COMPARE_FULL: u64 = 65_535;
 
 impl Machine {
@@ -146,10 +147,10 @@ fn session(link: Shared, image: Image) -> Result<EcuUnderTest<Framed<Shared>>, L
 }
 
 impl EmulatedTarget {
-    /// The image in this file, or the one that `cargo xtask image` has built.
+    /// Starts the image in this file, or the one built by `cargo xtask image`.
     ///
     /// # Errors
-    /// There is none, or it does not start.
+    /// Returns an error if there is no image, or it does not start.
     pub fn start(image: Option<&Path>) -> Result<Self, EmulatedError> {
         Ok(Self {
             machine: Machine::start(image)?,
@@ -160,7 +161,7 @@ impl EmulatedTarget {
         })
     }
 
-    /// A session with the image after it has started again, with the settings that it had.
+    /// Opens a session with the image after it has restarted, with its previous settings.
     fn reopen(&mut self) -> Result<(), DutError> {
         let image = Image::find(self.image.as_deref()).map_err(|error| gone(&error))?;
         self.machine.device = session(self.machine.link.clone(), image)?;
@@ -213,7 +214,7 @@ impl Target for EmulatedTarget {
     }
 
     fn restart(&mut self) -> Result<(), DutError> {
-        // One that was hurt may not hear it; then its watchdog resets it.
+        // A damaged image may not receive it; then its watchdog resets it.
         let asked = carry_out(self.machine.device.link_mut(), &Request::Reset);
         if !self.is_hurt {
             asked?;
@@ -221,7 +222,7 @@ impl Target for EmulatedTarget {
         self.reopen()
     }
 
-    /// By a reset: the mechanic switches the supply off and on.
+    /// Releases by a reset: the mechanic switches the supply off and on.
     fn release(&mut self) -> Result<bool, DutError> {
         let is_stuck = self.is_hurt || self.mode == Mode::Locked as u8;
         if is_stuck {

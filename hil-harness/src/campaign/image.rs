@@ -8,7 +8,7 @@ use super::target::{Accident, Target};
 use crate::device::DutError;
 use crate::random::Random;
 
-/// An image with one thing broken.
+/// Image with one fault.
 pub(super) struct Broken {
     fault: ImageFault,
     random: Random,

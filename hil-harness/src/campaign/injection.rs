@@ -1,4 +1,4 @@
-//! One fault, and everything else that decides a run.
+//! Injection: one fault, and everything else that determines a run.
 
 use core::fmt;
 use core::str::FromStr;
@@ -21,51 +21,51 @@ use super::fault::ecu::EcuFault;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Injection {
-    /// What is broken.
+    /// Class of the fault.
     pub class: FaultClass,
     /// First sample of the fault, counted from power-on.
     pub onset: u32,
-    /// How long it lasts each time \[samples\].
+    /// Duration of each occurrence (samples).
     pub duration: u32,
-    /// How often it comes, a second apart.
+    /// Number of occurrences, a second apart.
     pub times: u32,
-    /// How bad it is \[%\], 0 ..= 100; each class says what that means.
+    /// Severity (%), 0 ..= 100; each class defines its meaning.
     pub severity_pct: u8,
-    /// Which rig: odd ones have the orifices of prototype 2.
+    /// Number of the rig: odd ones have the orifices of prototype 2.
     pub rig: u32,
-    /// Source of all chance: reference, noise, and what the fault draws.
+    /// Seed of all random numbers: reference, noise, and those of the fault.
     pub seed: u64,
 }
 
-/// From the end of a fault to its return \[samples\]: 1 s.
+/// Time from the end of a fault to its next occurrence (samples): 1 s.
 const PAUSE: u32 = 100;
-/// First onsets: the loop runs.
+/// Range of the first onset: the loop runs.
 const ONSET: [u32; 2] = [40, 340];
-/// While the ECU still waits for the reference at zero.
+/// Latest early onset: the ECU still waits for the reference at zero.
 const ONSET_EARLY: u64 = 9;
-/// Durations: from one sample to the end of every way.
+/// Longest duration: to the end of every reaction.
 const DURATION_MAX: u32 = 1000;
-/// So many rigs are drawn from.
+/// Number of rigs to draw from.
 const RIGS: u64 = 1000;
-/// A fault that comes again comes so often: once more than the ECU forgives.
+/// Number of occurrences of a repeated fault: one more than the limit that locks the ECU.
 const TIMES: u32 = 5;
 
 impl Injection {
-    /// Number `index` of the campaign with this seed, among `classes`.
+    /// Draws number `index` of the campaign with this seed, among `classes`.
     ///
     /// # Panics
-    /// If there is no class.
+    /// Panics if there is no class.
     pub fn drawn(classes: &[FaultClass], seed: u64, index: u64) -> Self {
         assert!(!classes.is_empty(), "a campaign needs a fault class");
         let random = chance(chance(seed, Chance::Campaign).bits(index), Chance::Campaign);
         let below = |counter: u64, end: u64| random.bits(counter) % end;
         let [first, last] = ONSET;
-        // Uniform over the logarithm: as many of 1 to 10 as of 100 to 1000.
+        // Uniform over the logarithm: durations of 1 to 10 are as frequent as those of 100 to 1000.
         let exponent = below(2, 1000) as f64 / 1000.0;
         let duration = f64::from(DURATION_MAX).powf(exponent).round() as u32;
         let returns = duration < PAUSE && below(3, 6) == 0;
         let class = classes[below(0, classes.len() as u64) as usize];
-        // Of a supervisor, running is the state to be damaged into: it must not be there yet.
+        // The damage of the supervisor sets it to running: it must not be running yet.
         let onset = match class {
             FaultClass::Ecu(EcuFault::SupervisorDamaged) => below(1, ONSET_EARLY) as u32,
             _ => first + below(1, u64::from(last - first)) as u32,
@@ -81,18 +81,18 @@ impl Injection {
         }
     }
 
-    /// Severity, 0 ..= 1.
+    /// Returns the severity, 0 ..= 1.
     pub fn severity(&self) -> f64 {
         f64::from(self.severity_pct) / 100.0
     }
 
-    /// First sample after the last fault.
+    /// Returns the first sample after the last fault.
     pub fn end(&self) -> u32 {
         let periods = self.times.saturating_sub(1);
         self.onset + periods * (self.duration + PAUSE) + self.duration
     }
 
-    /// How long the fault has been there in this sample \[samples\], from 0; none while it is not.
+    /// Returns the age of the fault in this sample (samples), from 0; `None` while it is absent.
     pub fn age(&self, sample: u32) -> Option<u32> {
         let since = sample.checked_sub(self.onset)?;
         let period = self.duration + PAUSE;
@@ -101,7 +101,7 @@ impl Injection {
     }
 }
 
-/// Whether the loop comes back from it by itself: a fault that is confirmed too often locks.
+/// Returns whether the loop recovers by itself: a fault that is confirmed too often locks.
 pub(super) fn survival(injection: &Injection) -> Survival {
     match injection.class.survival(injection.duration) {
         Survival::Held if injection.times > RETRIES => Survival::NotClaimed,
@@ -128,7 +128,7 @@ impl fmt::Display for Injection {
     }
 }
 
-/// A line that is no injection.
+/// Error: a line is no injection.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InjectionError {
     /// The first word is no class.
@@ -139,22 +139,22 @@ pub enum InjectionError {
         "`{key}=` is missing; a line reads `sensor/stuck onset=312 duration=80 times=1 severity=0.40 rig=17 seed=0x1234`"
     )]
     Missing {
-        /// Which.
+        /// Missing key.
         key: &'static str,
     },
     /// A value is no number, or out of range.
     #[error("{key}={found} is not {expected}")]
     Value {
-        /// Of what.
+        /// Key of the value.
         key: &'static str,
-        /// What was read.
+        /// Text that was read.
         found: String,
-        /// What it has to be.
+        /// Allowed value.
         expected: &'static str,
     },
 }
 
-/// Longest run that a line can ask for \[samples\]: an hour.
+/// Longest run that a line can request (samples): an hour.
 const SAMPLES_MAX: u32 = 360_000;
 
 impl FromStr for Injection {

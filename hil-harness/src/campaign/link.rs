@@ -1,7 +1,7 @@
-//! Faults of the messages that bring the reference, as the ECU's receiver hands them on.
+//! Faults of the messages with the reference, as the ECU's receiver passes them on.
 //!
-//! A message that fails its checksum is one that did not come. What the frames between harness and target survive is proved
-//! where they are made, in `hil-protocol`.
+//! A message with a wrong checksum counts as missing. The robustness of the frames between harness and target is tested
+//! in `hil-protocol`.
 
 use super::chance::{Chance, chance, uniform};
 use super::fault::link::LinkFault;
@@ -10,15 +10,15 @@ use super::injector::{Injector, Now};
 use crate::random::Random;
 use crate::wire::{Sensors, reference_bits};
 
-/// The longest delay of a message \[samples\].
+/// Longest delay of a message (samples).
 const LATE_MAX: f64 = 20.0;
 
-/// A link with one thing broken.
+/// Link with one fault.
 pub(super) struct Broken {
     fault: LinkFault,
     severity: f64,
     random: Random,
-    /// Every message sent so far.
+    /// All messages sent so far.
     sent: Vec<Option<i32>>,
 }
 
@@ -32,7 +32,7 @@ impl Broken {
         }
     }
 
-    /// The message of some samples ago.
+    /// Returns the message of some samples ago.
     fn earlier(&self, samples: usize) -> Option<i32> {
         let last = self.sent.len().checked_sub(1 + samples)?;
         *self.sent.get(last)?
@@ -56,7 +56,7 @@ impl Injector for Broken {
                 Some(reference_bits(far))
             }
             LinkFault::Duplicate => self.earlier((age % 2) as usize),
-            // The second of each pair in its own period, the first in the one after.
+            // The second of each pair comes in its own period, the first in the one after.
             LinkFault::Reordered => self.earlier(if age % 2 == 1 { 0 } else { 2 }),
             LinkFault::Late => self.earlier(1 + (LATE_MAX * self.severity) as usize),
         };

@@ -1,4 +1,4 @@
-//! A fault-injection campaign: something breaks, and the loop has to stay safe and come back.
+//! Fault-injection campaign: a fault occurs, and the loop has to stay safe and to recover.
 //!
 //! ```text
 //!               Injection: class, onset, duration, times, severity, rig, seed      one line, and the run again
@@ -9,11 +9,11 @@
 //!     └───────────────────┴────────► Oracle ◄────────────┘          safety first, then liveness
 //! ```
 //!
-//! The verdict is formed outside the target: the [oracle](Oracle) sees what went over the wire, what the coils got and what the
-//! pressure really was. It has its own statement of the rules ([`bounds`]) and asks the target nothing.
+//! The verdict is formed outside the target: the [oracle](Oracle) sees the data on the wire, the duty cycles of the
+//! coils and the true pressure. It has its own definition of the rules ([`bounds`]) and does not query the target.
 //!
-//! A class is one way to break something; the files of this folder have one family each. A run is decided by its [`Injection`]
-//! alone, whose line repeats it: `cargo run --release -p hil-harness --example campaign -- --reproduce '<line>'`.
+//! A class is one kind of fault; the files of this folder have one family each. An [`Injection`] alone determines a
+//! run, and its line repeats it: `cargo run --release -p hil-harness --example campaign -- --reproduce '<line>'`.
 
 pub mod bounds;
 mod chance;

@@ -1,7 +1,7 @@
 //! Faults of valves, coils, chamber and supply.
 //!
-//! The simulator has sound valves. A valve that is stuck gets another command than its coil; what the coil of the stuck valve
-//! takes is then shown by a twin of the simulator whose valves obey.
+//! The simulator has healthy valves. A stuck valve gets another command than its coil. The current of its coil then
+//! comes from a twin of the simulator whose valves follow the commands.
 
 use plant_sim::{Command, PlantParameters, Simulator};
 
@@ -11,21 +11,21 @@ use super::injector::{Injector, Now};
 use crate::wire::{self, Actuators, FULL_DUTY, Sensors};
 use crate::world::World;
 
-/// Share of each PWM period in which a valve that is stuck open is open, at least: about its opening duty.
+/// Minimum share of each PWM period in which a valve that is stuck open is open: about its opening duty cycle.
 const STUCK_OPEN_MIN: f64 = 0.5;
-/// Rate of the largest leak \[1/s\], about a fifth of the nominal vent valve's.
+/// Rate of the largest leak (1/s), about a fifth of the nominal vent valve's.
 const LEAK_MAX_PER_S: f64 = 1.5;
-/// Current of shorted windings, as a multiple of a sound coil's: at least, and so much more at most.
+/// Current of shorted windings, as a multiple of a healthy coil's: the minimum, and the width of the range above.
 const SHORT_FACTOR: [f64; 2] = [4.0, 16.0];
-/// A twin is shown for so long after a fault \[samples\]: command delay and the decay of a current.
+/// Time for which the twin is used after a fault (samples): command delay and decay of a current.
 const TWIN_SAMPLES: u32 = 20;
 
-/// A plant with one thing broken.
+/// Plant with one fault.
 pub(super) struct Broken<'a> {
     plant: &'a PlantParameters,
     fault: PlantFault,
     severity: f64,
-    /// Obeys the commands, to show the currents; with the samples for which it is still needed.
+    /// Twin that follows the commands, for the currents, and the number of samples for which it is still needed.
     twin: Option<(Simulator, u32)>,
     commanded: Actuators,
 }
@@ -45,7 +45,7 @@ impl<'a> Broken<'a> {
         }
     }
 
-    /// What the valves do, as duties, for what the coils got.
+    /// Returns the effective duty cycles of the valves for those of the coils.
     fn valves(&self, world: &mut World<'_>, coils: Actuators) -> Actuators {
         let Actuators {
             duty_fill,
@@ -90,13 +90,13 @@ impl<'a> Broken<'a> {
         }
     }
 
-    /// What is left of the supply [Pa abs].
+    /// Returns the remaining supply pressure (Pa abs).
     fn supply_pa(&self) -> f64 {
         let gas = &self.plant.gas;
         gas.ambient_pressure_pa + (1.0 - self.severity) * gas.supply_pressure_bar_gauge * 1e5
     }
 
-    /// What flows where the simulator has no hole.
+    /// Simulates a flow for which the simulator has no orifice.
     fn flow(&self, world: &mut World<'_>, before_pa: f64) {
         let now_pa = pressure_pa(world);
         let plant = self.plant;
@@ -114,7 +114,7 @@ impl<'a> Broken<'a> {
         }
     }
 
-    /// What a coil with shorted windings takes for its duty cycle \[mA\].
+    /// Returns the current of a coil with shorted windings for its duty cycle (mA).
     fn short_current_ma(&self, duty: u32) -> u16 {
         let [least, more] = SHORT_FACTOR;
         let share = f64::from(duty) / f64::from(FULL_DUTY);

@@ -18,53 +18,53 @@ use crate::scenario::{FIGURE_ORIFICE_M, Scenario, with_orifices};
 use crate::wire;
 use crate::world::World;
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// What was run.
+    /// Injection of the run.
     pub injection: Injection,
-    /// Samples from the onset until the target told of a fault; none if it never did.
+    /// Number of samples from the onset until the target reported a fault; `None` if it never did.
     pub latency: Option<u32>,
-    /// How long the run was \[samples\].
+    /// Length of the run (samples).
     pub samples: u32,
-    /// How often the target started again by itself.
+    /// Number of restarts of the target by itself.
     pub resets: u32,
-    /// The promises that were broken, each where it was broken first.
+    /// Violated requirements, each at its first violation.
     pub violations: Vec<Violation>,
 }
 
 impl Outcome {
-    /// Whether a promise of safety was broken.
+    /// Returns whether a safety requirement was violated.
     pub fn is_unsafe(&self) -> bool {
         self.violations
             .iter()
             .any(|violation| violation.promise.is_safety())
     }
 
-    /// Whether safety was kept and the loop did not come back.
+    /// Returns whether the loop stayed safe but did not recover.
     pub fn is_not_live(&self) -> bool {
         !self.violations.is_empty() && !self.is_unsafe()
     }
 }
 
-/// Why a run has no outcome.
+/// Reason why a run has no result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CampaignError {
     /// The target failed.
     #[error("{injection}: {error}")]
     Target {
-        /// In which run.
+        /// Injection of the run.
         injection: Injection,
-        /// What happened.
+        /// Error of the target.
         error: Box<DutError>,
     },
-    /// The rig is none.
+    /// The rig's parameters are invalid.
     #[error("{injection}: {error}")]
     Rig {
-        /// In which run.
+        /// Injection of the run.
         injection: Injection,
-        /// Which parameter.
+        /// Error of the parameter.
         error: Box<ParameterError>,
     },
 }
@@ -72,15 +72,15 @@ pub enum CampaignError {
 /// Runs one injection on `target` from power-on.
 ///
 /// # Errors
-/// The target failed, or there is no such rig.
+/// Returns an error if the target failed, or there is no such rig.
 pub fn run(injection: &Injection, target: &mut dyn Target) -> Result<Outcome, CampaignError> {
     run_watched(injection, target, &mut |_, _| {})
 }
 
-/// The same, with each sample and the target's mode shown to `watch`.
+/// Runs one injection and passes each sample and the target's mode to `watch`.
 ///
 /// # Errors
-/// As [`run`].
+/// Returns the same errors as [`run`].
 pub fn run_watched(
     injection: &Injection,
     target: &mut dyn Target,
@@ -170,7 +170,7 @@ fn judged(
     })
 }
 
-/// The rig of an injection, and what is asked of it.
+/// Returns the scenario of an injection: its rig and its reference.
 fn scenario(injection: &Injection, drive: &Drive) -> Result<Scenario, ParameterError> {
     static KINDS: OnceLock<[Scenario; 2]> = OnceLock::new();
     let kinds = KINDS.get_or_init(|| {
@@ -192,7 +192,7 @@ fn scenario(injection: &Injection, drive: &Drive) -> Result<Scenario, ParameterE
     })
 }
 
-/// The injector of `injection` on the rig `plant`.
+/// Returns the injector of `injection` on the rig `plant`.
 fn injector<'a>(injection: &Injection, plant: &'a PlantParameters) -> Box<dyn Injector + 'a> {
     match injection.class {
         FaultClass::Plant(fault) => Box::new(plant::Broken::new(fault, injection, plant)),

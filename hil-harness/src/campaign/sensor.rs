@@ -10,12 +10,12 @@ use crate::random::Random;
 use crate::sensor::code;
 use crate::wire::{Sensors, measured_bar};
 
-/// The largest noise [bar rms]: ten times the bench's (data/README.md).
+/// Largest noise (bar rms): ten times the bench's (data/README.md).
 const NOISE_MAX_BAR: f64 = 0.04;
 const DRIFT_MAX_BAR_PER_SAMPLE: f64 = 0.015;
 const DRIFT_END_BAR: f64 = 3.0;
 
-/// A sensor with one thing broken.
+/// Sensor with one fault.
 pub(super) struct Broken {
     fault: SensorFault,
     severity: f64,
@@ -33,7 +33,7 @@ impl Broken {
         }
     }
 
-    /// Up or down, the same for the whole run.
+    /// Returns the sign of the error, the same for the whole run.
     fn sign(&self) -> f64 {
         if self.random.bits(0) & 1 == 0 {
             1.0
@@ -42,7 +42,7 @@ impl Broken {
         }
     }
 
-    /// Uniform over the codes `from ..= to`, another one in each sample.
+    /// Returns a code uniform over `from ..= to`, another one in each sample.
     fn code_within(&self, now: Now, from: u16, to: u16) -> u16 {
         let codes = u64::from(to - from) + 1;
         from + (self.random.bits(1 + u64::from(now.sample)) % codes) as u16

@@ -1,4 +1,4 @@
-//! A campaign in a table.
+//! Table of a campaign's results.
 
 use core::fmt;
 use std::collections::BTreeMap;
@@ -6,12 +6,12 @@ use std::collections::BTreeMap;
 use super::class::FaultClass;
 use super::run::Outcome;
 
-/// What came of many runs, by class.
+/// Results of many runs, by class.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     rows: BTreeMap<FaultClass, Row>,
     samples: u64,
-    /// The first runs that broke a promise.
+    /// First runs that violated a requirement.
     failures: Vec<Outcome>,
 }
 
@@ -25,11 +25,11 @@ struct Row {
     resets: u32,
 }
 
-/// So many failures are kept.
+/// Maximum number of stored failures.
 const FAILURES_MAX: usize = 20;
 
 impl Summary {
-    /// One run more.
+    /// Adds one run.
     pub fn add(&mut self, outcome: Outcome) {
         self.samples += u64::from(outcome.samples);
         let row = self.rows.entry(outcome.injection.class).or_default();
@@ -44,7 +44,7 @@ impl Summary {
         }
     }
 
-    /// Both together.
+    /// Returns both summaries combined.
     #[must_use]
     pub fn with(mut self, other: Self) -> Self {
         self.samples += other.samples;
@@ -62,12 +62,12 @@ impl Summary {
         self
     }
 
-    /// How many runs there were.
+    /// Returns the number of runs.
     pub fn runs(&self) -> u32 {
         self.rows.values().map(|row| row.runs).sum()
     }
 
-    /// How many runs broke a promise.
+    /// Returns the number of runs that violated a requirement.
     pub fn failed(&self) -> u32 {
         self.rows
             .values()
@@ -75,12 +75,12 @@ impl Summary {
             .sum()
     }
 
-    /// The classes that were run.
+    /// Returns the classes that were run.
     pub fn classes(&self) -> impl Iterator<Item = FaultClass> {
         self.rows.keys().copied()
     }
 
-    /// The first runs that broke a promise.
+    /// Returns the first runs that violated a requirement.
     pub fn failures(&self) -> &[Outcome] {
         &self.failures
     }

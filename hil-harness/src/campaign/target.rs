@@ -1,4 +1,4 @@
-//! What a campaign breaks: a device under test, and what can be done to it beyond the wire.
+//! Target of a campaign: a device under test, with the faults that can be applied to it beyond the wire.
 
 use ecu::{Ecu, EcuConfig, EcuSettings, Inputs, ResetCause};
 
@@ -7,81 +7,81 @@ use super::fault::ecu::EcuFault;
 use crate::device::{DutError, plausible};
 use crate::wire::{Actuators, Answer, Sensors};
 
-/// A device under test of a campaign.
+/// Device under test of a campaign.
 pub trait Target {
-    /// What it is; for the record.
+    /// Returns the identity of the device, for the record.
     fn identity(&self) -> String;
 
-    /// With these settings, in the state after power-on.
+    /// Starts the device with these settings, in the state after power-on.
     ///
     /// # Errors
-    /// The device cannot be reached, or the settings are out of bounds.
+    /// Returns an error if the device cannot be reached, or the settings are out of bounds.
     fn start(&mut self, settings: &EcuSettings) -> Result<(), DutError>;
 
-    /// One sample.
+    /// Runs one sample.
     ///
     /// # Errors
-    /// The device did not answer.
+    /// Returns an error if the device did not answer.
     fn exchange(&mut self, sensors: &Sensors) -> Result<Reaction, DutError>;
 
-    /// After a reset, with the settings that it had.
+    /// Resets the device, which keeps its settings.
     ///
     /// # Errors
-    /// The device did not come back.
+    /// Returns an error if the device did not come back.
     fn restart(&mut self) -> Result<(), DutError>;
 
-    /// A mechanic asks for the release of a locked ECU. Whether it was granted.
+    /// Requests the release of a locked ECU, as a mechanic would. Returns whether it was granted.
     ///
     /// # Errors
-    /// The device cannot be reached.
+    /// Returns an error if the device cannot be reached.
     fn release(&mut self) -> Result<bool, DutError>;
 
-    /// Whether this target can be broken in this way.
+    /// Returns whether this target supports this class of faults.
     fn breaks(&self, class: FaultClass) -> bool;
 
-    /// Damages what the ECU remembers. Whether it now has to know that its memory is damaged.
+    /// Damages the memory of the ECU. Returns whether the ECU now has to detect the damage.
     ///
     /// # Errors
-    /// The device cannot be reached.
+    /// Returns an error if the device cannot be reached.
     fn damage(&mut self, _: EcuFault) -> Result<bool, DutError> {
         Ok(false)
     }
 
-    /// Something happens to the image on its machine.
+    /// Applies an accident to the image on its machine.
     ///
     /// # Errors
-    /// The device cannot be reached.
+    /// Returns an error if the device cannot be reached.
     fn suffer(&mut self, _: Accident) -> Result<(), DutError> {
         Ok(())
     }
 }
 
-/// What a target does in a sample.
+/// Reaction of a target in a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
-    /// It answers; the actuators are what the coils get, whatever the device says of them.
+    /// Answer; the actuators are the duty cycles of the coils, not those that the device reports.
     Answer(Answer),
-    /// It has started again instead; this is what its coils got since.
+    /// Restart instead of an answer, with the duty cycles of its coils since.
     Reset(Actuators),
 }
 
-/// What can happen to an image. The number chooses the bit.
+/// Accident of an image. The number chooses the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Accident {
     /// A bit of a static variable flips.
     FlippedVariable(u64),
     /// A bit of the stack flips.
     FlippedStack(u64),
-    /// The program stands still.
+    /// The program stops.
     Hang,
-    /// The processor finds no instruction.
+    /// The processor executes an undefined instruction.
     Trap,
 }
 
-/// Damages an ECU in this process; whether it could.
+/// Function that damages an ECU in this process and returns whether it could.
 pub type Damage = fn(&mut Ecu, EcuFault) -> bool;
 
-/// The ECU in this process, whole or with something taken away.
+/// ECU in this process, complete or with a removed mechanism.
 pub struct InProcessTarget {
     alter: Box<dyn Fn(EcuConfig) -> EcuConfig>,
     damage: Option<Damage>,
@@ -90,12 +90,12 @@ pub struct InProcessTarget {
 }
 
 impl InProcessTarget {
-    /// The ECU as it is.
+    /// Creates the complete ECU.
     pub fn whole() -> Self {
         Self::altered(|config| config)
     }
 
-    /// The ECU with `alter`ed configurations: one that has lost a mechanism.
+    /// Creates an ECU with `alter`ed configurations, for example without a mechanism.
     pub fn altered(alter: impl Fn(EcuConfig) -> EcuConfig + 'static) -> Self {
         let config = alter(BENCH);
         let ecu = Ecu::new(config, ResetCause::PowerOn);
@@ -107,7 +107,7 @@ impl InProcessTarget {
         }
     }
 
-    /// The same with a way to damage its memory.
+    /// Returns the same target with a function that damages its memory.
     #[must_use]
     pub fn damaged_by(self, damage: Damage) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! One requirement beside what was reached.
+//! One requirement with the value that was reached.
 
 use core::fmt;
 
@@ -48,7 +48,7 @@ pub enum CheckId {
 }
 
 impl CheckId {
-    /// All of them, in the order of a verdict.
+    /// All checks, in the order of a verdict.
     pub const ALL: [Self; 11] = [
         Self::SettlingTime,
         Self::SteadyError,
@@ -63,7 +63,7 @@ impl CheckId {
         Self::RestActuations,
     ];
 
-    /// The name in files and tables.
+    /// Returns the name in files and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::SettlingTime => "settling_time",
@@ -92,7 +92,7 @@ pub enum Bound {
 }
 
 impl Bound {
-    /// Whether `reached` respects `limit`; what was never reached does not.
+    /// Returns whether `reached` respects `limit`; a missing value does not.
     pub fn allows(self, reached: Option<f64>, limit: f64) -> bool {
         reached.is_some_and(|reached| match self {
             Self::AtMost => reached <= limit,

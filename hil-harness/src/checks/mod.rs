@@ -1,8 +1,8 @@
-//! Checkers: they know the requirement and a recording, and nothing of the code that made it. A bench log with the same
-//! signals is judged the same way.
+//! Checkers of a recording against the requirement, independent of the code that made it. A bench log with the same
+//! signals is judged in the same way.
 //!
-//! Signals: `p_ref`, `p_ch`, `duty_fill`, `duty_vent`; with `actuations_fill` and `actuations_vent` (counted from the start)
-//! also how often the valves move.
+//! Signals: `p_ref`, `p_ch`, `duty_fill`, `duty_vent`. With `actuations_fill` and `actuations_vent` (counted from the
+//! start) the number of valve movements is judged, too.
 
 mod check;
 mod speed;
@@ -27,7 +27,7 @@ use trajectory::Trajectory;
 /// Judges a recording by `requirement`.
 ///
 /// # Errors
-/// A signal is absent, has gaps or an uneven time base: a verdict on what was not logged would be a guess.
+/// Returns an error if a signal is missing, has gaps or an uneven time base: data that was not logged cannot be judged.
 pub fn judge(recording: &Recording, requirement: &Requirement) -> Result<Verdict, JudgeError> {
     let trajectory = Trajectory::of(recording)?;
     let steps = steps::responses(&trajectory, requirement);

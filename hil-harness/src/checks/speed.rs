@@ -1,14 +1,14 @@
-//! How fast the chamber fills and vents: the two timed passages of section 1.4.
+//! Filling and venting times: the two timed passages of section 1.4.
 
 use super::check::{Bound, Check, CheckId};
 use super::steps::{ROUNDING_BAR, StepResponse, place_of};
 use super::trajectory::Trajectory;
 use crate::requirement::Requirement;
 
-/// The pressure moves once this share of the passage is done.
+/// Share of the passage after which the pressure counts as moving.
 const ONSET_SHARE: f64 = 0.05;
 
-/// The passage from ambient pressure to 0.26 p_sup, or from 0.88 to 0.71 p_sup.
+/// Passage from ambient pressure to 0.26 p_sup, or from 0.88 to 0.71 p_sup.
 struct Passage {
     from_bar: f64,
     to_bar: f64,
@@ -39,16 +39,16 @@ impl Passage {
         (self.to_bar - self.from_bar).signum()
     }
 
-    /// Whether `step` leads from a reference at the passage's beginning through the whole of it. The pressure itself begins
-    /// within P_tol of that.
+    /// Returns whether `step` leads from a reference at the passage's beginning through the whole of it. The pressure
+    /// itself begins within P_tol of that reference.
     fn is_in(&self, step: &StepResponse, requirement: &Requirement) -> bool {
         let begins = (step.previous_bar - self.from_bar).abs() <= requirement.p_tol_bar;
-        // A reference at the passage's end arrives rounded to 2⁻¹⁶ bar.
+        // A reference at the passage's end is rounded to 2⁻¹⁶ bar.
         begins && self.direction() * (step.to_bar - self.to_bar) >= -1e-4
     }
 
-    /// Where the passage ends for `step`: at its level, or P_tol before the reference if that comes first. A loop that holds
-    /// its reference within P_tol need not come closer.
+    /// Returns the end of the passage for `step`: its level, or P_tol before the reference if that comes first. A loop
+    /// within P_tol of its reference need not come closer.
     fn end_bar(&self, step: &StepResponse, requirement: &Requirement) -> f64 {
         let tolerated = step.to_bar - self.direction() * requirement.p_tol_bar;
         if self.direction() > 0.0 {
@@ -59,16 +59,16 @@ impl Passage {
     }
 }
 
-/// Duration of a passage \[samples\].
+/// Duration of a passage (samples).
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Duration {
-    /// From the step of the reference on.
+    /// Duration from the step of the reference.
     with_dead_time: f64,
-    /// From the first motion of the pressure on, as tables 4.3 and 4.4 count.
+    /// Duration from the first motion of the pressure, as in tables 4.3 and 4.4.
     without_dead_time: f64,
 }
 
-/// Filling, counted as in table 4.3.
+/// Checks the filling time, counted as in table 4.3.
 pub(super) fn fill_time(
     trajectory: &Trajectory,
     steps: &[StepResponse],
@@ -83,7 +83,7 @@ pub(super) fn fill_time(
     )
 }
 
-/// Filling, counted from the step of the reference.
+/// Checks the filling time, counted from the step of the reference.
 pub(super) fn fill_time_with_dead_time(
     trajectory: &Trajectory,
     steps: &[StepResponse],
@@ -98,7 +98,7 @@ pub(super) fn fill_time_with_dead_time(
     )
 }
 
-/// Venting, counted as in table 4.3.
+/// Checks the venting time, counted as in table 4.3.
 pub(super) fn vent_time(
     trajectory: &Trajectory,
     steps: &[StepResponse],
@@ -113,7 +113,7 @@ pub(super) fn vent_time(
     )
 }
 
-/// Venting, counted from the step of the reference.
+/// Checks the venting time, counted from the step of the reference.
 pub(super) fn vent_time_with_dead_time(
     trajectory: &Trajectory,
     steps: &[StepResponse],
@@ -178,7 +178,7 @@ fn timed(
     })
 }
 
-/// None if the pressure never comes to the end of the passage while the reference is held.
+/// Returns the duration; `None` if the pressure never reaches the end of the passage while the reference is constant.
 fn duration(
     passage: &Passage,
     step: &StepResponse,
@@ -200,7 +200,7 @@ fn duration(
         arrival as f64 - ((after - whole) / (after - before)).clamp(0.0, 1.0)
     };
     let onset = {
-        // The line through the first two samples in motion, back to where the pressure rested.
+        // The line through the first two samples in motion, extended back to the pressure at rest.
         let first = done(ONSET_SHARE)?;
         let moved = distance(answer[first]);
         let rate = answer

@@ -1,4 +1,4 @@
-//! How the pressure answers to steps of the reference.
+//! Step responses of the pressure.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -37,10 +37,10 @@ pub struct StepResponse {
     pub steady_error_bar: f64,
 }
 
-/// A pressure that is off by less than this is not off: rounding of decimal numbers \[bar\].
+/// Rounding error of decimal numbers (bar): a smaller deviation is none.
 pub(super) const ROUNDING_BAR: f64 = 1e-9;
 
-/// Every step that is held for T_req or longer. The samples of a ramp are steps that are not held.
+/// Returns every step whose reference is constant for T_req or longer. The samples of a ramp are shorter steps.
 pub(super) fn responses(trajectory: &Trajectory, requirement: &Requirement) -> Vec<StepResponse> {
     let reference = &trajectory.reference;
     let mut steps = Vec::new();
@@ -48,7 +48,7 @@ pub(super) fn responses(trajectory: &Trajectory, requirement: &Requirement) -> V
     while start < reference.len() {
         let is_same = |value: &&f64| **value == reference[start];
         let end = start + reference[start..].iter().take_while(is_same).count();
-        // The first reference is a step if the pressure is not there.
+        // The first reference is a step if the pressure differs from it.
         let is_step = start > 0
             || (trajectory.pressure[0] - reference[0]).abs() > requirement.p_tol_bar + ROUNDING_BAR;
         if is_step && end - start >= requirement.t_req_samples as usize {
@@ -66,7 +66,7 @@ fn response(
     end: usize,
 ) -> Option<StepResponse> {
     let to_bar = trajectory.reference[start];
-    // What the next reference is answered with comes after its sample, so that sample still belongs to this step.
+    // The response to the next reference begins after its sample, so that sample still belongs to this step.
     let last = end.min(trajectory.len() - 1);
     let answer = &trajectory.pressure[start..=last];
     let t_req = requirement.t_req_samples as usize;
@@ -99,7 +99,7 @@ fn response(
     })
 }
 
-/// All steps to references of the operating range are settled within T_req.
+/// Checks that all steps to references of the operating range settle within T_req.
 pub(super) fn settling_time(steps: &[StepResponse], requirement: &Requirement) -> Option<Check> {
     let id = CheckId::SettlingTime;
     settling(
@@ -109,7 +109,7 @@ pub(super) fn settling_time(steps: &[StepResponse], requirement: &Requirement) -
     )
 }
 
-/// The same beyond the operating range, for information.
+/// Evaluates the same beyond the operating range, for information.
 pub(super) fn settling_time_beyond_operating_range(
     steps: &[StepResponse],
     requirement: &Requirement,
@@ -127,7 +127,7 @@ fn settling<'a>(
     steps: impl Iterator<Item = &'a StepResponse> + Clone,
     requirement: &Requirement,
 ) -> Option<Check> {
-    // Never settled is slower than any number of samples.
+    // A step that never settled is slower than any number of samples.
     let worst = steps
         .clone()
         .max_by_key(|step| step.settled_samples.unwrap_or(u32::MAX))?;
@@ -164,7 +164,7 @@ fn settling<'a>(
     })
 }
 
-/// The error from T_req on.
+/// Checks the steady-state error from T_req on.
 pub(super) fn steady_error(steps: &[StepResponse], requirement: &Requirement) -> Option<Check> {
     let in_range = steps.iter().filter(|step| step.in_operating_range);
     let worst = in_range.max_by(|a, b| a.steady_error_bar.total_cmp(&b.steady_error_bar))?;
@@ -184,7 +184,7 @@ pub(super) fn steady_error(steps: &[StepResponse], requirement: &Requirement) ->
     })
 }
 
-/// How far the pressure went beyond the reference. The thesis sets no limit; beyond P_tol it costs a correction.
+/// Checks the overshoot. The thesis sets no limit; beyond P_tol it costs a correction.
 pub(super) fn overshoot(steps: &[StepResponse], requirement: &Requirement) -> Option<Check> {
     let in_range = steps.iter().filter(|step| step.in_operating_range);
     let worst = in_range.max_by(|a, b| a.overshoot_bar.total_cmp(&b.overshoot_bar))?;
@@ -204,7 +204,7 @@ pub(super) fn overshoot(steps: &[StepResponse], requirement: &Requirement) -> Op
     })
 }
 
-/// `2.10 to 5.96 bar at 12.00 s`.
+/// Returns a place such as `2.10 to 5.96 bar at 12.00 s`.
 pub(super) fn place_of(step: &StepResponse) -> String {
     format!(
         "{:.2} to {:.2} bar at {:.2} s",

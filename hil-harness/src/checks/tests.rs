@@ -1,4 +1,4 @@
-//! Each checker against recordings made by hand, at its limit, one before and one beyond.
+//! Each checker against hand-made recordings: at its limit, one unit below and one unit above.
 
 use recording::{Provenance, Recording, TimeBase, Unit};
 
@@ -6,7 +6,7 @@ use super::*;
 
 const REQUIREMENT: Requirement = Requirement::THESIS;
 
-/// Signals over 10 ms samples, to be bent and judged.
+/// Signals over 10 ms samples, to be modified and judged.
 #[derive(Clone)]
 struct Made {
     p_ref: Vec<f64>,
@@ -17,7 +17,7 @@ struct Made {
 }
 
 impl Made {
-    /// The pressure is where it is asked to be, at `bar`, and the valves rest.
+    /// Creates signals with the pressure at its reference `bar`, and the valves at rest.
     fn resting_at(bar: f64, samples: usize) -> Self {
         Self {
             p_ref: vec![bar; samples],
@@ -28,11 +28,12 @@ impl Made {
         }
     }
 
-    /// From 2 bar, a step to `to_bar` at sample 10, held for `held` samples; then back. The pressure follows at once.
+    /// Creates a step from 2 bar to `to_bar` at sample 10, constant for `held` samples, then back. The pressure follows
+    /// at once.
     fn step_to(to_bar: f64, held: usize) -> Self {
         let mut made = Self::resting_at(2.0, 10 + held + 10);
         made.p_ref[10..10 + held].fill(to_bar);
-        // What is seen in a sample follows from the sample before.
+        // The pressure of a sample follows from the sample before.
         made.p_ch[11..=10 + held].fill(to_bar);
         made
     }
@@ -181,7 +182,7 @@ fn a_reference_outside_the_operating_range_is_shown_and_does_not_decide() {
     assert!(verdict.holds);
 }
 
-/// A passage that takes `samples` from a rest of two samples on, straight from `from_bar` to `to_bar`.
+/// Creates a passage that takes `samples` after a rest of two samples, on a straight line from `from_bar` to `to_bar`.
 fn passage(from_bar: f64, to_bar: f64, reference_bar: f64, samples: f64) -> Made {
     let mut made = Made::resting_at(from_bar, 100);
     made.p_ref[10..].fill(reference_bar);
@@ -305,7 +306,7 @@ fn a_duty_cycle_is_0_or_within_its_own_valves_limits() {
 fn at_rest_the_valves_may_move_three_times_within_a_second() {
     for (moves, expected) in [(2, true), (3, true), (4, false)] {
         let mut made = Made::step_to(3.0, 400);
-        // Every 33 samples from T_req on: `moves` of them within a second, and none after.
+        // One every 33 samples from T_req on: `moves` of them within a second, and none after.
         for index in 0..made.actuations_fill.len() {
             made.actuations_fill[index] = (index.saturating_sub(70).div_ceil(33).min(moves)) as f64;
         }

@@ -1,29 +1,29 @@
-//! The signals that the checkers look at, on one even grid of samples.
+//! Signals used by the checkers, on one even grid of samples.
 
 use recording::{ConversionError, MissingSignal, Quantity, Recording, Unit};
 
 /// Signals of a closed loop, all of one length, without gaps.
 #[derive(Clone, Debug)]
 pub(super) struct Trajectory {
-    /// Instant of each sample \[s\].
+    /// Instant of each sample (s).
     pub(super) times_s: Vec<f64>,
-    /// Sample time \[s\].
+    /// Sample time (s).
     pub(super) sample_s: f64,
-    /// Reference [bar gauge].
+    /// Reference (bar gauge).
     pub(super) reference: Vec<f64>,
-    /// Chamber pressure [bar gauge].
+    /// Chamber pressure (bar gauge).
     pub(super) pressure: Vec<f64>,
-    /// Duty cycles of fill and vent valve \[%\].
+    /// Duty cycles of fill and vent valve (%).
     pub(super) duty: [Vec<f64>; 2],
-    /// How often fill and vent valve were lifted until each sample, where logged.
+    /// Number of lifts of fill and vent valve until each sample, if logged.
     pub(super) actuations: Option<[Vec<f64>; 2]>,
 }
 
-/// Why a recording cannot be judged.
+/// Reason why a recording cannot be judged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JudgeError {
-    /// A signal is absent or something else.
+    /// A signal is missing, or has another quantity.
     #[error(transparent)]
     Signal(#[from] MissingSignal),
     /// A pressure is not gauge.
@@ -36,18 +36,18 @@ pub enum JudgeError {
     MissingSamples {
         /// Name of the signal.
         name: &'static str,
-        /// How many are missing.
+        /// Number of missing samples.
         missing: usize,
-        /// How many there should be.
+        /// Number of all samples.
         samples: usize,
     },
-    /// Signals on different time bases.
+    /// Two signals have different time bases.
     #[error("{name:?} is sampled at other instants than p_ref: resample it first")]
     OtherTimeBase {
         /// Name of the signal.
         name: &'static str,
     },
-    /// Samples are the unit of the requirement.
+    /// The samples are not even, but they are the unit of the requirement.
     #[error("p_ref is not evenly sampled: the requirement counts samples, log every ECU period")]
     Uneven,
 }

@@ -1,4 +1,4 @@
-//! What the valves get, and how often they move.
+//! Duty cycles and movements of the valves.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -20,10 +20,10 @@ pub struct Actuations {
     pub per_s: f64,
 }
 
-/// A duty cycle off by less than this is not off: its resolution on the wire \[%\].
+/// Resolution of a duty cycle on the wire (%): a smaller deviation is none.
 const ROUNDING_PCT: f64 = 1.0 / 65536.0;
 
-/// Scheme 1 never energises both valves.
+/// Checks that Scheme 1 never energises both valves.
 pub(super) fn never_both(trajectory: &Trajectory) -> Check {
     let [fill, vent] = &trajectory.duty;
     let both = |&index: &usize| fill[index] > 0.0 && vent[index] > 0.0;
@@ -36,7 +36,7 @@ pub(super) fn never_both(trajectory: &Trajectory) -> Check {
     )
 }
 
-/// A duty cycle is 0 or within its limits.
+/// Checks that a duty cycle is 0 or within its limits.
 pub(super) fn duty_limits(trajectory: &Trajectory, requirement: &Requirement) -> Check {
     let limits = [requirement.duty_fill_pct, requirement.duty_vent_pct];
     let beyond = |&index: &usize| {
@@ -61,7 +61,7 @@ pub(super) fn duty_limits(trajectory: &Trajectory, requirement: &Requirement) ->
     )
 }
 
-/// A check that allows no sample.
+/// Creates a check that allows no sample.
 fn count_of(
     id: CheckId,
     requirement: String,
@@ -90,7 +90,7 @@ fn count_of(
     }
 }
 
-/// At rest, after T_req, the valves hardly move: no limit cycle.
+/// Checks that at rest, after T_req, the valves hardly move: no limit cycle.
 pub(super) fn rest_actuations(
     trajectory: &Trajectory,
     steps: &[StepResponse],
@@ -139,7 +139,7 @@ fn most_within_a_second(
         .unwrap_or(0)
 }
 
-/// Totals of the recording.
+/// Returns the totals of the recording.
 pub(super) fn actuations(trajectory: &Trajectory) -> Option<Actuations> {
     let [fill, vent] = trajectory.actuations.as_ref()?.each_ref().map(|counts| {
         let total = counts

@@ -1,4 +1,4 @@
-//! What a judgement looks like, for people and as JSON.
+//! Verdict on a recording, for people and as JSON.
 
 use core::fmt;
 
@@ -44,7 +44,7 @@ impl Verdict {
         Self {
             schema: SCHEMA.to_owned(),
             source: recording.provenance().source.clone(),
-            // A recording in which nothing was asked for proves nothing.
+            // A recording without any step proves nothing.
             holds: !steps.is_empty() && checks.iter().all(|check| check.holds || !check.binding),
             not_exercised: CheckId::ALL
                 .into_iter()
@@ -56,7 +56,7 @@ impl Verdict {
         }
     }
 
-    /// The check with this id, if the recording gave occasion to it.
+    /// Returns the check with this id, if the recording contains a case of it.
     pub fn check(&self, id: CheckId) -> Option<&Check> {
         self.checks.iter().find(|check| check.id == id)
     }

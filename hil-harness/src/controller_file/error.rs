@@ -1,4 +1,4 @@
-//! What is wrong with a controller file, and what to do.
+//! Problems of a controller file, and how to correct them.
 
 use core::fmt;
 
@@ -16,46 +16,46 @@ pub struct ControllerFileError {
 #[allow(missing_docs, reason = "the variants' sentences name the fields")]
 #[non_exhaustive]
 pub enum Problem {
-    /// Too large for a controller file.
+    /// The file is too large for a controller file.
     Size { bytes: usize, bytes_max: usize },
-    /// Not TOML.
+    /// The file is not TOML.
     Syntax { line: usize, message: String },
-    /// No such table.
+    /// The table does not exist.
     UnknownTable { line: usize, table: String },
-    /// No such key.
+    /// The key does not exist.
     UnknownKey {
         line: usize,
         path: String,
         nearest: Option<String>,
     },
-    /// A key of an option that is not chosen.
+    /// The key belongs to an option that is not chosen.
     NoEffect { line: usize, key: &'static Key },
-    /// A required key is absent; `line` is that of its table, where there is one.
+    /// A required key is missing; `line` is that of its table, if there is one.
     Missing {
         line: Option<usize>,
         key: &'static Key,
     },
-    /// Neither the number nor the word that is expected.
+    /// The value is neither the expected number nor the expected word.
     WrongValue {
         line: usize,
         key: &'static Key,
         found: String,
         expected: String,
     },
-    /// A number that fixed-point cannot hold at all.
+    /// The number does not fit into fixed point.
     NotHeld {
         line: usize,
         key: &'static Key,
         found: String,
     },
-    /// A number that fixed-point would change noticeably.
+    /// Fixed point would change the number noticeably.
     TooFine {
         line: usize,
         key: &'static Key,
         found: String,
         kept: String,
     },
-    /// A number that the controller refuses.
+    /// The controller refuses the number.
     OutOfRange {
         line: usize,
         key: &'static Key,
@@ -65,7 +65,7 @@ pub enum Problem {
         unit: &'static str,
         why: Option<String>,
     },
-    /// Numbers that the controller refuses together.
+    /// The controller refuses the combination of numbers.
     Together { line: usize, message: String },
 }
 
@@ -78,14 +78,14 @@ impl ControllerFileError {
         }
     }
 
-    /// The problems, in the order of the file.
+    /// Returns the problems, in the order of the file.
     pub fn problems(&self) -> &[Problem] {
         &self.problems
     }
 }
 
 impl Problem {
-    /// Line in the file, from 1; none where the problem has no line.
+    /// Returns the line in the file, from 1; `None` if the problem has no line.
     pub fn line(&self) -> Option<usize> {
         match self {
             Self::Size { .. } => None,

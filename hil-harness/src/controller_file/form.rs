@@ -1,11 +1,11 @@
-//! A controller file as a form: what stands at each key, and the file with something else there.
+//! Controller file as a form: the text at each key, and the file with changed texts.
 
 use toml_edit::{DocumentMut, Item, Value};
 
 use super::keys::{KEYS, Key};
 
-/// What stands at each key, as a person types it: a number as the file has it, a word without its quotes. Keys that the
-/// file has not are left out; so is everything of a file that is no TOML.
+/// Returns the text of each key, as a person types it: a number as in the file, a word without its quotes. Missing keys
+/// are left out. The result of a file that is not TOML is empty.
 pub fn values(text: &str) -> Vec<(&'static Key, String)> {
     let document: DocumentMut = text.parse().unwrap_or_default();
     let typed = |item: &Item| match item.as_str() {
@@ -21,8 +21,8 @@ pub fn values(text: &str) -> Vec<(&'static Key, String)> {
         .collect()
 }
 
-/// The file with other values, each with `origin` as its comment; none takes a key away, and an empty table with its last
-/// key. What is not changed stays as it is. Whether the result makes a controller is for [`super::read`] to say.
+/// Returns the file with changed values, each with `origin` as its comment. `None` removes a key, and a table with its
+/// last key. All other text is unchanged. [`super::read`] decides whether the result is valid.
 pub fn with_values(text: &str, changes: &[(&'static Key, Option<&str>)], origin: &str) -> String {
     let mut document: DocumentMut = text.parse().unwrap_or_default();
     for (key, typed) in changes {
@@ -48,7 +48,7 @@ pub fn with_values(text: &str, changes: &[(&'static Key, Option<&str>)], origin:
         let Some(table) = table.as_table_like_mut() else {
             continue;
         };
-        // What stands before the key stays there.
+        // Comments before the key stay.
         match table.get_mut(key.name) {
             Some(item) => *item = Item::Value(value),
             None => drop(table.insert(key.name, Item::Value(value))),
@@ -57,7 +57,7 @@ pub fn with_values(text: &str, changes: &[(&'static Key, Option<&str>)], origin:
     document.to_string()
 }
 
-/// A number where it is one, else a word.
+/// Returns a number if the text is one, otherwise a word.
 fn typed_value(typed: &str) -> Value {
     let typed = typed.trim();
     match typed.parse::<Value>() {
@@ -116,7 +116,7 @@ mod tests {
         assert!(recommended().boost.is_some());
     }
 
-    /// Whatever is typed is one value, and is refused as such.
+    /// Any typed text becomes one value, and is refused as such.
     #[test]
     fn what_is_typed_cannot_become_another_line() {
         let gain = key("pid.gain_pct_per_bar");

@@ -1,27 +1,27 @@
-//! The one list of all keys.
+//! List of all keys.
 
 use controller::Field;
 
-/// One key of a controller file.
+/// Key of a controller file.
 #[derive(Debug)]
 pub struct Key {
     /// TOML table.
     pub table: &'static str,
-    /// TOML key; its end is the unit.
+    /// TOML key, which ends in its unit.
     pub name: &'static str,
-    /// What it is, for people.
+    /// Description for people.
     pub about: &'static str,
-    /// The controller's name for it, where it is a number.
+    /// Field of the controller, if the key is a number.
     pub(super) field: Option<Field>,
 }
 
 impl Key {
-    /// `table.key`.
+    /// Returns `table.key`.
     pub fn path(&self) -> String {
         format!("{}.{}", self.table, self.name)
     }
 
-    /// The key of this path.
+    /// Returns the key of this path.
     pub(super) fn find(table: &str, name: &str) -> Option<&'static Self> {
         KEYS.iter()
             .find(|key| key.table == table && key.name == name)
@@ -81,7 +81,7 @@ pub const KEYS: &[Key] = keys! {
     duty_min.vent_with_supply_pressure_pct (DutyMinVentWithSupplyPressure), "the same at the full supply pressure (table 4.1)";
 };
 
-/// All tables, in the order of a file.
+/// Returns all tables, in the order of a file.
 pub(super) fn tables() -> Vec<&'static str> {
     let mut tables: Vec<&str> = KEYS.iter().map(|key| key.table).collect();
     tables.dedup();

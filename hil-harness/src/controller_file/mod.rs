@@ -1,7 +1,7 @@
-//! Controller files: a controller's settings as TOML, the unit at the end of every key.
+//! Controller files: a controller's settings as TOML, with the unit at the end of every key.
 //!
-//! Decimal text becomes fixed-point without a float in between, nearest 2⁻¹⁶ of the key's unit; what that would change by
-//! more than 1 % is refused. The ranges are the controller's own: this module knows keys and words, not bounds.
+//! Decimal text is converted to fixed point without a float in between, to the nearest 2⁻¹⁶ of the key's unit. A change
+//! by more than 1 % is refused. The ranges belong to the controller: this module contains keys and words, no bounds.
 
 mod error;
 mod form;
@@ -17,30 +17,30 @@ pub use keys::{KEYS, Key};
 
 use controller::Settings;
 
-/// The controller of the thesis, as shipped.
+/// Shipped controller of the thesis.
 pub const THESIS_TOML: &str = include_str!("../../controllers/thesis.toml");
-/// The recommended controller, as shipped.
+/// Shipped recommended controller.
 pub const RECOMMENDED_TOML: &str = include_str!("../../controllers/recommended.toml");
 
-/// Reads a controller file; `name` is what errors call it. What comes back is accepted by [`controller::Config::new`].
+/// Reads a controller file; errors use `name` for it. [`controller::Config::new`] accepts the result.
 ///
 /// # Errors
-/// All problems of the file, each with line, allowed range and what to do.
+/// Returns all problems of the file, each with line, allowed range and next step.
 pub fn read(text: &str, name: &str) -> Result<Settings, ControllerFileError> {
     read::read(text, name)
 }
 
-/// The settings as a controller file that reads back to the same bits.
+/// Writes the settings as a controller file that reads back to the same bits.
 pub fn write(settings: &Settings) -> String {
     write::write(settings)
 }
 
-/// The shipped controller of the thesis.
+/// Returns the shipped controller of the thesis.
 pub fn thesis() -> Settings {
     read(THESIS_TOML, "thesis.toml").expect("the shipped file is read by a test")
 }
 
-/// The shipped controller that we recommend.
+/// Returns the shipped recommended controller.
 pub fn recommended() -> Settings {
     read(RECOMMENDED_TOML, "recommended.toml").expect("the shipped file is read by a test")
 }

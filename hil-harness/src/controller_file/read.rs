@@ -1,4 +1,4 @@
-//! Reading a controller file: every problem is found before anything is used.
+//! Reader of controller files: it finds every problem before it uses anything.
 
 use core::ops::Range;
 use std::cell::{Cell, RefCell};
@@ -13,10 +13,10 @@ use toml_edit::{Document, Item, TableLike, Value};
 use super::error::{ControllerFileError, Problem};
 use super::keys::{KEYS, Key, tables};
 
-/// Size beyond which a file is certainly no controller file [bytes].
+/// Size beyond which a file is certainly no controller file (bytes).
 const BYTES_MAX: usize = 1 << 20;
 
-/// Largest change of a number by fixed-point that passes for the same number.
+/// Largest relative change of a number by fixed point that is accepted.
 const ROUNDING_SHARE_MAX: f64 = 0.01;
 
 pub(super) fn read(text: &str, name: &str) -> Result<Settings, ControllerFileError> {
@@ -58,13 +58,13 @@ pub(super) fn read(text: &str, name: &str) -> Result<Settings, ControllerFileErr
 struct Reader<'a> {
     text: &'a str,
     document: &'a Document<&'a str>,
-    /// Whether the key of this place in [`KEYS`] belongs to the options chosen.
+    /// Whether the key at this index of [`KEYS`] belongs to the chosen options.
     asked: Vec<Cell<bool>>,
     problems: RefCell<Vec<Problem>>,
 }
 
 impl Reader<'_> {
-    /// The settings; what is missing or wrong is noted and stands as zero.
+    /// Returns the settings; missing or wrong values are noted as problems and replaced by zero.
     fn settings(&self) -> Settings {
         Settings {
             sample_time_ms: self.number("sample", "sample_time_ms"),
@@ -220,7 +220,7 @@ impl Reader<'_> {
         (item.as_str() != Some("off")).then(|| self.decimal(key, item, "a number or \"off\""))
     }
 
-    /// The value of the word that stands there; the first choice where it is missing or wrong.
+    /// Returns the value of the word in the file; the first choice if it is missing or wrong.
     fn word<T: Copy>(&self, table: &'static str, name: &'static str, choices: &[(&str, T)]) -> T {
         let fallback = choices[0].1;
         let Some((key, item)) = self.required(table, name) else {
@@ -241,7 +241,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The nearest fixed-point number to the decimal text in the file.
+    /// Returns the fixed-point number nearest to the decimal text in the file.
     fn decimal(&self, key: &'static Key, item: &Item, expected: &str) -> I16F16 {
         let text = match item.as_value() {
             Some(Value::Integer(integer)) => integer.value().to_string(),
@@ -300,7 +300,7 @@ impl Reader<'_> {
         fallback
     }
 
-    /// Notes every table and key that nobody asked for.
+    /// Notes every table and key that was not read.
     fn refuse_the_rest(&self) {
         for (table, item) in self.document.iter() {
             let line = self.line(self.document.key(table).and_then(toml_edit::Key::span));
@@ -338,7 +338,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The controller's refusal, in the words and at the lines of the file.
+    /// Converts the controller's refusal into the words and lines of the file.
     fn explain(&self, error: &ConfigError) -> Problem {
         let out_of_range = |field: Field, value: I16F16, min: I16F16, max: I16F16, why| {
             let (key, line) = self.place_of(field);
@@ -394,14 +394,14 @@ impl Reader<'_> {
         }
     }
 
-    /// The key that the file uses for a number of the controller, and its line.
+    /// Returns the key that the file uses for a number of the controller, and its line.
     fn place_of(&self, field: Field) -> (&'static Key, usize) {
         let keys = || KEYS.iter().filter(|key| key.field == Some(field));
         let used = keys().find_map(|key| {
             let item = self.table(key.table)?.get(key.name)?;
             Some((key, self.line(item.span())))
         });
-        // Every field of the controller has a key; a test goes through them.
+        // Every field of the controller has a key, as a test checks.
         used.unwrap_or_else(|| (keys().next().unwrap_or(&KEYS[0]), 1))
     }
 
@@ -428,7 +428,8 @@ fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
         .count()
 }
 
-/// Text of a file as an error may show it: short, and nothing that makes a terminal show something else.
+/// Returns text of a file in a form that an error may show: short, and without characters that change a terminal's
+/// display.
 fn shown(text: &str) -> String {
     let is_plain =
         |c: char| !c.is_control() && !('\u{200b}'..='\u{206f}').contains(&c) && c != '\u{feff}';
@@ -438,7 +439,7 @@ fn shown(text: &str) -> String {
         .collect()
 }
 
-/// The known key that shares most of its words with an unknown one, such as the same number in another unit.
+/// Returns the known key with most words in common with an unknown one, such as the same number in another unit.
 fn nearest(table: &str, name: &str) -> Option<String> {
     let words = |text: &str| text.split('_').map(str::to_owned).collect::<Vec<_>>();
     let wanted = words(name);

@@ -11,7 +11,7 @@ fn problems_of(text: &str) -> String {
     read(text, "C.toml").unwrap_err().to_string()
 }
 
-/// The thesis file with one line replaced.
+/// Returns the thesis file with one line replaced.
 fn thesis_with(line: &str, instead: &str) -> String {
     let start = THESIS_TOML.find(&format!("\n{line}")).unwrap() + 1;
     let end = start + THESIS_TOML[start..].find('\n').unwrap();
@@ -68,7 +68,7 @@ fn decimal_text_becomes_the_nearest_fixed_point_number_without_a_float() {
     }
 }
 
-/// What each mistake is answered with: place, culprit, bound, what to do.
+/// The answer to each mistake: place, culprit, bound, next step.
 #[test]
 fn every_mistake_is_named_with_its_line_and_what_to_do() {
     let cases: &[(&str, &str, &[&str])] = &[
@@ -248,7 +248,7 @@ fn the_two_laws_between_the_ends_are_the_controllers_own() {
     assert_eq!(fill_of(law("43")).at_half_pct, I16F16::lit("43"));
 }
 
-/// Otherwise a refusal of the controller could not be shown at its line.
+/// Without a key, a refusal by the controller could not be shown at its line.
 #[test]
 fn every_number_of_the_controller_has_a_key() {
     use Field::*;

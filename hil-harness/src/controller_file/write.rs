@@ -1,4 +1,4 @@
-//! Writing a controller file that reads back to the same bits.
+//! Writer of a controller file that reads back to the same bits.
 
 use controller::fixed::types::I16F16;
 use controller::{
@@ -139,8 +139,8 @@ struct File {
 
 impl File {
     fn number(&mut self, table: &'static str, name: &str, number: I16F16) {
-        // `fixed` prints a decimal within half a step, and at a tie (6553 units of 2^-16 print as 0.1, which is 6554) that
-        // reads back as the neighbour. Six true decimals tell every step apart; f64 holds them all.
+        // `fixed` prints a decimal within half a step. At a tie (6553 units of 2^-16 print as 0.1, which is 6554) it
+        // reads back as the neighbour. Six exact decimals distinguish all steps; f64 can represent them all.
         let short = number.to_string();
         let reads_back = short.parse::<I16F16>() == Ok(number);
         let text = if reads_back {

@@ -1,10 +1,10 @@
-//! A device in this process, asked without frames.
+//! Link to a device in this process, without frames.
 
 use hil_protocol::{Device, Identity, Reply, Request};
 
 use super::{Link, LinkError};
 
-/// A device in this process: the request itself is handed over, in lock step.
+/// Device in this process: requests are passed directly, in lock step.
 #[derive(Clone, Debug)]
 pub struct Direct<D> {
     device: D,
@@ -18,12 +18,12 @@ impl<D: Device> Direct<D> {
         Self { device, identity }
     }
 
-    /// The device.
+    /// Returns the device.
     pub fn device(&self) -> &D {
         &self.device
     }
 
-    /// The device, to do to it what no wire could.
+    /// Returns the device, for changes that no wire allows.
     pub fn device_mut(&mut self) -> &mut D {
         &mut self.device
     }
@@ -41,7 +41,7 @@ impl<D: Device> Link for Direct<D> {
         }
     }
 
-    /// Nothing: only an image logs.
+    /// Returns an empty log: only an image logs.
     fn take_log(&mut self) -> Result<Vec<String>, LinkError> {
         Ok(Vec::new())
     }

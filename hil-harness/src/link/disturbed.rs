@@ -1,4 +1,4 @@
-//! A bad wire: frames are lost, damaged, repeated, and come late or in another order.
+//! Bad wire: frames are lost, damaged, repeated, late, or out of order.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -9,39 +9,39 @@ use hil_protocol::frame::DELIMITER;
 use super::transport::{Transport, TransportError};
 use crate::random::{Draws, Random, Stream};
 
-/// A wire on which some of the frames suffer, both ways, chosen by a seed.
+/// Wire on which some of the frames are disturbed, in both directions, chosen by a seed.
 #[derive(Debug)]
 pub struct Disturbed<T> {
     wire: T,
-    /// One frame in so many suffers, of each kind.
+    /// One frame in this number is disturbed, for each kind.
     one_in: u32,
     to_device: Way,
     to_host: Way,
-    /// What has come of a frame that is not complete.
+    /// Received part of an incomplete frame.
     begun: Vec<u8>,
-    /// What the host has not taken yet.
+    /// Bytes that the host has not taken yet.
     ready: VecDeque<u8>,
 }
 
-/// How often what happened to frames.
+/// Numbers of disturbed frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Disturbances {
-    /// Frames that never arrived.
+    /// Number of frames that never arrived.
     pub lost: u32,
-    /// Frames with one bit flipped.
+    /// Number of frames with one flipped bit.
     pub damaged: u32,
-    /// Frames that came twice.
+    /// Number of frames that came twice.
     pub repeated: u32,
-    /// Frames that came after up to four newer ones: late, and out of order.
+    /// Number of frames that came after up to four newer ones: late, and out of order.
     pub late: u32,
 }
 
-/// One direction.
+/// One direction of the wire.
 #[derive(Debug)]
 struct Way {
     draws: Draws,
     disturbances: Disturbances,
-    /// Frames that come late, and how many newer ones come before them.
+    /// Late frames, with the number of newer ones that come before them.
     held: Vec<(u32, Vec<u8>)>,
 }
 
@@ -54,7 +54,7 @@ impl Way {
         }
     }
 
-    /// What arrives when this frame is sent, oldest first.
+    /// Returns the frames that arrive when this frame is sent, oldest first.
     fn carry(&mut self, frame: Vec<u8>, one_in: u32) -> Vec<Vec<u8>> {
         let count = &mut self.disturbances;
         let mut arriving = Vec::new();
@@ -88,8 +88,8 @@ impl Way {
 }
 
 impl<T: Transport> Disturbed<T> {
-    /// A bad wire in place of a good one: of `one_in` frames each way, on average one is lost, one damaged, one repeated and
-    /// one late.
+    /// Creates a bad wire in place of a good one: of `one_in` frames in each direction, on average one is lost, one
+    /// damaged, one repeated and one late.
     pub fn new(wire: T, seed: u64, one_in: u32) -> Self {
         let [to_device, to_host] = [seed, !seed].map(Way::new);
         Self {
@@ -102,7 +102,7 @@ impl<T: Transport> Disturbed<T> {
         }
     }
 
-    /// What happened to frames on their way to the device, and to the host.
+    /// Returns the disturbances of frames to the device, and to the host.
     pub fn disturbances(&self) -> [Disturbances; 2] {
         [self.to_device.disturbances, self.to_host.disturbances]
     }

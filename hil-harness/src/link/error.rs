@@ -1,4 +1,4 @@
-//! Why a request has no reply.
+//! Errors of a request.
 
 use core::fmt;
 
@@ -6,65 +6,65 @@ use hil_protocol::{HostError, Refusal, Reply, Request};
 
 use super::transport::TransportError;
 
-/// Why a request has no reply that answers it.
+/// Reason why a request has no valid reply.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    /// Silence: not powered, not connected, or hung.
+    /// The device is silent: not powered, not connected, or hung.
     #[error(
         "no reply to {request} within {waited_ms} ms, though sent {tries} times: is the device powered, connected and \
          running?{said}"
     )]
     Silent {
-        /// What was asked.
+        /// Request without a reply.
         request: String,
-        /// How long was waited in all \[ms\].
+        /// Total waiting time (ms).
         waited_ms: u128,
-        /// How often it was sent.
+        /// Number of times it was sent.
         tries: u32,
-        /// What the device said last.
+        /// Last output of the device.
         said: LastWords,
     },
     /// The bytes do not get through.
     #[error("{request}: {error}{said}")]
     Transport {
-        /// What was asked.
+        /// Request without a reply.
         request: String,
-        /// Why.
+        /// Error of the transport.
         error: TransportError,
-        /// What the device said last.
+        /// Last output of the device.
         said: LastWords,
     },
     /// The session ended.
     #[error("{request}: {error}{said}")]
     Session {
-        /// What was asked.
+        /// Request without a reply.
         request: String,
-        /// Why.
+        /// Error of the session.
         error: HostError,
-        /// What the device said last.
+        /// Last output of the device.
         said: LastWords,
     },
-    /// The device does not do what it was asked.
+    /// The device refuses the request.
     #[error("{request} was refused: {refusal}")]
     Refused {
-        /// What was asked.
+        /// Refused request.
         request: String,
-        /// Why.
+        /// Reason of the refusal.
         refusal: Refusal,
     },
-    /// A reply to something else.
+    /// The reply belongs to another kind of request.
     #[error("{request} was answered by {reply}: use the tools that came with the device's image")]
     Unexpected {
-        /// What was asked.
+        /// Request that was sent.
         request: String,
-        /// What came.
+        /// Reply that came.
         reply: String,
     },
 }
 
 impl LinkError {
-    /// `request` was refused.
+    /// Creates the error of a refused `request`.
     pub fn refused(request: &Request, refusal: Refusal) -> Self {
         Self::Refused {
             request: name(request),
@@ -72,7 +72,7 @@ impl LinkError {
         }
     }
 
-    /// `request` was answered by something else.
+    /// Creates the error of a `request` with a reply of another kind.
     pub fn unexpected(request: &Request, reply: &Reply) -> Self {
         Self::Unexpected {
             request: name(request),
@@ -81,7 +81,7 @@ impl LinkError {
     }
 }
 
-/// A request as an error names it.
+/// Returns the name of a request in an error.
 pub(super) fn name(request: &Request) -> String {
     match request {
         Request::Sample(sensors) => format!("sample {}", sensors.sample),
@@ -96,7 +96,7 @@ fn first_word(text: &str) -> String {
         .to_owned()
 }
 
-/// The last lines that a device logged, and those that its emulator printed.
+/// Last lines that a device logged, and those that its emulator printed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LastWords(pub Vec<String>);
 

@@ -1,4 +1,4 @@
-//! Frames over a transport: the wire protocol as a host speaks it.
+//! Frames over a transport: the host's side of the wire protocol.
 
 use std::collections::VecDeque;
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};
@@ -14,32 +14,32 @@ use super::error::{LastWords, LinkError, name};
 use super::transport::{Transport, TransportError};
 use crate::image_log::ImageLog;
 
-/// How long is waited for a device.
+/// Timeouts for a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Patience {
-    /// For each reply, before the request is sent again.
+    /// Timeout of each reply, before the request is sent again.
     pub reply: Duration,
-    /// How often a request is sent in all.
+    /// Maximum number of times that a request is sent.
     pub tries: u32,
-    /// For the first reply of all, while the device still starts.
+    /// Timeout of the first reply, while the device still starts.
     pub start: Duration,
 }
 
-/// Who sets the pace of the device's samples.
+/// Source of the pace of the device's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
     /// This side: one sample for each request.
     LockStep,
-    /// The device's own timer; the session looks on.
+    /// The device's own timer; the session only observes.
     Timer,
 }
 
-/// Between two attempts to open a session with a device that still starts.
+/// Time between two attempts to open a session with a device that still starts.
 const OPEN_EVERY: Duration = Duration::from_millis(100);
-/// Lines of the log that an error shows.
+/// Number of log lines that an error shows.
 const LAST_LINES: usize = 12;
 
-/// A device at the other end of a wire.
+/// Device at the other end of a wire.
 #[derive(Debug)]
 pub struct Framed<T> {
     transport: T,
@@ -47,14 +47,14 @@ pub struct Framed<T> {
     patience: Patience,
     device: Identity,
     log: ImageLog,
-    /// The last lines of the log, for an error.
+    /// Last lines of the log, for an error.
     last_lines: VecDeque<String>,
     inbox: Inbox,
-    /// Measured without request and not taken yet: number of the sample and its signals.
+    /// Unsolicited measurements not taken yet: number of the sample and its signals.
     measured: VecDeque<(u32, Measured)>,
 }
 
-/// Bytes that have come and are not looked at yet.
+/// Received bytes that are not processed yet.
 #[derive(Debug)]
 struct Inbox {
     bytes: [u8; FRAME_MAX],
@@ -71,7 +71,7 @@ impl Inbox {
         }
     }
 
-    /// The next event of `session`; none by the deadline.
+    /// Returns the next event of `session`; `None` if there is none before the deadline.
     fn event(
         &mut self,
         session: &mut HostSession,
@@ -94,7 +94,7 @@ impl Inbox {
     }
 }
 
-/// Why a conversation broke off.
+/// Reason why a conversation ended.
 #[derive(Debug)]
 enum Broken {
     Transport(TransportError),
@@ -114,10 +114,10 @@ impl From<HostError> for Broken {
 }
 
 impl<T: Transport> Framed<T> {
-    /// Opens a session. `log` decodes what the device's image logs.
+    /// Opens a session. `log` decodes the log of the device's image.
     ///
     /// # Errors
-    /// The device does not answer, or speaks another version.
+    /// Returns an error if the device does not answer, or has another protocol version.
     pub fn open(
         mut transport: T,
         pace: Pace,
@@ -169,10 +169,11 @@ impl<T: Transport> Framed<T> {
         })
     }
 
-    /// The signals of the next sample by the device's timer, as [`Request::Measure`] chose them, with its number.
+    /// Returns the signals of the next sample by the device's timer, as [`Request::Measure`] chose them, with its
+    /// number.
     ///
     /// # Errors
-    /// None came in time.
+    /// Returns an error if none came in time.
     pub fn measured(&mut self) -> Result<(u32, Measured), LinkError> {
         let start = Instant::now();
         while self.measured.is_empty() {
@@ -194,34 +195,34 @@ impl<T: Transport> Framed<T> {
         })
     }
 
-    /// As [`Framed::measured`], of what came while a reply was waited for; none if nothing did.
+    /// Returns measurements as [`Framed::measured`], if some came while a reply was awaited; otherwise `None`.
     pub fn take_measured(&mut self) -> Option<(u32, Measured)> {
         self.measured.pop_front()
     }
 
-    /// What came unasked; what is left of an earlier session is dropped.
+    /// Stores an unsolicited measurement; a reply of an earlier session is dropped.
     fn keep(&mut self, event: Event) {
         if let Event::Unasked(Reply::Measured { sample, values }) = event {
             self.measured.push_back((sample, values));
         }
     }
 
-    /// What the device said of itself when the session was opened.
+    /// Returns the identity of the device when the session was opened.
     pub fn device(&self) -> &Identity {
         &self.device
     }
 
-    /// What carries the frames.
+    /// Returns the transport of the frames.
     pub const fn transport(&self) -> &T {
         &self.transport
     }
 
-    /// What carries the frames, to disturb it.
+    /// Returns the transport of the frames, to disturb it.
     pub const fn transport_mut(&mut self) -> &mut T {
         &mut self.transport
     }
 
-    /// What this side of the link has counted.
+    /// Returns the counters of this side of the link.
     pub fn counters(&self) -> LinkCounters {
         self.session.counters()
     }
@@ -256,7 +257,7 @@ impl<T: Transport> Framed<T> {
     }
 }
 
-/// Sends a frame. A device that takes none is as silent as one that takes it and does not answer: it starts, or it hangs.
+/// Sends a frame. A device that accepts none counts as silent, like one that does not answer: it starts, or it hangs.
 fn send(
     transport: &mut impl Transport,
     frame: &[u8],
@@ -319,7 +320,7 @@ impl<T: Transport> Link for Framed<T> {
         let mut lines = Vec::new();
         loop {
             match self.ask(&Request::Log) {
-                // Not every device logs.
+                // Some devices have no log.
                 Err(LinkError::Refused {
                     refusal: Refusal::Unsupported,
                     ..
@@ -342,8 +343,8 @@ impl<T: Transport> Link for Framed<T> {
     }
 }
 
-/// A number that differs from session to session.
+/// Returns a number that differs from session to session.
 fn nonce() -> u32 {
-    // The standard library's hash keys are the random numbers that need no dependency.
+    // The hash keys of the standard library are random numbers without a further dependency.
     RandomState::new().build_hasher().finish() as u32
 }

@@ -1,4 +1,4 @@
-//! A device in this process behind real frames.
+//! Device in this process with real frames.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -7,7 +7,7 @@ use hil_protocol::{Device, DeviceSession, FRAME_MAX};
 
 use super::transport::{Transport, TransportError};
 
-/// Both ends of a wire in this process: what is sent is answered at once.
+/// Both ends of a wire in this process: every frame is answered at once.
 #[derive(Debug)]
 pub struct Loopback<D> {
     device: D,
@@ -16,7 +16,7 @@ pub struct Loopback<D> {
 }
 
 impl<D: Device> Loopback<D> {
-    /// A device that has just started.
+    /// Creates the wire to a device that has just started.
     pub fn new(device: D) -> Self {
         Self {
             device,
@@ -25,7 +25,7 @@ impl<D: Device> Loopback<D> {
         }
     }
 
-    /// The device.
+    /// Returns the device.
     pub fn device(&self) -> &D {
         &self.device
     }

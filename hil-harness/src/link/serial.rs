@@ -1,23 +1,23 @@
-//! A board on a serial port.
+//! Board on a serial port.
 
 use std::io;
 use std::time::Duration;
 
 use super::transport::{Stream, TimedStream};
 
-/// A serial port with its time limit.
+/// Serial port with its time limit.
 pub struct SerialPort(Box<dyn serialport::SerialPort>);
 
-/// Bits per second of the boards (`firmware/src/boards`).
+/// Bit rate of the boards (bit/s), as in `firmware/src/boards`.
 pub const BAUD_RATE: u32 = 921_600;
 
-/// Why a serial port cannot be used.
+/// Error: a serial port cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("serial port {port}: {reason}; check its name, its rights, and that nobody else uses it")]
 pub struct SerialError {
     /// Name of the port.
     port: String,
-    /// What the operating system says.
+    /// Error of the operating system.
     reason: String,
 }
 
@@ -25,7 +25,7 @@ impl SerialPort {
     /// Opens the port of this name, such as `/dev/ttyACM0` or `COM3`, with eight bits and no parity.
     ///
     /// # Errors
-    /// There is none, or it is in use.
+    /// Returns an error if there is no such port, or it is in use.
     pub fn open(name: &str, baud_rate: u32) -> Result<Stream<Self>, SerialError> {
         let opened = serialport::new(name, baud_rate).open();
         let port = opened.map_err(|error| SerialError {

@@ -1,45 +1,45 @@
-//! What carries the bytes of frames.
+//! Transport of the bytes of frames.
 
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
 use hil_protocol::FRAME_MAX;
 
-/// Carries bytes both ways, each operation with a deadline.
+/// Transport of bytes in both directions, each operation with a deadline.
 pub trait Transport {
-    /// What it is, for the record of a run.
+    /// Returns the name of the transport, for the record of a run.
     fn name(&self) -> String;
 
     /// Sends a whole frame.
     ///
     /// # Errors
-    /// It could not be sent by the deadline, or the other side is gone.
+    /// Returns an error if it could not be sent before the deadline, or the other side is gone.
     fn send(&mut self, frame: &[u8], deadline: Instant) -> Result<(), TransportError>;
 
-    /// Waits for bytes and returns how many are now in `buffer`; 0 if none came by the deadline.
+    /// Waits for bytes and returns their number in `buffer`; 0 if none came before the deadline.
     ///
     /// # Errors
-    /// The other side is gone.
+    /// Returns an error if the other side is gone.
     fn receive(
         &mut self,
         buffer: &mut [u8; FRAME_MAX],
         deadline: Instant,
     ) -> Result<usize, TransportError>;
 
-    /// The last lines that the other side printed beside the wire, for an error.
+    /// Returns the last lines that the other side printed outside the wire, for an error.
     fn last_words(&self) -> Vec<String> {
         Vec::new()
     }
 }
 
-/// Why bytes do not get through.
+/// Reason why bytes do not get through.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TransportError {
-    /// The operating system says so.
+    /// The operating system reported an error.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// The other side does not take what is sent.
+    /// The other side does not accept the sent bytes.
     #[error("the device does not take what is sent")]
     NotTaken,
     /// The other side has closed.
@@ -48,7 +48,7 @@ pub enum TransportError {
     /// The emulator has ended.
     #[error("the emulator ended with {status}")]
     Ended {
-        /// Its exit status.
+        /// Exit status of the emulator.
         status: String,
     },
     /// A mailbox refused a frame.
@@ -56,12 +56,12 @@ pub enum TransportError {
     Mailbox(#[from] hil_protocol::mailbox::MailboxError),
 }
 
-/// A stream of bytes whose reads and writes can be given a time limit.
+/// Stream of bytes with a time limit for reads and writes.
 pub trait TimedStream: Read + Write {
-    /// Bounds the next reads and writes.
+    /// Sets the time limit of the next reads and writes.
     ///
     /// # Errors
-    /// The operating system says so.
+    /// Returns the error of the operating system.
     fn set_time_limit(&mut self, limit: Duration) -> io::Result<()>;
 }
 
@@ -73,7 +73,7 @@ pub struct Stream<S> {
 }
 
 impl<S: TimedStream> Stream<S> {
-    /// Frames over `stream`, which is called `name`.
+    /// Creates frames over `stream`, with the name `name`.
     pub fn new(name: impl Into<String>, stream: S) -> Self {
         Self {
             name: name.into(),
@@ -82,7 +82,7 @@ impl<S: TimedStream> Stream<S> {
     }
 }
 
-/// The shortest limit that operating systems tell from none.
+/// Shortest time limit that operating systems distinguish from none.
 const LEAST: Duration = Duration::from_millis(1);
 
 fn left(deadline: Instant) -> Duration {

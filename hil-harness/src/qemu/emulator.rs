@@ -1,4 +1,4 @@
-//! The emulator's process.
+//! Process of the emulator.
 
 use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, Read};
@@ -13,24 +13,24 @@ use super::memory::SIZE;
 
 /// Name of the emulator.
 const PROGRAM: &str = "qemu-system-arm";
-/// Longest wait for the emulator to say its version.
+/// Timeout for the version of the emulator.
 const VERSION_DEADLINE: Duration = Duration::from_secs(10);
-/// Between two looks at a process.
+/// Time between two polls of a process.
 const LOOK_EVERY: Duration = Duration::from_millis(5);
-/// Lines of what the emulator prints that are kept.
+/// Number of stored lines of the emulator's output.
 const LINES_KEPT: usize = 12;
 
-/// What the emulated machine's time is.
+/// Clock of the emulated machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
-    /// The host's: the image runs as fast as it can, its timers as the host's clock goes.
+    /// Clock of the host: the image runs as fast as possible, its timers follow the host's clock.
     Host,
-    /// Counted: each instruction takes 32 ns, a little less than a cycle of the machine's 25 MHz. The load of the host has no
-    /// say then.
+    /// Counted instructions: each takes 32 ns, a little less than a cycle of the machine's 25 MHz. The load of the host
+    /// then has no influence.
     Instructions,
 }
 
-/// A running emulator; its process is stopped when this value goes.
+/// Running emulator; its process is stopped when this value is dropped.
 #[derive(Debug)]
 pub struct Emulator {
     process: Child,
@@ -76,25 +76,25 @@ impl Emulator {
         })
     }
 
-    /// The number of its process.
+    /// Returns the id of its process.
     pub fn process_id(&self) -> u32 {
         self.process.id()
     }
 
-    /// What the emulator says of itself.
+    /// Returns the version that the emulator reports.
     pub fn version(&self) -> &str {
         &self.version
     }
 
-    /// The last lines that it printed.
+    /// Returns the last lines of its output.
     pub fn printed(&self) -> Vec<String> {
         self.printed.lines().iter().cloned().collect()
     }
 
-    /// Its exit status, once it has ended.
+    /// Returns its exit status, once it has ended.
     ///
     /// # Errors
-    /// The process cannot be watched.
+    /// Returns an error if the process cannot be observed.
     pub fn ended(&mut self) -> io::Result<Option<ExitStatus>> {
         self.process.try_wait()
     }
@@ -108,7 +108,7 @@ impl Drop for Emulator {
     }
 }
 
-/// The first line that the emulator prints of its version.
+/// Returns the first line of the emulator's version output.
 fn version() -> Result<String, QemuError> {
     let mut command = Command::new(PROGRAM);
     command.arg("--version").stdin(Stdio::null());
@@ -119,7 +119,7 @@ fn version() -> Result<String, QemuError> {
         what: "the emulator's version",
         error,
     };
-    // What it prints fits into a pipe, so it ends without anybody reading.
+    // The output fits into a pipe, so the process ends even if nothing reads it.
     while process.try_wait().map_err(failed)?.is_none() {
         if start.elapsed() > VERSION_DEADLINE {
             let _ = process.kill();
@@ -145,12 +145,12 @@ fn not_started(error: io::Error) -> QemuError {
     }
 }
 
-/// A path as the emulator's options have it: a comma would end the value.
+/// Returns a path in the form of the emulator's options, where a comma would end the value.
 fn escaped(path: &Path) -> String {
     path.display().to_string().replace(',', ",,")
 }
 
-/// The last lines of what a process prints, gathered beside it so that it never waits for a reader.
+/// Last lines of a process's output, collected in a thread so that the process never waits for a reader.
 #[derive(Clone, Debug, Default)]
 struct Printed(Arc<Mutex<VecDeque<String>>>);
 
@@ -158,7 +158,7 @@ impl Printed {
     fn follow(&self, pipe: Option<impl Read + Send + 'static>) {
         let Some(pipe) = pipe else { return };
         let printed = self.clone();
-        // Ends with the process, which closes the pipe.
+        // The thread ends with the process, which closes the pipe.
         thread::spawn(move || {
             for line in BufReader::new(pipe).lines().map_while(Result::ok) {
                 let mut lines = printed.lines();

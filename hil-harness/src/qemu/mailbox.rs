@@ -12,7 +12,7 @@ use hil_protocol::mailbox::{self, Mailbox, MailboxError, Words};
 use super::memory::SharedMemory;
 use crate::link::{Transport, TransportError};
 
-/// The host's side of a mailbox in the emulated machine's memory.
+/// Host's side of a mailbox in the emulated machine's memory.
 #[derive(Debug)]
 pub(super) struct MailboxLink {
     mailbox: Mailbox<Shared>,
@@ -27,9 +27,9 @@ impl Words for Shared {
     }
 }
 
-/// An answer mostly comes within this many looks; then the processor is given to others between two looks.
+/// Number of polls within which an answer usually comes; after them the processor is yielded between two polls.
 const LOOKS_AT_ONCE: u32 = 4000;
-/// The clock is read once in this many looks.
+/// Number of polls per read of the clock.
 const LOOKS_PER_CLOCK: u32 = 64;
 
 impl MailboxLink {
@@ -40,7 +40,7 @@ impl MailboxLink {
     }
 }
 
-/// Looks until `look` sees something, or until the deadline.
+/// Polls until `look` returns a value, or until the deadline.
 fn watch<T>(deadline: Instant, mut look: impl FnMut() -> Option<T>) -> Option<T> {
     let mut looks: u32 = 0;
     loop {

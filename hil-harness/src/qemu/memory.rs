@@ -1,4 +1,4 @@
-//! Memory that this process and the emulated machine share.
+//! Memory shared by this process and the emulated machine.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -9,17 +9,17 @@ use vm_memory::{FileOffset, MmapRegion, VolatileMemory as _};
 
 use super::QemuError;
 
-/// Size of the machine's RAM at [`mailbox::ADDRESS`]; the emulator takes no other.
+/// Size of the machine's RAM at [`mailbox::ADDRESS`]; the emulator accepts no other.
 pub(super) const SIZE: usize = 16 << 20;
 
-/// The emulated machine's RAM, as words that both sides see.
+/// RAM of the emulated machine, as words shared by both sides.
 #[derive(Debug)]
 pub struct SharedMemory {
     region: MmapRegion,
 }
 
 impl SharedMemory {
-    /// Makes the file at `path` and maps it.
+    /// Creates the file at `path` and maps it.
     pub(super) fn create(path: &Path) -> Result<Self, QemuError> {
         let failed = |error| QemuError::Io {
             what: "the file of the emulated machine's memory",
@@ -40,14 +40,15 @@ impl SharedMemory {
         })
     }
 
-    /// The word at an address of the machine; none outside of this memory, and none at an address that is no multiple of four.
+    /// Returns the word at an address of the machine; `None` outside of this memory, or if the address is no multiple
+    /// of four.
     pub fn word_at(&self, address: usize) -> Option<&AtomicU32> {
         let offset = address.checked_sub(mailbox::ADDRESS)?;
         self.region.get_atomic_ref(offset).ok()
     }
 }
 
-/// A folder for the emulator's files, in memory where the machine has such a place; gone with this value.
+/// Folder for the emulator's files, in RAM if the machine supports that; it is removed with this value.
 #[derive(Debug)]
 pub(super) struct Folder(tempfile::TempDir);
 

@@ -16,23 +16,23 @@ use super::memory::{Folder, SharedMemory};
 use crate::image::Image;
 use crate::link::{Stream, TimedStream, Transport, TransportError};
 
-/// How frames travel to the emulated device and back. The device answers on both; the bits are the same.
+/// Wire of the frames to and from the emulated device. The device answers on both; the bits are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wire {
-    /// Through memory that both sides map: fast.
+    /// Memory mapped by both sides: fast.
     Mailbox,
-    /// Byte by byte through the emulated UART: the real wire.
+    /// Emulated UART, byte by byte: the real wire.
     Uart,
 }
 
-/// An emulated device at the end of a wire.
+/// Emulated device at the end of a wire.
 #[derive(Debug)]
 pub struct QemuLink {
     wire: EitherWire,
     memory: Arc<SharedMemory>,
     emulator: Emulator,
     image: String,
-    /// The names of the emulator's files, until the image speaks: then all of them are open.
+    /// Names of the emulator's files, until the image answers: then all of them are open.
     names: Option<Folder>,
 }
 
@@ -42,19 +42,19 @@ enum EitherWire {
     Uart(Stream<UnixStream>),
 }
 
-/// Where the emulated board puts the compare values of its two PWM outputs, of 65 535: what the coils get, whatever the
-/// image says.
+/// Address of the compare values of the two PWM outputs, of 65 535: the duty cycles of the coils, independent of the
+/// image's report.
 const COMPARE_ADDRESS: usize = mailbox::ADDRESS + 0x1000 + 4 * 32;
-/// Longest wait for the emulator to connect its UART.
+/// Timeout for the connection of the emulator's UART.
 const CONNECT_DEADLINE: Duration = Duration::from_secs(30);
-/// Between two looks at whether the emulator still runs, or has connected.
+/// Time between two polls of the emulator's state and connection.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 impl QemuLink {
     /// Starts the emulator with this image. [`Framed::open`](crate::link::Framed::open) opens a session over it.
     ///
     /// # Errors
-    /// QEMU is missing or fails.
+    /// Returns an error if QEMU is missing or fails.
     pub fn start(image: &Image, wire: Wire, clock: Clock) -> Result<Self, QemuError> {
         let folder = Folder::create()?;
         let memory = Arc::new(SharedMemory::create(&folder.path("memory"))?);
@@ -80,7 +80,8 @@ impl QemuLink {
         })
     }
 
-    /// Compare values of the PWM outputs of fill and vent valve, of 65 535: what the coils get, whatever the image says.
+    /// Returns the compare values of the PWM outputs of fill and vent valve, of 65 535, independent of the image's
+    /// report.
     pub fn compare_values(&self) -> [u32; 2] {
         [0, 4].map(|offset| {
             let word = self.memory.word_at(COMPARE_ADDRESS + offset);
@@ -88,12 +89,12 @@ impl QemuLink {
         })
     }
 
-    /// The machine's memory: the image's variables, its stack, its settings and its black box.
+    /// Returns the machine's memory: the image's variables, its stack, its settings and its black box.
     pub fn memory(&self) -> &SharedMemory {
         &self.memory
     }
 
-    /// The emulator's process.
+    /// Returns the emulator's process.
     pub const fn emulator(&self) -> &Emulator {
         &self.emulator
     }
@@ -166,7 +167,7 @@ impl Transport for QemuLink {
             match self.either().receive(buffer, look) {
                 Ok(0) => self.still_runs()?,
                 Ok(count) => {
-                    // A process that is killed from here on leaves nothing behind.
+                    // A process that is killed from here on leaves no files behind.
                     self.names = None;
                     return Ok(count);
                 }

@@ -1,4 +1,4 @@
-//! Output and state of the image are those of the ECU in process, at every sample.
+//! Comparison of output and state of the image with the ECU in process, at every sample.
 
 use std::time::Duration;
 
@@ -39,7 +39,7 @@ fn over_every_scenario_with_both_controllers() {
     );
 }
 
-/// One life: from switching on with these settings, fed by a walk.
+/// Runs a walk from switching on, with these settings.
 fn walk(pair: &mut Pair, settings: &EcuSettings, seed: u64, samples: u32, seen: &mut Seen) {
     pair.start(settings)
         .unwrap_or_else(|error| panic!("{error}"));
@@ -109,7 +109,7 @@ fn with_every_combination_of_the_controllers_choices() {
     assert!(seen.modes[Mode::Running as usize] > 10_000, "{seen:?}");
 }
 
-/// The real wire is about four times as fast as real time: a short slice of it.
+/// The real wire is about four times as fast as real time, so this test is short.
 #[test]
 fn over_the_uart_byte_by_byte() {
     let mut pair = beside_in_process(Wire::Uart);
@@ -117,7 +117,7 @@ fn over_the_uart_byte_by_byte() {
     assert!(run.device.contains("UART"), "{}", run.device);
 }
 
-/// Both wires carry the same frames: what differs between two sessions is the session's number.
+/// Both wires carry the same frames; only the session's number differs between two sessions.
 #[test]
 fn over_mailbox_and_uart_alike() {
     let [mailbox, uart] =
@@ -157,7 +157,7 @@ fn over_a_bad_wire() {
     assert!(seen.stale > 0, "{seen:?}");
 }
 
-/// The black box is part of what must be equal: it is what is left after an accident.
+/// The black box must be equal, too: it is what remains after an accident.
 #[test]
 fn in_the_black_box_after_a_fault() {
     let mut devices = (InProcess::new(), started(Wire::Mailbox));

@@ -1,4 +1,4 @@
-//! The emulator and its image as a process: they end, hang and are killed.
+//! Emulator and image as a process: they end, hang and are killed.
 
 use std::process::Command;
 use std::time::Duration;
@@ -52,7 +52,7 @@ fn a_hang_is_an_error_with_the_last_lines_of_the_log() {
         let mut framed = Framed::open(link, Pace::LockStep, patience, image.into_log()).unwrap();
         let lines = framed.take_log().unwrap();
         let last = lines.last().expect("an image says that it started");
-        // The machine stands still, as one whose clock has failed.
+        // The machine stops, like one whose clock has failed.
         assert!(signal("STOP", framed.transport().emulator().process_id()));
         let error = framed.ask(&Request::Counters).unwrap_err();
         let text = error.to_string();

@@ -1,4 +1,4 @@
-//! Claims about the image, by what they are about.
+//! Tests of the image, by subject.
 
 mod equal_bits;
 mod life;

@@ -1,10 +1,10 @@
-//! Settings away from the usual ones, made from the ECU's own table, so that no choice can be forgotten.
+//! Unusual settings, generated from the ECU's own table, so that no choice is forgotten.
 
 use ecu::EcuSettings;
 use ecu::calibration::{SETTINGS, Setting, SettingId, SettingValues};
 use hil_harness::random::Draws;
 
-/// The bench with a number for each quantity, also for those that its choices leave without use.
+/// Returns the bench's settings with a number for each quantity, also for those that its choices do not use.
 fn with_every_quantity() -> SettingValues {
     let mut values = SettingValues::of(&EcuSettings::bench());
     for (id, whole) in [
@@ -28,7 +28,7 @@ fn with_every_quantity() -> SettingValues {
     values
 }
 
-/// Every combination of what can be chosen, as far as it is one.
+/// Returns every valid combination of choices.
 pub(super) fn combinations() -> Vec<EcuSettings> {
     let mut all = vec![with_every_quantity()];
     for id in SettingId::ALL {
@@ -53,7 +53,7 @@ fn possible(values: &SettingValues) -> Option<EcuSettings> {
     values.checked().ok().map(|checked| *checked.settings())
 }
 
-/// Random choices, and up to four quantities up to sixteen times as large or small as usual.
+/// Returns random choices, with up to four quantities up to sixteen times as large or small as usual.
 pub(super) fn drawn(draws: &mut Draws) -> EcuSettings {
     loop {
         let mut values = with_every_quantity();

@@ -1,4 +1,4 @@
-//! When duty cycles come: in lock step in the very sample, by the timer punctually whatever the link carries.
+//! Timing of the duty cycles: in lock step in the same sample, by the timer on time under any load of the link.
 
 use ecu::EcuSettings;
 use ecu::calibration::{SETTING_COUNT, SettingValues};
@@ -48,7 +48,7 @@ fn signal(link: &mut Framed<QemuLink>, name: &str) -> i32 {
     }
 }
 
-/// What a calibration tool can ask at most: sixteen signals of every sample, and one request after the other meanwhile.
+/// Maximum load by a calibration tool: sixteen signals of every sample, and one request after the other.
 #[test]
 fn by_the_timer_no_sample_is_missed_or_late_under_full_calibration_traffic() {
     const SAMPLES: u32 = 500;
@@ -88,12 +88,12 @@ fn by_the_timer_no_sample_is_missed_or_late_under_full_calibration_traffic() {
     );
     assert!(requests > 100, "{requests} requests are no traffic");
     assert_eq!(missed, 0);
-    // Duty cycles of a sample are out long before the next one, and jitter is a small part of the period.
+    // Duty cycles of a sample are output long before the next one, and jitter is a small part of the period.
     assert!(drive_us < 2_000, "{drive_us} us");
     assert!(interval_us < 1_000, "{interval_us} us");
 }
 
-/// The host's table of the image's signals is the image's.
+/// Compares the host's table of the image's signals with the image.
 #[test]
 fn every_signal_that_the_host_knows_is_one_of_the_image_and_there_are_no_more() {
     let mut device = started(Wire::Mailbox);

@@ -1,4 +1,4 @@
-//! From bytes to a payload that was not damaged.
+//! Decoding of bytes into undamaged payloads.
 
 use postcard::Deserializer;
 use postcard::de_flavors::Flavor;
@@ -8,36 +8,36 @@ use super::encode::FULL_BLOCK;
 use super::{CHECKSUM_LENGTH, DELIMITER, FRAME_MAX, Header};
 use crate::crc32;
 
-/// Why bytes are no frame. The next frame is read as if nothing had been.
+/// Reason why bytes are no valid frame. The next frame is decoded independently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Damage {
-    /// The frame ended inside a block, or holds no more than its checksum: part of it is missing.
+    /// The frame ends inside a block, or contains only its checksum: part of it is missing.
     #[error("the frame ends too early: part of it was lost")]
     Truncated,
-    /// More bytes than a frame can have came without a delimiter.
+    /// More bytes than the maximum frame size came without a delimiter.
     #[error(
         "no delimiter within {FRAME_MAX} bytes: two frames ran together, or the other side does not send frames"
     )]
     TooLong,
-    /// Header or message were changed on the way.
+    /// Header or message were changed on the wire.
     #[error("the checksum is {found:#010x}, the frame's bytes give {computed:#010x}")]
     Checksum {
-        /// The one in the frame.
+        /// Checksum in the frame.
         found: u32,
-        /// The one that its bytes give.
+        /// Checksum of the frame's bytes.
         computed: u32,
     },
 }
 
-/// Takes the bytes of frames, one at a time, undoes the stuffing as they come, and checks what came at each delimiter.
+/// Decoder that takes the bytes of frames one at a time, undoes the stuffing, and checks the frame at each delimiter.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     payload: [u8; FRAME_MAX],
     length: usize,
-    /// Bytes of the block that are still to come.
+    /// Number of bytes left in the block.
     block: u8,
-    /// Whether a zero stands between this block and the next.
+    /// Whether a zero follows between this block and the next.
     zero_follows: bool,
     /// Whether a byte came since the last delimiter.
     begun: bool,
@@ -45,7 +45,7 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// At the beginning of a frame.
+    /// Creates a decoder at the beginning of a frame.
     pub const fn new() -> Self {
         Self {
             payload: [0; FRAME_MAX],
@@ -57,9 +57,9 @@ impl Decoder {
         }
     }
 
-    /// Takes one byte; after the last byte of a frame returns its header and message, undamaged, or the damage.
+    /// Takes one byte. After the last byte of a frame it returns the undamaged header and message, or the damage.
     ///
-    /// Delimiters without bytes between them are no frames: any number of them may fill a pause.
+    /// Delimiters without bytes in between are no frames: any number of them may fill a pause.
     pub fn push(&mut self, byte: u8) -> Option<Result<&[u8], Damage>> {
         if byte == DELIMITER {
             return self.end();
@@ -120,12 +120,12 @@ impl Default for Decoder {
     }
 }
 
-/// The bytes before the checksum, if it is theirs.
+/// Returns the bytes before the checksum, if the checksum is right.
 fn checked(bytes: &[u8]) -> Result<&[u8], Damage> {
     let Some((payload, checksum)) = bytes.split_last_chunk::<CHECKSUM_LENGTH>() else {
         return Err(Damage::Truncated);
     };
-    // The checksum of nothing is 0: four zeros, which two flipped bits can cut out of a frame.
+    // The checksum of no bytes is 0: four zeros, which two flipped bits can cut out of a frame.
     if payload.is_empty() {
         return Err(Damage::Truncated);
     }
@@ -138,12 +138,12 @@ fn checked(bytes: &[u8]) -> Result<&[u8], Damage> {
     }
 }
 
-/// Header of an undamaged payload, and the bytes of its message; none if not even the header is known.
+/// Returns the header of an undamaged payload and the bytes of its message; `None` if the header is unknown.
 pub fn header(payload: &[u8]) -> Option<(Header, &[u8])> {
     take(payload)
 }
 
-/// The message of which these are the bytes, all of them; none if it is not known.
+/// Returns the message that consists of exactly these bytes; `None` if it is unknown.
 pub fn message<M: DeserializeOwned>(bytes: &[u8]) -> Option<M> {
     match take(bytes) {
         Some((message, [])) => Some(message),
@@ -157,7 +157,8 @@ fn take<T: DeserializeOwned>(bytes: &[u8]) -> Option<(T, &[u8])> {
     Some((value, deserializer.finalize().ok()?))
 }
 
-/// Bytes still to be read. The serializer's own reader subtracts pointers, which keeps a panic when overflow is checked.
+/// Bytes still to be read. The serializer's own reader subtracts pointers, which contains a panic when overflow is
+/// checked.
 struct Remaining<'a>(&'a [u8]);
 
 impl<'a> Flavor<'a> for Remaining<'a> {

@@ -1,4 +1,5 @@
-//! From a message to a frame, byte by byte: no second buffer, no index that could be out of bounds.
+//! Encoding of a message into a frame, byte by byte, without a second buffer and without an index that could be out of
+//! bounds.
 
 use postcard::ser_flavors::Flavor;
 use serde::Serialize;
@@ -6,19 +7,18 @@ use serde::Serialize;
 use super::{CHECKSUM_LENGTH, DELIMITER, Header};
 use crate::crc32;
 
-/// A message that does not fit into a frame.
+/// Error: a message does not fit into a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[error("the message does not fit into a frame of {room} bytes")]
 pub struct TooLong {
-    /// How long a frame may be.
+    /// Available size (bytes).
     pub room: usize,
 }
 
-/// The frame of a message, delimiter included, at the beginning of `buffer`.
+/// Encodes a message into a frame, including the delimiter, at the beginning of `buffer`.
 ///
-/// # Errors
-/// The buffer is too small; what stands in it then is no frame.
+/// # Errors Returns an error if the buffer is too small; its content is then no frame.
 pub fn encode<'a, M: Serialize>(
     header: Header,
     message: &M,
@@ -29,11 +29,11 @@ pub fn encode<'a, M: Serialize>(
         crc: crc32::Digest::new(),
         stuffed: Stuffed::new(buffer),
     };
-    // A tuple is its parts, one after the other.
+    // A tuple is encoded as its elements, one after the other.
     postcard::serialize_with_flavor(&(header, message), checksummed).map_err(|_| TooLong { room })
 }
 
-/// Appends the checksum to what passes.
+/// Encoder stage that appends the checksum of all bytes.
 struct Checksummed<'a> {
     crc: crc32::Digest,
     stuffed: Stuffed<'a>,
@@ -42,7 +42,7 @@ struct Checksummed<'a> {
 impl<'a> Flavor for Checksummed<'a> {
     type Output = &'a [u8];
 
-    // Called for each byte of each message: inlined there it would make up half of the image.
+    // It is called for each byte of each message: inlined there, it would be half of the image.
     #[inline(never)]
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
         self.crc.update(byte);
@@ -63,18 +63,18 @@ impl<'a> Flavor for Checksummed<'a> {
     }
 }
 
-/// Consistent overhead byte stuffing (Cheshire and Baker, 1997): a block is a code and the code - 1 bytes that follow it;
-/// a zero stands after each block but the last and those of 254 bytes.
+/// Consistent overhead byte stuffing (Cheshire and Baker, 1997). A block is a code and the code - 1 bytes that follow
+/// it; a zero follows each block except the last one and those of 254 bytes.
 struct Stuffed<'a> {
     buffer: &'a mut [u8],
-    /// Bytes used.
+    /// Number of used bytes.
     length: usize,
-    /// Where the code of the open block stands.
+    /// Position of the open block's code.
     code_at: usize,
     code: u8,
 }
 
-/// The code of a block of 254 bytes, after which no zero is left out.
+/// Code of a block of 254 bytes, which is followed by no omitted zero.
 pub(super) const FULL_BLOCK: u8 = 255;
 
 impl<'a> Stuffed<'a> {

@@ -1,4 +1,4 @@
-//! The device's side.
+//! Device's side of a session.
 
 use super::{Place, session_number};
 use crate::counters::{LinkCounters, count};
@@ -6,10 +6,10 @@ use crate::device::Device;
 use crate::frame::{self, DELIMITER, Decoder, Direction, FRAME_MAX, Header};
 use crate::message::{Refusal, Reply, Request, VERSION};
 
-/// Room for the frame of a [`Refusal`].
+/// Buffer size for the frame of a [`Refusal`].
 const REFUSAL_MAX: usize = 64;
 
-/// The device's side of a link: bytes in, bytes out, no clock.
+/// Device's side of a link: bytes in, bytes out, no clock.
 ///
 /// ```text
 ///              Hello                          next request: carried out, answered
@@ -26,7 +26,8 @@ pub struct DeviceSession {
 }
 
 impl DeviceSession {
-    /// No session yet. `boot` is a number that differs from boot to boot: a counter in RAM that a reset leaves alone will do.
+    /// Creates the side without a session. `boot` differs from boot to boot, for example a counter in RAM that a reset
+    /// does not change.
     pub const fn new(boot: u32) -> Self {
         Self {
             decoder: Decoder::new(),
@@ -41,7 +42,7 @@ impl DeviceSession {
         }
     }
 
-    /// Takes one byte from the wire; returns the frame to send, delimiter included, once a request is complete.
+    /// Takes one byte from the wire; returns the frame to send, including the delimiter, once a request is complete.
     pub fn receive_byte<D: Device>(&mut self, byte: u8, device: &mut D) -> Option<&[u8]> {
         let Self {
             decoder,
@@ -60,7 +61,7 @@ impl DeviceSession {
     pub fn receive_frame<D: Device>(&mut self, frame: &[u8], device: &mut D) -> Option<&[u8]> {
         let frame = frame.strip_suffix(&[DELIMITER]).unwrap_or(frame);
         for &byte in frame {
-            // A delimiter inside ends a frame of its own, which is none.
+            // A delimiter inside ends a separate frame, which is invalid.
             if let Some(Err(_)) = self.decoder.push(byte) {
                 count(&mut self.conversation.counters.corrupt);
             }
@@ -68,45 +69,46 @@ impl DeviceSession {
         self.receive_byte(DELIMITER, device)
     }
 
-    /// A frame that nobody asked for ([`Reply::Measured`]), for a timer that runs the control task.
+    /// Encodes an unsolicited frame ([`Reply::Measured`]), for a timer that runs the control task.
     ///
-    /// None without a session, or if the message does not fit.
+    /// Returns `None` without a session, or if the message does not fit.
     pub fn unasked<'a>(&self, reply: &Reply, buffer: &'a mut [u8; FRAME_MAX]) -> Option<&'a [u8]> {
         let session = self.conversation.session?;
         let header = to_host(session.number, session.sequence);
         frame::encode(header, reply, buffer).ok()
     }
 
-    /// Whether the control task runs once per request and not by its timer. By its timer before a host came.
+    /// Returns whether the control task runs once per request and not by its timer. Before the first session it runs by
+    /// its timer.
     pub const fn lock_step(&self) -> bool {
         matches!(self.conversation.session, Some(session) if session.lock_step)
     }
 
-    /// What this side has seen.
+    /// Returns the counters of this side.
     pub const fn counters(&self) -> LinkCounters {
         self.conversation.counters
     }
 }
 
-/// Everything but the bytes of the frame that is coming in.
+/// State of the session without the bytes of the incoming frame.
 #[derive(Clone, Debug)]
 struct Conversation {
     boot: u32,
     session: Option<Session>,
     counters: LinkCounters,
-    /// The frame of the last answer, for the case that it is lost.
+    /// Frame of the last answer, to be repeated if it is lost.
     answer: [u8; FRAME_MAX],
     answer_length: usize,
-    /// A frame beside the conversation, which must not cost it its last answer.
+    /// Frame of a refusal outside the session, which must not overwrite the last answer.
     refusal: [u8; REFUSAL_MAX],
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Session {
-    /// The host's half of the number.
+    /// Host's part of the session number.
     nonce: u32,
     number: u32,
-    /// Of the request that was answered last.
+    /// Number of the last answered request.
     sequence: u32,
     lock_step: bool,
 }
@@ -212,7 +214,7 @@ impl Conversation {
         match request {
             Request::Sample(_) if !lock_step => Reply::Refused(Refusal::NotInLockStep),
             Request::Counters => Reply::Counters(self.counters),
-            // Within a session, where its number is not 0.
+            // Hello within a session, where its number is not 0.
             Request::Hello { .. } => Reply::Refused(Refusal::UnknownMessage),
             request => device.answer(&request),
         }
@@ -222,7 +224,7 @@ impl Conversation {
         let header = to_host(request.session, request.sequence);
         self.answer_length = match frame::encode(header, reply, &mut self.answer) {
             Ok(frame) => frame.len(),
-            // No message is that long, which a test shows; the host would hear nothing and say so.
+            // No message is that long, as a test shows. The host would get no answer and report that.
             Err(_) => 0,
         };
         self.last_answer()

@@ -1,12 +1,12 @@
-//! The host's side.
+//! Host's side of a session.
 
 use super::{Place, session_number};
 use crate::counters::{LinkCounters, count};
 use crate::frame::{self, DELIMITER, Decoder, Direction, FRAME_MAX, Header, TooLong};
 use crate::message::{Identity, Refusal, Reply, Request, VERSION};
 
-/// The host's side of a link: bytes in, bytes out. The deadline for an answer is the transport's; it calls
-/// [`HostSession::again`] when it has passed.
+/// Host's side of a link: bytes in, bytes out. The transport has the deadline for an answer; it calls
+/// [`HostSession::again`] when the deadline has passed.
 ///
 /// ```text
 ///          open          Identity         request            answer
@@ -21,58 +21,58 @@ pub struct HostSession {
     conversation: Conversation,
 }
 
-/// What came.
+/// Received event.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// The session is open.
+    /// The session was opened.
     Opened(Identity),
-    /// The answer to the request that was sent last.
+    /// Answer to the last request.
     Reply(Reply),
-    /// What nobody asked for.
+    /// Unsolicited message.
     Unasked(Reply),
 }
 
-/// Why a session ended, or did not go on.
+/// Reason why a session ended, or could not continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum HostError {
-    /// No answer after so many tries. The session is closed.
+    /// No answer after the maximum number of tries. The session is closed.
     #[error(
         "request {sequence} was sent {tries} times and not answered: is the device powered, connected and running?"
     )]
     Unanswered {
-        /// Its number in the session.
+        /// Number of the request in the session.
         sequence: u32,
-        /// How often it was sent.
+        /// Number of times it was sent.
         tries: u32,
     },
     /// The device ended the session, which is closed.
     #[error("the session ended at request {sequence}: {refusal}")]
     Ended {
-        /// The request's number in the session.
+        /// Number of the request in the session.
         sequence: u32,
-        /// What the device said.
+        /// Refusal of the device.
         refusal: Refusal,
     },
     /// A request was made while another one waits for its answer.
     #[error("request {sequence} still waits for its answer")]
     Waiting {
-        /// Its number in the session.
+        /// Number of the waiting request in the session.
         sequence: u32,
     },
-    /// Something was asked for that needs a request without an answer, and there is none.
+    /// The call needs a request without an answer, and there is none.
     #[error("no request waits for an answer: open a session, or make one")]
     Idle,
     /// A request was made without a session.
     #[error("no session is open")]
     Closed,
-    /// A message that no frame can hold.
+    /// The message is too long for a frame.
     #[error(transparent)]
     TooLong(#[from] TooLong),
 }
 
 impl HostSession {
-    /// No session yet. Each request is sent `tries` times at most.
+    /// Creates the side without a session. Each request is sent at most `tries` times.
     pub const fn new(tries: u32) -> Self {
         Self {
             decoder: Decoder::new(),
@@ -88,11 +88,10 @@ impl HostSession {
         }
     }
 
-    /// The frame that opens a session, whatever was before. `nonce` has to differ from session to session: a clock or a
-    /// random number.
+    /// Returns the frame that opens a session, in every state. `nonce` has to differ from session to session, for
+    /// example a clock or a random number.
     ///
-    /// # Errors
-    /// None that a Hello can cause.
+    /// # Errors A Hello causes none.
     pub fn open(&mut self, nonce: u32, lock_step: bool) -> Result<&[u8], HostError> {
         let hello = Request::Hello {
             version: VERSION,
@@ -103,10 +102,10 @@ impl HostSession {
         self.conversation.send(nonce, &hello)
     }
 
-    /// The frame of a request.
+    /// Returns the frame of a request.
     ///
     /// # Errors
-    /// No session is open, another request waits, or it does not fit.
+    /// Returns an error if no session is open, another request waits, or the message does not fit.
     pub fn request(&mut self, request: &Request) -> Result<&[u8], HostError> {
         let conversation = &mut self.conversation;
         match conversation.phase {
@@ -122,10 +121,10 @@ impl HostSession {
         }
     }
 
-    /// The same frame again, because no answer came in time.
+    /// Returns the same frame again, because no answer came in time.
     ///
     /// # Errors
-    /// It was sent often enough: the session is closed. Or nothing waits.
+    /// Returns an error if it was sent the maximum number of times, which closes the session, or if no request waits.
     pub fn again(&mut self) -> Result<&[u8], HostError> {
         let conversation = &mut self.conversation;
         if !matches!(
@@ -146,10 +145,10 @@ impl HostSession {
         Ok(conversation.frame())
     }
 
-    /// Takes one byte from the wire; returns what came, once it is complete.
+    /// Takes one byte from the wire; returns the event, once it is complete.
     ///
     /// # Errors
-    /// The device ended the session.
+    /// Returns an error if the device ended the session.
     pub fn receive_byte(&mut self, byte: u8) -> Result<Option<Event>, HostError> {
         let Self {
             decoder,
@@ -168,11 +167,11 @@ impl HostSession {
     /// Takes a whole frame, with or without its delimiter.
     ///
     /// # Errors
-    /// The device ended the session.
+    /// Returns an error if the device ended the session.
     pub fn receive_frame(&mut self, frame: &[u8]) -> Result<Option<Event>, HostError> {
         let frame = frame.strip_suffix(&[DELIMITER]).unwrap_or(frame);
         for &byte in frame {
-            // A delimiter inside ends a frame of its own, which is none.
+            // A delimiter inside ends a separate frame, which is invalid.
             if let Some(Err(_)) = self.decoder.push(byte) {
                 count(&mut self.conversation.counters.corrupt);
             }
@@ -180,28 +179,28 @@ impl HostSession {
         self.receive_byte(DELIMITER)
     }
 
-    /// Whether a request may be made.
+    /// Returns whether a request may be made.
     pub const fn is_open(&self) -> bool {
         matches!(self.conversation.phase, Phase::Open { .. })
     }
 
-    /// What this side has seen.
+    /// Returns the counters of this side.
     pub const fn counters(&self) -> LinkCounters {
         self.conversation.counters
     }
 }
 
-/// Everything but the bytes of the frame that is coming in.
+/// State of the session without the bytes of the incoming frame.
 #[derive(Clone, Debug)]
 struct Conversation {
     phase: Phase,
-    /// Of the request that was made last.
+    /// Number of the last request.
     sequence: u32,
-    /// How often it was sent.
+    /// Number of times it was sent.
     tries: u32,
     tries_max: u32,
     counters: LinkCounters,
-    /// Its frame, for the case that it or its answer is lost.
+    /// Frame of the last request, to be repeated if it or its answer is lost.
     frame: [u8; FRAME_MAX],
     frame_length: usize,
 }
@@ -290,7 +289,7 @@ impl Conversation {
         reply: Reply,
     ) -> Result<Option<Event>, HostError> {
         match (reply, Place::of(sequence, self.sequence), self.phase) {
-            // Whatever request it was: a device that does not know the session now will not know it later.
+            // This holds for any request: a device that does not know the session now will not know it later.
             (Reply::Refused(refusal @ Refusal::NoSession), ..) => Err(self.ended(refusal)),
             (reply @ Reply::Measured { .. }, ..) => Ok(Some(Event::Unasked(reply))),
             (

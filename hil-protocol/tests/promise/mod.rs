@@ -1,4 +1,4 @@
-//! What both sides of a link promise for any bytes. Stated once: the fuzz target and the tests of this crate both hold them to it.
+//! Requirements on both sides of a link for any bytes, used by the fuzz target and by the tests of this crate.
 
 use hil_protocol::{
     DeviceSession, Event, FRAME_MAX, HostSession, LinkCounters, Request, Sensors, crc32,
@@ -6,8 +6,9 @@ use hil_protocol::{
 
 use crate::stepper::Stepper;
 
-/// Any bytes are a script of frames, sound, damaged, forged and none at all, in any order and on both ways. Nothing panics, every
-/// frame is counted once at most, nothing is carried out that was not accepted, and afterwards a session can be opened.
+/// Interprets any bytes as a script of frames: valid, damaged, forged and missing ones, in any order and in both
+/// directions. Nothing panics, every frame is counted at most once, no request is carried out without being accepted,
+/// and afterwards a session can be opened.
 pub(crate) fn sessions(script: &[u8]) {
     let mut link = Link::new();
     let mut script = Script(script);
@@ -18,7 +19,7 @@ pub(crate) fn sessions(script: &[u8]) {
     link.recovers();
 }
 
-/// The rest of a script.
+/// Rest of a script.
 struct Script<'a>(&'a [u8]);
 
 impl<'a> Script<'a> {
@@ -28,7 +29,7 @@ impl<'a> Script<'a> {
         Some(*first)
     }
 
-    /// As many bytes as the next one says.
+    /// Takes the number of bytes that the next byte says.
     fn bytes(&mut self) -> &'a [u8] {
         let length = usize::from(self.byte().unwrap_or(0)).min(self.0.len());
         let (bytes, rest) = self.0.split_at(length);
@@ -41,10 +42,10 @@ struct Link {
     device: Stepper,
     device_session: DeviceSession,
     host_session: HostSession,
-    /// The last frame of each side.
+    /// Last frame of each side.
     to_device: Vec<u8>,
     to_host: Vec<u8>,
-    /// Ends of frames that each side saw.
+    /// Number of frame ends that each side saw.
     device_saw: u32,
     host_saw: u32,
     samples: u32,
@@ -81,7 +82,7 @@ impl Link {
         }
     }
 
-    /// The host opens, asks, or asks again.
+    /// Lets the host open a session, make a request, or repeat one.
     fn ask(&mut self, what: u8) {
         let frame = match what % 4 {
             0 => self.host_session.open(u32::from(what), what & 4 == 0),
@@ -119,7 +120,7 @@ impl Link {
     fn deliver_to_host(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             self.host_saw += u32::from(byte == 0);
-            // An end of the session is one of the answers.
+            // The end of the session is one of the possible results.
             let _ = self.host_session.receive_byte(byte);
         }
     }
@@ -131,7 +132,7 @@ impl Link {
         assert!(self.device.steps + self.device.opened <= device.accepted);
     }
 
-    /// Whatever was on the wire costs at most what is not ended yet.
+    /// Checks that earlier bytes on the wire damage at most the frame that is not ended yet.
     fn recovers(mut self) {
         self.deliver_to_device(&[0]);
         self.deliver_to_host(&[0]);
@@ -143,7 +144,7 @@ impl Link {
     }
 }
 
-/// Frames that were counted.
+/// Returns the number of counted frames.
 fn frames(counters: &LinkCounters) -> u32 {
     let LinkCounters {
         accepted,
@@ -167,7 +168,7 @@ fn is_a_frame(frame: &[u8]) {
     );
 }
 
-/// The frame with one byte changed.
+/// Returns the frame with one changed byte.
 fn damaged(frame: &[u8], script: &mut Script<'_>) -> Vec<u8> {
     let mut frame = frame.to_vec();
     let at = usize::from(script.byte().unwrap_or(0));
@@ -178,7 +179,7 @@ fn damaged(frame: &[u8], script: &mut Script<'_>) -> Vec<u8> {
     frame
 }
 
-/// A frame whose checksum is right, whatever is in it.
+/// Returns a frame with a right checksum and any content.
 fn forged(payload: &[u8]) -> Vec<u8> {
     let mut payload = payload.to_vec();
     payload.extend(crc32::digest(&payload).to_le_bytes());

@@ -1,4 +1,4 @@
-//! Damage on the wire never turns one frame into another.
+//! Damage on the wire: it never turns one frame into another.
 
 use std::collections::HashSet;
 
@@ -8,11 +8,11 @@ use hil_protocol::frame::{Damage, Decoder};
 use crate::frames::decode;
 use crate::messages;
 
-/// A frame up to this length is tried with every pair of flipped bits.
+/// Maximum length of a frame for which every pair of flipped bits is tried.
 const EXHAUSTIVE_MAX: usize = 48;
 
-/// What these bytes are taken for on a wire that is quiet afterwards, if it is not `payload`. Flips can make delimiters, so
-/// they may even be several frames.
+/// Returns the payload as which these bytes are accepted on a wire that is quiet afterwards, if it is not `payload`.
+/// Flips can create delimiters, so the bytes may even be several frames.
 fn taken_for_another(bytes: &[u8], payload: &[u8]) -> Option<Vec<u8>> {
     let mut decoder = Decoder::new();
     for &byte in bytes.iter().chain(&[0]) {
@@ -50,8 +50,8 @@ fn no_two_flipped_bits_make_another_frame() {
         let codes = codes(&frame);
         for first in 0..bits {
             for second in 0..first {
-                // In a long frame only the flips that change how it is cut into blocks: any two others change two bits of
-                // what is checksummed, and the next test has all of those.
+                // In a long frame only flips that change its blocks are tried. Any two others change two checksummed
+                // bits, and the next test covers all of those.
                 if frame.len() > EXHAUSTIVE_MAX && !changes_blocks(&frame, &codes, first, second) {
                     continue;
                 }
@@ -66,7 +66,7 @@ fn no_two_flipped_bits_make_another_frame() {
     }
 }
 
-/// For each byte of a frame whether it says where a block ends: a code, or the delimiter.
+/// Returns for each byte of a frame whether it defines the end of a block: a code, or the delimiter.
 fn codes(frame: &[u8]) -> Vec<bool> {
     let mut codes = vec![false; frame.len()];
     let mut at = 0;
@@ -91,8 +91,8 @@ fn changes_blocks(frame: &[u8], codes: &[bool], first: usize, second: usize) -> 
         .any(|byte| codes[byte] || frame[byte] == mask(first, byte) | mask(second, byte))
 }
 
-/// The checksum is linear: two flips pass it if they change it alike, or if one changes it not at all. None of as many bits
-/// as a frame can have does, so any two flips are seen.
+/// The checksum is linear: two flips pass it if they change it equally, or if one does not change it. No bit within the
+/// length of a frame does, so any two flips are detected.
 #[test]
 fn no_two_bits_of_a_longest_frame_change_the_checksum_alike() {
     let mut bytes = [0; hil_protocol::FRAME_MAX];
@@ -123,7 +123,7 @@ fn no_part_of_a_frame_is_taken_for_one() {
     }
 }
 
-/// Found by the pairs above: the checksum of nothing is 0, and four zeros are four short blocks.
+/// Found by the pairs above: the checksum of no bytes is 0, and four zeros are four short blocks.
 #[test]
 fn nothing_and_its_checksum_are_no_frame() {
     assert_eq!(decode(&[1, 1, 1, 1, 1, 0]), Some(Err(Damage::Truncated)));

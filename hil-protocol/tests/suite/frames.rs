@@ -1,4 +1,4 @@
-//! Frames: what goes in comes out, in the format that is written down.
+//! Frames: decoding returns the encoded message, in the documented format.
 
 use hil_protocol::frame::{
     Damage, Decoder, Direction, Header, PAYLOAD_MAX, encode, header, message,
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use crate::messages;
 
-/// The payload of a frame, or why it has none.
+/// Returns the payload of a frame, or the reason why it has none.
 pub(crate) fn decode(frame: &[u8]) -> Option<Result<Vec<u8>, Damage>> {
     let mut decoder = Decoder::new();
     let mut last = None;
@@ -44,7 +44,7 @@ fn every_message_comes_back_as_it_was() {
     }
 }
 
-/// The longest of each kind is among the messages, and all of them were encoded; the buffer need not be longer than that.
+/// The longest message of each kind is tested, and all of them were encoded; the buffer need not be longer.
 #[test]
 fn the_longest_messages_fit_and_a_byte_less_is_refused() {
     for frame in messages::frames() {
@@ -109,9 +109,9 @@ fn endless_bytes_without_delimiter_are_one_damaged_frame() {
     }
 }
 
-/// A list of numbers, of which the payload is all bytes.
+/// Encodes the payload bytes as a header and a list of numbers; returns the length.
 fn frame_of(payload: &[u8], buffer: &mut [u8]) -> Option<usize> {
-    // Three bytes of header; a tuple of bytes is written as they are.
+    // Three bytes of header; a tuple of bytes is encoded without change.
     let (head, rest) = payload.split_first_chunk::<3>()?;
     let head = Header {
         direction: if head[0] & 1 == 0 {
@@ -137,7 +137,7 @@ fn frame_of(payload: &[u8], buffer: &mut [u8]) -> Option<usize> {
 }
 
 proptest! {
-    /// The reference of the stuffing is another implementation; runs of equal bytes, so that blocks fill up.
+    /// The reference of the stuffing is another implementation. Runs of equal bytes fill up blocks.
     #[test]
     fn the_stuffing_is_cobs(runs in prop::collection::vec((any::<u8>(), 1_usize..300), 1..6)) {
         let mut payload: Vec<u8> = vec![1, 5, 9];

@@ -1,4 +1,4 @@
-//! Whatever comes, both sides stay on their feet.
+//! Robustness: both sides still work after any bytes.
 
 use hil_protocol::{DeviceSession, HostSession, Request};
 use proptest::prelude::*;
@@ -20,7 +20,7 @@ proptest! {
             prop_assert_eq!(host_session.receive_byte(byte), Ok(None));
         }
         prop_assert_eq!(&device, &Stepper::new());
-        // Whatever the garbage ended with costs at most the next frame.
+        // An incomplete end of the garbage damages at most the next frame.
         let hello = host_session.again().unwrap().to_vec();
         device_session.receive_byte(0, &mut device);
         let identity = device_session.receive_frame(&hello, &mut device).unwrap().to_vec();

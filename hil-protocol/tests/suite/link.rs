@@ -1,5 +1,6 @@
-//! A link that loses, repeats, reorders, delays, flips, cuts and stalls, between sides that are reset in mid-frame: an answer
-//! that the host takes is bit for bit that of a device without a link, or there is none and the reason has a name.
+//! Link that loses, repeats, reorders, delays, flips, cuts and stalls frames, between sides that are reset in
+//! mid-frame. An accepted answer is equal to that of a device without a link, bit for bit. Otherwise there is no
+//! answer, and an error names the reason.
 
 mod wire;
 
@@ -11,16 +12,16 @@ use crate::messages::sensors;
 use crate::stepper::Stepper;
 use wire::{Amplitudes, Random, Wire};
 
-/// Faulty exchanges in all tests of this file together: 10⁶.
+/// Number of faulty exchanges per test; all tests of this file together have 10⁶.
 const FAULTY_EXCHANGES: u32 = 125_000;
 
-/// Samples of one run.
+/// Number of samples of one run.
 const SAMPLES: u32 = 200;
 
-/// How often a frame is sent at most: too often for all but the worst links and longest stalls.
+/// Maximum number of tries of a frame: enough for all but the worst links and longest stalls.
 const TRIES: u32 = 20;
 
-/// How long the host waits for an answer, in ticks; frames take up to 20.
+/// Deadline for an answer, in ticks; frames take up to 20.
 const DEADLINE: u64 = 12;
 
 struct Bench {
@@ -66,7 +67,7 @@ impl Bench {
         }
     }
 
-    /// One run: a new session, a defined start, samples. The wire still holds what is left of the runs before.
+    /// Runs a new session: a defined start, then samples. The wire still contains frames of the runs before.
     fn run(&mut self) -> Result<(), HostError> {
         self.amplitudes = Amplitudes::random(&mut self.random);
         self.nonce += 1;
@@ -187,12 +188,12 @@ fn check(seed: u64) {
     bench.reset_device();
     let tally = bench.tally;
     println!("seed {seed}: {tally:?}");
-    // The alarm rings: every kind of end and of damage occurred and was counted where it is seen.
+    // Check of the test itself: every kind of end and of damage occurred and was counted on the side that detects it.
     assert!(tally.complete > 100 && tally.ended > 100 && tally.unanswered > 10);
     for counters in [tally.host, tally.device] {
         assert!(counters.accepted > 100_000 && counters.corrupt > 10_000);
         assert!(counters.stale > 1_000 && counters.foreign > 100);
-        // Nothing undamaged is unknown, nobody sends back, and a host that waits leaves none out.
+        // No undamaged frame is unknown, none is sent back, and a waiting host skips no request.
         let LinkCounters {
             unknown,
             echoed,

@@ -1,4 +1,4 @@
-//! The mailbox: frames through shared memory.
+//! Mailbox: frames through shared memory.
 
 use std::sync::atomic::AtomicU32;
 use std::thread;
@@ -42,13 +42,13 @@ fn a_frame_of_every_length_arrives_whole_once() {
     assert_eq!(device.receive(&mut buffer), None);
 }
 
-/// After power-on the memory holds anything; a side that starts drops what it finds.
+/// After power-on the memory has any content; a side that starts drops it.
 #[test]
 fn whatever_memory_holds_is_no_frame() {
     for word in [0, 1, 0xFFFF_FFFF, 0xCCCC_CCCC] {
         let memory = memory(word);
         let mut buffer = [0; FRAME_MAX];
-        // Somebody wrote half a count.
+        // Half a count was written.
         memory[0].store(word.wrapping_add(3), std::sync::atomic::Ordering::Relaxed);
         let device = Mailbox::device(&memory);
         assert_eq!(device.receive(&mut buffer), None);
@@ -70,7 +70,7 @@ fn an_impossible_length_is_an_empty_frame() {
     assert_eq!(device.receive(&mut buffer), Some(b"next".as_slice()));
 }
 
-/// Two threads, each at its own pace: whatever is received was sent, whole and in order.
+/// Two threads with independent speed: every received frame was sent, whole and in order.
 #[test]
 fn two_sides_at_once_exchange_samples_bit_for_bit() {
     const SAMPLES: u32 = 10_000;

@@ -1,4 +1,4 @@
-//! What the wire carries, and what it survives.
+//! Tests of the wire format and of its robustness.
 
 mod flips;
 mod frames;

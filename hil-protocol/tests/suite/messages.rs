@@ -1,4 +1,4 @@
-//! A frame of every kind of message, with the shortest and the longest that there can be.
+//! Frames of every kind of message, with the shortest and the longest possible ones.
 
 use hil_protocol::frame::{Direction, Header, encode};
 use hil_protocol::heapless::Vec as List;
@@ -207,7 +207,7 @@ pub(crate) fn refusals() -> impl Iterator<Item = Refusal> {
     .into_iter()
 }
 
-/// Every kind of frame, delimiter included.
+/// Returns every kind of frame, including the delimiter.
 pub(crate) fn frames() -> Vec<Vec<u8>> {
     let to_device = Header {
         direction: Direction::ToDevice,
@@ -229,7 +229,7 @@ pub(crate) fn frames() -> Vec<Vec<u8>> {
     all
 }
 
-/// No kind is left out: the first byte of a message is the number of its variant, and each number occurs.
+/// No kind is missing: the first byte of a message is the number of its variant, and each number occurs.
 #[test]
 fn every_kind_of_message_is_among_them() {
     use std::collections::BTreeSet;
@@ -249,7 +249,7 @@ fn every_kind_of_message_is_among_them() {
     let refusals = refusals()
         .map(|refusal| bytes(&|buffer| postcard::to_slice(&refusal, buffer).unwrap().to_vec()))
         .collect();
-    // The next number is of no variant.
+    // The next number belongs to no variant.
     assert_eq!(first_bytes(requests), (0..16).collect());
     assert!(postcard::from_bytes::<Request>(&[16; 64]).is_err());
     assert_eq!(first_bytes(replies), (0..9).collect());

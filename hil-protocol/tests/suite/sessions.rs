@@ -86,7 +86,7 @@ fn a_request_that_comes_twice_is_carried_out_once_and_answered_alike() {
     let second = pair.at_device(&frame).unwrap();
     assert_eq!((first, pair.device.steps), (second.clone(), 1));
     assert_eq!(pair.device_session.counters().duplicate, 1);
-    // The host takes one of the answers.
+    // The host accepts one of the answers.
     assert!(matches!(pair.at_host(&second), Ok(Some(Event::Reply(_)))));
     assert_eq!(pair.at_host(&second), Ok(None));
     assert_eq!(pair.host.counters().duplicate, 1);
@@ -104,7 +104,7 @@ fn a_request_that_comes_late_is_dropped() {
         (pair.device.steps, pair.device_session.counters().stale),
         (2, 1)
     );
-    // And so is an answer.
+    // The same is true for an answer.
     let waiting = pair.sample(2);
     assert_eq!(pair.at_host(&answer), Ok(None));
     assert_eq!(pair.host.counters().stale, 1);
@@ -147,7 +147,7 @@ fn a_missing_request_is_named() {
     let answer = pair.at_device(beyond).unwrap();
     assert_eq!(pair.device.steps, 0);
     assert_eq!(pair.device_session.counters().skipped, 1);
-    // A host that waits for this one ends its session; this host is not there yet.
+    // It would end the session of a host that waits for this request; this host is not there yet.
     assert_eq!(pair.at_host(&answer), Ok(None));
     for _ in 0..2 {
         pair.exchange(&Request::Discard);
@@ -182,7 +182,7 @@ fn a_device_that_was_reset_takes_no_part_in_the_session_before() {
     assert_eq!(pair.host.request(&Request::Discard), Err(HostError::Closed));
 }
 
-/// A late copy of the Hello opens a session after the reset, but not the one that the host is in.
+/// A late copy of the Hello opens a session after the reset, but not the session of the host.
 #[test]
 fn a_reset_is_seen_although_the_hello_comes_again() {
     let mut pair = Pair::new();
@@ -218,7 +218,7 @@ fn a_host_that_starts_again_in_mid_frame_gets_a_session() {
         Ok(Some(Event::Opened(_)))
     ));
     assert!(!pair.device_session.lock_step());
-    // What is left of the old session is told so, and nobody listens.
+    // Frames of the old session are refused, and the host ignores the refusal.
     let refusal = pair.at_device(&frame).unwrap();
     assert_eq!(pair.at_host(&refusal), Ok(None));
     assert_eq!(pair.device_session.counters().foreign, 1);
@@ -226,7 +226,7 @@ fn a_host_that_starts_again_in_mid_frame_gets_a_session() {
     assert_eq!(pair.device.steps, 0);
 }
 
-/// The refusal is no answer of the session: after it the last answer is still there to be repeated.
+/// The refusal is no answer of the session: after it the last answer can still be repeated.
 #[test]
 fn a_stranger_costs_the_session_nothing() {
     let mut pair = Pair::open();
@@ -314,7 +314,7 @@ fn another_version_is_refused_by_name() {
     assert!(error.to_string().contains("version 1"), "{error}");
 }
 
-/// A message of a later version in an undamaged frame: silence would look like a broken wire.
+/// A message of a later version in an undamaged frame is answered: silence would look like a broken wire.
 #[test]
 fn an_unknown_message_is_answered() {
     let mut pair = Pair::open();

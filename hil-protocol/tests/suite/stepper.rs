@@ -1,4 +1,4 @@
-//! A device whose answers depend on every sample it ever took, once and in order.
+//! Device whose answers depend on every sample that it took, once and in order.
 
 use hil_protocol::{
     Actuators, Answer, Device, Identity, ImageIdentity, Measured, Reply, Request, ResetCause,

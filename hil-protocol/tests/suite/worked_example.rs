@@ -1,4 +1,4 @@
-//! The wire format as it is written down: the worked example of the README, byte by byte.
+//! Documented wire format: the worked example of the README, byte by byte.
 
 use hil_protocol::frame::{Direction, Header, encode};
 use hil_protocol::{FRAME_MAX, Request, Sensors};

@@ -1,16 +1,16 @@
-//! A second volume behind a tube (E59).
+//! Second volume behind a tube (E59).
 
 use super::leak::Leak;
 use crate::orifice::NozzleLaw;
 use crate::restriction::Restriction;
 
-/// A cavity behind a tube.
+/// Cavity behind a tube.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cavity {
     /// Volume (m³).
     pub volume: f64,
     pub(crate) tube: Tube,
-    /// Whether the sensor sits in it, or else in the chamber.
+    /// Whether the sensor measures the cavity's pressure instead of the chamber's.
     pub(crate) holds_the_sensor: bool,
 }
 
@@ -21,7 +21,7 @@ pub(crate) enum Tube {
 }
 
 impl Cavity {
-    /// Mass flow from the chamber into the cavity (kg/s).
+    /// Returns the mass flow from the chamber into the cavity (kg/s).
     pub(crate) fn inflow(&self, nozzle: &NozzleLaw, chamber: f64, cavity: f64) -> f64 {
         match self.tube {
             Tube::Orifice(restriction) => restriction.mass_flow(nozzle, chamber, cavity),

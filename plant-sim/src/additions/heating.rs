@@ -1,21 +1,21 @@
-//! The coil's resistance and its temperature (E42, E43).
+//! Resistance and temperature of the coil (E42, E43).
 
 use super::WarmUp;
 
-/// Where the coils' temperature comes from: their surroundings, and their own current.
+/// Heating of the coils by their surroundings and by their own current.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heating {
     /// Temperature coefficient of the resistance (1/K).
     pub(crate) coefficient: f64,
     /// Resistance at 20 °C (Ω).
     pub(crate) at_20: f64,
-    /// What the surroundings are warmer than 20 °C at the beginning (K), ...
+    /// Temperature of the surroundings above 20 °C at the beginning (K).
     pub(crate) ambient: f64,
-    /// ... and by what they warm up (K).
+    /// Warming of the surroundings (K).
     pub(crate) warm_up: Option<WarmUp>,
-    /// What the current warms; without it a coil has the temperature of its surroundings.
+    /// Heat store that the current warms; without it a coil has the temperature of its surroundings.
     pub(crate) winding: Option<HeatStore>,
-    /// What the winding gives its heat to, before that comes to the surroundings.
+    /// Heat store between the winding and the surroundings.
     pub(crate) body: Option<HeatStore>,
 }
 
@@ -28,7 +28,7 @@ pub struct HeatStore {
     cooling: f64,
 }
 
-/// Temperatures of a coil over 20 °C (K).
+/// Temperatures of a coil above 20 °C (K).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct CoilTemperature {
     pub(crate) winding: f64,
@@ -36,14 +36,15 @@ pub(crate) struct CoilTemperature {
 }
 
 impl HeatStore {
-    /// None where the capacity has no end: it never warms.
+    /// Creates a heat store; `None` for an infinite capacity, which never warms.
     pub(crate) fn new(capacity: f64, cooling: f64) -> Option<Self> {
         capacity.is_finite().then_some(Self { capacity, cooling })
     }
 
-    /// The temperature after `heat` (J) came in over `duration` (s), and the heat that went on to what is around (J).
+    /// Returns the temperature after `heat` (J) came in over `duration` (s), and the heat passed on to the surroundings
+    /// of the part (J).
     fn after(&self, temperature: f64, around: f64, heat: f64, duration: f64) -> (f64, f64) {
-        // Exact for a steady power.
+        // Exact for constant power.
         let rate = self.cooling / self.capacity;
         let share = -(-rate * duration).exp_m1();
         let cooled = temperature - share * (temperature - around);
@@ -58,7 +59,7 @@ impl HeatStore {
 }
 
 impl Heating {
-    /// The temperature of a coil before it had any current.
+    /// Returns the temperature of a coil before it had any current.
     pub(crate) fn start(&self) -> CoilTemperature {
         CoilTemperature {
             winding: self.ambient,
@@ -66,7 +67,8 @@ impl Heating {
         }
     }
 
-    /// The temperature after `heat` (J) came into the winding over `duration` (s), at `elapsed` (s) since the beginning.
+    /// Returns the temperature after `heat` (J) came into the winding over `duration` (s), at `elapsed` (s) since the
+    /// beginning.
     pub(crate) fn after(
         &self,
         coil: CoilTemperature,
@@ -87,14 +89,14 @@ impl Heating {
         CoilTemperature { winding, body }
     }
 
-    /// What the resistance (Ω) is above that at the beginning.
+    /// Returns the increase of the resistance since the beginning (Ω).
     pub(crate) fn risen(&self, coil: CoilTemperature) -> f64 {
         let resistance = |difference| resistance(self.at_20, self.coefficient, difference);
         resistance(coil.winding) - resistance(self.ambient)
     }
 }
 
-/// Resistance (Ω) at `difference` (K) above 20 °C, of copper that has `at_20` there (equation 5.7).
+/// Returns the resistance (Ω) at `difference` (K) above 20 °C, of copper with `at_20` at 20 °C (equation 5.7).
 #[inline]
 pub(crate) fn resistance(at_20: f64, coefficient: f64, difference: f64) -> f64 {
     at_20 * (1.0 + coefficient * difference)
@@ -104,7 +106,7 @@ pub(crate) fn resistance(at_20: f64, coefficient: f64, difference: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Two first-order bodies in a row against fine Euler steps of their heat balances.
+    /// Two first-order bodies in series, compared with fine Euler steps of their heat balances.
     #[test]
     fn winding_and_body_follow_their_heat_balances() {
         let [winding, body] = [(4.0, 0.8), (50.0, 0.5)];

@@ -1,12 +1,12 @@
-//! A leak from one pressure to another (E41).
+//! Leak from one pressure to another (E41).
 
 use crate::orifice::NozzleLaw;
 
-/// A leak from one pressure to another.
+/// Leak from one pressure to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leak {
     law: LeakLaw,
-    /// Effective area of the orifice that leaks as much at the reference pressures (m²).
+    /// Effective area of the orifice with the same flow at the reference pressures (m²).
     area: f64,
     /// Mass flow per area at the reference pressures (kg/(s m²)).
     reference_flow: f64,
@@ -14,7 +14,7 @@ pub struct Leak {
     reference: [f64; 2],
 }
 
-/// How a leak's flow depends on the pressures.
+/// Law of a leak's flow over the pressures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum LeakLaw {
     Orifice,
@@ -24,7 +24,7 @@ pub(crate) enum LeakLaw {
 }
 
 impl Leak {
-    /// The leak that lets through what an orifice with `area` (m²) does from `high` to `low` (Pa abs).
+    /// Creates the leak with the flow of an orifice with `area` (m²) from `high` to `low` (Pa abs).
     pub(crate) fn new(law: LeakLaw, area: f64, nozzle: &NozzleLaw, high: f64, low: f64) -> Self {
         Self {
             law,
@@ -34,12 +34,12 @@ impl Leak {
         }
     }
 
-    /// The area by which it widens a valve beside it; none where it follows another law than an orifice.
+    /// Returns the area by which the leak widens a parallel valve; `None` if its law is not that of an orifice.
     pub(crate) fn orifice_area(&self) -> Option<f64> {
         (self.law == LeakLaw::Orifice).then_some(self.area)
     }
 
-    /// Mass flow (kg/s) from `upside` to `downside` (Pa abs); negative where they are reversed.
+    /// Returns the mass flow (kg/s) from `upside` to `downside` (Pa abs); negative if the pressures are reversed.
     pub(crate) fn mass_flow(&self, nozzle: &NozzleLaw, upside: f64, downside: f64) -> f64 {
         if upside < downside {
             return -self.mass_flow(nozzle, downside, upside);

@@ -1,5 +1,5 @@
-//! What effects add to the thesis' model: filled by [`Effect::install`](crate::effects::Effect::install), read by the
-//! simulator. The laws here know nothing of effects; several effects may share one.
+//! Additions of the effects to the thesis' model: filled by [`Effect::install`](crate::effects::Effect::install), read
+//! by the simulator. The laws here are independent of the effects; several effects may share one.
 
 mod cavity;
 mod flow_force;
@@ -31,59 +31,59 @@ pub use warm_up::WarmUp;
 use crate::hooks::Hooks;
 use crate::restriction::Restriction;
 
-/// Additions to the plant; the default is none.
+/// Additions to the plant; the default has none.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Additions {
     /// Flow from the chamber to ambient, and from the supply into the chamber.
     pub leaks: [Option<Leak>; 2],
-    /// What lies between the supply and the fill valve.
+    /// Line between the supply and the fill valve.
     pub supply_line: Option<Line>,
-    /// What lies between the vent valve and the drain.
+    /// Line between the vent valve and the drain.
     pub drain_line: Option<Line>,
-    /// Fixed orifices behind the fill and the vent valve.
+    /// Fixed orifices downstream of the fill and the vent valve.
     pub restrictions: [Option<Restriction>; 2],
-    /// Fixed orifices that are one opening together with the fill and the vent valve.
+    /// Fixed orifices that form one opening together with the fill and the vent valve.
     pub combined: [Option<Restriction>; 2],
     /// Energy balance of the gas.
     pub wall_heat: Option<WallHeat>,
-    /// A second volume behind a tube.
+    /// Second volume behind a tube.
     pub cavity: Option<Cavity>,
-    /// The plunger that enlarges the chamber.
+    /// Plunger that enlarges the chamber.
     pub plunger: Option<Plunger>,
     /// Saturation of the iron.
     pub saturation: Option<Saturation>,
     /// Conductance of the eddy currents' loop, referred to the coil (1/Ω).
     pub eddy_conductance: f64,
-    /// Resistance that both coils' currents pass (Ω).
+    /// Resistance that the currents of both coils pass (Ω).
     pub supply_resistance: f64,
-    /// What the battery loses under a lasting current.
+    /// Voltage loss of the battery under a lasting current.
     pub polarisation: Option<Polarisation>,
-    /// Resistance in the free-wheeling loop alone (Ω).
+    /// Resistance in the free-wheeling loop only (Ω).
     pub free_wheel_resistance: f64,
-    /// The coils or their surroundings warm up.
+    /// Warming of the coils or their surroundings.
     pub heating: Option<Heating>,
     /// Dry friction of the armatures.
     pub friction: Option<Friction>,
     /// Share of the velocity that an armature keeps at an end stop (-).
     pub restitution: f64,
-    /// What an open valve loses of the pressure force.
+    /// Loss of pressure force of an open valve.
     pub flow_force: FlowForce,
     /// Lag of the pressure sensor.
     pub sensor_lag: Option<SensorLag>,
-    /// What the sensor shows too much (Pa).
+    /// Offset of the sensor (Pa).
     pub sensor_offset: f64,
-    /// What comes to it while the sensor warms up (Pa).
+    /// Drift of the sensor's offset while it warms up (Pa).
     pub sensor_drift: Option<WarmUp>,
-    /// What the sensor shows too much per gauge pressure (-).
+    /// Gain error of the sensor, per gauge pressure (-).
     pub sensor_gain: f64,
-    /// Laws of your own.
+    /// User-defined laws.
     pub hooks: Hooks,
 }
 
-/// A voltage behind a resistance that comes and goes with a time constant: a battery under a lasting current (E50).
+/// Voltage behind a resistance that rises and decays with a time constant: a battery under a lasting current (E50).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Polarisation {
-    /// Voltage in the end over the current of all energised coils (Ω).
+    /// Final voltage divided by the current of all energised coils (Ω).
     pub resistance: f64,
     /// Time constant (s).
     pub time_constant: f64,
@@ -92,14 +92,14 @@ pub struct Polarisation {
 /// Friction at rest and in motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
-    /// Largest force at rest (N).
+    /// Largest friction force at rest (N).
     pub at_rest: f64,
-    /// Force against the motion (N).
+    /// Friction force against the motion (N).
     pub sliding: f64,
 }
 
-/// Velocity (m/s) below which an armature stays at the stop it meets: it would fly a micrometre.
+/// Velocity (m/s) below which an armature stays at the stop it meets: its flight would be a micrometre.
 pub(crate) const SLOWEST_BOUNCE: f64 = 0.02;
-/// Time (s) between two impacts below which an armature stays as well: bounces under a steady force get shorter and
+/// Time (s) between two impacts below which an armature stays as well: bounces under a constant force get shorter and
 /// shorter, infinitely many in a finite time.
 pub(crate) const SHORTEST_FLIGHT: f64 = 1e-6;

@@ -1,51 +1,52 @@
-//! A plunger that enlarges the chamber (E53).
+//! Plunger that enlarges the chamber (E53).
 
-/// A plunger without mass.
+/// Plunger without mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plunger {
-    /// Whole swept volume (m³).
+    /// Total swept volume (m³).
     pub(crate) swept: f64,
     /// Pressure at which it leaves its stop (Pa abs).
     pub(crate) begin: f64,
-    /// Pressure over the travel (Pa).
+    /// Pressure difference over the travel (Pa).
     pub(crate) travel: f64,
-    /// Pressure that friction holds (Pa).
+    /// Pressure equivalent of the friction (Pa).
     pub(crate) friction: f64,
-    /// Time constant (s) with which damping lets it follow; none where it follows at once.
+    /// Time constant (s) of its damped motion; `None` if it follows at once.
     pub(crate) damping: Option<f64>,
 }
 
-/// A volume that follows the pressure.
+/// Volume that follows the pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Volume {
-    /// How large it is (m³).
+    /// Size of the volume (m³).
     pub(crate) size: f64,
-    /// Its change with the pressure (m³/Pa), ...
+    /// Change of the volume with the pressure (m³/Pa).
     pub(crate) compliance: f64,
-    /// ... and its growth besides (m³/s).
+    /// Growth of the volume that is independent of the pressure rate (m³/s).
     pub(crate) growth: f64,
 }
 
 impl Plunger {
-    /// Share of the travel (-) that a plunger without friction has at `pressure` (Pa abs).
+    /// Returns the share of the travel (-) of a plunger without friction at `pressure` (Pa abs).
     fn free(&self, pressure: f64) -> f64 {
         ((pressure - self.begin) / self.travel).clamp(0.0, 1.0)
     }
 
-    /// Share of the travel (-) at `pressure` (Pa abs) after it was `last`: moved only by what exceeds the friction.
+    /// Returns the share of the travel (-) at `pressure` (Pa abs) after it was `last`: only pressure beyond the
+    /// friction moves it.
     pub(crate) fn share(&self, last: f64, pressure: f64) -> f64 {
-        // No clamp: a stage of a step that is too long may have no pressure at all.
+        // No clamp: in a stage of a step that is too long the pressure may be negative.
         last.max(self.free(pressure - self.friction))
             .min(self.free(pressure + self.friction))
     }
 
-    /// d(share)/dt (1/s) at `pressure` (Pa abs) of a plunger that is damped; 0 of one that follows at once.
+    /// Returns d(share)/dt (1/s) at `pressure` (Pa abs) of a damped plunger; 0 for one that follows at once.
     pub(crate) fn rate(&self, share: f64, pressure: f64) -> f64 {
         let pulled = self.share(share, pressure) - share;
         self.damping.map_or(0.0, |damping| pulled / damping)
     }
 
-    /// The share after the pressure was moved from `before` to `pressure` (Pa abs), and the plunger along with it.
+    /// Returns the share after the pressure, and the plunger with it, was moved from `before` to `pressure` (Pa abs).
     pub(crate) fn shifted(&self, share: f64, before: f64, pressure: f64) -> f64 {
         if self.damping.is_some() {
             (share + self.free(pressure) - self.free(before)).clamp(0.0, 1.0)
@@ -54,7 +55,7 @@ impl Plunger {
         }
     }
 
-    /// Swept volume where the share of the travel was `last`, while the pressure rises or falls.
+    /// Returns the swept volume for a share of the travel of `last`, while the pressure rises or falls.
     pub(crate) fn volume(&self, last: f64, pressure: f64, rises: bool) -> Volume {
         if self.damping.is_some() {
             return Volume {

@@ -1,6 +1,6 @@
-//! What a slow sensor shows (E54).
+//! Output of a slow sensor (E54).
 
-/// The lag of a sensor.
+/// Lag of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorLag {
     /// Time constant of each stage (s).
@@ -10,8 +10,8 @@ pub struct SensorLag {
 }
 
 impl SensorLag {
-    /// What the stages show after `h` (s) of an input that goes as a cubic through both ends with these slopes, when
-    /// they showed `shown` before; what the sensor shows is the last. Exact for the cubic.
+    /// Returns the outputs of the stages after `h` (s). The input is a cubic through both ends with these slopes, and
+    /// the previous outputs are `shown`. The output of the sensor is the last one. Exact for the cubic.
     pub(crate) fn follow(
         &self,
         shown: [f64; 2],
@@ -36,16 +36,16 @@ impl SensorLag {
         if !self.is_second_order {
             return [first; 2];
         }
-        // What the first stage still held adds z exp(-z) of itself to the second.
+        // The state of the first stage adds z exp(-z) of itself to the second.
         let twice: [f64; 4] = core::array::from_fn(|n| z * (once[n] - once[n + 1]));
         let held = (shown[0] - shown[1]) * z * (-z).exp();
         [first, after(shown[1], &twice) + held]
     }
 }
 
-/// g_n(z) = z ∫₀¹ exp(-z (1 - s)) sⁿ ds for n = 0 to 4: what a lag from zero shows of the input sⁿ at s = 1; two lags show
-/// z (g_n - g_(n+1)). They follow from each other by g_n = 1 - n g_(n-1) / z, which is stable upwards for large z and
-/// downwards for small.
+/// Returns g_n(z) = z ∫₀¹ exp(-z (1 - s)) sⁿ ds for n = 0 to 4: the output of a lag from zero for the input sⁿ at s =
+/// 1; two lags give z (g_n - g_(n+1)). The recursion g_n = 1 - n g_(n-1) / z is stable upwards for large z and
+/// downwards for small z.
 fn responses(z: f64) -> [f64; 5] {
     if z >= 1.0 {
         let g0 = -(-z).exp_m1();
@@ -72,7 +72,7 @@ fn responses(z: f64) -> [f64; 5] {
 mod tests {
     use super::*;
 
-    /// Against the integrals, by Simpson's rule; tiny steps once left 1e20 Pa of rounding.
+    /// Compared with the integrals by Simpson's rule; tiny steps once had rounding errors of 1e20 Pa.
     #[test]
     fn responses_are_their_integrals() {
         for z in [1e-9, 1e-3, 0.3, 0.999, 1.0, 3.0, 50.0_f64] {
@@ -99,7 +99,7 @@ mod tests {
         (0..cells).map(cell).sum()
     }
 
-    /// A ramp is followed at a distance of slope times time constant, once per stage, and what was there before decays.
+    /// A ramp is followed with a delay of slope times time constant per stage, and the initial difference decays.
     #[test]
     fn ramps_are_followed_at_a_distance() {
         let after = |is_second_order, shown: f64, h: f64| {
@@ -118,7 +118,7 @@ mod tests {
         }
     }
 
-    /// A long step is as good as many short ones.
+    /// One long step gives the same result as many short ones.
     #[test]
     fn two_stages_go_on_from_where_they_are() {
         let lag = SensorLag {

@@ -2,14 +2,15 @@
 
 use super::Volume;
 
-/// Heat from the wall to the gas.
+/// Heat transfer from the wall to the gas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallHeat {
-    /// Between gas and wall (W/K); by natural convection, at the reference.
+    /// Conductance between gas and wall (W/K); with natural convection the one at the reference.
     pub conductance: f64,
-    /// Gas constant times density (Pa/K) at which natural convection has that conductance; none where it is constant.
+    /// Gas constant times density (Pa/K) at which natural convection has that conductance; `None` for a constant
+    /// conductance.
     pub convection: Option<f64>,
-    /// The wall's own heat capacity (J/K) and its loss to the surroundings (W/K); none where its temperature stays.
+    /// Heat capacity of the wall (J/K) and its loss to the surroundings (W/K); `None` for a constant wall temperature.
     pub wall: Option<(f64, f64)>,
     /// Temperature of the surroundings and of the supply air (K).
     pub surroundings: f64,
@@ -26,7 +27,7 @@ pub(crate) struct Balance {
     pub(crate) inflow: f64,
     /// Mass flow out, at the temperature of the chamber (kg/s).
     pub(crate) outflow: f64,
-    /// Of the gas.
+    /// Volume of the gas.
     pub(crate) volume: Volume,
 }
 
@@ -34,8 +35,8 @@ pub(crate) struct Balance {
 const REFERENCE_KELVIN: f64 = 30.0;
 
 impl WallHeat {
-    /// Heat between gas and wall per kelvin (W/K). Turbulent natural convection has Nu ∝ Ra^(1/3), and Ra goes with
-    /// ρ² ΔT: the size of the chamber cancels.
+    /// Returns the conductance between gas and wall (W/K). Turbulent natural convection has Nu ∝ Ra^(1/3), and Ra is
+    /// proportional to ρ² ΔT: the size of the chamber cancels.
     pub(crate) fn conductance(&self, pressure: f64, temperature: f64, wall: f64) -> f64 {
         let Some(reference) = self.convection else {
             return self.conductance;
@@ -45,7 +46,8 @@ impl WallHeat {
         self.conductance * (dense * dense * apart).cbrt()
     }
 
-    /// What drives the pressure (W): the enthalpy of mass flows in and out (kg/s), and the wall's heat, times k - 1.
+    /// Returns the power that changes the pressure (W): the enthalpy of mass flows in and out (kg/s), and the wall's
+    /// heat, times k - 1.
     pub(crate) fn pressure_power(
         &self,
         [inflow, outflow]: [f64; 2],
@@ -58,8 +60,8 @@ impl WallHeat {
         k * r * (inflow * self.surroundings - outflow * temperature) + (k - 1.0) * heat
     }
 
-    /// d(pressure)/dt (Pa/s), d(gas temperature)/dt and d(wall temperature)/dt (K/s) at a
-    /// [pressure power](Self::pressure_power).
+    /// Returns d(pressure)/dt (Pa/s), d(gas temperature)/dt and d(wall temperature)/dt (K/s) at a [pressure
+    /// power](Self::pressure_power).
     pub(crate) fn rates(
         &self,
         balance: &Balance,

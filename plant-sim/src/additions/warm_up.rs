@@ -1,16 +1,16 @@
-//! Something that approaches its final value while the rig warms up.
+//! Value that approaches its final value while the rig warms up.
 
-/// A slow approach, counted from the beginning of a log.
+/// Slow approach, counted from the beginning of a log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WarmUp {
-    /// What it comes to in the end.
+    /// Final value.
     pub(crate) in_the_end: f64,
     /// Time constant (s).
     pub(crate) time_constant: f64,
 }
 
 impl WarmUp {
-    /// What it has come to after `elapsed` (s).
+    /// Returns the value after `elapsed` (s).
     pub(crate) fn after(&self, elapsed: f64) -> f64 {
         -self.in_the_end * (-elapsed / self.time_constant).exp_m1()
     }

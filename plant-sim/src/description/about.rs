@@ -1,8 +1,8 @@
-//! What is said of an effect.
+//! Description of an effect.
 
 use super::spec::ParameterSpec;
 
-/// An effect, described.
+/// Description of an effect.
 #[derive(Debug)]
 pub struct About {
     /// Stable name in files, commands and JSON.
@@ -11,11 +11,11 @@ pub struct About {
     pub sentence: &'static str,
     /// Number in `docs/equations.md`, and the source.
     pub source: &'static str,
-    /// Where it acts on the plant.
+    /// Part of the plant on which it acts.
     pub acts_on: EntryPoint,
-    /// The forms that its law may have; the first is meant where a file names none.
+    /// Forms of its law; the first is the default in a plant file.
     pub variants: &'static [Variant],
-    /// The manoeuvre that shows it.
+    /// Excitation that reveals it.
     pub excited_by: &'static str,
     /// Effects of the library that look alike in a log.
     pub confused_with: &'static [&'static str],
@@ -26,13 +26,13 @@ pub struct About {
 pub struct Variant {
     /// Name in a plant file, `variant = "orifice"`.
     pub name: &'static str,
-    /// What is special about it.
+    /// Special property of this form.
     pub about: &'static str,
     /// Its parameters, in the order of [`EffectSetting::values`](super::EffectSetting::values).
     pub parameters: &'static [&'static ParameterSpec],
 }
 
-/// Where an effect acts on the plant.
+/// Part of the plant on which an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the names are the field's")]
 pub enum EntryPoint {
@@ -49,7 +49,7 @@ pub enum EntryPoint {
 }
 
 impl Variant {
-    /// The one form of a law that has no other.
+    /// Creates the single form of a law that has no other.
     pub const fn only(parameters: &'static [&'static ParameterSpec]) -> Self {
         Self {
             name: "only",
@@ -60,19 +60,19 @@ impl Variant {
 }
 
 impl About {
-    /// The id as a headline: `Chamber leak`.
+    /// Returns the id as a headline: `Chamber leak`.
     pub fn title(&self) -> String {
         let mut words = self.id.replace('_', " ");
         words[..1].make_ascii_uppercase();
         words
     }
 
-    /// The variant with this name.
+    /// Returns the variant with this name.
     pub fn variant(&self, name: &str) -> Option<&'static Variant> {
         self.variants.iter().find(|variant| variant.name == name)
     }
 
-    /// Every parameter of any variant, each once.
+    /// Returns every parameter of any variant, each once.
     pub fn parameters(&self) -> impl Iterator<Item = &'static ParameterSpec> {
         let before = |index: usize, spec: &'static ParameterSpec| {
             self.variants[..index]

@@ -1,24 +1,24 @@
-//! How well a plant file knows a value.
+//! Knowledge of the values in a plant file.
 
 use super::spec::ParameterSpec;
 
-/// How well a plant file knows one of its values. A value without such a statement has the usual tolerance of its part.
+/// Knowledge of a value in a plant file. A value without such a statement has the usual tolerance of its part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Knowledge {
-    /// `{ value = V, exact = true }`: no fit moves it.
+    /// `{ value = V, exact = true }`: no fit changes it.
     Exact,
     /// `{ value = V, tolerance_pct = T }`: within T % of V.
     TolerancePct(f64),
     /// `{ value = V, tolerance = T }`: within T of V, in the unit of the parameter.
     Tolerance(f64),
-    /// `{ min = A, max = B }`, perhaps with a `value` at which a fit begins.
+    /// `{ min = A, max = B }`, optionally with a `value` at which a fit begins.
     Range(f64, f64),
     /// `"unknown"`: anywhere in the physical range.
     Unknown,
 }
 
 impl Knowledge {
-    /// Returns the least and the largest possible value of `spec`, of which the plant file gives `value`.
+    /// Returns the smallest and the largest possible value of `spec`, for which the plant file gives `value`.
     pub fn bounds(self, spec: &ParameterSpec, value: f64) -> (f64, f64) {
         let (least, most) = match self {
             Self::Exact => (value, value),
@@ -34,7 +34,7 @@ impl Knowledge {
     }
 }
 
-/// Returns the value at which a fit begins in a range of which nothing else is known: its middle on a logarithmic scale where
+/// Returns the value at which a fit begins in a range without further knowledge: its middle on a logarithmic scale if
 /// that exists.
 pub(crate) fn middle((least, most): (f64, f64)) -> f64 {
     if least > 0.0 {

@@ -1,5 +1,5 @@
-//! What a plant is described by: its parameters with their meaning, and the effects that it has. Effects are written
-//! against this; who knows all of them stands above.
+//! Description of a plant: its parameters with their meaning, and its effects. Effects are written against this module;
+//! the library that contains all of them is above it.
 
 mod about;
 mod knowledge;

@@ -1,5 +1,5 @@
-//! A plant's parameters and its effects. One file, for they are one thing: a plant has effects, and an effect reads the
-//! plant that has it.
+//! Parameters and effects of a plant. They are in one file because they depend on each other: a plant has effects, and
+//! an effect reads the plant that has it.
 
 use core::fmt::Debug;
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use super::spec::ParameterSpec;
 use crate::plant::{FILL, Plant};
 use crate::valve::ValveFunction;
 
-/// Everything a plant file says.
+/// Content of a plant file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantParameters {
     /// `[ecu]`
@@ -32,29 +32,30 @@ pub struct PlantParameters {
     pub gas: GasParameters,
     /// `[chamber]`; a volume of 0 is none.
     pub chamber: ChamberParameters,
-    /// `[valves]`: what sits between supply and chamber (fill), and between chamber and drain (vent).
+    /// `[valves]`: function of the valve between supply and chamber (fill), and of the valve between chamber and drain
+    /// (vent).
     pub functions: [ValveFunction; 2],
-    /// `[regulating_valve]`: an output stage, where the file has one.
+    /// `[regulating_valve]`: an output stage, if the file has one.
     pub regulating_valve: Option<RegulatingValveParameters>,
-    /// `[effects.*]`: what this plant has beyond the thesis' model, each effect at most once.
+    /// `[effects.*]`: effects in addition to the thesis' model, each at most once.
     pub effects: Vec<EffectSetting>,
-    /// Where each value comes from, by `section.key`; the comment behind the value in the file.
+    /// Source of each value, by `section.key`; the comment behind the value in the file.
     pub provenance: BTreeMap<String, String>,
-    /// How well values are known, by `section.key`; a value without a statement has the usual tolerance of its part.
+    /// Knowledge of values, by `section.key`; a value without a statement has the usual tolerance of its part.
     pub knowledge: BTreeMap<String, Knowledge>,
 }
 
-/// A physical effect.
+/// Physical effect.
 pub trait Effect: Debug + Sync {
-    /// What it is, for people and for a diagnosis.
+    /// Returns the description of the effect, for people and for a diagnosis.
     fn about(&self) -> &'static About;
 
-    /// Puts the effect into a plant that was prepared from `parameters`. Called once per simulation, and not at all
-    /// where `setting` is off.
+    /// Adds the effect to a plant that was prepared from `parameters`. It is called once per simulation, and not at all
+    /// if `setting` is off.
     fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant);
 }
 
-/// One `[effects.*]` table of a plant.
+/// Setting of an effect: one `[effects.*]` table of a plant.
 #[derive(Debug, Clone)]
 pub struct EffectSetting {
     effect: &'static dyn Effect,
@@ -63,12 +64,12 @@ pub struct EffectSetting {
 }
 
 impl EffectSetting {
-    /// `effect` in its first variant, at its typical size.
+    /// Creates `effect` in its first variant, at its typical size.
     pub fn typical(effect: &'static dyn Effect) -> Self {
         Self::typical_variant(effect, &effect.about().variants[0])
     }
 
-    /// `effect` in one of its variants, at its typical size.
+    /// Creates `effect` in one of its variants, at its typical size.
     pub fn typical_variant(effect: &'static dyn Effect, variant: &'static Variant) -> Self {
         let typical = |spec: &&ParameterSpec| spec.size.map_or(spec.range.0, |size| size.typical);
         Self {
@@ -78,46 +79,45 @@ impl EffectSetting {
         }
     }
 
-    /// The effect.
+    /// Returns the effect.
     pub fn effect(&self) -> &'static dyn Effect {
         self.effect
     }
 
-    /// Its id.
+    /// Returns the id of the effect.
     pub fn id(&self) -> &'static str {
         self.effect.about().id
     }
 
-    /// The form of its law.
+    /// Returns the form of its law.
     pub fn variant(&self) -> &'static Variant {
         self.variant
     }
 
-    /// The parameters of the variant.
+    /// Returns the parameters of the variant.
     pub fn parameters(&self) -> &'static [&'static ParameterSpec] {
         self.variant.parameters
     }
 
-    /// The values, in the order of [`Self::parameters`].
+    /// Returns the values, in the order of [`Self::parameters`].
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The values, to change them; [`PlantParameters::check`] tells whether they are
-    /// allowed.
+    /// Returns the values for changes; [`PlantParameters::check`] checks whether they are allowed.
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 
-    /// The value of a parameter; none where the variant has no such parameter.
+    /// Returns the value of a parameter; `None` if the variant has no such parameter.
     pub fn get(&self, key: &str) -> Option<f64> {
         self.position(key).map(|index| self.values[index])
     }
 
-    /// The value of a parameter that the variant has.
+    /// Returns the value of a parameter that the variant has.
     ///
     /// # Panics
-    /// If it has none of this name: a mistake in the effect's own file.
+    /// Panics if the variant has no such parameter, which is a mistake in the effect's own file.
     pub fn value(&self, key: &str) -> f64 {
         self.get(key).unwrap_or_else(|| {
             panic!(
@@ -128,10 +128,10 @@ impl EffectSetting {
         })
     }
 
-    /// The same setting with another value.
+    /// Returns the setting with another value.
     ///
     /// # Panics
-    /// If the variant has no parameter `key`.
+    /// Panics if the variant has no parameter `key`.
     #[must_use]
     pub fn with(mut self, key: &str, value: f64) -> Self {
         let index = self
@@ -141,7 +141,7 @@ impl EffectSetting {
         self
     }
 
-    /// Whether the plant is the plain one: every strength is at its off value.
+    /// Returns whether every strength is at its off value, so that the plant is the plain one.
     pub fn is_off(&self) -> bool {
         let mut strengths = self
             .parameters()
@@ -170,14 +170,15 @@ impl PartialEq for EffectSetting {
     }
 }
 
-/// Pressure (bar gauge) at which sizes refer where a plant has no supply: the one at which pneumatic components are rated.
+/// Pressure (bar gauge) to which sizes refer in a plant without supply: the rated pressure of pneumatic components.
 pub(crate) const REFERENCE_BAR_GAUGE: f64 = 6.3;
-/// Least gauge pressure (Pa) at which a size refers: a supply that is shut off has none.
+/// Smallest gauge pressure (Pa) to which a size refers: a supply that is shut off has none.
 const LEAST_REFERENCE: f64 = PA_PER_BAR;
 
 impl PlantParameters {
-    /// Pressure (Pa abs) at which the size of a leak and the conductance of natural convection refer: the supply pressure, at least
-    /// 1 bar gauge; where no fill valve leads to a supply, 6.3 bar gauge, whatever `gas.supply_pressure_bar_gauge` is.
+    /// Returns the pressure (Pa abs) to which the size of a leak and the conductance of natural convection refer: the
+    /// supply pressure, at least 1 bar gauge. Without a fill valve to a supply it is 6.3 bar gauge, for any
+    /// `gas.supply_pressure_bar_gauge`.
     pub fn reference_pressure_pa(&self) -> f64 {
         let gas = &self.gas;
         match self.functions[FILL].has_orifice() {
@@ -188,12 +189,12 @@ impl PlantParameters {
         }
     }
 
-    /// The effect `id` as this plant has it; none where it has not.
+    /// Returns the setting of the effect `id`; `None` if the plant does not have it.
     pub fn effect(&self, id: &str) -> Option<&EffectSetting> {
         self.effects.iter().find(|setting| setting.id() == id)
     }
 
-    /// The same plant with an effect, which replaces the one of the same id.
+    /// Returns the plant with an effect, which replaces the one of the same id.
     #[must_use]
     pub fn with_effect(&self, setting: EffectSetting) -> Self {
         let mut plant = self.without_effect(setting.id());
@@ -201,7 +202,7 @@ impl PlantParameters {
         plant
     }
 
-    /// The same plant without the effect `id`.
+    /// Returns the plant without the effect `id`.
     #[must_use]
     pub fn without_effect(&self, id: &str) -> Self {
         let mut plant = self.clone();
@@ -214,8 +215,8 @@ impl PlantParameters {
         plant
     }
 
-    /// To be filled from a file. What stays is what a plant without the part has around it: air at the standard
-    /// atmosphere, and for the leaks of a chamber without supply the pressure at which pneumatic components are rated.
+    /// Returns parameters to be filled from a file. The preset values are those of a plant without the part: air at the
+    /// standard atmosphere, and for the leaks of a chamber without supply the rated pressure of pneumatic components.
     pub(crate) fn blank() -> Self {
         Self {
             ecu: EcuParameters::default(),

@@ -1,6 +1,6 @@
-//! The tables of a plant file.
+//! Tables of a plant file.
 
-/// The ECU's sampling and output stage.
+/// Sampling and output stage of the ECU.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(missing_docs, reason = "each field is described in PARAMETERS")]
 pub struct EcuParameters {
@@ -53,7 +53,7 @@ pub struct FlowParameters {
     pub critical_ratio: f64,
 }
 
-/// The gas and the pressures around the plant.
+/// Gas, and the pressures around the plant.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(missing_docs, reason = "each field is described in PARAMETERS")]
 pub struct GasParameters {
@@ -66,14 +66,14 @@ pub struct GasParameters {
     pub supply_gauge_offset_bar: f64,
 }
 
-/// The chamber.
+/// Chamber.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(missing_docs, reason = "each field is described in PARAMETERS")]
 pub struct ChamberParameters {
     pub volume_m3: f64,
 }
 
-/// The regulating valve behind the chamber.
+/// Regulating valve behind the chamber.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(missing_docs, reason = "each field is described in PARAMETERS")]
 pub struct RegulatingValveParameters {
@@ -92,17 +92,17 @@ pub struct RegulatingValveParameters {
 pub const PA_PER_BAR: f64 = 1e5;
 
 impl EcuParameters {
-    /// ECU sample time (ns).
+    /// Returns the ECU sample time (ns).
     pub fn sample_time_ns(&self) -> u64 {
         nanoseconds(self.sample_time_s)
     }
 
-    /// PWM period (ns).
+    /// Returns the PWM period (ns).
     pub fn pwm_period_ns(&self) -> u64 {
         nanoseconds(1.0 / self.pwm_frequency_hz)
     }
 
-    /// Delay from a command to its effect at the output (ns).
+    /// Returns the delay from a command to its effect at the output (ns).
     pub fn command_delay_ns(&self) -> u64 {
         nanoseconds(self.command_delay_s)
     }
@@ -113,7 +113,7 @@ fn nanoseconds(seconds: f64) -> u64 {
 }
 
 impl GasParameters {
-    /// Supply pressure (Pa abs).
+    /// Returns the supply pressure (Pa abs).
     pub fn supply_pressure_pa(&self) -> f64 {
         self.supply_pressure_bar_gauge * PA_PER_BAR + self.ambient_pressure_pa
     }

@@ -1,15 +1,15 @@
 //! One parameter of a plant file.
 
-/// The table of a plant file that holds one table per effect.
+/// Table of a plant file that contains one table per effect.
 pub(crate) const EFFECTS: &str = "effects";
 
-/// One parameter: where it stands, its unit, its range and what it means.
+/// Parameter: its place, unit, range and meaning.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct ParameterSpec {
     /// TOML table.
     pub section: &'static str,
-    /// TOML key; its end is the unit.
+    /// TOML key, which ends in its unit.
     pub key: &'static str,
     /// Unit for people; empty for a pure number.
     pub unit: &'static str,
@@ -17,23 +17,23 @@ pub struct ParameterSpec {
     pub range: (f64, f64),
     /// Meaning, with the equation of the thesis where there is one.
     pub about: &'static str,
-    /// How large it is, where it belongs to an effect.
+    /// Typical size, if it belongs to an effect.
     pub size: Option<Size>,
 }
 
-/// How large a parameter of an effect is.
+/// Size of a parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Size {
-    /// A size that is met in practice, in the unit of the parameter.
+    /// Size that occurs in practice, in the unit of the parameter.
     pub typical: f64,
-    /// In which measure its values are evenly spread.
+    /// Scale on which its values are evenly spread.
     pub scale: Scale,
-    /// The value at which nothing is left of the effect: 0, or infinite; none for a parameter of form.
+    /// Value at which the effect vanishes: 0, or infinite; `None` for a parameter of form.
     pub off: Option<f64>,
 }
 
 impl Size {
-    /// A strength that is spread over decades, and none at 0.
+    /// Creates a strength that is spread over decades, and off at 0.
     pub const fn strength(typical: f64) -> Self {
         Self {
             typical,
@@ -43,17 +43,17 @@ impl Size {
     }
 }
 
-/// The measure in which a parameter is varied and fitted.
+/// Scale on which a parameter is varied and fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Its logarithm: positive, over decades.
+    /// Logarithm of the value: positive, over decades.
     Log,
-    /// The value itself.
+    /// Value itself.
     Linear,
 }
 
 impl ParameterSpec {
-    /// A parameter of an effect of your own. `section` is `effects.` and the effect's id.
+    /// Creates a parameter of a user-defined effect. `section` is `effects.` and the effect's id.
     pub const fn of_effect(
         section: &'static str,
         key: &'static str,
@@ -72,25 +72,25 @@ impl ParameterSpec {
         }
     }
 
-    /// `section.key`.
+    /// Returns `section.key`.
     pub fn name(&self) -> String {
         format!("{}.{}", self.section, self.key)
     }
 
-    /// The id of the effect that the parameter belongs to.
+    /// Returns the id of the effect that the parameter belongs to.
     pub fn effect_id(&self) -> Option<&'static str> {
         let (table, id) = self.section.split_once('.')?;
         (table == EFFECTS).then_some(id)
     }
 
-    /// Whether `value` is allowed; NaN is not.
+    /// Returns whether `value` is allowed; NaN is not.
     pub fn contains(&self, value: f64) -> bool {
         let off = self.size.and_then(|size| size.off);
         (value >= self.range.0 && value <= self.range.1) || off == Some(value)
     }
 }
 
-/// The parameters of an effect: `NAME = key [unit] least ..= most, Scale typical, off value, meaning;`
+/// Defines the parameters of an effect: `NAME = key [unit] least ..= most, Scale typical, off value, meaning;`
 macro_rules! effect_parameters {
     ($section:literal: $($name:ident = $key:ident [$unit:literal] $min:literal ..= $max:literal,
         $scale:ident $typical:literal, $(off $off:expr,)? $about:literal;)*) => {

@@ -1,4 +1,4 @@
-//! The chamber loses air to the surroundings.
+//! Effect: the chamber loses air to the surroundings.
 
 use crate::additions::{Leak, LeakLaw};
 use crate::description::{
@@ -55,7 +55,7 @@ static ABOUT: About = About {
 #[derive(Debug)]
 pub struct ChamberLeak;
 
-/// The leak that `setting` describes, sized at the reference pressure. It has the keys and forms of this effect.
+/// Returns the leak of `setting`, sized at the reference pressure. The setting has the keys and forms of this effect.
 pub(super) fn leak(setting: &EffectSetting, parameters: &PlantParameters, plant: &Plant) -> Leak {
     let law = match setting.variant().name {
         "laminar" => LeakLaw::Mixed(1.0),
@@ -99,8 +99,8 @@ mod tests {
         (super::leak(&setting, &nominal, &plant), plant)
     }
 
-    /// At no pressure difference an orifice leaks nothing, and a law sized by that leaked 0/0: a simulation that never
-    /// came to an end.
+    /// Without a pressure difference an orifice has no flow, and a law sized by it once gave 0/0: the simulation never
+    /// ended.
     #[test]
     fn a_leak_has_its_size_while_the_supply_is_shut_off() {
         for variant in ABOUT.variants {
@@ -117,7 +117,8 @@ mod tests {
         }
     }
 
-    /// A tank has no supply: its leak was sized at a pressure that no file says, and another one once the file was read again.
+    /// A tank has no supply: its leak was once sized at an undefined pressure, and at another one after the file was
+    /// read again.
     #[test]
     fn a_leak_without_a_fill_valve_is_sized_at_a_stated_pressure() {
         for variant in ABOUT.variants {
@@ -150,7 +151,7 @@ mod tests {
         }
     }
 
-    /// A long narrow gap: half the difference of squares, half the flow. A short one: its square root.
+    /// A long narrow gap: half the difference of squares gives half the flow. A short one: its square root.
     #[test]
     fn the_mixed_law_goes_from_poiseuille_to_the_square_root() {
         let low = 101_325.0_f64;

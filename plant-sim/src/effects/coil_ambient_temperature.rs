@@ -1,4 +1,4 @@
-//! The coils are not at 20 °C, and perhaps do not stay as they were.
+//! Effect: the coils are not at 20 °C, and their temperature may change.
 
 use crate::additions::{Heating, WarmUp, resistance};
 use crate::description::{
@@ -63,7 +63,7 @@ impl Effect for CoilAmbientTemperature {
     }
 }
 
-/// Coils that have the temperature of their surroundings, which stays as it is.
+/// Returns coils with the temperature of their surroundings, which is constant.
 pub(super) fn surroundings(parameters: &PlantParameters) -> Heating {
     Heating {
         coefficient: parameters.coil.resistance_temperature_coefficient_per_k,
@@ -83,7 +83,7 @@ mod tests {
     use crate::experiment::steady_current;
     use crate::{Command, Simulator};
 
-    /// 80 K make copper a third more resistive: 24 V / (82.2 Ω · 1.312).
+    /// 80 K make the resistance of copper a third larger: 24 V / (82.2 Ω · 1.312).
     #[test]
     fn a_hot_coil_takes_the_current_of_equation_5_7() {
         let hot = EffectSetting::typical(&CoilAmbientTemperature).with("difference_k", 80.0);

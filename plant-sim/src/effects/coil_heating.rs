@@ -1,4 +1,4 @@
-//! The coils warm up under current.
+//! Effect: the coils warm up under current.
 
 use super::coil_ambient_temperature::surroundings;
 use crate::additions::HeatStore;

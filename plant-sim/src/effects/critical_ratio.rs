@@ -1,4 +1,4 @@
-//! Real orifices choke at a smaller pressure ratio than an ideal nozzle.
+//! Effect: real orifices choke at a smaller pressure ratio than an ideal nozzle.
 
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
@@ -41,7 +41,7 @@ static ABOUT: About = About {
 #[derive(Debug)]
 pub struct CriticalRatio;
 
-/// The smallest critical ratio that a reduction can lead to.
+/// Smallest critical ratio after a reduction.
 const LEAST: f64 = 0.01;
 
 impl Effect for CriticalRatio {

@@ -1,4 +1,4 @@
-//! A part of the air is behind a tube, with the sensor or without it.
+//! Effect: a part of the air is behind a tube, with or without the sensor.
 
 use super::chamber_leak::leak;
 use crate::additions::{Cavity, Tube};
@@ -69,8 +69,8 @@ mod tests {
     use super::*;
     use crate::{Command, Simulator, Tolerance};
 
-    /// After a pulse the volumes come to one pressure, which is that of all the air in both: the chamber's share was
-    /// p V before, and the cavity's p_atm V_c.
+    /// After a pulse both volumes reach one pressure, that of all the air in both. Before, the chamber had p V and the
+    /// cavity p_atm V_c.
     #[test]
     fn the_volumes_equalise_and_no_air_is_lost() {
         for variant in ABOUT.variants {
@@ -85,14 +85,14 @@ mod tests {
                         duty_vent_pct: 0.0,
                     });
                 }
-                // The valve has just closed, and long after.
+                // Just after the valve has closed, and long after.
                 simulator.advance_to_ns(90_000_000);
                 let early = simulator.sample();
                 simulator.advance_to_ns(2_000_000_000);
                 (early, simulator.sample())
             };
             let (early, late) = fill(&plant.with_effect(setting));
-            // The sensor lags where it sits in the cavity.
+            // The sensor lags if it is in the cavity.
             let lag = early.pressure - early.measured_pressure;
             let in_chamber = variant.name == "side_chamber";
             assert!(

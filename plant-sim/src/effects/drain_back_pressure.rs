@@ -1,4 +1,4 @@
-//! The drain is not at ambient pressure.
+//! Effect: the drain is not at ambient pressure.
 
 use crate::additions::Line;
 use crate::description::{
@@ -104,7 +104,7 @@ mod tests {
         assert!((end - 151_325.0).abs() < 1.0, "{end}");
     }
 
-    /// While both orifices are choked, the narrower one decides: p falls exponentially with its area.
+    /// While both orifices are choked, the narrower one determines the flow: p falls exponentially with its area.
     #[test]
     fn a_narrow_silencer_decides_the_venting() {
         let variant = &ABOUT.variants[1];
@@ -112,13 +112,13 @@ mod tests {
             .with("silencer_area_m2", 0.2e-6);
         let (early, late) = (venting(setting.clone(), 200), venting(setting, 300));
         let plant = PlantParameters::nominal().plant();
-        // The silencer's upside is close to the chamber's pressure: the valve is fourteen times as wide.
+        // The pressure upstream of the silencer is close to the chamber's: the valve is fourteen times as wide.
         let rate = plant.chamber.pressure_per_mass * plant.nozzle.choked_factor() * 0.2e-6;
         let measured = (early / late).ln() / 0.1;
         assert!((measured / rate - 1.0).abs() < 0.01, "{measured} {rate}");
     }
 
-    /// A large chamber vents at a steady flow: the drain is at the silencer's resistance times it.
+    /// A large chamber vents at a constant flow: the drain pressure is the silencer's resistance times the flow.
     #[test]
     fn a_porous_silencer_dams_in_proportion_to_the_flow() {
         let setting = EffectSetting::typical_variant(&DrainBackPressure, &ABOUT.variants[3])
@@ -145,7 +145,7 @@ mod tests {
         );
     }
 
-    /// An outlet that is nearly shut: chamber and line come to one pressure, and no air is lost.
+    /// An outlet that is nearly shut: chamber and line reach one pressure, and no air is lost.
     #[test]
     fn the_line_fills_from_the_chamber() {
         let setting = EffectSetting::typical_variant(&DrainBackPressure, &ABOUT.variants[2])
@@ -160,9 +160,9 @@ mod tests {
         assert!(pressure < expected, "{pressure} {expected}");
     }
 
-    /// Near ambient pressure the flows through valve and silencer are linear, so chamber and line are two linear volumes in
-    /// series. With x = p - p_atm and y = p_d - p_atm: dx/dt = -a (x - y), dy/dt = b (x - y) - c y (E11, E12, E56). Their
-    /// slow mode has a closed form. The explicit method ended 17 Pa above ambient pressure.
+    /// Near ambient pressure the flows through valve and silencer are linear, so chamber and line are two linear
+    /// volumes in series. With x = p - p_atm and y = p_d - p_atm: dx/dt = -a (x - y), dy/dt = b (x - y) - c y (E11,
+    /// E12, E56). Their slow mode has a closed form. The explicit method ended 17 Pa above ambient pressure.
     #[test]
     fn chamber_and_line_come_to_ambient_pressure_as_two_linear_volumes() {
         let check = |variant: usize, values: [f64; 2]| {

@@ -1,4 +1,4 @@
-//! Eddy currents in the iron.
+//! Effect: eddy currents in the iron.
 
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
@@ -48,7 +48,7 @@ mod tests {
     fn the_current_jumps_and_then_charges_more_slowly() {
         let mut plant =
             PlantParameters::nominal().with_effect(EffectSetting::typical(&EddyCurrents));
-        // Held shut: no motion.
+        // Kept shut by the preload: no motion.
         plant.armature.preload_fill_n = 100.0;
         plant.ecu.command_delay_s = 0.0;
         let mut simulator = Simulator::new(&plant);

@@ -1,4 +1,4 @@
-//! The armature bounces off its end stops.
+//! Effect: the armature bounces off its end stops.
 
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,

@@ -1,4 +1,4 @@
-//! The pressure force on the armature falls with the lift.
+//! Effect: the pressure force on the armature falls with the lift.
 
 use crate::additions;
 use crate::description::{
@@ -60,12 +60,13 @@ mod tests {
     use crate::experiment::{ValveId, opening_duty_pct};
     use crate::{Command, Simulator};
 
-    /// On the seat the whole force acts: the valve opens no later. Open, it has less to hold it.
+    /// On the seat the whole force acts, so the valve opens at the same duty cycle. Open, it has less force to stay
+    /// open.
     #[test]
     fn the_valve_opens_as_before_and_closes_earlier() {
         let plain = PlantParameters::nominal();
         let lossy = plain.with_effect(EffectSetting::typical(&FlowForce).with("lost_share", 1.0));
-        // Leaves its seat at the same duty, but may not get far: watch a duty well above.
+        // It leaves its seat at the same duty cycle, but may not get far: observed at a duty cycle well above.
         let duty = |plant: &PlantParameters| opening_duty_pct(plant, ValveId::Fill, true).unwrap();
         assert!(duty(&lossy) >= duty(&plain) && duty(&lossy) < duty(&plain) + 10.0);
         let lift = |plant: &PlantParameters| {
@@ -89,8 +90,8 @@ mod tests {
         );
     }
 
-    /// A valve that hovers between its stops under a steady current, the chamber too large to fill: the forces of E7,
-    /// E8 and E58, written out, balance where it stays.
+    /// A valve hovers between its stops under a constant current, with a chamber too large to fill. At its position the
+    /// forces of E7, E8 and E58, written out, balance.
     #[test]
     fn the_opening_pressure_force_is_lost_in_proportion_to_the_lift() {
         let mut plant = PlantParameters::nominal()

@@ -1,4 +1,4 @@
-//! The free-wheeling current meets more than a diode.
+//! Effect: the free-wheeling current passes more than a diode.
 
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,

@@ -1,4 +1,4 @@
-//! The gas warms on filling and cools on venting.
+//! Effect: the gas warms on filling and cools on venting.
 
 use crate::additions::WallHeat;
 use crate::description::{
@@ -111,7 +111,7 @@ mod tests {
         );
     }
 
-    /// A shut chamber: the wall takes the temperature out with m c_v / conductance, at constant volume p ∝ T.
+    /// Shut chamber: the temperature decays to the wall's with m c_v / conductance; at constant volume p ∝ T.
     #[test]
     fn a_shut_chamber_cools_with_one_time_constant() {
         let mut simulator = simulator(0.1, 0);
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(conductance(full, 0.0), 0.0);
     }
 
-    /// What the gas gives is what wall and surroundings got: with a wall of little capacity the gas cannot leave it.
+    /// Heat lost by the gas equals the heat of wall and surroundings: a wall of little capacity keeps the gas warm.
     #[test]
     fn a_wall_that_warms_up_holds_the_gas_warm_for_longer() {
         let temperature = |variant| {

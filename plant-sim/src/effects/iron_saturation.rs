@@ -1,4 +1,4 @@
-//! The iron saturates.
+//! Effect: the iron saturates.
 
 use crate::additions::Saturation;
 use crate::description::{
@@ -75,7 +75,7 @@ mod tests {
             .with_effect(EffectSetting::typical_variant(&IronSaturation, variant))
     }
 
-    /// The datasheet's inductance holds at rated current, and by the same law it is larger below.
+    /// The datasheet's inductance is valid at rated current, and by the same law it is larger below.
     #[test]
     fn the_rated_variant_keeps_the_inductance_at_rated_current() {
         let saturation = saturated("rated").plant().additions.saturation.unwrap();
@@ -86,8 +86,8 @@ mod tests {
         assert!(small > 0.6, "{small}");
     }
 
-    /// Figures 4.3 and 4.4: at 40 % duty a coil that is larger at low current ripples less; at rest the mean
-    /// current is that of Ohm's law, whatever the iron does.
+    /// Figures 4.3 and 4.4: at 40 % duty cycle a coil with a larger inductance at low current has less ripple. At rest
+    /// the mean current follows Ohm's law, independent of the iron.
     #[test]
     fn the_current_ripples_less_at_low_duty() {
         let [plain, saturated] = [PlantParameters::nominal(), saturated("rated")]
@@ -99,7 +99,7 @@ mod tests {
         );
     }
 
-    /// Flux balance at rest: e/R in the end.
+    /// Flux balance at rest: the final current is e/R.
     #[test]
     fn the_steady_current_is_that_of_ohm() {
         for variant in ABOUT.variants {

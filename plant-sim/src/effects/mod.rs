@@ -1,12 +1,12 @@
-//! The library of physical effects that the thesis' model lacks.
+//! Library of physical effects in addition to the thesis' model.
 //!
-//! One effect is one file: what it is, the source of its law, its parameters, what excites it and what it is
-//! confused with. A plant file names the ones that a rig has, `[effects.chamber_leak]`; they combine. Where all
-//! strengths of an effect are at their *off* value, the plain model answers bit for bit.
+//! One file contains one effect: its description, the source of its law, its parameters, the excitation that reveals
+//! it, and similar effects. A plant file names the effects of a rig, `[effects.chamber_leak]`; they can be combined. If
+//! all strengths of an effect are at their *off* value, the results equal those of the plain model bit for bit.
 //!
-//! An effect is resolved once: [`Effect::install`] changes a prepared [`Plant`](crate::plant::Plant). Effects that are
-//! parameters in disguise change what is there; the others fill [`Additions`](crate::additions::Additions). An effect of
-//! your own does the same, or hangs closures into [`Hooks`](crate::hooks::Hooks); `examples/own_effect.rs` is one.
+//! An effect is resolved once: [`Effect::install`] changes a prepared [`Plant`](crate::plant::Plant). Some effects only
+//! change existing parameters; the others fill [`Additions`](crate::additions::Additions). A user-defined effect does
+//! the same, or adds closures to [`Hooks`](crate::hooks::Hooks), as in `examples/own_effect.rs`.
 
 pub mod chamber_leak;
 pub mod coil_ambient_temperature;
@@ -31,7 +31,7 @@ pub mod supply_seat_leak;
 
 pub use crate::description::{About, Effect, EffectSetting, EntryPoint, Variant};
 
-/// Every effect of the library. They are installed in this order, whatever the order in the plant file.
+/// All effects of the library. They are installed in this order, independent of the order in the plant file.
 pub static LIBRARY: [&dyn Effect; 20] = [
     &chamber_leak::ChamberLeak,
     &supply_seat_leak::SupplySeatLeak,
@@ -55,7 +55,7 @@ pub static LIBRARY: [&dyn Effect; 20] = [
     &dead_volume::DeadVolume,
 ];
 
-/// The effect of the library with this id.
+/// Returns the effect of the library with this id.
 pub fn by_id(id: &str) -> Option<&'static dyn Effect> {
     LIBRARY
         .iter()

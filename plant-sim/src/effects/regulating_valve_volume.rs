@@ -1,4 +1,4 @@
-//! The plunger of the regulating valve enlarges the chamber.
+//! Effect: the plunger of the regulating valve enlarges the chamber.
 
 use crate::additions::Plunger;
 use crate::description::{
@@ -73,7 +73,7 @@ mod tests {
     use crate::effects::by_id;
     use crate::{Command, Simulator, Tolerance};
 
-    /// Isothermal: p V is R T times the mass, whatever the plunger did on the way.
+    /// Isothermal: p V is R T times the mass, independent of the plunger's motion.
     #[test]
     fn the_mass_that_fills_the_chamber_is_that_of_pressure_and_volume() {
         let setting = EffectSetting::typical(&RegulatingValveVolume);
@@ -97,7 +97,7 @@ mod tests {
         );
     }
 
-    /// With and without an energy balance: the two terms of the volume's change mean the same.
+    /// With and without an energy balance: the two terms of the volume's change agree.
     #[test]
     fn light_damping_is_the_plunger_that_follows_at_once() {
         let gas_temperature = by_id("gas_temperature").unwrap();
@@ -122,7 +122,7 @@ mod tests {
                 simulator.state().pressure
             };
             let at_once = pressure("frictionless", None);
-            // A lag behind a steady rise: what it is off by goes with the time constant.
+            // Lag behind a constant rise: the deviation is proportional to the time constant.
             let off_by = [1e-3, 2e-3].map(|damping| pressure("damped", Some(damping)) - at_once);
             assert!(off_by[0] > 0.0, "{warms}: {off_by:?}");
             assert!(

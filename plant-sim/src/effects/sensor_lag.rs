@@ -1,4 +1,4 @@
-//! The pressure sensor is slow.
+//! Effect: the pressure sensor is slow.
 
 use crate::additions;
 use crate::description::{
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
     use crate::{Command, Simulator, Tolerance};
 
-    /// The sensor against a fine simulation of its own equations on the same chamber pressure.
+    /// Comparison of the sensor with a fine simulation of its own equations on the same chamber pressure.
     #[test]
     fn the_sensor_follows_the_simulated_pressure() {
         for variant in ABOUT.variants {

@@ -1,4 +1,4 @@
-//! The pressure sensor shows too much or too little.
+//! Effect: the pressure sensor shows too much or too little.
 
 use crate::additions::WarmUp;
 use crate::description::{

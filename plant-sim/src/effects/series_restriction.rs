@@ -1,4 +1,4 @@
-//! A fixed orifice in series with a valve.
+//! Effect: a fixed orifice in series with a valve.
 
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
@@ -100,7 +100,7 @@ mod tests {
         assert!((slope / expected - 1.0).abs() < 0.01, "{slope} {expected}");
     }
 
-    /// Two equal orifices let through what one of 1/√2 of their area does, choked or not.
+    /// Two equal orifices have the flow of one with 1/√2 of their area, choked or not.
     #[test]
     fn one_opening_has_the_combined_area() {
         let variant = ABOUT.variant("combined").unwrap();

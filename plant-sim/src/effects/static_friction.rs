@@ -1,4 +1,4 @@
-//! Dry friction of the armature.
+//! Effect: dry friction of the armature.
 
 use crate::additions::Friction;
 use crate::description::{
@@ -62,7 +62,7 @@ mod tests {
             .with_effect(EffectSetting::typical(&StaticFriction).with("friction_n", friction_n))
     }
 
-    /// At the stop, friction is preload: both are overcome by the same current (equation 4.1).
+    /// At the stop, friction acts like preload: the same current overcomes both (equation 4.1).
     #[test]
     fn friction_asks_for_the_duty_that_as_much_preload_asks_for() {
         let mut preloaded = PlantParameters::nominal();
@@ -72,11 +72,11 @@ mod tests {
         assert!((stuck - preloaded).abs() < 0.5, "{stuck} {preloaded}");
     }
 
-    /// A spring-mass that is released comes to rest within the band |net force| ≤ F_s, not at its balance.
+    /// A released spring-mass system comes to rest within the band |net force| ≤ F_s, not at its balance.
     #[test]
     fn the_armature_rests_off_its_balance() {
         let mut plant = with(0.2);
-        // A steady voltage at which the armature hovers between its stops, and a chamber that never fills.
+        // A constant voltage at which the armature hovers between its stops, and a chamber that never fills.
         plant.ecu.supply_voltage_v = 12.0;
         plant.chamber.volume_m3 = 1.0;
         plant.armature.viscous_friction_ns_per_m = 0.0;

@@ -1,4 +1,4 @@
-//! The supply pressure falls while the fill valve is open.
+//! Effect: the supply pressure falls while the fill valve is open.
 
 use crate::additions::Line;
 use crate::description::{
@@ -90,7 +90,7 @@ mod tests {
         simulator.time_ns() as f64 * 1e-9
     }
 
-    /// A narrow line slows the filling; air stored in it helps at first; without stored air it is the slowest.
+    /// A narrow line slows the filling; air stored in it helps at first; without stored air the filling is slowest.
     #[test]
     fn a_narrow_line_slows_the_filling_and_its_volume_helps() {
         let [line, fixed] = [0, 1].map(|n| {
@@ -103,7 +103,7 @@ mod tests {
         assert!(plain < line && line < fixed, "{plain} {line} {fixed}");
     }
 
-    /// Choked filling of a chamber without end: the flow is steady, and so is what the regulator loses to it.
+    /// Choked filling of a very large chamber: the flow is constant, and so is the regulator's droop.
     #[test]
     fn a_regulator_loses_its_droop_times_the_flow() {
         let setting = EffectSetting::typical_variant(&SupplyLineDroop, &ABOUT.variants[2])

@@ -1,4 +1,4 @@
-//! Battery and harness have a resistance.
+//! Effect: battery and harness have a resistance.
 
 use crate::additions::Polarisation;
 use crate::description::{
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::{Command, Simulator};
 
-    /// The fill valve's current (A) with a lead of 10 ohm, `milliseconds` after the beginning.
+    /// Returns the fill valve's current (A) with a lead of 10 ohm, `milliseconds` after the beginning.
     fn current(variant: &str, duty_vent_pct: f64, milliseconds: u64) -> f64 {
         let variant = ABOUT.variant(variant).unwrap();
         let setting =
@@ -86,7 +86,7 @@ mod tests {
         simulator.sample().current[0]
     }
 
-    /// e = (R + R_s) i alone; e = (R + 2 R_s) i together, where the lead is shared.
+    /// e = (R + R_s) i for one coil; e = (R + 2 R_s) i for both, if the lead is shared.
     #[test]
     fn a_shared_lead_couples_the_coils_and_one_of_their_own_does_not() {
         for (variant, together, expected) in [
@@ -103,8 +103,8 @@ mod tests {
         }
     }
 
-    /// Polarisation of 2 ohm with 0.3 s: the current falls as U = R_p i (1 - exp(-t/T)) comes, where T is that of
-    /// the loop, 0.3 s (R + R_s)/(R + R_s + R_p), and ends where R_p is a part of the lead.
+    /// Polarisation of 2 ohm with 0.3 s: the current falls while U = R_p i (1 - exp(-t/T)) rises. T is that of the
+    /// loop, 0.3 s (R + R_s)/(R + R_s + R_p), and in the end R_p acts as a part of the lead.
     #[test]
     fn a_battery_gives_way_under_a_lasting_current() {
         for coils in [1.0, 2.0] {

@@ -1,4 +1,4 @@
-//! The fill valve does not close tightly.
+//! Effect: the fill valve does not close tightly.
 
 use super::chamber_leak::leak;
 use crate::description::{
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
     use crate::Simulator;
 
-    /// Choked: mass flow Ψ A p_sup, whatever the chamber's pressure.
+    /// Choked: mass flow Ψ A p_sup, independent of the chamber's pressure.
     #[test]
     fn a_leaking_seat_fills_the_chamber_at_a_constant_rate() {
         let parameters =

@@ -1,4 +1,4 @@
-//! From a spec to the value that it describes.
+//! Access to the value that a spec describes.
 
 use super::names::REGULATING_VALVE;
 use super::parts::Part;
@@ -6,7 +6,7 @@ use super::table::{PARAMETERS, field, field_mut};
 use crate::description::{ParameterSpec, PlantParameters};
 
 impl ParameterSpec {
-    /// The spec of `section.key`, of a plant file without effects of your own.
+    /// Returns the spec of `section.key`, of a plant file without user-defined effects.
     pub fn by_name(name: &str) -> Option<&'static Self> {
         let (section, key) = name.rsplit_once('.')?;
         PARAMETERS
@@ -15,25 +15,25 @@ impl ParameterSpec {
             .find(|spec| spec.section == section && spec.key == key)
     }
 
-    /// The value in `parameters`; none where its section is absent.
+    /// Returns the value in `parameters`; `None` if its section is absent.
     pub fn value(&self, parameters: &PlantParameters) -> Option<f64> {
         if let Some(id) = self.effect_id() {
             return parameters.effect(id)?.get(self.key);
         }
-        // An optional table is itself there or not.
+        // The presence of an optional table is checked by the table itself.
         let is_in = self.is_optional() || Part::of_key(self.section, self.key).is_in(parameters);
         is_in
             .then(|| field(parameters, self.section, self.key))
             .flatten()
     }
 
-    /// Puts `value` into `parameters` as it is, for fits that keep to the ranges themselves; false where its section
-    /// is absent. [`PlantParameters::set`] checks, and notes where a value comes from.
+    /// Sets `value` in `parameters` without a check, for fits that respect the ranges themselves; returns false if its
+    /// section is absent. [`PlantParameters::set`] checks, and stores the provenance of a value.
     pub fn put(&self, parameters: &mut PlantParameters, value: f64) -> bool {
         self.slot(parameters).map(|slot| *slot = value).is_some()
     }
 
-    /// The place of the value in `parameters`; none where its section is absent.
+    /// Returns the place of the value in `parameters`; `None` if its section is absent.
     pub(super) fn slot<'a>(&self, parameters: &'a mut PlantParameters) -> Option<&'a mut f64> {
         let Some(id) = self.effect_id() else {
             return field_mut(parameters, self.section, self.key);
@@ -42,7 +42,7 @@ impl ParameterSpec {
         setting.slot(self.key)
     }
 
-    /// Whether a plant file may leave the section out.
+    /// Returns whether a plant file may omit the section.
     pub fn is_optional(&self) -> bool {
         self.section == REGULATING_VALVE || self.effect_id().is_some()
     }

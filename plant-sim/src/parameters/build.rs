@@ -1,4 +1,4 @@
-//! From parameters to physics.
+//! Conversion of parameters into physics.
 
 use super::parts::Part;
 use crate::additions::Additions;
@@ -13,10 +13,10 @@ use crate::plant::{FILL, Plant, VENT};
 use crate::subsonic_curves::SubsonicCurves;
 use crate::valve::{Valve, ValveFunction};
 
-/// Volume (m³) where there is no chamber: nothing flows into it or out of it.
+/// Volume (m³) in a plant without chamber: nothing flows into it or out of it.
 const ANY_VOLUME: f64 = 1.0;
 
-/// An armature that nothing moves.
+/// Armature that cannot move.
 const HELD: (Magnet, Armature) = (
     Magnet {
         force_constant: 0.0,
@@ -32,7 +32,7 @@ const HELD: (Magnet, Armature) = (
     },
 );
 
-/// A coil that takes no current worth mentioning, should it be commanded.
+/// Coil with a negligible current, in case it is commanded.
 const NO_COIL: Coil = Coil {
     resistance: 1e9,
     inductance_at_rest: 1.0,
@@ -40,10 +40,10 @@ const NO_COIL: Coil = Coil {
 };
 
 impl PlantParameters {
-    /// The physics that these parameters describe, effects included.
+    /// Returns the physics of these parameters, including effects.
     pub fn plant(&self) -> Plant {
         let mut plant = self.thesis_plant();
-        // In the order of the library, whatever the order in the file; effects of your own come last.
+        // In the order of the library, independent of the order in the file; user-defined effects come last.
         let rank = |setting: &&EffectSetting| {
             let id = setting.id();
             let place = LIBRARY.iter().position(|effect| effect.about().id == id);
@@ -57,7 +57,7 @@ impl PlantParameters {
         plant
     }
 
-    /// The physics without effects.
+    /// Returns the physics without effects.
     fn thesis_plant(&self) -> Plant {
         let gas = &self.gas;
         let nozzle = NozzleLaw::new(
@@ -154,8 +154,8 @@ impl PlantParameters {
             viscous_friction: armature.viscous_friction_ns_per_m,
             spring_rate: armature.spring_n_per_m,
             preload,
-            // The pressure lifts the seat: with the magnet in a normally closed valve, against it in a normally
-            // open one.
+            // The pressure lifts the seat: in the direction of the magnet in a normally closed valve, against it in a
+            // normally open one.
             pressure_area: if function == ValveFunction::NormallyOpen {
                 -area
             } else {

@@ -1,11 +1,11 @@
-//! Values that exclude each other.
+//! Checks for values that exclude each other.
 
 use super::error::Problem;
 use super::parts::Part;
 use crate::description::PlantParameters;
 use crate::effects::by_id;
 
-/// What no single range can catch.
+/// Returns a problem that no single range can detect.
 pub(super) fn inconsistency(plant: &PlantParameters) -> Option<Problem> {
     let at = |key: &'static str, rule: String| Some(Problem::Inconsistent { key, rule });
     if !Part::Coil.is_in(plant) && !Part::Chamber.is_in(plant) {

@@ -1,4 +1,4 @@
-//! What is wrong with a plant file, and what to do.
+//! Problems of a plant file, and how to correct them.
 
 use core::fmt;
 
@@ -19,31 +19,31 @@ pub struct ParameterError {
 #[derive(Debug, Clone)]
 #[allow(missing_docs, reason = "the variants' sentences name the fields")]
 pub enum Problem {
-    /// Not TOML.
+    /// The file is not TOML.
     Syntax { line: usize, message: String },
-    /// No such table.
+    /// The table does not exist.
     UnknownSection { line: usize, section: String },
-    /// No such effect; `nearest` is the name that was probably meant.
+    /// The effect does not exist; `nearest` is the name that was probably meant.
     UnknownEffect {
         line: usize,
         id: String,
         nearest: Option<&'static str>,
     },
-    /// The law of an effect has no such form.
+    /// The law of the effect has no such form.
     UnknownVariant {
         line: usize,
         effect: &'static About,
         found: String,
     },
-    /// No such key; `suggestion` is the line to write instead.
+    /// The key does not exist; `suggestion` is the line to write instead.
     UnknownKey {
         line: usize,
         key: String,
         suggestion: Option<String>,
     },
-    /// A required key is absent.
+    /// A required key is missing.
     MissingKey { spec: &'static ParameterSpec },
-    /// The value is not of the expected kind.
+    /// The value has another type than expected.
     WrongType {
         line: usize,
         key: String,
@@ -56,23 +56,23 @@ pub enum Problem {
         spec: &'static ParameterSpec,
         value: f64,
     },
-    /// A word that is not one of the choices.
+    /// The word is not one of the choices.
     UnknownChoice {
         line: usize,
         key: String,
         found: String,
         choices: Vec<&'static str>,
     },
-    /// The plant leaves out the part that the parameter describes.
+    /// The plant omits the part that the parameter describes.
     AbsentPart {
         line: usize,
         spec: &'static ParameterSpec,
     },
-    /// The plant leaves out the table of the parameter.
+    /// The plant omits the table of the parameter.
     AbsentSection { spec: &'static ParameterSpec },
-    /// The plant leaves out what the effect acts on.
+    /// The plant omits the part on which the effect acts.
     NothingToActOn { effect: &'static About, part: Part },
-    /// Values that exclude each other.
+    /// Values exclude each other.
     Inconsistent { key: &'static str, rule: String },
 }
 
@@ -84,14 +84,14 @@ impl ParameterError {
         }
     }
 
-    /// The problems, in the order of the file.
+    /// Returns the problems, in the order of the file.
     pub fn problems(&self) -> &[Problem] {
         &self.problems
     }
 }
 
 impl Problem {
-    /// Line in the file, from 1; none where the problem has no line.
+    /// Returns the line in the file, from 1; `None` if the problem has no line.
     pub fn line(&self) -> Option<usize> {
         match self {
             Self::Syntax { line, .. }

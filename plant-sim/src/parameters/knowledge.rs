@@ -1,4 +1,4 @@
-//! Reading and writing how well a value of a plant file is known.
+//! Reader and writer of the knowledge about a value of a plant file.
 //!
 //! ```toml
 //! volume_m3 = 75e-6                                    # the usual tolerance of the part
@@ -23,12 +23,12 @@ const MAX: &str = "max";
 const UNKNOWN: &str = "unknown";
 const KEYS: [&str; 6] = [VALUE, EXACT, TOLERANCE_PCT, TOLERANCE, MIN, MAX];
 
-/// The forms that a value may have, for messages.
+/// Allowed forms of a value, for messages.
 pub(super) const FORMS: &str = "a number, { value = V, tolerance_pct = T }, { value = V, tolerance = T }, \
     { value = V, exact = true }, { min = A, max = B } or \"unknown\"";
 
-/// Returns the value of `item` and what it says of its knowledge; none where it has none of the [`FORMS`]. A value out of range
-/// is returned, for the caller to refuse; bounds and tolerances that make no sense are none of the forms.
+/// Returns the value of `item` and the knowledge about it; `None` if it has none of the [`FORMS`]. A value out of range
+/// is returned, and the caller refuses it; invalid bounds and tolerances count as none of the forms.
 pub(super) fn read(spec: &ParameterSpec, item: &Item) -> Option<(f64, Option<Knowledge>)> {
     if let Some(value) = number(item) {
         return Some((value, None));
@@ -82,7 +82,8 @@ fn is_half_range(table: &dyn TableLike) -> bool {
     table.contains_key(MIN) != table.contains_key(MAX)
 }
 
-/// Returns the value where a fit of an unknown value begins: that of the shipped plant, or else the middle of the range.
+/// Returns the value at which a fit of an unknown value begins: that of the shipped plant, otherwise the middle of the
+/// range.
 fn start_of_unknown(spec: &ParameterSpec) -> f64 {
     let shipped = toml_edit::Document::parse(NOMINAL_PLANT_TOML).ok();
     shipped
@@ -92,7 +93,7 @@ fn start_of_unknown(spec: &ParameterSpec) -> f64 {
         .unwrap_or_else(|| middle(spec.range))
 }
 
-/// Returns `value` with what is known of it as TOML.
+/// Returns `value` with its knowledge as TOML.
 pub(super) fn write(value: f64, knowledge: Option<Knowledge>) -> String {
     match knowledge {
         None => format!("{value:?}"),
@@ -110,7 +111,7 @@ pub(super) fn write(value: f64, knowledge: Option<Knowledge>) -> String {
     }
 }
 
-/// Returns the number that `item` is.
+/// Returns `item` as a number, if it is one.
 pub(super) fn number(item: &Item) -> Option<f64> {
     match item.as_value()? {
         Value::Float(value) => Some(*value.value()),

@@ -1,7 +1,7 @@
-//! Parameters of the plant, as they stand in a plant file.
+//! Parameters of the plant, in the form of a plant file.
 //!
-//! A plant file is TOML with the unit in every key. [`PARAMETERS`] is the one list of all keys with unit,
-//! range and meaning; reading, writing, checking and fitting all go through it.
+//! A plant file is TOML with the unit in every key. [`PARAMETERS`] is the only list of all keys with unit, range and
+//! meaning; reading, writing, checking and fitting all use it.
 
 mod access;
 mod build;
@@ -30,28 +30,29 @@ use consistency::inconsistency;
 use recording::{names_meant, nearest_name};
 use units::in_other_unit;
 
-/// The plant file shipped with the crate: the thesis model.
+/// Plant file shipped with the crate: the thesis model.
 pub const NOMINAL_PLANT_TOML: &str = include_str!("../../models/nominal-plant.toml");
 
 impl PlantParameters {
-    /// The thesis model as shipped.
+    /// Returns the thesis model as shipped.
     pub fn nominal() -> Self {
         Self::from_toml(NOMINAL_PLANT_TOML, "nominal-plant.toml")
             .expect("the shipped plant file is checked by a test")
     }
 
-    /// Reads a plant file; `name` is what errors call it.
+    /// Reads a plant file; errors use `name` for it.
     ///
     /// # Errors
-    /// All problems of the file at once, each with its line, the value, what is allowed and what to write.
+    /// Returns all problems of the file at once, each with its line, the value, the allowed range and the text to
+    /// write.
     pub fn from_toml(text: &str, name: &str) -> Result<Self, ParameterError> {
         Self::from_toml_with(text, name, &[])
     }
 
-    /// As [`Self::from_toml`], for a file that may also have effects of your `own`.
+    /// Reads a plant file that may also have user-defined effects, given as `own`.
     ///
     /// # Errors
-    /// As [`Self::from_toml`].
+    /// Returns the same errors as [`Self::from_toml`].
     pub fn from_toml_with(
         text: &str,
         name: &str,
@@ -63,7 +64,7 @@ impl PlantParameters {
     /// Checks values that were set field by field, as [`Self::from_toml`] and [`Self::set`] check theirs.
     ///
     /// # Errors
-    /// Every value that is out of range, or the first that contradicts another one.
+    /// Returns every value that is out of range, or the first that contradicts another one.
     pub fn check(&self) -> Result<(), ParameterError> {
         let out_of_range = self.specs().filter_map(|spec| {
             let value = spec.value(self)?;
@@ -84,18 +85,18 @@ impl PlantParameters {
         }
     }
 
-    /// The parameters as a plant file, with their provenance as comments.
+    /// Returns the parameters as a plant file, with their provenance as comments.
     pub fn to_toml(&self) -> String {
         write::write(self)
     }
 
-    /// The value of `section.key`; none where there is no such parameter, or the plant leaves its part out.
+    /// Returns the value of `section.key`; `None` if there is no such parameter, or the plant omits its part.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.spec(name).and_then(|spec| spec.value(self))
     }
 
-    /// Every parameter that this plant has or may have: of its parts, of the effects that can act on them, and of effects
-    /// of your own.
+    /// Returns every parameter that this plant has or may have: of its parts, of the effects that can act on them, and
+    /// of user-defined effects.
     pub fn specs(&self) -> impl Iterator<Item = &'static ParameterSpec> {
         let own = self
             .effects
@@ -106,7 +107,7 @@ impl PlantParameters {
         all.filter(|spec| Part::of_parameter(spec).is_in(self))
     }
 
-    /// Adds the effect that `spec` belongs to, in the first variant that has it, if it is one of the library.
+    /// Adds the effect that `spec` belongs to, in the first variant that has it, if the library contains it.
     fn add_effect_of(&mut self, spec: &'static ParameterSpec) {
         let Some(id) = spec.effect_id() else { return };
         if self.effect(id).is_some() {
@@ -122,7 +123,7 @@ impl PlantParameters {
         }
     }
 
-    /// Why there is no `name` to set to `value`.
+    /// Returns the reason why `name` cannot be set to `value`.
     fn why_not(&self, name: &str, value: f64) -> Problem {
         match ParameterSpec::by_name(name) {
             Some(spec) => Problem::AbsentPart { line: 0, spec },
@@ -135,7 +136,7 @@ impl PlantParameters {
         }
     }
 
-    /// The parameter that `name` probably means: one that it begins, or else the nearest.
+    /// Returns the parameter that `name` probably means: one that begins with it, otherwise the nearest.
     fn similar_parameter(&self, name: &str) -> Option<String> {
         let names: Vec<String> = self.specs().map(ParameterSpec::name).collect();
         let begun = names.iter().find(|one| one.starts_with(name));
@@ -150,12 +151,12 @@ impl PlantParameters {
         self.specs().find(|spec| spec.name() == name)
     }
 
-    /// Sets `section.key` after checking its range; says `provenance` from now on. An effect that the plant does
-    /// not have yet joins it, its other parameters at their typical size.
+    /// Sets `section.key` after a check of its range, and its provenance to `provenance`. If the plant does not have
+    /// the effect yet, the effect is added, with its other parameters at their typical size.
     ///
     /// # Errors
-    /// There is no such parameter, the plant leaves its part out, or the value is out of range or contradicts another
-    /// one; nothing is changed then.
+    /// Returns an error if there is no such parameter, the plant omits its part, or the value is out of range or
+    /// contradicts another one; nothing is changed then.
     pub fn set(&mut self, name: &str, value: f64, provenance: &str) -> Result<(), ParameterError> {
         let refuse = |problem| ParameterError::new(name, vec![problem]);
         let spec = self
@@ -174,7 +175,7 @@ impl PlantParameters {
             return Err(refuse(Problem::AbsentSection { spec }));
         };
         *slot = value;
-        // A statement that the value contradicts is no longer one.
+        // A statement of knowledge that the value contradicts is removed.
         if let Some(knowledge) = changed.knowledge.get(name) {
             let (least, most) = knowledge.bounds(spec, value);
             if !(least..=most).contains(&value) || *knowledge == Knowledge::Unknown {
@@ -192,12 +193,12 @@ impl PlantParameters {
     }
 }
 
-/// The ids of effects of the library that `word` may mean; none where it looks like no id.
+/// Returns the ids of effects of the library that `word` may mean; none if it resembles no id.
 pub fn effects_meant(word: &str) -> Vec<&'static str> {
     names_meant(word, LIBRARY.iter().map(|effect| effect.about().id))
 }
 
-/// What to write for a `section.key` whose key has another unit.
+/// Returns the text to write for a `section.key` whose key has another unit.
 fn in_other_unit_of_section(name: &str, value: f64) -> Option<String> {
     let (section, key) = name.rsplit_once('.')?;
     let specs = PARAMETERS.iter().filter(|spec| spec.section == section);

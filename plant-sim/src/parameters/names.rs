@@ -1,8 +1,8 @@
-//! The names of a plant file that are no parameters, and the tables that are special.
+//! Names of a plant file that are no parameters, and special tables.
 
 use crate::valve::ValveFunction;
 
-/// `[valves]`: what sits where the valves are.
+/// `[valves]`: functions of the two valves.
 pub(super) const VALVES: &str = "valves";
 pub(super) const VALVE_KEYS: [&str; 2] = ["fill", "vent"];
 pub(super) const FUNCTIONS: [(&str, ValveFunction); 5] = [
@@ -13,17 +13,17 @@ pub(super) const FUNCTIONS: [(&str, ValveFunction); 5] = [
     ("absent", ValveFunction::Absent),
 ];
 
-/// The keys that a file leaves out where they are 0: those of sensors that a rig need not have.
+/// Keys that a file omits if they are 0: those of optional sensors.
 pub(super) const OF_SENSORS: [(&str, &str); 2] = [
     ("gas", "thermometer_wall_share"),
     ("gas", "supply_gauge_offset_bar"),
 ];
 
-/// The table that a plant without chamber leaves out.
+/// Table that a plant without chamber omits.
 pub(super) const CHAMBER: &str = "chamber";
 
-/// The table of a plant file that may be absent.
+/// Optional table of a plant file.
 pub(super) const REGULATING_VALVE: &str = "regulating_valve";
 
-/// The key that names the form of an effect's law.
+/// Key with the form of an effect's law.
 pub(super) const VARIANT: &str = "variant";

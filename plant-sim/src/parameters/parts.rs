@@ -1,4 +1,4 @@
-//! Parts that a plant may leave out: a valve, its coil or its armature, the chamber with its gas.
+//! Parts that a plant may omit: a valve, its coil or its armature, the chamber with its gas.
 
 use core::fmt;
 
@@ -10,29 +10,29 @@ use crate::effects::by_id;
 use crate::plant::{FILL, VENT};
 use crate::valve::ValveFunction;
 
-/// What a parameter describes, or an effect acts on.
+/// Part of a plant that a parameter describes, or an effect acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// A coil to command, of either valve.
+    /// Coil of either valve.
     Coil,
-    /// An armature that may move, of either valve.
+    /// Movable armature of either valve.
     Armature,
-    /// The armature of one valve.
+    /// Armature of one valve.
     ArmatureOf(usize),
-    /// An armature on which the pressure of a chamber acts.
+    /// Armature on which the pressure of a chamber acts.
     ArmatureUnderPressure,
-    /// A path for air through either valve.
+    /// Path for air through either valve.
     Flow,
-    /// A path for air through one valve.
+    /// Path for air through one valve.
     FlowThrough(usize),
-    /// A chamber, with its gas.
+    /// Chamber with its gas.
     Chamber,
-    /// What no plant leaves out, or who wrote an effect of their own knows.
+    /// Part that no plant omits, or that only the author of a user-defined effect knows.
     Any,
 }
 
 impl Part {
-    /// Whether `plant` has it.
+    /// Returns whether `plant` has the part.
     pub fn is_in(self, plant: &PlantParameters) -> bool {
         let any = |has: fn(ValveFunction) -> bool| plant.functions.into_iter().any(has);
         let has_chamber = plant.chamber.volume_m3 > 0.0;
@@ -48,7 +48,7 @@ impl Part {
         }
     }
 
-    /// What an effect acts on.
+    /// Returns the part on which an effect acts.
     pub fn of_effect(effect: &dyn Effect) -> Self {
         match effect.about().acts_on {
             EntryPoint::Coil | EntryPoint::ElectricSupply => Self::Coil,
@@ -62,7 +62,7 @@ impl Part {
         }
     }
 
-    /// What a parameter describes.
+    /// Returns the part that a parameter describes.
     pub fn of_parameter(spec: &ParameterSpec) -> Self {
         if let Some(id) = spec.effect_id() {
             return by_id(id).map_or(Self::Any, Self::of_effect);
@@ -90,7 +90,7 @@ impl Part {
         }
     }
 
-    /// How a plant file leaves it out; none where it cannot.
+    /// Returns the statement with which a plant file omits the part; `None` if that is impossible.
     pub(super) fn left_out_by(self) -> Option<String> {
         let words = |keys: &[&str], words: &str| {
             let keys: Vec<_> = keys
@@ -113,8 +113,8 @@ impl Part {
 }
 
 impl PlantParameters {
-    /// The forms of `effect`, at typical sizes, in which every parameter describes a part of this plant; none where the effect has
-    /// nothing to act on.
+    /// Returns the forms of `effect`, at typical sizes, in which every parameter describes a part of this plant; empty
+    /// if the effect has nothing to act on.
     pub fn forms_of(&self, effect: &'static dyn Effect) -> Vec<EffectSetting> {
         let is_whole = |form: &&Variant| {
             let mut specs = form.parameters.iter();

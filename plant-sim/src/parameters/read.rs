@@ -1,4 +1,4 @@
-//! Reading a plant file: every problem is found before anything is used.
+//! Reader of plant files: it finds every problem before it uses anything.
 
 use std::ops::Range;
 
@@ -20,12 +20,12 @@ use crate::effects::LIBRARY;
 /// Size beyond which a file is certainly not a plant file (bytes).
 const MAX_BYTES: usize = 1 << 20;
 
-/// A key of the file with its line.
+/// Key of the file with its line.
 type Present = (&'static ParameterSpec, usize);
 
 struct Reader<'a> {
     text: &'a str,
-    /// Effects that the plant may have: those of the library, and the caller's own.
+    /// Effects that the plant may have: those of the library, and user-defined ones.
     library: Vec<&'static dyn Effect>,
     problems: Vec<Problem>,
     parameters: PlantParameters,
@@ -81,7 +81,7 @@ impl Reader<'_> {
             self.parameters.regulating_valve = Some(RegulatingValveParameters::default());
         }
         if root.contains_key(CHAMBER) {
-            // There is one, until its volume is read.
+            // The chamber exists until its volume is read.
             self.parameters.chamber.volume_m3 = 1.0;
         }
         for (section, item) in root.iter() {
@@ -109,13 +109,13 @@ impl Reader<'_> {
             }
         }
         self.missing(&present);
-        // A part may seem to be left out because of another mistake: first things first.
+        // A part may seem to be omitted because of another mistake, so this check comes last.
         if self.problems.is_empty() {
             self.superfluous(&present);
         }
     }
 
-    /// Keys that the parts of the plant need.
+    /// Notes missing keys that the parts of the plant need.
     fn missing(&mut self, present: &[Present]) {
         let regulating = self.parameters.regulating_valve.is_some();
         for &spec in PARAMETERS.iter() {
@@ -129,7 +129,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Keys that describe what the plant leaves out.
+    /// Notes keys that describe omitted parts.
     fn superfluous(&mut self, present: &[Present]) {
         for &(spec, line) in present {
             if !Part::of_parameter(spec).is_in(&self.parameters) {
@@ -153,7 +153,7 @@ impl Reader<'_> {
             let name = format!("{section}.{key}");
             let Some(spec) = specs.iter().copied().find(|spec| spec.key == key) else {
                 let suggestion = in_other_unit(key, specs.iter()).map(|(spec, factor)| {
-                    // Named, if in the wrong unit: it is not missing as well.
+                    // The key is present, though in the wrong unit: it is not missing as well.
                     present.push((spec, line));
                     match number(item) {
                         Some(value) => format!("{} = {:e}", spec.key, value * factor),
@@ -197,7 +197,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `[effects]`: one table per effect, `variant` and the variant's parameters in each.
+    /// Reads `[effects]`: one table per effect, with `variant` and the variant's parameters in each.
     fn effects(&mut self, effects: &dyn TableLike) {
         for (id, item) in effects.iter() {
             let line = self.line(effects.key(id).and_then(toml_edit::Key::span));
@@ -298,7 +298,7 @@ impl Reader<'_> {
         line_of(self.text, span)
     }
 
-    /// The comment that follows a value on its line: where the value comes from.
+    /// Returns the comment after a value on its line: the provenance of the value.
     fn comment_behind(&self, item: &Item) -> Option<String> {
         let rest = self.text.get(item.span()?.end..)?.lines().next()?;
         let comment = rest.trim_start().strip_prefix('#')?.trim();
@@ -306,7 +306,7 @@ impl Reader<'_> {
     }
 }
 
-/// A text of the file as a message may show it.
+/// Returns text of the file in a form that a message may show.
 fn quotable(text: &str) -> String {
     text.chars()
         .take(80)

@@ -1,11 +1,11 @@
-//! The one list of all parameters.
+//! List of all parameters.
 
 use super::names::{REGULATING_VALVE, VALVES};
 use crate::description::{EFFECTS, ParameterSpec, PlantParameters};
 use crate::effects::LIBRARY;
 
-/// The list `$list`, and the fields that its rows describe: `required` tables are always there, an `optional` one is an
-/// `Option`.
+/// Defines the list `$list`, and access to the fields that its rows describe: `required` tables always exist, an
+/// `optional` one is an `Option`.
 macro_rules! parameters {
     ($list:ident $field:ident $field_mut:ident $kind:ident:
         $($section:ident.$key:ident [$unit:literal] $min:literal ..= $max:literal, $about:literal;)*) => {
@@ -109,7 +109,7 @@ pub static PARAMETERS: std::sync::LazyLock<Vec<&'static ParameterSpec>> =
             .collect()
     });
 
-/// The value of a field; none where its table is absent.
+/// Returns the value of a field; `None` if its table is absent.
 pub(super) fn field(plant: &PlantParameters, section: &str, key: &str) -> Option<f64> {
     if section == REGULATING_VALVE {
         regulating_valve_field(plant, section, key)
@@ -118,7 +118,7 @@ pub(super) fn field(plant: &PlantParameters, section: &str, key: &str) -> Option
     }
 }
 
-/// A field, to change it; none where its table is absent.
+/// Returns a field for changes; `None` if its table is absent.
 pub(super) fn field_mut<'a>(
     plant: &'a mut PlantParameters,
     section: &str,
@@ -131,7 +131,7 @@ pub(super) fn field_mut<'a>(
     }
 }
 
-/// The tables that a plant file may have, as they are written.
+/// Returns the tables of a plant file, in their written form.
 pub(super) fn sections() -> Vec<String> {
     let mut sections: Vec<String> = Vec::new();
     for spec in PARAMETERS.iter() {

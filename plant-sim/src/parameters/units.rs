@@ -32,7 +32,7 @@ const CONVERSIONS: &[(&str, &str, f64)] = &[
 ];
 
 fn conversions(key: &str) -> impl Iterator<Item = (&'static str, &'static str, f64)> {
-    // The longest unit that ends the key is its unit: `_n_per_m` and not `_m`.
+    // The longest unit at the end of the key is its unit: `_n_per_m` and not `_m`.
     let unit = CONVERSIONS
         .iter()
         .map(|conversion| conversion.0)
@@ -44,7 +44,7 @@ fn conversions(key: &str) -> impl Iterator<Item = (&'static str, &'static str, f
         .filter(move |conversion| Some(conversion.0) == unit)
 }
 
-/// The parameter that `key` names in another unit, with the factor to its own.
+/// Returns the parameter that `key` names in another unit, with the factor to its own unit.
 pub(super) fn in_other_unit<'a>(
     key: &str,
     mut specs: impl Iterator<Item = &'a &'static ParameterSpec>,
@@ -57,7 +57,7 @@ pub(super) fn in_other_unit<'a>(
     })
 }
 
-/// The unit in which `value` would be plausible, with the value in the unit of the key.
+/// Returns the unit in which `value` would be plausible, with the value in the unit of the key.
 pub(super) fn plausible_unit(spec: &ParameterSpec, value: f64) -> Option<(&'static str, f64)> {
     conversions(spec.key)
         .map(|(_, other, factor)| (&other[1..], value * factor))

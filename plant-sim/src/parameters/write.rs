@@ -1,4 +1,4 @@
-//! Writing a plant file that reads back to the same bits.
+//! Writer of a plant file that reads back to the same bits.
 
 use core::fmt::Write as _;
 
@@ -48,7 +48,7 @@ fn effect(parameters: &PlantParameters, setting: &EffectSetting) -> String {
     text
 }
 
-/// `key = value, with what is known of it   # provenance`
+/// Returns `key = value, with its knowledge # provenance`.
 fn assignment(parameters: &PlantParameters, spec: &ParameterSpec, value: f64) -> String {
     let comment = match parameters.provenance.get(&spec.name()) {
         Some(provenance) => format!("   # {}", provenance.replace(char::is_control, " ")),

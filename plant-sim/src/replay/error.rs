@@ -1,10 +1,10 @@
-//! Why a log cannot be replayed.
+//! Errors of a replay.
 
 use recording::{AddSignalError, ConversionError, MissingSignal};
 
 use super::LONGEST_GAP_S;
 
-/// What the log has instead of a command, and what to do.
+/// Returns the existing signals in place of a missing command, and the next step.
 fn about_missing_command(name: &str, present: &[String], meant: &[String]) -> String {
     let instead = match (meant, present) {
         ([], []) => ".".to_owned(),
@@ -18,7 +18,7 @@ fn about_missing_command(name: &str, present: &[String], meant: &[String]) -> St
 }
 
 impl ReplayError {
-    /// The simulation was given up before the row at `time_ns`.
+    /// Creates the error of a simulation that was aborted before the row at `time_ns`.
     pub fn given_up(time_ns: u64) -> Self {
         Self::GivenUp {
             time_s: time_ns as f64 * 1e-9,
@@ -26,10 +26,10 @@ impl ReplayError {
     }
 }
 
-/// Why a log cannot be replayed.
+/// Reason why a log cannot be replayed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReplayError {
-    /// The simulation takes more steps than a log of this length may ask for.
+    /// The simulation takes more steps than a log of this length may require.
     #[error(
         "the plant cannot be simulated on this log in a bounded number of steps: given up {time_s} s after its begin; \
          bring the parameters nearer to sizes that are met in practice, and look at the supply voltage and the time there"
@@ -38,10 +38,10 @@ pub enum ReplayError {
         /// Time since the start of the log (s).
         time_s: f64,
     },
-    /// A signal is absent or of another kind.
+    /// A signal is missing or has another quantity.
     #[error(transparent)]
     MissingSignal(#[from] MissingSignal),
-    /// A coil of the plant has no command in the log.
+    /// The log has no command for a coil of the plant.
     #[error(
         "{source_name} has no duty cycle `{name}`, but the plant has that coil{}",
         about_missing_command(name, present, meant)
@@ -49,11 +49,11 @@ pub enum ReplayError {
     NoCommand {
         /// Source of the log.
         source_name: String,
-        /// The command.
+        /// Name of the command.
         name: &'static str,
         /// Signals of the log.
         present: Vec<String>,
-        /// Those of them, and of the channels that were left out, that may be it.
+        /// Signals and left-out channels that may be the command.
         meant: Vec<String>,
     },
     /// The log has a command without any value.
@@ -62,16 +62,16 @@ pub enum ReplayError {
          constant.{name} = {{ value = 0, unit = \"pct\" }}"
     )]
     EmptyCommand {
-        /// The command.
+        /// Name of the command.
         name: &'static str,
     },
     /// A signal cannot be converted.
     #[error(transparent)]
     Conversion(#[from] ConversionError),
-    /// The simulated signals do not make a recording.
+    /// The simulated signals give no recording.
     #[error(transparent)]
     Recording(#[from] AddSignalError),
-    /// A gap that no bench log has.
+    /// The log has a gap that is too long.
     #[error(
         "no row for {gap_s} s after {after_s} s, longer than {LONGEST_GAP_S} s: cut the log there, or mend its time"
     )]
@@ -81,15 +81,15 @@ pub enum ReplayError {
         /// Length of the gap (s).
         gap_s: f64,
     },
-    /// The log commands what is not there.
+    /// The log commands a coil that the plant does not have.
     #[error(
         "the log has a command `{name}` above 0 %, but the plant has no such coil: take a plant file with the valve, or leave out the column"
     )]
     NoCoil {
-        /// The signal.
+        /// Name of the signal.
         name: &'static str,
     },
-    /// An ambient pressure over itself.
+    /// The ambient pressure is a gauge pressure.
     #[error(
         "{source_name}: `p_amb` is a gauge pressure, which is 0 by definition: declare its unit as absolute, as in p_amb_bar_abs"
     )]
@@ -97,12 +97,12 @@ pub enum ReplayError {
         /// Source of the log.
         source_name: String,
     },
-    /// Surroundings that no plant can have.
+    /// The surroundings are impossible for a plant.
     #[error("{source_name}: `{name}` {problem}")]
     Surroundings {
         /// Source of the log.
         source_name: String,
-        /// The signal.
+        /// Name of the signal.
         name: &'static str,
         /// Value, bounds and remedy.
         problem: String,
@@ -110,12 +110,12 @@ pub enum ReplayError {
     /// The commands have no time base.
     #[error("the duty cycles have no time base")]
     NoTimeBase,
-    /// Commands and voltage must be sampled together.
+    /// Commands and voltage have different time bases.
     #[error(
         "`{name}` has another time base than the duty cycles: say in a mapping, under [rows], instants_of = \"duty_fill\""
     )]
     OtherTimeBase {
-        /// The signal.
+        /// Name of the signal.
         name: &'static str,
     },
 }

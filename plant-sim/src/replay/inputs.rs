@@ -1,4 +1,4 @@
-//! What a log tells a plant, row by row.
+//! Inputs of a plant from a log, row by row.
 
 use std::sync::Arc;
 
@@ -10,40 +10,40 @@ use crate::ecu_output::Command;
 use crate::parameters::{Part, PlantParameters};
 use crate::plant::{FILL, VENT};
 
-/// What the log tells the model at one instant.
+/// Input of the model at one instant of a log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayInput {
     /// Instant (ns) since the start of the log.
     pub time_ns: u64,
     /// Instant (ns) at which the ECU gave the command, not after `time_ns`.
     pub issued_ns: u64,
-    /// Commanded duty cycles; none where the log misses them, which holds the last ones.
+    /// Commanded duty cycles; `None` if the log misses them, and then the last ones stay valid.
     pub command: Option<Command>,
-    /// Supply voltage at the ECU (V), where logged; none holds the last one.
+    /// Supply voltage at the ECU (V), if logged; with `None` the last one stays valid.
     pub supply_voltage_v: Option<f64>,
-    /// Supply pressure as its gauge shows it (Pa abs), where logged; none holds the last one.
+    /// Supply pressure as shown by its gauge (Pa abs), if logged; with `None` the last one stays valid.
     pub supply_pressure: Option<f64>,
 }
 
-/// The longest time between two rows that is replayed (s): an hour of open valves takes seconds, a wrong clock
-/// would take for ever.
+/// Longest time between two rows that is replayed (s): an hour of open valves takes seconds, a wrong clock would take
+/// forever.
 pub const LONGEST_GAP_S: f64 = 3600.0;
 
 /// Names of the commands, fill and vent.
 const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
 
-/// What a log tells a plant, row by row. It is read from the log itself: an hour at 1 kHz takes no memory of its own but for a
-/// logged supply pressure.
+/// Inputs of a plant from a log, row by row. They are read from the log itself: an hour at 1 kHz takes no additional
+/// memory, except for a logged supply pressure.
 #[derive(Debug, Clone)]
 pub struct Inputs<'a> {
     base: &'a TimeBase,
     duties: [Option<Column<'a>>; 2],
     supply: Option<Column<'a>>,
-    /// Of each row (Pa abs), NaN where it holds the last one.
+    /// Supply pressure of each row (Pa abs), NaN if the last one stays valid.
     supply_pressure: Option<Arc<Vec<f64>>>,
 }
 
-/// A signal of the log in the unit of the model.
+/// Signal of the log in the unit of the model.
 #[derive(Debug, Clone, Copy)]
 struct Column<'a> {
     samples: &'a [f64],
@@ -57,11 +57,11 @@ impl Column<'_> {
 }
 
 impl<'a> Inputs<'a> {
-    /// Finds the commands of a log to a plant. A plant without coils is not commanded: the time base is that of the first
-    /// signal that it has.
+    /// Finds the commands of a log to a plant. A plant without coils gets no commands: the time base is that of the
+    /// first signal that it has.
     ///
     /// # Errors
-    /// As [`Inputs::of_part`], and a duty cycle without any value.
+    /// Returns the errors of [`Inputs::of_part`], or an error for a duty cycle without any value.
     pub fn of(parameters: &PlantParameters, log: &'a Recording) -> Result<Self, ReplayError> {
         let inputs = Self::of_part(parameters, log)?;
         let is_empty = |name: &&str| {
@@ -74,11 +74,12 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// As [`Inputs::of`], for some rows of a log, in which a command may be missing throughout.
+    /// Finds the commands as [`Inputs::of`], for some rows of a log, in which a command may be missing in all rows.
     ///
     /// # Errors
-    /// No duty cycle for a coil that the plant has, one of another kind, a duty cycle for a coil that the plant has not,
-    /// signals that were not sampled together, or a gap of more than [`LONGEST_GAP_S`].
+    /// Returns an error if there is no duty cycle for a coil of the plant, one of another quantity, or a duty cycle for
+    /// a coil that the plant does not have; if signals were not sampled together; or for a gap of more than
+    /// [`LONGEST_GAP_S`].
     pub fn of_part(parameters: &PlantParameters, log: &'a Recording) -> Result<Self, ReplayError> {
         for name in commanded(parameters) {
             require_command(parameters, log, name)?;
@@ -119,14 +120,14 @@ impl<'a> Inputs<'a> {
         })
     }
 
-    /// Returns the supply pressure to begin with (Pa abs), as its gauge shows it: the first one that was logged. None where the log
-    /// has none that drives the plant.
+    /// Returns the initial supply pressure (Pa abs), as shown by its gauge: the first logged one. `None` if the log has
+    /// none that drives the plant.
     pub fn first_supply_pressure(&self) -> Option<f64> {
         let mut rows = self.supply_pressure.as_ref()?.iter().copied();
         rows.find(|pressure| pressure.is_finite())
     }
 
-    /// Returns the time base that the commands share.
+    /// Returns the common time base of the commands.
     pub fn base(&self) -> &'a TimeBase {
         self.base
     }
@@ -140,10 +141,10 @@ impl<'a> Inputs<'a> {
         self.base.len()
     }
 
-    /// Returns what the log tells at instant `index`.
+    /// Returns the input at instant `index`.
     ///
     /// # Panics
-    /// If there is no such instant.
+    /// Panics if there is no such instant.
     pub fn row(&self, index: usize) -> ReplayInput {
         let duty = |valve: usize| self.duties[valve].map_or(0.0, |column| column.at(index));
         let command = Command {
@@ -169,16 +170,16 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// Returns what the log tells at each instant.
+    /// Iterates over the inputs of all instants.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = ReplayInput> + '_ {
         (0..self.len()).map(|index| self.row(index))
     }
 }
 
-/// The commands of a log to a plant as a list, with the time base that they share.
+/// Returns the commands of a log to a plant as a list, with their common time base.
 ///
 /// # Errors
-/// As [`Inputs::of`].
+/// Returns the same errors as [`Inputs::of`].
 pub fn inputs<'a>(
     parameters: &PlantParameters,
     log: &'a Recording,
@@ -187,10 +188,10 @@ pub fn inputs<'a>(
     Ok((inputs.base(), inputs.iter().collect()))
 }
 
-/// As [`inputs`], for some rows of a log, in which a command may be missing throughout.
+/// Returns the commands as [`inputs`], for some rows of a log, in which a command may be missing in all rows.
 ///
 /// # Errors
-/// As [`Inputs::of_part`].
+/// Returns the same errors as [`Inputs::of_part`].
 pub fn inputs_of_part<'a>(
     parameters: &PlantParameters,
     log: &'a Recording,
@@ -199,11 +200,11 @@ pub fn inputs_of_part<'a>(
     Ok((inputs.base(), inputs.iter().collect()))
 }
 
-/// The chamber pressure (Pa abs) to begin with, where the log alone tells it: the first one of a plant without coils,
-/// which nothing can have filled. None where the plant begins at rest.
+/// Returns the initial chamber pressure (Pa abs), if the log alone determines it: the first one of a plant without
+/// coils, which nothing can have filled. `None` if the plant begins at rest.
 ///
 /// # Errors
-/// `p_ch` is no pressure.
+/// Returns an error if `p_ch` is no pressure.
 pub fn initial_pressure(
     parameters: &PlantParameters,
     log: &Recording,
@@ -220,7 +221,7 @@ pub fn initial_pressure(
         .find(|value| value.is_finite() && *value > 0.0))
 }
 
-/// The commands that the plant needs: those of its coils.
+/// Returns the commands that the plant needs: those of its coils.
 fn commanded(parameters: &PlantParameters) -> impl Iterator<Item = &'static str> {
     let valves = DUTIES.into_iter().zip(parameters.functions);
     valves
@@ -228,7 +229,7 @@ fn commanded(parameters: &PlantParameters) -> impl Iterator<Item = &'static str>
         .map(|(name, _)| name)
 }
 
-/// A command that is not there is not zero: perhaps its column has another name.
+/// Refuses a missing command, which is not zero: perhaps its column has another name.
 fn require_command(
     parameters: &PlantParameters,
     log: &Recording,
@@ -247,7 +248,7 @@ fn require_command(
     Ok(())
 }
 
-/// The signal whose instants are those of the replay.
+/// Returns the signal whose instants are those of the replay.
 fn driving_signal<'a>(
     parameters: &PlantParameters,
     log: &'a Recording,
@@ -262,10 +263,10 @@ fn driving_signal<'a>(
     }
 }
 
-/// Whether the time from one row to the next can be replayed.
+/// Checks whether the time from one row to the next can be replayed.
 ///
 /// # Errors
-/// [`ReplayError::Gap`] if it is longer than [`LONGEST_GAP_S`].
+/// Returns [`ReplayError::Gap`] if it is longer than [`LONGEST_GAP_S`].
 pub fn check_gap(from_s: f64, to_s: f64) -> Result<(), ReplayError> {
     let gap_s = to_s - from_s;
     if gap_s > LONGEST_GAP_S {

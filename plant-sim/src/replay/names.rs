@@ -1,4 +1,4 @@
-//! Names in a log that the model does not know, and what they may mean.
+//! Names in a log that are unknown to the model, and their possible meanings.
 
 use recording::{Quantity, Recording, Signal, Unit, nearest_name};
 
@@ -15,16 +15,16 @@ const KNOWN: [&str; 4] = [
     COIL_TEMPERATURE,
 ];
 
-/// A signal of a log that the model does not know by its name, and so does not use.
+/// Signal of a log whose name is unknown to the model, which therefore does not use it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnknownSignal {
-    /// Its name in the log.
+    /// Name in the log.
     pub name: String,
-    /// Signals of the model that the log lacks and that it may be; the nearest name alone where one is near.
+    /// Signals of the model that the log lacks and that it may be; only the nearest name if one is near.
     pub nearest: Vec<&'static str>,
 }
 
-/// Returns the signals of `log` that may be one that the model has and the log lacks, under another name.
+/// Returns the signals of `log` that may be a missing signal of the model under another name.
 pub fn unknown_signals(parameters: &PlantParameters, log: &Recording) -> Vec<UnknownSignal> {
     let lacking: Vec<(&'static str, Unit)> = signals(parameters)
         .filter(|(name, _)| !log.mentions(name))
@@ -44,7 +44,7 @@ pub fn unknown_signals(parameters: &PlantParameters, log: &Recording) -> Vec<Unk
         .collect()
 }
 
-/// Those of `lacking` that `signal` may be: of its quantity, and with a name like it where there is one.
+/// Returns the signals of `lacking` that `signal` may be: with its quantity, and with a similar name if there is one.
 fn nearest(signal: &Signal, lacking: &[(&'static str, Unit)]) -> Vec<&'static str> {
     let quantity = signal.unit().quantity();
     let alike = lacking
@@ -65,7 +65,7 @@ fn nearest(signal: &Signal, lacking: &[(&'static str, Unit)]) -> Vec<&'static st
     }
 }
 
-/// Signals and channels of `log` that may be meant by `wanted`.
+/// Returns the signals and channels of `log` that `wanted` may mean.
 pub(super) fn meant_by(
     parameters: &PlantParameters,
     log: &Recording,

@@ -1,4 +1,4 @@
-//! The logged supply pressure as it drives the plant (E60).
+//! Logged supply pressure that drives the plant (E60).
 
 use recording::{Bounds, Quantity, Recording, TimeBase, Unit};
 
@@ -8,19 +8,19 @@ use crate::plant::FILL;
 /// Name of the signal.
 pub const SUPPLY_PRESSURE: &str = "p_sup";
 
-/// Averaged samples to either side, at most.
+/// Maximum number of averaged samples on either side.
 const REACH_MAX: usize = 256;
-/// Samples without which no noise is averaged.
+/// Minimum number of samples for averaging the noise.
 const FEWEST: usize = 50;
-/// A difference of two samples below this (Pa) is rounding.
+/// Difference of two samples (Pa) below which it is rounding.
 const LEAST_STEP: f64 = 1.0;
-/// Where this share of the samples differs from the one before, the least difference is the resolution.
+/// Share of changing samples above which the smallest difference is the resolution.
 const TOGGLES: f64 = 0.05;
-/// Half the width of a confidence interval over the standard deviation of a mean.
+/// Half the width of a confidence interval divided by the standard deviation of a mean.
 const CONFIDENCE: f64 = 3.0;
 
-/// The least and the largest supply pressure (Pa abs) that drives a plant: the least pressure that counts as measured, and the
-/// highest supply that a plant file may give.
+/// Returns the lowest and the highest supply pressure (Pa abs) that drives a plant: the lowest pressure that counts as
+/// measured, and the highest supply pressure of a plant file.
 pub fn supply_bounds(parameters: &PlantParameters) -> (f64, f64) {
     let spec = ParameterSpec::by_name("gas.supply_pressure_bar_gauge");
     let most_bar = spec.map_or(f64::INFINITY, |spec| spec.range.1);
@@ -30,10 +30,10 @@ pub fn supply_bounds(parameters: &PlantParameters) -> (f64, f64) {
     )
 }
 
-/// Returns whether `p_sup` of `log` drives the plant: there is air to supply, and the signal has a usable value.
+/// Returns whether `p_sup` of `log` drives the plant: the plant has a supply, and the signal has a usable value.
 ///
 /// # Errors
-/// The reason, a sentence without a full stop, if the log has `p_sup` and it does not drive the plant.
+/// Returns the reason, a sentence without a full stop, if the log has `p_sup` and it does not drive the plant.
 pub fn drives_supply(parameters: &PlantParameters, log: &Recording) -> Result<bool, String> {
     if !log.mentions(SUPPLY_PRESSURE) {
         return Ok(false);
@@ -61,8 +61,8 @@ pub fn drives_supply(parameters: &PlantParameters, log: &Recording) -> Result<bo
     }
 }
 
-/// Returns the supply pressure (Pa abs) at the rows of `base`, NaN where a row holds the last one: what the gauge shows, averaged
-/// as far as its noise allows. None where the log has none that drives the plant.
+/// Returns the supply pressure (Pa abs) at the rows of `base`, NaN if the last one stays valid: the reading of the
+/// gauge, averaged according to its noise. `None` if the log has none that drives the plant.
 pub(super) fn logged_supply(
     parameters: &PlantParameters,
     log: &Recording,
@@ -86,7 +86,7 @@ pub(super) fn logged_supply(
     if own == base {
         return Some(values);
     }
-    // A gauge with a rate of its own holds its value until the next one.
+    // The value of a gauge with its own rate is valid until the next one.
     let at = |time_s: &f64| {
         let before = own.times_s().partition_point(|own_s| own_s <= time_s);
         before.checked_sub(1).map_or(f64::NAN, |row| values[row])
@@ -94,9 +94,9 @@ pub(super) fn logged_supply(
     Some(base.times_s().iter().map(at).collect())
 }
 
-/// Each value as the mean of the widest interval about it whose mean agrees with those of all narrower ones: the rule of
-/// intersecting confidence intervals (A. Goldenshluger, A. Nemirovski, Math. Methods of Statistics 6 (1997) 135-170). White noise
-/// is averaged out, a step or a dip that stands out of the noise stays.
+/// Returns each value as the mean of the widest interval about it whose mean agrees with those of all narrower ones:
+/// the rule of intersecting confidence intervals (A. Goldenshluger, A. Nemirovski, Math. Methods of Statistics 6 (1997)
+/// 135-170). White noise is averaged out; a step or a dip larger than the noise stays.
 fn averaged(values: &[f64]) -> Vec<f64> {
     let sigma = noise(values);
     if sigma == 0.0 {
@@ -106,7 +106,7 @@ fn averaged(values: &[f64]) -> Vec<f64> {
     let mut sums = Vec::with_capacity(values.len() + 1);
     let (mut sum, mut count) = (0.0, 0_u32);
     sums.push((sum, count));
-    // About a value of the signal, so that no digits are lost.
+    // Relative to a value of the signal, so that no digits are lost.
     let origin = values.iter().copied().find(|value| value.is_finite());
     let origin = origin.unwrap_or(0.0);
     for value in values {
@@ -121,7 +121,7 @@ fn averaged(values: &[f64]) -> Vec<f64> {
         let mut widest = values[row];
         let mut reach = 0;
         while reach <= REACH_MAX {
-            // As far to either side, also near an end: the mean of a trend is its middle.
+            // Symmetric, also near an end: the mean of a trend is its middle.
             if reach > row || row + reach >= values.len() {
                 break;
             }
@@ -149,8 +149,9 @@ fn averaged(values: &[f64]) -> Vec<f64> {
     .collect()
 }
 
-/// Standard deviation of the noise: of what no slow pressure can be, the second differences (their lower quartile, which a supply that
-/// dips every other row does not move), and of the resolution. 0 for few samples, whose differences may all be real.
+/// Returns the standard deviation of the noise. It is estimated from the second differences, which a slow pressure
+/// cannot cause, and from the resolution. The lower quartile is used, which a supply that dips every other row does not
+/// change. 0 for few samples, whose differences may all be real.
 fn noise(values: &[f64]) -> f64 {
     let present: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     let curvature = |three: &[f64]| (three[0] - 2.0 * three[1] + three[2]).abs();
@@ -174,7 +175,7 @@ fn noise(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Sums of twelve uniform numbers of one linear congruential sequence.
+    /// Returns sums of twelve uniform numbers of one linear congruential sequence.
     fn noisy(level: impl Fn(usize) -> f64, sigma: f64, count: usize) -> Vec<f64> {
         let mut seed = 1_u64;
         let mut uniform = move || {
@@ -197,7 +198,7 @@ mod tests {
         assert!(left < 150.0, "{left}");
     }
 
-    /// A fall by twenty standard deviations of the noise for ten rows.
+    /// A dip by twenty standard deviations of the noise for ten rows.
     #[test]
     fn a_dip_that_stands_out_of_the_noise_stays() {
         let level = |row: usize| {
@@ -210,7 +211,7 @@ mod tests {
         let values = averaged(&noisy(level, 1e3, 2000));
         let rows = 995..1015;
         let left = rms(rows.map(|row| values[row] - level(row)));
-        // A tenth of the dip: what a mean over it would leave is a half.
+        // A tenth of the dip: a mean over it would leave a half.
         assert!(left < 2e3, "{left}");
     }
 

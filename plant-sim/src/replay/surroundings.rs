@@ -1,4 +1,4 @@
-//! Surroundings that were measured with a log: they replace those of the plant file for this log.
+//! Surroundings measured with a log, which replace those of the plant file for this log.
 
 use std::borrow::Cow;
 
@@ -8,34 +8,34 @@ use super::error::ReplayError;
 use crate::effects::{EffectSetting, by_id};
 use crate::parameters::{ParameterSpec, Part, PlantParameters};
 
-/// Ambient pressure of a log, absolute; its mean counts.
+/// Name of the ambient pressure of a log, absolute; its mean is used.
 pub const AMBIENT_PRESSURE: &str = "p_amb";
-/// Temperature of the gas supply, of the chamber's wall and of what is around it; its mean counts.
+/// Name of the temperature of gas supply, chamber wall and surroundings; its mean is used.
 pub const AMBIENT_TEMPERATURE: &str = "t_amb";
-/// Temperature of both coils when the log begins; its first value counts.
+/// Name of the temperature of both coils at the beginning of the log; its first value is used.
 pub const COIL_TEMPERATURE: &str = "t_coil";
 
 /// Temperature (K) to which the resistance of a coil refers.
 const COIL_REFERENCE_K: f64 = 293.15;
 
-/// Surroundings of one log, as far as it has them: columns of it, or constants of its mapping.
+/// Surroundings of one log, as far as it contains them: as columns, or as constants of its mapping.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Surroundings {
     /// Ambient pressure (Pa abs).
     pub ambient_pressure_pa: Option<f64>,
-    /// Temperature of the wall and of the gas that is supplied (K).
+    /// Temperature of the wall and of the supplied gas (K).
     pub temperature_k: Option<f64>,
-    /// What the coils are warmer than 20 °C when the log begins (K).
+    /// Temperature of the coils above 20 °C at the beginning of the log (K).
     pub coil_difference_k: Option<f64>,
 }
 
 impl Surroundings {
-    /// Reads the surroundings that `log` has and `plant` has parts for.
+    /// Reads the surroundings that `log` contains and `plant` has parts for.
     ///
     /// # Errors
-    /// [`ReplayError::MissingSignal`] for a signal of another quantity, [`ReplayError::GaugeAmbient`] for an ambient pressure that is
-    /// not absolute, and [`ReplayError::Surroundings`] for a value that no plant file may have, or a coil temperature without the
-    /// temperature coefficient of the resistance.
+    /// Returns [`ReplayError::MissingSignal`] for a signal of another quantity, [`ReplayError::GaugeAmbient`] for an
+    /// ambient pressure that is not absolute, and [`ReplayError::Surroundings`] for a value that no plant file may
+    /// have, or for a coil temperature without the temperature coefficient of the resistance.
     pub fn of(plant: &PlantParameters, log: &Recording) -> Result<Self, ReplayError> {
         let has_chamber = Part::Chamber.is_in(plant);
         let ambient = value(log, (AMBIENT_PRESSURE, Quantity::Pressure), |signal| {
@@ -90,7 +90,7 @@ impl Surroundings {
         Ok(found)
     }
 
-    /// Returns `plant` in these surroundings; borrowed where the log has none.
+    /// Returns `plant` in these surroundings; borrowed if the log has none.
     pub fn around<'a>(&self, plant: &'a PlantParameters) -> Cow<'a, PlantParameters> {
         if *self == Self::default() {
             return Cow::Borrowed(plant);
@@ -113,7 +113,7 @@ impl Surroundings {
     }
 }
 
-/// Returns what `read` makes of the signal, where the log has it.
+/// Returns the result of `read` for the signal, if the log has it.
 fn value(
     log: &Recording,
     (name, quantity): (&'static str, Quantity),
@@ -132,7 +132,7 @@ fn mean(signal: &Signal, unit: Unit) -> Result<Option<f64>, ReplayError> {
     Ok((count > 0).then(|| present().sum::<f64>() / count as f64))
 }
 
-/// A log may state what a plant file may.
+/// Checks that a value of a log is allowed in a plant file.
 fn check(
     log: &Recording,
     name: &'static str,

@@ -1,4 +1,4 @@
-//! What ends a step before its time, and what follows from it.
+//! Events that end a step early, and their consequences.
 
 use super::physics::Physics;
 use super::smooth::Smooth;
@@ -9,22 +9,21 @@ use crate::plant::{FILL, VENT};
 use crate::solver::root::first_positive;
 use crate::valve::{Motion, ValveState};
 
-/// What ended a step.
+/// Event that ended a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Event {
-    /// A resting armature departs from its stop.
+    /// A resting armature breaks away from its stop.
     Departs(usize),
-    /// A moving armature reaches a stop, or the position at which its orifice changes from curtain to bore or
-    /// back (m).
+    /// A moving armature reaches a stop, or the position at which its orifice changes between curtain and bore (m).
     Reaches(usize, f64),
-    /// A moving armature comes to a halt between the stops, where friction may hold it.
+    /// A moving armature comes to a halt between the stops, where friction may keep it.
     Halts(usize),
-    /// The current of a live valve ends.
+    /// The current of a live valve has decayed to zero.
     CurrentExtinct(usize),
 }
 
 impl<P: Physics> Solver<P> {
-    /// The first resting armature that departs in (0, h], under a force that is known over time.
+    /// Returns the first resting armature that breaks away in (0, h], under a force that is known over time.
     pub(super) fn first_departure(
         &self,
         h: f64,
@@ -49,7 +48,7 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// The earliest event within a step, with its time.
+    /// Returns the earliest event within a step, with its time.
     pub(super) fn first_event<const N: usize, const M: usize>(
         &self,
         smooth: &Smooth<M>,
@@ -86,7 +85,7 @@ impl<P: Physics> Solver<P> {
                 let plant = self.physics.plant();
                 let [lowest, highest] = plant.valves[index].interval(smooth.limits[slot]);
                 let (v0, v1) = (span.start[velocity], span.end[velocity]);
-                // An armature that turns within the step may have been beyond a bound on the way.
+                // An armature that turns within the step may have been beyond a bound in between.
                 let turns_up = v0 < 0.0 && v1 > 0.0;
                 let turns_down = v0 > 0.0 && v1 < 0.0;
                 if span.end[position] < lowest || turns_up {
@@ -129,7 +128,7 @@ impl<P: Physics> Solver<P> {
             Event::Halts(index) => {
                 let valve = &mut self.state.valves[index];
                 valve.v = 0.0;
-                // Set free at once where friction does not hold it.
+                // It is released at once if friction does not keep it in place.
                 valve.motion = Motion::Stuck;
             }
             Event::Reaches(index, position) => {
@@ -156,8 +155,8 @@ impl<P: Physics> Solver<P> {
     }
 }
 
-/// When a moving armature passes a bound, if it does: `beyond` is positive outside, `retreat` is the velocity
-/// away from the bound, and `turns` says that it turns from negative to positive within the step.
+/// Returns the time at which a moving armature passes a bound, if it does. `beyond` is positive outside, `retreat` is
+/// the velocity away from the bound, and `turns` says that it turns from negative to positive within the step.
 fn passage(
     beyond: impl Fn(f64) -> f64,
     retreat: impl Fn(f64) -> f64,
@@ -172,7 +171,7 @@ fn passage(
     if beyond(deepest) <= 0.0 {
         return None;
     }
-    // It may have just left this very bound: then the search starts where it is inside.
+    // It may have just left this bound: then the search begins where it is inside.
     let halvings = (1..=6).map(|halvings| deepest / f64::from(1 << halvings));
     let inside = core::iter::once(0.0)
         .chain(halvings)
@@ -185,7 +184,7 @@ mod tests {
     use super::*;
     use crate::solver::hermite::Quintic;
 
-    /// x = v t - d t²: up and back through the seat within one step, found missing by a random plant.
+    /// x = v t - d t²: up and back through the seat within one step. A random plant showed that this event was missed.
     #[test]
     fn an_armature_that_rises_and_falls_back_within_a_step_arrives() {
         let x = Quintic::new(1.0, [0.1, 1.0, -4.0], [-0.9, -3.0, -4.0]);
@@ -193,7 +192,7 @@ mod tests {
         assert!((time - (1.0 + 1.8_f64.sqrt()) / 4.0).abs() < 1e-9, "{time}");
     }
 
-    /// A touch between two states that both lie inside the stroke.
+    /// A touch between two states that are both inside the stroke.
     #[test]
     fn an_armature_that_dips_through_its_seat_within_a_step_arrives() {
         let x = Quintic::new(1.0, [0.1, -1.0, 4.0], [1.1, 3.0, 4.0]);
@@ -205,7 +204,7 @@ mod tests {
         assert_eq!(arrives(0.1), None, "it turns before the seat");
     }
 
-    /// A hundredth of the step inside the bound: seen as no distance at all, this cost 0.003 mbar per pulse.
+    /// A hundredth of the step inside the bound: treated as no distance, this caused an error of 0.003 mbar per pulse.
     #[test]
     fn an_armature_that_starts_just_inside_a_bound_arrives_in_its_time() {
         let x = Quintic::new(1.0, [0.01, -1.0, 0.0], [-0.99, -1.0, 0.0]);

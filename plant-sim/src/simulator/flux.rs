@@ -1,4 +1,4 @@
-//! The coil with effects: its state is the flux linkage, the current follows from it.
+//! Coil with effects: its state is the flux linkage, from which the current follows.
 //!
 //! ```text
 //! dλ/dt = u - R i        i = (i_m(λ, x) + u/R_e) / (1 + R/R_e)
@@ -10,7 +10,7 @@
 use crate::coil::Drive;
 use crate::plant::Plant;
 
-/// A coil at an instant.
+/// Coil at an instant.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct CoilNow {
     /// Current at the terminals (A).
@@ -19,13 +19,14 @@ pub(super) struct CoilNow {
     pub(super) flux_rate: f64,
 }
 
-/// The current (A) that makes the magnetic force: λ/L of the plain coil, since the force goes with the flux.
+/// Returns the current (A) that causes the magnetic force: λ/L of the plain coil, because the force depends on the
+/// flux.
 #[inline]
 pub(super) fn pulling_current(plant: &Plant, index: usize, flux: f64, x: f64) -> f64 {
     flux / plant.valves[index].coil.inductance(x)
 }
 
-/// The magnetising current (A).
+/// Returns the magnetising current (A).
 #[inline]
 pub(super) fn magnetising_current(plant: &Plant, index: usize, flux: f64, x: f64) -> f64 {
     let inductance = plant.valves[index].coil.inductance(x);
@@ -35,7 +36,7 @@ pub(super) fn magnetising_current(plant: &Plant, index: usize, flux: f64, x: f64
     }
 }
 
-/// Resistance of the loop that the current flows in (Ω), without what the coils share.
+/// Returns the resistance of the current's loop (Ω), without the shared part.
 #[inline]
 pub(super) fn loop_resistance(plant: &Plant, index: usize, drive: Drive) -> f64 {
     let coil = plant.valves[index].coil.resistance;
@@ -45,15 +46,15 @@ pub(super) fn loop_resistance(plant: &Plant, index: usize, drive: Drive) -> f64 
     }
 }
 
-/// Both coils at an instant: `coils` gives drive, magnetising current and additional voltage of each; none for a
-/// coil that is not integrated.
+/// Returns both coils at an instant: `coils` gives drive, magnetising current and additional voltage of each; `None`
+/// for a coil that is not integrated.
 #[inline]
 pub(super) fn coils_now(plant: &Plant, coils: [Option<(Drive, f64, f64)>; 2]) -> [CoilNow; 2] {
     let additions = &plant.additions;
     let eddy = additions.eddy_conductance;
     let divisor = |index, drive| 1.0 + loop_resistance(plant, index, drive) * eddy;
 
-    // What all energised coils take together: the drop at the shared resistance follows.
+    // The total current of all energised coils gives the drop at the shared resistance.
     let mut drop = 0.0;
     if additions.supply_resistance > 0.0 {
         let (mut taken, mut conductance) = (0.0, 0.0);

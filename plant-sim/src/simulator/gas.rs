@@ -7,16 +7,17 @@ use crate::plant::{FILL, Plant, VENT};
 use crate::resting_pressure::RestingPressure;
 use crate::restriction::in_series;
 
-/// The gas at an instant.
+/// Gas at an instant.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GasNow {
     /// d(chamber pressure)/dt (Pa/s).
     pub(super) pressure_rate: f64,
-    /// Upside minus downside pressure of each armature (Pa).
+    /// Upstream minus downstream pressure of each armature (Pa).
     pub(super) drops: [f64; 2],
 }
 
-/// Pressure before the fill valve (Pa abs), or before the line's restriction where the line has no volume.
+/// Returns the pressure upstream of the fill valve (Pa abs), or upstream of the line's restriction if the line has no
+/// volume.
 fn source(plant: &Plant, layout: &Layout, extra: &[f64], now: Option<&Now>) -> f64 {
     match layout.line {
         Some(line) => extra[line],
@@ -24,7 +25,7 @@ fn source(plant: &Plant, layout: &Layout, extra: &[f64], now: Option<&Now>) -> f
     }
 }
 
-/// Pressure behind the vent valve (Pa abs).
+/// Returns the pressure downstream of the vent valve (Pa abs).
 fn sink(plant: &Plant, layout: &Layout, extra: &[f64]) -> f64 {
     layout
         .drain
@@ -38,7 +39,7 @@ fn reservoir(plant: &Plant, now: Option<&Now>) -> f64 {
     plant.supply_pressure + more
 }
 
-/// What a valve of `area` (m²) lets through together with an orifice that is one opening with it (m²).
+/// Returns the effective area of a valve of `area` (m²) together with an orifice that forms one opening with it (m²).
 fn narrowed(plant: &Plant, index: usize, area: f64) -> f64 {
     let Some(orifice) = plant.additions.combined[index] else {
         return area;
@@ -46,13 +47,14 @@ fn narrowed(plant: &Plant, index: usize, area: f64) -> f64 {
     area * orifice.effective_area / area.hypot(orifice.effective_area)
 }
 
-/// Mass flow through a valve that shows `open` (m²), with what is in series, and the pressure drop over it.
+/// Returns the mass flow through a valve with opening `open` (m²), including series restrictions, and the pressure drop
+/// over the valve.
 #[inline]
 fn through_valve(plant: &Plant, index: usize, open: f64, upside: f64, downside: f64) -> (f64, f64) {
     let additions = &plant.additions;
     let area = narrowed(plant, index, open);
     let behind = additions.restrictions[index];
-    // A line without volume is an orifice before the fill valve.
+    // A line without volume is an orifice upstream of the fill valve.
     let before = additions
         .supply_line
         .filter(|_| index == FILL)
@@ -60,7 +62,7 @@ fn through_valve(plant: &Plant, index: usize, open: f64, upside: f64, downside: 
     if area == 0.0 {
         (0.0, upside - downside)
     } else if area < 0.0 {
-        // Beyond the seat within a step: the law goes on smoothly, as the area does.
+        // Beyond the seat within a step: the law continues smoothly, like the area.
         let (flow, drop) = through_valve(plant, index, -open, upside, downside);
         (-flow, drop)
     } else if let Some(before) = before {
@@ -81,13 +83,13 @@ fn through_valve(plant: &Plant, index: usize, open: f64, upside: f64, downside: 
     }
 }
 
-/// The area of the leak beside a valve, where it is an orifice (m²).
+/// Returns the area of the leak in parallel with a valve, if it is an orifice (m²).
 fn leak_area(plant: &Plant, leak: usize) -> f64 {
     let leak = plant.additions.leaks[leak];
     leak.and_then(|leak| leak.orifice_area()).unwrap_or(0.0)
 }
 
-/// The valves' areas with those of leaks that are orifices beside them.
+/// Returns the valves' areas with those of parallel leaks that are orifices.
 pub(super) fn widened(plant: &Plant, areas: [f64; 2]) -> [f64; 2] {
     [
         narrowed(plant, FILL, areas[FILL]) + leak_area(plant, 1),
@@ -95,7 +97,7 @@ pub(super) fn widened(plant: &Plant, areas: [f64; 2]) -> [f64; 2] {
     ]
 }
 
-/// The pressure by formula, where no effect changes its law.
+/// Returns the pressure by formula, if no effect changes its law.
 pub(super) fn resting_pressure(
     plant: &Plant,
     areas: [f64; 2],
@@ -107,13 +109,13 @@ pub(super) fn resting_pressure(
         |leak: usize| additions.leaks[leak].is_none_or(|leak| leak.orifice_area().is_some());
     let touched = additions.supply_line.is_some_and(|line| line.has_pressure() || areas[FILL] > 0.0)
         || additions.drain_line.is_some()
-        // Nothing of the gas, but the formula leaves no state to follow its own law.
+        // These do not concern the gas, but the formula allows no state with a law of its own.
         || additions.polarisation.is_some()
         || additions.wall_heat.is_some()
         || additions.cavity.is_some()
         || additions.plunger.is_some()
         || !(follows_areas(0) && follows_areas(1))
-        // The leak goes to ambient, whatever the drain.
+        // The leak goes to ambient, independent of the drain.
         || (additions.leaks[0].is_some() && plant.drain_pressure != plant.ambient_pressure)
         || (additions.restrictions[FILL].is_some() && areas[FILL] > 0.0)
         || (additions.restrictions[VENT].is_some() && areas[VENT] > 0.0)
@@ -125,7 +127,7 @@ pub(super) fn resting_pressure(
     }
 }
 
-/// The pressure drop over an armature (Pa) while its valve shows `area` (m²).
+/// Returns the pressure drop over an armature (Pa) while its valve has the opening `area` (m²).
 pub(super) fn pressure_drop(
     plant: &Plant,
     layout: &Layout,
@@ -142,7 +144,7 @@ pub(super) fn pressure_drop(
     through_valve(plant, index, area, upside, downside).1
 }
 
-/// Volume of the gas while the pressure rises or falls.
+/// Returns the volume of the gas while the pressure rises or falls.
 fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> Volume {
     let swept = match &plant.additions.plunger {
         Some(plunger) => plunger.volume(swept, pressure, rises),
@@ -158,8 +160,8 @@ fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> Volume {
     }
 }
 
-/// Flows, and the rates of the pressure and of what effects add; `swept` is the last share of its travel of
-/// a plunger that follows at once.
+/// Returns the flows, and the rates of the pressure and of the states of effects; `swept` is the last share of its
+/// travel of a plunger that follows at once.
 #[inline]
 pub(super) fn rates(
     plant: &Plant,
@@ -196,8 +198,8 @@ pub(super) fn rates(
         _ => 0.0,
     };
 
-    // Flow into the chamber, and whether it comes from outside: by the pressures, since a flow changes its sign
-    // beyond the seat as well.
+    // Flow into the chamber, and whether it comes from outside. The pressures decide, because a flow also changes its
+    // sign beyond the seat.
     let mut streams = [
         (fill, source >= pressure),
         (-vent, sink > pressure),
@@ -206,7 +208,7 @@ pub(super) fn rates(
         (own, own >= 0.0),
     ];
     if let (Some(heat), Some(temperature)) = (&additions.wall_heat, layout.temperature) {
-        // Warm gas is thin: what leaves the chamber is less by the root of its temperature.
+        // Warm gas is thin: the outflow of the chamber is reduced by the root of its temperature.
         let thin = (heat.surroundings / extra[temperature]).sqrt();
         for (flow, from_outside) in &mut streams {
             if !*from_outside {

@@ -1,13 +1,13 @@
-//! Which states effects add, and where they stand behind those of the valves.
+//! Layout of the states that effects add after those of the valves.
 
 use super::physics::{FEW, MANY, Width};
 use crate::additions::Line;
 use crate::plant::Plant;
 
-/// Indices into the added states.
+/// Indices of the added states.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Layout {
-    /// Time (s), for laws of your own.
+    /// Time (s), for user-defined laws.
     pub(super) time: Option<usize>,
     /// Pressure in the supply line (Pa abs).
     pub(super) line: Option<usize>,
@@ -19,11 +19,11 @@ pub(super) struct Layout {
     pub(super) wall: Option<usize>,
     /// Pressure in the cavity (Pa abs).
     pub(super) cavity: Option<usize>,
-    /// What the battery has lost (V).
+    /// Voltage loss of the battery (V).
     pub(super) polarisation: Option<usize>,
-    /// The share of its travel of a damped plunger (-).
+    /// Share of its travel of a damped plunger (-).
     pub(super) plunger: Option<usize>,
-    /// First and number of your own states.
+    /// First index and number of the user-defined states.
     pub(super) own: (usize, usize),
     len: usize,
 }
@@ -72,7 +72,7 @@ impl Layout {
         }
     }
 
-    /// The states at the start, and the inverse of their tolerances for a pressure tolerance (Pa).
+    /// Returns the states at the start, and the inverse of their tolerances for a pressure tolerance (Pa).
     pub(super) fn start(&self, plant: &Plant, pressure_tolerance: f64) -> [[f64; MANY]; 2] {
         let (mut states, mut weights) = ([0.0; MANY], [0.0; MANY]);
         let mut set = |index: Option<usize>, start: f64, tolerance: f64| {
@@ -84,7 +84,7 @@ impl Layout {
             .additions
             .wall_heat
             .map_or(0.0, |heat| heat.surroundings);
-        // Ten pascal and ten millikelvin go together.
+        // Ten pascal correspond to ten millikelvin.
         let kelvin = pressure_tolerance * 1e-3;
         set(self.time, 0.0, f64::INFINITY);
         set(self.line, plant.supply_pressure, pressure_tolerance);
@@ -98,7 +98,7 @@ impl Layout {
             plant.swept_at_rest(),
             pressure_tolerance * 2e-6,
         );
-        // As large a share of 24 V as of the supply pressure.
+        // The same share of 24 V as of the supply pressure.
         set(self.polarisation, 0.0, pressure_tolerance * 2.5e-5);
         let relative = pressure_tolerance / super::Tolerance::default().pressure;
         for (n, own) in plant.additions.hooks.states.iter().enumerate() {

@@ -1,19 +1,19 @@
-//! The event-driven solution of the plant.
+//! Event-driven solution of the plant.
 //!
-//! Between two events the plant is smooth. Events that are known in advance (PWM edges, samples) end a
-//! segment; events that follow from the state are located within a step, which then ends there:
+//! Between two events the plant is smooth. Events that are known in advance (PWM edges, samples) end a segment. Events
+//! that follow from the state are located within a step, which then ends there:
 //!
-//! - an armature departs from a stop: magnet and pressure overcome spring and preload, or no longer do;
+//! - an armature breaks away from a stop: magnet and pressure overcome spring and preload, or no longer do;
 //! - an armature arrives at a stop, where its velocity ends;
 //! - the curtain of an orifice reaches the bore (equation 3.21), a kink in the flow;
-//! - the current of a moving valve is extinct and the free-wheel diode blocks.
+//! - the current of a moving valve has decayed to zero and the freewheeling diode blocks.
 //!
-//! What has a closed form is not integrated: the current of a resting coil is an exponential, and so is the
-//! pressure of a chamber that is closed or whose flows are choked. What is left is smooth and not stiff, so an explicit pair of order
-//! 5(4) solves it, with dimension 1 (flow only), 4 (one armature moves) or 7.
+//! Quantities with a closed form are not integrated: the current of a resting coil is an exponential, and so is the
+//! pressure of a chamber that is closed or whose flows are choked. The rest is smooth and not stiff, so an explicit
+//! pair of order 5(4) solves it, with dimension 1 (flow only), 4 (one armature moves) or 7.
 //!
-//! Effects answer what the solver asks of the physics in their own way, integrate what has lost its closed form,
-//! and add states. The plain plant is compiled by itself, without a trace of them.
+//! Effects override parts of the physics, integrate quantities that have lost their closed form, and add states. The
+//! plain plant is compiled separately, without any code of the effects.
 
 mod event;
 mod extended;
@@ -40,14 +40,14 @@ use extended::Extended;
 use physics::Physics;
 use solver::Solver;
 
-/// What a sample of the plant shows.
+/// Sample of the plant's quantities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Time of the sample (ns).
     pub time_ns: u64,
     /// Chamber pressure (Pa abs).
     pub pressure: f64,
-    /// Pressure that the sensor shows (Pa abs): the chamber's but for an effect.
+    /// Pressure that the sensor shows (Pa abs): the chamber's without effects.
     pub measured_pressure: f64,
     /// Coil currents of fill and vent valve (A).
     pub current: [f64; 2],
@@ -55,12 +55,12 @@ pub struct Sample {
     pub mean_current: [f64; 2],
     /// Armature positions (m).
     pub position: [f64; 2],
-    /// Gas temperature in the chamber (K): that of the plant file but for an effect.
+    /// Gas temperature in the chamber (K): that of the plant file without effects.
     pub temperature: f64,
 }
 
 impl Sample {
-    /// What is known once a simulation was given up: the time.
+    /// Returns the sample of an aborted simulation, in which only the time is known.
     fn unknown(time_ns: u64) -> Self {
         Self {
             time_ns,
@@ -74,7 +74,7 @@ impl Sample {
     }
 }
 
-/// Simulates a plant from duty cycles.
+/// Simulator of a plant driven by duty cycles.
 ///
 /// ```
 /// use plant_sim::{Command, PlantParameters, Simulator};
@@ -90,20 +90,20 @@ pub struct Simulator {
     engine: Engine,
     ecu_output: EcuOutput,
     supply_voltage: f64,
-    /// Of the plant file (K).
+    /// Gas temperature of the plant file (K).
     gas_temperature: f64,
     time_ns: u64,
     last_sample_ns: u64,
 }
 
-/// The solver of the plain plant, or of one with effects.
+/// Solver of the plain plant, or of a plant with effects.
 #[derive(Debug, Clone)]
 enum Engine {
     Plain(Box<Solver<Plant>>),
     Extended(Box<Solver<Extended>>),
 }
 
-/// The same expression for either engine.
+/// Applies the same expression to either engine.
 macro_rules! either {
     ($engine:expr, $solver:ident => $answer:expr) => {
         match $engine {
@@ -114,13 +114,13 @@ macro_rules! either {
 }
 
 impl Simulator {
-    /// A simulator at rest at time zero. `parameters` are as a plant file may have them: those read or set by
-    /// [`PlantParameters`] are, others pass [`PlantParameters::check`] first.
+    /// Creates a simulator at rest at time zero. `parameters` must be valid for a plant file: [`PlantParameters`] that
+    /// were read or set through its methods are valid, others need [`PlantParameters::check`] first.
     pub fn new(parameters: &PlantParameters) -> Self {
         Self::with_tolerance(parameters, Tolerance::default())
     }
 
-    /// A simulator with another accuracy.
+    /// Creates a simulator with another accuracy.
     pub fn with_tolerance(parameters: &PlantParameters, tolerance: Tolerance) -> Self {
         let plant = parameters.plant();
         let engine = if plant.additions == Additions::default() {
@@ -142,12 +142,12 @@ impl Simulator {
         }
     }
 
-    /// The physics that is simulated.
+    /// Returns the simulated physics.
     pub fn plant(&self) -> &Plant {
         either!(&self.engine, solver => solver.physics.plant())
     }
 
-    /// The present state.
+    /// Returns the present state.
     pub fn state(&self) -> &PlantState {
         either!(&self.engine, solver => &solver.state)
     }
@@ -156,7 +156,8 @@ impl Simulator {
         either!(&mut self.engine, solver => &mut solver.state)
     }
 
-    /// What effects add to the state, by name: gas and coil temperatures, pressures beside the chamber's.
+    /// Iterates over the states that effects add, by name: gas and coil temperatures, pressures other than the
+    /// chamber's.
     pub fn effect_states(&self) -> impl Iterator<Item = EffectState> {
         let states = match &self.engine {
             Engine::Plain(_) => Vec::new(),
@@ -165,24 +166,25 @@ impl Simulator {
         states.into_iter()
     }
 
-    /// The present time (ns).
+    /// Returns the present time (ns).
     pub fn time_ns(&self) -> u64 {
         self.time_ns
     }
 
-    /// Work done since the start.
+    /// Returns the work done since the start.
     pub fn statistics(&self) -> Statistics {
         either!(&self.engine, solver => solver.statistics)
     }
 
-    /// Gives the simulation up once its [work](Statistics::work) has reached `limit`, in the middle of an advance if it
-    /// comes to that: the plant stays as it is then, and samples show NaN. A larger limit lets it go on from there.
+    /// Aborts the simulation once its [work](Statistics::work) has reached `limit`, if necessary in the middle of an
+    /// advance. The plant then keeps its state, and samples show NaN. A larger limit lets the simulation continue from
+    /// there.
     pub fn set_work_limit(&mut self, limit: u64) {
         either!(&mut self.engine, solver => solver.work_limit = limit);
     }
 
-    /// Whether the simulation was given up: the limit of the work is reached, or a rate is no number, as a law of your own
-    /// may have it. Samples show NaN then.
+    /// Returns whether the simulation was aborted: the limit of the work is reached, or a rate is NaN, which a
+    /// user-defined law may cause. Samples show NaN then.
     pub fn is_given_up(&self) -> bool {
         either!(&self.engine, solver => solver.is_given_up())
     }
@@ -192,8 +194,8 @@ impl Simulator {
         self.command_at(self.time_ns, command);
     }
 
-    /// Commands duty cycles at `instant_ns`, which may be in the past: they take effect after the command delay, or now if that
-    /// is past as well. Commands are given in the order of their instants.
+    /// Commands duty cycles at `instant_ns`, which may be in the past: they take effect after the command delay, or now
+    /// if that is past as well. Commands must be given in the order of their instants.
     pub fn command_at(&mut self, instant_ns: u64, command: Command) {
         self.ecu_output.command(instant_ns, command);
     }
@@ -208,11 +210,11 @@ impl Simulator {
         }
     }
 
-    /// Sets the pressure of the air supply (Pa abs) from now on: what a supply line draws from, and the fill valve without one. At
-    /// time zero, the line is at rest at this pressure.
+    /// Sets the pressure of the air supply (Pa abs) from now on: the pressure upstream of a supply line, or of the fill
+    /// valve without one. At time zero, the line is at rest at this pressure.
     ///
     /// # Panics
-    /// If `pressure` is not positive and finite.
+    /// Panics if `pressure` is not positive and finite.
     pub fn set_supply_pressure(&mut self, pressure: f64) {
         assert!(
             pressure > 0.0 && pressure.is_finite(),
@@ -234,11 +236,11 @@ impl Simulator {
         }
     }
 
-    /// Sets the temperature of the gas in the chamber (K) at its present pressure. Returns whether the plant has such a state, which
-    /// the effect `gas_temperature` adds; without it nothing changes.
+    /// Sets the temperature of the gas in the chamber (K) at its present pressure. Returns whether the plant has such a
+    /// state, which the effect `gas_temperature` adds; without it nothing changes.
     ///
     /// # Panics
-    /// If `kelvin` is not positive and finite.
+    /// Panics if `kelvin` is not positive and finite.
     pub fn set_gas_temperature(&mut self, kelvin: f64) -> bool {
         assert!(
             kelvin > 0.0 && kelvin.is_finite(),
@@ -250,12 +252,11 @@ impl Simulator {
         }
     }
 
-    /// Moves the chamber pressure to `pressure` (Pa abs): a correction by a measurement, or a start
-    /// from another pressure than ambient. What an effect adds to the pressure's dynamics, such as a slow sensor,
-    /// moves along.
+    /// Moves the chamber pressure to `pressure` (Pa abs): a correction by a measurement, or a start from another
+    /// pressure than ambient. States that an effect adds to the pressure's dynamics, such as a slow sensor, move along.
     ///
     /// # Panics
-    /// If `pressure` is not positive and finite.
+    /// Panics if `pressure` is not positive and finite.
     pub fn set_chamber_pressure(&mut self, pressure: f64) {
         assert!(
             pressure > 0.0 && pressure.is_finite(),
@@ -326,7 +327,7 @@ impl Simulator {
     }
 }
 
-/// Puts the outputs onto the coils.
+/// Applies the outputs to the coils.
 #[inline]
 fn drive<P: Physics>(solver: &mut Solver<P>, high: [bool; 2], supply_voltage: f64) {
     for (index, high) in high.into_iter().enumerate() {

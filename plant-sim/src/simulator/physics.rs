@@ -1,5 +1,5 @@
-//! What the solver asks the physics. The defaults answer for the thesis' model; effects override what they change,
-//! so that the plain plant is compiled without a trace of them.
+//! Physics as the solver needs it. The defaults are those of the thesis' model. Effects override the methods that they
+//! change, so that the plain plant is compiled without any code of the effects.
 
 use super::smooth::Smooth;
 use super::span::{Span, first_of};
@@ -10,7 +10,7 @@ use crate::resting_pressure::RestingPressure;
 use crate::solver::hermite::Cubic;
 use crate::valve::{Motion, ValveState};
 
-/// How many states effects add, as the solver is compiled for.
+/// Number of states that effects add, as compiled into the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Width {
     None,
@@ -18,14 +18,14 @@ pub(super) enum Width {
     Many,
 }
 
-/// The states that [`Width::Few`] has room for.
+/// Capacity of [`Width::Few`] (states).
 pub(super) const FEW: usize = 2;
-/// The states that [`Width::Many`] has room for.
+/// Capacity of [`Width::Many`] (states).
 pub(super) const MANY: usize = 12;
 
 /// Physics between two events.
 pub(super) trait Physics: Sized {
-    /// Whether some parameters make it stiff: the explicit method is watched then.
+    /// Whether some parameters make it stiff: the explicit method is then monitored.
     const MAY_BE_STIFF: bool = false;
 
     fn plant(&self) -> &Plant;
@@ -43,26 +43,26 @@ pub(super) trait Physics: Sized {
         Width::None
     }
 
-    /// Whether the states of a valve have to be integrated: it moves, or its current has no closed form.
+    /// Returns whether the states of a valve have to be integrated: it moves, or its current has no closed form.
     #[inline(always)]
     fn is_live(&self, _: usize, valve: &ValveState) -> bool {
         valve.motion == Motion::Moving
     }
 
-    /// The current of a valve that is not live.
+    /// Returns the current of a valve that is not live.
     #[inline(always)]
     fn resting_current(&self, index: usize, valve: &ValveState) -> RestingCurrent {
         self.plant().valves[index].resting_current(valve)
     }
 
-    /// The pressure while no valve is live, with the valves' effective areas (m²).
+    /// Returns the pressure while no valve is live, with the valves' effective areas (m²).
     #[inline(always)]
     fn resting_pressure(&self, areas: [f64; 2], pressure: f64) -> Option<RestingPressure> {
         RestingPressure::of(self.plant(), areas, pressure)
     }
 
-    /// The force that sets a resting armature free (N), where it is positive. `current` is the one that makes the
-    /// force, `extra` what effects add to the state.
+    /// Returns the breakaway force of a resting armature (N): it is released if the force is positive. `current` is the
+    /// current that causes the magnetic force, `extra` the states of effects.
     #[inline(always)]
     fn departing_force(
         &self,
@@ -76,13 +76,13 @@ pub(super) trait Physics: Sized {
         self.plant().valves[index].departing_force(valve.motion, valve.x, current, drop)
     }
 
-    /// The same as the state is now.
+    /// Returns the breakaway force in the present state.
     #[inline(always)]
     fn departing_force_now(&self, index: usize, valve: &ValveState, pressure: f64) -> f64 {
         self.departing_force(index, valve, valve.current, pressure, &[])
     }
 
-    /// The same at `time` within a step, whose pressure is `pressure`.
+    /// Returns the breakaway force at `time` within a step, at the pressure `pressure`.
     #[inline(always)]
     fn departing_force_within<const N: usize, const M: usize>(
         &self,
@@ -95,37 +95,37 @@ pub(super) trait Physics: Sized {
         self.departing_force(index, valve, current.at(time), pressure.at(time), &[])
     }
 
-    /// Direction in which a live armature moves: 1 or -1, and 0 where it rests. Only friction asks for the sign.
+    /// Returns the direction in which a live armature moves: 1 or -1, and 0 at rest. Only friction needs the sign.
     #[inline(always)]
     fn direction(&self, _: usize, _: &ValveState, _: f64) -> f64 {
         1.0
     }
 
-    /// Whether a moving armature may stop where its velocity changes its sign.
+    /// Returns whether a moving armature may stop where its velocity changes its sign.
     #[inline(always)]
     fn has_friction(&self) -> bool {
         false
     }
 
-    /// The velocity (m/s) after a stop, the one of `arrived`, was met; 0 where the armature stays.
+    /// Returns the velocity (m/s) after the armature met the stop of `arrived`; 0 if it stays there.
     #[inline(always)]
     fn rebound(&self, _: usize, _arrived: &ValveState, _pressure: f64) -> f64 {
         0.0
     }
 
-    /// States of a live valve as they are integrated.
+    /// Returns the integrated states of a live valve.
     #[inline(always)]
     fn pack(&self, _: usize, valve: &ValveState) -> [f64; 3] {
         [valve.current, valve.x, valve.v]
     }
 
-    /// States that effects add.
+    /// Returns the states that effects add.
     #[inline(always)]
     fn extra(&self) -> &[f64] {
         &[]
     }
 
-    /// The right-hand side.
+    /// Returns the right-hand side.
     #[inline(always)]
     fn rates<const N: usize, const M: usize>(&self, smooth: &Smooth<M>, y: &[f64; N]) -> [f64; N] {
         let plant = self.plant();
@@ -146,13 +146,13 @@ pub(super) trait Physics: Sized {
         rates
     }
 
-    /// Largest local error in units of the tolerance.
+    /// Returns the largest local error in units of the tolerance.
     #[inline(always)]
     fn measure<const N: usize, const M: usize>(&self, weights: &Weights, error: &[f64; N]) -> f64 {
         weights.measure::<N, M>(error)
     }
 
-    /// The time within a step at which the current of a coil without supply ends, if it does.
+    /// Returns the time within a step at which the current of a coil without supply ends, if it does.
     #[inline(always)]
     fn extinction<const N: usize, const M: usize>(
         &self,
@@ -184,7 +184,7 @@ pub(super) trait Physics: Sized {
             let first = first_of(slot);
             [valve.current, valve.x, valve.v] = [end[first], end[first + 1], end[first + 2]];
             if let Some(voltage) = valve.drive.voltage() {
-                // Flux balance: R ∫i dt = ∫u dt - Δ(L i), exact whatever the armature did.
+                // Flux balance: R ∫i dt = ∫u dt - Δ(L i), exact for any motion of the armature.
                 let flux = |y: &[f64; N]| coil.inductance(y[first + 1]) * y[first];
                 charge[index] +=
                     (voltage * taken - (flux(end) - flux(&span.start))) / coil.resistance;
@@ -192,7 +192,7 @@ pub(super) trait Physics: Sized {
         }
     }
 
-    /// Hears of the rest of an integrated stretch: pressure and what effects added.
+    /// Takes over the rest of an integrated interval: the pressure and the states of effects.
     #[inline(always)]
     fn commit_step<const N: usize, const M: usize>(
         &mut self,
@@ -202,11 +202,11 @@ pub(super) trait Physics: Sized {
     ) {
     }
 
-    /// Hears of a stretch that was passed by formula, from and to a pressure, with the valves' areas.
+    /// Takes over an interval that was passed by formula, from and to a pressure, with the valves' areas.
     #[inline(always)]
     fn commit_formula(&mut self, _areas: [f64; 2], _taken: f64, _pressures: [f64; 2]) {}
 
-    /// Hears of a resting coil's stretch: charge (A s) and the currents at both ends.
+    /// Takes over the interval of a resting coil: charge (A s) and the currents at both ends.
     #[inline(always)]
     fn commit_resting_coil(
         &mut self,
@@ -218,15 +218,15 @@ pub(super) trait Physics: Sized {
     ) {
     }
 
-    /// The current of a coil that was driven so far by `_drive` has ended.
+    /// Reports that the current of a coil with the drive `_drive` has ended.
     #[inline(always)]
     fn current_ended(&mut self, _: usize, _drive: Drive) {}
 
-    /// A segment is over.
+    /// Reports the end of a segment.
     #[inline(always)]
     fn end_segment(&mut self, _duration: f64) {}
 
-    /// Whether a current flows on when the output goes low.
+    /// Returns whether a current continues when the output goes low.
     #[inline(always)]
     fn free_wheels(&self, _: usize, valve: &ValveState) -> bool {
         valve.current > 0.0

@@ -1,14 +1,14 @@
-//! What the pressure sensor shows.
+//! Output of the pressure sensor.
 
 use crate::additions::{Additions, SensorLag};
 use crate::hooks::{self, Now};
 
-/// The sensor's state.
+/// State of the sensor.
 #[derive(Debug, Clone)]
 pub(super) struct Sensor {
-    /// What it follows (Pa abs): the chamber's pressure or the cavity's.
+    /// Measured pressure (Pa abs): the chamber's or the cavity's.
     sensed: f64,
-    /// What the stages of its lag let through (Pa abs).
+    /// Outputs of the stages of its lag (Pa abs).
     lagged: [f64; 2],
 }
 
@@ -20,7 +20,7 @@ impl Sensor {
         }
     }
 
-    /// The pressure went on over `h` (s), from and to a value with its slope.
+    /// Follows the pressure over `h` (s), from and to a value with its slope.
     #[inline]
     pub(super) fn follow(
         &mut self,
@@ -37,13 +37,13 @@ impl Sensor {
         }
     }
 
-    /// All pressures are moved by `shift` (Pa).
+    /// Moves all pressures by `shift` (Pa).
     pub(super) fn shift(&mut self, shift: f64) {
         self.sensed += shift;
         self.lagged = self.lagged.map(|lagged| lagged + shift);
     }
 
-    /// What it shows (Pa abs), `elapsed` (s) after the beginning.
+    /// Returns the shown pressure (Pa abs), `elapsed` (s) after the beginning.
     pub(super) fn shown(&self, additions: &Additions, now: &Now, elapsed: f64) -> f64 {
         let through = match additions.sensor_lag {
             Some(_) => self.lagged[1],

@@ -1,4 +1,4 @@
-//! Solves the plant through a stretch in which no output changes.
+//! Solver of the plant through an interval without a change of the outputs.
 
 use super::physics::{FEW, MANY, Physics, Width};
 use super::smooth::Smooth;
@@ -10,34 +10,38 @@ use crate::solver::dormand_prince::{self, Staged};
 use crate::solver::rosenbrock;
 use crate::valve::{Motion, ValveState};
 
-/// Longest step while a valve is live (s): a third of the nominal travel time, so that an armature turns at most
-/// once in a step, and the current is known as sharply as its effects are felt.
+/// Longest step while a valve is live (s): a third of the nominal travel time, so that an armature turns at most once
+/// in a step, and the current is as accurate as its effects require.
 const LONGEST_MOTION_STEP: f64 = 0.8e-3;
-/// The first step after an event is at most this many times as long as the last one was until the event.
+/// Largest ratio of the first step after an event to the time from the step's begin to the event.
 const EVENTS_AHEAD: f64 = 10.0;
-/// And never shortened below this (s).
+/// Lower limit of this shortening (s).
 const SHORTEST_STEP_AFTER_EVENT: f64 = 1e-6;
-/// Longest step of the method for stiff plants (s), whose state within a step is interpolated by a straight line, ...
+/// Longest step of the method for stiff plants (s), whose state within a step is interpolated by a straight line.
 const LONGEST_STIFF_STEP: f64 = 0.2e-3;
-/// ... except where no valve is live and the step before shows that the line deviates by less than the tolerance.
+/// Longest such step if no valve is live and the previous step shows that the line deviates by less than the tolerance
+/// (s).
 const LONGEST_STRAIGHT_STEP: f64 = 2e-3;
-/// The explicit method is at its limit of stability, 3.3, when a step is longer than this over the fastest rate.
+/// Ratio of a step to the inverse of the fastest rate beyond which the explicit method is near its limit of stability,
+/// 3.3.
 const NEAR_INSTABILITY: f64 = 2.5;
-/// The same while no armature moves, for steps shorter than [`SHORT_STEPS`]. A small volume behind an open valve has nearly
-/// the same pressure as the chamber. The slope of equation 3.19 is largest there, and falls to a fraction within the
-/// tolerance: at ambient pressure the [linear zone](crate::orifice::LAMINAR_RATIO) is 10 Pa wide. The last two stages of a
-/// step at the limit lie further apart than that. The rate between them is up to five times smaller than the rate in the zone.
+/// The same ratio while no armature moves, for steps shorter than [`SHORT_STEPS`]. A small volume behind an open valve
+/// has nearly the same pressure as the chamber. The slope of equation 3.19 is largest there, and falls to a fraction
+/// within the tolerance: at ambient pressure the [linear zone](crate::orifice::LAMINAR_RATIO) is 10 Pa wide. The last
+/// two stages of a step at the limit are further apart than that. The rate between them is up to five times smaller
+/// than the rate in the zone.
 const NEAR_INSTABILITY_AT_REST: f64 = 0.5;
 /// Lengths (s) of explicit steps below which the method for stiff plants takes fewer: without and with live valves.
 const SHORT_STEPS: [f64; 2] = [0.25 * LONGEST_STRAIGHT_STEP, 0.5 * LONGEST_STIFF_STEP];
-/// So many more steps at the limit than below it, and the plant is called stiff.
+/// Excess of steps at the stability limit over steps below it from which on the plant counts as stiff.
 const STIFF: u32 = 15;
-/// After an event, so many steps decide anew; but for a stretch that had fewer, or events that follow each other closely
-/// would leave a stiff plant to the explicit method, whose noise makes more of them.
+/// Number of steps after an event that decide anew whether the plant is stiff. An interval with fewer steps does not
+/// reset the decision: otherwise events in quick succession would leave a stiff plant to the explicit method, whose
+/// noise causes more of them.
 const RECONSIDERED: u32 = 3;
-/// A step that is shorter (s) and still meets a rate that is no number will meet it however short it is.
+/// Step (s) below which an infinite or NaN rate stays so at any shorter step.
 const SHORTEST_STEP: f64 = 1e-15;
-/// Time that passes at least with every located event (s); keeps a chattering armature going forward.
+/// Minimum time (s) that passes with every located event; it lets a chattering armature make progress.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
 
 /// Work done since the start.
@@ -54,13 +58,13 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// All that takes computing time: steps, repeated ones included, and intervals passed by formula.
+    /// Returns all work that takes computing time: steps, including repeated ones, and intervals passed by formula.
     pub fn work(&self) -> u64 {
         self.steps + self.rejected_steps + self.exact_intervals
     }
 }
 
-/// The physics, its state and what the solution needs to know of its past.
+/// Physics with its state and the required history of the solution.
 #[derive(Debug, Clone)]
 pub(super) struct Solver<P> {
     pub(super) physics: P,
@@ -68,16 +72,16 @@ pub(super) struct Solver<P> {
     /// ∫ i dt since the last sample (A s).
     pub(super) charge: [f64; 2],
     pub(super) statistics: Statistics,
-    /// Work at which the simulation is given up.
+    /// Work at which the simulation is aborted.
     pub(super) work_limit: u64,
     weights: Weights,
-    /// Step size to try next (s): flow only, and with motion.
+    /// Size of the next step to try (s): flow only, and with motion.
     proposal: [f64; 2],
-    /// Steps at the limit of stability, less those below it.
+    /// Number of steps at the limit of stability, less those below it.
     stiffness: u32,
-    /// Integrated steps since the last event.
+    /// Number of integrated steps since the last event.
     stretch: u32,
-    /// Whether a rate was no number, so that there is no next step.
+    /// Whether a rate was infinite or NaN at the shortest step, so that there is no next step.
     has_no_step: bool,
 }
 
@@ -101,7 +105,7 @@ impl<P: Physics> Solver<P> {
         self.has_no_step || self.statistics.work() >= self.work_limit
     }
 
-    /// Advances through `duration` (s) in which no output changes.
+    /// Advances through `duration` (s), in which no output changes.
     pub(super) fn advance(&mut self, duration: f64) {
         let mut remaining = duration;
         while remaining > 0.0 && !self.is_given_up() {
@@ -132,7 +136,7 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// No valve is live, and the pressure has no formula.
+    /// Integrates the pressure while no valve is live and the pressure has no formula.
     fn advance_pressure(&mut self, remaining: f64) -> f64 {
         match self.physics.width() {
             Width::None => self.integrate::<1, 0>([], remaining),
@@ -141,7 +145,7 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// Sets free every armature that a force already pulls off its stop.
+    /// Releases every armature that a force already pulls off its stop.
     fn release_departing(&mut self) {
         for index in [FILL, VENT] {
             let valve = &mut self.state.valves[index];
@@ -157,8 +161,8 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// Both armatures rest: by formula where the chamber is closed or its flows are choked, else the pressure
-    /// alone is integrated.
+    /// Advances while both armatures rest: by formula if the chamber is closed or its flows are choked, otherwise only
+    /// the pressure is integrated.
     fn advance_resting(&mut self, remaining: f64) -> f64 {
         let areas = self.effective_areas();
         let course = self.physics.resting_pressure(areas, self.state.pressure);
@@ -206,7 +210,7 @@ impl<P: Physics> Solver<P> {
         })
     }
 
-    /// Moves the current of a resting coil on by `time` and accounts for its charge.
+    /// Advances the current of a resting coil by `time` and accounts for its charge.
     fn settle_current(&mut self, index: usize, course: &RestingCurrent, time: f64) {
         let valve = &mut self.state.valves[index];
         let current = course.at(time);
@@ -221,8 +225,7 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// Integrates pressure and the `live` valves up to the next event, at most over `remaining` (s); what is
-    /// left.
+    /// Integrates pressure and the `live` valves up to the next event, at most over `remaining` (s); returns the rest.
     fn integrate<const N: usize, const M: usize>(
         &mut self,
         live: [usize; M],
@@ -247,7 +250,7 @@ impl<P: Physics> Solver<P> {
                 if core::mem::take(&mut self.stretch) >= RECONSIDERED {
                     self.stiffness = self.stiffness.min(STIFF - RECONSIDERED);
                 }
-                // An event early in a step says that the step was too long to see what happens around it: an
+                // An event early in a step shows that the step was too long to resolve the motion around it: an
                 // armature that hovers at its seat would chatter.
                 let kind = usize::from(M > 0);
                 let around = (EVENTS_AHEAD * time).max(SHORTEST_STEP_AFTER_EVENT);
@@ -261,7 +264,7 @@ impl<P: Physics> Solver<P> {
         remaining
     }
 
-    /// What stays as it is until the next event.
+    /// Returns the data that is constant until the next event.
     fn smooth<const M: usize>(&self, live: [usize; M]) -> Smooth<M> {
         let valves = &self.state.valves;
         Smooth {
@@ -280,8 +283,9 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// One step that keeps the tolerance, at most `remaining` (s) long, and the rates at its end; none where the
-    /// simulation is aborted. `chord` has the mean rates of the stiff step before, if there was one since the last event.
+    /// Computes one step that meets the tolerance, at most `remaining` (s) long, and the rates at its end; `None` if
+    /// the simulation is aborted. `chord` has the mean rates of the previous stiff step, if there was one since the
+    /// last event.
     fn step<const N: usize, const M: usize>(
         &mut self,
         smooth: &Smooth<M>,
@@ -312,10 +316,10 @@ impl<P: Physics> Solver<P> {
                 staged.step
             };
             let error = self.physics.measure::<N, M>(&self.weights, &step.error);
-            // The fourth root for the fifth: cheaper, and more careful after a large error.
+            // The fourth root in place of the fifth: cheaper, and more careful after a large error.
             let factor = (0.9 / error.sqrt().sqrt()).clamp(0.2, 4.0);
             if error <= 1.0 {
-                // A step cut short by the segment's end says nothing against the longer one.
+                // A step cut short by the segment's end is no evidence against the longer one.
                 let cut_short = h < self.proposal[kind];
                 let floor = if cut_short { self.proposal[kind] } else { 0.0 };
                 self.proposal[kind] = (h * factor).max(floor).min(longest);
@@ -328,7 +332,7 @@ impl<P: Physics> Solver<P> {
                     end_rate: step.end_rate,
                 };
                 if stiff {
-                    // The rates of what is stiff say nothing of its course.
+                    // The rates of a stiff state do not describe its mean change over the step.
                     span.start_rate = core::array::from_fn(|n| (step.end[n] - start[n]) / h);
                     span.end_rate = span.start_rate;
                     if M == 0 {
@@ -345,7 +349,7 @@ impl<P: Physics> Solver<P> {
         None
     }
 
-    /// Shortens the next stiff step without live valves where a straight line would deviate from the state by more than
+    /// Shortens the next stiff step without live valves if a straight line would deviate from the state by more than
     /// the tolerance: by h² |y''| / 8, with the second derivative from the mean `rates` of the last two steps.
     fn keep_straight<const N: usize, const M: usize>(&mut self, h: f64, rates: [[f64; N]; 2]) {
         let deviation = core::array::from_fn(|n| (rates[1][n] - rates[0][n]) * h / 8.0);
@@ -380,8 +384,8 @@ impl<P: Physics> Solver<P> {
         };
     }
 
-    /// Increments of the states whose differences make a Jacobian: a thousandth of what a step may err, and what
-    /// rounding asks for.
+    /// Returns the increments of the states for the differences of a Jacobian: a thousandth of the tolerance, and at
+    /// least the minimum that rounding requires.
     fn increments<const N: usize, const M: usize>(&self, y: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|n| {
             let mut unit = [0.0; N];

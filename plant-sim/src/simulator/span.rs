@@ -1,13 +1,13 @@
-//! A step of the solver as a course over time.
+//! Step of the solver as functions of time.
 //!
-//! The state holds the pressure, then current, position and velocity of each of the `M` live valves, then what
-//! effects add. With effects the flux linkage stands in the place of the current. Within a step, position has both
-//! derivatives at both ends and is a quintic; the others are cubics. Both are more accurate
-//! than the step itself, so an event needs no second step up to it.
+//! The state contains the pressure, then current, position and velocity of each of the `M` live valves, then the states
+//! of effects. With effects the flux linkage is in the place of the current. Within a step, position has both
+//! derivatives at both ends and is a quintic; the others are cubics. Both are more accurate than the step itself, so an
+//! event needs no second step up to it.
 
 use crate::solver::hermite::{Cubic, Quintic};
 
-/// A step from `start` to `end` over `h` (s), with the rates at both ends.
+/// Step from `start` to `end` over `h` (s), with the rates at both ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span<const N: usize, const M: usize> {
     pub(super) h: f64,
@@ -17,7 +17,7 @@ pub(super) struct Span<const N: usize, const M: usize> {
     pub(super) end_rate: [f64; N],
 }
 
-/// Index of the current of the live valve in `slot`; position and velocity follow.
+/// Returns the index of the current of the live valve in `slot`; position and velocity follow.
 #[inline]
 pub(super) fn first_of(slot: usize) -> usize {
     1 + 3 * slot
@@ -34,17 +34,17 @@ impl<const N: usize, const M: usize> Span<N, M> {
         )
     }
 
-    /// Chamber pressure over time.
+    /// Returns the chamber pressure over time.
     pub(super) fn pressure(&self) -> Cubic {
         self.cubic(0)
     }
 
-    /// Current of the moving valve in `slot` over time.
+    /// Returns the current of the moving valve in `slot` over time.
     pub(super) fn current(&self, slot: usize) -> Cubic {
         self.cubic(first_of(slot))
     }
 
-    /// Position of the moving valve in `slot` over time.
+    /// Returns the position of the moving valve in `slot` over time.
     pub(super) fn position(&self, slot: usize) -> Quintic {
         let x = first_of(slot) + 1;
         Quintic::new(
@@ -54,7 +54,7 @@ impl<const N: usize, const M: usize> Span<N, M> {
         )
     }
 
-    /// The state at `time` within the step.
+    /// Returns the state at `time` within the step.
     pub(super) fn at(&self, time: f64) -> [f64; N] {
         if time >= self.h {
             return self.end;

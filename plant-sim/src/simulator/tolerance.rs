@@ -1,6 +1,6 @@
-//! How accurately the plant is solved.
+//! Accuracy of the solution.
 
-/// Local error allowed per step, for pressure (Pa), current (A), position (m), velocity (m/s).
+/// Allowed local error per step, for pressure (Pa), current (A), position (m), velocity (m/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// Chamber pressure (Pa).
@@ -14,10 +14,10 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    /// The default times `factor`; a small factor makes a converged reference.
+    /// Returns the default times `factor`; a small factor gives a converged reference.
     ///
     /// # Panics
-    /// If `factor` is not positive: no step is short enough for no error at all.
+    /// Panics if `factor` is not positive: no step is short enough for an error of zero.
     pub fn scaled(factor: f64) -> Self {
         assert!(factor > 0.0, "a tolerance factor is positive, not {factor}");
         let default = Self::default();
@@ -31,7 +31,7 @@ impl Tolerance {
 }
 
 impl Default for Tolerance {
-    /// Chosen so that the pressure stays within 0.2 mbar rms of a converged reference on a bench log;
+    /// Returns tolerances with which the pressure stays within 0.2 mbar rms of a converged reference on a bench log;
     /// docs/evidence.md has the figures.
     fn default() -> Self {
         Self {
@@ -43,7 +43,7 @@ impl Default for Tolerance {
     }
 }
 
-/// The inverse of a tolerance.
+/// Inverse of a tolerance.
 #[derive(Debug, Clone)]
 pub(super) struct Weights {
     pressure: f64,
@@ -61,7 +61,7 @@ impl Tolerance {
 }
 
 impl Weights {
-    /// Largest local error of pressure and `M` valves in units of the tolerance; 1 is just allowed.
+    /// Returns the largest local error of pressure and `M` valves in units of the tolerance; 1 is just allowed.
     #[inline]
     pub(super) fn measure<const N: usize, const M: usize>(&self, error: &[f64; N]) -> f64 {
         let valves = error[1..1 + 3 * M]

@@ -1,18 +1,18 @@
 //! One step of the embedded Runge-Kutta pair of order 5(4) by Dormand and Prince, J. Comp. Appl. Math.
 //! 6 (1980) 19-26, table 2.
 
-/// The result of a step.
+/// Result of a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step<const N: usize> {
     /// State at the end, of order five.
     pub(crate) end: [f64; N],
     /// Derivative at the end; the first stage of the next step.
     pub(crate) end_rate: [f64; N],
-    /// Difference of two orders.
+    /// Difference between the two orders.
     pub(crate) error: [f64; N],
 }
 
-/// A step, and its last stage before the end: state and derivative. The two states are of the same time, so the
+/// Step, and its last stage before the end: state and derivative. The two states are of the same time, so the
 /// difference of their derivatives shows how stiff the problem is (Hairer and Wanner II, section IV.2).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Staged<const N: usize> {
@@ -20,7 +20,7 @@ pub(crate) struct Staged<const N: usize> {
     pub(crate) last_stage: [[f64; N]; 2],
 }
 
-/// y + h Σ a_j k_j.
+/// Returns y + h Σ a_j k_j.
 #[inline(always)]
 fn stage<const N: usize, const S: usize>(
     y: &[f64; N],
@@ -28,7 +28,7 @@ fn stage<const N: usize, const S: usize>(
     weights: [f64; S],
     rates: [&[f64; N]; S],
 ) -> [f64; N] {
-    // Over the stages outside and the states inside: two states share an instruction.
+    // The outer loop is over the stages and the inner one over the states: two states share an instruction.
     let mut sum = *y;
     for (weight, rate) in weights.into_iter().zip(rates) {
         let weight = h * weight;
@@ -119,7 +119,7 @@ pub(crate) fn step<const N: usize>(
 mod tests {
     use super::*;
 
-    /// Global error on a pendulum falls with the fifth power of the step.
+    /// The global error on a pendulum falls with the fifth power of the step.
     #[test]
     fn order_of_convergence_is_five() {
         let pendulum = |y: &[f64; 2]| [y[1], -y[0].sin()];
@@ -137,7 +137,7 @@ mod tests {
         assert!((4.8..5.6).contains(&order), "{order}");
     }
 
-    /// Of a linear decay, the difference of the last two derivatives over that of the states is its rate.
+    /// For a linear decay, the difference of the last two derivatives divided by that of the states is its rate.
     #[test]
     fn the_last_stage_shows_the_stiffness() {
         let decay = |y: &[f64; 1]| [-40.0 * y[0]];

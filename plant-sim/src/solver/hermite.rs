@@ -25,7 +25,7 @@ impl Cubic {
         a + t * (b + t * (c + t * d))
     }
 
-    /// First derivative.
+    /// Returns the first derivative.
     #[inline]
     pub(crate) fn rate_at(&self, t: f64) -> f64 {
         let [_, b, c, d] = self.coefficients;
@@ -40,10 +40,10 @@ pub(crate) struct Quintic {
 }
 
 impl Quintic {
-    /// `start` and `end` are (position, velocity, acceleration).
+    /// Creates the quintic from `start` and `end`, each (position, velocity, acceleration).
     pub(crate) fn new(h: f64, start: [f64; 3], end: [f64; 3]) -> Self {
         let [x0, v0, a0] = start;
-        // What a parabola from the start misses at the end.
+        // Deviation of a parabola from the start at the end.
         let x = (end[0] - x0 - h * (v0 + h * a0 / 2.0)) / (h * h * h);
         let v = (end[1] - v0 - h * a0) / (h * h);
         let a = (end[2] - a0) / h;
@@ -67,7 +67,7 @@ impl Quintic {
             .fold(0.0, |sum, coefficient| sum * t + coefficient)
     }
 
-    /// First derivative.
+    /// Returns the first derivative.
     #[inline]
     pub(crate) fn rate_at(&self, t: f64) -> f64 {
         let weighted = self.coefficients.iter().enumerate().skip(1);

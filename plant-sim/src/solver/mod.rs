@@ -1,4 +1,4 @@
-//! Numerical tools that know nothing of valves.
+//! Numerical tools that are independent of valves.
 
 pub(crate) mod dormand_prince;
 pub(crate) mod hermite;

@@ -1,14 +1,14 @@
 //! Location of an event within a step.
 
-/// The time in (`lo`, `h`] at which `g` passes zero upwards, when it is not positive at `lo` and positive at
-/// `h`: Illinois' variant of the false position method, until the interval is 1e-12 of `h` or the value 1e-11
-/// of that at `h`.
+/// Returns the time in (`lo`, `h`] at which `g` passes zero upwards, if it is not positive at `lo` and positive at `h`.
+/// It uses Illinois' variant of the false position method, until the interval is 1e-12 of `h` or the value 1e-11 of
+/// that at `h`.
 pub(crate) fn first_positive(g: impl Fn(f64) -> f64, lo: f64, h: f64) -> f64 {
     let (mut below, mut g_below) = (lo, g(lo).min(0.0));
     let (mut above, mut g_above) = (h, g(h));
     let narrow = 1e-12 * h;
     let small = 1e-11 * g_above;
-    // Which end the last iteration moved: an end that stays twice counts half.
+    // The end moved by the last iteration: an end that is fixed twice counts half.
     let mut moved_above = None;
     for _ in 0..60 {
         let secant = above - g_above * (above - below) / (g_above - g_below);
@@ -62,7 +62,7 @@ mod tests {
         }
     }
 
-    /// A root of third order is flat: the value is small long before the time is sharp.
+    /// A root of third order is flat: the value is small long before the time is accurate.
     #[test]
     fn a_flat_root_is_found_to_the_precision_of_its_value() {
         let time = first_positive(|t| (t - 0.9_f64).powi(3), 0.0, 1.0);

@@ -1,13 +1,13 @@
-//! One step of the Rosenbrock method Rodas3 of order 3(2), for what is stiff: A. Sandu et al., Benchmarking stiff ODE
-//! solvers for atmospheric chemistry problems II, Atmospheric Environment 31 (1997) 3459-3472. L-stable: a motion much
-//! faster than the step ends where it would end.
+//! One step of the Rosenbrock method Rodas3 of order 3(2), for stiff problems: A. Sandu et al., Benchmarking stiff ODE
+//! solvers for atmospheric chemistry problems II, Atmospheric Environment 31 (1997) 3459-3472. It is L-stable: a motion
+//! much faster than the step reaches its final value within the step.
 
 use super::dormand_prince::Step;
 
 /// γ of the method.
 const GAMMA: f64 = 0.5;
 
-/// Steps dy/dt = f(y) from `y`, where `rate` = f(y), over `h`. `increments` are those of the differences that make the
+/// Steps dy/dt = f(y) from `y`, where `rate` = f(y), over `h`. `increments` are those of the differences of the
 /// Jacobian; none is zero.
 pub(crate) fn step<const N: usize>(
     f: impl Fn(&[f64; N]) -> [f64; N],
@@ -44,7 +44,7 @@ pub(crate) fn step<const N: usize>(
     Step {
         end,
         end_rate,
-        // No error is finite where the next step has no beginning.
+        // The error is not finite if the rates at the end, where the next step begins, are not.
         error: sum([(1.0, &k4), (0.0, &end_rate)]),
     }
 }
@@ -53,10 +53,10 @@ fn sum<const N: usize, const T: usize>(terms: [(f64, &[f64; N]); T]) -> [f64; N]
     core::array::from_fn(|n| terms.iter().map(|(weight, term)| weight * term[n]).sum())
 }
 
-/// A matrix as the product of a lower and an upper triangle, rows exchanged.
+/// Matrix as the product of a lower and an upper triangle, with exchanged rows.
 struct Factors<const N: usize> {
     triangles: [[f64; N]; N],
-    /// The row that was exchanged with each.
+    /// Row that was exchanged with each row.
     pivots: [usize; N],
 }
 
@@ -108,7 +108,7 @@ impl<const N: usize> Factors<N> {
 mod tests {
     use super::*;
 
-    /// Global error on a pendulum falls with the third power of the step.
+    /// The global error on a pendulum falls with the third power of the step.
     #[test]
     fn order_of_convergence_is_three() {
         let pendulum = |y: &[f64; 2]| [y[1], -y[0].sin()];
@@ -126,7 +126,7 @@ mod tests {
         assert!((2.7..3.4).contains(&order), "{order}");
     }
 
-    /// A motion a million times faster than the step comes to rest in it, beside a slow one that is followed.
+    /// A motion a million times faster than the step comes to rest in it, together with a slow one that is followed.
     #[test]
     fn what_is_much_faster_than_the_step_ends_in_it() {
         let f = |y: &[f64; 2]| [1e9 * (y[1] - y[0]), -y[1]];

@@ -1,4 +1,4 @@
-//! A function tabulated with its derivative on an even grid, cubic in between.
+//! Function tabulated with its derivative on an even grid, cubic in between.
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Table {
@@ -9,7 +9,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Nodes `step` apart from `start` on, each a value with its derivative.
+    /// Creates a table with nodes `step` apart from `start` on, each a value with its derivative.
     pub(crate) fn new(start: f64, step: f64, nodes: impl Iterator<Item = [f64; 2]>) -> Self {
         Self {
             start,
@@ -18,7 +18,7 @@ impl Table {
         }
     }
 
-    /// The value at `x`; beyond the ends, the outermost cubic goes on.
+    /// Returns the value at `x`; beyond the ends, the outermost cubic is continued.
     #[inline]
     pub(crate) fn at(&self, x: f64) -> f64 {
         let position = (x - self.start) * self.intervals_per_unit;

@@ -1,4 +1,4 @@
-//! What a mapping adds to a log, a signal that stayed constant, and what it leaves out, rows before and after a test.
+//! Additions of a mapping: signals that stayed constant, and rows before and after a test that are left out.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::name::{check_name, is_time_column};
 use crate::signal::quantity_of;
 use crate::{Bounds, Unit};
 
-/// The rows that are kept (s).
+/// Time window of the kept rows (s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Window {
     pub(crate) from_s: f64,
@@ -35,12 +35,12 @@ impl Window {
     }
 }
 
-/// A signal that the log has not because it stayed as it was.
+/// Constant signal that is missing in the log.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Constant {
     pub(crate) value: f64,
     pub(crate) unit: Unit,
-    /// Only for logs without the signal: one mapping explains several logs.
+    /// Whether the constant applies only to logs without the signal: one mapping can serve several logs.
     pub(crate) where_absent: bool,
 }
 

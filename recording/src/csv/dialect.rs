@@ -6,7 +6,7 @@ use super::number::{Evidence, evidence};
 use super::problem::Problem;
 use super::record::BYTE_ORDER_MARK;
 
-/// What separates columns.
+/// Column separator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
     /// `,`
@@ -18,10 +18,10 @@ pub enum Delimiter {
 }
 
 impl Delimiter {
-    /// Every delimiter, in the order in which they are looked for: a comma may be a decimal separator.
+    /// All delimiters, in the order in which they are tried: a comma may be a decimal separator.
     pub const ALL: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
 
-    /// Its word.
+    /// Returns the delimiter's name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Comma => "comma",
@@ -39,12 +39,12 @@ impl Delimiter {
     }
 }
 
-/// How a CSV file is written: what the reader found out, or was told by a mapping.
+/// Dialect of a CSV file, detected by the reader or given by a mapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dialect {
-    /// What separates columns.
+    /// Column separator.
     pub delimiter: Delimiter,
-    /// What separates the whole part of a number from its fraction.
+    /// Decimal separator.
     pub decimal: Decimal,
     /// Whether the first record names the columns.
     pub header: bool,
@@ -80,7 +80,7 @@ impl fmt::Display for Dialect {
     }
 }
 
-/// Refuses what is not UTF-8 text with line feeds, as far as the head of the file shows.
+/// Refuses a file that is not UTF-8 text with line feeds, judged by its head.
 pub(super) fn check_encoding(head: &[u8]) -> Result<(), Located> {
     let utf16 = "UTF-16 (Excel's \"Unicode text\")";
     let guess = match head {
@@ -91,7 +91,7 @@ pub(super) fn check_encoding(head: &[u8]) -> Result<(), Located> {
         [_, 0, _, 0, ..] | [0, _, 0, _, ..] => utf16,
         _ if head.contains(&0) => "binary data (a zero byte)",
         _ => {
-            // A return at the very end may have its line feed beyond the head.
+            // The line feed of a carriage return at the end may be beyond the head.
             let bare_returns =
                 memchr::memchr(b'\n', head).is_none() && head[..head.len() - 1].contains(&b'\r');
             return if bare_returns {
@@ -105,7 +105,7 @@ pub(super) fn check_encoding(head: &[u8]) -> Result<(), Located> {
     Err((Place::default(), Problem::Encoding { guess, is_text }))
 }
 
-/// The delimiter is the first of tab, semicolon and comma that occurs outside quotes in the first record.
+/// Returns the delimiter: the first of tab, semicolon and comma that occurs outside quotes in the first record.
 pub(super) fn find_delimiter(head: &[u8], skipped_lines: u32) -> Result<Delimiter, Located> {
     let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
     let lines = text
@@ -151,7 +151,7 @@ pub(super) fn find_delimiter(head: &[u8], skipped_lines: u32) -> Result<Delimite
         })
 }
 
-/// Collects what the numbers in the head of a file say about its decimal separator.
+/// Collected evidence of the decimal separator from the numbers in the head of a file.
 #[derive(Debug, Default)]
 pub(super) struct DecimalVote {
     point: Option<Ballot>,
@@ -160,7 +160,7 @@ pub(super) struct DecimalVote {
     grouped: Option<Ballot>,
 }
 
-/// The first field of one opinion.
+/// First field that is evidence for one separator.
 #[derive(Debug)]
 pub(super) struct Ballot {
     pub(super) line: u64,
@@ -184,7 +184,7 @@ impl DecimalVote {
         });
     }
 
-    /// One opinion of the whole head, or the field that spoils it.
+    /// Returns the separator of the whole head, or the field that contradicts it.
     pub(super) fn result(self) -> Result<Decimal, (Ballot, Problem)> {
         let with = |ballot: Ballot, problem: fn(Excerpt) -> Problem| {
             let problem = problem(ballot.found.clone());

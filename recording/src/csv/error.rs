@@ -3,9 +3,9 @@ use std::fmt;
 use super::Problem;
 use crate::name::is_unprintable;
 
-/// Why a CSV file was refused, and where.
+/// Refusal of a CSV file: reason and place.
 ///
-/// Its text is one line: code, place, what was found, what was expected, what to do next.
+/// Its text is one line: code, place, found value, expected value, next step.
 #[derive(Debug)]
 pub struct CsvError(Box<Details>);
 
@@ -16,18 +16,18 @@ struct Details {
     problem: Problem,
 }
 
-/// A place in a CSV file, as far as it is known.
+/// Place in a CSV file, as far as it is known.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     /// Line, from 1.
     pub line: Option<u64>,
     /// Column, from 1.
     pub column: Option<usize>,
-    /// Text at the head of the column.
+    /// Header field of the column.
     pub header: Option<Excerpt>,
 }
 
-/// A problem and its place: what the parts of the reader return, before the file is named.
+/// Problem with its place, as returned by the parts of the reader before the file is named.
 pub(super) type Located = (Place, Problem);
 
 impl Place {
@@ -47,15 +47,15 @@ impl Place {
     }
 }
 
-/// Text found in a file, fit for a terminal: escaped, and cut to [`Excerpt::CHARACTERS_MAX`].
+/// Text found in a file, made safe for a terminal: escaped, and cut to [`Excerpt::CHARACTERS_MAX`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Excerpt(String);
 
 impl Excerpt {
-    /// Longest excerpt in characters.
+    /// Maximum length of an excerpt (characters).
     pub const CHARACTERS_MAX: usize = 80;
 
-    /// The beginning of `text`.
+    /// Creates an excerpt from the beginning of `text`.
     pub fn of(text: &str) -> Self {
         let mut excerpt = String::new();
         let mut count = 0;
@@ -66,7 +66,7 @@ impl Excerpt {
             } else {
                 1
             };
-            // The last place is kept for the mark of a cut.
+            // The last place is reserved for the mark of a cut.
             if count + length >= Self::CHARACTERS_MAX {
                 excerpt.push('…');
                 break;
@@ -81,14 +81,14 @@ impl Excerpt {
         Self(excerpt)
     }
 
-    /// The beginning of `bytes`, those that are not UTF-8 replaced.
+    /// Creates an excerpt from the beginning of `bytes`; bytes that are not UTF-8 are replaced.
     pub fn of_bytes(bytes: &[u8]) -> Self {
         Self::of(&String::from_utf8_lossy(
             &bytes[..bytes.len().min(4 * Self::CHARACTERS_MAX)],
         ))
     }
 
-    /// The escaped text.
+    /// Returns the escaped text.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -109,32 +109,32 @@ impl CsvError {
         }))
     }
 
-    /// The file `source_name` cannot be read at all.
+    /// Creates the error of a file `source_name` that cannot be read at all.
     pub(crate) fn io(source_name: &str, error: std::io::Error) -> Self {
         Self::new(source_name, Place::default(), Problem::Io(error))
     }
 
-    /// The stable code, such as `E-CSV-TIME-ORDER`.
+    /// Returns the stable code, such as `E-CSV-TIME-ORDER`.
     pub fn code(&self) -> &'static str {
         self.problem().code()
     }
 
-    /// The file, as its reader named it.
+    /// Returns the name of the file, as given to its reader.
     pub fn source_name(&self) -> &str {
         &self.0.source_name
     }
 
-    /// Where in the file.
+    /// Returns the place in the file.
     pub fn place(&self) -> &Place {
         &self.0.place
     }
 
-    /// What is wrong.
+    /// Returns the problem.
     pub fn problem(&self) -> &Problem {
         &self.0.problem
     }
 
-    /// True if a budget was exceeded, which the caller may raise.
+    /// Returns whether a budget was exceeded, which the caller may raise.
     pub fn is_limit(&self) -> bool {
         matches!(self.problem(), Problem::Limit { .. })
     }

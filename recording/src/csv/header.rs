@@ -1,4 +1,4 @@
-//! A header field is a name and a unit: `p_ch_bar_gauge`, `p_ch [bar gauge]`, `p_ch (bar gauge)`.
+//! Header fields with name and unit: `p_ch_bar_gauge`, `p_ch [bar gauge]`, `p_ch (bar gauge)`.
 
 use super::error::Excerpt;
 use super::number::is_number_like;
@@ -6,14 +6,14 @@ use super::problem::Problem;
 use crate::Unit;
 use crate::name::check_name;
 
-/// What a column header says.
+/// Content of a column header.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Heading {
     pub(crate) name: String,
     pub(crate) unit: Unit,
 }
 
-/// The name and unit of a header field that carries its unit.
+/// Parses a header field that contains its unit.
 pub(crate) fn parse_heading(field: &str) -> Result<Heading, Problem> {
     let field = without_formula_guard(field);
     let (name, unit) = match bracketed(field) {
@@ -23,7 +23,7 @@ pub(crate) fn parse_heading(field: &str) -> Result<Heading, Problem> {
     named(name, field, unit)
 }
 
-/// The name and unit of a header field above a units row; both may name the unit if they agree.
+/// Parses a header field above a units row; both may contain the unit if they agree.
 pub(super) fn parse_heading_over_unit(field: &str, unit: &str) -> Result<Heading, Problem> {
     if unit.is_empty() {
         return parse_heading(field);
@@ -39,11 +39,11 @@ pub(super) fn parse_heading_over_unit(field: &str, unit: &str) -> Result<Heading
     }
 }
 
-/// Whether a second record is a row of units: no number in it, and at least one unit.
+/// Returns whether a second record is a row of units: it has no number and at least one unit.
 pub(super) fn is_units_row<'a>(fields: impl Iterator<Item = &'a str>) -> bool {
     let mut has_unit = false;
     for field in fields {
-        // `1` is a unit too, but as a field it is a number.
+        // `1` is also a unit, but as a field it is a number.
         if is_number_like(field) {
             return false;
         }
@@ -55,7 +55,7 @@ pub(super) fn is_units_row<'a>(fields: impl Iterator<Item = &'a str>) -> bool {
     has_unit
 }
 
-/// A unit as a mapping or units row names it.
+/// Parses a unit of a mapping or a units row.
 pub(crate) fn parse_unit(text: &str) -> Result<Unit, Problem> {
     let text = unwrapped(text);
     Unit::parse(text).ok_or_else(|| {
@@ -72,7 +72,7 @@ pub(crate) fn parse_unit(text: &str) -> Result<Unit, Problem> {
     })
 }
 
-/// The header field of a column; [`parse_heading`] gives back exactly this name and unit.
+/// Returns the header field of a column; [`parse_heading`] returns exactly this name and unit.
 pub(super) fn format_heading(name: &str, unit: Unit) -> String {
     let heading = Heading {
         name: name.to_owned(),
@@ -85,7 +85,7 @@ pub(super) fn format_heading(name: &str, unit: Unit) -> String {
     guarded(format!("{name} [{}]", unit.token()))
 }
 
-/// A spreadsheet runs a cell that begins like a formula (OWASP, "CSV injection").
+/// Protects a cell that begins like a formula, which a spreadsheet would execute (OWASP, "CSV injection").
 fn guarded(cell: String) -> String {
     if cell.starts_with(['=', '+', '-', '@', '\'', '#']) {
         format!("'{cell}")
@@ -115,7 +115,7 @@ fn named(name: &str, field: &str, unit: Unit) -> Result<Heading, Problem> {
     }
 }
 
-/// `name [unit]` or `name (unit)`.
+/// Splits `name [unit]` or `name (unit)`.
 fn bracketed(field: &str) -> Option<(&str, &str)> {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some((name, unit)) = field
@@ -128,7 +128,7 @@ fn bracketed(field: &str) -> Option<(&str, &str)> {
     None
 }
 
-/// The longest suffix that is a unit; the name keeps at least one character.
+/// Splits off the longest suffix that is a unit; at least one character remains for the name.
 fn suffixed(field: &str) -> Result<(&str, Unit), Problem> {
     for (at, _) in field.match_indices('_').filter(|&(at, _)| at > 0) {
         let suffix = &field[at + 1..];
@@ -139,7 +139,7 @@ fn suffixed(field: &str) -> Result<(&str, Unit), Problem> {
             return Ok((&field[..at], unit));
         }
     }
-    // No unit: perhaps nearly one, such as `kpa_abs` or `bar`.
+    // No unit was found; the suffix may be similar to one, such as `kpa_abs` or `bar`.
     let suffixes = field
         .match_indices('_')
         .filter(|&(at, _)| at > 0)
@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Found by the fuzzer: a first row `1,,` was taken for units, because `1` is the symbol of a fraction.
+    /// Found by the fuzzer: a first row `1,,` counted as units, because `1` is the symbol of a fraction.
     #[test]
     fn a_row_with_a_number_is_no_units_row() {
         let is_units = |fields: &[&str]| is_units_row(fields.iter().copied());

@@ -1,11 +1,11 @@
-/// Budgets of a reader: beyond them a file is refused at once, in memory that the budgets bound.
+/// Budgets of a reader: a file beyond them is refused at once. They also bound the memory of the reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Size of the file in bytes; default 4 GiB.
+    /// Size of the file (bytes); default 4 GiB.
     pub file_bytes: u64,
-    /// Length of a record (a line, or several inside quotes) in bytes; default 1 MiB.
+    /// Length of a record (a line, or several inside quotes), in bytes; default 1 MiB.
     pub record_bytes: usize,
-    /// Length of a field in bytes; default 64 KiB.
+    /// Length of a field (bytes); default 64 KiB.
     pub field_bytes: usize,
     /// Number of columns; default 4096.
     pub columns: usize,

@@ -1,4 +1,4 @@
-//! A mapping tells what the columns of a file are, where the file itself does not say it.
+//! Mapping: describes the columns of a file where the file itself does not.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -17,7 +17,7 @@ use super::{Decimal, Delimiter};
 use crate::name::{check_name, is_time_column};
 use crate::{Quantity, Unit};
 
-/// Columns, units and dialect of files that do not say these themselves. Read from TOML:
+/// Columns, units and dialect of files that do not define them. Read from TOML:
 ///
 /// ```
 /// let mapping = recording::csv::Mapping::parse("wild.toml", r#"
@@ -60,8 +60,8 @@ use crate::{Quantity, Unit};
 /// # Ok::<(), recording::csv::MappingError>(())
 /// ```
 ///
-/// In MF4, which has channels, `column` and `ignore` name them, the dialect and `missing` mean nothing, and the time is
-/// that of the group. Columns that are neither mapped nor ignored speak for themselves by their header, or are refused.
+/// MF4 files have channels, which `column` and `ignore` name. There the dialect and `missing` have no effect, and the
+/// time is that of the group. Columns that are neither mapped nor ignored are interpreted by their header, or refused.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
     pub(crate) delimiter: Option<Delimiter>,
@@ -78,17 +78,17 @@ pub struct Mapping {
     pub(crate) instants_of: Option<String>,
 }
 
-/// A column as a mapping names it.
+/// Column as named by a mapping.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub(crate) enum ColumnKey {
-    /// By its position, from 1.
+    /// Position of the column, from 1.
     Number(u32),
-    /// By its header field.
+    /// Header field of the column.
     Header(String),
 }
 
-/// What a mapping says about one column.
+/// Mapping of one column.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MappedColumn {
     pub(crate) column: ColumnKey,
@@ -146,13 +146,13 @@ fn yes() -> bool {
 }
 
 impl Mapping {
-    /// Largest mapping file in bytes.
+    /// Maximum size of a mapping file (bytes).
     pub const BYTES_MAX: u64 = BYTES_MAX;
 
-    /// The mapping in the TOML text of the file `source_name`.
+    /// Parses the TOML text of the mapping file `source_name`.
     ///
     /// # Errors
-    /// [`MappingError`] with file, line and column.
+    /// Returns a [`MappingError`] with file, line and column.
     pub fn parse(source_name: &str, text: &str) -> Result<Self, MappingError> {
         let error = |span: Option<Range<usize>>, problem| {
             MappingError::new(source_name, text, span, problem)
@@ -169,10 +169,10 @@ impl Mapping {
         resolve(raw).map_err(|(span, problem)| error(Some(span), problem))
     }
 
-    /// The mapping in a TOML file.
+    /// Reads a mapping from a TOML file.
     ///
     /// # Errors
-    /// [`MappingError`] with file, line and column.
+    /// Returns a [`MappingError`] with file, line and column.
     pub fn read_file(path: impl AsRef<Path>) -> Result<Self, MappingError> {
         let path = path.as_ref();
         let source_name = path.display().to_string();

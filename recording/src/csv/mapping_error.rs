@@ -1,17 +1,17 @@
-//! Why a mapping file was refused.
+//! Errors of mapping files.
 
 use std::ops::Range;
 
 use super::error::Excerpt;
 use crate::name::NameError;
 
-/// Largest mapping file in bytes.
+/// Maximum size of a mapping file (bytes).
 pub(super) const BYTES_MAX: u64 = 1 << 20;
 
-/// A problem with its place in the text.
+/// Problem with its place in the text.
 pub(super) type AtSpan = (Range<usize>, MappingProblem);
 
-/// Why a mapping file was refused, and where.
+/// Refusal of a mapping file: reason and place.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {source_name}{}: {problem}", problem.code(), at(*place))]
 pub struct MappingError {
@@ -47,76 +47,76 @@ impl MappingError {
         }
     }
 
-    /// The stable code, such as `E-MAP-UNIT`.
+    /// Returns the stable code, such as `E-MAP-UNIT`.
     pub fn code(&self) -> &'static str {
         self.problem.code()
     }
 
-    /// Line and column, both from 1.
+    /// Returns line and column, both from 1.
     pub fn place(&self) -> Option<(usize, usize)> {
         self.place
     }
 
-    /// What is wrong.
+    /// Returns the problem.
     pub fn problem(&self) -> &MappingProblem {
         &self.problem
     }
 }
 
-/// What is wrong with a mapping file. Each variant has a stable code.
+/// Problem of a mapping file. Each variant has a stable code.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MappingProblem {
     /// The file cannot be read.
     #[error("{0}; check that the file exists and may be read")]
     Io(std::io::Error),
-    /// Larger than [`Mapping::BYTES_MAX`](super::Mapping::BYTES_MAX).
+    /// The file is larger than [`Mapping::BYTES_MAX`](super::Mapping::BYTES_MAX).
     #[error(
         "a mapping has at most {} bytes; leave out what is no mapping",
         BYTES_MAX
     )]
     Long,
-    /// Not TOML, a key that is unknown or missing, or a value of another type.
+    /// The text is no TOML, a key is unknown or missing, or a value has another type.
     #[error("{}; see the example in the documentation of Mapping", Excerpt::of(.0).as_str())]
     Toml(String),
-    /// Another version of the format.
+    /// The file has another version of the format.
     #[error("found schema {0}, expected 1; write schema = 1")]
     Schema(i64),
-    /// A word outside the choices.
+    /// A word is not one of the choices.
     #[error("found {found}, expected one of {choices:?}; choose one")]
     Choice {
-        /// The word.
+        /// Word in the file.
         found: Excerpt,
-        /// What there is to choose from.
+        /// Allowed choices.
         choices: Vec<&'static str>,
     },
-    /// A unit that is unknown or leaves the pressure reference open.
+    /// A unit is unknown or leaves the pressure reference open.
     #[error("{0}")]
     Unit(String),
-    /// The time is declared in a unit of something else.
+    /// The declared unit of the time is no unit of time.
     #[error("the time needs a unit of time; write s, ms or us")]
     NoTimeUnit,
-    /// A signal that would be the time.
+    /// A signal has the name of the time.
     #[error("the time is no signal; describe it under [time]")]
     TimeAsSignal,
     /// The name of a signal is empty, too long or not printable.
     #[error("{0}; rename the signal")]
     Name(NameError),
-    /// Column 0.
+    /// A column has the number 0.
     #[error("columns are counted from 1; write a number from 1 or a header field in quotes")]
     ColumnZero,
-    /// A scale of zero, NaN or infinity.
+    /// A scale is zero, NaN or infinite.
     #[error("found {0}, expected a finite number, for a scale other than 0; correct it")]
     Factor(f64),
-    /// A constant that is no number, or outside the hard bounds of its quantity.
+    /// A constant is no number, or is outside the hard bounds of its quantity.
     #[error("found {found} ({allowed}); correct it")]
     Constant {
-        /// The value with its unit.
+        /// Value with its unit.
         found: Excerpt,
-        /// What is allowed.
+        /// Allowed range.
         allowed: String,
     },
-    /// No time is after `from_s` and before `until_s`.
+    /// No time is between `from_s` and `until_s`.
     #[error("no row is left between from_s and until_s; write a later until_s")]
     WindowEmpty,
     /// The same character separates thousands and decimals.
@@ -125,7 +125,7 @@ pub enum MappingProblem {
 }
 
 impl MappingProblem {
-    /// The stable code.
+    /// Returns the stable code.
     pub fn code(&self) -> &'static str {
         match self {
             Self::Io(_) => "E-MAP-IO",

@@ -1,7 +1,7 @@
-//! CSV as people have it in, and one clean form of it out.
+//! CSV: a reader for the files that people have, and a writer of one clean form.
 //!
-//! [`read_file`] makes a [`Recording`](crate::Recording); [`Reader`] gives one row after the other in bounded memory;
-//! [`Writer`] writes rows. A [`Mapping`] explains files that do not explain themselves.
+//! [`read_file`] creates a [`Recording`](crate::Recording); [`Reader`] returns one row after the other in bounded
+//! memory; [`Writer`] writes rows. A [`Mapping`] describes files that do not describe themselves.
 
 pub(crate) mod complement;
 mod dialect;

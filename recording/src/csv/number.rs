@@ -1,6 +1,6 @@
-//! Numbers as text: one decimal separator per file, thousands only where a mapping declares them.
+//! Numbers as text: one decimal separator per file, thousands separators only where a mapping declares them.
 
-/// The decimal separator of a file.
+/// Decimal separator of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decimal {
     /// `3.14`
@@ -10,7 +10,7 @@ pub enum Decimal {
 }
 
 impl Decimal {
-    /// The separator itself.
+    /// Returns the separator character.
     pub fn symbol(self) -> char {
         match self {
             Self::Point => '.',
@@ -19,7 +19,7 @@ impl Decimal {
     }
 }
 
-/// How the numbers of one column are written.
+/// Number format of one column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Style {
     pub(super) decimal: Decimal,
@@ -33,7 +33,7 @@ pub(super) enum NumberError {
     Thousands,
 }
 
-/// The number in `cell`, which is not empty and has no spaces around it. `scratch` saves an allocation per cell.
+/// Parses the number in `cell`, which is not empty and has no outer spaces. `scratch` saves an allocation per cell.
 pub(super) fn parse(cell: &str, style: Style, scratch: &mut String) -> Result<f64, NumberError> {
     if style
         == (Style {
@@ -76,7 +76,7 @@ fn finite(text: &str, cell: &str) -> Result<f64, NumberError> {
     }
 }
 
-/// `1.234.567` joined to `1234567`; groups after the first have three digits.
+/// Joins `1.234.567` to `1234567`; groups after the first have three digits.
 fn push_grouped(whole: &str, separator: char, joined: &mut String) -> Result<(), NumberError> {
     let digits = whole.strip_prefix(['+', '-']).unwrap_or(whole);
     joined.push_str(&whole[..whole.len() - digits.len()]);
@@ -100,7 +100,7 @@ fn push_grouped(whole: &str, separator: char, joined: &mut String) -> Result<(),
     Ok(())
 }
 
-/// A cell that is no number under this style: a grouped number, or text?
+/// Classifies a cell that is no number in this format: grouped number or text.
 fn classify(cell: &str) -> NumberError {
     let digits = cell.strip_prefix(['+', '-']).unwrap_or(cell);
     let separators = digits
@@ -123,10 +123,10 @@ fn looks_grouped(digits: &str) -> bool {
     (1..=3).contains(&first.len()) && groups.next().is_some_and(|group| group.len() == 3)
 }
 
-/// What one cell says about the decimal separator of its file.
+/// Evidence of the decimal separator from one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Evidence {
-    /// Nothing: an integer, or no number.
+    /// No evidence: an integer, or no number.
     None,
     /// A decimal point.
     Point,
@@ -138,7 +138,7 @@ pub(super) enum Evidence {
     Grouped,
 }
 
-/// Digits with the marks that numbers have, in whatever order.
+/// Returns whether the cell consists of digits and the marks of numbers, in any order.
 pub(super) fn is_number_like(cell: &str) -> bool {
     let mark = |byte: u8| matches!(byte, b'.' | b',' | b'e' | b'E' | b'+' | b'-');
     cell.bytes().any(|byte| byte.is_ascii_digit())

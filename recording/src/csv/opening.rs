@@ -1,4 +1,4 @@
-//! The head of a file: its dialect, its header, its units.
+//! Head of a file: its dialect, its header, its units.
 
 use std::io::{self, Read};
 
@@ -11,12 +11,12 @@ use super::problem::{Budget, Problem};
 use super::record::{BYTE_ORDER_MARK, Record, Records};
 use super::{Decimal, Delimiter, Dialect, Limits, Options};
 
-/// The head of a file decides its dialect.
+/// Size of the head, which decides about the dialect (bytes).
 const HEAD_BYTES: usize = 64 << 10;
 
-/// What the head of a file says about the rest.
+/// Results from the head of a file.
 pub(super) struct Opening {
-    /// The bytes that were taken from the input.
+    /// Bytes read from the input.
     pub(super) head: Vec<u8>,
     pub(super) dialect: Dialect,
     pub(super) plan: Plan,
@@ -63,7 +63,8 @@ impl Opening {
     }
 }
 
-/// Enough of the file to decide on its dialect: one head, and more only if that holds no two lines.
+/// Reads enough of the file to decide on its dialect: one head, and more only if the head contains fewer than two
+/// lines.
 fn read_head(input: &mut impl Read, limits: Limits) -> io::Result<(Vec<u8>, bool)> {
     let mut head = Vec::new();
     let mut wanted = HEAD_BYTES;
@@ -81,7 +82,7 @@ fn read_head(input: &mut impl Read, limits: Limits) -> io::Result<(Vec<u8>, bool
     }
 }
 
-/// The first bytes of a file, all of it or cut somewhere.
+/// First bytes of a file: all of it, or cut at some point.
 struct Sample<'a> {
     bytes: &'a [u8],
     is_all: bool,
@@ -139,7 +140,7 @@ impl<'a> Sample<'a> {
         })
     }
 
-    /// The decimal separator that all numbers in the sample agree on.
+    /// Returns the decimal separator on which all numbers in the sample agree.
     fn decimal(&self, plan: &Plan, header_records: usize) -> Result<Decimal, Located> {
         let voters: Vec<usize> = std::iter::once(&plan.time)
             .chain(&plan.signals)
@@ -149,7 +150,7 @@ impl<'a> Sample<'a> {
         let mut records = self.records();
         records.skip(self.options.mapping.skip_lines, header_records)?;
         let mut vote = DecimalVote::default();
-        // A damaged record ends the vote here, and is reported when it is read as data.
+        // A damaged record ends the evaluation here, and is reported when it is read as data.
         while let Ok(Some(record)) = records.next() {
             if record.len() == plan.fields && !self.is_cut(record) {
                 voters

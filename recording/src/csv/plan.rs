@@ -1,4 +1,4 @@
-//! Which field of a record is the time, which are signals, and what else must be known about them.
+//! Assignment of the fields of a record to the time and to signals.
 
 use super::complement::Constant;
 use super::error::{Excerpt, Located, Place};
@@ -8,27 +8,27 @@ use super::problem::Problem;
 use crate::name::{NameError, is_time_column};
 use crate::{Converter, Unit};
 
-/// The columns of a file, resolved once.
+/// Columns of a file, resolved once.
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) fields: usize,
     pub(super) time: FieldPlan,
     pub(super) to_seconds: Converter,
     pub(super) signals: Vec<FieldPlan>,
-    /// Signals that are no columns: they stayed constant, as the mapping says.
+    /// Signals without a column, which are constant according to the mapping.
     pub(super) constants: Vec<(String, Constant)>,
-    /// A separator at the end of each line makes a last column without name and content.
+    /// Whether a separator at the end of each line makes a last column without name and content.
     pub(super) empty_last: bool,
     headers: Option<Vec<String>>,
 }
 
-/// One column that is read.
+/// Column that is read.
 #[derive(Clone, Debug)]
 pub(super) struct FieldPlan {
     pub(super) field: usize,
     pub(super) name: String,
     pub(super) unit: Unit,
-    /// Value = logged number * scale + offset, if a mapping says so.
+    /// Scale and offset of a mapping, if any: value = logged number * scale + offset.
     pub(super) linear: Option<(f64, f64)>,
     pub(super) thousands: Option<char>,
     pub(super) check_scale: bool,
@@ -56,7 +56,7 @@ impl FieldPlan {
         }
     }
 
-    /// The value of a logged number; without a linear map every bit is kept.
+    /// Returns the value of a logged number; without scale and offset every bit is unchanged.
     pub(super) fn value(&self, logged: f64) -> f64 {
         self.linear
             .map_or(logged, |(scale, offset)| logged * scale + offset)
@@ -64,13 +64,13 @@ impl FieldPlan {
 }
 
 impl Plan {
-    /// The place of a field in a line, with its header.
+    /// Returns the place of a field in a line, with its header.
     pub(super) fn place(&self, line: u64, field: usize) -> Place {
         let header = self.headers.as_ref().and_then(|headers| headers.get(field));
         Place::cell(line, field, header.map(String::as_str))
     }
 
-    /// How a mapping file names a field.
+    /// Returns the name of a field in a mapping file.
     pub(super) fn column_key(&self, field: usize) -> String {
         match self.headers.as_ref().and_then(|headers| headers.get(field)) {
             Some(header) if !header.contains(['"', '\\']) && !header.contains(char::is_control) => {
@@ -81,7 +81,7 @@ impl Plan {
     }
 }
 
-/// The head of a file: its first record as header or as data, and the units below it.
+/// Head of a file: its first record as header or as data, and the units below it.
 pub(super) struct Head {
     pub(super) line: u64,
     pub(super) first: Vec<String>,
@@ -133,7 +133,7 @@ impl Head {
     }
 }
 
-/// Resolves every column by the mapping, or else by its header.
+/// Resolves every column by the mapping, or otherwise by its header.
 pub(super) fn resolve(head: &Head, mapping: &Mapping) -> Result<Plan, Located> {
     let fields = head.first.len();
     let mut explained = vec![false; fields];
@@ -219,7 +219,7 @@ pub(super) fn resolve(head: &Head, mapping: &Mapping) -> Result<Plan, Located> {
     })
 }
 
-/// The constants of the mapping for a file with these columns.
+/// Returns the constants of the mapping for a file with these columns.
 fn constants(mapping: &Mapping, signals: &[FieldPlan]) -> Vec<(String, Constant)> {
     let is_logged = |name: &String| signals.iter().any(|signal| signal.name == *name);
     let constants = mapping.constants.iter();

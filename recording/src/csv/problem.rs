@@ -6,140 +6,140 @@ use crate::name::NameError;
 use crate::plausibility::Code;
 use crate::{Bounds, Implausible, Quantity, Unit};
 
-/// A budget of [`Limits`](super::Limits).
+/// Budget of [`Limits`](super::Limits).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Budget {
-    /// Bytes in the file.
+    /// Size of the file (bytes).
     FileBytes,
-    /// Bytes in a record.
+    /// Length of a record (bytes).
     RecordBytes,
-    /// Bytes in a field.
+    /// Length of a field (bytes).
     FieldBytes,
-    /// Columns.
+    /// Number of columns.
     Columns,
-    /// Samples per signal.
+    /// Number of samples per signal.
     Samples,
 }
 
-/// What is wrong with a CSV file. Each variant has a stable code.
+/// Problem of a CSV file. Each variant has a stable code.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Problem {
     /// The file cannot be read.
     Io(io::Error),
-    /// Reading went on after an error.
+    /// Reading continued after an error.
     ReadAfterError,
-    /// No record at all.
+    /// The file has no record.
     Empty,
-    /// Not UTF-8.
+    /// The file is not UTF-8.
     Encoding {
-        /// What it is instead, by its look.
+        /// Probable encoding.
         guess: &'static str,
-        /// Whether it is a text all the same.
+        /// Whether the file is a text nevertheless.
         is_text: bool,
     },
     /// Lines end with a bare carriage return.
     LineEnd,
     /// A budget is exceeded.
     Limit {
-        /// Which budget.
+        /// Exceeded budget.
         budget: Budget,
-        /// Its bound.
+        /// Bound of the budget.
         bound: u64,
     },
-    /// No column separator in the first record.
+    /// The first record has no column separator.
     NoDelimiter {
-        /// The first record.
+        /// First record.
         found: Excerpt,
     },
-    /// The first record holds numbers where names belong.
+    /// The first record has numbers instead of names.
     NoHeader {
-        /// Its first field.
+        /// First field of the record.
         found: Excerpt,
     },
-    /// A header field that cannot name a signal.
+    /// A header field cannot be the name of a signal.
     Name {
-        /// The field.
+        /// Header field.
         found: Excerpt,
-        /// What is wrong with it.
+        /// Problem of the name.
         problem: NameError,
     },
-    /// A column without a unit.
+    /// A column has no unit.
     UnitMissing {
-        /// The header field.
+        /// Header field.
         found: Excerpt,
     },
-    /// A unit this crate does not know.
+    /// A unit is unknown to this crate.
     UnitUnknown {
-        /// The text where a unit belongs.
+        /// Text in place of a unit.
         found: Excerpt,
-        /// The token that differs from it in letter case only.
+        /// Token that differs from it in letter case only.
         meant: Option<Unit>,
     },
-    /// Header and units row name different units.
+    /// Header and units row contain different units.
     UnitConflict {
         /// Unit in the header.
         header: Unit,
         /// Unit in the units row.
         units_row: Unit,
     },
-    /// A pressure that does not say whether it is gauge or absolute.
+    /// A pressure is neither declared as gauge nor as absolute.
     PressureReference {
-        /// The text that names the unit, such as `bar`.
+        /// Text of the unit, such as `bar`.
         found: Excerpt,
     },
-    /// Two columns are one signal.
+    /// Two columns give the same signal.
     DuplicateName {
-        /// Base name of both.
+        /// Base name of both columns.
         name: String,
-        /// Column of the first, from 1.
+        /// Number of the first column, from 1.
         first_column: usize,
     },
-    /// Two columns are the time.
+    /// Two columns give the time.
     TwoTimeColumns {
-        /// Column of the first, from 1.
+        /// Number of the first column, from 1.
         first_column: usize,
     },
-    /// No column is the time.
+    /// No column gives the time.
     NoTimeColumn {
-        /// The header fields.
+        /// Header fields.
         found: Excerpt,
     },
-    /// The time column is the only one.
+    /// The time column is the only column.
     NoSignal,
-    /// A header, but no row of numbers.
+    /// The file has a header, but no row of numbers.
     NoData,
     /// The mapping keeps no row of the file.
     NoRowKept {
-        /// First time of the file in s.
+        /// First time of the file (s).
         first_s: f64,
-        /// Last time of the file in s.
+        /// Last time of the file (s).
         last_s: f64,
     },
-    /// The mapping says that a signal is constant, and the file has it.
+    /// A signal is constant in the mapping, and the file contains it.
     ConstantLogged {
-        /// Its name.
+        /// Name of the signal.
         name: String,
     },
-    /// The mapping names a column that is not there.
+    /// The mapping names a missing column.
     MappedColumnMissing {
-        /// The column as the mapping names it.
+        /// Column as named by the mapping.
         wanted: String,
-        /// The header fields, or the number of columns.
+        /// Header fields, or the number of columns.
         found: Excerpt,
     },
     /// The mapping names a column by a header field that occurs twice.
     MappedColumnTwice {
-        /// The header field.
+        /// Header field.
         wanted: String,
     },
-    /// A column that neither a header nor the mapping explains.
+    /// Neither a header nor the mapping describes a column.
     Unmapped {
-        /// Its first field.
+        /// First field of the column.
         found: Excerpt,
     },
-    /// A row with more or fewer fields than the header.
+    /// A row has more or fewer fields than the header.
     Ragged {
         /// Number of fields in the header.
         expected: usize,
@@ -148,69 +148,69 @@ pub enum Problem {
     },
     /// The file ends within its last row.
     Truncated {
-        /// What there is of the last field.
+        /// Part of the last field.
         found: Excerpt,
     },
-    /// Text where a number belongs.
+    /// A field has text in place of a number.
     NotANumber {
-        /// The field.
+        /// Text of the field.
         found: Excerpt,
-        /// The decimal separator of this file.
+        /// Decimal separator of this file.
         decimal: char,
     },
-    /// NaN, infinite, or too large for a 64-bit float.
+    /// A number is NaN, infinite, or too large for a 64-bit float.
     NotFinite {
-        /// The field.
+        /// Text of the field.
         found: Excerpt,
     },
-    /// A number with separators between its thousands, or with one that could be.
+    /// A number has separators between its thousands, or a separator that could be one.
     Thousands {
-        /// The field.
+        /// Text of the field.
         found: Excerpt,
     },
     /// Every number with a comma could be decimal or grouped by thousands.
     DecimalAmbiguous {
-        /// The first such field.
+        /// First such field.
         found: Excerpt,
     },
     /// Some numbers have a decimal comma and some a decimal point.
     DecimalMixed {
-        /// The first field with the other separator.
+        /// First field with the other separator.
         found: Excerpt,
     },
-    /// A row without time.
+    /// A row has no time.
     TimeMissing,
     /// Time repeats or runs backwards.
     TimeOrder {
-        /// The time field.
+        /// Text of the time field.
         found: Excerpt,
-        /// The time before it in s.
+        /// Time of the previous row (s).
         previous_s: f64,
-        /// Its time in s.
+        /// Time of this row (s).
         time_s: f64,
     },
-    /// A time that no logger's clock shows.
+    /// A time is beyond the range of any logger's clock.
     TimeBounds {
-        /// The time field.
+        /// Text of the time field.
         found: Excerpt,
-        /// Its time in s.
+        /// Time (s).
         time_s: f64,
     },
-    /// Time steps too long for the declared unit.
+    /// The time steps are too long for the declared unit.
     TimeScale {
-        /// Mean step in s, if the time is in the declared unit.
+        /// Mean step (s) if the time is in the declared unit.
         mean_step_s: f64,
         /// Declared unit.
         declared: Unit,
-        /// Line for a mapping file that would make sense of it.
+        /// Line for a mapping file with a plausible unit.
         proposal: String,
     },
-    /// Values that no signal of this unit has.
+    /// No signal of this unit has such values.
     Implausible(Implausible),
 }
 
 impl Problem {
-    /// The stable code.
+    /// Returns the stable code.
     pub fn code(&self) -> &'static str {
         match self {
             Self::Io(_) => "E-CSV-IO",
@@ -262,7 +262,7 @@ impl Problem {
         }
     }
 
-    /// What to do next, as an instruction.
+    /// Returns the next step, as an instruction.
     pub fn next_step(&self) -> String {
         let fixed = match self {
             Self::Io(_) => "check that the file exists and may be read",
@@ -353,7 +353,8 @@ impl Problem {
     }
 }
 
-/// A backward step by nearly a power of two of microseconds or milliseconds is a counter that ran over.
+/// Returns advice for a backward step. A step of nearly a power of two of microseconds or milliseconds is a counter
+/// overflow.
 fn time_order_advice(previous_s: f64, time_s: f64) -> String {
     let back_s = previous_s - time_s;
     for (bits, tick, tick_s) in [

@@ -11,16 +11,16 @@ use super::row::RowParser;
 use super::{Dialect, Limits, Mapping};
 use crate::{Note, OutOfBounds, Provenance, Recording, TimeBase, Unit};
 
-/// What to know before a file is read.
+/// Options for reading a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// What the columns are, where the file does not say it.
+    /// Meaning of the columns, where the file does not define it.
     pub mapping: Mapping,
-    /// Budgets.
+    /// Budgets of the reader.
     pub limits: Limits,
 }
 
-/// A signal of a CSV file: its base name and its unit.
+/// Signal of a CSV file: its base name and its unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
     /// Base name, such as `p_ch`.
@@ -29,7 +29,7 @@ pub struct Column {
     pub unit: Unit,
 }
 
-/// Reads a CSV file row by row. Memory does not grow with the length of the file.
+/// Reader of a CSV file, row by row. Its memory does not grow with the length of the file.
 pub struct Reader<R: Read> {
     source_name: String,
     records: Records<Chain<Cursor<Vec<u8>>, R>>,
@@ -52,14 +52,14 @@ enum State {
 pub struct Row<'a> {
     /// Line in the file, from 1.
     pub line: u64,
-    /// Time in s.
+    /// Time (s).
     pub time_s: f64,
     /// Values in the order and the units of [`Reader::columns`], NaN where missing or out of bounds.
     pub values: &'a [f64],
 }
 
 impl Row<'_> {
-    /// The value of column `index`; none if it is missing.
+    /// Returns the value of column `index`; `None` if it is missing.
     pub fn get(&self, index: usize) -> Option<f64> {
         self.values
             .get(index)
@@ -69,10 +69,10 @@ impl Row<'_> {
 }
 
 impl<R: Read> Reader<R> {
-    /// Reads the head of `input` and decides on its dialect and its columns. `source_name` is for messages.
+    /// Reads the head of `input` and decides on its dialect and its columns. `source_name` is used in messages.
     ///
     /// # Errors
-    /// [`CsvError`] if the head is not that of a CSV log.
+    /// Returns a [`CsvError`] if the head is not that of a CSV log.
     pub fn new(source_name: &str, mut input: R, options: &Options) -> Result<Self, CsvError> {
         let fail = |(place, problem)| CsvError::new(source_name, place, problem);
         let Opening {
@@ -108,20 +108,20 @@ impl<R: Read> Reader<R> {
         })
     }
 
-    /// The signals, in the order of their columns; behind them those that the mapping says to be constant.
+    /// Returns the signals in the order of their columns, followed by the constant ones of the mapping.
     pub fn columns(&self) -> &[Column] {
         &self.columns
     }
 
-    /// How the file is written.
+    /// Returns the dialect of the file.
     pub fn dialect(&self) -> Dialect {
         self.dialect
     }
 
-    /// The next row; none at the end of the file.
+    /// Returns the next row; `None` at the end of the file.
     ///
     /// # Errors
-    /// The first thing that is wrong; there is nothing to read after it.
+    /// Returns the first problem; nothing can be read after it.
     pub fn next_row(&mut self) -> Result<Option<Row<'_>>, CsvError> {
         let error = match self.state {
             State::Ended => return Ok(None),
@@ -151,12 +151,12 @@ impl<R: Read> Reader<R> {
         Err(CsvError::new(&self.source_name, error.0, error.1))
     }
 
-    /// Cells of the rows so far that were out of bounds and count as missing, signal by signal.
+    /// Returns the cells read so far that were out of bounds and count as missing, signal by signal.
     pub fn out_of_bounds(&self) -> impl Iterator<Item = &OutOfBounds> {
         self.rows.out_of_bounds()
     }
 
-    /// Source, notes, and the size and hash of what was read so far: of the whole file once it has ended.
+    /// Returns source, notes, and the size and hash of the data read so far: of the whole file once it has ended.
     pub fn provenance(&mut self) -> Provenance {
         let (producer, notes): (Vec<Note>, _) = self
             .records
@@ -183,10 +183,10 @@ impl<R: Read> Reader<R> {
     }
 }
 
-/// Reads all of `input` into a recording. `source_name` is for messages and the provenance.
+/// Reads all of `input` into a recording. `source_name` is used in messages and in the provenance.
 ///
 /// # Errors
-/// The first thing that is wrong with the file.
+/// Returns the first problem of the file.
 pub fn read<R: Read>(
     source_name: &str,
     input: R,
@@ -219,7 +219,7 @@ pub fn read<R: Read>(
 /// Reads a CSV file into a recording.
 ///
 /// # Errors
-/// The first thing that is wrong with the file.
+/// Returns the first problem of the file.
 pub fn read_file(path: impl AsRef<Path>, options: &Options) -> Result<Recording, CsvError> {
     let path = path.as_ref();
     let source_name = path

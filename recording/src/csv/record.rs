@@ -1,4 +1,4 @@
-//! Splits bytes into records within the budgets, and knows the line of each.
+//! Splitting of bytes into records within the budgets, with the line of each record.
 
 use std::io::{self, Read};
 
@@ -12,12 +12,13 @@ use crate::{InputFile, Note};
 
 pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 const CHUNK_BYTES: usize = 64 << 10;
-/// Room for the fields of a record at first, and the longest record that is taken without the state machine.
+/// Initial size for the fields of a record, and maximum length of a record that is read without the state machine
+/// (bytes).
 const PLAIN_BYTES: usize = 1024;
 const NOTES_MAX: usize = 256;
 const NOTE_BYTES_MAX: usize = 1024;
 
-/// Reads records of an input; memory is bounded by the budgets, whatever the input holds.
+/// Reader of the records of an input; the budgets bound its memory for any input.
 pub(super) struct Records<R> {
     input: R,
     limits: Limits,
@@ -50,7 +51,7 @@ pub(super) struct Record<'a> {
     text: &'a str,
     ends: &'a [usize],
     pub(super) line: u64,
-    /// No line feed came after this record.
+    /// Whether no line feed came after this record.
     pub(super) at_end_of_file: bool,
 }
 
@@ -59,7 +60,7 @@ impl<'a> Record<'a> {
         self.ends.len()
     }
 
-    /// Field `index` without outer spaces; empty if there is no such field.
+    /// Returns field `index` without outer spaces; empty if the field does not exist.
     pub(super) fn get(&self, index: usize) -> &'a str {
         let Some(&end) = self.ends.get(index) else {
             return "";
@@ -96,7 +97,7 @@ impl<R: Read> Records<R> {
         }
     }
 
-    /// The next record, blank lines and comments skipped; none at the end of the file.
+    /// Returns the next record, skipping blank lines and comments; `None` at the end of the file.
     pub(super) fn next(&mut self) -> Result<Option<Record<'_>>, Located> {
         if !self.advance()? {
             return Ok(None);
@@ -104,7 +105,7 @@ impl<R: Read> Records<R> {
         self.current().map(Some)
     }
 
-    /// The record that [`Records::next`] returned last.
+    /// Returns the record that [`Records::next`] returned last.
     pub(super) fn current(&self) -> Result<Record<'_>, Located> {
         let RecordMeta {
             line,
@@ -129,7 +130,7 @@ impl<R: Read> Records<R> {
         })
     }
 
-    /// Skips `lines` lines as they are, whatever they hold, and then so many records.
+    /// Skips `lines` lines with any content, then `records` records.
     pub(super) fn skip(&mut self, lines: u32, records: usize) -> Result<(), Located> {
         for _ in 0..lines {
             if !self.skip_line(None)? {
@@ -142,12 +143,12 @@ impl<R: Read> Records<R> {
         Ok(())
     }
 
-    /// `# key: value` lines before the first record.
+    /// Takes the `# key: value` lines before the first record.
     pub(super) fn take_notes(&mut self) -> Vec<Note> {
         std::mem::take(&mut self.notes)
     }
 
-    /// Size and hash of what was read so far.
+    /// Returns size and hash of the data read so far.
     pub(super) fn input_file(&self) -> InputFile {
         InputFile {
             size_bytes: self.size_bytes,
@@ -155,8 +156,8 @@ impl<R: Read> Records<R> {
         }
     }
 
-    /// Takes the record at hand if it lies whole in the chunk, has neither quotes nor odd line ends and keeps all
-    /// budgets, as nearly every record of a log does; whatever else is left to the state machine, which is slower.
+    /// Reads the next record if it lies completely in the chunk, has neither quotes nor unusual line ends, and meets
+    /// all budgets. Nearly every record of a log does. All others are left to the state machine, which is slower.
     fn advance_plain(&mut self) -> bool {
         let rest = &self.chunk[self.position..self.filled];
         let Some(line_feed) = memchr::memchr(b'\n', &rest[..rest.len().min(PLAIN_BYTES)]) else {
@@ -248,7 +249,7 @@ impl<R: Read> Records<R> {
                     self.fill()
                         .map_err(|problem| (Place::line(self.line), problem))?;
                 }
-                // Growth ends at the budgets checked above.
+                // The budgets checked above limit the growth.
                 ReadRecordResult::OutputFull => self.fields.resize(self.fields.len() * 2, 0),
                 ReadRecordResult::OutputEndsFull => self.ends.resize(self.ends.len() * 2, 0),
                 ReadRecordResult::Record => break,
@@ -270,7 +271,7 @@ impl<R: Read> Records<R> {
         Ok(true)
     }
 
-    /// Moves to the first byte of a record; false at the end of the file.
+    /// Moves to the first byte of a record; returns false at the end of the file.
     fn skip_to_record(&mut self) -> Result<bool, Located> {
         loop {
             let Some(byte) = self.peek()? else {
@@ -292,7 +293,7 @@ impl<R: Read> Records<R> {
         }
     }
 
-    /// Skips to the next line and keeps the beginning of this one in `kept`; false at the end of the file.
+    /// Skips to the next line and stores the beginning of this one in `kept`; returns false at the end of the file.
     fn skip_line(&mut self, mut kept: Option<&mut Vec<u8>>) -> Result<bool, Located> {
         while self.peek()?.is_some() {
             let rest = &self.chunk[self.position..self.filled];
@@ -374,7 +375,7 @@ mod tests {
 
     use super::*;
 
-    /// Gives a byte at a time, so that no record ever lies whole in a chunk.
+    /// Input that returns one byte at a time, so that no record lies completely in a chunk.
     struct Drops<'a>(&'a [u8]);
 
     impl Read for Drops<'_> {
@@ -384,10 +385,10 @@ mod tests {
         }
     }
 
-    /// Line, whether the file ends with it, fields.
+    /// Line of a record, whether the file ends with it, and its fields.
     type Seen = (u64, bool, Vec<String>);
 
-    /// Every record, and the first error; which of several budgets is told depends on the chunks.
+    /// Returns every record and the first error; which of several exceeded budgets is reported depends on the chunks.
     fn read_all(input: impl Read, limits: Limits) -> (Vec<Seen>, Option<String>) {
         let mut records = Records::new(input, Delimiter::Comma, limits);
         let mut seen = Vec::new();

@@ -1,4 +1,4 @@
-//! Records become rows, or are refused.
+//! Conversion of records into rows, with their checks.
 
 use std::iter;
 
@@ -12,12 +12,12 @@ use super::{Decimal, Options};
 use crate::plausibility::Watch;
 use crate::{Bounds, OutOfBounds, Quantity, Unit};
 
-/// The size of values is judged each time so many rows were read.
+/// Number of rows after which the size of the values is checked again.
 const ROWS_PER_JUDGEMENT: u64 = 1 << 16;
 /// Mean distance of rows at which seconds look like milliseconds.
 const STEP_MAX_S: f64 = 10.0;
 
-/// Turns records into rows, and refuses what is no row.
+/// Converter of records into rows; it refuses invalid ones.
 pub(super) struct RowParser {
     pub(super) line: u64,
     pub(super) time_s: f64,
@@ -64,7 +64,7 @@ impl RowParser {
         }
     }
 
-    /// Whether the row is one to keep.
+    /// Parses a record and returns whether its row is kept.
     pub(super) fn parse(&mut self, record: Record<'_>, plan: &Plan) -> Result<bool, Located> {
         let line = record.line;
         self.check_shape(record, plan)?;
@@ -132,7 +132,7 @@ impl RowParser {
         self.judge(plan, true)
     }
 
-    /// Cells so far that were out of bounds, signal by signal.
+    /// Returns the cells read so far that were out of bounds, signal by signal.
     pub(super) fn out_of_bounds(&self) -> impl Iterator<Item = &OutOfBounds> {
         self.watches.iter().filter_map(Watch::outside)
     }
@@ -222,7 +222,7 @@ impl RowParser {
     }
 }
 
-/// Refuses a time whose steps are far too long for a log of a brake.
+/// Refuses a time whose steps are much too long for a log of a brake.
 fn judge_time(plan: &Plan, first_s: f64, last_s: f64, rows: u64) -> Result<(), Problem> {
     let mean_step_s = (last_s - first_s) / (rows.max(2) - 1) as f64;
     if !plan.time.check_scale || rows < 3 || mean_step_s < STEP_MAX_S {
@@ -241,7 +241,8 @@ fn judge_time(plan: &Plan, first_s: f64, last_s: f64, rows: u64) -> Result<(), P
     })
 }
 
-/// Tells whether a last number without a line feed is whole: only if all before it had as many decimals.
+/// Check whether a last number without a line feed is complete: only if all numbers before it had the same number of
+/// decimals.
 #[derive(Debug, Default)]
 struct LastField {
     decimals: Option<usize>,

@@ -6,17 +6,17 @@ use super::header::format_heading;
 use crate::name::{NameError, check_name, is_time_column, is_unprintable};
 use crate::{Provenance, Recording, TimeBaseId, Unit};
 
-/// How many decimals the numbers of a unit get.
+/// Number of decimals for the numbers of each unit.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Decimals(BTreeMap<Unit, u8>);
 
 impl Decimals {
-    /// The shortest text that reads back as the same bits, for every unit.
+    /// Writes the shortest text that reads back as the same bits, for every unit.
     pub fn shortest() -> Self {
         Self::default()
     }
 
-    /// The same, with `decimals` decimals for values in `unit`; the time is in [`Unit::Second`].
+    /// Returns the same settings with `decimals` decimals for values in `unit`; the time is in [`Unit::Second`].
     #[must_use]
     pub fn with(mut self, unit: Unit, decimals: u8) -> Self {
         self.0.insert(unit, decimals);
@@ -24,7 +24,7 @@ impl Decimals {
     }
 }
 
-/// Writes rows as CSV that [`Reader`](super::Reader) reads back: comma, decimal point, a header with units.
+/// Writer of rows as CSV that [`Reader`](super::Reader) reads back: comma, decimal point, a header with units.
 pub struct Writer<W: Write> {
     sink: W,
     columns: Vec<(Column, Option<u8>)>,
@@ -38,7 +38,7 @@ impl<W: Write> Writer<W> {
     /// Writes the provenance as comments, and the header.
     ///
     /// # Errors
-    /// [`WriteError`]: a name that no reader takes, or the sink's error.
+    /// Returns a [`WriteError`] for a name that no reader accepts, or for the sink's error.
     pub fn new(
         mut sink: W,
         provenance: &Provenance,
@@ -84,11 +84,11 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// Writes one row: the time in s and one value per column, NaN where missing.
+    /// Writes one row: the time (s) and one value per column, NaN where missing.
     ///
     /// # Errors
-    /// [`WriteError`]: times that do not increase as written, infinite values, another number of values, or the
-    /// sink's error. Nothing of the row is written then.
+    /// Returns a [`WriteError`] for times that do not increase as written, infinite values, another number of values,
+    /// or the sink's error. Nothing of the row is written then.
     pub fn write_row(&mut self, time_s: f64, values: &[f64]) -> Result<(), WriteError> {
         if values.len() != self.columns.len() {
             return Err(WriteError::ValueCount {
@@ -135,7 +135,7 @@ impl<W: Write> Writer<W> {
     /// Flushes and returns the sink.
     ///
     /// # Errors
-    /// The sink's error, and [`WriteError::NoRows`]: a file without rows would not be read.
+    /// Returns the sink's error, or [`WriteError::NoRows`]: a file without rows could not be read.
     pub fn finish(mut self) -> Result<W, WriteError> {
         if self.rows == 0 {
             return Err(WriteError::NoRows);
@@ -148,7 +148,7 @@ impl<W: Write> Writer<W> {
 /// Writes the signals of one time base of a recording.
 ///
 /// # Errors
-/// [`WriteError`].
+/// Returns a [`WriteError`].
 pub fn write<W: Write>(
     sink: W,
     recording: &Recording,
@@ -199,7 +199,7 @@ pub(crate) fn check_columns(columns: &[Column]) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Shortest digits that read back as the same bits; an exponent where plain digits would be long.
+/// Writes the shortest digits that read back as the same bits, with an exponent where plain digits would be long.
 fn push_number(line: &mut Vec<u8>, value: f64, decimals: Option<u8>) {
     let size = value.abs();
     let result = match decimals {
@@ -210,7 +210,7 @@ fn push_number(line: &mut Vec<u8>, value: f64, decimals: Option<u8>) {
     debug_assert!(result.is_ok(), "writing to memory cannot fail");
 }
 
-/// A header field, quoted where it must be.
+/// Returns a header field, quoted if necessary.
 fn quoted(field: &str) -> String {
     if field.contains([',', ';', '\t', '"']) {
         format!("\"{}\"", field.replace('"', "\"\""))
@@ -219,7 +219,7 @@ fn quoted(field: &str) -> String {
     }
 }
 
-/// Comments are one line each, without characters that a terminal obeys.
+/// Returns a comment as one line, without characters that control a terminal.
 fn one_line(text: &str) -> String {
     text.chars()
         .map(|character| {
@@ -232,34 +232,34 @@ fn one_line(text: &str) -> String {
         .collect()
 }
 
-/// Why a row or file was not written.
+/// Reason why a row or file was not written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
     /// The sink failed.
     #[error("the output could not be written: {0}; check the free space and the rights")]
     Io(#[from] io::Error),
-    /// No signal.
+    /// There is no signal.
     #[error("there is no signal to write: give at least one column")]
     NoColumns,
-    /// No row.
+    /// There is no row.
     #[error("there is no row to write: a file without rows could not be read back")]
     NoRows,
-    /// A name that no reader takes.
+    /// A name is one that no reader accepts.
     #[error("{name:?} cannot name a signal: {problem}")]
     Name {
-        /// The name.
+        /// Refused name.
         name: String,
-        /// What is wrong with it.
+        /// Problem of the name.
         problem: NameError,
     },
-    /// Two columns of one name, or a second time column.
+    /// Two columns have the same name, or there is a second time column.
     #[error("{name:?} is a column already: names are unique, and the time is written by itself")]
     NameTaken {
-        /// The name.
+        /// Refused name.
         name: String,
     },
-    /// Another number of values than of columns.
+    /// The number of values differs from the number of columns.
     #[error(
         "row {row} has {found} values for {expected} columns: give one each, NaN where missing"
     )]
@@ -271,19 +271,19 @@ pub enum WriteError {
         /// Number of values.
         found: usize,
     },
-    /// A time that does not increase, as written.
+    /// A time does not increase, as written.
     #[error(
         "row {row} is written at {time_s} s after {previous_s} s: times must increase (more decimals?)"
     )]
     TimeOrder {
         /// Row, from 0.
         row: u64,
-        /// Time of the row before in s.
+        /// Time of the previous row (s).
         previous_s: f64,
-        /// Time of the row in s.
+        /// Time of this row (s).
         time_s: f64,
     },
-    /// An infinite value.
+    /// A value is infinite.
     #[error("{name:?} is infinite in row {row}: values are finite, or NaN where missing")]
     Infinite {
         /// Row, from 0.

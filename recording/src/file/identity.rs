@@ -3,9 +3,9 @@ use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Identity of a file, however its path is spelled.
+/// Identity of a file, independent of the spelling of its path.
 ///
-/// Links are resolved. Two names of one file are the same; so are two paths to one place where no file is yet.
+/// Links are resolved. Two names of one file are equal, and so are two paths to one place without a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileIdentity(Identity);
 
@@ -16,14 +16,14 @@ enum Identity {
         folder: Key,
         name: OsString,
     },
-    /// Neither the file nor its folder is there.
+    /// Neither the file nor its folder exists.
     Nowhere(PathBuf),
 }
 
 /// Device and inode.
 #[cfg(unix)]
 type Key = (u64, u64);
-/// The path without links.
+/// Path without links.
 #[cfg(not(unix))]
 type Key = PathBuf;
 
@@ -37,8 +37,8 @@ impl FileIdentity {
         Self(existing(path).unwrap_or_else(|| absent(path)))
     }
 
-    /// Returns the identity of an open regular file, such as a redirected standard output; none for pipes and
-    /// terminals, and where the system does not say.
+    /// Returns the identity of an open regular file, such as a redirected standard output; `None` for pipes and
+    /// terminals, and where the system does not give it.
     #[must_use]
     pub fn of_open(file: &File) -> Option<Self> {
         let metadata = file.metadata().ok().filter(Metadata::is_file)?;
@@ -65,7 +65,7 @@ fn absent(path: &Path) -> Identity {
     }
 }
 
-/// These systems usually take `a.csv` and `A.csv` for one name.
+/// Returns the name in lower case on systems that usually treat `a.csv` and `A.csv` as one name.
 fn in_one_case(name: OsString) -> OsString {
     if cfg!(any(windows, target_vendor = "apple")) {
         name.to_string_lossy().to_lowercase().into()
@@ -96,10 +96,10 @@ fn open_key(_: &Metadata) -> Option<Key> {
     None
 }
 
-/// A chain of more links is a circle.
+/// Maximum number of links in a chain; a longer chain is a circle.
 const LINKS_MAX: usize = 40;
 
-/// The place that a path leads to when the file is not there: the end of a chain of links.
+/// Returns the place that a path leads to when the file does not exist: the end of a chain of links.
 pub(super) fn destination(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_path_buf();
     for _ in 0..LINKS_MAX {

@@ -1,4 +1,4 @@
-//! The end of a temporary file: it takes the place of an older file, and takes over what is not content.
+//! Replacement of an older file by a temporary one, which takes over owner and mode.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom};
@@ -6,11 +6,11 @@ use std::path::Path;
 
 use tempfile::NamedTempFile;
 
-/// Puts the content of `temporary` where `target` is.
+/// Replaces the content of `target` by that of `temporary`.
 ///
-/// A rename is atomic, and the new file gets mode and owner of the old one. But a rename parts the names of a file that
-/// has several: the others would keep the old content, and the person finds out later. There the content, which is
-/// complete on the disk by now, is copied into the file itself. So it is where the owner cannot be handed over.
+/// A rename is atomic, and the new file gets mode and owner of the old one. But a rename separates the names of a file
+/// with several hard links: the other names would keep the old content, unnoticed. In this case the content, which is
+/// already complete on the disk, is copied into the file itself. The same happens where the owner cannot be changed.
 pub(super) fn replace(temporary: NamedTempFile, target: &Path) -> io::Result<()> {
     match fs::metadata(target) {
         Ok(older) if !takes_over(temporary.as_file(), &older)? => {
@@ -23,7 +23,7 @@ pub(super) fn replace(temporary: NamedTempFile, target: &Path) -> io::Result<()>
     }
 }
 
-/// Gives the temporary file owner and mode of the older one; whether a rename then loses nothing.
+/// Gives the temporary file owner and mode of the older one; returns whether a rename then loses nothing.
 #[cfg(unix)]
 fn takes_over(temporary: &File, older: &Metadata) -> io::Result<bool> {
     use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, fchown};
@@ -45,7 +45,7 @@ fn takes_over(_: &File, _: &Metadata) -> io::Result<bool> {
     Ok(true)
 }
 
-/// What is longer than the older content comes first: if the disk is full, that is cut off again and nothing is lost.
+/// Writes the part beyond the older length first: if the disk is full, it is cut off again and nothing is lost.
 fn copy_into(mut content: File, target: &Path) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).open(target)?;
     let length = content.metadata()?.len();

@@ -1,7 +1,7 @@
-//! Temporary files: how they begin, and what becomes of those that a killed process left.
+//! Temporary files: their creation, and the removal of those left by killed processes.
 //!
-//! A process holds a lock on its temporary file as long as it lives, and the system lets go of it however the process
-//! ends. A number of the process in the name would be wrong in a folder that containers or hosts share.
+//! A process keeps a lock on its temporary file while it lives, and the system releases the lock at any end of the
+//! process. A process number in the name would be wrong in a folder shared by containers or hosts.
 
 use std::ffi::OsStr;
 use std::fs::{self, DirEntry, File, TryLockError};
@@ -10,21 +10,21 @@ use std::path::Path;
 
 use tempfile::NamedTempFile;
 
-/// What every temporary file of ours begins with.
+/// Prefix of all our temporary files.
 const PREFIX: &str = ".retarder-unfinished-";
-/// Letters and digits that follow.
+/// Number of letters and digits after the prefix.
 const RANDOM_CHARACTERS: usize = 8;
-/// Another process that cleans up can take a file between its beginning and its lock; hardly twice.
+/// Maximum number of tries: a cleaning process can remove a file between its creation and its lock, but hardly twice.
 const TRIES: usize = 16;
 
-/// Begins a locked temporary file in `folder`.
+/// Creates a locked temporary file in `folder`.
 pub(super) fn begin(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).rand_bytes(RANDOM_CHARACTERS);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
-        // Without this the file would be readable by its owner only; the umask still applies.
+        // Without this only the owner could read the file; the umask still applies.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     for _ in 1..TRIES {
@@ -32,14 +32,14 @@ pub(super) fn begin(folder: &Path) -> io::Result<NamedTempFile> {
         match temporary.as_file().try_lock() {
             Ok(()) if temporary.path().symlink_metadata().is_ok() => return Ok(temporary),
             Ok(()) | Err(TryLockError::WouldBlock) => {}
-            // A file system without locks: nobody can lock it there, so nobody removes it.
+            // A file system without locks: no process can lock the file, so none removes it.
             Err(TryLockError::Error(_)) => return Ok(temporary),
         }
     }
     builder.tempfile_in(folder)
 }
 
-/// Removes the temporary files of processes that run no more. What cannot be removed stays: it is in nobody's way.
+/// Removes the temporary files of ended processes. A file that cannot be removed stays and does no harm.
 pub(super) fn remove_leftovers(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries.filter(is_ours) {
@@ -48,13 +48,13 @@ pub(super) fn remove_leftovers(folder: &Path) {
             continue;
         };
         if file.try_lock().is_ok() {
-            // The lock is held until the file is gone, so that nobody begins to use it in between.
+            // The lock is kept until the file is removed, so that no other process begins to use it in between.
             let _ = fs::remove_file(&path);
         }
     }
 }
 
-/// Whether a folder's entry is a regular file, no link, with a name that [`begin`] makes.
+/// Returns whether an entry of a folder is a regular file, no link, with a name created by [`begin`].
 fn is_ours(entry: &DirEntry) -> bool {
     let is_name = |name: &OsStr| {
         let random = name.to_str().and_then(|name| name.strip_prefix(PREFIX));

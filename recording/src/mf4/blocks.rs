@@ -1,4 +1,4 @@
-//! Blocks of the file: each is read within the file and within the budgets, whatever its header says.
+//! Blocks of the file, each read within the file and within the budgets, for any header.
 
 use std::collections::HashSet;
 use std::io::{Read, Seek, SeekFrom};
@@ -8,14 +8,14 @@ use super::error::{Located, Place, of_file};
 use super::problem::{Budget, Problem};
 use crate::csv::Excerpt;
 
-/// Identification at the beginning of the file, before the first block.
+/// Size of the identification at the beginning of the file, before the first block (bytes).
 pub(super) const ID_BYTES: u64 = 64;
-/// Identifier, reserved bytes, length and number of links.
+/// Size of identifier, reserved bytes, length and number of links (bytes).
 pub(super) const HEADER_BYTES: u64 = 24;
-/// Blocks begin at multiples of this.
+/// Alignment of blocks (bytes).
 pub(super) const ALIGNMENT: u64 = 8;
 
-/// A file of blocks with what is left of the budgets.
+/// File of blocks, with the remaining budgets.
 pub(super) struct Blocks<R> {
     input: R,
     pub(super) file_bytes: u64,
@@ -24,23 +24,23 @@ pub(super) struct Blocks<R> {
     seen: HashSet<u64>,
 }
 
-/// The head of a block.
+/// Header of a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Header {
     pub(super) id: [u8; 4],
     pub(super) offset: u64,
-    /// Length in bytes with this head.
+    /// Length of the block, including this header (bytes).
     pub(super) length: u64,
     /// Number of links.
     pub(super) links: u64,
 }
 
-/// A block in memory.
+/// Block in memory.
 #[derive(Debug)]
 pub(super) struct Block {
     id: &'static str,
     pub(super) offset: u64,
-    /// Bytes from its beginning to the end of the file.
+    /// Number of bytes from the beginning of the block to the end of the file.
     room: u64,
     links: Vec<u64>,
     data: Vec<u8>,
@@ -83,7 +83,7 @@ impl<R: Read + Seek> Blocks<R> {
         }
     }
 
-    /// The head of the block at `offset`, wherever it ends.
+    /// Reads the header of the block at `offset`, without a check of its end.
     pub(super) fn head(&mut self, block: &'static str, offset: u64) -> Result<Header, Located> {
         let is_inside = offset >= ID_BYTES
             && offset.is_multiple_of(ALIGNMENT)
@@ -129,12 +129,12 @@ impl<R: Read + Seek> Blocks<R> {
         Ok(())
     }
 
-    /// The block `id` at `offset`, whole.
+    /// Reads the complete block `id` at `offset`.
     pub(super) fn block(&mut self, id: &'static str, offset: u64) -> Result<Block, Located> {
         self.beginning(id, offset, u64::MAX)
     }
 
-    /// The block `id` at `offset`, not more than `data_max` bytes of its data.
+    /// Reads the block `id` at `offset`, with at most `data_max` bytes of its data.
     pub(super) fn beginning(
         &mut self,
         id: &'static str,
@@ -162,7 +162,7 @@ impl<R: Read + Seek> Blocks<R> {
         })
     }
 
-    /// The next block `id` of a list, or of a data group: each is in one place only.
+    /// Registers the next block `id` of a list or of a data group, and refuses a second visit.
     pub(super) fn first_visit(&mut self, id: &'static str, offset: u64) -> Result<(), Located> {
         if self.seen.insert(offset) {
             Ok(())
@@ -184,7 +184,7 @@ impl<R: Read + Seek> Blocks<R> {
         Ok(())
     }
 
-    /// The input itself, to read it from its beginning.
+    /// Returns the input, rewound to its beginning.
     pub(super) fn rewound(&mut self) -> Result<&mut R, Located> {
         self.input
             .rewind()
@@ -204,7 +204,7 @@ impl Block {
         Place::block(self.id, self.offset)
     }
 
-    /// Link `index`; 0, which leads nowhere, where the block has fewer.
+    /// Returns link `index`; 0, which is no link, if the block has fewer.
     pub(super) fn link(&self, index: usize) -> u64 {
         self.links.get(index).copied().unwrap_or(0)
     }
@@ -217,7 +217,7 @@ impl Block {
         &self.data
     }
 
-    /// A problem of one of its fields.
+    /// Creates the problem of one of the block's fields.
     pub(super) fn field(
         &self,
         field: &'static str,
@@ -233,7 +233,7 @@ impl Block {
         (self.place(), problem)
     }
 
-    /// Refuses a block with less data than `bytes`.
+    /// Refuses a block with fewer data bytes than `bytes`.
     pub(super) fn require(&self, bytes: usize) -> Result<(), Located> {
         if self.data.len() >= bytes {
             return Ok(());
@@ -268,7 +268,7 @@ impl Block {
         u64_at(&self.data, at)
     }
 
-    /// All 64-bit floats from `at` on.
+    /// Returns all 64-bit floats from `at` on.
     pub(super) fn floats(&self, at: usize) -> Vec<f64> {
         let bytes = self.data.get(at..).unwrap_or_default();
         bytes
@@ -278,7 +278,7 @@ impl Block {
     }
 }
 
-/// The little-endian number at `at`; the caller has checked that it is there.
+/// Reads the little-endian number at `at`; the caller has checked that it exists.
 pub(super) fn u64_at(bytes: &[u8], at: usize) -> u64 {
     let mut word = [0; 8];
     word.copy_from_slice(&bytes[at..at + 8]);

@@ -1,4 +1,4 @@
-//! Which channels hold numbers over time, and where their numbers lie.
+//! Candidates for signals: channels with numbers over time, and the place of their numbers.
 
 use std::collections::HashMap;
 use std::io::{Read, Seek};
@@ -11,23 +11,23 @@ use super::layout::Layout;
 use super::problem::Problem;
 use super::structure::{Channel, ChannelGroup, File};
 
-/// Master channel over time, in s.
+/// Synchronisation type of a master channel over time (s).
 const SYNC_TIME: u8 = 1;
 
-/// A channel, with its group, and what it takes to read it.
+/// Channel with its group and the data needed to read it.
 #[derive(Debug)]
 pub(super) struct Candidate {
-    /// Group in the order of the file, from 1.
+    /// Number of the group in the order of the file, from 1.
     pub(super) group: usize,
     pub(super) name: String,
-    /// Unit as the file names it.
+    /// Unit as given in the file.
     pub(super) unit: String,
     pub(super) is_master: bool,
-    /// How to read it, or why it is no signal.
+    /// Source of the numbers, or the reason why the channel is no signal.
     pub(super) source: Result<Source, String>,
 }
 
-/// How to read the numbers of a channel.
+/// Source of the numbers of a channel.
 #[derive(Clone, Debug)]
 pub(super) struct Source {
     pub(super) layout: Layout,
@@ -35,29 +35,29 @@ pub(super) struct Source {
     pub(super) validity: Validity,
 }
 
-/// How a record tells that a sample is invalid.
+/// Rule for the validity of a sample in a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Validity {
     AlwaysValid,
     NeverValid,
-    /// By a bit after the data of the record, counted from there.
+    /// A bit after the data of the record, counted from there.
     Bit(usize),
 }
 
-/// A group, its place among the data, and its time.
+/// Group with its place among the data and its time.
 #[derive(Debug)]
 pub(super) struct Group {
-    /// Data group, from 0.
+    /// Number of the data group, from 0.
     pub(super) data_group: usize,
-    /// Group within the data group, from 0.
+    /// Number of the group within the data group, from 0.
     pub(super) channel_group: usize,
-    /// The instants, or why there are none.
+    /// Source of the instants, or the reason why there are none.
     pub(super) master: Result<Source, String>,
-    /// Unit of the instants as the file names it.
+    /// Unit of the instants as given in the file.
     pub(super) time_unit: String,
 }
 
-/// Groups and channels of a file. A group has the number of its place here plus one.
+/// Groups and channels of a file. The number of a group is its index here plus one.
 #[derive(Debug, Default)]
 pub(super) struct Candidates {
     pub(super) groups: Vec<Group>,
@@ -111,7 +111,7 @@ impl Candidates {
     }
 }
 
-/// Why no channel of the group can be read.
+/// Returns the reason why no channel of the group can be read, if there is one.
 fn obstacle(group: &ChannelGroup) -> Option<&'static str> {
     if group.has_remote_master {
         return Some("its group is stored column by column (MDF 4.2); save it as MDF 4.1");

@@ -1,4 +1,4 @@
-//! Which candidates become signals, under which name and in which unit: by the mapping, or by what the file says.
+//! Choice of signals among the candidates, with name and unit, by the mapping or by the file itself.
 
 use std::collections::BTreeMap;
 
@@ -12,26 +12,26 @@ use crate::name::{check_name, is_time_column};
 use crate::proposal::signal_line;
 use crate::{LeftOut, Unit};
 
-/// A channel that becomes a signal.
+/// Channel that becomes a signal.
 #[derive(Debug)]
 pub(super) struct Column {
-    /// Group, from 1.
+    /// Number of the group, from 1.
     pub(super) group: usize,
     pub(super) name: String,
     pub(super) unit: Unit,
-    /// How a mapping names the channel.
+    /// Name of the channel in a mapping.
     pub(super) key: String,
     pub(super) source: Source,
-    /// Value = converted number * scale + offset, if a mapping says so.
+    /// Scale and offset of a mapping, if any: value = converted number * scale + offset.
     pub(super) linear: Option<(f64, f64)>,
     pub(super) check_scale: bool,
 }
 
-/// The signals of a file, and the channels that are none.
+/// Signals of a file, and the channels that are none.
 #[derive(Debug, Default)]
 pub(super) struct Choice {
     pub(super) columns: Vec<Column>,
-    /// With their places among the candidates.
+    /// Left-out channels with their indices among the candidates.
     pub(super) left_out: Vec<(usize, LeftOut)>,
 }
 
@@ -64,7 +64,7 @@ impl Choice {
         Ok(choice)
     }
 
-    /// Takes channels under their own name, where it is the only one.
+    /// Takes channels under their own name, if it is unique.
     fn take_by_name(&mut self, channels: &[Candidate], rest: &[usize], mapping: &Mapping) {
         let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         let headings: Vec<_> = rest
@@ -110,7 +110,7 @@ impl Choice {
     }
 }
 
-/// The channel that a mapping means by `name`, or by `2/name` for the one of group 2.
+/// Finds the channel that a mapping names by `name`, or by `2/name` for the one of group 2.
 fn find(channels: &[Candidate], key: &ColumnKey) -> Result<usize, Located> {
     let wanted = match key {
         ColumnKey::Number(number) => {
@@ -178,7 +178,8 @@ fn mapped_column(
     })
 }
 
-/// Name, unit and source of a channel that speaks for itself; else its name, and why it is no signal.
+/// Returns name, unit and source of a channel that needs no mapping; otherwise its name and the reason why it is no
+/// signal.
 fn heading(channel: &Candidate) -> Result<(String, Unit, Source), (String, String)> {
     if let Err(problem) = check_name(&channel.name) {
         let name = Excerpt::of(&channel.name).as_str().to_owned();

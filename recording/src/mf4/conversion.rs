@@ -1,40 +1,40 @@
-//! From the number that was logged to the number that it means (ASAM MDF 4.1, CC block).
+//! Conversion of a logged number into its physical value (ASAM MDF 4.1, CC block).
 
 use std::io::{Read, Seek};
 
 use super::blocks::{Block, Blocks};
 use super::error::Located;
 
-/// Bytes of a conversion before its parameters.
+/// Size of a conversion before its parameters (bytes).
 const HEAD_BYTES: usize = 24;
-/// A table of texts may leave the values it does not list to another conversion, which may do so again.
+/// Maximum nesting: a table of texts may refer unlisted values to another conversion, which may do the same.
 const DEPTH_MAX: usize = 4;
 
-/// What a logged number means.
+/// Conversion of a logged number.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Conversion {
-    /// The number itself.
+    /// Identity: the number itself.
     Identity,
     /// offset + factor · x
     Linear { offset: f64, factor: f64 },
     /// (a x² + b x + c) / (d x² + e x + f)
     Rational([f64; 6]),
-    /// Pairs of key and value; between the keys on the straight line, beyond them the outermost value.
+    /// Pairs of key and value: linear interpolation between the keys, the outermost value beyond them.
     Interpolated(Vec<(f64, f64)>),
-    /// Pairs of key and value; the value of the nearest key, of the lower one in the middle.
+    /// Pairs of key and value: the value of the nearest key, in the middle that of the lower one.
     Nearest(Vec<(f64, f64)>),
-    /// Lower end, upper end, value, in increasing order; and the value of all others.
+    /// Lower end, upper end and value of ranges in increasing order, and the value of all other numbers.
     Ranges(Vec<[f64; 3]>, f64),
-    /// Ranges of numbers that stand for texts, in increasing order; what the others mean. None: all numbers are passed as
-    /// they are.
+    /// Ranges of numbers that represent texts, in increasing order, and the conversion of the other numbers. `None`:
+    /// all numbers stay unchanged.
     Texts(Vec<[f64; 2]>, Option<Box<Conversion>>),
 }
 
-/// A conversion, or why there is none.
+/// Conversion, or the reason why there is none.
 pub(super) type Converted = Result<Conversion, &'static str>;
 
 impl<R: Read + Seek> Blocks<R> {
-    /// The conversion at `offset`; of a channel of integers if `integers`.
+    /// Reads the conversion at `offset`; `integers` says whether the channel has integers.
     pub(super) fn conversion(&mut self, offset: u64, integers: bool) -> Result<Converted, Located> {
         self.conversion_within(offset, integers, DEPTH_MAX)
     }
@@ -115,7 +115,7 @@ impl<R: Read + Seek> Blocks<R> {
         }))
     }
 
-    /// A table of texts, with what the numbers mean that it does not list.
+    /// Reads a table of texts, with the conversion of the numbers that it does not list.
     fn texts(
         &mut self,
         block: &Block,
@@ -132,7 +132,7 @@ impl<R: Read + Seek> Blocks<R> {
                 rows.map(|row| [row[0], below(row[0], row[1])]).collect()
             }
         };
-        // The links after the four of every conversion: one for each row, then the one for all other numbers.
+        // The links after the four of every conversion: one for each row, then one for all other numbers.
         let link = block.link(4 + rows.len());
         let is_conversion = link != 0 && self.head("##CC", link)?.id == *b"##CC";
         if !is_conversion {
@@ -147,12 +147,12 @@ impl<R: Read + Seek> Blocks<R> {
     }
 }
 
-/// The upper end of a range of floats, which does not belong to it unless it is the lower end too.
+/// Returns the upper end of a range of floats, which is excluded unless it equals the lower end.
 fn below(low: f64, high: f64) -> f64 {
     if high > low { high.next_down() } else { high }
 }
 
-/// The same numbers in ranges that increase and do not touch.
+/// Returns the same numbers in increasing ranges that do not touch.
 fn merged(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut merged: Vec<[f64; 2]> = Vec::with_capacity(ranges.len());
@@ -166,7 +166,7 @@ fn merged(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 }
 
 impl Conversion {
-    /// What became of the numbers that stand for texts; none if there are no such.
+    /// Returns the treatment of the numbers that represent texts; `None` if there are none.
     pub(super) fn of_texts(&self) -> Option<&'static str> {
         match self {
             Self::Texts(_, None) => Some("it holds the numbers"),
@@ -175,8 +175,8 @@ impl Conversion {
         }
     }
 
-    /// Replaces numbers by what they mean. NaN stays NaN; a number that stands for a text becomes NaN if other numbers
-    /// of the channel are quantities.
+    /// Converts numbers. NaN stays NaN; a number that represents a text becomes NaN if other numbers of the channel are
+    /// quantities.
     pub(super) fn apply(&self, values: &mut [f64]) {
         match self {
             Self::Identity | Self::Texts(_, None) => {}

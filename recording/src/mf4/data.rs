@@ -1,4 +1,4 @@
-//! The data of a group: blocks in a row, some of them packed, as one stream of bytes.
+//! Data of a group: a sequence of blocks, some of them packed, read as one stream of bytes.
 
 use std::io::{Read, Seek};
 
@@ -9,21 +9,21 @@ use super::error::{Located, Place};
 use super::problem::{Budget, Problem};
 use super::structure::Unfinished;
 
-/// Plain data is read in pieces of this many bytes.
+/// Size of the pieces in which plain data is read (bytes).
 const PIECE_BYTES: u64 = 1 << 20;
-/// Bytes before the packed data of a block.
+/// Number of bytes before the packed data of a block.
 const PACKED_HEAD_BYTES: u64 = 24;
-/// No deflate stream unpacks to more: 258 bytes for 2 bits, and a little for its head.
+/// Maximum ratio of unpacked to packed size of a deflate stream: 258 bytes for 2 bits, and a little for its header.
 const UNPACKED_OVER_PACKED_MAX: u64 = 1032;
 
 /// One block of data.
 #[derive(Clone, Copy, Debug)]
 struct Fragment {
-    /// Where its data begins in the file.
+    /// Position of its data in the file.
     offset: u64,
-    /// Bytes in the file.
+    /// Size in the file (bytes).
     stored: u64,
-    /// Bytes of data.
+    /// Size of the data (bytes).
     bytes: u64,
     packing: Packing,
 }
@@ -32,20 +32,20 @@ struct Fragment {
 enum Packing {
     None,
     Deflate,
-    /// Deflate of the bytes column by column, so many columns.
+    /// Deflate of the transposed bytes, with this number of columns.
     Transposed(u64),
 }
 
-/// The data of a group, read from its beginning to its end.
+/// Data of a group, read from its beginning to its end.
 pub(super) struct DataStream {
     fragments: Vec<Fragment>,
     next: usize,
-    /// Bytes of the next fragment that were given already.
+    /// Number of bytes of the next fragment that were already returned.
     given: u64,
 }
 
 impl DataStream {
-    /// Finds the blocks behind `link`; none at link 0.
+    /// Finds the blocks behind `link`; none for link 0.
     pub(super) fn open<R: Read + Seek>(
         blocks: &mut Blocks<R>,
         link: u64,
@@ -66,13 +66,13 @@ impl DataStream {
         })
     }
 
-    /// Bytes of the whole stream.
+    /// Returns the size of the whole stream (bytes).
     pub(super) fn bytes(&self) -> u64 {
         let bytes = self.fragments.iter().map(|fragment| fragment.bytes);
         bytes.fold(0, u64::saturating_add)
     }
 
-    /// Appends the next piece to `buffer`; false at the end.
+    /// Appends the next piece to `buffer`; returns false at the end.
     pub(super) fn append<R: Read + Seek>(
         &mut self,
         blocks: &mut Blocks<R>,
@@ -118,7 +118,7 @@ impl DataStream {
     }
 }
 
-/// Undoes the transposition into `columns`; bytes beyond the last whole row follow as they are.
+/// Undoes the transposition into `columns`; bytes beyond the last whole row follow unchanged.
 fn append_rows(transposed: &[u8], columns: usize, buffer: &mut Vec<u8>) {
     let rows = transposed.len().checked_div(columns).unwrap_or(0);
     let (table, rest) = transposed.split_at(rows * columns);
@@ -159,7 +159,7 @@ impl<R: Read + Seek> Finder<'_, R> {
         while next != 0 {
             self.blocks.first_visit("##DL", next)?;
             let block = self.blocks.block("##DL", next)?;
-            // A list that its logger has not closed has room for more.
+            // A list that its logger has not closed has unused entries.
             for &link in block.links().iter().skip(1).filter(|&&link| link != 0) {
                 if self.unfinished.is_any && link >= self.blocks.file_bytes {
                     return Ok(());
@@ -176,7 +176,7 @@ impl<R: Read + Seek> Finder<'_, R> {
         self.blocks.first_visit("##DT", header.offset)?;
         let is_cut = header.length > self.blocks.file_bytes - header.offset;
         let fragment = match &header.id {
-            // What was packed is of no use in part.
+            // A cut packed block cannot be used in part.
             b"##DZ" if self.unfinished.is_any && is_cut => return Ok(()),
             b"##DT" => self.plain(header)?,
             b"##DZ" => self.packed(header)?,

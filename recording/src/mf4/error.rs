@@ -3,9 +3,9 @@ use std::fmt;
 use super::Problem;
 use crate::csv::Excerpt;
 
-/// Why an MF4 file was refused, and where.
+/// Refusal of an MF4 file: reason and place.
 ///
-/// Its text is one line: code, place, what was found, what was expected, what to do next.
+/// Its text is one line: code, place, found value, expected value, next step.
 #[derive(Debug)]
 pub struct Mf4Error(Box<Details>);
 
@@ -16,18 +16,18 @@ struct Details {
     problem: Problem,
 }
 
-/// A place in an MF4 file, as far as it is known.
+/// Place in an MF4 file, as far as it is known.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     /// Block by its identifier, such as `##CG`.
     pub block: Option<&'static str>,
-    /// Where the block begins, in bytes from the beginning of the file.
+    /// Position of the block, in bytes from the beginning of the file.
     pub offset: Option<u64>,
-    /// Channel.
+    /// Name of the channel.
     pub channel: Option<Excerpt>,
 }
 
-/// A problem and its place: what the parts of the reader return, before the file is named.
+/// Problem with its place, as returned by the parts of the reader before the file is named.
 pub(super) type Located = (Place, Problem);
 
 impl Place {
@@ -47,7 +47,7 @@ impl Place {
     }
 }
 
-/// A problem of the file as a whole.
+/// Creates a problem of the file as a whole.
 pub(super) fn of_file(problem: Problem) -> Located {
     (Place::default(), problem)
 }
@@ -61,27 +61,27 @@ impl Mf4Error {
         }))
     }
 
-    /// The stable code, such as `E-MF4-LENGTH`.
+    /// Returns the stable code, such as `E-MF4-LENGTH`.
     pub fn code(&self) -> &'static str {
         self.problem().code()
     }
 
-    /// The file, as its reader named it.
+    /// Returns the name of the file, as given to its reader.
     pub fn source_name(&self) -> &str {
         &self.0.source_name
     }
 
-    /// Where in the file.
+    /// Returns the place in the file.
     pub fn place(&self) -> &Place {
         &self.0.place
     }
 
-    /// What is wrong.
+    /// Returns the problem.
     pub fn problem(&self) -> &Problem {
         &self.0.problem
     }
 
-    /// True if a budget was exceeded, which the caller may raise.
+    /// Returns whether a budget was exceeded, which the caller may raise.
     pub fn is_limit(&self) -> bool {
         matches!(self.problem(), Problem::Limit { .. })
     }

@@ -1,4 +1,4 @@
-//! The blocks of a file that is written: all but the samples, which come last.
+//! Blocks of a written file, except the samples, which come last.
 
 use super::blocks::{ALIGNMENT, HEADER_BYTES, ID_BYTES};
 use super::structure::{HAS_OFFSETS, IN_LOCAL_TIME};
@@ -6,29 +6,29 @@ use super::text::escaped;
 use crate::csv::Column;
 use crate::{Clock, Provenance, StartTime, Unit};
 
-/// Name and version of the format, and eight letters for the program.
+/// Version of the format; the identification has its name and version, and eight letters for the program.
 const VERSION: u16 = 410;
 const IDENTIFICATION: &[u8; 24] = b"MDF     4.10    retarder";
 /// Master channel, over time (ASAM MDF 4.1, CN block).
 const MASTER: (u8, u8) = (2, 1);
 const FIXED_LENGTH: (u8, u8) = (0, 0);
-/// Little-endian float.
+/// Data type of a little-endian float.
 const FLOAT: u8 = 4;
 const FLOAT_BYTES: usize = 8;
 
-/// Signals with one time base, and how many samples they have.
+/// Signals with one time base, and their number of samples.
 pub(super) struct WrittenGroup<'a> {
     pub(super) columns: &'a [Column],
     pub(super) rows: u64,
 }
 
 impl WrittenGroup<'_> {
-    /// Bytes of the block that holds the samples.
+    /// Returns the size of the block with the samples (bytes).
     fn data_bytes(&self) -> u64 {
         HEADER_BYTES + self.rows * (FLOAT_BYTES * (1 + self.columns.len())) as u64
     }
 
-    /// The head of that block.
+    /// Returns the header of that block.
     pub(super) fn data_head(&self) -> [u8; HEADER_BYTES as usize] {
         let mut head = [0; HEADER_BYTES as usize];
         head[..4].copy_from_slice(b"##DT");
@@ -37,7 +37,7 @@ impl WrittenGroup<'_> {
     }
 }
 
-/// Everything before the first block of samples. Its length does not depend on the numbers of rows.
+/// Returns all bytes before the first block of samples. Their number does not depend on the numbers of rows.
 pub(super) fn head(provenance: &Provenance, groups: &[WrittenGroup<'_>]) -> Vec<u8> {
     let mut head = Head {
         bytes: IDENTIFICATION.to_vec(),
@@ -85,7 +85,7 @@ struct Head {
 }
 
 impl Head {
-    /// Appends a block, and returns where it begins.
+    /// Appends a block, and returns its position.
     fn block(&mut self, id: &[u8; 4], links: &[u64], data: &[u8]) -> u64 {
         let at = self.bytes.len() as u64;
         let length = HEADER_BYTES + 8 * links.len() as u64 + data.len() as u64;
@@ -124,7 +124,7 @@ impl Head {
     }
 }
 
-/// The unit as people write it, where it reads back as the same one.
+/// Returns the symbol of the unit if it reads back as the same unit, otherwise its token.
 fn unit_text(unit: Unit) -> &'static str {
     match Unit::parse(unit.symbol()) {
         Some(read) if read == unit => unit.symbol(),
@@ -132,7 +132,7 @@ fn unit_text(unit: Unit) -> &'static str {
     }
 }
 
-/// The data of the header. What was simulated has no start time: zero.
+/// Returns the data of the header block. A simulation has no start time: zero.
 fn start(start: Option<StartTime>) -> [u8; 32] {
     let mut data = [0; 32];
     if let Some(StartTime {

@@ -1,30 +1,30 @@
-//! Where the number of a channel lies in a record, and how it is written there.
+//! Place and format of a channel's number in a record.
 
 use super::structure::Channel;
 
-/// Place and form of a channel's number in each record of its group.
+/// Place and format of a channel's number in each record of its group.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Layout {
-    /// Not in the record: the number of the record, from 0.
+    /// Number of the record, from 0; it is not stored in the record.
     RecordNumber,
-    /// In these bytes of the record.
+    /// Bytes of the record.
     Bytes {
-        /// First byte.
+        /// Index of the first byte.
         at: usize,
         form: Form,
         is_big_endian: bool,
     },
 }
 
-/// How a number is written.
+/// Format of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Form {
     Float32,
     Float64,
     Integer {
-        /// Bytes that hold its bits, 1 to 9.
+        /// Number of bytes with its bits, 1 to 9.
         bytes: usize,
-        /// Bits below its lowest one, 0 to 7.
+        /// Number of bits below its lowest one, 0 to 7.
         shift: u32,
         /// Number of bits, 1 to 64.
         bits: u32,
@@ -43,7 +43,7 @@ impl Form {
 }
 
 impl Layout {
-    /// The layout of `channel`, or why it holds no number.
+    /// Returns the layout of `channel`, or the reason why it contains no number.
     pub(super) fn of(channel: &Channel) -> Result<Self, &'static str> {
         match channel.kind {
             0 | 2 => {}
@@ -78,7 +78,7 @@ impl Layout {
         })
     }
 
-    /// Bytes that a record must have for it.
+    /// Returns the number of bytes that a record must have for it.
     pub(super) fn end(&self) -> usize {
         match self {
             Self::RecordNumber => 0,
@@ -86,7 +86,7 @@ impl Layout {
         }
     }
 
-    /// Whether it holds an integer.
+    /// Returns whether it contains an integer.
     pub(super) fn is_integer(&self) -> bool {
         match self {
             Self::RecordNumber => true,
@@ -150,7 +150,7 @@ fn array<const N: usize>(record: &[u8], at: usize) -> [u8; N] {
     array
 }
 
-/// Up to nine bytes as one number.
+/// Returns up to nine bytes as one number.
 fn word(bytes: &[u8], is_big_endian: bool) -> u128 {
     let push = |word: u128, byte: &u8| word << 8 | u128::from(*byte);
     if is_big_endian {
@@ -160,7 +160,7 @@ fn word(bytes: &[u8], is_big_endian: bool) -> u128 {
     }
 }
 
-/// The lowest `bits` of a word. Integers beyond 2⁵³ are rounded to the nearest float.
+/// Returns the lowest `bits` of a word. Integers beyond 2⁵³ are rounded to the nearest float.
 fn integer(word: u64, bits: u32, is_signed: bool) -> f64 {
     let unused = 64 - bits;
     if is_signed {

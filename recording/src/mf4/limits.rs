@@ -1,9 +1,9 @@
-/// Budgets of a reader: beyond them a file is refused at once, in memory that the budgets bound.
+/// Budgets of a reader: a file beyond them is refused at once. They also bound the memory of the reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Size of the file in bytes; default 4 GiB.
+    /// Size of the file (bytes); default 4 GiB.
     pub file_bytes: u64,
-    /// Bytes of all blocks that are no data: groups, channels, conversions, texts; default 64 MiB.
+    /// Size of all blocks without data, such as groups, channels, conversions and texts (bytes); default 64 MiB.
     pub metadata_bytes: u64,
     /// Number of channels; default 10 000.
     pub channels: u64,
@@ -11,7 +11,7 @@ pub struct Limits {
     pub samples: u64,
     /// Number of samples of all signals together, each 8 bytes in memory; default 2.5 · 10⁸.
     pub values: u64,
-    /// Bytes of one packed block after unpacking; default 32 MiB.
+    /// Size of one packed block after unpacking (bytes); default 32 MiB.
     pub unpacked_bytes: u64,
 }
 

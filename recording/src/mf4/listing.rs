@@ -11,9 +11,9 @@ use super::problem::Problem;
 use super::structure::File;
 use crate::csv::Mapping;
 
-/// What a file has, without its samples: to choose from, and to write a mapping for.
+/// Content of a file without its samples, from which a mapping can be written.
 ///
-/// Texts are as in the file: show them as text, and never as markup.
+/// Texts are unchanged from the file: show them as text, never as markup.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listing {
     /// Version times 100, such as 410.
@@ -22,7 +22,7 @@ pub struct Listing {
     pub producer: Option<String>,
     /// Comment on the file.
     pub comment: String,
-    /// The logger did not close it.
+    /// Whether the logger did not close the file.
     pub is_unfinished: bool,
     /// Groups of channels that were sampled together, in the order of the file. A mapping numbers them from 1.
     pub groups: Vec<Group>,
@@ -33,7 +33,7 @@ pub struct Listing {
 pub struct Group {
     /// Name; often empty.
     pub name: String,
-    /// Number of samples, as the file says: 0 in many that are unfinished.
+    /// Number of samples as given in the file: 0 in many that are unfinished.
     pub samples: u64,
     /// Channels without the time.
     pub channels: Vec<Channel>,
@@ -44,16 +44,16 @@ pub struct Group {
 pub struct Channel {
     /// Name.
     pub name: String,
-    /// Unit as the file names it.
+    /// Unit as given in the file.
     pub unit: String,
-    /// Why it is no signal, and what a mapping can do about it; none if it is one by itself.
+    /// Reason why it is no signal, and the mapping that may solve it; `None` if it is one without a mapping.
     pub obstacle: Option<String>,
 }
 
-/// Lists what the file has.
+/// Lists the content of an MF4 input.
 ///
 /// # Errors
-/// The first thing that is wrong with its structure; its data are not read.
+/// Returns the first problem of its structure; its data is not read.
 pub fn list<R: Read + Seek>(
     source_name: &str,
     input: R,
@@ -62,10 +62,10 @@ pub fn list<R: Read + Seek>(
     list_located(input, limits).map_err(|error| Mf4Error::new(source_name, error))
 }
 
-/// Lists what an MF4 file has.
+/// Lists the content of an MF4 file.
 ///
 /// # Errors
-/// As [`list`].
+/// Returns the same errors as [`list`].
 pub fn list_file(path: impl AsRef<Path>, limits: Limits) -> Result<Listing, Mf4Error> {
     let path = path.as_ref();
     let name = path.display().to_string();

@@ -1,7 +1,7 @@
-//! MF4 (ASAM MDF 4) as loggers write it in, and one clean form of it out.
+//! MF4 (ASAM MDF 4): a reader for the files that loggers write, and a writer of one clean form.
 //!
-//! [`read_file`] makes a [`Recording`](crate::Recording) with one time base for each rate; [`list_file`] tells what
-//! there is to choose from. [`write()`] and [`Writer`] write sorted files of 64-bit floats.
+//! [`read_file`] creates a [`Recording`](crate::Recording) with one time base for each rate; [`list_file`] lists the
+//! channels to choose from. [`write()`] and [`Writer`] write sorted files of 64-bit floats.
 
 mod blocks;
 mod candidates;

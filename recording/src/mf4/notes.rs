@@ -1,4 +1,4 @@
-//! What a recording says about the file it was read from.
+//! Notes of a recording about the file from which it was read.
 
 use super::choice::Column;
 use super::structure::File;
@@ -8,15 +8,15 @@ use crate::{Note, Provenance, Recording};
 /// Key of the notes that the reader adds to those of the file.
 pub const READER_NOTE: &str = "reader";
 
-/// Channels that were left out and are named in an error.
+/// Maximum number of left-out channels named in an error.
 const NAMED_MAX: usize = 3;
 
-/// Source, producer, and the notes of the file itself.
+/// Returns source, producer, and the notes of the file itself.
 pub(super) fn provenance(source_name: &str, file: &File) -> Provenance {
     let mut provenance = Provenance::from_source(source_name);
     provenance.producer = file.producer.clone();
     provenance.start = file.start;
-    // Files of ours have the source as comment, for whoever looks at them with another program.
+    // Our files have the source as comment, for display in other programs.
     let is_repeated = |note: &Note| note.value == file.comment;
     if !file.comment.is_empty() && !file.properties.iter().any(is_repeated) {
         provenance.notes.push(Note {
@@ -32,13 +32,13 @@ pub(super) fn provenance(source_name: &str, file: &File) -> Provenance {
     provenance
 }
 
-/// Tells of data that is no whole record.
+/// Adds a note about data that is no whole record.
 pub(super) fn add_rest(provenance: &mut Provenance, bytes: u64) {
     let text = format!("{bytes} bytes after the last whole record of a group were not read");
     add(provenance, text);
 }
 
-/// Tells what was made of a channel's numbers.
+/// Adds a note about the treatment of a channel's numbers.
 pub(super) fn add_column(provenance: &mut Provenance, column: &Column, not_a_number: u64) {
     let name = Excerpt::of(&column.name);
     if let Some(outcome) = column.source.conversion.of_texts() {
@@ -51,7 +51,7 @@ pub(super) fn add_column(provenance: &mut Provenance, column: &Column, not_a_num
     }
 }
 
-/// Tells that signals of other rates were taken at the instants of `name`.
+/// Adds a note that signals of other rates were taken at the instants of `name`.
 pub(super) fn add_instants(provenance: &mut Provenance, name: &str) {
     let name = Excerpt::of(name);
     let text = format!("all signals are as they were known at the instants of {name}");
@@ -65,7 +65,7 @@ fn add(provenance: &mut Provenance, value: String) {
     });
 }
 
-/// The first channels that were left out, as the end of a sentence.
+/// Returns the first left-out channels, as the end of a sentence.
 pub(super) fn first_left_out(recording: &Recording) -> String {
     let left_out = recording.left_out();
     let named = left_out.iter().take(NAMED_MAX);

@@ -5,161 +5,161 @@ use crate::Implausible;
 use crate::csv::Excerpt;
 use crate::plausibility::Code;
 
-/// A budget of [`Limits`](super::Limits).
+/// Budget of [`Limits`](super::Limits).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Budget {
-    /// Bytes in the file.
+    /// Size of the file (bytes).
     FileBytes,
-    /// Bytes of blocks that are no data.
+    /// Size of blocks without data (bytes).
     MetadataBytes,
-    /// Channels.
+    /// Number of channels.
     Channels,
-    /// Samples per channel.
+    /// Number of samples per channel.
     Samples,
-    /// Samples of all signals together.
+    /// Number of samples of all signals together.
     Values,
-    /// Bytes of one block after unpacking.
+    /// Size of one block after unpacking (bytes).
     UnpackedBytes,
 }
 
-/// What is wrong with an MF4 file. Each variant has a stable code.
+/// Problem of an MF4 file. Each variant has a stable code.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Problem {
     /// The file cannot be read.
     Io(io::Error),
-    /// It does not begin as an MDF file.
+    /// The file does not begin as an MDF file.
     NoMdf {
-        /// Its first bytes.
+        /// First bytes of the file.
         found: Excerpt,
     },
-    /// Another version than 4.
+    /// The version is not 4.
     Version {
-        /// The version that the file names, times 100.
+        /// Version in the file, times 100.
         found: u16,
     },
     /// A budget is exceeded.
     Limit {
-        /// Which budget.
+        /// Exceeded budget.
         budget: Budget,
-        /// What the file wants.
+        /// Value required by the file.
         found: u64,
-        /// The bound.
+        /// Bound of the budget.
         bound: u64,
     },
-    /// A link that leads outside of the file, or between two places where a block may begin.
+    /// A link leads outside of the file, or to an address where no block may begin.
     Link {
-        /// Where it leads, in bytes from the beginning of the file.
+        /// Target of the link, in bytes from the beginning of the file.
         target: u64,
-        /// Size of the file in bytes.
+        /// Size of the file (bytes).
         file_bytes: u64,
     },
-    /// Another block than the one that belongs there.
+    /// A block has another identifier than expected.
     BlockId {
-        /// What belongs there.
+        /// Expected identifier.
         expected: &'static str,
-        /// The four bytes that are there.
+        /// Four bytes found in its place.
         found: Excerpt,
     },
-    /// A block that is longer than the file, or too short for what it has to hold.
+    /// A block is longer than the file, or too short for its content.
     BlockLength {
-        /// What the block says, in bytes.
+        /// Length given in the block (bytes).
         found: u64,
-        /// The shortest possible, in bytes.
+        /// Smallest possible length (bytes).
         at_least: u64,
-        /// What there is up to the end of the file, in bytes.
+        /// Number of bytes up to the end of the file.
         at_most: u64,
     },
-    /// A block that is its own successor, by way of others or not.
+    /// A block follows itself, directly or through other blocks.
     Loop,
-    /// A field with a value that the format does not have, or that contradicts another one.
+    /// A field has a value that the format does not allow, or that contradicts another field.
     Field {
-        /// Which field.
+        /// Name of the field.
         field: &'static str,
-        /// Its value.
+        /// Value of the field.
         found: u64,
-        /// What is possible.
+        /// Allowed values.
         expected: String,
     },
-    /// Packed data that cannot be unpacked.
+    /// Packed data cannot be unpacked.
     Packed {
-        /// What is wrong.
+        /// Reason of the failure.
         reason: &'static str,
     },
-    /// Less data than the samples need.
+    /// There is less data than the samples need.
     DataShort {
-        /// Number of samples that the group says it has.
+        /// Number of samples given by the group.
         samples: u64,
-        /// Number of samples that are there.
+        /// Number of samples found.
         found: u64,
     },
-    /// A record of a group that is not there.
+    /// A record belongs to a missing group.
     RecordId {
         /// Number of the record's group.
         found: u64,
     },
     /// No channel becomes a signal.
     NoSignal {
-        /// The first channels that were left out, with their reasons.
+        /// First left-out channels, with their reasons.
         left_out: String,
     },
-    /// The mapping names a channel that is not there.
+    /// The mapping names a missing channel.
     MappedChannelMissing {
-        /// The channel as the mapping names it.
+        /// Channel as named by the mapping.
         wanted: String,
-        /// Channels that are there.
+        /// Existing channels.
         found: Excerpt,
     },
-    /// The mapping names a channel that occurs in several groups.
+    /// The mapping names a channel that exists in several groups.
     MappedChannelTwice {
-        /// The channel as the mapping names it.
+        /// Channel as named by the mapping.
         wanted: String,
         /// Two of the groups, numbered from 1.
         groups: [usize; 2],
     },
-    /// The mapping wants a channel that cannot be a signal.
+    /// The mapping names a channel that cannot be a signal.
     MappedChannelUnusable {
-        /// The channel as the mapping names it.
+        /// Channel as named by the mapping.
         wanted: String,
-        /// Why.
+        /// Reason why it cannot be a signal.
         reason: String,
     },
     /// The mapping names a column by its number.
     MappedByNumber {
-        /// The number.
+        /// Number in the mapping.
         number: u32,
     },
-    /// The mapping says what the time is.
+    /// The mapping defines the time, which MF4 files define themselves.
     MappedTime,
-    /// The mapping says that a signal is constant, and the file has it.
+    /// A signal is constant in the mapping, and the file contains it.
     ConstantLogged {
-        /// Its name.
+        /// Name of the signal.
         name: String,
     },
-    /// A constant of the mapping, and several time bases that it could have.
+    /// The mapping has a constant, and several time bases are possible for it.
     ConstantTimeBase {
-        /// Its name.
+        /// Name of the constant.
         name: String,
     },
     /// The mapping keeps no row of the file.
     NoRowKept,
-    /// The mapping takes its instants from a signal that is not there.
+    /// The mapping takes its instants from a missing signal.
     NoInstants {
-        /// Its name.
+        /// Name of the signal.
         name: String,
     },
-    /// Values that no signal of this unit has.
+    /// No signal of this unit has such values.
     Implausible {
         /// Number of the sample, from 0.
         sample: u64,
-        /// What is wrong with it.
+        /// Problem of the sample.
         implausible: Implausible,
     },
 }
 
 impl Problem {
-    /// The stable code.
+    /// Returns the stable code.
     pub fn code(&self) -> &'static str {
         match self {
             Self::Io(_) => "E-MF4-IO",
@@ -200,7 +200,7 @@ impl Problem {
         }
     }
 
-    /// What to do next, as an instruction.
+    /// Returns the next step, as an instruction.
     pub fn next_step(&self) -> String {
         let fixed = match self {
             Self::Io(_) => "check that the file exists and may be read",

@@ -18,20 +18,20 @@ use crate::csv::header::parse_unit;
 use crate::plausibility::Watch;
 use crate::{InputFile, OutOfBounds, Quantity, Recording, TimeBase, TimeBaseId, Unit};
 
-/// What to know before a file is read.
+/// Options for reading a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Which channels are which signals, where the file does not say it. A channel is named as it is in the file, or
-    /// as `2/NAME` for the one of group 2.
+    /// Assignment of channels to signals, where the file does not define it. A channel is named as in the file, or as
+    /// `2/NAME` for the one of group 2.
     pub mapping: Mapping,
-    /// Budgets.
+    /// Budgets of the reader.
     pub limits: Limits,
 }
 
-/// Reads all of `input` into a recording. `source_name` is for messages and the provenance.
+/// Reads all of `input` into a recording. `source_name` is used in messages and in the provenance.
 ///
 /// # Errors
-/// The first thing that is wrong with the file. A channel that cannot be a signal is no error: it is left out, see
+/// Returns the first problem of the file. A channel that cannot be a signal is no error: it is left out, see
 /// [`Recording::left_out`].
 pub fn read<R: Read + Seek>(
     source_name: &str,
@@ -44,7 +44,7 @@ pub fn read<R: Read + Seek>(
 /// Reads an MF4 file into a recording.
 ///
 /// # Errors
-/// As [`read`].
+/// Returns the same errors as [`read`].
 pub fn read_file(path: impl AsRef<Path>, options: &Options) -> Result<Recording, Mf4Error> {
     let path = path.as_ref();
     let source_name = path
@@ -81,7 +81,7 @@ fn read_located<R: Read + Seek>(
     Ok(recording)
 }
 
-/// Puts what was read together.
+/// Builder of a recording from the data read.
 struct Builder<'a> {
     recording: Recording,
     mapping: &'a Mapping,
@@ -179,7 +179,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The time base of these instants and which of them are kept, or why they are none.
+    /// Returns the time base of these instants and the kept ones among them, or the reason why they form none.
     fn time_base(
         &mut self,
         unit: &str,
@@ -266,8 +266,8 @@ impl Builder<'_> {
     }
 }
 
-/// Makes values that are out of bounds missing and returns them, and refuses a channel that cannot be what its unit says;
-/// the first of the values is sample `first`.
+/// Replaces values out of bounds by missing ones and returns them. Refuses a channel whose values cannot have its unit.
+/// The first of the values is sample `first`.
 fn keep_plausible(
     column: &Column,
     first: u64,
@@ -292,7 +292,7 @@ fn keep_plausible(
     Ok(watch.outside().cloned())
 }
 
-/// Size and hash of the whole file.
+/// Returns size and hash of the whole file.
 fn identity<R: Read + Seek>(blocks: &mut Blocks<R>) -> Result<InputFile, Located> {
     let size_bytes = blocks.file_bytes;
     let mut hash = Sha256::new();

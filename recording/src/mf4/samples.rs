@@ -1,4 +1,4 @@
-//! The records of a data group become samples of its channels.
+//! Conversion of the records of a data group into samples of its channels.
 
 use std::collections::HashMap;
 use std::io::{Read, Seek};
@@ -10,12 +10,12 @@ use super::error::{Located, Place};
 use super::problem::{Budget, Problem};
 use super::structure::{DataGroup, Unfinished};
 
-/// Bytes before a record of variable length that tell its length.
+/// Number of bytes before a record of variable length that give its length.
 const LENGTH_BYTES: usize = 4;
 
-/// The samples of some channels of one group.
+/// Samples of some channels of one group.
 pub(super) struct Samples<'a> {
-    /// Group within the data group, from 0.
+    /// Number of the group within the data group, from 0.
     pub(super) channel_group: usize,
     sources: Vec<&'a Source>,
     /// One row of samples per source; NaN where invalid.
@@ -35,8 +35,8 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// Reads the records of a data group into `wanted`, and returns it with the number of bytes that belong to no whole
-/// record. `values` counts the samples of the whole file against the budget.
+/// Reads the records of a data group into `wanted`. Returns it with the number of bytes that belong to no whole record.
+/// `values` counts the samples of the whole file against the budget.
 pub(super) fn read<'a, R: Read + Seek>(
     blocks: &mut Blocks<R>,
     group: &DataGroup,
@@ -83,26 +83,26 @@ pub(super) fn read<'a, R: Read + Seek>(
     Ok((samples, buffer.len() as u64))
 }
 
-/// Splits a stream into records, and these into samples.
+/// Decoder of a stream into records, and of records into samples.
 struct Decoder<'a, 'v> {
     record_id_bytes: usize,
     routes: Vec<Route<'a>>,
-    /// Where the route of a group number is.
+    /// Index of the route for each group number.
     index: HashMap<u64, usize>,
-    /// Bytes of a record of variable length that are still to come.
+    /// Number of bytes left in a record of variable length.
     skip: u64,
     samples_max: u64,
     values_max: u64,
     values: &'v mut u64,
 }
 
-/// What becomes of the records of one group.
+/// Treatment of the records of one group.
 struct Route<'a> {
     record_id: u64,
     has_variable_length: bool,
-    /// Bytes of a record with its group number.
+    /// Size of a record with its group number (bytes).
     stride: usize,
-    /// Bytes before the bits that tell what is invalid.
+    /// Number of bytes before the invalidation bits.
     validity_at: usize,
     records: u64,
     records_max: u64,
@@ -143,7 +143,7 @@ fn routes<'a>(
 }
 
 impl Decoder<'_, '_> {
-    /// Refuses a stream of equal records that is too long before it is read, and makes room for one that is not.
+    /// Refuses a stream of equal records that is too long before it is read, and reserves memory for any other.
     fn reserve(&mut self, bytes: u64) -> Result<(), Problem> {
         let ([route], 0) = (&mut self.routes[..], self.record_id_bytes) else {
             return Ok(());
@@ -164,7 +164,7 @@ impl Decoder<'_, '_> {
         Ok(())
     }
 
-    /// Takes whole records from the beginning of `buffer`, and returns how many bytes these were.
+    /// Takes whole records from the beginning of `buffer`, and returns the number of bytes taken.
     fn take(&mut self, buffer: &[u8]) -> Result<usize, Problem> {
         if let ([_], 0) = (&self.routes[..], self.record_id_bytes) {
             let stride = self.routes[0].stride;
@@ -203,7 +203,7 @@ impl Decoder<'_, '_> {
         }
     }
 
-    /// The group number at the beginning of `bytes`, if they are enough; 0 where records have none.
+    /// Returns the group number at the beginning of `bytes`, if there are enough bytes; 0 if records have none.
     fn record_id(&self, bytes: &[u8]) -> Option<u64> {
         let bytes = bytes.get(..self.record_id_bytes.max(1))?;
         let mut word = [0; 8];
@@ -211,7 +211,7 @@ impl Decoder<'_, '_> {
         Some(u64::from_le_bytes(word))
     }
 
-    /// Bytes of the whole records of one group at the beginning of `bytes`.
+    /// Returns the size of the whole records of one group at the beginning of `bytes`.
     fn run(&self, bytes: &[u8], stride: usize, id: u64) -> usize {
         let of_group = |record: &&[u8]| self.record_id(record) == Some(id);
         stride * bytes.chunks_exact(stride).take_while(of_group).count()
@@ -250,7 +250,7 @@ impl Decoder<'_, '_> {
     }
 }
 
-/// Makes invalid samples NaN.
+/// Replaces invalid samples by NaN.
 fn remove_invalid(
     validity: Validity,
     records: &[u8],

@@ -1,4 +1,4 @@
-//! What the file says that it has: data groups, channel groups, channels.
+//! Structure of the file: data groups, channel groups, channels.
 
 use std::io::{Read, Seek};
 
@@ -16,12 +16,12 @@ const UNFINISHED: &[u8; 8] = b"UnFinMF ";
 pub(super) const IN_LOCAL_TIME: u8 = 0b1;
 pub(super) const HAS_OFFSETS: u8 = 0b10;
 
-/// The file without its data.
+/// File without its data.
 #[derive(Debug)]
 pub(super) struct File {
     /// Version times 100.
     pub(super) version: u16,
-    /// What the logger has not done any more.
+    /// Steps that the logger did not finish.
     pub(super) unfinished: Unfinished,
     /// Program that wrote the file.
     pub(super) producer: Option<String>,
@@ -31,14 +31,14 @@ pub(super) struct File {
     pub(super) data_groups: Vec<DataGroup>,
 }
 
-/// Steps that a logger leaves for the end and did not come to (ASAM MDF 4.1, ID block).
+/// Final steps that a logger did not reach (ASAM MDF 4.1, ID block).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Unfinished {
-    /// The file was not closed.
+    /// Whether the file was not closed.
     pub(super) is_any: bool,
-    /// Groups do not know how many records they have.
+    /// Whether the numbers of records of the groups are missing.
     pub(super) counts: bool,
-    /// The last data block does not know how long it is.
+    /// Whether the length of the last data block is missing.
     pub(super) data_length: bool,
 }
 
@@ -48,7 +48,7 @@ pub(super) struct DataGroup {
     /// Link to the data.
     pub(super) data: u64,
     pub(super) offset: u64,
-    /// Bytes before each record that tell its group: 0, 1, 2, 4 or 8.
+    /// Number of bytes before each record that give its group: 0, 1, 2, 4 or 8.
     pub(super) record_id_bytes: usize,
     pub(super) channel_groups: Vec<ChannelGroup>,
 }
@@ -58,11 +58,11 @@ pub(super) struct DataGroup {
 pub(super) struct ChannelGroup {
     pub(super) offset: u64,
     pub(super) record_id: u64,
-    /// Number of records, as the file says.
+    /// Number of records as given in the file.
     pub(super) records: u64,
-    /// Records of variable length, for one channel of another group.
+    /// Whether the records have variable length, for one channel of another group.
     pub(super) has_variable_length: bool,
-    /// Channels lie in blocks of their own (MDF 4.2).
+    /// Whether the channels are stored in separate blocks (MDF 4.2).
     pub(super) has_remote_master: bool,
     pub(super) data_bytes: usize,
     pub(super) invalidation_bytes: usize,
@@ -70,7 +70,7 @@ pub(super) struct ChannelGroup {
     pub(super) channels: Vec<Channel>,
 }
 
-/// A channel as the file describes it.
+/// Channel as described in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Channel {
     pub(super) offset: u64,
@@ -84,14 +84,14 @@ pub(super) struct Channel {
     pub(super) bits: u32,
     pub(super) flags: u32,
     pub(super) invalidation_bit: u32,
-    /// Consists of members or of elements.
+    /// Whether the channel consists of members or of elements.
     pub(super) is_composed: bool,
     /// Link to the conversion.
     pub(super) conversion: u64,
 }
 
 impl Channel {
-    /// Whether it gives the instants of its group.
+    /// Returns whether the channel gives the instants of its group.
     pub(super) fn is_master(&self) -> bool {
         matches!(self.kind, 2 | 3)
     }
@@ -147,7 +147,7 @@ fn identification<R: Read + Seek>(blocks: &mut Blocks<R>) -> Result<(u16, Unfini
     Ok((version, unfinished))
 }
 
-/// When the recording began; none in a file that leaves it at zero.
+/// Returns the start of the recording; `None` if it is zero in the file.
 fn start(header: &Block) -> Result<Option<StartTime>, Located> {
     header.require(13)?;
     let (since_1970_ns, flags) = (header.u64(0), header.u8(12));
@@ -155,13 +155,13 @@ fn start(header: &Block) -> Result<Option<StartTime>, Located> {
         return Ok(None);
     }
     let offset_min = |at| i32::from(header.u16(at).cast_signed());
-    // By the standard the offsets of a local time mean nothing.
+    // The standard gives the offsets of a local time no meaning.
     let clock = match (flags & IN_LOCAL_TIME != 0, flags & HAS_OFFSETS != 0) {
         (true, _) => Clock::Local,
         (false, false) => Clock::Utc { ahead_min: 0 },
         (false, true) => {
             let ahead_min = offset_min(8) + offset_min(10);
-            // A day or more is no zone: the universal time is told without one.
+            // An offset of a day or more is no zone: the universal time is then returned without one.
             let is_zone = ahead_min.abs() < 24 * 60;
             let ahead_min = i16::try_from(ahead_min).ok().filter(|_| is_zone);
             Clock::Utc {
@@ -175,7 +175,7 @@ fn start(header: &Block) -> Result<Option<StartTime>, Located> {
     }))
 }
 
-/// The tool of the last entry in the file's history.
+/// Returns the tool of the last entry in the file's history.
 fn producer<R: Read + Seek>(
     blocks: &mut Blocks<R>,
     mut next: u64,

@@ -1,4 +1,4 @@
-//! Texts of the file: plain ones, and the few elements that are of interest of those in XML.
+//! Texts of the file: plain ones, and the relevant elements of XML texts.
 
 use std::io::{Read, Seek};
 
@@ -6,12 +6,12 @@ use super::blocks::Blocks;
 use super::error::Located;
 use crate::Note;
 
-/// No text has more bytes; the rest is not read.
+/// Maximum size of a text (bytes); the rest is not read.
 const TEXT_BYTES_MAX: u64 = 64 << 10;
-/// No comment has more properties.
+/// Maximum number of properties of a comment.
 const NOTES_MAX: usize = 256;
 
-/// A comment: its text, and its properties by name.
+/// Comment: its text, and its properties by name.
 #[derive(Debug, Default)]
 pub(super) struct Comment {
     pub(super) text: String,
@@ -19,12 +19,12 @@ pub(super) struct Comment {
 }
 
 impl<R: Read + Seek> Blocks<R> {
-    /// The text at `offset`, plain or the `TX` element of XML; none at link 0.
+    /// Reads the text at `offset`, plain or the `TX` element of XML; empty for link 0.
     pub(super) fn text(&mut self, offset: u64) -> Result<String, Located> {
         Ok(self.comment(offset)?.text)
     }
 
-    /// The comment at `offset`; an empty one at link 0.
+    /// Reads the comment at `offset`; an empty one for link 0.
     pub(super) fn comment(&mut self, offset: u64) -> Result<Comment, Located> {
         let (text, is_xml) = self.raw_text(offset)?;
         if !is_xml {
@@ -39,7 +39,7 @@ impl<R: Read + Seek> Blocks<R> {
         })
     }
 
-    /// The text at `offset` as it stands there, empty at link 0, and whether it is XML.
+    /// Reads the unchanged text at `offset`, empty for link 0; also returns whether it is XML.
     pub(super) fn raw_text(&mut self, offset: u64) -> Result<(String, bool), Located> {
         if offset == 0 {
             return Ok((String::new(), false));
@@ -53,7 +53,7 @@ impl<R: Read + Seek> Blocks<R> {
     }
 }
 
-/// What stands in the first element `name`.
+/// Returns the content of the first element `name`.
 pub(super) fn element(xml: &str, name: &str) -> Option<String> {
     let (_, rest) = xml.split_once(&format!("<{name}"))?;
     let (_, rest) = rest.split_once('>')?;
@@ -61,7 +61,7 @@ pub(super) fn element(xml: &str, name: &str) -> Option<String> {
     Some(unescaped(content.trim()))
 }
 
-/// `<e name="key">value</e>`, wherever it stands.
+/// Returns all `<e name="key">value</e>`, at any place.
 fn properties(xml: &str) -> Vec<Note> {
     let elements = xml.split("<e ").skip(1).take(NOTES_MAX);
     elements
@@ -82,7 +82,7 @@ fn unescaped(text: &str) -> String {
     if !text.contains('&') {
         return text.to_owned();
     }
-    // The ampersand last: `&amp;lt;` is the text `&lt;`.
+    // The ampersand comes last: `&amp;lt;` is the text `&lt;`.
     text.replace("&lt;", "<")
         .replace("&gt;", ">")
         .replace("&quot;", "\"")
@@ -90,7 +90,7 @@ fn unescaped(text: &str) -> String {
         .replace("&amp;", "&")
 }
 
-/// Text as it stands between XML tags or in an attribute, without characters that XML forbids.
+/// Returns text escaped for XML content or an attribute, without characters that XML forbids.
 pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {

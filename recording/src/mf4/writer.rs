@@ -5,8 +5,8 @@ use crate::csv::writer::check_columns;
 use crate::csv::{Column, WriteError};
 use crate::{Provenance, Recording};
 
-/// Writes rows as a sorted MF4 file, version 4.10, that [`read`](super::read) reads back bit for bit: one group, 64-bit
-/// floats, NaN where a sample is missing.
+/// Writer of rows as a sorted MF4 file, version 4.10, which [`read`](super::read) reads back bit for bit: one group,
+/// 64-bit floats, NaN where a sample is missing.
 pub struct Writer<W: Write + Seek> {
     sink: W,
     provenance: Provenance,
@@ -17,10 +17,10 @@ pub struct Writer<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> Writer<W> {
-    /// Writes everything but the samples; `sink` is empty.
+    /// Writes everything except the samples; `sink` must be empty.
     ///
     /// # Errors
-    /// [`WriteError`]: a name that no reader takes, or the sink's error.
+    /// Returns a [`WriteError`] for a name that no reader accepts, or for the sink's error.
     pub fn new(
         mut sink: W,
         provenance: &Provenance,
@@ -39,11 +39,11 @@ impl<W: Write + Seek> Writer<W> {
         })
     }
 
-    /// Writes one row: the time in s and one value per column, NaN where missing.
+    /// Writes one row: the time (s) and one value per column, NaN where missing.
     ///
     /// # Errors
-    /// [`WriteError`]: times that do not increase, infinite values, another number of values, or the sink's error.
-    /// Nothing of the row is written then.
+    /// Returns a [`WriteError`] for times that do not increase, infinite values, another number of values, or the
+    /// sink's error. Nothing of the row is written then.
     pub fn write_row(&mut self, time_s: f64, values: &[f64]) -> Result<(), WriteError> {
         if values.len() != self.columns.len() {
             return Err(WriteError::ValueCount {
@@ -75,10 +75,10 @@ impl<W: Write + Seek> Writer<W> {
         Ok(())
     }
 
-    /// Writes how many rows there are, flushes, and returns the sink.
+    /// Writes the number of rows, flushes, and returns the sink.
     ///
     /// # Errors
-    /// The sink's error, and [`WriteError::NoRows`].
+    /// Returns the sink's error, or [`WriteError::NoRows`].
     pub fn finish(mut self) -> Result<W, WriteError> {
         if self.rows == 0 {
             return Err(WriteError::NoRows);
@@ -96,7 +96,7 @@ impl<W: Write + Seek> Writer<W> {
 }
 
 impl WrittenGroup<'_> {
-    /// All that comes before the samples of the only group.
+    /// Returns all bytes before the samples of the only group.
     fn beginning(&self, provenance: &Provenance) -> Vec<u8> {
         let mut bytes = head(provenance, std::slice::from_ref(self));
         bytes.extend_from_slice(&self.data_head());
@@ -104,10 +104,10 @@ impl WrittenGroup<'_> {
     }
 }
 
-/// Writes a recording, one group for each time base that has signals.
+/// Writes a recording, one group for each time base with signals.
 ///
 /// # Errors
-/// [`WriteError`].
+/// Returns a [`WriteError`].
 pub fn write<W: Write>(mut sink: W, recording: &Recording) -> Result<W, WriteError> {
     let mut bases = Vec::new();
     for (id, base) in recording.time_bases() {

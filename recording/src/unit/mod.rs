@@ -7,19 +7,19 @@ use std::fmt;
 use crate::Quantity;
 use table::{Entry, TABLE};
 
-/// The standard atmosphere in Pa, for a log whose ambient pressure was not measured (ISO 2533).
+/// Standard atmosphere (Pa), for a log whose ambient pressure was not measured (ISO 2533).
 pub const STANDARD_ATMOSPHERE_PA: f64 = 101_325.0;
 
-/// What a pressure is counted from.
+/// Reference of a pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PressureReference {
-    /// From the atmosphere.
+    /// Relative to the atmosphere.
     Gauge,
-    /// From vacuum.
+    /// Relative to vacuum.
     Absolute,
 }
 
-/// A unit in which a signal can be logged.
+/// Unit in which a signal can be logged.
 ///
 /// The *token* is the form used as a suffix of a column name and in mapping files (`bar_gauge`, `mA`, `pct`);
 /// the *symbol* is the form for axes and tables (`bar gauge`, `mA`, `%`).
@@ -166,19 +166,19 @@ pub enum Unit {
     Joule,
     /// Millijoule.
     Millijoule,
-    /// A number of things.
+    /// Number of things.
     Count,
 }
 
 impl Unit {
-    /// Every unit, grouped by quantity.
+    /// Returns all units, grouped by quantity.
     pub fn all() -> impl Iterator<Item = Self> {
         TABLE.iter().map(|entry| entry.unit)
     }
 
-    /// The unit written as `text`: a token, a symbol or a customary spelling such as `barg`, `%` or `°C`.
+    /// Returns the unit written as `text`: a token, a symbol or a customary spelling such as `barg`, `%` or `°C`.
     ///
-    /// Letter case counts, because `mPa` and `MPa` are nine decades apart.
+    /// Letter case is significant, because `mPa` and `MPa` are nine decades apart.
     pub fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
         TABLE
@@ -192,30 +192,32 @@ impl Unit {
             .map(|entry| entry.unit)
     }
 
-    /// The form used in column names and mapping files.
+    /// Returns the form used in column names and mapping files.
     pub fn token(self) -> &'static str {
         self.entry().token
     }
 
-    /// The form used on axes and in tables.
+    /// Returns the form used on axes and in tables.
     pub fn symbol(self) -> &'static str {
         self.entry().symbol
     }
 
-    /// What this unit measures. A percentage is a [`Quantity::Ratio`] until a signal's name makes it a duty cycle.
+    /// Returns the quantity of this unit. A percentage is a [`Quantity::Ratio`] unless a signal's name makes it a duty
+    /// cycle.
     pub fn quantity(self) -> Quantity {
         self.entry().quantity
     }
 
-    /// Gauge or absolute, for units of pressure.
+    /// Returns gauge or absolute for units of pressure.
     pub fn pressure_reference(self) -> Option<PressureReference> {
         self.entry().reference
     }
 
-    /// The conversion to `to`, where it needs no ambient pressure.
+    /// Returns the conversion to `to`, if it needs no ambient pressure.
     ///
     /// # Errors
-    /// [`ConversionError::DifferentQuantity`], and [`ConversionError::AmbientNeeded`] between gauge and absolute.
+    /// Returns [`ConversionError::DifferentQuantity`], or [`ConversionError::AmbientNeeded`] between gauge and
+    /// absolute.
     pub fn converter(self, to: Self) -> Result<Converter, ConversionError> {
         if self.pressure_reference() != to.pressure_reference() && self.quantity() == to.quantity()
         {
@@ -224,12 +226,12 @@ impl Unit {
         self.converter_from_offsets(to, self.entry().offset, to.entry().offset)
     }
 
-    /// The conversion to `to` at the ambient pressure `ambient_pressure_pa` in Pa absolute, which only matters
+    /// Returns the conversion to `to` at the ambient pressure `ambient_pressure_pa` (Pa absolute), which matters only
     /// between gauge and absolute.
     ///
     /// # Errors
-    /// [`ConversionError::DifferentQuantity`]; [`ConversionError::AmbientImpossible`] unless the ambient pressure is
-    /// positive and finite.
+    /// Returns [`ConversionError::DifferentQuantity`], or [`ConversionError::AmbientImpossible`] unless the ambient
+    /// pressure is positive and finite.
     pub fn converter_at_ambient(
         self,
         to: Self,
@@ -247,10 +249,10 @@ impl Unit {
         self.converter_from_offsets(to, offset(self), offset(to))
     }
 
-    /// `value` in this unit, expressed in `to`. See [`Unit::converter`].
+    /// Converts `value` from this unit into `to`. See [`Unit::converter`].
     ///
     /// # Errors
-    /// Those of [`Unit::converter`].
+    /// Returns the errors of [`Unit::converter`].
     pub fn convert(self, value: f64, to: Self) -> Result<f64, ConversionError> {
         Ok(self.converter(to)?.apply(value))
     }
@@ -293,9 +295,9 @@ impl fmt::Display for Unit {
     }
 }
 
-/// A checked conversion between two units of one quantity.
+/// Checked conversion between two units of one quantity.
 ///
-/// Multiplies or divides, never by a rounded reciprocal: 0.05 ms is exactly the f64 nearest to 5e-5 s.
+/// It multiplies or divides, never by a rounded reciprocal: 0.05 ms is exactly the f64 nearest to 5e-5 s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Converter {
     multiply: f64,
@@ -304,7 +306,7 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// The converted value. NaN (a missing sample) stays NaN; between equal units every bit is kept.
+    /// Returns the converted value. NaN (a missing sample) stays NaN; between equal units every bit is unchanged.
     pub fn apply(&self, value: f64) -> f64 {
         let scaled = value * self.multiply / self.divide;
         // Adding 0.0 would turn -0.0 into 0.0.
@@ -316,11 +318,11 @@ impl Converter {
     }
 }
 
-/// Why two units do not convert.
+/// Reason why two units do not convert.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConversionError {
-    /// The units measure different things.
+    /// The units belong to different quantities.
     #[error("{from} is a {}, {to} is a {}: convert within one quantity", from.quantity(), to.quantity())]
     DifferentQuantity {
         /// Unit of the value.
@@ -338,12 +340,12 @@ pub enum ConversionError {
         /// Wanted unit.
         to: Unit,
     },
-    /// The ambient pressure is not a pressure.
+    /// The ambient pressure is not positive and finite.
     #[error(
         "an ambient pressure of {ambient_pressure_pa} Pa is impossible: give a positive absolute pressure"
     )]
     AmbientImpossible {
-        /// Given ambient pressure in Pa absolute.
+        /// Given ambient pressure (Pa absolute).
         ambient_pressure_pa: f64,
     },
 }

@@ -1,7 +1,7 @@
 use super::{PressureReference, Unit};
 use crate::Quantity;
 
-/// One line of the unit table: SI value = value * `times` / `over` + `offset`.
+/// Row of the unit table: SI value = value * `times` / `over` + `offset`.
 #[derive(Debug)]
 pub(super) struct Entry {
     pub(super) unit: Unit,
@@ -76,7 +76,7 @@ use PressureReference as R;
 use Quantity as Q;
 use Unit as U;
 
-/// In the order of the enum, so that `unit as usize` is the line (a test holds this).
+/// Units in the order of the enum, so that `unit as usize` is the row (checked by a test).
 #[rustfmt::skip]
 pub(super) const TABLE: &[Entry] = &[
     linear(U::Second, "s", "s", Q::Time, (1.0, 1.0), &["sec", "seconds"]),

@@ -1,11 +1,11 @@
-//! What the readers promise for any input. Stated once: the fuzz targets and the tests of this crate both hold them to it.
+//! Requirements on the readers for any input, used by the fuzz targets and by the tests of this crate.
 
 use std::io::Cursor;
 
 use recording::csv::{Decimals, Mapping, Options, read, write};
 use recording::{Recording, mf4};
 
-/// Any bytes are a recording or a typed error; a recording survives being written and read again.
+/// Checks that any bytes give a recording or a typed error, and that a recording survives writing and reading.
 pub(crate) fn csv_reader(bytes: &[u8]) {
     match read("any.csv", bytes, &Options::default()) {
         Ok(recording) => survives_a_round_trip(&recording),
@@ -13,7 +13,8 @@ pub(crate) fn csv_reader(bytes: &[u8]) {
     }
 }
 
-/// Any text is a mapping or a typed error; any mapping reads a good file or refuses it with a typed error.
+/// Checks that any text gives a mapping or a typed error, and that any mapping reads a good file or refuses it with a
+/// typed error.
 pub(crate) fn mapping_toml(text: &str) {
     let log = "skipped\nZeit;Druck;p_ch_bar_gauge;remark\n0;1,5;1,25;2\n1.000;---;1,5;2\n";
     match Mapping::parse("any.toml", text) {
@@ -30,10 +31,10 @@ pub(crate) fn mapping_toml(text: &str) {
     }
 }
 
-/// Any bytes are a recording or a typed error, and so is their listing; a recording survives being written and read
-/// again.
+/// Checks that any bytes give a recording or a typed error, and so does their listing; a recording survives writing and
+/// reading.
 pub(crate) fn mf4_reader(bytes: &[u8]) {
-    // A small file may say that it has many samples: no more than these are wanted here.
+    // A small file may claim many samples: this limits them.
     let limits = mf4::Limits {
         values: 1 << 20,
         unpacked_bytes: 1 << 20,

@@ -1,5 +1,5 @@
-//! What the numbers of a choice stand for, in the order of the table; those that bring quantities along are matched where
-//! they are read and written.
+//! Meaning of the numbers of a choice, in the order of the table. Choices with quantities are matched where they are
+//! read and written.
 
 use controller::{IntegralAtReference, Prediction, PredictionBasis, SwitchOff};
 

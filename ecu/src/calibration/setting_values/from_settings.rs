@@ -1,4 +1,4 @@
-//! From settings to numbers.
+//! Conversion from settings to numbers.
 
 use controller::fixed::types::I16F16;
 use controller::{AntiWindup, Distributor, LowerLimit, Settings};
@@ -9,7 +9,7 @@ use crate::calibration::setting::{SETTING_COUNT, SettingId as Id};
 use crate::settings::{EcuSettings, Supervision};
 
 impl SettingValues {
-    /// The numbers of these settings.
+    /// Returns the numbers of these settings.
     pub fn of(settings: &EcuSettings) -> Self {
         let EcuSettings {
             controller,

@@ -1,4 +1,4 @@
-//! Which number is to blame for settings that are no configuration.
+//! Conversion of a configuration error into a refusal that names the responsible number.
 
 use controller::fixed::types::I16F16;
 use controller::{Coefficient, ConfigError, Field};
@@ -7,7 +7,7 @@ use hil_protocol::Refusal;
 use crate::calibration::setting::SettingId as Id;
 use crate::error::{EcuConfigError, SupervisionField};
 
-/// The same error with numbers of the table, for the wire.
+/// Returns the same error with numbers of the table, for the wire.
 pub(super) fn refusal(error: &EcuConfigError) -> Refusal {
     match *error {
         EcuConfigError::OutOfRange {
@@ -62,7 +62,7 @@ fn out_of_range(id: Id, value: I16F16, min: I16F16, max: I16F16, bound_by: Optio
     }
 }
 
-/// The factor that nothing but this product depends on.
+/// Returns the factor on which only this product depends.
 const fn product(coefficient: Coefficient) -> Id {
     match coefficient {
         Coefficient::Integral => Id::IntegralTime,

@@ -1,4 +1,4 @@
-//! From numbers to settings, which may still be impossible ones.
+//! Conversion from numbers to settings, which may still be invalid.
 
 use controller::fixed::types::I16F16;
 use controller::{AntiWindup, Boost, Distributor, LowerLimit, OpeningDuty, Settings};
@@ -10,10 +10,10 @@ use crate::calibration::setting::SettingId as Id;
 use crate::settings::{EcuSettings, Supervision};
 
 impl SettingValues {
-    /// The settings that have these numbers. Only choices are checked here.
+    /// Returns the settings with these numbers. Only the choices are checked here.
     ///
     /// # Errors
-    /// The first choice that does not exist.
+    /// Returns the first choice that does not exist.
     pub fn settings(&self) -> Result<EcuSettings, Refusal> {
         Ok(EcuSettings {
             controller: self.controller()?,

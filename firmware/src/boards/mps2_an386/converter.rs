@@ -1,4 +1,4 @@
-//! Stands for the pressure sensor's converter: answers on SPI as the part does, bit by bit.
+//! Simulated converter of the pressure sensor: it answers on SPI as the real part does, bit by bit.
 
 use core::convert::Infallible;
 
@@ -7,10 +7,10 @@ use firmware::drivers::frame_of;
 
 use super::pins;
 
-/// An MCP3201 behind its chip select, which converts what stands at the pins.
+/// MCP3201 behind its chip select, which converts the simulated pin values.
 pub(super) struct Converter;
 
-/// What a pull-up makes of a line that nobody drives.
+/// Bytes read from a line that only a pull-up drives.
 const SILENCE: [u8; 4] = [0xff; 4];
 
 impl ErrorType for Converter {
@@ -20,7 +20,8 @@ impl ErrorType for Converter {
 impl SpiDevice for Converter {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
         let frame = pins::pressure().map_or(SILENCE, frame_of);
-        // The part has no input and goes on where it is, whatever the bus calls the transfer; then it clocks out zeros.
+        // The part has no data input and continues its answer for every kind of transfer; after the answer it clocks
+        // out zeros.
         let mut answer = frame.into_iter().chain(core::iter::repeat(0));
         for operation in operations {
             match operation {

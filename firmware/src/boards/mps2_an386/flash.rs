@@ -1,4 +1,4 @@
-//! Stands for two pages of flash: RAM that a warm reset leaves alone, erased and written as flash is.
+//! Simulated flash, two pages: RAM that a warm reset does not change, erased and written like flash.
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
@@ -8,11 +8,11 @@ use embedded_storage::nor_flash::{
 
 use super::memory::{SETTINGS, SETTINGS_BYTES};
 
-/// The pages, as those of the STM32G4: erased 2 KiB at once, written eight bytes at once.
+/// Simulated pages like those of the STM32G4: erased in units of 2 KiB, written in units of eight bytes.
 pub(super) struct Flash;
 
 impl Flash {
-    /// Takes the pages over. What a cold start finds there is no flash that was ever used: then they are erased.
+    /// Takes over the pages. After a cold start their content is random, so they are erased.
     pub(super) fn start(cold: bool) -> Self {
         if cold {
             SETTINGS.iter().for_each(erase);

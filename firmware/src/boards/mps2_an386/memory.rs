@@ -1,12 +1,12 @@
-//! Memory that the host sees as well, at the addresses of `board.x`.
+//! Memory shared with the host, at the addresses of `board.x`.
 
 use core::sync::atomic::{AtomicU8, AtomicU32};
 
 use hil_protocol::mailbox;
 
-/// Words of the page of pins.
+/// Number of words of the pin memory.
 pub(super) const PINS: usize = 64;
-/// Two pages of what stands for flash.
+/// Size of the simulated flash: two pages (bytes).
 pub(super) const SETTINGS_BYTES: usize = 4096;
 
 // SAFETY: the linker puts each symbol at the start of a region of RAM of its own (`board.x`), which is aligned, larger than
@@ -16,10 +16,10 @@ unsafe extern "C" {
     /// Frames from and to the host.
     #[link_name = "mailbox"]
     pub(super) safe static MAILBOX: [AtomicU32; mailbox::WORDS];
-    /// What the sensors show and the coils get.
+    /// Values of the sensors and duty cycles of the coils.
     #[link_name = "pins"]
     pub(super) safe static PIN_WORDS: [AtomicU32; PINS];
-    /// Stands for flash.
+    /// Simulated flash.
     #[link_name = "settings"]
     pub(super) safe static SETTINGS: [AtomicU8; SETTINGS_BYTES];
 }

@@ -1,10 +1,10 @@
 //! Arm MPS2 with the AN386 image: the Cortex-M4F machine that QEMU emulates (`-machine mps2-an386`).
 //!
-//! It has no coil drivers, no converter and no flash. What stands for them lies in memory that the host may map as well
-//! ([`pins`], `memory.x`), behind the same drivers as on a real board. Its two user LEDs show the coils: LED 0 lit is a
-//! duty cycle above zero for the fill valve's coil, LED 1 for the vent valve's.
+//! The machine has no coil drivers, no converter and no flash. They are simulated in memory that the host may map, too
+//! ([`pins`], `memory.x`), behind the same drivers as on a real board. Its two user LEDs show the coils: LED 0 is lit
+//! for a duty cycle above zero of the fill valve's coil, LED 1 for the vent valve's.
 //!
-//! The clock is 25 MHz throughout (application note AN386, "Clocks").
+//! The clock is 25 MHz for all parts (application note AN386, "Clocks").
 
 mod converter;
 mod flash;
@@ -38,12 +38,12 @@ use pwm::Pwm;
 
 pub(crate) use timer::now_us;
 
-/// Of the black box in `board.x` \[bytes\].
+/// Size of the black box in `board.x` (bytes).
 pub(crate) const BLACK_BOX_ROOM: usize = 28 * 1024;
 
 defmt::timestamp!("{=u32:us}", now_us());
 
-/// The link from which something came last.
+/// Link that received the last data.
 enum Link {
     Mailbox,
     Uart,
@@ -85,7 +85,7 @@ impl Board for Mps2An386 {
     }
 
     fn reset_cause(&mut self) -> ResetCause {
-        // No register tells. What the image says before it resets the machine is all that is known.
+        // No register reports it. Only the reason that the image stores before it resets the machine is known.
         ResetCause::Unknown
     }
 
@@ -129,7 +129,7 @@ impl Board for Mps2An386 {
     }
 
     fn end_simulation(&mut self) {
-        // There are no other sensors than the simulated ones.
+        // The simulated sensors are the only ones.
     }
 
     fn measure(&mut self, elapsed_us: u32) -> Inputs {
@@ -160,7 +160,7 @@ impl Board for Mps2An386 {
 
     fn send(&mut self, frame: &[u8]) {
         match self.link {
-            // The host asks again for what it did not get.
+            // The host repeats a request whose answer it did not get.
             Link::Mailbox => drop(self.mailbox.send(frame)),
             Link::Uart => uart::send(frame),
         }
@@ -179,7 +179,7 @@ impl Board for Mps2An386 {
     }
 }
 
-/// The safe state, from anywhere: see [`Board::coils_off`].
+/// Establishes the safe state from anywhere: see [`Board::coils_off`].
 pub(crate) fn coils_off() {
     Pwm::all_off();
 }
@@ -200,19 +200,20 @@ fn main() -> ! {
     handlers::end(Farewell::Requested)
 }
 
-/// The timer's tick and the serial port's bytes.
+/// Handles the timer's tick and the serial port's bytes.
 // SAFETY: cortex-m-rt demands the signature. The handler touches only counters and queues that are made for it.
 #[exception]
 unsafe fn DefaultHandler(interrupt: i16) {
     match interrupt {
         uart::RECEIVED => uart::on_received(),
         timer::TICK => timer::on_tick(),
-        // Nothing else was enabled.
+        // No other interrupt is enabled.
         _ => handlers::end(Farewell::Exception { pc: 0 }),
     }
 }
 
-/// The watchdog's first warning is its last: nothing that still works is trusted with the coils.
+/// Handles the watchdog's warning. It ends the run at the first warning: the coils are not left to a partly working
+/// image.
 // SAFETY: cortex-m-rt demands the signature. The handler never returns, and touches only the outputs, the retained words
 // and the reset.
 #[exception]

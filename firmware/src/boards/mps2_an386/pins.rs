@@ -1,4 +1,4 @@
-//! The pins of the emulated board: words that stand for what sensors show and coils get.
+//! Pins of the emulated board: words for the values of the sensors and the duty cycles of the coils.
 //!
 //! ```text
 //! word  0  reference [2⁻¹⁶ bar gauge]          word 32  compare value of the fill valve's PWM, of 65 535
@@ -10,7 +10,8 @@
 //!      16  what to do after a reset: "test", else serve
 //!      17  an accident to happen now, once: "hang" or "trap"; the handlers of watchdog and faults must do the rest
 //! ```
-//! In lock step the link's samples are put here; when the timer sets the pace, whoever maps the memory may do it.
+//! In lock step the link's samples are stored here; if the timer sets the pace, any program that maps the memory may
+//! write them.
 
 use core::sync::atomic::Ordering;
 
@@ -27,26 +28,26 @@ const CURRENT_VENT: usize = 3;
 const BATTERY: usize = 4;
 const PRESENT: usize = 5;
 const WISH: usize = 16;
-/// Where the compare values begin.
+/// First compare value.
 pub(super) const COMPARE: usize = 32;
 
-/// The wish for a self-test, "test" in ASCII.
+/// Request for a self-test, "test" in ASCII.
 const SELF_TEST: u32 = 0x7465_7374;
 
 const ACCIDENT: usize = 17;
-/// In ASCII, as all of these.
+/// ASCII, like the other requests.
 const HANG: u32 = 0x6861_6e67;
 const TRAP: u32 = 0x7472_6170;
 
-/// What a sound image never does.
+/// Deliberate failure that a healthy image never has.
 pub(super) enum Accident {
-    /// The main loop stands still.
+    /// The main loop stops.
     Hang,
-    /// An instruction that there is not.
+    /// The processor executes an undefined instruction.
     Trap,
 }
 
-/// Puts a sample's values to the pins.
+/// Stores a sample's values in the pins.
 pub(super) fn simulate(sensors: &Sensors) {
     let present = put(REFERENCE, sensors.reference.map(i32::cast_unsigned))
         | put(PRESSURE, sensors.pressure.map(u32::from))
@@ -56,19 +57,19 @@ pub(super) fn simulate(sensors: &Sensors) {
     PIN_WORDS[PRESENT].store(present, Ordering::Relaxed);
 }
 
-/// Puts a value to a pin, if there is one; its bit in the word that says so.
+/// Stores a value in a pin, if there is one, and returns its presence bit.
 fn put(pin: usize, value: Option<u32>) -> u32 {
     let Some(value) = value else { return 0 };
     PIN_WORDS[pin].store(value, Ordering::Relaxed);
     1 << pin
 }
 
-/// What is asked for; none: no valid message.
+/// Returns the reference; `None`: no valid message.
 pub(super) fn reference() -> Option<Pressure> {
     word(REFERENCE).map(|bits| Pressure::from_bits(bits as i32))
 }
 
-/// What the pressure sensor's converter would answer; none: it does not.
+/// Returns the code that the pressure sensor's converter would give; `None`: it does not answer.
 pub(super) fn pressure() -> Option<SensorCode> {
     SensorCode::from_bits(half_word(PRESSURE)?)
 }
@@ -85,12 +86,12 @@ pub(super) fn battery_mv() -> Option<u16> {
     half_word(BATTERY)
 }
 
-/// Whether whoever started the machine wants the self-test and nothing else.
+/// Returns whether the program that started the machine requests the self-test only.
 pub(super) fn self_test_is_wanted() -> bool {
     PIN_WORDS[WISH].load(Ordering::Relaxed) == SELF_TEST
 }
 
-/// The accident that whoever maps the memory wants to see, once.
+/// Takes the deliberate failure that the host requests, once.
 pub(super) fn take_accident() -> Option<Accident> {
     let accident = match PIN_WORDS[ACCIDENT].load(Ordering::Relaxed) {
         HANG => Accident::Hang,

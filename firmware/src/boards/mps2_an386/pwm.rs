@@ -1,4 +1,5 @@
-//! Stands for the PWM timer of the two coils: keeps what it is told where the host can see it, and lights the LEDs.
+//! Simulated PWM timer of the two coils: it stores the compare values where the host can see them, and switches the
+//! LEDs.
 
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -14,19 +15,19 @@ pub(super) struct Pwm {
     channel: usize,
 }
 
-/// The LEDs of the board's FPGA (AN386, "FPGA system control and I/O"): bit 0 is LED 0, bit 1 is LED 1.
+/// LEDs of the board's FPGA (AN386, "FPGA system control and I/O"): bit 0 is LED 0, bit 1 is LED 1.
 const LEDS: Register = Register::at(0x4002_8000);
 
 const CHANNELS: usize = 2;
 
-/// What the LEDs show.
+/// Present state of the LEDs.
 static LIT: AtomicU32 = AtomicU32::new(0);
 
 impl Pwm {
     pub(super) const FILL: Self = Self { channel: 0 };
     pub(super) const VENT: Self = Self { channel: 1 };
 
-    /// No pulse on any channel.
+    /// Switches all channels off.
     pub(super) fn all_off() {
         for channel in 0..CHANNELS {
             PIN_WORDS[COMPARE + channel].store(0, Ordering::Relaxed);
@@ -52,7 +53,7 @@ impl SetDutyCycle for Pwm {
     }
 }
 
-/// Lights the LEDs. Only on a change: each access to a device costs the emulator as much as a thousand instructions.
+/// Switches the LEDs, only on a change: each access to a device costs the emulator as much as a thousand instructions.
 fn show() {
     let mut lit = 0;
     for channel in 0..CHANNELS {

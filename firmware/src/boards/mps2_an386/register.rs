@@ -1,26 +1,26 @@
-//! A device's register.
+//! Register of a device.
 
 use core::ptr;
 
-/// A register of a device of this machine, 32 bits.
+/// Register of a device of this machine, 32 bits.
 #[derive(Clone, Copy)]
 pub(super) struct Register(*mut u32);
 
 impl Register {
-    /// The register at an address that the machine's memory map gives to a device.
+    /// Creates the register at an address that the machine's memory map assigns to a device.
     pub(super) const fn at(address: usize) -> Self {
         assert!(address >= 0x4000_0000 && address < 0x4003_0000 && address.is_multiple_of(4));
         Self(ptr::without_provenance_mut(address))
     }
 
-    /// What it shows.
+    /// Reads the register.
     #[inline]
     pub(super) fn read(self) -> u32 {
         // SAFETY: `at` took an aligned address in the range of this machine's peripherals, where no memory of the image lies.
         unsafe { ptr::read_volatile(self.0) }
     }
 
-    /// Writes it.
+    /// Writes the register.
     #[inline]
     pub(super) fn write(self, value: u32) {
         // SAFETY: as in `read`.

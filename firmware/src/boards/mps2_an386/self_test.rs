@@ -1,4 +1,4 @@
-//! The self-test by semihosting: text on QEMU's standard output, the verdict as its exit status.
+//! Self-test by semihosting: text on QEMU's standard output, the verdict as its exit status.
 
 use cortex_m_semihosting::{debug, hio};
 use firmware::self_test::{self, NotShown, Watcher};
@@ -6,12 +6,12 @@ use firmware::self_test::{self, NotShown, Watcher};
 use super::pins;
 use crate::stack;
 
-/// Whether whoever started the machine wants it.
+/// Returns whether the program that started the machine requests the self-test.
 pub(super) fn is_wanted() -> bool {
     pins::self_test_is_wanted()
 }
 
-/// Runs it, with the coils off, and ends.
+/// Runs the self-test with the coils off, and ends.
 pub(super) fn run() -> ! {
     let told = hio::hstdout().is_ok_and(|out| is_told(&mut Semihosting { out }));
     debug::exit(if told {
@@ -19,13 +19,13 @@ pub(super) fn run() -> ! {
     } else {
         debug::EXIT_FAILURE
     });
-    // A debugger may let the run continue after the exit. There is nothing left to do, and the coils are off.
+    // A debugger may let the run continue after the exit. Nothing is left to do, and the coils are off.
     loop {
         core::hint::spin_loop();
     }
 }
 
-/// The digests, and how deep the stack was used for them.
+/// Shows the digests and the stack usage; returns whether all of it was shown.
 fn is_told(watcher: &mut Semihosting) -> bool {
     if self_test::run(watcher, |_, _| 0).is_err() {
         return false;

@@ -1,4 +1,4 @@
-//! The sample timer and the clock.
+//! Sample timer and clock.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -10,7 +10,7 @@ use super::register::Register;
 /// Number of the interrupt of timer 0 (AN386, "Interrupts").
 pub(super) const TICK: i16 = 8;
 
-/// System clock, which counts the timers.
+/// System clock, which drives the timers.
 const CLOCK_HZ: u32 = 25_000_000;
 /// T_ECU = 10 ms.
 const PERIOD: u32 = CLOCK_HZ / 100;
@@ -49,13 +49,13 @@ pub(super) fn start() {
     unsafe { NVIC::unmask(Tick) }
 }
 
-/// Time since the start \[µs\]; goes on at 0.
+/// Returns the time since the start (µs); wraps to 0.
 pub(crate) fn now_us() -> u32 {
     COUNTER.read()
 }
 
-/// Time since the timer came last \[µs\]: it counts down, ticks at 0, and goes on
-/// from above.
+/// Returns the time since the last tick of the timer (µs). The timer counts down, ticks at 0, and restarts from its
+/// reload value.
 pub(super) fn since_tick_us() -> u32 {
     PERIOD.wrapping_sub(VALUE.read()) % PERIOD / (CLOCK_HZ / 1_000_000)
 }
@@ -68,7 +68,7 @@ pub(super) fn on_tick() {
     );
 }
 
-/// Ticks since the last call.
+/// Returns the number of ticks since the last call.
 pub(super) fn take_ticks() -> u32 {
     TICKS.swap(0, Ordering::Relaxed)
 }

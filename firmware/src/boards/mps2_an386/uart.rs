@@ -1,6 +1,7 @@
-//! UART 0 as a link: bytes in by interrupt, out one at a time by the main loop, through two queues.
+//! UART 0 as a link: bytes come in by interrupt and go out one at a time in the main loop, through two queues.
 //!
-//! The emulated UART sends a byte in no time. By interrupt a whole frame would leave at once, and a sample would wait for it.
+//! The emulated UART sends a byte in no time. By interrupt a whole frame would be sent at once, and a sample would wait
+//! for it.
 
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
@@ -8,7 +9,7 @@ use firmware::ByteRing;
 
 use super::register::Register;
 
-/// Number of the interrupt of UART 0 for a byte that came (AN386, "Interrupts").
+/// Number of the interrupt of UART 0 for a received byte (AN386, "Interrupts").
 pub(super) const RECEIVED: i16 = 0;
 
 /// CMSDK UART 0 (Cortex-M System Design Kit TRM DDI 0479, section 4.3).
@@ -19,14 +20,14 @@ const INTERRUPT: Register = Register::at(0x4000_400c);
 const BAUD_DIVISOR: Register = Register::at(0x4000_4010);
 const STATE_SEND_FULL: u32 = 1 << 0;
 const STATE_RECEIVE_FULL: u32 = 1 << 1;
-/// Send, receive, and an interrupt for what was received.
+/// Bits for send, receive, and the interrupt for received bytes.
 const CONTROL_SEND_RECEIVE: u32 = 0b1011;
 const INTERRUPT_RECEIVED: u32 = 1 << 1;
 
-/// 921 600 baud of 25 MHz, as near as a whole divisor gets: 0.5 % off. An emulator takes no notice.
+/// Divisor for 921 600 baud from 25 MHz, 0.5 % off, the nearest whole divisor. The emulator ignores it.
 const DIVISOR: u32 = 27;
 
-/// Two frames each way: one in work, one on its way.
+/// Size of each queue: two frames each way, one being processed and one on its way.
 const QUEUE: usize = 2048;
 
 static IN: ByteRing<QUEUE> = ByteRing::new();
@@ -52,12 +53,12 @@ pub(super) fn start() {
 pub(super) fn on_received() {
     INTERRUPT.write(INTERRUPT_RECEIVED);
     while STATE.read() & STATE_RECEIVE_FULL != 0 {
-        // A byte for which there is no room is lost, and with it a frame; the link notices.
+        // A byte without room in the queue is lost, and with it a frame; the link detects it.
         IN.push(DATA.read() as u8);
     }
 }
 
-/// Sends the next byte, if there is one and the last one has left.
+/// Sends the next byte, if there is one and the last one is sent.
 pub(super) fn poll() {
     if !OUT.is_empty()
         && STATE.read() & STATE_SEND_FULL == 0
@@ -71,7 +72,7 @@ pub(super) fn receive() -> Option<u8> {
     IN.pop()
 }
 
-/// Whether a byte is still on its way out.
+/// Returns whether a byte is still being sent.
 pub(super) fn is_sending() -> bool {
     !OUT.is_empty() || STATE.read() & STATE_SEND_FULL != 0
 }

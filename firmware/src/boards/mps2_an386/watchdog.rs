@@ -1,4 +1,4 @@
-//! The watchdog: an interrupt that cannot be masked when it was not fed in time, and a reset if that does not help.
+//! Watchdog: a non-maskable interrupt if it was not fed in time, and a reset if that does not help.
 
 use firmware::Pace;
 
@@ -11,12 +11,12 @@ const INTERRUPT_CLEAR: Register = Register::at(0x4000_800c);
 const CONTROL_ALL: u32 = 0b11;
 
 const CLOCK_HZ: u32 = 25_000_000;
-/// Three samples.
+/// Timeout while the timer sets the pace: three samples.
 const BITES_AT_TIMER: u32 = CLOCK_HZ * 3 / 100;
-/// Longer than any pause that an emulator's host makes, shorter than a person waits.
+/// Timeout while the host sets the pace: longer than any pause of an emulator's host, shorter than a person waits.
 const BITES_AT_HOST: u32 = CLOCK_HZ * 10;
 
-/// Starts the watchdog, or tells it that all is well.
+/// Starts or feeds the watchdog.
 pub(super) fn feed(pace: Pace) {
     LOAD.write(match pace {
         Pace::Timer => BITES_AT_TIMER,

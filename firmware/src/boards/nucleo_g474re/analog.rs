@@ -1,8 +1,8 @@
-//! The processor's own converter: lever, supply voltage and the two coil currents, over and over.
+//! The processor's converter: it measures lever, supply voltage and the two coil currents, continuously.
 //!
-//! Each of the four channels is converted 16 times and summed up by the hardware, 98 µs; all four take 0.4 ms, so that a mean
-//! over a PWM period has about 25 of each. The converter waits until its last result was read: none is lost, none is
-//! taken for another channel's, whatever the loop does meanwhile.
+//! The hardware converts each of the four channels 16 times and sums the results up, in 98 µs. All four take 0.4 ms, so
+//! that a mean over a PWM period has about 25 of each. The converter waits until its last result was read. Therefore no
+//! result is lost or assigned to another channel, at any delay of the loop.
 
 use controller::Pressure;
 use firmware::drivers::analog::{Mean, lever_reference, scaled};
@@ -15,14 +15,14 @@ use stm32g4xx_hal::gpio::{Analog as AnalogPin, PA0, PA1, PC0, PC1};
 use stm32g4xx_hal::rcc::Rcc;
 use stm32g4xx_hal::stm32::{ADC1, ADC12_COMMON};
 
-/// Divider 10 : 1 before 3.3 V \[mV\].
+/// Full scale of the supply voltage (mV): divider 10 : 1 before 3.3 V.
 const BATTERY_FULL_SCALE_MV: u16 = 36_300;
-/// Shunt and amplifier give 3.3 V per ampere \[mA\].
+/// Full scale of a coil current (mA): shunt and amplifier give 3.3 V per ampere.
 const CURRENT_FULL_SCALE_MA: u16 = 1000;
 
 const CHANNELS: usize = 4;
 
-/// The four inputs.
+/// Pins of the four inputs.
 pub(super) struct Pins {
     pub(super) lever: PA0<AnalogPin>,
     pub(super) battery: PA1<AnalogPin>,
@@ -30,7 +30,7 @@ pub(super) struct Pins {
     pub(super) current_vent: PC1<AnalogPin>,
 }
 
-/// Means since the last sample; none: nothing was converted.
+/// Means since the last sample; `None`: nothing was converted.
 pub(super) struct Means {
     pub(super) reference: Option<Pressure>,
     pub(super) battery_mv: Option<u16>,
@@ -40,7 +40,7 @@ pub(super) struct Means {
 
 pub(super) struct Analog {
     means: [Mean; CHANNELS],
-    /// Whose result comes next.
+    /// Channel of the next result.
     channel: usize,
 }
 
@@ -70,7 +70,7 @@ impl Analog {
         }
     }
 
-    /// Takes a result, if there is one.
+    /// Reads a result, if there is one.
     pub(super) fn poll(&mut self) {
         // SAFETY: the start is over; from then on nobody else uses the converter.
         let converter = unsafe { &*ADC1::ptr() };

@@ -1,19 +1,20 @@
-//! The processor's clock: 170 MHz out of the internal oscillator, from the 16 MHz that a reset leaves.
+//! Clock of the processor: 170 MHz from the internal oscillator; after a reset it is 16 MHz.
 //!
-//! f_VCO = f_HSI · N / M and f_SYS = f_VCO / R (register PLLCFGR, section 7.4.4); within 1 % over temperature (data sheet DS12288,
-//! HSI16): the sample time may be as far off, and nothing waits for a crystal. The HAL can set clocks up in any order and panics where
-//! that makes no sense; here the order is the manual's, and nothing can panic.
+//! f_VCO = f_HSI · N / M and f_SYS = f_VCO / R (register PLLCFGR, section 7.4.4). The frequency is within 1 % over
+//! temperature (data sheet DS12288, HSI16). The sample time may have the same deviation, and the start does not wait
+//! for a crystal. The HAL can set clocks up in any order and panics for invalid ones; here the order is the manual's,
+//! and nothing can panic.
 
 use stm32g4xx_hal::rcc::{Clocks, PLLClocks, Rcc, RccExt};
 use stm32g4xx_hal::stm32::{FLASH, PWR, RCC};
 use stm32g4xx_hal::time::{Hertz, RateExtU32};
 
-/// Of the internal oscillator \[Hz\].
+/// Frequency of the internal oscillator (Hz).
 const HSI_HZ: u32 = 16_000_000;
-/// f_SYS \[Hz\]: by M = 4, times N = 85, by R = 2.
+/// f_SYS (Hz): divided by M = 4, times N = 85, divided by R = 2.
 pub(super) const HZ: u32 = HSI_HZ / 4 * 85 / 2;
 
-/// Sets the clock up; whoever asks for its frequencies gets them from what this returns.
+/// Sets the clock up. The returned value contains the frequencies.
 pub(super) fn start(registers: RCC, power: &PWR, flash: &FLASH) -> Rcc {
     let mut rcc = registers.constrain();
     rcc.pllcfgr().write(|w| {
@@ -27,14 +28,14 @@ pub(super) fn start(registers: RCC, power: &PWR, flash: &FLASH) -> Rcc {
     rcc
 }
 
-/// From range 1 to its boost mode, which 150 MHz and more need: the sequence of section 6.1.5.
+/// Changes from range 1 to its boost mode, which is required from 150 MHz on: the sequence of section 6.1.5.
 fn to_full_speed(rcc: &RCC, power: &PWR, flash: &FLASH) {
     rcc.apb1enr1().modify(|_, w| w.pwren().set_bit());
-    // The bit is there two clocks later (section 7.2.17).
+    // The bit takes effect two clocks later (section 7.2.17).
     let _ = rcc.apb1enr1().read();
     rcc.cfgr().modify(|_, w| w.hpre().div2());
     power.cr5().modify(|_, w| w.r1mode().clear_bit());
-    // Up to 170 MHz in boost mode: four wait states (section 3.3.3). They count from when they are read back.
+    // Up to 170 MHz in boost mode: four wait states (section 3.3.3). They are in effect once they are read back.
     flash.acr().modify(|_, w| w.latency().wait4());
     while !flash.acr().read().latency().is_wait4() {}
     rcc.cfgr().modify(|_, w| w.sw().pll());
@@ -44,7 +45,7 @@ fn to_full_speed(rcc: &RCC, power: &PWR, flash: &FLASH) {
     rcc.cfgr().modify(|_, w| w.hpre().div1());
 }
 
-/// No bus divides: all run at one frequency.
+/// Returns the frequencies of the buses: none is divided, all run at one frequency.
 fn clocks() -> Clocks {
     let system: Hertz = HZ.Hz();
     Clocks {

@@ -1,4 +1,4 @@
-//! The SPI bus of the pressure sensor's converter, with its chip select.
+//! SPI bus of the pressure sensor's converter, with its chip select.
 
 use embedded_hal::spi::{ErrorType, Operation, SpiBus, SpiDevice};
 use stm32g4xx_hal::gpio::{AF5, Output, PB12, PB13, PB14, PB15};
@@ -7,7 +7,7 @@ use stm32g4xx_hal::stm32::SPI2;
 
 type Lines = (PB13<AF5>, PB14<AF5>, PB15<AF5>);
 
-/// One device alone on its bus.
+/// SPI bus with a single device.
 pub(super) struct Bus {
     bus: Spi<SPI2, Lines>,
     select: PB12<Output>,
@@ -34,7 +34,7 @@ impl SpiDevice for Bus {
                 Operation::Write(words) => self.bus.write(words),
                 Operation::Transfer(read, write) => self.bus.transfer(read, write),
                 Operation::TransferInPlace(words) => self.bus.transfer_in_place(words),
-                // The part needs none.
+                // The part needs no delays.
                 Operation::DelayNs(_) => Ok(()),
             });
         }

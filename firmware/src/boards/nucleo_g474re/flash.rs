@@ -1,5 +1,5 @@
-//! The settings' two pages at the end of flash bank 2 (RM0440, section 3.3). The image runs from bank 1, so that the
-//! processor does not stand still while a page is erased (22 ms, data sheet DS12288) or written.
+//! Settings in two pages at the end of flash bank 2 (RM0440, section 3.3). The image runs from bank 1, so that the
+//! processor does not stop while a page is erased (22 ms, data sheet DS12288) or written.
 
 use core::ptr;
 
@@ -10,23 +10,23 @@ use stm32g4xx_hal::stm32::FLASH;
 
 use super::watchdog;
 
-/// Where the pages begin (`board.x`).
+/// Address of the pages (`board.x`).
 const START: usize = 0x0807_f000;
 const PAGE: usize = 2048;
 const PAGES: usize = 2;
-/// Number of the first of them in bank 2, which begins at 0x0804_0000.
+/// Number of the first page in bank 2, which begins at 0x0804_0000.
 const FIRST_PAGE: u32 = ((START - 0x0804_0000) / PAGE) as u32;
-/// Written at once.
+/// Number of bytes that are written at once.
 const DOUBLE_WORD: usize = 8;
 
-/// The keys of section 3.3.5.
+/// Unlock keys of section 3.3.5.
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 
-/// Looks at the status register before a page or a double word counts as failed. An erase takes at most 24.5 ms
-/// (DS12288, table 54), of which each look takes a tenth of a microsecond or more.
+/// Largest number of polls of the status register before a page or a double word counts as failed. An erase takes at
+/// most 24.5 ms (DS12288, table 54), and each poll takes a tenth of a microsecond or more.
 const LOOKS_MAX: u32 = 2_000_000;
 
-/// The settings' pages.
+/// Settings pages in flash.
 pub(super) struct Flash {
     registers: FLASH,
 }
@@ -36,7 +36,7 @@ impl Flash {
         Self { registers }
     }
 
-    /// Does something with the registers unlocked, and locks them again.
+    /// Runs `work` with the registers unlocked, and locks them again.
     fn unlocked(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<(), NorFlashErrorKind>,
@@ -53,16 +53,17 @@ impl Flash {
         done
     }
 
-    /// Waits until nothing is in work, at most [`LOOKS_MAX`] looks; an error flag is an error, and cleared.
+    /// Waits until the flash is idle, for at most [`LOOKS_MAX`] polls. An error flag is returned as an error and
+    /// cleared.
     fn settled(&mut self) -> Result<(), NorFlashErrorKind> {
         for _ in 0..LOOKS_MAX {
             let status = self.registers.sr().read();
             if status.bsy().bit_is_set() {
-                // An erase takes as long as three samples, and the wait has an end of its own.
+                // An erase takes as long as three samples, and this wait has a limit of its own.
                 watchdog::feed_again();
                 continue;
             }
-            // The flags, end of operation included, are cleared by writing ones; EOP is no error.
+            // The flags, including end of operation, are cleared by writing ones; EOP is no error.
             self.registers.sr().write(|w| {
                 // SAFETY: flags that were set, and read-only bits.
                 unsafe { w.bits(status.bits()) }
@@ -107,7 +108,7 @@ impl Flash {
     }
 }
 
-/// Whether an uncorrectable word was found in the bank of the settings; and forgets it.
+/// Returns whether an uncorrectable word was found in the settings' bank, and clears the flag.
 pub(super) fn forgive_torn_settings() -> bool {
     // SAFETY: flags that nobody else uses.
     let flags = unsafe { &*FLASH::ptr() }.eccr();

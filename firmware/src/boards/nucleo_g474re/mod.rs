@@ -1,7 +1,7 @@
-//! ST NUCLEO-G474RE: an STM32G474RE (Cortex-M4F, 170 MHz) with debugger and serial port on the board. `docs/board.md` has the
-//! wiring. Never run on hardware yet: it is built in the CI, and what could be said wrong in it is said there.
+//! ST NUCLEO-G474RE: an STM32G474RE (Cortex-M4F, 170 MHz) with debugger and serial port on the board. `docs/board.md`
+//! has the wiring and the points that may be wrong. This board support was never run on hardware; the CI builds it.
 //!
-//! Section numbers are those of ST's reference manual RM0440.
+//! Section numbers refer to ST's reference manual RM0440.
 
 mod analog;
 mod clock;
@@ -26,7 +26,7 @@ use crate::log;
 pub(crate) use start::coils_off;
 pub(crate) use timer::now_us;
 
-/// Of the black box in `board.x` \[bytes\].
+/// Size of the black box in `board.x` (bytes).
 pub(crate) const BLACK_BOX_ROOM: usize = 23 * 1024;
 
 defmt::timestamp!("{=u32:us}", now_us());
@@ -38,7 +38,7 @@ struct NucleoG474Re {
     analog: analog::Analog,
     bench_jumper: start::BenchJumper,
     reset_cause: ResetCause,
-    /// Values from the link in place of the sensors'.
+    /// Values from the link that replace the sensors'.
     simulated: Option<Inputs>,
 }
 
@@ -140,7 +140,7 @@ impl Board for NucleoG474Re {
 
 #[entry]
 fn main() -> ! {
-    // None of the two can be taken twice in a life.
+    // Neither can be taken twice before the next reset.
     if let (Some((board, flash)), Some(black_box)) = (start::start(), kept::black_box()) {
         let mut image = Image::start(board, flash, black_box);
         while image.turn() == Life::GoesOn {}
@@ -150,15 +150,16 @@ fn main() -> ! {
     handlers::end(Farewell::Requested)
 }
 
-/// Nothing else was enabled.
+/// Ends the run: no other interrupt is enabled.
 // SAFETY: cortex-m-rt demands the signature. The handler touches only what `handlers::end` touches.
 #[exception]
 unsafe fn DefaultHandler(_: i16) {
     handlers::end(Farewell::Exception { pc: 0 })
 }
 
-/// The flash's error correction found two wrong bits in a word (section 3.3.4). In the settings' pages that is a write which
-/// the supply did not outlast: what was read fails its checksum, the other copy is whole. Anywhere else it is the end.
+/// Handles two wrong bits in a word, found by the flash's error correction (section 3.3.4). In the settings' pages the
+/// cause is a loss of supply during a write: the copy fails its checksum, and the other copy is whole. Anywhere else
+/// the run ends.
 // SAFETY: cortex-m-rt demands the signature. The handler touches only the error flag, and what `handlers::end` touches.
 #[exception]
 unsafe fn NonMaskableInt() {

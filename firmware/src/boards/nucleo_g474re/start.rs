@@ -1,4 +1,4 @@
-//! From reset to a board that is ready: clocks, pins, and who gets which peripheral.
+//! Start of the board: clocks, pins, and the assignment of the peripherals.
 
 use cortex_m::peripheral::{NVIC, Peripherals as Core};
 use ecu::ResetCause;
@@ -17,13 +17,13 @@ pub(super) type FillPwm = Pwm<TIM1, C1, ComplementaryDisabled, ActiveHigh, Activ
 pub(super) type VentPwm = Pwm<TIM1, C2, ComplementaryDisabled, ActiveHigh, ActiveHigh>;
 pub(super) type BenchJumper = PC8<Input>;
 
-/// f_PWM.
+/// PWM frequency f_PWM (Hz).
 const PWM_HZ: u32 = 100;
 
-/// The converter's clock: below its 1.6 MHz at 5 V, the next that the bus can divide to.
+/// SPI clock of the converter (Hz): below its limit of 1.6 MHz at 5 V, the next frequency that the bus can divide to.
 const SPI_HZ: u32 = 1_400_000;
 
-/// Takes the peripherals and wires them; none if they were taken before. Both coils are off throughout.
+/// Takes the peripherals and wires them; returns `None` if they were taken before. Both coils stay off.
 pub(super) fn start() -> Option<(NucleoG474Re, Flash)> {
     let core = Core::take()?;
     let device = Peripherals::take()?;
@@ -36,7 +36,7 @@ pub(super) fn start() -> Option<(NucleoG474Re, Flash)> {
     let port_b = device.GPIOB.split(&mut rcc);
     let port_c = device.GPIOC.split(&mut rcc);
 
-    // The sensor's converter.
+    // Converter of the pressure sensor.
     let bus = device.SPI2.spi(
         (
             port_b.pb13.into_alternate(),
@@ -52,7 +52,7 @@ pub(super) fn start() -> Option<(NucleoG474Re, Flash)> {
         port_b.pb12.into_push_pull_output(),
     ));
 
-    // The processor's own converter.
+    // Converter of the processor.
     let inputs = analog::Pins {
         lever: port_a.pa0.into_analog(),
         battery: port_a.pa1.into_analog(),
@@ -68,7 +68,7 @@ pub(super) fn start() -> Option<(NucleoG474Re, Flash)> {
         &mut rcc,
     );
 
-    // The link, through the debugger's serial port.
+    // Link through the debugger's serial port.
     uart::start(
         device.USART2,
         port_a.pa2.into_alternate(),
@@ -76,7 +76,7 @@ pub(super) fn start() -> Option<(NucleoG474Re, Flash)> {
         &mut rcc,
     );
 
-    // The coils, last.
+    // Coils, last.
     let pins: (PA8<AF6>, PA9<AF6>) = (port_a.pa8.into_alternate(), port_a.pa9.into_alternate());
     let (mut fill, mut vent) = device.TIM1.pwm(pins, PWM_HZ.Hz(), &mut rcc);
     coils_off();
@@ -105,7 +105,7 @@ pub(super) fn start() -> Option<(NucleoG474Re, Flash)> {
     Some((board, Flash::new(device.FLASH)))
 }
 
-/// What the reset flags say (section 7.4.30), the most specific first; and clears them.
+/// Returns the cause given by the reset flags (section 7.4.30), the most specific first, and clears the flags.
 fn reset_cause(rcc: &RCC) -> ResetCause {
     let flags = rcc.csr().read();
     let cause = if flags.iwdgrstf().bit_is_set() || flags.wwdgrstf().bit_is_set() {
@@ -113,7 +113,7 @@ fn reset_cause(rcc: &RCC) -> ResetCause {
     } else if flags.sftrstf().bit_is_set() {
         ResetCause::Software
     } else if flags.borrstf().bit_is_set() {
-        // Set when the supply comes, too: the part does not tell the two apart.
+        // This flag is also set at power-on: the part does not distinguish brownout and power-on.
         ResetCause::PowerOn
     } else if flags.pinrstf().bit_is_set() {
         ResetCause::Pin
@@ -124,8 +124,8 @@ fn reset_cause(rcc: &RCC) -> ResetCause {
     cause
 }
 
-/// The safe state, from anywhere: both outputs of the timer leave its hands at once, the pull-downs at the gates hold them
-/// low, and the compare values are zero for when they come back.
+/// Establishes the safe state from anywhere. Both outputs are disconnected from the timer at once, and the pull-downs
+/// at the gates keep them low. The compare values are zero for the time when the outputs are connected again.
 pub(crate) fn coils_off() {
     // SAFETY: plain stores to a timer that nobody reads back; whoever is interrupted in changing a duty cycle does not
     // continue, or finds the coils off.
@@ -135,7 +135,7 @@ pub(crate) fn coils_off() {
     timer.ccr2().reset();
 }
 
-/// Gives the outputs back to the timer.
+/// Connects the outputs to the timer again.
 pub(super) fn connect_coils() {
     // SAFETY: one bit of a register that is otherwise written at the start and in `coils_off` only, which ends a life.
     let timer = unsafe { &*TIM1::ptr() };

@@ -1,5 +1,5 @@
-//! The clock, and the sample timer: the very timer that makes the PWM, so that a sample begins with a PWM period and its
-//! duty cycles act from the next one on, however late in the period they are computed.
+//! Clock and sample timer. The sample timer is the timer of the PWM, so that a sample begins with a PWM period. Its
+//! duty cycles act from the next period on, independent of the time at which they are computed.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -10,7 +10,7 @@ use super::clock;
 
 static TICKS: AtomicU32 = AtomicU32::new(0);
 
-/// Microseconds, from timer 2: 32 bits.
+/// Starts the clock: microseconds from timer 2, 32 bits.
 pub(super) fn start_clock(timer: TIM2, rcc: &mut Rcc) {
     TIM2::enable(rcc);
     let per_us = rcc.clocks.apb1_tim_clk.raw() / 1_000_000;
@@ -18,25 +18,25 @@ pub(super) fn start_clock(timer: TIM2, rcc: &mut Rcc) {
         .psc()
         .write(|w| w.psc().set(per_us.saturating_sub(1) as u16));
     timer.arr().reset();
-    // The prescaler is taken over with an update.
+    // The prescaler takes effect with an update.
     timer.egr().write(|w| w.ug().set_bit());
     timer.cr1().write(|w| w.cen().set_bit());
 }
 
-/// An interrupt with each PWM period.
+/// Enables an interrupt with each PWM period.
 pub(super) fn start_ticks() {
     // SAFETY: one bit of a register that nobody else writes.
     let timer = unsafe { &*TIM1::ptr() };
     timer.dier().modify(|_, w| w.uie().set_bit());
 }
 
-/// Time since the start \[µs\]; goes on at 0.
+/// Returns the time since the start (µs); wraps to 0.
 pub(crate) fn now_us() -> u32 {
     // SAFETY: only reads.
     unsafe { &*TIM2::ptr() }.cnt().read().bits()
 }
 
-/// Time since the PWM period began \[µs\]. Its prescaler makes counts of some 0.15 µs.
+/// Returns the time since the PWM period began (µs). The prescaler gives counts of some 0.15 µs.
 pub(super) fn since_tick_us() -> u32 {
     // SAFETY: only reads.
     let timer = unsafe { &*TIM1::ptr() };
@@ -45,7 +45,7 @@ pub(super) fn since_tick_us() -> u32 {
     counts.wrapping_mul(clocks_per_count) / (clock::HZ / 1_000_000)
 }
 
-/// Ticks since the last call.
+/// Returns the number of ticks since the last call.
 pub(super) fn take_ticks() -> u32 {
     TICKS.swap(0, Ordering::Relaxed)
 }

@@ -1,4 +1,4 @@
-//! USART 2 as a link, through the debugger's serial port: bytes in and out by interrupt, through two queues.
+//! USART 2 as a link, through the debugger's serial port: bytes go in and out by interrupt, through two queues.
 
 use cortex_m::peripheral::NVIC;
 use firmware::ByteRing;
@@ -8,10 +8,10 @@ use stm32g4xx_hal::rcc::Rcc;
 use stm32g4xx_hal::serial::FullConfig;
 use stm32g4xx_hal::stm32::{Interrupt, USART2, interrupt};
 
-/// What the debugger's serial port can keep up with.
+/// Baud rate, which the debugger's serial port can handle.
 const BAUD: u32 = 921_600;
 
-/// Two frames each way: one in work, one on its way.
+/// Size of each queue: two frames each way, one being processed and one on its way.
 const QUEUE: usize = 2048;
 
 static IN: ByteRing<QUEUE> = ByteRing::new();
@@ -19,7 +19,7 @@ static OUT: ByteRing<QUEUE> = ByteRing::new();
 
 pub(super) fn start(port: USART2, send: PA2<AF7>, receive: PA3<AF7>, rcc: &mut Rcc) {
     let config = FullConfig::default().baudrate(BAUD.bps()).fifo_enable();
-    // Refused only if the clock were too slow for the baud rate; then there is no link, and the rest works.
+    // This fails only if the clock is too slow for the baud rate; then there is no link, and the rest works.
     let _ = port.usart(send, receive, config, rcc);
     registers().cr1().modify(|_, w| w.rxneie().set_bit());
 }
@@ -28,7 +28,7 @@ pub(super) fn receive() -> Option<u8> {
     IN.pop()
 }
 
-/// Whether a byte is still on its way out.
+/// Returns whether a byte is still being sent.
 pub(super) fn is_sending() -> bool {
     !OUT.is_empty() || registers().isr().read().tc().bit_is_clear()
 }
@@ -41,14 +41,14 @@ pub(super) fn send(frame: &[u8]) {
     for &byte in frame {
         OUT.push(byte);
     }
-    // The first byte is sent by the same code as all others.
+    // The interrupt sends the first byte, like all others.
     NVIC::pend(Interrupt::USART2);
 }
 
 #[interrupt]
 fn USART2() {
     let port = registers();
-    // An overrun, or a byte that is damaged on the line: the frame it belongs to does not pass its checksum.
+    // After an overrun, or a byte damaged on the line, the frame fails its checksum.
     port.icr().write(|w| {
         w.orecf()
             .clear_bit_by_one()
@@ -58,7 +58,7 @@ fn USART2() {
             .clear_bit_by_one()
     });
     while port.isr().read().rxne().bit_is_set() {
-        // A byte for which there is no room is lost, and with it a frame; the link notices.
+        // A byte without room in the queue is lost, and with it a frame; the link detects it.
         IN.push(port.rdr().read().rdr().bits() as u8);
     }
     while port.isr().read().txe().bit_is_set() {

@@ -1,33 +1,33 @@
-//! The independent watchdog: it has a clock of its own, 32 kHz within 8 %, and cannot be stopped.
+//! Independent watchdog: it has a clock of its own, 32 kHz within 8 %, and cannot be stopped.
 
 use firmware::Pace;
 use stm32g4xx_hal::stm32::{IWDG, iwdg};
 
-/// The keys of section 44.4.1.
+/// Keys of section 44.4.1.
 const FEED: u16 = 0xaaaa;
 const UNLOCK: u16 = 0x5555;
 const START: u16 = 0xcccc;
 
-/// How soon it bites.
+/// Timeout of the watchdog.
 struct Patience {
     /// Code of the clock's divider.
     divider: u8,
-    /// Counts until it bites, less one.
+    /// Number of counts until the reset, less one.
     reload: u16,
 }
 
-/// 60 counts of 16 periods, 30 ms: three samples.
+/// Timeout while the timer sets the pace: 60 counts of 16 periods, 30 ms, three samples.
 const AT_TIMER: Patience = Patience {
     divider: 2,
     reload: 59,
 };
-/// 1250 counts of 256 periods, 10 s.
+/// Timeout while the host sets the pace: 1250 counts of 256 periods, 10 s.
 const AT_HOST: Patience = Patience {
     divider: 6,
     reload: 1249,
 };
 
-/// Starts the watchdog, or tells it that all is well.
+/// Starts or feeds the watchdog.
 pub(super) fn feed(pace: Pace) {
     let patience = match pace {
         Pace::Timer => AT_TIMER,
@@ -49,7 +49,7 @@ pub(super) fn feed(pace: Pace) {
     write_key(FEED);
 }
 
-/// The same once more, with the patience it has. A watchdog that was not started stays so.
+/// Feeds the watchdog with its present timeout. A watchdog that was not started stays off.
 pub(super) fn feed_again() {
     write_key(FEED);
 }

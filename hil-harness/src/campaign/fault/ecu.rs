@@ -1,10 +1,10 @@
-//! What can break around the ECU's logic.
+//! Faults around the ECU's logic.
 
 use super::{Survival, named};
 use crate::campaign::bounds;
 
 named! {
-    /// A fault of the ECU.
+    /// Fault of the ECU.
     EcuFault {
         /// The battery gives (1 - severity / 2) of its voltage.
         BatteryLow = "battery-low",
@@ -12,11 +12,11 @@ named! {
         BatteryHigh = "battery-high",
         /// Samples are 3 to 6 periods apart.
         TaskLate = "task-late",
-        /// The task runs again 0 to 4 ms after it ran, by its clock.
+        /// The task runs again 0 to 4 ms after the last time, by its clock.
         TaskEarly = "task-early",
-        /// The time between samples wavers by up to a fifth, by the task's clock.
+        /// The time between samples varies by up to a fifth, by the task's clock.
         TaskJitter = "task-jitter",
-        /// A reset: no current for the time of the fault, then a start without memory.
+        /// A reset: no current during the fault, then a start without memory.
         Reset = "reset",
         /// A setting of the controller flips in the target's memory; only where the target can be damaged.
         ConfigDamaged = "config-damaged",
@@ -27,18 +27,18 @@ named! {
     }
 }
 
-/// Duration that both valves shut bridge \[samples\]: HOLD_N less the recovery.
+/// Longest fault that is bridged with both valves shut (samples): HOLD_N less the recovery.
 const BRIDGED: u32 = 30;
 
 impl EcuFault {
-    /// What can be damaged in the target's memory.
+    /// Damages of the target's memory.
     pub const DAMAGES: [Self; 3] = [
         Self::ConfigDamaged,
         Self::SupervisorDamaged,
         Self::ControllerDamaged,
     ];
 
-    /// Whether it shows as one row of the table. A low battery also shows as valves that do not move.
+    /// Returns whether the fault shows as one row of the table. A low battery also shows as valves that do not move.
     pub(in crate::campaign) fn is_plain(self) -> bool {
         matches!(
             self,

@@ -1,19 +1,19 @@
-//! What can happen to the running image.
+//! Faults of the running image.
 
 use super::named;
 
 named! {
-    /// A fault of the image on its machine.
+    /// Fault of the image on its machine.
     ImageFault {
         /// A bit of the static variables flips.
         FlipVariables = "flip-variables",
-        /// A bit of the stack flips, where the ECU's state is as well.
+        /// A bit of the stack flips, which also contains the ECU's state.
         FlipStack = "flip-stack",
-        /// The main loop stands still, until the watchdog bites.
+        /// The main loop stops, until the watchdog resets.
         Hang = "hang",
-        /// An instruction that there is not.
+        /// The processor executes an undefined instruction.
         Trap = "trap",
-        /// The machine is reset while its memory stays, and is without current for the time of the fault.
+        /// The machine is reset while its memory stays, and is without current during the fault.
         WarmReset = "warm-reset",
     }
 }

@@ -1,20 +1,20 @@
-//! What can happen to the messages that bring the reference.
+//! Faults of the messages with the reference.
 
 use super::{Survival, named};
 use crate::campaign::bounds;
 
 named! {
-    /// A fault of the reference's messages.
+    /// Fault of the reference's messages.
     LinkFault {
-        /// Messages are lost; severity: how many.
+        /// Messages are lost; the severity is their share.
         Lost = "lost",
         /// The host sends nothing.
         Silent = "silent",
-        /// References that nobody can mean: far below vacuum, far above any supply.
+        /// References are impossible: far below vacuum, far above any supply.
         Corrupt = "corrupt",
-        /// Every other message repeats the one before.
+        /// Every other message repeats the previous one.
         Duplicate = "duplicate",
-        /// Every two messages come in the wrong order.
+        /// Each pair of messages comes in the wrong order.
         Reordered = "reordered",
         /// Messages come 1 to 20 samples late.
         Late = "late",

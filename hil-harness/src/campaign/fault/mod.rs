@@ -1,4 +1,4 @@
-//! The families of faults: what there is, and what the table lets one expect of it.
+//! Families of faults, with the behaviour that the table allows to expect.
 
 pub(super) mod ecu;
 pub(super) mod image;
@@ -6,18 +6,18 @@ pub(super) mod link;
 pub(super) mod plant;
 pub(super) mod sensor;
 
-/// How a fault that is short enough ends, by the table of faults and ways in `docs/safety.md`.
+/// End of a fault that is short enough, by the table of faults and reactions in `docs/safety.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Survival {
-    /// Shorter than any N: the loop goes on.
+    /// Shorter than any N: the loop continues.
     Unnoticed,
-    /// Confirmed, and gone before the way has emptied the chamber: the loop comes back by itself.
+    /// Confirmed, and gone before the reaction has emptied the chamber: the loop recovers by itself.
     Held,
-    /// Nothing is claimed: the reference may have to be taken back first.
+    /// No claim: the reference may have to be zero first.
     NotClaimed,
 }
 
-/// An enumeration whose members have a name for people, all of them known.
+/// Defines an enumeration whose members have a name for people, with a list of all of them.
 macro_rules! named {
     ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $member:ident = $text:literal,)+ }) => {
         $(#[$meta])*
@@ -27,10 +27,10 @@ macro_rules! named {
         }
 
         impl $name {
-            /// Every member, in the order of the declaration.
+            /// All members, in the order of the declaration.
             pub const ALL: &[Self] = &[$(Self::$member),+];
 
-            /// Its name on a line.
+            /// Returns the name of the member in a line.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$member => $text,)+

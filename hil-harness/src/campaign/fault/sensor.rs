@@ -1,12 +1,12 @@
-//! What can break in the pressure sensor and its converter.
+//! Faults of the pressure sensor and its converter.
 
 use super::{Survival, named};
 use crate::campaign::bounds;
 
 named! {
-    /// A fault of the pressure sensor.
+    /// Fault of the pressure sensor.
     SensorFault {
-        /// It shows what it showed when the fault began.
+        /// The sensor shows the same value as at the beginning of the fault.
         Stuck = "stuck",
         /// Wire open, or short to ground: codes at the lower rail.
         Open = "open",
@@ -14,30 +14,31 @@ named! {
         Short = "short",
         /// Codes below the span and above the lower rail.
         BelowRange = "below-range",
-        /// A pressure that no supply gives; severity: how high.
+        /// The pressure is above any supply; the severity is the height.
         AboveRange = "above-range",
         /// Noise; severity 1 is ten times the bench's.
         Noise = "noise",
-        /// It shows 1.7 to 4 bar too much or too little: farther than a valve moves the pressure in a sample.
+        /// The sensor shows 1.7 to 4 bar too much or too little: more than a valve moves the pressure in a sample.
         Jump = "jump",
-        /// It shows anything within the supply, another value in each sample.
+        /// The sensor shows any value within the supply, another one in each sample.
         Erratic = "erratic",
         /// The converter does not answer.
         Missing = "missing",
-        /// The converter does not answer now and then; severity: how often.
+        /// The converter does not answer now and then; the severity is the frequency.
         Intermittent = "intermittent",
-        /// It drifts away; severity 1: 1.5 bar/s, up to 3 bar.
+        /// The sensor drifts; severity 1: 1.5 bar/s, up to 3 bar.
         Drift = "drift",
-        /// It shows up to 1.5 bar too much or too little.
+        /// The sensor shows up to 1.5 bar too much or too little.
         Offset = "offset",
     }
 }
 
-/// Duration that both valves shut bridge \[samples\]: HOLD_N less the recovery and the jump to where the pressure has moved.
+/// Longest fault that is bridged with both valves shut (samples): HOLD_N less the recovery and the jump to the moved
+/// pressure.
 const BRIDGED: u32 = 30;
 
 impl SensorFault {
-    /// Whether it shows as a pressure that cannot be believed, from the first to the last sample.
+    /// Returns whether the fault shows as an implausible pressure from the first to the last sample.
     pub(in crate::campaign) fn is_plain(self) -> bool {
         matches!(
             self,

@@ -1,10 +1,10 @@
-//! What no fault excuses.
+//! Requirements that apply with every fault.
 
 use super::{Finding, Oracle, Promise, Seen, unless};
 use crate::campaign::bounds;
 use crate::requirement::Requirement;
 
-/// The promises of this sample alone.
+/// Returns the violated requirements of this sample alone.
 pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 6] {
     let [fill, vent] = seen.coils;
     let coils = || format!("fill {fill:.2} %, vent {vent:.2} %");

@@ -1,18 +1,18 @@
-//! What the oracle remembers of the samples before.
+//! History of the last samples for the oracle.
 
 use std::collections::VecDeque;
 
 use super::Seen;
 use crate::campaign::bounds;
 
-/// What the coils got and the chamber did, newest first.
+/// Duty cycles of the coils and pressures of the chamber, newest first.
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     coils: VecDeque<[f64; 2]>,
     pressures_bar: VecDeque<f64>,
 }
 
-/// As long as any rule looks back.
+/// Longest history that any rule needs.
 const SAMPLES: usize = bounds::RAMP_WINDOW as usize;
 
 impl Memory {
@@ -20,7 +20,7 @@ impl Memory {
         Self::default()
     }
 
-    /// The target has started again.
+    /// Clears the history: the target has restarted.
     pub(super) fn forget(&mut self) {
         self.coils.clear();
         self.pressures_bar.clear();
@@ -33,18 +33,18 @@ impl Memory {
         self.pressures_bar.push_front(seen.pressure_bar);
     }
 
-    /// What the coils got in the sample before; none before the first.
+    /// Returns the duty cycles of the coils in the previous sample; `None` before the first.
     pub(super) fn coils(&self) -> Option<[f64; 2]> {
         self.coils.front().copied()
     }
 
-    /// True pressure so many samples ago [bar gauge].
+    /// Returns the true pressure of that many samples ago (bar gauge).
     pub(super) fn pressure_bar(&self, samples: u32) -> Option<f64> {
         let index = (samples as usize).checked_sub(1)?;
         self.pressures_bar.get(index).copied()
     }
 
-    /// Whether coil `valve` got a duty cycle like this for the settling time.
+    /// Returns whether coil `valve` had such a duty cycle for the settling time.
     pub(super) fn coil_settled(&self, valve: usize, is_so: impl Fn(f64) -> bool) -> bool {
         let settling = bounds::SETTLING as usize;
         self.coils.len() >= settling

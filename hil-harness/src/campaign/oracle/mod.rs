@@ -1,4 +1,4 @@
-//! The verdict over a run, from outside the target.
+//! Oracle: the verdict on a run, from outside the target.
 //!
 //! ```text
 //!  Sensors on the wire ─┬─► Conditions: which faults of the table are present?  ─► obligations ─► Ways: is each kept?
@@ -28,89 +28,91 @@ use memory::Memory;
 use permission::Permission;
 use takeover::Takeover;
 
-/// One sample as it is seen from outside.
+/// One sample as seen from outside.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// What the target was told.
+    /// Sensors and reference sent to the target.
     pub sensors: Sensors,
-    /// What the coils of fill and vent valve then got \[%\].
+    /// Resulting duty cycles of the coils of fill and vent valve (%).
     pub coils: [f64; 2],
-    /// The true chamber pressure when the target was told [bar gauge].
+    /// True chamber pressure when the sensors were sent (bar gauge).
     pub pressure_bar: f64,
-    /// What the driver asks for, whatever came of it on the link [bar gauge].
+    /// Reference of the driver, without faults of the link (bar gauge).
     pub reference_bar: f64,
-    /// The target started with this sample.
+    /// Whether the target started with this sample.
     pub is_first: bool,
-    /// The target's memory was damaged before this sample.
+    /// Whether the target's memory was damaged before this sample.
     pub is_damaged: bool,
-    /// A release was granted before this sample.
+    /// Whether a release was granted before this sample.
     pub is_released: bool,
 }
 
 impl Seen {
-    /// The pressure that the target is shown [bar gauge]; none where the code is none of a 12-bit converter.
+    /// Returns the pressure shown to the target (bar gauge); `None` for a code that a 12-bit converter cannot give.
     fn shown_bar(&self) -> Option<f64> {
         let code = self.sensors.pressure?;
         SensorCode::from_bits(code).map(|_| measured_bar(code))
     }
 }
 
-/// What was promised.
+/// Requirement on the ECU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Promise {
-    /// Never both coils at once.
+    /// Both coils are never driven at once.
     OneCoil,
-    /// Each coil gets 0, or a duty cycle within the limits of its valve, or the vent valve 100 % to empty the chamber.
+    /// Each coil gets 0, or a duty cycle within the limits of its valve, or the vent valve gets 100 % to empty the
+    /// chamber.
     DutyLimits,
-    /// No pressure above the supply's.
+    /// The pressure is never above the supply pressure.
     BelowSupply,
-    /// Both valves are shut in a sample whose pressure cannot be believed, or the chamber is being emptied.
+    /// Both valves are shut in a sample with an implausible pressure, or the chamber is being emptied.
     ShutInDoubt,
     /// No sample without a reference opens the fill valve further.
     NoIncreaseWithoutReference,
     /// Nothing is filled far above the reference.
     TowardsTheReference,
-    /// Nothing is filled after a reset, or after the chamber was given up, until the reference was at zero.
+    /// Nothing is filled after a reset, or after the chamber was emptied, until the reference was zero.
     NeutralFirst,
-    /// Nothing is filled from N samples of a fault on, until it is gone.
+    /// Nothing is filled from N samples of a fault on, until the fault is gone.
     NoFillAfterN,
     /// Once nothing is filled, the pressure does not rise.
     NoRiseAfterN,
-    /// While a fault may pass, the pressure is held: no valve moves.
+    /// While a fault may pass, both valves are shut and the pressure stays.
     Held,
-    /// The pressure is led down, not dropped.
+    /// The pressure is led down on a ramp, not dropped.
     NoSuddenLoss,
-    /// Both coils are off in the end.
+    /// Both coils are off at the end of the reaction.
     SafeInTime,
-    /// The chamber is empty in the end.
+    /// The chamber is empty at the end of the reaction.
     EmptyInTime,
-    /// The pressure comes back on the ramp, without a bump.
+    /// The pressure recovers on the ramp, without a bump.
     NoBump,
-    /// The first duty cycle after both valves were shut is no larger than the next, where nothing has changed in between.
+    /// The first duty cycle after both valves were shut is no larger than the next one, if no input has changed in
+    /// between.
     NoKick,
-    /// A fault that came back too often, or damaged memory, locks.
+    /// A fault that came back too often, or damaged memory, locks the ECU.
     StaysLocked,
-    /// The loop comes back by itself from a fault that the table lets pass.
+    /// The loop recovers by itself from a fault that the table lets pass.
     ResumesByItself,
-    /// The loop is at the reference again once the fault is gone and the reference was taken back.
+    /// The loop is at the reference again once the fault is gone and the reference was zero.
     Live,
 }
 
 impl Promise {
-    /// Whether it is about safety, not about being live again.
+    /// Returns whether it is a safety requirement, not one of recovery.
     pub const fn is_safety(self) -> bool {
         !matches!(self, Self::ResumesByItself | Self::Live)
     }
 }
 
-/// A promise that was not kept, where it was broken first.
+/// Violated requirement, at its first violation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// Which.
+    /// Violated requirement.
     pub promise: Promise,
-    /// In which sample.
+    /// Number of the sample.
     pub sample: u32,
-    /// What was seen.
+    /// Evidence of the violation.
     pub evidence: String,
 }
 
@@ -124,7 +126,7 @@ impl fmt::Display for Violation {
     }
 }
 
-/// Judges a run, sample by sample.
+/// Judge of a run, sample by sample.
 #[derive(Debug)]
 pub struct Oracle {
     drive: Drive,
@@ -153,7 +155,7 @@ impl Oracle {
         }
     }
 
-    /// One sample in which the target was asked.
+    /// Takes one sample with an answer of the target.
     pub fn see(&mut self, seen: &Seen) {
         if seen.is_first {
             self.conditions.forget();
@@ -176,7 +178,7 @@ impl Oracle {
         self.memory.remember(seen);
     }
 
-    /// One sample in which the target started again instead of answering: nobody has a reason to drive a coil.
+    /// Takes one sample in which the target restarted instead of answering: no coil may be driven.
     pub(super) fn see_reset(&mut self, sample: u32, actuators: Actuators) {
         if actuators != Actuators::OFF {
             let evidence = format!("after a reset the coils get {actuators:?}");
@@ -184,7 +186,7 @@ impl Oracle {
         }
     }
 
-    /// What was not kept, the first of each promise, in the order of time.
+    /// Returns the violations, the first of each requirement, in the order of time.
     pub fn violations(self) -> Vec<Violation> {
         self.violations
     }
@@ -228,10 +230,10 @@ impl Oracle {
     }
 }
 
-/// What a rule says of a sample: nothing, or which promise is broken and what was seen.
+/// Result of a rule for a sample: none, or the violated requirement and the evidence.
 type Finding = Option<(Promise, String)>;
 
-/// `promise` is broken unless it `holds`.
+/// Returns a violation of `promise` unless `holds`.
 fn unless(holds: bool, promise: Promise, evidence: impl FnOnce() -> String) -> Finding {
     (!holds).then(|| (promise, evidence()))
 }

@@ -1,11 +1,11 @@
-//! Whether the way into the safe state is kept.
+//! Check that the fault reaction is carried out.
 
 use super::condition::Watch;
 use super::way::Way;
 use super::{Finding, Oracle, Promise, Seen, unless};
 use crate::campaign::bounds;
 
-/// The promises of the ways.
+/// Returns the violated requirements of the fault reactions.
 pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> Vec<Finding> {
     let [fill, vent] = seen.coils;
     let answered: Vec<&Watch> = oracle.conditions.answered().collect();
@@ -25,7 +25,7 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> Vec<Finding> {
         Promise::NoFillAfterN,
         || said(&answered),
     )];
-    // Off at once is off at once, whatever else is wrong.
+    // A reaction that switches off at once applies with any other fault.
     let is_off = fill == 0.0 && vent == 0.0;
     let at_once: Vec<&Watch> = answered
         .iter()
@@ -45,7 +45,7 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> Vec<Finding> {
     findings
 }
 
-/// Of the only fault that there is.
+/// Checks the reaction to the only fault.
 fn of_one(seen: &Seen, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
     let [fill, vent] = seen.coils;
     let way = watch.way();
@@ -75,7 +75,7 @@ fn of_one(seen: &Seen, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
     if way == Way::Hold && is_followed && samples + 1 < bounds::HOLD_SAMPLES {
         findings.push(unless(is_off, Promise::Held, said(None)));
     }
-    // A task that comes too seldom vents for longer than it means to; with no sample in between nobody can do better.
+    // A task that comes too seldom vents for longer than intended; without a sample in between this cannot be avoided.
     let is_in_time = seen.sensors.elapsed_us <= bounds::ELAPSED_MAX_US;
     if is_followed && is_in_time {
         findings.extend(of_the_pressure(seen, oracle, way, samples, &said));
@@ -83,7 +83,7 @@ fn of_one(seen: &Seen, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
     findings
 }
 
-/// How the pressure goes on a way, where only the valves move it.
+/// Checks the pressure during a reaction, if only the valves move it.
 fn of_the_pressure<E: FnOnce() -> String>(
     seen: &Seen,
     oracle: &Oracle,
@@ -92,7 +92,7 @@ fn of_the_pressure<E: FnOnce() -> String>(
     said: &dyn Fn(Option<f64>) -> E,
 ) -> Vec<Finding> {
     let then_bar = |window: u32| {
-        // What the valves did before the answer is not the way's.
+        // Changes by the valves before the reaction do not count.
         let is_within = samples >= window + bounds::SETTLING;
         oracle.memory.pressure_bar(window).filter(|_| is_within)
     };
@@ -117,7 +117,7 @@ fn of_the_pressure<E: FnOnce() -> String>(
     if let Some(then_bar) = then_bar(bounds::RAMP_WINDOW).filter(|_| way == Way::Ramp) {
         let most_bar =
             f64::from(bounds::RAMP_WINDOW) * bounds::RAMP_BAR_PER_SAMPLE + bounds::RAMP_MARGIN_BAR;
-        // A driver who takes the reference back may have it at once.
+        // A driver who lowers the reference may get the lower pressure at once.
         let is_asked = oracle.conditions.last_reference_bar() < then_bar - bounds::LIVE_BAR;
         let is_led = seen.pressure_bar >= then_bar - most_bar;
         findings.push(unless(

@@ -1,43 +1,44 @@
-//! Whether anything may be filled at all.
+//! Permission to fill.
 
 use super::condition::{Condition, Conditions};
 use super::way::Way;
 use super::{Finding, Oracle, Promise, Seen, unless};
 use crate::campaign::bounds;
 
-/// From one fault to another one that counts by itself \[samples\]: N of the slowest doubt, the recovery, twice.
+/// Minimum time from one fault to another one that counts separately (samples): N of the slowest doubt and the
+/// recovery, twice.
 const IDLE_MIN: u32 = 2 * (bounds::DOUBT_N + bounds::RECOVERY_N);
-/// A fault that was held for less is certainly forgiven before the hold ends \[samples\].
+/// Time below which a held fault is certainly over before the hold ends (samples).
 const BRIDGED: u32 = bounds::HOLD_SAMPLES - 2 * bounds::RECOVERY_N;
 
-/// What the past of a run allows.
+/// Permissions that follow from the history of a run.
 #[derive(Debug)]
 pub(super) struct Permission {
-    /// Only of a fault that shows as one row can be told how often it was confirmed.
+    /// Whether the number of confirmations is known, which is so only for a fault that shows as one row.
     is_plain: bool,
-    /// The reference has to be seen at zero first: after a reset, and after the chamber was given up.
+    /// Whether the reference has to be zero first: after a reset, and after the chamber was emptied.
     needs_zero: bool,
-    /// Samples in a row with the reference at zero.
+    /// Number of consecutive samples with the reference at zero.
     zero_for: u32,
-    /// Faults that were forgiven.
+    /// Number of forgiven faults.
     answered: u32,
-    /// The target may still be on a way for so long \[samples\].
+    /// Time for which the target may still carry out a reaction (samples).
     away_for: u32,
-    /// Samples since a fault was being answered.
+    /// Number of samples since a fault was being answered.
     idle_for: u32,
     is_locked: bool,
     is_damaged: bool,
     comeback: Option<Comeback>,
 }
 
-/// The way back after a fault that has passed: from the pressure that is there, up a ramp, to what is asked for.
+/// Recovery after a fault that has passed: from the present pressure up a ramp to the reference.
 #[derive(Clone, Copy, Debug)]
 struct Comeback {
-    /// The ramp, until it has met the reference.
+    /// Line of the ramp, until it has met the reference (bar).
     line_bar: f64,
-    /// The highest pressure that anybody has had a reason for.
+    /// Highest pressure that had a reason (bar).
     reasonable_bar: f64,
-    /// Samples for which this is watched.
+    /// Number of samples for which the recovery is still checked.
     left: u32,
 }
 
@@ -50,7 +51,7 @@ impl Comeback {
         }
     }
 
-    /// One sample; none once it is over.
+    /// Takes one sample; returns `None` once the recovery is over.
     fn go_on(mut self, reference_bar: f64) -> Option<Self> {
         self.line_bar += bounds::RAMP_BAR_PER_SAMPLE;
         if self.line_bar >= reference_bar {
@@ -83,7 +84,7 @@ impl Permission {
         }
     }
 
-    /// Memory was damaged, and no reset has mended it.
+    /// Returns whether memory was damaged and no reset has repaired it.
     pub(super) fn is_damaged(&self) -> bool {
         self.is_damaged
     }
@@ -103,7 +104,7 @@ impl Permission {
             .is_some_and(|bits| (-65536..=bounds::ZERO_MAX).contains(&bits));
         self.zero_for = if is_zero { self.zero_for + 1 } else { 0 };
         self.answer(seen, conditions);
-        // Whoever has given up the chamber in this very sample still counts the zeros before it.
+        // A target that emptied the chamber in this very sample still counts the zeros before it.
         if self.zero_for >= bounds::ZERO_N {
             self.needs_zero = false;
         }
@@ -119,7 +120,7 @@ impl Permission {
             idle_for.saturating_add(1)
         };
         if is_answering && idle_for > 0 {
-            // Only where the target has certainly been running again.
+            // This counts only if the target has certainly been running again.
             let is_running = !self.needs_zero && idle_for >= IDLE_MIN && self.away_for == 0;
             self.answered += u32::from(is_running && self.is_plain);
             self.comeback = None;
@@ -147,7 +148,8 @@ impl Permission {
         }
     }
 
-    /// Watched until it is over, or the next thing is wrong: before that is confirmed valves may move as they like.
+    /// Checks the recovery until it is over, or the next condition begins: before that is confirmed the valves may move
+    /// freely.
     fn come_back(&mut self, seen: &Seen, conditions: &Conditions) {
         let is_watched = !self.needs_zero && conditions.is_calm();
         let comeback = self.comeback.filter(|_| is_watched);
@@ -155,7 +157,7 @@ impl Permission {
     }
 }
 
-/// The promises about filling.
+/// Returns the violated requirements on filling.
 pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 3] {
     let permission = &oracle.permission;
     let [fill, _] = seen.coils;

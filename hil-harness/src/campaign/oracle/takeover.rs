@@ -1,21 +1,21 @@
-//! Whether a loop that takes over begins as one that was in charge all along.
+//! Check that a takeover of the loop is bumpless.
 
 use super::condition::Conditions;
 use super::memory::Memory;
 use super::{Finding, Promise, Seen, unless};
 use crate::campaign::bounds;
 
-/// The first two duty cycles after both valves were shut. While pressure and reference rest, no valve has had the time to move
-/// anything between the two: a first one that is larger answers to a change that was none.
+/// First two duty cycles after both valves were shut. While pressure and reference are constant, no valve had the time
+/// to move anything between the two. A larger first one responds to a change that did not happen.
 #[derive(Debug, Default)]
 pub(super) struct Takeover {
-    /// What the sample before showed and asked for [bar gauge], where both can be believed.
+    /// Shown pressure and reference of the previous sample (bar gauge), if both are plausible.
     before_bar: Option<[f64; 2]>,
-    /// Samples in a row in which neither moved.
+    /// Number of consecutive samples in which neither changed.
     rested_for: u32,
-    /// What the coils got in the sample before, if it was the first that drove one \[%\].
+    /// Duty cycles of the previous sample, if it was the first that drove a coil (%).
     first_pct: Option<[f64; 2]>,
-    /// By how much the first was above this sample's, of the valve that both drive \[%\].
+    /// Excess of the first duty cycle over this sample's, for the valve that both drive (%).
     excess_pct: f64,
 }
 
@@ -36,7 +36,7 @@ impl Takeover {
         let was_shut = [0, 1]
             .iter()
             .all(|&valve| memory.coil_settled(valve, |duty| duty == 0.0));
-        // A target may have looked at a step for some samples before it believed it.
+        // A target may have seen a step for some samples before it accepted it.
         let is_first = self.rested_for >= bounds::SETTLING && was_shut && seen.coils != [0.0; 2];
         self.first_pct = is_first.then_some(seen.coils);
         self.before_bar = now_bar;
@@ -58,7 +58,7 @@ fn believed_bar(seen: &Seen, conditions: &Conditions) -> Option<[f64; 2]> {
     Some([shown_bar, conditions.reference_bar(seen)?])
 }
 
-/// Where only one of the two drives a valve, it was decided otherwise.
+/// Returns the excess of the first duty cycle; if only one of the two drives a valve, the decision was another one.
 fn excess_pct(first: [f64; 2], second: [f64; 2]) -> f64 {
     let both = first.into_iter().zip(second);
     let driven = both.filter(|&(_, second)| second > 0.0);

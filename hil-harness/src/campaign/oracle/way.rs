@@ -1,17 +1,17 @@
-//! The ways into the safe state.
+//! Fault reactions that lead to the safe state.
 
 use crate::campaign::bounds;
 
-/// A way into the safe state (`docs/safety.md`).
+/// Fault reaction (`docs/safety.md`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
-    /// Both valves shut, then the chamber is released in pulses.
+    /// Both valves shut, then release of the chamber in pulses.
     Hold,
-    /// Down a ramp, then vented.
+    /// Ramp down, then venting.
     Ramp,
-    /// Released in pulses.
+    /// Release of the chamber in pulses.
     Release,
-    /// Vented at once.
+    /// Venting at once.
     Vent,
     /// Both coils off at once.
     Off,
@@ -20,7 +20,7 @@ pub(super) enum Way {
 }
 
 impl Way {
-    /// From the answer to both coils off, at most \[samples\].
+    /// Returns the maximum time from the answer to both coils off (samples).
     pub(super) const fn samples(self) -> u32 {
         let changes = bounds::CHANGES;
         match self {

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-/// Out of a million.
+/// Probability in millionths.
 type Chance = u32;
 
-/// How bad the link is, the same for both directions.
+/// Strengths of the disturbances, equal for both directions.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Amplitudes {
     loss: Chance,
@@ -14,7 +14,7 @@ pub(crate) struct Amplitudes {
     truncate: Chance,
     stall: Chance,
     pub(crate) reset: Chance,
-    /// Longest time on the way, in ticks; frames overtake each other within it.
+    /// Longest transmission time, in ticks; frames overtake each other within it.
     delay_max: u64,
 }
 
@@ -35,7 +35,7 @@ impl Amplitudes {
 
 #[derive(Debug, Default)]
 pub(crate) struct Wire {
-    /// By time of arrival, then in the order in which they were sent.
+    /// Frames by time of arrival, then in the order in which they were sent.
     frames: BTreeMap<(u64, u64), Vec<u8>>,
     sent: u64,
     stalled_until: u64,
@@ -79,7 +79,7 @@ impl Wire {
         self.frames.insert((arrival, self.sent), bytes);
     }
 
-    /// What arrives now; one call for each.
+    /// Takes a frame that has arrived; call it once for each.
     pub(crate) fn due(&mut self, now: u64) -> Option<Vec<u8>> {
         let first = self.frames.first_entry()?;
         (first.key().0 <= now).then(|| first.remove())

@@ -1,4 +1,4 @@
-//! Coils with effects: currents from fluxes, and what flows and warms while they do.
+//! Coils with effects: currents from fluxes, with their charge and heat.
 
 use super::super::flux::{self, CoilNow};
 use super::super::smooth::Smooth;
@@ -9,13 +9,13 @@ use crate::plant::{FILL, PlantState, VENT};
 use crate::valve::ValveState;
 
 impl Extended {
-    /// Whether flux and current of a coil are in proportion.
+    /// Returns whether flux and current of a coil are proportional.
     pub(super) fn is_linear(&self) -> bool {
         let additions = &self.plant.additions;
         additions.saturation.is_none() && additions.eddy_conductance == 0.0
     }
 
-    /// The current that makes the force of a valve (A).
+    /// Returns the current that causes the magnetic force of a valve (A).
     pub(super) fn pulling_current(&self, index: usize, valve: &ValveState) -> f64 {
         if self.is_linear() {
             valve.current
@@ -24,12 +24,13 @@ impl Extended {
         }
     }
 
-    /// The magnetising current (A) at which that of a free-wheeling coil ends: the eddy currents carry the rest.
+    /// Returns the magnetising current (A) at which the current of a free-wheeling coil ends: the eddy currents carry
+    /// the rest.
     pub(super) fn least_current(&self) -> f64 {
         self.plant.diode_drop * self.plant.additions.eddy_conductance
     }
 
-    /// The live coils at a state, with their magnetising currents.
+    /// Returns the live coils at a state, with their magnetising currents.
     pub(super) fn coils<const N: usize, const M: usize>(
         &self,
         smooth: &Smooth<M>,
@@ -47,7 +48,7 @@ impl Extended {
         flux::coils_now(&self.plant, coils)
     }
 
-    /// What the battery's polarisation takes from the voltage of a coil (V).
+    /// Returns the reduction of a coil's voltage by the battery's polarisation (V).
     fn lost_voltage(&self, drive: Drive, extra: &[f64]) -> f64 {
         match (drive, self.layout.polarisation) {
             (Drive::Energised(_), Some(polarisation)) => extra[polarisation],
@@ -55,7 +56,7 @@ impl Extended {
         }
     }
 
-    /// d(polarisation)/dt (V/s) under the currents of the energised coils.
+    /// Returns d(polarisation)/dt (V/s) under the currents of the energised coils.
     pub(super) fn polarisation_rate<const M: usize>(
         &self,
         smooth: &Smooth<M>,
@@ -73,7 +74,7 @@ impl Extended {
         Some((polarisation.resistance * taken - voltage) / polarisation.time_constant)
     }
 
-    /// The outputs have switched: with eddy currents, the current at the terminals jumps.
+    /// Updates the state after the outputs have switched: with eddy currents, the current at the terminals jumps.
     pub(in crate::simulator) fn switched(&self, state: &mut PlantState) {
         if self.plant.additions.eddy_conductance == 0.0 {
             return;
@@ -107,7 +108,7 @@ impl Extended {
             let [start, middle, end] = states.map(|y| self.coils(smooth, y, [0.0; 2]));
             for (&index, drive) in smooth.live.iter().zip(smooth.drives) {
                 let [start, middle, end] = [start, middle, end].map(|now| now[index].current);
-                // Interpolated flux that is off by a little is a current off by any factor where the iron saturates.
+                // If the iron saturates, a small error of the interpolated flux gives a large error of the current.
                 let steady = drive.voltage().unwrap_or(0.0)
                     / flux::loop_resistance(&self.plant, index, drive);
                 let most = start.abs().max(end.abs()).max(steady.abs());

@@ -6,7 +6,7 @@ use crate::hooks::{self, Now};
 use crate::valve::ValveState;
 
 impl Extended {
-    /// Forces on an armature without friction (N).
+    /// Returns the forces on an armature without friction (N).
     pub(super) fn net_force(
         &self,
         (index, x, v): (usize, f64, f64),
@@ -24,7 +24,7 @@ impl Extended {
             + own
     }
 
-    /// The net force on an armature that does not move (N).
+    /// Returns the net force on an armature that does not move (N).
     pub(super) fn resting_force(
         &self,
         index: usize,

@@ -1,4 +1,4 @@
-//! The plant with effects, as the solver asks for it.
+//! Plant with effects, as the physics of the solver.
 
 mod coils;
 mod forces;
@@ -12,17 +12,17 @@ use crate::additions::CoilTemperature;
 use crate::hooks::Now;
 use crate::plant::{FILL, Plant, PlantState, VENT};
 
-/// A state that an effect adds.
+/// State that an effect adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectState {
-    /// `t_gas`, `t_wall`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, `u_polarisation`, `plunger_share`, or
-    /// `own` for your own.
+    /// `t_gas`, `t_wall`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, `u_polarisation`,
+    /// `plunger_share`, or `own` for a user-defined state.
     pub name: &'static str,
-    /// Its value: K, Pa abs, V or a pure number, or the unit of your own.
+    /// Value: K, Pa abs, V or a pure number, or the unit of a user-defined state.
     pub value: f64,
 }
 
-/// The plant with its additions, and their states.
+/// Plant with its additions, and their states.
 #[derive(Debug, Clone)]
 pub(in crate::simulator) struct Extended {
     plant: Plant,
@@ -30,9 +30,9 @@ pub(in crate::simulator) struct Extended {
     extra: [f64; MANY],
     /// Inverse tolerances of `extra`.
     extra_weights: [f64; MANY],
-    /// Flux linkage of each coil (Wb), where its current does not tell it.
+    /// Flux linkage of each coil (Wb), if its current does not determine it.
     flux: [f64; 2],
-    /// Temperature of each coil, and the heat since it was brought up to date (J).
+    /// Temperature of each coil, and the heat since its last update (J).
     coils: [CoilTemperature; 2],
     heat: [f64; 2],
     /// Resistance of each coil as installed (Ω).
@@ -40,7 +40,7 @@ pub(in crate::simulator) struct Extended {
     /// The plunger's share of its travel.
     swept: f64,
     sensor: Sensor,
-    /// Since the beginning (s).
+    /// Time since the beginning (s).
     elapsed: f64,
 }
 
@@ -66,7 +66,7 @@ impl Extended {
         }
     }
 
-    /// What laws of your own see; none where there are none.
+    /// Returns the input of user-defined laws; `None` if there are none.
     fn now<'a>(
         &self,
         pressure: f64,
@@ -91,7 +91,7 @@ impl Extended {
         })
     }
 
-    /// The states of effects, named.
+    /// Returns the states of effects, with their names.
     pub(in crate::simulator) fn states(&self) -> Vec<EffectState> {
         let Layout {
             line,
@@ -127,7 +127,7 @@ impl Extended {
         states
     }
 
-    /// What the sensor shows (Pa abs).
+    /// Returns the pressure that the sensor shows (Pa abs).
     pub(in crate::simulator) fn measured_pressure(&self, state: &PlantState) -> f64 {
         let valves = &state.valves;
         let now = Now {
@@ -144,18 +144,18 @@ impl Extended {
         self.sensor.shown(&self.plant.additions, &now, self.elapsed)
     }
 
-    /// The cavity's pressure, where it is what the sensor follows.
+    /// Returns the index of the cavity's pressure, if the sensor measures it.
     fn sensed_cavity(&self) -> Option<usize> {
         let cavity = self.plant.additions.cavity?;
         self.layout.cavity.filter(|_| cavity.holds_the_sensor)
     }
 
-    /// Gas temperature (K), where it is a state.
+    /// Returns the gas temperature (K), if it is a state.
     pub(in crate::simulator) fn temperature(&self) -> Option<f64> {
         Some(self.extra[self.layout.temperature?])
     }
 
-    /// Puts the supply line to rest at `pressure` (Pa abs), where its pressure is a state.
+    /// Sets the supply line to rest at `pressure` (Pa abs), if its pressure is a state.
     pub(in crate::simulator) fn rest_supply_line(&mut self, pressure: f64) {
         if let Some(line) = self.layout.line {
             self.extra[line] = pressure;
@@ -171,7 +171,7 @@ impl Extended {
         true
     }
 
-    /// The chamber pressure was moved by `shift` to `pressure` (Pa): what follows it moves along.
+    /// Moves the states that follow the chamber pressure, after it was moved by `shift` to `pressure` (Pa).
     pub(in crate::simulator) fn shift_pressure(&mut self, shift: f64, pressure: f64) {
         if let Some(cavity) = self.layout.cavity {
             // A correction by a measurement; never to vacuum.

@@ -1,4 +1,4 @@
-//! What the solver asks of the plant with effects.
+//! Physics of the plant with effects, as the solver needs it.
 
 use super::super::physics::{Physics, Width};
 use super::super::smooth::Smooth;
@@ -15,11 +15,11 @@ use crate::solver::hermite::Cubic;
 use crate::solver::root::first_positive;
 use crate::valve::{Motion, ValveState};
 
-/// Magnetising current (A) below which a dead coil has no flux left.
+/// Magnetising current (A) below which a coil without supply has no flux left.
 const NO_CURRENT: f64 = 1e-6;
 
-/// What friction at rest is at least more than in motion (-): an armature that has just departed would halt at once, and
-/// depart again.
+/// Minimum excess of the friction at rest over that in motion (-): otherwise an armature that has just broken away
+/// would halt at once, and break away again.
 const LEAST_BREAKAWAY: f64 = 1e-3;
 
 impl Physics for Extended {
@@ -57,7 +57,7 @@ impl Physics for Extended {
                 has_law || additions.supply_resistance > 0.0 || additions.polarisation.is_some()
             }
             Drive::FreeWheeling(_) => has_law,
-            // The eddy currents hold a flux for a moment.
+            // The eddy currents sustain a flux for a moment.
             Drive::Blocked => additions.eddy_conductance > 0.0 && self.flux[index] > 0.0,
         }
     }
@@ -141,7 +141,7 @@ impl Physics for Extended {
         let rebound = -self.plant.additions.restitution * arrived.v;
         let away = self.departing_force_now(index, arrived, pressure);
         let mass = self.plant.valves[index].armature.mass;
-        // Up and down under a steady force: t = 2 m v / F.
+        // Up and down under a constant force: t = 2 m v / F.
         let too_short = -away * SHORTEST_FLIGHT > 2.0 * mass * rebound.abs();
         if rebound.abs() < SLOWEST_BOUNCE || too_short {
             0.0
@@ -230,7 +230,8 @@ impl Physics for Extended {
         if error.iter().any(|error| !error.is_finite()) {
             return f64::INFINITY;
         }
-        // In the slots of the currents stands flux: as large an error of the current, and both coils are alike.
+        // The slots of the currents contain flux: the error is converted into one of the current, equally for both
+        // coils.
         let mut valves = *error;
         for slot in 0..M {
             valves[first_of(slot)] /= self.plant.valves[slot].coil.inductance_at_rest;
@@ -324,7 +325,7 @@ impl Physics for Extended {
         if self.plant.additions.heating.is_some()
             && let Some(voltage) = drive.voltage()
         {
-            // Energy balance: what the source gives and the field loses is heat, in all of the loop.
+            // Energy balance: the energy from the source and from the field becomes heat, in all of the loop.
             let coil = &self.plant.valves[index].coil;
             let field = 0.5 * coil.inductance(x) * (start * start - end * end);
             let share = coil.resistance / flux::loop_resistance(&self.plant, index, drive);

@@ -1,41 +1,41 @@
-//! Whether a pressure can be believed.
+//! Plausibility of the pressure.
 
 use super::rig::Rig;
 use crate::campaign::bounds;
 use crate::campaign::oracle::Seen;
 
-/// The doubts about the pressure: no code, none of a pressure, or a jump.
+/// Doubts about the pressure: a missing code, a code outside the range, or a jump.
 #[derive(Debug, Default)]
 pub(super) struct Doubt {
-    /// The last pressure that nothing spoke against [bar gauge].
+    /// Last plausible pressure (bar gauge).
     believed_bar: Option<f64>,
     is_present: bool,
-    /// Samples in a row with a jump against the pressure that is believed.
+    /// Number of consecutive samples with a jump against the last plausible pressure.
     jumps: u32,
-    /// Samples in a row in which nothing spoke against the pressure, jumps from it aside.
+    /// Number of consecutive samples with a plausible pressure, apart from jumps.
     sound_for: u32,
-    /// Samples since it moved faster than a valve can.
+    /// Number of samples since the pressure moved faster than a valve can move it.
     steady_for: u32,
 }
 
 impl Doubt {
-    /// One sample; whether its pressure cannot be believed.
+    /// Takes one sample; returns whether its pressure is implausible.
     pub(super) fn look(&mut self, rig: &Rig, seen: &Seen) -> bool {
         self.is_present = self.speaks_against(rig, seen);
         self.is_present
     }
 
-    /// Of the last sample.
+    /// Returns whether the pressure of the last sample was implausible.
     pub(super) fn is_present(&self) -> bool {
         self.is_present
     }
 
-    /// Whether the pressure is sound for as long as it takes any target to think so, too.
+    /// Returns whether the pressure has been plausible for so long that any target accepts it, too.
     pub(super) fn is_long_over(&self) -> bool {
         !self.is_present && self.sound_for >= bounds::RECOVERY_N
     }
 
-    /// Whether the shown pressure was moved by nothing but valves lately: a derivative part answers to any motion.
+    /// Returns whether only valves moved the shown pressure lately: a derivative part responds to any motion.
     pub(super) fn is_steady(&self) -> bool {
         self.steady_for >= bounds::SETTLING
     }
@@ -60,7 +60,7 @@ impl Doubt {
         } else {
             self.steady_for.saturating_add(1)
         };
-        // Against which pressure a target judges that was in doubt a moment ago is its own affair.
+        // The pressure against which a target judges shortly after a doubt is not specified.
         let is_sure = self.sound_for >= bounds::HOLD_SAMPLES && self.jumps < bounds::DOUBT_N;
         let has_jumped = is_sure && moved_bar > rig.jump_bar + 0.02;
         if has_jumped {

@@ -1,11 +1,11 @@
-//! Whether coils and battery are as they should be.
+//! State of coils and battery.
 
 use super::rig::Rig;
 use crate::campaign::bounds;
 use crate::campaign::oracle::Seen;
 use crate::campaign::oracle::memory::Memory;
 
-/// Whether the coil of this valve, which shows this current, is open, and whether it is short.
+/// Returns whether the coil of this valve, with this current, is open, and whether it is short.
 pub(super) fn coil(rig: &Rig, valve: usize, current_ma: Option<u16>, memory: &Memory) -> [bool; 2] {
     let Some(current_ma) = current_ma.map(f64::from) else {
         return [false; 2];
@@ -13,14 +13,14 @@ pub(super) fn coil(rig: &Rig, valve: usize, current_ma: Option<u16>, memory: &Me
     let [min_ma, max_ma] = rig.coil_ma;
     let is_energised = memory.coil_settled(valve, |duty| duty >= bounds::ENERGISED_PCT);
     let is_off = memory.coil_settled(valve, |duty| duty == 0.0);
-    // A milliampere for rounding on the wire.
+    // One milliampere for rounding on the wire.
     [
         is_energised && current_ma < min_ma - 1.0,
         current_ma > max_ma + 1.0 || is_off && current_ma > min_ma + 1.0,
     ]
 }
 
-/// Whether the battery is outside its window.
+/// Returns whether the battery is outside its window.
 pub(super) fn battery(rig: &Rig, seen: &Seen) -> bool {
     let [min_mv, max_mv] = rig.battery_mv;
     let is_outside = |mv: f64| mv < min_mv - 1.0 || mv > max_mv + 1.0;

@@ -1,4 +1,4 @@
-//! Which faults of the table are present, by what is on the wire and at the coils.
+//! Faults of the table that are present, judged by the data on the wire and at the coils.
 
 mod doubt;
 mod electrical;
@@ -23,7 +23,7 @@ use stuck::Stuck;
 
 pub(super) use watch::Watch;
 
-/// A row of the table, or several that are seen and answered alike.
+/// Row of the table, or several with the same signs and the same reaction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Condition {
     Doubt,
@@ -60,11 +60,11 @@ impl Condition {
         Self::Memory,
     ];
 
-    /// N \[samples\] and the way.
+    /// Returns N (samples) and the reaction.
     const fn rule(self) -> (u32, Way) {
         match self {
             Self::Doubt => (bounds::DOUBT_N, Way::Hold),
-            // Counted by the condition itself.
+            // The condition counts by itself.
             Self::Stuck => (1, Way::Release),
             Self::Offset => (1, Way::Vent),
             Self::TooLittle => (bounds::RESPONSE_N, Way::Ramp),
@@ -80,18 +80,18 @@ impl Condition {
     }
 }
 
-/// All of them.
+/// All conditions.
 #[derive(Debug)]
 pub(super) struct Conditions {
     rig: Rig,
     past: Past,
 }
 
-/// What a start of the target makes meaningless.
+/// History that a start of the target makes meaningless.
 #[derive(Debug)]
 struct Past {
     watches: [Watch; 13],
-    /// Samples without any.
+    /// Number of samples without any condition.
     calm_for: u32,
     last_reference_bar: f64,
     doubt: Doubt,
@@ -122,7 +122,7 @@ impl Conditions {
         }
     }
 
-    /// The target has started: it knows nothing of what was before.
+    /// Clears the history: the target has started and knows nothing of the past.
     pub(super) fn forget(&mut self) {
         self.past = Past::none();
     }
@@ -163,27 +163,27 @@ impl Conditions {
         };
     }
 
-    /// Whether this sample's pressure cannot be believed.
+    /// Returns whether this sample's pressure is implausible.
     pub(super) fn is_in_doubt(&self) -> bool {
         self.past.doubt.is_present()
     }
 
-    /// Whether this sample shows nothing wrong.
+    /// Returns whether this sample shows no condition.
     pub(super) fn is_calm(&self) -> bool {
         self.past.calm_for > 0
     }
 
-    /// Whether the shown pressure was moved by nothing but valves lately.
+    /// Returns whether only valves moved the shown pressure lately.
     pub(super) fn is_steady(&self) -> bool {
         self.past.doubt.is_steady()
     }
 
-    /// Those that had to be answered and are not gone.
+    /// Returns the conditions that had to be answered and are not gone.
     pub(super) fn answered(&self) -> impl Iterator<Item = &Watch> {
         self.past.watches.iter().filter(|watch| watch.is_answered())
     }
 
-    /// The one that had to be answered, if no other one was present lately.
+    /// Returns the condition that had to be answered, if no other one was present lately.
     pub(super) fn only(&self) -> Option<&Watch> {
         let mut lately = self.past.watches.iter().filter(|watch| watch.is_recent());
         lately
@@ -191,7 +191,7 @@ impl Conditions {
             .filter(|watch| watch.is_answered() && lately.next().is_none())
     }
 
-    /// The reference on the wire, if somebody can mean it [bar gauge].
+    /// Returns the reference on the wire (bar gauge), if it is possible.
     pub(super) fn reference_bar(&self, seen: &Seen) -> Option<f64> {
         let bar = f64::from(seen.sensors.reference?) / 65536.0;
         (-1.0..=self.rig.supply_max_bar)
@@ -199,7 +199,7 @@ impl Conditions {
             .then_some(bar)
     }
 
-    /// The last of those [bar gauge]; zero before the first.
+    /// Returns the last possible reference (bar gauge); zero before the first.
     pub(super) fn last_reference_bar(&self) -> f64 {
         self.past.last_reference_bar
     }

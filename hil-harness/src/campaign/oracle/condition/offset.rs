@@ -1,14 +1,14 @@
-//! Whether a chamber that was emptied shows a pressure.
+//! Pressure reading of a chamber that was emptied.
 
 use super::rig::Rig;
 use crate::campaign::bounds;
 use crate::campaign::oracle::Seen;
 use crate::campaign::oracle::memory::Memory;
 
-/// A pressure for N samples with the vent valve open and the fill valve shut.
+/// Pressure for N samples with the vent valve open and the fill valve shut.
 #[derive(Debug, Default)]
 pub(super) struct Offset {
-    /// Samples for which the vented chamber has shown a pressure; it is forgotten as slowly.
+    /// Number of samples in which the vented chamber has shown a pressure; it decreases at the same rate.
     evidence: u32,
     is_present: bool,
 }
@@ -26,7 +26,7 @@ impl Offset {
             (true, false) if self.is_present => self.evidence.saturating_sub(1),
             (true, false) => 0,
         };
-        // A few samples less than until nobody remembers.
+        // A few samples less than until the fault is over for any ECU.
         let is_remembered = self.is_present && self.evidence > bounds::SETTLING;
         self.is_present = self.evidence >= bounds::OFFSET_N || is_remembered;
         self.is_present

@@ -1,4 +1,4 @@
-//! Whether the pressure does what the coils were told.
+//! Response of the pressure to the commands of the coils.
 
 use core::mem;
 
@@ -6,17 +6,18 @@ use super::rig::Rig;
 use crate::campaign::bounds;
 use crate::campaign::oracle::memory::Memory;
 
-/// Too little and too much pressure for what the coils got: two cumulative sums, on what the sensor shows.
+/// Too little and too much pressure for the duty cycles of the coils: two cumulative sums of the sensor's pressure.
 #[derive(Debug, Default)]
 pub(super) struct Response {
-    /// The pressure of the sample before, unless it was in doubt [bar gauge].
+    /// Pressure of the previous sample, unless it was implausible (bar gauge).
     before_bar: Option<f64>,
     too_little_bar: f64,
     too_much_bar: f64,
 }
 
 impl Response {
-    /// One sample and its pressure, if that can be believed; whether there is too little and whether there is too much.
+    /// Takes one sample with its pressure, if plausible; returns whether there is too little and whether there is too
+    /// much.
     pub(super) fn look(&mut self, rig: &Rig, shown_bar: Option<f64>, memory: &Memory) -> [bool; 2] {
         let before_bar = mem::replace(&mut self.before_bar, shown_bar);
         let (Some(shown_bar), Some(before_bar)) = (shown_bar, before_bar) else {
@@ -46,8 +47,8 @@ impl Response {
     }
 }
 
-/// The sum with what this sample leaves unexplained, while that counts; held a little above the limit, so that what is over is soon
-/// forgotten.
+/// Returns the sum plus this sample's unexplained change, while that counts. It is clamped a little above the limit, so
+/// that an excess that is over soon decays.
 fn summed(sum: f64, unexplained: f64, counts: bool) -> f64 {
     if counts {
         (sum + unexplained).clamp(0.0, bounds::UNEXPLAINED_BAR + 0.02)

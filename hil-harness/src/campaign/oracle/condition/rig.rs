@@ -1,23 +1,23 @@
-//! What the supervision knows of the rig, in the oracle's units.
+//! Settings of the supervision in the oracle's units.
 
 use ecu::Supervision;
 
 use crate::campaign::bounds;
 
-/// The settings of the supervision, each as the rules need it.
+/// Settings of the supervision, in the form that the rules need.
 #[derive(Debug)]
 pub(super) struct Rig {
     pub(super) supply_min_bar: f64,
     pub(super) supply_max_bar: f64,
     pub(super) jump_bar: f64,
-    /// Change per sample and pressure difference, at least.
+    /// Minimum change per sample and pressure difference.
     pub(super) rise: f64,
     pub(super) fall: f64,
-    /// Of fill and vent valve.
+    /// Open duty cycles of fill and vent valve (%).
     pub(super) open_pct: [f64; 2],
-    /// Lowest and highest.
+    /// Lowest and highest supply voltage (mV).
     pub(super) battery_mv: [f64; 2],
-    /// Least of a coil that is driven, most of any.
+    /// Minimum current of a driven coil and maximum current of any coil (mA).
     pub(super) coil_ma: [f64; 2],
 }
 

@@ -1,4 +1,4 @@
-//! Whether the sensor shows the same while valves move the pressure.
+//! Detection of a sensor that shows the same code while valves move the pressure.
 
 use super::rig::Rig;
 use crate::campaign::bounds;

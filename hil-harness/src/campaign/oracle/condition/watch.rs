@@ -4,18 +4,18 @@ use super::Condition;
 use crate::campaign::bounds;
 use crate::campaign::oracle::way::Way;
 
-/// A condition over time.
+/// Condition over time.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::campaign::oracle) struct Watch {
     pub(in crate::campaign::oracle) condition: Condition,
-    /// Samples in a row in which it was present.
+    /// Number of consecutive samples in which it was present.
     present_for: u32,
-    /// Samples since it was present last.
+    /// Number of samples since it was present last.
     quiet_for: u32,
     is_answered: bool,
-    /// Samples since it was gone: absent N times in a row.
+    /// Number of samples since it was gone: absent N times in a row.
     gone_for: u32,
-    /// Nothing at all was present for so long before it was \[samples\].
+    /// Number of samples before it in which no condition was present.
     calm_before: u32,
 }
 
@@ -31,7 +31,7 @@ impl Watch {
         }
     }
 
-    /// One sample; nothing at all was present for `calm_for` samples before it.
+    /// Takes one sample; no condition was present for `calm_for` samples before it.
     pub(super) fn look(&mut self, is_present: bool, calm_for: u32) {
         let (n, _) = self.condition.rule();
         if is_present {
@@ -57,22 +57,22 @@ impl Watch {
         self.condition.rule().1
     }
 
-    /// Whether it had to be answered, and is not gone for long enough.
+    /// Returns whether it had to be answered, and is not gone for long enough.
     pub(in crate::campaign::oracle) fn is_answered(&self) -> bool {
         self.is_answered
     }
 
-    /// Whether it was present so lately that a target may still be answering it.
+    /// Returns whether it was present so recently that a target may still react to it.
     pub(super) fn is_recent(&self) -> bool {
         self.quiet_for < 2 * bounds::RECOVERY_N
     }
 
-    /// Whether the target was certainly not on a way already when this began.
+    /// Returns whether the target certainly had no active reaction when this condition began.
     pub(in crate::campaign::oracle) fn is_first(&self) -> bool {
         self.calm_before >= bounds::AWAY_SAMPLES
     }
 
-    /// Samples since the one in which it had to be answered, while it is present without a break.
+    /// Returns the number of samples since the one in which it had to be answered, while it is present without a break.
     pub(in crate::campaign::oracle) fn answered_for(&self) -> Option<u32> {
         self.present_for
             .checked_sub(self.condition.rule().0)
