@@ -232,12 +232,20 @@ fn one_line(text: &str) -> String {
         .collect()
 }
 
+/// Returns what to do about an output that could not be written.
+fn next_step(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "create its folder, or name another one",
+        _ => "check the free space and the rights",
+    }
+}
+
 /// Reason why a row or file was not written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
     /// The sink failed.
-    #[error("the output could not be written: {0}; check the free space and the rights")]
+    #[error("the output could not be written: {0}; {next}", next = next_step(.0))]
     Io(#[from] io::Error),
     /// There is no signal.
     #[error("there is no signal to write: give at least one column")]

@@ -87,7 +87,11 @@ fn files_that_are_not_there_or_no_text() {
             "--out",
             "no/such/folder/out.csv",
         ],
-        &["no/such/folder/out.csv", "could not be written"],
+        &[
+            "no/such/folder/out.csv",
+            "could not be written",
+            "create its folder",
+        ],
     );
 }
 
