@@ -4,7 +4,7 @@ use controller::fixed::types::I16F16;
 use controller::{Config, Distributor};
 
 use crate::error::{EcuConfigError, SupervisionField as Field};
-#[cfg(any(test, feature = "mutilate"))]
+#[cfg(any(test, feature = "fault-seeding"))]
 use crate::fault::Fault;
 use crate::history::{History, Window};
 use crate::mechanism::{Mechanism, Mechanisms};
@@ -83,7 +83,7 @@ impl EcuConfig {
     }
 
     /// Returns the same configuration without one safety mechanism, for a test that has to detect the removal.
-    #[cfg(any(test, feature = "mutilate"))]
+    #[cfg(any(test, feature = "fault-seeding"))]
     #[must_use]
     pub const fn without(self, mechanism: Mechanism) -> Self {
         let mechanisms = self.limits.mechanisms.without(mechanism);
@@ -91,14 +91,14 @@ impl EcuConfig {
     }
 
     /// Returns the same configuration without the detector of `fault`, for a test that has to detect the removal.
-    #[cfg(any(test, feature = "mutilate"))]
+    #[cfg(any(test, feature = "fault-seeding"))]
     #[must_use]
     pub const fn without_detector(self, fault: Fault) -> Self {
         let mechanisms = self.limits.mechanisms.without_detector(fault);
         self.with_mechanisms(mechanisms)
     }
 
-    #[cfg(any(test, feature = "mutilate"))]
+    #[cfg(any(test, feature = "fault-seeding"))]
     const fn with_mechanisms(mut self, mechanisms: Mechanisms) -> Self {
         self.limits.mechanisms = mechanisms;
         self

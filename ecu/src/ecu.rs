@@ -8,7 +8,7 @@ use crate::detector::{Detectors, Seen, Told};
 use crate::digest::digest;
 use crate::fault::FaultSet;
 use crate::input_output::{Inputs, Outputs, safe_outputs};
-#[cfg(any(test, feature = "mutilate"))]
+#[cfg(any(test, feature = "fault-seeding"))]
 use crate::mechanism::Damage;
 use crate::mechanism::Mechanism;
 use crate::mode::Mode;
@@ -128,7 +128,7 @@ impl Ecu {
     }
 
     /// Damages the ECU, for a test that has to detect it.
-    #[cfg(any(test, feature = "mutilate"))]
+    #[cfg(any(test, feature = "fault-seeding"))]
     pub fn damage(&mut self, damage: Damage) {
         match damage {
             Damage::Config => {

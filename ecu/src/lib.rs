@@ -1,9 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![no_std]
 
-#[cfg(all(feature = "mutilate", target_os = "none"))]
+#[cfg(all(feature = "fault-seeding", target_os = "none"))]
 compile_error!(
-    "`mutilate` takes safety mechanisms away, for tests on a host: no image is built with it"
+    "`fault-seeding` takes safety mechanisms away, for tests on a host: no image is built with it"
 );
 
 // The supervisor's tests use the same bench inside the crate, where mechanisms can be removed, and outside, where they
@@ -46,7 +46,7 @@ pub use error::{EcuConfigError, SupervisionField};
 pub use fault::{Fault, FaultSet};
 pub use hil_protocol::{ResetCause, Telemetry};
 pub use input_output::{Inputs, Outputs, safe_outputs};
-#[cfg(any(test, feature = "mutilate"))]
+#[cfg(any(test, feature = "fault-seeding"))]
 pub use mechanism::Damage;
 pub use mechanism::Mechanism;
 pub use mode::Mode;

@@ -5,7 +5,7 @@ mod tests;
 
 /// Safety mechanism in addition to the detectors; each detector is a safety mechanism, too.
 ///
-/// Removing one is possible only with the feature `mutilate`, which no image can be built with.
+/// A test removes one with the feature `fault-seeding`. The build of an image with this feature fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Mechanism {
@@ -57,7 +57,7 @@ impl Mechanism {
 }
 
 /// Damage that a test can cause while the ECU runs, to check that it is detected.
-#[cfg(any(test, feature = "mutilate"))]
+#[cfg(any(test, feature = "fault-seeding"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Damage {
     /// A flipped choice in the configuration: the vent valve counts as the other kind.
@@ -69,7 +69,7 @@ pub enum Damage {
 }
 
 /// Mechanisms and detectors that are not removed.
-#[cfg(any(test, feature = "mutilate"))]
+#[cfg(any(test, feature = "fault-seeding"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Mechanisms {
@@ -80,12 +80,12 @@ pub(crate) struct Mechanisms {
 }
 
 /// All mechanisms; a type without size.
-#[cfg(not(any(test, feature = "mutilate")))]
+#[cfg(not(any(test, feature = "fault-seeding")))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Mechanisms;
 
-#[cfg(any(test, feature = "mutilate"))]
+#[cfg(any(test, feature = "fault-seeding"))]
 impl Mechanisms {
     pub(crate) const ALL: Self = Self {
         removed: 0,
@@ -127,7 +127,7 @@ impl Mechanisms {
     }
 }
 
-#[cfg(not(any(test, feature = "mutilate")))]
+#[cfg(not(any(test, feature = "fault-seeding")))]
 impl Mechanisms {
     pub(crate) const ALL: Self = Self;
 

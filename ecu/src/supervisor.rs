@@ -183,7 +183,7 @@ impl Supervisor {
         self.seal();
     }
 
-    #[cfg(any(test, feature = "mutilate"))]
+    #[cfg(any(test, feature = "fault-seeding"))]
     pub(crate) fn damage(&mut self) {
         self.mode = Mode::Running;
     }

@@ -29,42 +29,48 @@ impl Restriction {
 
     /// Returns the mass flow between two volumes (kg/s): the nozzle law, linear for nearly equal pressures.
     #[inline]
-    pub fn mass_flow(&self, nozzle: &NozzleLaw, upside: f64, downside: f64) -> f64 {
-        if upside < downside {
-            return -self.mass_flow(nozzle, downside, upside);
+    pub fn mass_flow(&self, nozzle: &NozzleLaw, upstream: f64, downstream: f64) -> f64 {
+        if upstream < downstream {
+            return -self.mass_flow(nozzle, downstream, upstream);
         }
-        let ratio = downside / upside;
+        let ratio = downstream / upstream;
         let factor = if ratio < LINEAR_RATIO {
             nozzle.flow_function(ratio)
         } else {
             nozzle.flow_function(LINEAR_RATIO) * (1.0 - ratio) / (1.0 - LINEAR_RATIO)
         };
-        self.effective_area * upside * factor
+        self.effective_area * upstream * factor
     }
 }
 
-/// Returns the flow through two orifices in series without a volume between them: mass flow (kg/s) and the pressure
-/// between them (Pa abs). `areas` are effective areas (m²) in the order of the flow from `upside` to `downside`.
-pub fn in_series(nozzle: &NozzleLaw, areas: [f64; 2], upside: f64, downside: f64) -> (f64, f64) {
-    if upside < downside {
-        let (flow, between) = in_series(nozzle, [areas[1], areas[0]], downside, upside);
+/// Returns the mass flow (kg/s) through two orifices in series without a volume between them, and the pressure (Pa abs)
+/// between them. `areas` are the effective areas (m²): first that next to the pressure `upstream`, then that next to
+/// `downstream`.
+pub fn in_series(
+    nozzle: &NozzleLaw,
+    areas: [f64; 2],
+    upstream: f64,
+    downstream: f64,
+) -> (f64, f64) {
+    if upstream < downstream {
+        let (flow, between) = in_series(nozzle, [areas[1], areas[0]], downstream, upstream);
         return (-flow, between);
     }
     if areas[0] <= 0.0 {
-        return (0.0, downside);
+        return (0.0, downstream);
     }
-    if areas[1] <= 0.0 || upside == downside {
-        return (0.0, upside);
+    if areas[1] <= 0.0 || upstream == downstream {
+        return (0.0, upstream);
     }
     // Outflow minus inflow grows with the pressure between. The squares of flows are nearly linear in it, so the root
     // is found in a few evaluations; the flows themselves have an infinite slope at either end.
     let surplus = |above: f64| {
-        let between = downside + above;
-        let out = nozzle.mass_flow(areas[1], between, downside);
-        out * out - nozzle.mass_flow(areas[0], upside, between).powi(2)
+        let between = downstream + above;
+        let out = nozzle.mass_flow(areas[1], between, downstream);
+        out * out - nozzle.mass_flow(areas[0], upstream, between).powi(2)
     };
-    let between = downside + first_positive(surplus, 0.0, upside - downside);
-    (nozzle.mass_flow(areas[1], between, downside), between)
+    let between = downstream + first_positive(surplus, 0.0, upstream - downstream);
+    (nozzle.mass_flow(areas[1], between, downstream), between)
 }
 
 #[cfg(test)]
@@ -76,11 +82,11 @@ mod tests {
     fn the_same_flow_passes_both_orifices() {
         let nozzle = PlantParameters::nominal().plant().nozzle;
         for areas in [[1e-6, 1e-6], [1e-7, 1e-6], [1e-6, 1e-8]] {
-            for downside in [1e5, 5e5, 9e5, 9.39e5] {
-                let (flow, between) = in_series(&nozzle, areas, 9.4e5, downside);
+            for downstream in [1e5, 5e5, 9e5, 9.39e5] {
+                let (flow, between) = in_series(&nozzle, areas, 9.4e5, downstream);
                 let first = nozzle.mass_flow(areas[0], 9.4e5, between);
-                assert!((flow / first - 1.0).abs() < 1e-6, "{areas:?} {downside}");
-                let (back, same) = in_series(&nozzle, [areas[1], areas[0]], downside, 9.4e5);
+                assert!((flow / first - 1.0).abs() < 1e-6, "{areas:?} {downstream}");
+                let (back, same) = in_series(&nozzle, [areas[1], areas[0]], downstream, 9.4e5);
                 assert_eq!((back, same), (-flow, between));
             }
         }

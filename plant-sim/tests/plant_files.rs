@@ -233,6 +233,7 @@ fn setting_a_value_is_checked_like_reading_it() {
             "write `chamber.volume_m3 = 7.5e-5`",
         ),
         ("chamber.volume_m3", 75.0, "if the number is in cm3"),
+        ("chamber.volume_m3", 30.0, "write `volume_m3 = 3e-5`"),
         (
             "armature.stroke_m",
             9e-3,

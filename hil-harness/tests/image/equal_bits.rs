@@ -157,7 +157,7 @@ fn over_a_bad_wire() {
     assert!(seen.stale > 0, "{seen:?}");
 }
 
-/// The black box must be equal, too: it is what remains after an accident.
+/// The black boxes are equal as well: an accident is analysed from their records.
 #[test]
 fn in_the_black_box_after_a_fault() {
     let mut devices = (InProcess::new(), started(Wire::Mailbox));

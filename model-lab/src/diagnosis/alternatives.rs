@@ -141,6 +141,7 @@ mod tests {
         let said = alternatives(&["sensor_offset"], &[("sensor_offset", 57.0)]);
         assert!(
             said.starts_with("Sensor offset explains nearly as much as chamber leak")
+                && said.contains("sensor offset 57")
                 && !said.contains("cannot tell"),
             "{said}"
         );

@@ -39,20 +39,20 @@ impl Leak {
         (self.law == LeakLaw::Orifice).then_some(self.area)
     }
 
-    /// Returns the mass flow (kg/s) from `upside` to `downside` (Pa abs); negative if the pressures are reversed.
-    pub(crate) fn mass_flow(&self, nozzle: &NozzleLaw, upside: f64, downside: f64) -> f64 {
-        if upside < downside {
-            return -self.mass_flow(nozzle, downside, upside);
+    /// Returns the mass flow (kg/s) between the pressures `upstream` and `downstream` (Pa abs); negative if `downstream` is the larger one.
+    pub(crate) fn mass_flow(&self, nozzle: &NozzleLaw, upstream: f64, downstream: f64) -> f64 {
+        if upstream < downstream {
+            return -self.mass_flow(nozzle, downstream, upstream);
         }
         let reference = self.area * self.reference_flow;
         match self.law {
-            LeakLaw::Orifice => nozzle.mass_flow(self.area, upside, downside),
+            LeakLaw::Orifice => nozzle.mass_flow(self.area, upstream, downstream),
             LeakLaw::Power(exponent) => {
-                reference * ((upside - downside) / self.reference[0]).powf(exponent)
+                reference * ((upstream - downstream) / self.reference[0]).powf(exponent)
             }
             LeakLaw::Mixed(share) => {
                 // share m + (1 - share) m² = s for the flow m relative to the reference.
-                let s = (upside * upside - downside * downside) / self.reference[1];
+                let s = (upstream * upstream - downstream * downstream) / self.reference[1];
                 let root = (share * share + 4.0 * (1.0 - share) * s).sqrt();
                 if s == 0.0 {
                     0.0

@@ -24,7 +24,7 @@ effect_parameters! { "effects.drain_back_pressure":
 static ABOUT: About = About {
     id: "drain_back_pressure",
     sentence: "A silencer, a long hose or oil in the outlet holds the air back, so venting slows down before the chamber is empty.",
-    source: "E56: ISO 6358-1 with another downside pressure; Darcy's law for a porous silencer",
+    source: "E56: ISO 6358-1 with another downstream pressure; Darcy's law for a porous silencer",
     acts_on: EntryPoint::Drain,
     variants: &[
         Variant {

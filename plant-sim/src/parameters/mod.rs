@@ -28,7 +28,7 @@ use crate::description::{Effect, EffectSetting};
 use crate::effects::{LIBRARY, by_id};
 use consistency::inconsistency;
 use recording::{names_meant, nearest_name};
-use units::in_other_unit;
+use units::{converted, in_other_unit};
 
 /// Plant file shipped with the crate: the thesis model.
 pub const NOMINAL_PLANT_TOML: &str = include_str!("../../models/nominal-plant.toml");
@@ -203,5 +203,5 @@ fn in_other_unit_of_section(name: &str, value: f64) -> Option<String> {
     let (section, key) = name.rsplit_once('.')?;
     let specs = PARAMETERS.iter().filter(|spec| spec.section == section);
     in_other_unit(key, specs)
-        .map(|(spec, factor)| format!("{} = {:e}", spec.name(), value * factor))
+        .map(|(spec, factor)| format!("{} = {:e}", spec.name(), converted(value, factor)))
 }

@@ -11,7 +11,7 @@ use super::knowledge::{self, FORMS, number};
 use super::names::{CHAMBER, FUNCTIONS, OF_SENSORS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT};
 use super::parts::Part;
 use super::table::PARAMETERS;
-use super::units::in_other_unit;
+use super::units::{converted, in_other_unit};
 use crate::description::{
     EFFECTS, Effect, EffectSetting, ParameterSpec, PlantParameters, RegulatingValveParameters,
 };
@@ -156,7 +156,7 @@ impl Reader<'_> {
                     // The key is present, though in the wrong unit: it is not missing as well.
                     present.push((spec, line));
                     match number(item) {
-                        Some(value) => format!("{} = {:e}", spec.key, value * factor),
+                        Some(value) => format!("{} = {:e}", spec.key, converted(value, factor)),
                         None => spec.key.to_owned(),
                     }
                 });

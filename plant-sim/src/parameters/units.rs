@@ -57,9 +57,15 @@ pub(super) fn in_other_unit<'a>(
     })
 }
 
+/// Returns `value` times `factor` without the digits that only the binary product has: 30 cm3 are 3e-5 m3.
+pub(super) fn converted(value: f64, factor: f64) -> f64 {
+    let product = value * factor;
+    format!("{product:.14e}").parse().unwrap_or(product)
+}
+
 /// Returns the unit in which `value` would be plausible, with the value in the unit of the key.
 pub(super) fn plausible_unit(spec: &ParameterSpec, value: f64) -> Option<(&'static str, f64)> {
     conversions(spec.key)
-        .map(|(_, other, factor)| (&other[1..], value * factor))
+        .map(|(_, other, factor)| (&other[1..], converted(value, factor)))
         .find(|&(_, converted)| spec.contains(converted))
 }

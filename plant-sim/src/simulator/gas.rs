@@ -50,7 +50,13 @@ fn narrowed(plant: &Plant, index: usize, area: f64) -> f64 {
 /// Returns the mass flow through a valve with opening `open` (m²), including series restrictions, and the pressure drop
 /// over the valve.
 #[inline]
-fn through_valve(plant: &Plant, index: usize, open: f64, upside: f64, downside: f64) -> (f64, f64) {
+fn through_valve(
+    plant: &Plant,
+    index: usize,
+    open: f64,
+    upstream: f64,
+    downstream: f64,
+) -> (f64, f64) {
     let additions = &plant.additions;
     let area = narrowed(plant, index, open);
     let behind = additions.restrictions[index];
@@ -60,26 +66,26 @@ fn through_valve(plant: &Plant, index: usize, open: f64, upside: f64, downside: 
         .filter(|_| index == FILL)
         .and_then(Line::orifice);
     if area == 0.0 {
-        (0.0, upside - downside)
+        (0.0, upstream - downstream)
     } else if area < 0.0 {
         // Beyond the seat within a step: the law continues smoothly, like the area.
-        let (flow, drop) = through_valve(plant, index, -open, upside, downside);
+        let (flow, drop) = through_valve(plant, index, -open, upstream, downstream);
         (-flow, drop)
     } else if let Some(before) = before {
         let areas = [before.in_series_with(behind).effective_area, area];
-        let (flow, between) = in_series(&plant.nozzle, areas, upside, downside);
-        (flow, between - downside)
+        let (flow, between) = in_series(&plant.nozzle, areas, upstream, downstream);
+        (flow, between - downstream)
     } else if let Some(behind) = behind {
         let (flow, between) = in_series(
             &plant.nozzle,
             [area, behind.effective_area],
-            upside,
-            downside,
+            upstream,
+            downstream,
         );
-        (flow, upside - between)
+        (flow, upstream - between)
     } else {
-        let flow = plant.nozzle.mass_flow(area, upside, downside);
-        (flow, upside - downside)
+        let flow = plant.nozzle.mass_flow(area, upstream, downstream);
+        (flow, upstream - downstream)
     }
 }
 
@@ -136,12 +142,12 @@ pub(super) fn pressure_drop(
     extra: &[f64],
     now: Option<&Now>,
 ) -> f64 {
-    let (upside, downside) = if index == FILL {
+    let (upstream, downstream) = if index == FILL {
         (source(plant, layout, extra, now), pressure)
     } else {
         (pressure, sink(plant, layout, extra))
     };
-    through_valve(plant, index, area, upside, downside).1
+    through_valve(plant, index, area, upstream, downstream).1
 }
 
 /// Returns the volume of the gas while the pressure rises or falls.

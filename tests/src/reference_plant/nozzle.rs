@@ -7,7 +7,7 @@ use super::datasheet::Gas;
 /// How the flow falls where it is subsonic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Subsonic {
-    /// Isentropic expansion to the downside pressure.
+    /// Isentropic expansion to the downstream pressure.
     Isentropic,
     /// ISO 6358: (1 - ((r - b)/(1 - b))²)^m with the critical ratio b and the subsonic index m (0.5: an ellipse).
     Iso6358 {
@@ -27,7 +27,7 @@ pub struct Nozzle {
     exponent: f64,
     /// Heat capacity at constant pressure (J/(kg K)).
     heat_capacity: f64,
-    /// Temperature at the sonic throat over that upside, 2/(k + 1).
+    /// Temperature at the sonic throat over that upstream, 2/(k + 1).
     sonic_temperature_ratio: f64,
     sonic_pressure_ratio: f64,
     subsonic: Subsonic,
@@ -61,42 +61,42 @@ impl Nozzle {
     }
 
     /// Mass flow per area (kg/(s m²)).
-    fn flux(&self, upside: f64, temperature: f64, downside: f64) -> f64 {
-        let ratio = downside / upside;
+    fn flux(&self, upstream: f64, temperature: f64, downstream: f64) -> f64 {
+        let ratio = downstream / upstream;
         match self.subsonic {
             Subsonic::Isentropic if ratio > self.sonic_pressure_ratio => {
-                self.expanded(upside, temperature, ratio, ratio.powf(self.exponent))
+                self.expanded(upstream, temperature, ratio, ratio.powf(self.exponent))
             }
-            Subsonic::Isentropic => self.sonic(upside, temperature),
+            Subsonic::Isentropic => self.sonic(upstream, temperature),
             Subsonic::Iso6358 {
                 critical_ratio,
                 index,
             } => {
                 let beyond = ((ratio - critical_ratio) / (1.0 - critical_ratio)).max(0.0);
-                self.sonic(upside, temperature) * (1.0 - beyond * beyond).powf(index)
+                self.sonic(upstream, temperature) * (1.0 - beyond * beyond).powf(index)
             }
         }
     }
 
-    fn sonic(&self, upside: f64, temperature: f64) -> f64 {
+    fn sonic(&self, upstream: f64, temperature: f64) -> f64 {
         self.expanded(
-            upside,
+            upstream,
             temperature,
             self.sonic_pressure_ratio,
             self.sonic_temperature_ratio,
         )
     }
 
-    /// Density times velocity at a throat with these ratios of pressure and temperature to those upside.
+    /// Density times velocity at a throat with these ratios of pressure and temperature to those upstream.
     fn expanded(
         &self,
-        upside: f64,
+        upstream: f64,
         temperature: f64,
         pressure_ratio: f64,
         temperature_ratio: f64,
     ) -> f64 {
         let density =
-            upside / (self.gas_constant * temperature) * pressure_ratio / temperature_ratio;
+            upstream / (self.gas_constant * temperature) * pressure_ratio / temperature_ratio;
         let velocity =
             (2.0 * self.heat_capacity * temperature * (1.0 - temperature_ratio).max(0.0)).sqrt();
         density * velocity

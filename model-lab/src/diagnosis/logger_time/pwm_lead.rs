@@ -1,4 +1,4 @@
-//! Where a log begins within a PWM period.
+//! Search for the ECU sample at which a log begins, of those that a PWM period has.
 //!
 //! Samples of the ECU and its PWM come from one timer. Where a sample time is a whole number of PWM periods, each sample lies at the same
 //! place of a period, which the delay of the commands accounts for. Otherwise a log may begin at any sample of the pattern that both make
@@ -10,6 +10,8 @@ use plant_sim::parameters::EcuParameters;
 use super::{CLEAR, Delay, WIDE_DELAY_STEP_S, best};
 use crate::diagnosis::log::Log;
 
+/// Largest number of samples that are tried. In a longer pattern they lie close together, and the delay of the commands makes up for one.
+const LEADS_MAX: usize = 12;
 /// Samples and PWM periods coincide if they are this share of a period apart.
 const COINCIDE: f64 = 0.01;
 
@@ -17,7 +19,7 @@ const COINCIDE: f64 = 0.01;
 /// speaks clearly for another one, it stays.
 pub(super) fn find_pwm_lead(plant: &PlantParameters, log: &mut Log, delay: Delay) {
     let leads_ns = leads_ns(&plant.ecu);
-    if leads_ns.len() == 1 {
+    if !(2..=LEADS_MAX).contains(&leads_ns.len()) {
         return;
     }
     let (there_ns, clock) = (log.conditions.pwm_lead_ns, log.conditions.clock);
