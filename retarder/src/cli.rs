@@ -176,7 +176,7 @@ Examples:
   retarder control --dut qemu                 the emulated firmware image as the controller
   retarder control --dut serial:/dev/ttyACM0  a board in lock step, with coils and sensor unplugged
 
-A reference profile is a CSV file with the columns time_s and p_ref_bar_gauge; each value applies until the next.
+A reference profile is a CSV file with the columns time_s and p_ref_bar_gauge. A value applies until the next.
 Exit status: 0 every binding requirement is met, 1 at least one is not, 2 could not run.")]
 pub(crate) struct ControlArgs {
     #[command(flatten)]
