@@ -1,4 +1,4 @@
-//! What goes into a report.
+//! Contents of a report.
 
 use hil_harness::rigs::RigVerdict;
 use hil_harness::{Requirement, Verdict};
@@ -8,84 +8,84 @@ use model_lab::{CompareOptions, Comparison, compare};
 use plant_sim::PlantParameters;
 use recording::{Provenance, Recording};
 
-/// Everything a report tells. A part that was not run is left out.
+/// All contents of a report. A part that was not run is left out.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contents<'a> {
     /// First line of the page.
     pub title: &'a str,
-    /// What was opened, readable or not.
+    /// Opened logs, readable or not.
     pub logs: &'a [LogPart<'a>],
-    /// The plant that the logs are held against.
+    /// The plant that the logs are compared with.
     pub plant: Option<PlantPart<'a>>,
-    /// Model against measurement, one part per log.
+    /// Model compared with measurement, one part per log.
     pub models: &'a [ModelPart<'a>],
-    /// Which physical effect is missing.
+    /// Diagnosis of the missing physical effect.
     pub diagnosis: Option<DiagnosisPart<'a>>,
-    /// How the plant was refined.
+    /// Refinement steps of the plant.
     pub history: Option<HistoryPart<'a>>,
     /// The closed loop on the model, one part per scenario.
     pub control: &'a [ControlPart<'a>],
-    /// The thesis' own figures.
+    /// The figures of the thesis.
     pub thesis: Option<&'a ThesisTable>,
-    /// What to try next, one sentence or command each.
+    /// Next steps to try, one sentence or command each.
     pub next_steps: &'a [String],
-    /// Where all of it comes from.
+    /// Sources of the report.
     pub origin: Origin<'a>,
 }
 
-/// A log that was opened.
+/// Log that was opened.
 #[derive(Clone, Copy, Debug)]
 pub struct LogPart<'a> {
-    /// Its name.
+    /// Name.
     pub name: &'a str,
-    /// What was read of it; none if it cannot be read.
+    /// Recording; `None` if the log cannot be read.
     pub recording: Option<&'a Recording>,
-    /// What is wrong with it, one sentence each.
+    /// Problems of the log, one sentence each.
     pub problems: &'a [String],
 }
 
-/// A plant.
+/// Plant.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantPart<'a> {
-    /// Its name.
+    /// Name.
     pub name: &'a str,
-    /// Its parameters and effects.
+    /// Parameters and effects.
     pub parameters: &'a PlantParameters,
 }
 
-/// A log, and how the model compares with it.
+/// Log and its comparison with the model.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelPart<'a> {
-    /// What was measured and commanded.
+    /// Measurement and commands.
     pub log: &'a Recording,
-    /// The result, with its traces.
+    /// Result with its traces.
     pub comparison: &'a Comparison,
 }
 
-/// What the model lacks.
+/// Diagnosis and its plots.
 #[derive(Clone, Copy, Debug)]
 pub struct DiagnosisPart<'a> {
-    /// The result.
+    /// Result.
     pub diagnosis: &'a Diagnosis,
     /// The worst log with the plain and with the refined model.
     pub runs: Option<&'a BeforeAndAfter<'a>>,
-    /// The command that adds what is named.
+    /// Command that adds the named effects.
     pub next_command: Option<&'a str>,
 }
 
-/// A log, with two models.
+/// Log with two models.
 #[derive(Clone, Debug)]
 pub struct BeforeAndAfter<'a> {
-    /// What was measured and commanded.
+    /// Measurement and commands.
     pub log: &'a Recording,
-    /// With the plain model, refitted.
+    /// Comparison with the plain model, refitted.
     pub before: Comparison,
-    /// With the named effects; none where no effect is named.
+    /// Comparison with the named effects; `None` if no effect is named.
     pub after: Option<Comparison>,
 }
 
 impl<'a> BeforeAndAfter<'a> {
-    /// The one of `logs` on which `plant`, refitted, is furthest off; none where none can be compared.
+    /// Returns the log of `logs` with the largest error of `plant`, refitted; `None` if none can be compared.
     pub fn worst(
         diagnosis: &Diagnosis,
         plant: &PlantParameters,
@@ -105,7 +105,7 @@ impl<'a> BeforeAndAfter<'a> {
     }
 }
 
-/// How far off the worst signal is, in multiples of its noise.
+/// Returns the error of the worst signal, as a multiple of its noise.
 fn distance(comparison: &Comparison) -> f64 {
     let multiples = comparison
         .signals
@@ -114,67 +114,67 @@ fn distance(comparison: &Comparison) -> f64 {
     multiples.fold(0.0, f64::max)
 }
 
-/// The steps by which a plant was refined, the first one first.
+/// Refinement steps of a plant, oldest first.
 #[derive(Clone, Copy, Debug)]
 pub struct HistoryPart<'a> {
-    /// The steps; those after `current` were undone.
+    /// Steps; those after `current` were undone.
     pub steps: &'a [HistoryStep],
-    /// Index of the step that the plant stands at.
+    /// Index of the current step.
     pub current: usize,
 }
 
-/// One step of a refinement.
+/// Step of a refinement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HistoryStep {
-    /// What was done, such as "chamber_leak added".
+    /// Change, such as "chamber_leak added".
     pub what: String,
-    /// The log that the errors are of; empty where there are none.
+    /// Log of the errors; empty if there are none.
     pub log: String,
-    /// Error of each signal after it, in the unit of the signal \[rms\], and the noise floor where it is known.
+    /// Error of each signal after the step, in the unit of the signal \[rms\], and the noise floor if known.
     pub errors: Vec<(String, f64, Option<f64>)>,
 }
 
-/// A run of the closed loop, and how it was judged.
+/// Run of the closed loop and its verdict.
 #[derive(Clone, Copy, Debug)]
 pub struct ControlPart<'a> {
     /// All signals of the run.
     pub recording: &'a Recording,
-    /// What was asked for.
+    /// Requirement.
     pub requirement: &'a Requirement,
-    /// What was reached.
+    /// Verdict.
     pub verdict: &'a Verdict,
-    /// Which plant was controlled.
+    /// Name of the plant.
     pub plant: &'a str,
-    /// Which controller did it.
+    /// Name of the controller.
     pub controller: &'a str,
-    /// The same on scattered rigs; empty where none was asked for.
+    /// Verdicts on scattered rigs; empty if none were requested.
     pub rigs: &'a [RigVerdict],
 }
 
-/// Where a report comes from, so that another person gets the same one.
+/// Sources of a report, from which it can be reproduced.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Origin<'a> {
-    /// The command, as it was typed.
+    /// Command as it was typed.
     pub command_line: &'a str,
-    /// Every file that was read.
+    /// All files that were read.
     pub inputs: &'a [Input],
     /// Programs and models with their versions.
     pub versions: &'a [(String, String)],
 }
 
-/// The identity of an input file.
+/// Identity of an input file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Input {
-    /// What it is for: `log`, `plant`, `controller`.
+    /// Role: `log`, `plant`, `controller`.
     pub role: String,
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Size in bytes and SHA-256 in hexadecimal digits; none for what is built in.
+    /// Size in bytes and SHA-256 in hexadecimal digits; `None` for built-in inputs.
     pub identity: Option<(u64, String)>,
 }
 
 impl Input {
-    /// The input that a recording was read from.
+    /// Returns the input that a recording was read from.
     pub fn of_recording(role: impl Into<String>, provenance: &Provenance) -> Self {
         Self {
             role: role.into(),

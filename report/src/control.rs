@@ -1,4 +1,4 @@
-//! Whether the loop keeps its promises.
+//! Verdict on the closed loop.
 
 use hil_harness::Verdict;
 use hil_harness::checks::{Bound, Check};
@@ -14,7 +14,7 @@ pub(super) fn standing(parts: &[ControlPart<'_>]) -> Standing {
     Standing::of(parts.iter().all(holds))
 }
 
-/// On the plant and on every rig.
+/// Returns whether the verdict passes on the plant and on every rig.
 fn holds(part: &ControlPart<'_>) -> bool {
     part.verdict.holds && part.rigs.iter().all(|rig| rig.verdict.holds)
 }

@@ -1,4 +1,4 @@
-//! Which physical effect is missing.
+//! Diagnosis of the missing physical effect.
 
 use maud::{Markup, html};
 use model_lab::Comparison;
@@ -15,7 +15,7 @@ use crate::plot::{self, SmallUnit, capitalised, pressure_first, signal_words, un
 /// Length of the excerpts \[s\].
 const EXCERPT_S: f64 = 10.0;
 
-/// The verdict in a few words.
+/// Returns the verdict in a few words.
 pub(super) fn badge(diagnosis: &Diagnosis) -> Markup {
     let (class, words) = match diagnosis.verdict {
         Verdict::Adequate => ("badge holds", "✓ nothing is missing"),

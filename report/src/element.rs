@@ -1,17 +1,17 @@
-//! What every part of the page is made of: badges, foreign text, figures.
+//! Common elements of the page: badges, foreign text, figures.
 
 use maud::{Markup, PreEscaped, html as markup};
 
 use crate::plot::{Figure, PlotError};
 
-/// Whether something holds.
+/// Result of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Standing {
     Holds,
     DoesNotHold,
-    /// Nothing speaks against it, and something is unknown.
+    /// Nothing failed, and something is unknown.
     Open,
-    /// Beyond a limit that decides nothing.
+    /// Beyond a limit that does not decide.
     Beyond,
 }
 
@@ -24,7 +24,7 @@ impl Standing {
         }
     }
 
-    /// A mark besides the colour, for those who do not tell them apart.
+    /// Returns a badge with a mark besides the colour, for readers who cannot distinguish the colours.
     pub(super) fn badge(self) -> Markup {
         let (class, words) = match self {
             Self::Holds => ("badge holds", "✓ holds"),
@@ -36,12 +36,13 @@ impl Standing {
     }
 }
 
-/// Text from a file: escaped, printable, and of a direction of its own, so that it cannot turn what stands beside it.
+/// Returns text from a file: escaped, printable, and with its own text direction, so that it cannot reverse the text
+/// beside it.
 pub(super) fn foreign(text: &str) -> Markup {
     markup! { bdi { (printable(text)) } }
 }
 
-/// Control characters are no part of a page.
+/// Removes control characters, which are invalid in a page.
 pub(super) fn printable(text: &str) -> String {
     let letter = |letter: char| match letter {
         '\n' | '\t' => ' ',
@@ -51,7 +52,7 @@ pub(super) fn printable(text: &str) -> String {
     text.chars().map(letter).collect()
 }
 
-/// A figure, or why there is none.
+/// Returns a figure, or the reason for its absence.
 pub(super) fn figure(drawn: Result<Figure, PlotError>) -> Markup {
     match drawn {
         Ok(figure) => markup! { figure { (PreEscaped(figure.inline_svg())) } },

@@ -1,4 +1,4 @@
-//! The steps by which the plant was refined.
+//! Refinement steps of the plant.
 
 use maud::{Markup, html};
 

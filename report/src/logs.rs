@@ -1,4 +1,4 @@
-//! What was opened, and what is wrong with it.
+//! Opened logs and their problems.
 
 use maud::{Markup, html};
 use recording::Recording;
@@ -64,7 +64,7 @@ fn signals(recording: &Recording) -> Markup {
     }
 }
 
-/// Of the time base with most samples.
+/// Extent of the time base with most samples.
 struct Extent {
     samples: usize,
     duration_s: f64,

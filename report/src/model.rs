@@ -1,4 +1,4 @@
-//! Where measured and modelled part.
+//! Comparison of model and measurement.
 
 use maud::{Markup, html};
 use model_lab::Comparison;
@@ -23,7 +23,7 @@ pub(super) fn standing(comparison: &Comparison) -> Standing {
     }
 }
 
-/// How far off the model is, and where.
+/// Returns size and place of the model error.
 pub(super) fn headline(comparison: &Comparison) -> String {
     let signals = || comparison.signals.iter();
     let failing = signals().find(|signal| signal.holds == Some(false));
@@ -50,7 +50,7 @@ pub(super) fn headline(comparison: &Comparison) -> String {
     }
 }
 
-/// The error of a signal, and what it is beside the noise.
+/// Returns the error of a signal, in its unit and relative to the noise.
 fn error(signal: &SignalComparison) -> String {
     let unit = SmallUnit::of_errors_in(&signal.unit);
     let rms = number(signal.free_run.rms * unit.per_unit);
@@ -66,7 +66,7 @@ fn error(signal: &SignalComparison) -> String {
     format!("{rms} {} rms{noise}", unit.symbol)
 }
 
-/// The section of the part with this index; links go to the first one.
+/// Returns the section of the part with this index; links lead to the first one.
 pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
     let comparison = part.comparison;
     let id = if index == 0 {
@@ -98,7 +98,7 @@ pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
     }
 }
 
-/// How the log was made, as far as it is not the log of an ECU that begins at rest.
+/// Returns the conditions under which the log was made, as far as it is not the log of an ECU that begins at rest.
 fn conditions(comparison: &Comparison) -> impl Iterator<Item = &str> {
     let clock = comparison.clock.iter().map(|clock| &*clock.statement);
     let start_gas = comparison.start_gas.iter();

@@ -1,9 +1,9 @@
-//! Numbers for people.
+//! Formats of numbers.
 
-/// About three significant digits, with a true minus sign.
+/// Formats about three significant digits, with a true minus sign.
 pub(super) fn number(value: f64) -> String {
     let decimals = match value.abs() {
-        // Counts stay counts.
+        // Counts have no decimals.
         magnitude if magnitude.fract() == 0.0 => 0,
         magnitude if magnitude >= 100.0 => 0,
         magnitude if magnitude >= 10.0 => 1,
@@ -14,23 +14,23 @@ pub(super) fn number(value: f64) -> String {
     format!("{value:.decimals$}").replace('-', "\u{2212}")
 }
 
-/// The same with `+` where it is positive.
+/// Formats a number with `+` if it is positive.
 pub(super) fn signed(value: f64) -> String {
     let sign = if value > 0.0 { "+" } else { "" };
     format!("{sign}{}", number(value))
 }
 
-/// A number that may be unknown.
+/// Formats a number that may be unknown.
 pub(super) fn known(value: Option<f64>) -> String {
     value.map_or("unknown".to_owned(), number)
 }
 
-/// A share, 0 to 1, as percent.
+/// Formats a share, 0 to 1, as percent.
 pub(super) fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share).replace('-', "\u{2212}")
 }
 
-/// Values of any size: three digits, with a power of ten where digits would be many zeros.
+/// Formats values of any size with three digits; long rows of zeros become a power of ten.
 pub(super) fn engineering(value: f64) -> String {
     let text = if value != 0.0 && !(0.1..1e5).contains(&value.abs()) {
         format!("{value:.2e}")

@@ -1,4 +1,4 @@
-//! Where a report comes from.
+//! Sources of a report.
 
 use maud::{Markup, html};
 

@@ -1,4 +1,4 @@
-//! The frame of the page.
+//! Frame of the page.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
@@ -7,7 +7,7 @@ use super::element::{Standing, foreign, printable};
 use super::{control, diagnosis, history, logs, model, origin, plant, thesis};
 use crate::plot::palette::DARK;
 
-/// Nothing may be loaded and nothing may run; the style stands in the page.
+/// Nothing may be loaded and nothing may run; the style is part of the page.
 const SECURITY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 
 const STYLE: &str = include_str!("style.css");
@@ -15,13 +15,13 @@ const STYLE: &str = include_str!("style.css");
 /// Name of this program in the head of a report.
 const GENERATOR: &str = "retarder";
 
-/// Whether a file that begins with `beginning` is a report of this program; its first kilobyte is enough.
+/// Returns whether a file that begins with `beginning` is a report of this program; its first kilobyte is enough.
 pub fn is_report(beginning: &[u8]) -> bool {
     let mark = format!("<meta name=\"generator\" content=\"{GENERATOR} ");
     String::from_utf8_lossy(beginning).contains(&mark)
 }
 
-/// The report as one self-contained HTML file: equal contents give equal bytes.
+/// Returns the report as one self-contained HTML file: equal contents give equal bytes.
 pub fn html(contents: &Contents<'_>) -> String {
     markup! {
         (DOCTYPE)
@@ -77,7 +77,7 @@ fn summary(contents: &Contents<'_>) -> Markup {
     }
 }
 
-/// How far off the model is; where there are several logs, against which one.
+/// Returns the sentence with the size of the model error; with several logs, it names the log.
 fn model_sentence(contents: &Contents<'_>, part: &ModelPart<'_>) -> String {
     let headline = model::headline(part.comparison);
     match contents.models {
@@ -134,7 +134,7 @@ fn next_steps(steps: &[String]) -> Markup {
     }
 }
 
-/// The text of the one style element of every report.
+/// Returns the text of the one style element of every report.
 pub fn style() -> String {
     let dark: String = DARK
         .iter()

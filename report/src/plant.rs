@@ -1,4 +1,4 @@
-//! The plant: what it has that the thesis model has not.
+//! Plant, and its differences from the thesis model.
 
 use maud::{Markup, html};
 use plant_sim::PlantParameters;

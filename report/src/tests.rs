@@ -1,4 +1,5 @@
-//! Claims about whole reports: nothing gets in from a log but text, nothing goes out, and the same comes out again.
+//! Claims about whole reports: a log contributes text only, a report loads nothing, and equal contents give equal
+//! bytes.
 
 use hil_harness::{Requirement, Run, Scenario, Verdict, run_in_process};
 use model_lab::diagnosis::Diagnosis;
@@ -16,7 +17,7 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const LOG: &str = "practice-01-id.csv";
 const DIAGNOSIS: &str = include_str!("../../docs/schema/diagnosis.example.json");
 
-/// What a log or a file name might try.
+/// Hostile text of a log or a file name.
 const HOSTILE: &str = "</title></svg><script>alert(1)</script><img src=x onerror='alert(2)'>\" onload=\"x &lt; \u{0}\u{1b}[31m\u{202e}";
 
 struct Bench {
@@ -44,7 +45,7 @@ impl Bench {
         }
     }
 
-    /// A report in which every foreign text is `text`.
+    /// Creates a report in which every foreign text is `text`.
     fn report(&self, text: &str) -> String {
         let input = Input {
             role: text.to_owned(),
@@ -102,7 +103,7 @@ impl Bench {
     }
 }
 
-/// Goal: what stands in a log is shown and never obeyed. Method: every text of every part is hostile.
+/// Goal: text of a log is shown and never interpreted. Method: every text of every part is hostile.
 #[test]
 fn hostile_text_stays_text() {
     let mut bench = Bench::new();
@@ -133,7 +134,7 @@ fn hostile_text_stays_text() {
     assert_harmless(&bench.report(HOSTILE));
 }
 
-/// A pause of 0.7 s and a missing cell: the table of logs said "none".
+/// Defect seen: with a pause of 0.7 s and a missing cell, the table of logs said "none".
 #[test]
 fn gaps_and_missing_cells_are_problems_of_the_log() {
     let path = format!("{ROOT}/data/synthetic/{LOG}");
@@ -169,7 +170,7 @@ fn gaps_and_missing_cells_are_problems_of_the_log() {
     assert!(report.contains("the model begins again at the measured"));
 }
 
-/// The same of a diagnosis. Method: the published example, every text of it hostile.
+/// The same for a diagnosis. Method: the published example with every text hostile.
 #[test]
 fn hostile_text_in_a_diagnosis_stays_text() {
     let bench = Bench::new();
@@ -231,7 +232,7 @@ fn hostile_text_in_a_diagnosis_stays_text() {
     assert_harmless(&report);
 }
 
-/// The page of a diagnosis of the bundled log, as `retarder diagnose --html` makes it.
+/// Creates the page of a diagnosis of the bundled log, as `retarder diagnose --html` does.
 fn page_of(bench: &Bench, diagnosis: &Diagnosis) -> String {
     let runs = BeforeAndAfter::worst(diagnosis, &bench.plant, &[&bench.log]);
     html(&Contents {
@@ -245,7 +246,7 @@ fn page_of(bench: &Bench, diagnosis: &Diagnosis) -> String {
     })
 }
 
-/// "Nearest, in standard deviations of the noise: ." was once a whole sentence.
+/// Defect seen: the sentence "Nearest, in standard deviations of the noise: ." with an empty list.
 #[test]
 fn an_effect_without_a_neighbour_has_no_empty_list_of_them() {
     let bench = Bench::new();
@@ -263,8 +264,8 @@ fn an_effect_without_a_neighbour_has_no_empty_list_of_them() {
     assert!(!without.contains(list) && without.contains(none));
 }
 
-/// A verdict without a name once had no plot at all: what was measured and what the plain model makes of it is there for
-/// every signal that was compared.
+/// Defect seen: a verdict without a named effect had no plot. Now every compared signal is plotted as measured and as
+/// modelled by the plain model.
 #[test]
 fn a_diagnosis_that_names_nothing_shows_measured_against_modelled() {
     let bench = Bench::new();
@@ -364,10 +365,10 @@ fn a_report_of_nothing_is_still_a_page() {
     assert!(!report.contains("id=\"model\"") && !report.contains("id=\"next\""));
 }
 
-/// The picture of the README says what the figure says today. It is drawn by
-/// `BLESS=1 cargo nextest run -p report picture_of_the_readme`; look at it before it is committed.
+/// The figure in the README has the texts of the current figure. `BLESS=1 cargo nextest run -p report
+/// picture_of_the_readme` draws it again; check it before the commit.
 ///
-/// Only its texts are compared: a solver that moves a line by a thousandth of a bar asks for no new picture.
+/// Only its texts are compared: a small change of a line by the solver does not require a new figure.
 #[test]
 fn the_picture_of_the_readme_has_the_texts_of_the_figure() {
     let bench = Bench::new();
@@ -389,7 +390,7 @@ fn the_picture_of_the_readme_has_the_texts_of_the_figure() {
     );
 }
 
-/// The texts between tags, in their order.
+/// Returns the texts between tags, in their order.
 fn texts(svg: &str) -> Vec<&str> {
     svg.split('<')
         .filter_map(|piece| piece.split_once('>'))
@@ -398,7 +399,7 @@ fn texts(svg: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Every tag is closed by its like, and `<`, `>` and `"` occur in markup only.
+/// Asserts that every tag is closed by its counterpart, and that `<`, `>` and `"` occur in markup only.
 fn assert_well_formed(markup: &str) {
     const VOID: [&str; 3] = ["meta", "br", "!DOCTYPE"];
     let mut open = Vec::new();

@@ -1,4 +1,4 @@
-//! The thesis' own figures.
+//! Figures of the thesis.
 
 use maud::{Markup, html};
 use model_lab::thesis::{Row, ThesisTable};

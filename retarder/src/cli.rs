@@ -1,4 +1,4 @@
-//! Commands and options: what a person can type. Each option is defined once.
+//! Commands and options of the command line. Each option is defined once.
 
 mod device;
 mod diagnosis;
@@ -24,22 +24,22 @@ pub(crate) use next_experiment::NextExperimentArgs;
 pub(crate) use report::{ReportArgs, ReportPart};
 pub(crate) use schema::SchemaName;
 
-/// Model-based control of two on/off solenoid valves: simulate the plant, hold the model against a bench log, close
-/// the loop.
+/// Model-based control of two on/off solenoid valves: simulate the plant, compare the model with a bench log, find
+/// missing physical effects, test the closed loop.
 ///
-/// Without a command: a tour of all of it on a bundled bench log, with a report in report.html.
+/// Without a command: run a demo on a bundled bench log and write its report to report.html.
 #[derive(Debug, Parser)]
 #[command(name = "retarder", version, after_help = TOUR_EXAMPLES, max_term_width = 110)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
-    /// Refuse to replace files; without it an output replaces an older file of its name
+    /// Refuse to replace files; without this option an output replaces an older file of its name
     #[arg(long, global = true)]
     no_clobber: bool,
 }
 
 impl Cli {
-    /// What becomes of files that have the name of an output.
+    /// Returns the treatment of files that have the name of an output.
     pub(crate) fn existing(&self) -> Existing {
         match self.no_clobber {
             true => Existing::Keep,
@@ -50,60 +50,60 @@ impl Cli {
 
 const TOUR_EXAMPLES: &str = "\
 Examples:
-  retarder                                                   the tour
-  retarder compare --log bench.csv                           does the nominal model hold?
-  retarder parameters --toml > my-plant.toml                 a plant file to start from
+  retarder                                                   run the demo
+  retarder compare --log bench.csv                           compare the nominal model with a log
+  retarder parameters --toml > my-plant.toml                 write a plant file to start from
   retarder compare --plant my-plant.toml --log bench.csv
-  retarder diagnose --plant my-plant.toml --log bench.csv    which physical effect is missing?
-  retarder control --plant my-plant.toml                     does the loop keep its promises?
-  retarder serve                                             all of it in your browser
+  retarder diagnose --plant my-plant.toml --log bench.csv    find the missing physical effect
+  retarder control --plant my-plant.toml                     check the closed loop
+  retarder serve                                             work in the browser
 
-Exit status: 0 holds, 1 does not hold, 2 could not run or could not tell, 3 a value of the plant
-file is wrong.
+Exit status: 0 pass, 1 fail, 2 could not run or could not decide, 3 a value of the plant file is
+wrong.
 Colours: NO_COLOR=1 turns them off, CLICOLOR_FORCE=1 on. COLUMNS sets the width of tables and plots.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Duty log in, recording out: the model driven by the duty cycles of a log
+    /// Simulate the model with the duty cycles of a log and write a recording
     Simulate(SimulateArgs),
-    /// Hold the model against a measurement: how large is the error, and where
+    /// Compare the model with a measurement: size and place of the error
     Compare(CompareArgs),
-    /// Find the physical effect that the model lacks to explain a bench log
+    /// Find the physical effect that is missing in the model of a bench log
     Diagnose(DiagnoseArgs),
     /// Estimate the parameters of a plant from bench logs, or add effects to it
     Refine(RefineArgs),
-    /// Plan the experiment that tells rival effects apart, or that determines parameters
+    /// Plan an experiment that distinguishes effects or determines parameters
     NextExperiment(NextExperimentArgs),
-    /// Run the closed loop on the model and judge it by the thesis' requirements
+    /// Run the closed loop on the model and check the requirements of the thesis
     Control(ControlArgs),
-    /// One HTML file of all of it: comparison, diagnosis and closed loop
+    /// Write one HTML report with comparison, diagnosis and closed loop
     Report(ReportArgs),
-    /// Read the black box of a device: its last seconds before the first fault
+    /// Read the black box of a device: the last seconds before its first fault
     #[command(name = "blackbox")]
     BlackBox(BlackBoxArgs),
-    /// Read, change and keep the settings of a device, and measure its signals, while it runs
+    /// Read, change and save the settings of a running device, and measure its signals
     Calibrate(CalibrateArgs),
-    /// The measured figures of the thesis beside the simulated ones
+    /// Compare the measured figures of the thesis with simulated ones
     Thesis(ThesisArgs),
-    /// The parameters of a plant file: value, unit, range, meaning, how well it is known, where it comes from
+    /// List the parameters of a plant file: value, unit, range, meaning, uncertainty, source
     Parameters(ParametersArgs),
-    /// The settings of a controller file: value and meaning
+    /// List the settings of a controller file: value and meaning
     Settings(SettingsArgs),
-    /// The same loop with mouse and eyes: a page for your browser, served on this machine alone
+    /// Serve all of it as a page in the browser, on localhost only
     Serve(ServeArgs),
-    /// The work of one tab, which `serve` starts
+    /// Run the work of one browser tab; `serve` starts it
     #[command(hide = true)]
     Tab(TabArgs),
-    /// The JSON Schema of a result
+    /// Print the JSON Schema of a result
     #[command(after_help = "Example:\n  retarder schema comparison > comparison.schema.json")]
     Schema {
-        /// Which result
+        /// Name of the result
         result: SchemaName,
     },
-    /// Completions for your shell
+    /// Print completions for a shell
     #[command(after_help = COMPLETION_EXAMPLES)]
     Completions {
-        /// bash, elvish, fish, powershell or zsh
+        /// Name of the shell: bash, elvish, fish, powershell or zsh
         shell: Shell,
     },
 }
@@ -127,7 +127,7 @@ pub(crate) struct SimulateArgs {
     pub(crate) log: LogArgs,
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
-    /// Begin in this state: p_ch in bar gauge, t_gas in K; without it at the first measured pressure, or at ambient pressure
+    /// Initial state: p_ch in bar gauge, t_gas in K; without p_ch the first measured pressure, or ambient pressure
     #[arg(long, value_name = "SIGNAL=VALUE", value_parser = assignment)]
     pub(crate) start: Vec<Assignment>,
     #[command(flatten)]
@@ -144,19 +144,19 @@ Examples:
   retarder compare --log bench.csv --set chamber.volume_m3=80e-6 --signal i_fill
   retarder compare --log bench.csv --allow 3 --tolerance p_ch=0.05 --json | jq .verdict
 
-Exit status: 0 the model holds, 1 it does not, 2 could not run or could not tell.")]
+Exit status: 0 within tolerance, 1 outside tolerance, 2 could not run or could not decide.")]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) log: LogArgs,
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
-    /// A signal holds if its free-run rms is at most this many times its noise floor
+    /// Accept a signal if its free-run rms error is at most this many times its noise floor
     #[arg(long, value_name = "MULTIPLES", default_value_t = 1.5)]
     pub(crate) allow: f64,
-    /// A signal holds if its free-run rms is at most this, in bar, mA or mm, whatever its noise
+    /// Accept a signal if its free-run rms error is at most this, in bar, mA or mm, at any noise floor
     #[arg(long, value_name = "SIGNAL=RMS", value_parser = assignment)]
     pub(crate) tolerance: Vec<Assignment>,
-    /// Show regimes and plots of this signal, not of the one that is farthest off
+    /// Show regimes and plots of this signal, not of the one with the largest error
     #[arg(long, value_name = "NAME")]
     pub(crate) signal: Option<String>,
     #[command(flatten)]
@@ -171,13 +171,13 @@ Examples:
   retarder control
   retarder control --controller thesis --scenario fill-requirement
   retarder control --plant my-plant.toml --controller my-controller.toml --reference profile.csv
-  retarder control --rigs 200                 on 200 rigs that differ as valves do
-  retarder control --out run.csv --json       the course as CSV, the verdict as JSON
-  retarder control --dut qemu                 the firmware image, emulated, in place of the controller in process
-  retarder control --dut serial:/dev/ttyACM0  a board in lock step; its coils and its sensor stay unplugged
+  retarder control --rigs 200                 robustness: 200 rigs with scattered parameters
+  retarder control --out run.csv --json       the time series as CSV, the verdict as JSON
+  retarder control --dut qemu                 the emulated firmware image as the controller
+  retarder control --dut serial:/dev/ttyACM0  a board in lock step, with coils and sensor unplugged
 
-A reference profile is a CSV file with the columns time_s and p_ref_bar_gauge; each value holds until the next.
-Exit status: 0 every binding requirement holds, 1 one does not, 2 could not run.")]
+A reference profile is a CSV file with the columns time_s and p_ref_bar_gauge. A value applies until the next.
+Exit status: 0 every binding requirement is met, 1 at least one is not, 2 could not run.")]
 pub(crate) struct ControlArgs {
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
@@ -189,20 +189,20 @@ pub(crate) struct ControlArgs {
     /// Built-in scenario: reference profile, start, and plant if none is given
     #[arg(long, value_name = "NAME", default_value = DEFAULT_SCENARIO, value_parser = scenario_names())]
     pub(crate) scenario: String,
-    /// Device under test; the image's log is shown, and its bits are compared with those of the ECU in process:
-    /// in-process, qemu, qemu:uart, qemu:mailbox or serial:PORT
+    /// Device under test: in-process, qemu, qemu:uart, qemu:mailbox or serial:PORT. Its log is shown, and its output is
+    /// compared bit by bit with the ECU in process
     #[arg(long, value_name = "DEVICE", conflicts_with = "rigs")]
     pub(crate) dut: Option<Dut>,
-    /// ELF file of the image; without it the one that `cargo xtask image` has built
+    /// ELF file of the image; without this option the file that `cargo xtask image` built
     #[arg(long, value_name = "ELF", value_hint = ValueHint::FilePath, requires = "dut")]
     pub(crate) image: Option<PathBuf>,
-    /// How many times faster than real time the live plot goes, where there is a terminal; 0: as fast as it can
+    /// Speed of the live plot in a terminal, as a multiple of real time; 0: as fast as possible
     #[arg(long, value_name = "TIMES", default_value_t = 4, requires = "dut", value_parser = clap::value_parser!(u32).range(0..=1000))]
     pub(crate) pace: u32,
-    /// Run on this many more rigs, scattered about the plant as valves are
+    /// Number of additional rigs, with parameters scattered about the plant
     #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     pub(crate) rigs: u32,
-    /// Seed of sensor noise and rigs
+    /// Seed of sensor noise and of the scatter of the rigs
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     pub(crate) seed: u64,
     #[command(flatten)]
@@ -213,7 +213,7 @@ pub(crate) struct ControlArgs {
     pub(crate) json: JsonArg,
 }
 
-/// The profile of the thesis' figures.
+/// Scenario of the thesis' figures: the staircase (thesis figure 6.5).
 pub(crate) const DEFAULT_SCENARIO: &str = "figure-6.5";
 
 fn scenario_names() -> impl TypedValueParser<Value = String> {
@@ -229,14 +229,15 @@ fn scenario_names() -> impl TypedValueParser<Value = String> {
 Examples:
   retarder thesis
   retarder thesis --plant my-plant.toml --html thesis.html --json thesis.json
-  retarder thesis --explain                  which effects bring the filling times in?
+  retarder thesis --explain                  find the effects that explain the filling times
 
-Exit status: 0 every figure that the plain model is held to is reached (with --explain: some effect
-brings the times in), 1 one is not (none does), 2 could not run.")]
+Exit status: 0 every binding figure is within its tolerance (with --explain: at least one effect
+brings the filling times within tolerance), 1 at least one is not (with --explain: no effect does),
+2 could not run.")]
 pub(crate) struct ThesisArgs {
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
-    /// Fit series_restriction, supply_line_droop and critical_ratio to the full filling times of the large orifices
+    /// Fit series_restriction, supply_line_droop and critical_ratio to the complete filling times of the large orifices
     #[arg(long, conflicts_with = "html")]
     pub(crate) explain: bool,
     #[command(flatten)]
@@ -249,7 +250,7 @@ pub(crate) struct ThesisArgs {
 #[command(after_help = "\
 Examples:
   retarder parameters
-  retarder parameters --toml > my-plant.toml      asks how well you know each value
+  retarder parameters --toml > my-plant.toml      a plant file with a place for the uncertainty of each value
   retarder parameters --plant my-plant.toml
   retarder parameters --plant my-plant.toml --set coil.resistance_20c_ohm=80 --toml > warmer.toml")]
 pub(crate) struct ParametersArgs {
@@ -277,15 +278,15 @@ Examples:
   retarder serve
   retarder serve --project bench-week-12 --port 8080
 
-The printed address opens the page in one browser; it changes with every start. Ctrl-C ends it.")]
+Open the printed address in one browser; it changes with every start. Ctrl-C ends the server.")]
 pub(crate) struct ServeArgs {
-    /// Folder that keeps logs and projects, so that the next start finds them again
+    /// Folder for logs and projects; the next start finds them there
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath, default_value = "retarder-project")]
     pub(crate) project: PathBuf,
-    /// Port on the loopback interface; without it 7474, or a free one if that is taken
+    /// Port on the loopback interface; without this option 7474, or a free port if 7474 is in use
     #[arg(long, value_name = "PORT", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) port: Option<u16>,
-    /// Largest memory of one tab of the browser; work that takes more ends, and the page goes on
+    /// Memory limit of one browser tab, MiB; work that needs more is aborted, and the page stays usable
     #[arg(long, value_name = "MIB", default_value_t = workbench::Worker::MEMORY_BYTES >> 20, value_parser = clap::value_parser!(u64).range(256..=1 << 20))]
     pub(crate) memory: u64,
 }
@@ -299,7 +300,7 @@ pub(crate) struct TabArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct PlantArgs {
-    /// Plant file; without it the thesis model, `retarder parameters`
+    /// Plant file; without this option the thesis model (see `retarder parameters`)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) plant: Option<PathBuf>,
     /// Change a parameter of the plant; may be repeated
@@ -312,47 +313,47 @@ pub(crate) struct LogArgs {
     /// Bench log, CSV with units in the header (`p_ch_bar_gauge`) or MF4; - is the standard input
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) log: PathBuf,
-    /// TOML file that maps the columns or channels of a log that does not explain itself
+    /// TOML file that maps columns or channels without standard names to signals and units
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) mapping: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ControllerArg {
-    /// Controller file, or `thesis` or `recommended` for one that comes along
+    /// Controller file, or `thesis` or `recommended` for a bundled controller
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, default_value = "recommended")]
     pub(crate) controller: PathBuf,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct OutArg {
-    /// Write the recording to this CSV file; `simulate` and `control` write MF4 to a name that ends in .mf4
+    /// Write the recording to this CSV file; `simulate` and `control` write MF4 if the name ends in .mf4
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct HtmlArg {
-    /// Write a report with plots, one file that needs no other; - is the standard output
+    /// Write a self-contained HTML report with plots; - is the standard output
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) html: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct JsonArg {
-    /// The result as JSON (see `retarder schema`) in this file; to the standard output, in place of the text, without FILE
+    /// Write the result as JSON (see `retarder schema`) to FILE; without FILE, print it in place of the text
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, num_args = 0..=1, default_missing_value = "-")]
     pub(crate) json: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct TomlArg {
-    /// Print a file to start from
+    /// Print a TOML file to start from
     #[arg(long)]
     pub(crate) toml: bool,
 }
 
-/// `name=number`.
+/// Argument of the form `name=number`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Assignment {
     pub(crate) name: String,

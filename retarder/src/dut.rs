@@ -1,4 +1,4 @@
-//! Devices as the command line names them.
+//! Names of devices on the command line.
 
 use std::path::Path;
 use std::str::FromStr;
@@ -16,18 +16,18 @@ use std::time::Duration;
 
 use crate::failure::Failure;
 
-/// A device, and how it is reached.
+/// Device and the connection to it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Dut {
-    /// The ECU's logic in this process.
+    /// ECU logic in this process.
     InProcess,
-    /// The image in an emulator.
+    /// Image in an emulator.
     Qemu(Option<QemuWire>),
-    /// A board on this serial port.
+    /// Board on this serial port.
     Serial(String),
 }
 
-/// The wire to an emulated device.
+/// Connection to an emulated device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum QemuWire {
     Mailbox,
@@ -52,7 +52,7 @@ impl FromStr for Dut {
     }
 }
 
-/// How long is waited for a board: a frame takes some milliseconds.
+/// Timeouts of a board: a frame takes some milliseconds.
 const BOARD_PATIENCE: Patience = Patience {
     reply: Duration::from_millis(500),
     tries: 5,
@@ -60,7 +60,7 @@ const BOARD_PATIENCE: Patience = Patience {
 };
 
 impl Dut {
-    /// The device in lock step, to be put under test.
+    /// Opens the device in lock step, as the device under test.
     pub(crate) fn under_test(
         &self,
         image: Option<&Path>,
@@ -75,7 +75,7 @@ impl Dut {
         })
     }
 
-    /// A session beside the device's own timer, that disturbs nothing.
+    /// Opens a session that runs beside the device's own timer and does not disturb it.
     pub(crate) fn session(&self, image: Option<&Path>) -> Result<Box<dyn Session>, Failure> {
         let session: Box<dyn Session> = match self {
             Self::InProcess => {
@@ -99,12 +99,12 @@ impl Dut {
     }
 }
 
-/// An open session with a device.
+/// Open session with a device.
 pub(crate) trait Session: Link {
-    /// What the device said of itself.
+    /// Returns the identity that the device reported.
     fn device(&self) -> &Identity;
 
-    /// The chosen signals of the next sample, and its number.
+    /// Returns the number and the chosen signals of the next sample.
     fn measured(&mut self) -> Result<(u32, Measured), LinkError>;
 }
 
@@ -123,7 +123,7 @@ fn serial(
     image: Option<&Path>,
     pace: Pace,
 ) -> Result<Framed<impl Transport + 'static>, Failure> {
-    // Without the image's file a board is still one; its log then has no texts.
+    // A board without the image's file still works; its log then has no texts.
     let log = match (image, Image::find(image)) {
         (_, Ok(image)) => image.into_log(),
         (None, Err(_)) => ImageLog::without_texts(),
@@ -144,7 +144,7 @@ fn qemu(
         QemuWire::Mailbox => Wire::Mailbox,
         QemuWire::Uart => Wire::Uart,
     };
-    // By its own timer the image must not depend on how busy this machine is.
+    // With its own timer, the image must not depend on the load of this machine.
     let clock = match pace {
         Pace::LockStep => Clock::Host,
         Pace::Timer => Clock::Instructions,

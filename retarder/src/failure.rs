@@ -1,4 +1,4 @@
-//! Why a command could not run: what was wrong, where, and what to do.
+//! Reasons why a command could not run: what was wrong, where, and what to do.
 
 use std::fmt;
 use std::io;
@@ -24,7 +24,7 @@ use plant_sim::replay::ReplayError;
 use recording::LogError;
 use recording::csv::{CsvError, MappingError, WriteError};
 
-/// Why there is no result.
+/// Reason for a missing result.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     #[error("{}: {error}; check the name and the rights", path.display())]
@@ -181,7 +181,7 @@ impl From<CsvError> for Failure {
 }
 
 impl Failure {
-    /// What went wrong with the output `path`; none is the standard output.
+    /// Creates the failure of the output `path`; `None` is the standard output.
     pub(crate) fn write(path: Option<&Path>, error: impl Into<WriteError>) -> Self {
         Self::Write {
             path: path.map(Path::to_path_buf),
@@ -189,7 +189,7 @@ impl Failure {
         }
     }
 
-    /// The reader of the standard output has seen enough: no failure.
+    /// Returns whether the reader closed the standard output, which is no failure.
     pub(crate) fn is_broken_pipe(&self) -> bool {
         matches!(self, Self::Write { path: None, error: WriteError::Io(error) } if error.kind() == io::ErrorKind::BrokenPipe)
     }
@@ -202,7 +202,7 @@ fn target(path: &Option<PathBuf>) -> String {
     )
 }
 
-/// The names that look like `name`, or where all of them stand.
+/// Returns the names similar to `name`, or the place of the whole list.
 fn alike<'a>(name: &str, names: impl Iterator<Item = &'a str>, list: &str) -> String {
     let name = name.to_lowercase();
     let mut letters: Vec<char> = name.chars().collect();
@@ -219,17 +219,17 @@ fn alike<'a>(name: &str, names: impl Iterator<Item = &'a str>, list: &str) -> St
     }
 }
 
-/// The lines of a file that its problems point at, with a mark below.
+/// Lines of a file that its problems refer to, each with a mark below.
 #[derive(Debug, Default)]
 pub(crate) struct SourceLines(Vec<(usize, String)>);
 
-/// A file with more problems than this shows the lines of the first ones only.
+/// Number of source lines shown at most.
 const LINES_MAX: usize = 5;
-/// Longest line shown in characters.
+/// Longest line shown (characters).
 const LINE_LENGTH_MAX: usize = 100;
 
 impl SourceLines {
-    /// Lines of `text` by their numbers, from 1.
+    /// Returns the lines of `text` with these numbers, from 1.
     pub(crate) fn of(text: &str, numbers: impl Iterator<Item = usize>) -> Self {
         let mut numbers: Vec<usize> = numbers.collect();
         numbers.dedup();

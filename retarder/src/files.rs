@@ -1,7 +1,7 @@
-//! Files of a command: each one that it reads or writes is known here before any work, and no output may be an input.
+//! Files of a command: all are collected before any work, and no output may be an input.
 //!
-//! They come from the definition of the command line, so that no command can pass by: an option with a path has a
-//! [`ValueHint`], and [`OUTPUTS`] says which of these options are written to.
+//! They come from the definition of the command line, so that none is forgotten: an option with a path has a
+//! [`ValueHint`], and [`OUTPUTS`] names the options that write.
 
 use std::fs::File;
 use std::io::{self, Read as _};
@@ -15,13 +15,13 @@ use crate::failure::Failure;
 use crate::input::is_built_in_controller;
 use crate::targets::{Existing, is_standard_output};
 
-/// Options that name a file to write; every other one with a file names one to read.
+/// Options that name a file to write; every other option with a file names one to read.
 const OUTPUTS: [&str; 3] = ["out", "html", "json"];
-/// Command, option that reads and option that writes, where both may name one file.
+/// Commands whose output may replace their input: command, input option and output option.
 const REPLACES_ITS_INPUT: [(&str, &str, &str); 1] = [("refine", "plant", "out")];
 /// File that the demo writes.
 pub(crate) const DEMO_REPORT: &str = "report.html";
-/// What stands for the standard input or output in place of a path.
+/// Path that stands for the standard input or output.
 const STANDARD: &str = "-";
 
 /// Files that a command reads and writes.
@@ -35,24 +35,24 @@ pub(crate) struct Files {
 
 #[derive(Debug, Clone)]
 struct Named {
-    /// Identifier of the option; empty for what is no option.
+    /// Identifier of the option; empty if the file does not come from an option.
     option: String,
-    /// What a person calls it.
+    /// Name of the file in messages.
     label: String,
     path: PathBuf,
-    /// None for what is no file, such as a terminal.
+    /// `None` if it is not a file, such as a terminal.
     identity: Option<FileIdentity>,
 }
 
 #[derive(Debug)]
 struct Output {
     file: Named,
-    /// Whether the person who typed the command did not name it.
+    /// Whether the file is a default that the command line does not name.
     is_implied: bool,
 }
 
 impl Files {
-    /// The files that the arguments name, or imply.
+    /// Collects the files that the arguments name or imply.
     pub(crate) fn of(command: &Command, matches: &ArgMatches, existing: Existing) -> Self {
         let mut files = Self {
             existing,
@@ -91,8 +91,8 @@ impl Files {
         }
     }
 
-    /// Refuses outputs that would destroy an input or each other, that may not be replaced, or that cannot be written;
-    /// begins none of them. Returns what is worth knowing before the work.
+    /// Refuses outputs that would destroy an input or each other, may not be replaced, or cannot be written. Creates no
+    /// file. Returns the notes to show before the work.
     pub(crate) fn check(&self) -> Result<Vec<String>, Failure> {
         let mut notes = Vec::new();
         let (standard, files): (Vec<_>, Vec<_>) = self
@@ -117,7 +117,7 @@ impl Files {
             written.push(output.file.clone());
             self.check_existing(output)?;
         }
-        // What is printed there goes to the end of an input, or has emptied it already.
+        // Output redirected to an input is appended to it, or the shell has already emptied it.
         self.check_against_inputs(&written[0])?;
         Ok(notes)
     }
@@ -154,7 +154,7 @@ impl Files {
                 is_demo: self.command.is_empty(),
             });
         }
-        // Begun and dropped: nothing stays.
+        // Created and dropped, so that no file remains.
         let begun = self.existing.begin(path);
         begun.map_err(|error| Failure::write(Some(path), error))?;
         Ok(())
@@ -210,7 +210,7 @@ enum Standard {
     Output,
 }
 
-/// The file that a stream of the process is redirected from or to; none for pipes and terminals.
+/// Returns the file that a stream of the process is redirected from or to; `None` for pipes and terminals.
 #[cfg(unix)]
 fn redirected(stream: Standard) -> Option<FileIdentity> {
     use std::os::fd::AsFd as _;
@@ -230,7 +230,7 @@ fn is_file(argument: &Arg) -> bool {
     argument.get_value_hint() == ValueHint::FilePath
 }
 
-/// A report says at its beginning whose it is.
+/// Number of bytes in which a report names its generator.
 const BEGINNING_BYTES: u64 = 4096;
 
 fn is_report(path: &Path) -> bool {

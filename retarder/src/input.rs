@@ -1,4 +1,4 @@
-//! Arguments become values: files are read and checked here, and nowhere else.
+//! Conversion of arguments into values: only here files are read and checked.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -21,22 +21,22 @@ use crate::cli::{
 use crate::failure::{Failure, SourceLines};
 use report::Input;
 
-/// The tour's bench log, as it lies in the data folder.
+/// Bench log of the demo, from the data folder.
 const TOUR_LOG: &str = include_str!("../../data/synthetic/practice-01-id.csv");
-/// Its name.
+/// Name of that log.
 pub(crate) const TOUR_LOG_NAME: &str = "practice-01-id.csv";
 
-/// A plant and what to call it.
+/// Plant and its name.
 #[derive(Debug, Clone)]
 pub(crate) struct NamedPlant {
     pub(crate) name: String,
     pub(crate) parameters: PlantParameters,
-    /// The file; none for what is built in.
+    /// The file; `None` if the plant is built in.
     file: Option<InputFile>,
 }
 
 impl NamedPlant {
-    /// The thesis model.
+    /// Returns the thesis model.
     pub(crate) fn nominal() -> Self {
         Self {
             name: "nominal plant".to_owned(),
@@ -45,7 +45,7 @@ impl NamedPlant {
         }
     }
 
-    /// The plant of the arguments; where they name no file, `default` with their changes.
+    /// Returns the plant of the arguments; without a file, `default` with their changes.
     pub(crate) fn from_args(args: &PlantArgs, default: Self) -> Result<Self, Failure> {
         let mut plant = match &args.plant {
             None => default,
@@ -82,7 +82,7 @@ impl NamedPlant {
         Ok(plant)
     }
 
-    /// The plant with what the options say of how well it is known.
+    /// Applies the options that state how well the parameters are known.
     pub(crate) fn knowing(mut self, args: &KnowledgeArgs) -> Result<Self, Failure> {
         let refused = |error| Failure::Knowledge { error };
         for Freed { what, range } in &args.free {
@@ -94,7 +94,7 @@ impl NamedPlant {
         Ok(self)
     }
 
-    /// The plant, if it has both valves and the chamber.
+    /// Returns the plant if it has both valves and the chamber.
     pub(crate) fn whole(self) -> Result<Self, Failure> {
         let parts = [
             Part::ArmatureOf(FILL),
@@ -110,7 +110,7 @@ impl NamedPlant {
         }
     }
 
-    /// What a report says of it.
+    /// Returns the description of the plant for a report.
     pub(crate) fn input(&self) -> Input {
         named_input("plant", &self.name, self.file)
     }
@@ -131,7 +131,7 @@ fn identity(text: &str) -> InputFile {
     }
 }
 
-/// How the log is to be read.
+/// Returns the options for reading the log.
 pub(crate) fn log_options(args: &LogArgs) -> Result<LogOptions, Failure> {
     mapped_by(args.mapping.as_deref())
 }
@@ -146,12 +146,12 @@ fn mapped_by(mapping: Option<&Path>) -> Result<LogOptions, Failure> {
     })
 }
 
-/// The whole log.
+/// Reads the whole log.
 pub(crate) fn log(args: &LogArgs) -> Result<Recording, Failure> {
     whole_log(&args.log, &log_options(args)?)
 }
 
-/// The whole of several logs, all mapped alike.
+/// Reads several whole logs with the same mapping.
 pub(crate) fn logs(paths: &[PathBuf], args: &LogsArgs) -> Result<Vec<Recording>, Failure> {
     let options = mapped_by(args.mapping.as_deref())?;
     let mut logs = paths
@@ -186,11 +186,11 @@ fn whole_log(path: &Path, options: &LogOptions) -> Result<Recording, Failure> {
     })
 }
 
-/// A log that is read as it is needed, or was read as a whole because its format wants it.
+/// Log that is read row by row, or as a whole if its format requires that.
 pub(crate) struct LogSource {
     pub(crate) name: String,
     pub(crate) log: OpenLog<'static>,
-    /// Size in bytes, where it is known.
+    /// Size (bytes), if known.
     pub(crate) size: Option<u64>,
 }
 
@@ -218,7 +218,7 @@ fn is_standard_input(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// The log of the tour.
+/// Reads the log of the demo.
 pub(crate) fn tour_log() -> Result<Recording, Failure> {
     Ok(csv::read(
         TOUR_LOG_NAME,
@@ -227,7 +227,7 @@ pub(crate) fn tour_log() -> Result<Recording, Failure> {
     )?)
 }
 
-/// Names and files of the controllers that come along.
+/// Names and files of the bundled controllers.
 const BUILT_IN_CONTROLLERS: [(&str, &str); 2] = [
     ("thesis", controller_file::THESIS_TOML),
     ("recommended", controller_file::RECOMMENDED_TOML),
@@ -238,24 +238,24 @@ fn built_in_controller(argument: &Path) -> Option<(&'static str, &'static str)> 
     built_in.find(|(name, _)| argument == Path::new(name))
 }
 
-/// Whether the argument names a controller that comes along, and no file.
+/// Returns whether the argument names a bundled controller instead of a file.
 pub(crate) fn is_built_in_controller(argument: &Path) -> bool {
     built_in_controller(argument).is_some()
 }
 
-/// A controller and what to call it.
+/// Controller and its name.
 #[derive(Debug, Clone)]
 pub(crate) struct NamedController {
     pub(crate) name: String,
     pub(crate) settings: controller::Settings,
-    /// The file as it was written.
+    /// Text of the file.
     pub(crate) text: String,
-    /// The file; none for what is built in.
+    /// The file; `None` if the controller is built in.
     file: Option<InputFile>,
 }
 
 impl NamedController {
-    /// The controller of the argument.
+    /// Returns the controller of the argument.
     pub(crate) fn from_args(args: &ControllerArg) -> Result<Self, Failure> {
         let (name, text, file) = match built_in_controller(&args.controller) {
             Some((name, text)) => (format!("{name} controller"), text.to_owned(), None),
@@ -281,24 +281,24 @@ impl NamedController {
         })
     }
 
-    /// What a report says of it.
+    /// Returns the description of the controller for a report.
     pub(crate) fn input(&self) -> Input {
         named_input("controller", &self.name, self.file)
     }
 }
 
-/// A scenario, and what its plant and its controller are called.
+/// Scenario with the names of its plant and its controller.
 #[derive(Debug, Clone)]
 pub(crate) struct NamedScenario {
     pub(crate) scenario: Scenario,
     pub(crate) plant: String,
     pub(crate) controller: String,
-    /// What a report says of the files behind it.
+    /// Descriptions of its files for a report.
     pub(crate) inputs: Vec<Input>,
 }
 
 impl NamedScenario {
-    /// The built-in scenario `name`, with the recommended controller.
+    /// Returns the built-in scenario `name` with the recommended controller.
     pub(crate) fn built_in(name: &str) -> Option<Self> {
         let scenario = Scenario::built_in(name)?;
         Some(Self {
@@ -309,7 +309,7 @@ impl NamedScenario {
         })
     }
 
-    /// The scenario of the arguments.
+    /// Returns the scenario of the arguments.
     pub(crate) fn from_args(args: &ControlArgs) -> Result<Self, Failure> {
         let controller = NamedController::from_args(&args.controller)?;
         let (scenario, profile) = match &args.reference {
@@ -334,7 +334,7 @@ impl NamedScenario {
     }
 }
 
-/// The built-in scenario of a checked argument.
+/// Returns the built-in scenario of an argument that was already checked.
 pub(crate) fn built_in_scenario(name: &str) -> Scenario {
     Scenario::built_in(name)
         .unwrap_or_else(|| unreachable!("clap lets only the names of built-in scenarios pass"))
@@ -372,7 +372,7 @@ fn file_stem(path: &Path) -> String {
         .into_owned()
 }
 
-/// No plant or controller file has more bytes.
+/// Largest size of a plant or controller file (bytes).
 const TEXT_MAX_BYTES: u64 = 1 << 20;
 
 fn read_text(path: &Path) -> Result<String, Failure> {

@@ -1,18 +1,18 @@
-//! Ctrl-C, SIGTERM and SIGHUP while an output file is under way.
+//! Ctrl-C, SIGTERM and SIGHUP while an output file is being written.
 
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::Failure;
 
-/// Exit status of a process that a second signal ends at once.
+/// Exit status of a process that a second signal ends.
 const ENDED_BY_SIGNAL: i32 = 130;
 
 static IS_WATCHED: AtomicBool = AtomicBool::new(false);
 static IS_RAISED: AtomicBool = AtomicBool::new(false);
 
-/// Becomes true at such a signal, so that the file under way can be removed. A second one ends the process at once, for
-/// what waits for input sees no flag. Every part of a command has the same flag.
+/// Returns the flag that such a signal sets, so that the unfinished file can be removed. A second signal ends the
+/// process, since code that waits for input does not read the flag. All parts of a command share the flag.
 pub(crate) fn flag() -> Result<&'static AtomicBool, Failure> {
     if !IS_WATCHED.swap(true, Ordering::Relaxed) {
         ctrlc::set_handler(|| {
@@ -24,7 +24,7 @@ pub(crate) fn flag() -> Result<&'static AtomicBool, Failure> {
     Ok(&IS_RAISED)
 }
 
-/// Ends what may be ended here.
+/// Returns the failure "interrupted" if the flag is set.
 pub(crate) fn check(is_interrupted: &AtomicBool) -> Result<(), Failure> {
     if is_interrupted.load(Ordering::Relaxed) {
         Err(Failure::Interrupted)

@@ -1,7 +1,8 @@
 //! `retarder`: commands for model-based control of two on/off solenoid valves.
 //!
-//! Arguments are parsed ([`cli`]), their files checked ([`files`]); they become a task with every file read ([`task`], [`input`]), the task becomes an
-//! outcome ([`run`]), and the outcome is written and printed ([`output`], [`print`](mod@print), [`page`] with [`report`]). `retarder --help` says the rest.
+//! Arguments are parsed ([`cli`]) and their files are checked ([`files`]). They become a task with all files read
+//! ([`task`], [`input`]). The task becomes an outcome ([`run`]), which is written and printed ([`output`],
+//! [`print`](mod@print), [`page`] with [`report`]).
 
 mod cli;
 mod dut;

@@ -1,4 +1,4 @@
-//! The options of a command, as a person would type them: for the commands that a result proposes.
+//! Options of a command in the form of a command line, for the commands that a result proposes.
 
 use std::path::Path;
 
@@ -41,7 +41,7 @@ impl Options {
         }
     }
 
-    /// All of them, as they were given.
+    /// Returns all options as given.
     pub(crate) fn as_given(&self) -> String {
         let Self {
             plant,
@@ -54,18 +54,18 @@ impl Options {
         format!("{plant}{logs}{mapping}{knowledge}{needs}")
     }
 
-    /// The same logs with the plant file `plant`, which has in it what was said of the first one.
+    /// Returns the same logs with the plant file `plant`, which contains the changes to the first one.
     pub(crate) fn with_plant(&self, plant: &Path) -> String {
         let plant = paths("--plant", &[plant]);
         format!("{plant}{}{}{}", self.logs, self.mapping, self.needs)
     }
 
-    /// The same with the plant file written anew.
+    /// Returns the same options, and the plant file as the output.
     pub(crate) fn with_plant_anew(&self, plant: &Path) -> String {
         self.with_plant(plant) + &option("--out", &plant.to_string_lossy())
     }
 
-    /// The same with the first log alone.
+    /// Returns the options of the plant file `plant` and the first log alone.
     pub(crate) fn with_plant_and_one_log(&self, plant: &Path) -> String {
         let plant = paths("--plant", &[plant]);
         format!("{plant}{}{}", self.first_log, self.mapping)
@@ -83,7 +83,7 @@ fn option(name: &str, value: &str) -> String {
     format!(" {name} {}", quoted(value))
 }
 
-/// An argument as a shell takes it.
+/// Quotes an argument for a shell.
 pub(crate) fn quoted(argument: &str) -> String {
     let is_plain = argument
         .chars()

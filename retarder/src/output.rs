@@ -1,4 +1,4 @@
-//! Results leave the process: files, standard output, exit status.
+//! Output of results: files, standard output, exit status.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -13,9 +13,9 @@ use crate::print::{self, Terminal};
 use crate::run::{Answer, Outcome};
 use crate::targets::{Existing, Targets, is_standard_output};
 
-/// Writes the files that were asked for and prints the rest. The answer decides the exit status.
+/// Writes the requested files and prints the rest. The answer decides the exit status.
 pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, Failure> {
-    // Whether something else than the text has the standard output.
+    // Whether another output than the text uses the standard output.
     let mut is_taken = false;
     let existing = targets.existing;
     if let (Some(path), Outcome::Control(controlled)) = (&targets.recording, &outcome) {
@@ -52,7 +52,7 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
         // The standard output may carry the recording.
         Outcome::Simulation(simulation) => {
             let text = print::simulation(simulation, &Terminal::standard_error());
-            // Whoever closed the standard error does not want to know.
+            // A closed standard error is not a failure.
             let _ = anstream::stderr().write_all(text.as_bytes());
         }
         _ if is_taken => {}
@@ -65,7 +65,7 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
     Ok(outcome.answer())
 }
 
-/// The one place that decides the exit status; a failure is told on the standard error.
+/// Returns the exit status, and prints a failure to the standard error.
 pub(crate) fn exit_code(ended: Result<Answer, Failure>) -> ExitCode {
     match ended {
         Ok(Answer::Holds) => ExitCode::SUCCESS,
@@ -81,7 +81,7 @@ pub(crate) fn exit_code(ended: Result<Answer, Failure>) -> ExitCode {
     }
 }
 
-/// What a device recorded or measured.
+/// Returns the data that a device recorded or measured, as CSV.
 fn csv(outcome: &Outcome) -> Option<String> {
     match outcome {
         Outcome::BlackBox(black_box) => Some(black_box.csv()),
@@ -122,7 +122,7 @@ fn json(outcome: &Outcome) -> Option<String> {
         | Outcome::Measurement(_)
         | Outcome::Text(_) => return None,
     };
-    // Structs of numbers and texts under named keys; maps with other keys do not occur.
+    // Results are structs of numbers and texts; they have no maps with keys that JSON cannot express.
     let mut json = json.expect("results have a JSON form");
     json.push('\n');
     Some(json)
@@ -154,7 +154,7 @@ fn write_recording(path: &Path, existing: Existing, recording: &Recording) -> Re
         .map_err(|error| Failure::write(Some(path).filter(|path| !is_standard_output(path)), error))
 }
 
-/// Writes to the file or to the standard output; whether it was the latter.
+/// Writes to the file or to the standard output; returns whether it was the standard output.
 fn write(path: &Path, existing: Existing, text: &str) -> Result<bool, Failure> {
     if is_standard_output(path) {
         write_standard_output(text)?;
@@ -168,7 +168,7 @@ fn write(path: &Path, existing: Existing, text: &str) -> Result<bool, Failure> {
     Ok(false)
 }
 
-/// A reader who has seen enough changes neither the answer nor the exit status.
+/// Writes to the standard output; a closed pipe changes neither the answer nor the exit status.
 fn write_standard_output(text: &str) -> Result<(), Failure> {
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

@@ -1,4 +1,4 @@
-//! Outcomes become contents of the HTML report.
+//! Conversion of outcomes into contents of the HTML report.
 
 use hil_harness::Requirement;
 use recording::Recording;
@@ -15,7 +15,7 @@ use crate::run::diagnose::Diagnosed;
 use crate::run::session::Reported;
 use crate::run::thesis::Figures;
 
-/// What to try after the tour, with the reason.
+/// Commands to try after the demo, with the reason.
 pub(crate) const NEXT_STEPS: [[&str; 2]; 7] = [
     [
         "retarder compare --log data/synthetic/practice-00-id.csv",
@@ -44,7 +44,7 @@ pub(crate) const NEXT_STEPS: [[&str; 2]; 7] = [
     ["retarder --help", "the rest"],
 ];
 
-/// The report; none for outcomes that have none.
+/// Returns the report, or `None` if the outcome has none.
 pub(crate) fn html(outcome: &Outcome) -> Option<String> {
     Some(match outcome {
         Outcome::Tour(tour) => {
@@ -134,7 +134,7 @@ fn diagnosis(diagnosed: &Diagnosed) -> String {
     })
 }
 
-/// Every file that a diagnosis reads.
+/// Returns all files that a diagnosis reads.
 fn inputs_of(diagnosed: &Diagnosed) -> Vec<Input> {
     let task = &diagnosed.task;
     let of = |role: &'static str, logs: &[Recording]| -> Vec<Input> {
@@ -146,7 +146,7 @@ fn inputs_of(diagnosed: &Diagnosed) -> Vec<Input> {
     [of("log", &task.logs), of("check", &task.check), plant].concat()
 }
 
-/// All of it in one file.
+/// Returns the report of a whole session, in one file.
 fn session(reported: &Reported) -> String {
     let logs: Vec<LogPart<'_>> = reported
         .compared
@@ -232,7 +232,8 @@ fn page(page: &Page<'_>) -> String {
     })
 }
 
-/// The log on which the plain model is furthest off, with both models; those for checking where there are such.
+/// Returns the validation log with the largest error of the plain model, with both models; without validation logs, a
+/// training log.
 fn before_and_after(diagnosed: &Diagnosed) -> Option<BeforeAndAfter<'_>> {
     let task = &diagnosed.task;
     let logs = if task.check.is_empty() {
@@ -244,7 +245,7 @@ fn before_and_after(diagnosed: &Diagnosed) -> Option<BeforeAndAfter<'_>> {
     BeforeAndAfter::worst(&diagnosed.diagnosis, &task.plant.parameters, &logs)
 }
 
-/// The command as it was typed, without the folder of the program.
+/// Returns the command as it was typed, without the folder of the program.
 fn command_line() -> String {
     let arguments = std::env::args_os()
         .skip(1)

@@ -1,4 +1,4 @@
-//! Outcomes become text for a terminal. Nothing is computed here that another reader of the result would want to know.
+//! Conversion of outcomes into text for a terminal. Nothing is computed here that another output also needs.
 
 mod chart;
 mod comparison;
@@ -34,22 +34,22 @@ pub(crate) use live::Live;
 pub(crate) use serve::serving;
 pub(crate) use simulation::simulation;
 
-/// What text is laid out for.
+/// Properties of the terminal that text is laid out for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Terminal {
-    /// Width in characters.
+    /// Width (characters).
     width: usize,
     /// Whether colours are shown.
     is_coloured: bool,
 }
 
-/// Width where there is no terminal to ask.
+/// Width if no terminal reports one.
 const WIDTH_WITHOUT_TERMINAL: usize = 100;
-/// Tables and plots keep their form within these widths.
+/// Range of widths in which tables and plots keep their layout.
 const WIDTH_RANGE: [usize; 2] = [60, 140];
 
 impl Terminal {
-    /// The terminal of the standard output.
+    /// Returns the terminal of the standard output.
     pub(crate) fn standard_output() -> Self {
         Self {
             width: width(),
@@ -57,7 +57,7 @@ impl Terminal {
         }
     }
 
-    /// The terminal of the standard error.
+    /// Returns the terminal of the standard error.
     pub(crate) fn standard_error() -> Self {
         Self {
             width: width(),
@@ -74,7 +74,7 @@ impl Terminal {
     }
 }
 
-/// What the person says in COLUMNS counts before what the terminal says.
+/// Returns the width; COLUMNS has priority over the width of the terminal.
 fn width() -> usize {
     let said = std::env::var("COLUMNS")
         .ok()
@@ -89,13 +89,13 @@ fn width() -> usize {
 /// Meanings that have a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Colour {
-    /// A title.
+    /// Title.
     Title,
-    /// What holds.
+    /// Passed.
     Good,
-    /// What does not.
+    /// Failed.
     Bad,
-    /// What one should know.
+    /// Notice.
     Notice,
     /// Axes, notes.
     Faint,
@@ -106,7 +106,7 @@ enum Colour {
 }
 
 impl Colour {
-    /// Parameters of the escape sequence: the 16 colours that every terminal lets its user choose.
+    /// Returns the parameters of the escape sequence, from the 16 colours that a user can choose in every terminal.
     fn code(self) -> &'static str {
         match self {
             Self::Title => "1",
@@ -120,7 +120,7 @@ impl Colour {
     }
 }
 
-/// The text of an outcome.
+/// Returns the text of an outcome.
 pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal) -> String {
     let mut text = match outcome {
         Outcome::Tour(tour) => tour::tour(tour, targets, terminal),
@@ -161,12 +161,12 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
     text
 }
 
-/// The text of a failure.
+/// Returns the text of a failure.
 pub(crate) fn failure(failure: &Failure, terminal: &Terminal) -> String {
     format!("{} {failure}\n", terminal.paint(Colour::Bad, "error:"))
 }
 
-/// What the reader of a log had to say about it; empty for one that was read as it stands.
+/// Returns the notes of the log reader; empty if there are none.
 pub(crate) fn log_notes(log: &Recording, terminal: &Terminal) -> String {
     let source = Excerpt::of(&log.provenance().source);
     let notes = log.provenance().notes.iter();
@@ -187,34 +187,34 @@ pub(crate) fn log_notes(log: &Recording, terminal: &Terminal) -> String {
         .collect()
 }
 
-/// A line that is worth knowing and no failure.
+/// Returns a line with a note that is not a failure.
 pub(crate) fn note(text: &str, terminal: &Terminal) -> String {
     format!("{} {text}\n", terminal.paint(Colour::Title, "note:"))
 }
 
-/// A title above a part of the text.
+/// Returns a title above a part of the text.
 fn title(text: &str, terminal: &Terminal) -> String {
     painted_paragraph(Colour::Title, text, terminal)
 }
 
-/// A paragraph, wrapped to the terminal.
+/// Returns a paragraph, wrapped to the terminal.
 fn paragraph(text: &str, terminal: &Terminal) -> String {
     indented(text, 0, terminal)
 }
 
-/// A paragraph in a colour.
+/// Returns a paragraph in a colour.
 fn painted_paragraph(colour: Colour, text: &str, terminal: &Terminal) -> String {
     painted_lines(colour, &paragraph(text, terminal), terminal)
 }
 
-/// Each line in a colour of its own, for what cuts text into lines.
+/// Colours each line separately, since callers split the text into lines.
 fn painted_lines(colour: Colour, text: &str, terminal: &Terminal) -> String {
     text.lines()
         .map(|line| terminal.paint(colour, line) + "\n")
         .collect()
 }
 
-/// A paragraph that begins `indent` characters from the left.
+/// Returns a paragraph indented by `indent` characters.
 fn indented(text: &str, indent: usize, terminal: &Terminal) -> String {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {

@@ -1,11 +1,11 @@
-//! Progress on the standard error, where that is a terminal.
+//! Progress on the standard error, if that is a terminal.
 
 use std::io::Read;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar or a spinner that vanishes when it is dropped.
+/// Bar or spinner that is removed on drop.
 pub(crate) struct Progress(ProgressBar);
 
 /// Steps of a bar that shows a share.
@@ -13,18 +13,18 @@ const STAGE: u64 = 1000;
 const TICK: Duration = Duration::from_millis(100);
 
 impl Progress {
-    /// Work of unknown length.
+    /// Creates a spinner for work of unknown length.
     pub(crate) fn of_unknown_length(what: &'static str) -> Self {
         Self::new(None, what, "{spinner} {msg} {elapsed}")
     }
 
-    /// `count` things to do.
+    /// Creates a bar for `count` steps.
     pub(crate) fn of_count(what: &'static str, count: u64) -> Self {
         let template = "{spinner} {msg} {wide_bar} {pos}/{len}, {eta} left";
         Self::new(Some(count), what, template)
     }
 
-    /// Stages of unequal length, each with a share that is done.
+    /// Creates a bar for stages of unequal length, each with its completed share.
     pub(crate) fn of_stages() -> Self {
         let template =
             "{spinner} {msg} {wide_bar} {percent} %, {eta} left of this step, {elapsed} in all";
@@ -33,7 +33,7 @@ impl Progress {
         progress
     }
 
-    /// Input of `size` bytes to read, where that is known.
+    /// Creates a bar for input of `size` bytes, if the size is known.
     pub(crate) fn of_bytes(what: &'static str, size: Option<u64>) -> Self {
         let template = match size {
             Some(_) => "{spinner} {msg} {wide_bar} {bytes}/{total_bytes}, {eta} left",
@@ -54,12 +54,12 @@ impl Progress {
         Self(bar)
     }
 
-    /// One more is done.
+    /// Counts one completed step.
     pub(crate) fn step(&self) {
         self.0.inc(1);
     }
 
-    /// The share `done` of `stage`, 0 to 1.
+    /// Shows the completed share `done` of `stage`, 0 to 1.
     pub(crate) fn reach(&self, stage: &'static str, done: f64) {
         if self.0.message() != stage {
             self.0.set_message(stage);
@@ -68,7 +68,7 @@ impl Progress {
         self.0.set_position((done * STAGE as f64) as u64);
     }
 
-    /// Counts what is read.
+    /// Counts the bytes that are read.
     pub(crate) fn watch<R: Read>(&self, reader: R) -> impl Read + use<R> {
         self.0.wrap_read(reader)
     }

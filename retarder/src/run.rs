@@ -1,4 +1,4 @@
-//! Tasks become outcomes: values that know nothing of how they are shown.
+//! Conversion of tasks into outcomes: values that do not depend on how they are shown.
 
 pub(crate) mod black_box;
 pub(crate) mod calibrate;
@@ -19,7 +19,7 @@ pub(crate) mod tour;
 
 use crate::input::{NamedController, NamedPlant};
 
-/// What came of a task.
+/// Result of a task.
 pub(crate) enum Outcome {
     Tour(Box<tour::Tour>),
     Simulation(simulate::Simulation),
@@ -33,26 +33,26 @@ pub(crate) enum Outcome {
     Report(Box<session::Reported>),
     BlackBox(black_box::BlackBox),
     DeviceSettings(calibrate::Settings),
-    /// All signals that a device has.
+    /// All signals of a device.
     DeviceSignals,
-    /// Signals of a device.
+    /// Measured signals of a device.
     Measurement(measurement::Measurement),
     Thesis(thesis::Figures),
     ThesisExplanation(thesis::Explained),
     Parameters(NamedPlant),
     Settings(NamedController),
-    /// Text that is the result as it stands.
+    /// Text that is printed unchanged.
     Text(String),
 }
 
-/// The answer that the exit status gives.
+/// Answer that decides the exit status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Answer {
     Holds,
     DoesNotHold,
-    /// There is a result, but it does not decide.
+    /// There is a result, but it does not decide the question.
     Open,
-    /// The model holds with other values than those of its plant file.
+    /// The model is within tolerance with other values than those of its plant file.
     PlantFileWrong,
 }
 
@@ -67,7 +67,7 @@ impl Answer {
 }
 
 impl Outcome {
-    /// What the outcome says. What asks nothing, such as the tour, holds.
+    /// Returns the answer. An outcome without a question, such as the demo, passes.
     pub(crate) fn answer(&self) -> Answer {
         match self {
             Self::Comparison(compared) => compared.answer(),

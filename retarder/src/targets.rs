@@ -1,11 +1,11 @@
-//! Where results go.
+//! Destinations of results.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use recording::AtomicFile;
 
-/// Where results go besides the text; `-` is the standard output.
+/// Destinations of results besides the text; `-` is the standard output.
 #[derive(Debug, Default)]
 pub(crate) struct Targets {
     pub(crate) json: Option<PathBuf>,
@@ -19,15 +19,15 @@ pub(crate) struct Targets {
 /// Treatment of a file that has the name of an output.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum Existing {
-    /// It is replaced, with its mode, owner and hard links kept.
+    /// Replaced; its mode, owner and hard links stay.
     #[default]
     Replace,
-    /// It stays, and the output is refused.
+    /// Kept, and the output is refused.
     Keep,
 }
 
 impl Existing {
-    /// Begins the file that will be `path`.
+    /// Begins the file that becomes `path`.
     pub(crate) fn begin(self, path: &Path) -> io::Result<AtomicFile> {
         match self {
             Self::Replace => AtomicFile::create(path),
@@ -36,7 +36,7 @@ impl Existing {
     }
 }
 
-/// Whether a target is the standard output.
+/// Returns whether a target is the standard output.
 pub(crate) fn is_standard_output(path: &Path) -> bool {
     path.as_os_str() == "-"
 }

@@ -1,4 +1,4 @@
-//! What is to be done, with every file read and every value checked.
+//! Tasks with every file read and every value checked.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ use crate::run::diagnose::Asked;
 use crate::run::{self, Outcome, schema};
 use crate::targets::{Targets, is_standard_output};
 
-/// A task and where its results go.
+/// Task and the destinations of its results.
 pub(crate) struct Task {
     work: Work,
     targets: Targets,
@@ -61,7 +61,7 @@ enum Work {
 }
 
 impl Task {
-    /// Checks that the results can be written and destroy nothing; reads and checks everything that the arguments name.
+    /// Checks that the results can be written and destroy nothing; reads and checks all inputs of the arguments.
     pub(crate) fn resolve(arguments: Cli, files: &Files) -> Result<Self, Failure> {
         for note in files.check()? {
             tell(&print::note(&note, &Terminal::standard_error()));
@@ -141,7 +141,7 @@ impl Task {
         Ok(Self { work, targets })
     }
 
-    /// Does the work.
+    /// Runs the task.
     pub(crate) fn run(self) -> Result<(Outcome, Targets), Failure> {
         let outcome = match self.work {
             Work::Tour => Outcome::Tour(Box::new(run::tour::run()?)),
@@ -163,7 +163,7 @@ impl Task {
                 Outcome::Refinement(Box::new(run::diagnose::refine(task, &add)?))
             }
             Work::Control { scenario, rigs } => {
-                // No file is under way yet: Ctrl-C may end the process at once.
+                // No file is being written yet: Ctrl-C may end the process.
                 let never = AtomicBool::new(false);
                 Outcome::Control(Box::new(run::control::run(*scenario, rigs, &never)?))
             }
@@ -356,17 +356,17 @@ fn report(args: ReportArgs, targets: &mut Targets) -> Result<Work, Failure> {
     })))
 }
 
-/// Tells what was made of the log, before anything is done with it.
+/// Prints the notes on the log before the work begins.
 fn tell_notes(log: &Recording) {
     tell(&print::log_notes(log, &Terminal::standard_error()));
 }
 
 fn tell(text: &str) {
-    // Whoever closed the standard error does not want to know.
+    // A closed standard error is not a failure.
     let _ = anstream::stderr().write_all(text.as_bytes());
 }
 
-/// The name of a file that is written as CSV only.
+/// Returns the path of a file that is written as CSV only.
 fn as_csv(path: Option<PathBuf>) -> Result<Option<PathBuf>, Failure> {
     match path {
         Some(path) if LogFormat::of_name(&path) == LogFormat::Mf4 => {

@@ -1,7 +1,7 @@
-//! The simulator beside a general stiff solver, in one run: speed, accuracy, steps per PWM period.
+//! Comparison of the simulator with a general stiff solver: speed, accuracy, steps per PWM period.
 //!
-//! The log is `practice-00-id` (60 s at 100 Hz). The reference is the simulator with a tolerance a million
-//! times smaller. Speeds are the best of several runs, compared as ratios.
+//! The log is `practice-00-id` (60 s at 100 Hz). The reference is the simulator with a tolerance a million times
+//! smaller. Speeds are the best of several runs, compared as ratios.
 
 use std::time::Instant;
 
@@ -46,7 +46,7 @@ fn general(parameters: &PlantParameters, inputs: &[ReplayInput], tolerance: f64)
     }
 }
 
-/// Root mean square and largest deviation [mbar].
+/// Returns the rms and the largest deviation [mbar].
 fn deviation_mbar(run: &[f64], reference: &[f64]) -> (f64, f64) {
     let error = || run.iter().zip(reference).map(|(a, b)| (a - b) / 100.0);
     let mean_square = error().map(|e| e * e).sum::<f64>() / run.len() as f64;

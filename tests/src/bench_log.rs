@@ -1,4 +1,4 @@
-//! The bundled bench logs.
+//! Bundled bench logs.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use plant_sim::PlantParameters;
 use plant_sim::replay::{self, ReplayInput};
 use recording::{Recording, csv};
 
-/// The repository's root.
+/// Returns the repository's root.
 pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
@@ -14,13 +14,13 @@ pub fn repository() -> PathBuf {
         .to_owned()
 }
 
-/// A bundled synthetic log, by name without ending.
+/// Reads a bundled synthetic log, by name without extension.
 pub fn synthetic(name: &str) -> Recording {
     let path = repository().join(format!("data/synthetic/{name}.csv"));
     csv::read_file(&path, &csv::Options::default()).expect("a bundled log is read")
 }
 
-/// The commands of a bundled synthetic log.
+/// Returns the commands of a bundled synthetic log.
 pub fn commands(name: &str) -> Vec<ReplayInput> {
     let log = synthetic(name);
     let inputs = replay::inputs(&PlantParameters::nominal(), &log);

@@ -1,16 +1,16 @@
-//! Random numbers that are the same on every machine and in every year: SplitMix64 (Steele, Lea, Flood 2014).
+//! Random numbers that are the same on every machine and at any time: SplitMix64 (Steele, Lea, Flood 2014).
 
-/// A stream of random numbers.
+/// Stream of random numbers.
 #[derive(Debug, Clone)]
 pub struct Chance(u64);
 
 impl Chance {
-    /// The stream of a seed.
+    /// Creates the stream of a seed.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The stream of one thing among many that share a seed.
+    /// Creates the stream of one of many things that share a seed.
     pub fn of(seed: u64, index: u64) -> Self {
         Self(Self(seed).bits() ^ index.wrapping_mul(0xd134_2543_de82_ef95))
     }
@@ -23,38 +23,38 @@ impl Chance {
         z ^ (z >> 31)
     }
 
-    /// Even in 0 to 1, without 1.
+    /// Returns a uniform number from 0 to 1, without 1.
     pub fn share(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Even between two bounds.
+    /// Returns a uniform number between two bounds.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.share()
     }
 
-    /// Whole number from `low` to `high`, both included.
+    /// Returns a whole number from `low` to `high`, both included.
     pub fn whole(&mut self, low: usize, high: usize) -> usize {
         low + (self.share() * (high - low + 1) as f64) as usize
     }
 
-    /// Whether something with this probability happens.
+    /// Returns whether an event with this probability happens.
     pub fn happens(&mut self, probability: f64) -> bool {
         self.share() < probability
     }
 
-    /// One of these.
+    /// Returns one of these.
     pub fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.whole(0, all.len() - 1)]
     }
 
-    /// Gaussian with mean 0 and standard deviation 1 (G. E. P. Box and M. E. Muller 1958).
+    /// Returns a Gaussian number with mean 0 and standard deviation 1 (G. E. P. Box and M. E. Muller 1958).
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.share()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.share()).cos()
     }
 
-    /// Shuffles (R. A. Fisher and F. Yates 1938).
+    /// Shuffles a slice (R. A. Fisher and F. Yates 1938).
     pub fn shuffle<T>(&mut self, all: &mut [T]) {
         for last in (1..all.len()).rev() {
             all.swap(last, self.whole(0, last));

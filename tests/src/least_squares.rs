@@ -1,7 +1,7 @@
 //! Linear least squares by the normal equations.
 
-/// Weights of the columns whose sum comes nearest to the target. `pull` draws each weight towards zero, in units of one
-/// squared residual per squared weight: a prior, or a ridge that keeps columns apart that say the same.
+/// Returns the weights of the columns whose sum is nearest to the target. `pull` draws each weight towards zero, in
+/// units of one squared residual per squared weight: a prior, or a ridge for columns that are nearly dependent.
 ///
 /// # Panics
 /// If there are not as many pulls as columns.
@@ -39,7 +39,7 @@ pub fn weights<C: AsRef<[f64]>>(columns: &[C], target: &[f64], pull: &[f64]) -> 
     weights
 }
 
-/// Root of the mean square.
+/// Returns the root mean square.
 pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for value in values {

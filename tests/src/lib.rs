@@ -1,4 +1,4 @@
-//! Evidence that needs more than one crate: shared tools of the tests in `tests/` and the benches.
+//! Tests across crates: shared tools of the tests in `tests/` and the benches.
 
 pub mod bench_log;
 pub mod blind;

@@ -1,5 +1,5 @@
-//! The simulator's plain model, fitted to what the reference plant shows without noise: what is left is what the two
-//! plants differ in, and what an effect adds to that.
+//! Fit of the simulator's plain model to the noise-free readings of the reference plant: the residual is the difference
+//! of the two plants, and the contribution of an effect.
 
 use plant_sim::replay::{CurrentSampling, Replay, ReplayInput};
 use plant_sim::{Command, PlantParameters, Tolerance};
@@ -9,7 +9,7 @@ use crate::reference_plant::{Reading, SCATTERED};
 
 /// Noise of a bench log: pressure (bar), currents (mA).
 pub const NOISE: [f64; 3] = [4e-3, 0.7, 0.7];
-/// How far a parameter may move, in half widths of the scatter.
+/// Range of a parameter, in half widths of the scatter.
 const REACH: f64 = 1.5;
 const ROUNDS: usize = 8;
 const TRIES: usize = 4;
@@ -18,19 +18,19 @@ const STEP: f64 = 0.02;
 
 type Scatter = [f64; SCATTERED.len()];
 
-/// What the plain model leaves, before and after the fit: rms in units of the noise, pressure and both currents.
+/// Error of the plain model before and after the fit: rms in units of the noise, pressure and both currents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Misfit {
-    /// At the datasheet's values.
+    /// With the datasheet's values.
     pub nominal: [f64; 3],
     /// With every scattered quantity fitted.
     pub fitted: [f64; 3],
 }
 
-/// Fits the plain model to the readings that these commands (%) led to, one pair per sample.
+/// Fits the plain model to the readings for these commands (%), one pair per sample.
 ///
 /// # Panics
-/// If a fitted value is outside of what the simulator takes.
+/// If a fitted value is outside of the simulator's range.
 pub fn misfit(commands: &[[f64; 2]], readings: &[Reading]) -> Misfit {
     let truth: Vec<f64> = readings
         .iter()
@@ -49,8 +49,8 @@ pub fn misfit(commands: &[[f64; 2]], readings: &[Reading]) -> Misfit {
     let mut at = [0.0; SCATTERED.len()];
     let mut left = residuals(&at);
     let nominal = by_signal(&left);
-    // Levenberg and Marquardt: steps are pulled harder after one that did not help. Volume and discharge coefficients
-    // are nearly one quantity, so that without a pull they would run away together.
+    // Levenberg and Marquardt: the pull grows after a step that did not help. Volume and discharge coefficients are
+    // nearly dependent; without a pull they would diverge together.
     let mut pull = 1.0;
     for _ in 0..ROUNDS {
         let columns: Vec<Vec<f64>> = (0..at.len())
@@ -92,7 +92,7 @@ fn by_signal(residuals: &[f64]) -> [f64; 3] {
     [0, 1, 2].map(|signal| rms(residuals.iter().skip(signal).step_by(3).copied()))
 }
 
-/// Pressure and currents in units of the noise, sample by sample.
+/// Returns pressure and currents in units of the noise, sample by sample.
 fn simulated(plant: &PlantParameters, commands: &[[f64; 2]]) -> Vec<f64> {
     let mut model = Replay::new(plant, CurrentSampling::MeanOfInterval, Tolerance::default());
     let period = plant.ecu.sample_time_ns();
@@ -114,7 +114,7 @@ fn simulated(plant: &PlantParameters, commands: &[[f64; 2]]) -> Vec<f64> {
     rows.collect()
 }
 
-/// The nominal plant, moved by these half widths.
+/// Returns the nominal plant, moved by these half widths.
 fn plant(at: &Scatter) -> PlantParameters {
     let nominal = PlantParameters::nominal();
     let mut plant = nominal.clone();

@@ -1,10 +1,11 @@
-//! A script that takes the place of the command `retarder` in tests of the programs that call it.
+//! Script that replaces the command `retarder` in tests of the programs that call it.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-/// Makes a command in `folder` that writes `says` into the file of its last argument, and its arguments as a line of `calls`.
+/// Creates a command in `folder` that writes `says` into the file of its last argument, and its arguments as a line of
+/// `calls`.
 ///
 /// # Panics
 /// If the folder cannot be written.

@@ -1,8 +1,8 @@
-//! The same equations in the hands of a general stiff solver: BDF of variable order with root finding, all
-//! seven states integrated together, restarted at PWM edges and at every contact.
+//! The same equations with a general stiff solver: BDF of variable order with root finding, all seven states integrated
+//! together, restarted at PWM edges and at every contact.
 //!
-//! What is shared with the simulator is the right-hand side alone; steps, error control, event location and
-//! the order of events are the other solver's.
+//! Only the right-hand side is shared with the simulator; steps, error control, event location and the order of events
+//! are the other solver's.
 
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
@@ -22,21 +22,21 @@ type State = [f64; STATES];
 
 /// Index of current, position and velocity of a valve in the state.
 const FIRST: [usize; 2] = [0, 4];
-/// Roots per valve: rest stop or departure, full stroke, extinction.
+/// Roots per valve: rest stop or release, full stroke, current decayed to zero.
 const ROOTS: usize = 3;
 /// First step after a restart (s).
 const FIRST_STEP: f64 = 1e-5;
-/// A stop lies this far outside the stroke (m), so that an armature at a stop is not on a root.
+/// Distance of a stop outside the stroke (m), so that an armature at a stop is not on a root.
 const STOP_MARGIN: f64 = 1e-12;
 
-/// What the equations depend on besides the state.
+/// Discrete state of the equations.
 #[derive(Clone, Copy, PartialEq)]
 struct Mode {
     drives: [Drive; 2],
     motions: [Motion; 2],
 }
 
-/// A trajectory sampled at the instants of the inputs.
+/// Trajectory sampled at the instants of the inputs.
 pub struct Trajectory {
     /// Chamber pressure (Pa abs) at each input.
     pub pressure: Vec<f64>,
@@ -95,7 +95,7 @@ fn roots(plant: &Plant, mode: Mode, state: &State, roots: &mut [f64]) {
     }
 }
 
-/// What follows from a root: new state and mode.
+/// Applies the event of a root: new state and mode.
 fn apply_root(plant: &Plant, mode: &mut Mode, state: &mut State, root: usize) {
     let (index, kind) = (root / ROOTS, root % ROOTS);
     let first = FIRST[index];
@@ -116,7 +116,7 @@ fn apply_root(plant: &Plant, mode: &mut Mode, state: &mut State, root: usize) {
     }
 }
 
-/// An armature that a force already pulls off its stop is free at once.
+/// Releases an armature that a force already pulls off its stop.
 fn release(plant: &Plant, mode: &mut Mode, state: &State) {
     for index in [FILL, VENT] {
         let drop = plant.pressure_drop(index, state[3]);
@@ -130,7 +130,7 @@ fn release(plant: &Plant, mode: &mut Mode, state: &State) {
 /// Simulates `inputs` with local errors of `relative_tolerance` times the scale of each state.
 ///
 /// # Errors
-/// What the solver reports.
+/// Errors of the solver.
 pub fn simulate(
     parameters: &PlantParameters,
     inputs: &[ReplayInput],
@@ -141,7 +141,7 @@ pub fn simulate(
         drives: [Drive::Blocked; 2],
         motions: [Motion::AtRestStop; 2],
     }));
-    // The solver asks for the Jacobian column by column at one state and mode: linearise once.
+    // The solver requests the Jacobian column by column at one state and mode: linearise once.
     let cache: RefCell<Option<(State, Mode, [State; STATES])>> = RefCell::new(None);
     let scales: State = [0.3, 5e-4, 0.5, 1e6, 0.3, 5e-4, 0.5];
     let (plant_a, mode_a) = (plant.clone(), mode.clone());

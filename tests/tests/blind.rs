@@ -1,4 +1,4 @@
-//! The programs of the blind benchmark, end to end on one short rig.
+//! Programs of the blind benchmark, end to end on one short rig.
 
 #![cfg(unix)]
 
@@ -12,7 +12,7 @@ use retarder_tests::blind::score::score;
 use retarder_tests::reference_plant::catalogue::Kinship;
 use retarder_tests::stand_in::stand_in;
 
-/// Poor logs of the first kind alone, 10 to 20 s long.
+/// Only poor logs of the first kind, 10 to 20 s long.
 const SHORT: Counts = Counts {
     plain: 0,
     matched: 0,
@@ -87,7 +87,7 @@ fn what_the_diagnosis_says_of_a_drawn_rig_is_scored() {
     }
 }
 
-/// A diagnosis that ends without a finding is no name, and the score as a whole does not hold.
+/// A diagnosis without a finding gives no name, and the score as a whole fails.
 #[test]
 fn a_diagnosis_that_fails_leaves_what_it_said() {
     let folder = tempfile::tempdir().unwrap();
@@ -106,7 +106,7 @@ fn a_diagnosis_that_fails_leaves_what_it_said() {
     assert_eq!(report.misses.len(), 1);
 }
 
-/// A pair that shows: each of its effects leaves more than half the noise without the other one.
+/// A detectable pair: without either effect, the error is more than half the noise.
 #[test]
 fn a_pair_is_fitted_with_each_of_its_effects_alone() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! A small fixed part of the blind benchmark, diagnosed by the library: one development rig of each kind.
+//! Small fixed part of the blind benchmark, diagnosed by the library: one development rig of each kind.
 
 use core::ops::ControlFlow;
 use std::fs;
@@ -55,7 +55,7 @@ fn a_plain_rig_gets_no_name() {
     assert_eq!((share.count, share.of), (0, 1));
 }
 
-/// Once the fit of its plain model crept with an old Jacobian and never arrived: a lag of 50 µs was named.
+/// Defect seen: the fit of the plain model kept an old Jacobian and did not converge; a lag of 50 µs was named.
 #[test]
 fn a_plain_rig_with_a_long_way_to_its_fit_gets_no_name() {
     let share = quality_of_part(3, 32, usize::MAX).false_names;
@@ -69,7 +69,7 @@ fn a_clamp_is_named() {
     assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
 }
 
-/// Once named a lag and a dead volume.
+/// Defect seen: a lag and a dead volume were named.
 #[test]
 fn a_lag_of_another_law_is_named() {
     let quality = quality_of(54);
@@ -77,7 +77,7 @@ fn a_lag_of_another_law_is_named() {
     assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
 }
 
-/// Once only the warm coil was.
+/// Defect seen: only the warm coil was named.
 #[test]
 fn warm_gas_and_a_warm_coil_are_both_named() {
     let quality = quality_of(31);
@@ -85,7 +85,7 @@ fn warm_gas_and_a_warm_coil_are_both_named() {
     assert_eq!((both.count, both.of, wrong.count), (1, 1, 0));
 }
 
-/// Once named a plunger whose volume nothing determined. Of its logs half a minute each: it tries every pair.
+/// Defect seen: a plunger with an undetermined volume was named. Half a minute of each log, since it tries every pair.
 #[test]
 fn a_bowed_sensor_gets_no_name() {
     let share = quality_of_part(SEED, 59, 3000).named_outside;

@@ -1,6 +1,6 @@
-//! What is linked (rule 12 of the local page): licences, sources and bans of `deny.toml`, of every crate in the tree.
+//! Linked crates (rule 12 of the local page): licences, sources and bans of `deny.toml`, for every crate in the tree.
 //!
-//! `cargo deny check` asks for known advisories as well, which come over the network.
+//! `cargo deny check` also checks known advisories, which need the network.
 
 use std::collections::BTreeSet;
 
@@ -43,7 +43,7 @@ fn rules() -> Rules {
     toml::from_str(&text).unwrap()
 }
 
-/// Everything that is built for the targets that are tested, each feature on.
+/// Returns everything that is built for the tested targets, with each feature on.
 fn tree() -> Metadata {
     let platforms = ["x86_64-unknown-linux-gnu", "thumbv7em-none-eabihf"];
     let platform = |target: &str| format!("--filter-platform={target}");

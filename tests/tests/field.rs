@@ -1,4 +1,4 @@
-//! The programs of the field benchmark, end to end on one rig.
+//! Programs of the field benchmark, end to end on one rig.
 
 #![cfg(unix)]
 
@@ -24,13 +24,13 @@ fn draw(seed: u64, rigs: usize) -> FieldDraw {
     FieldDraw::new(seed, rigs, Effects::default())
 }
 
-/// The rows of a log without its header.
+/// Returns the rows of a log without its header.
 fn rows(log: &str) -> Vec<Vec<f64>> {
     let cells = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
     log.lines().skip(1).map(cells).collect()
 }
 
-/// Its id log begins warm and has a gap; its logger has 1218 Hz and a clock that is 85 ppm off.
+/// Returns a rig whose id log begins warm and has a gap; its logger has 1218 Hz and a clock error of 85 ppm.
 fn rig_with_gaps() -> FieldRig {
     draw(1, 12).only(&[12]).unwrap().rig(0)
 }
@@ -58,7 +58,8 @@ fn hidden_effects_change_the_logs_and_nothing_else_of_a_rig() {
     assert_ne!(hiding.logs, plain.logs);
 }
 
-/// A command changes at a sample of the ECU: one lies between the row before and the row that shows it, by the clock of the answers.
+/// A command changes at a sample of the ECU: by the clock of the answers, one lies between the previous row and the row
+/// that shows the change.
 #[test]
 fn the_clock_of_a_log_is_that_of_its_answer() {
     let FieldRig { answer, logs, .. } = rig_with_gaps();
@@ -106,7 +107,7 @@ fn gaps_and_steps_of_a_log_are_those_of_its_answer() {
             let steps = row[3] / step;
             assert!((steps - steps.round()).abs() < 0.1, "{}", row[3]);
         }
-        // By the sensor's noise and the ECU's first samples alone.
+        // Differs only by the sensor's noise and the ECU's first samples.
         let first = log.first_pressure_bar_gauge;
         assert!((rows[0][3] - first).abs() < 0.1, "{} {first}", rows[0][3]);
         assert_eq!(log.relaxation_s > 0.0, log.first_surplus_k > 1.0);
@@ -114,7 +115,8 @@ fn gaps_and_steps_of_a_log_are_those_of_its_answer() {
     assert!(answer.logs.iter().any(|log| !log.gaps.is_empty()));
 }
 
-/// What `retarder refine --json` says: a check error (noise floors), a free-run error, and the interval of one parameter.
+/// Returns a result of `retarder refine --json`: a check error (noise floors), a free-run error, and the interval of
+/// one parameter.
 fn finding(check: f64, free_run: f64, name: &str, [low, after, high]: [f64; 3]) -> String {
     format!(
         r#"{{"steps": [{{"check_rms": {{"p_ch": {check}}}, "noise_floor": {{"p_ch": 1.0}},
@@ -186,7 +188,7 @@ fn a_refined_rig_is_scored_and_each_broken_finding_fails_its_gate() {
     assert_eq!(report.misses.len(), 1);
 }
 
-/// A diagnosis that names something ends with status 1, a plant file that is wrong with 3; both are answers.
+/// A diagnosis that names an effect ends with status 1, one that finds a wrong plant file with 3; both are answers.
 #[test]
 fn what_the_diagnosis_names_on_a_field_rig_is_fitted_and_scored() {
     let folder = tempfile::tempdir().unwrap();

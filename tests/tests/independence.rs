@@ -1,10 +1,10 @@
-//! The certificate of the blind benchmark: the reference plant is the thesis' model, and it is not the simulator.
+//! Independence of the blind benchmark: the reference plant is the thesis' model, and differs from the simulator.
 
 use retarder_tests::bench_log;
 use retarder_tests::plain_fit::misfit;
 use retarder_tests::reference_plant::{Rig, Scatter, replay};
 
-/// Twelve seconds of a bench log's commands.
+/// Returns twelve seconds of a bench log's commands.
 fn commands() -> Vec<[f64; 2]> {
     let inputs = bench_log::commands("practice-00-check");
     let commands = inputs.iter().filter_map(|input| input.command);
@@ -14,8 +14,9 @@ fn commands() -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// A rig without effects, seen without noise: what the simulator's plain model leaves after its uncertain parameters
-/// were fitted. Nothing would mean that both are the same program; half the noise, that a plain rig is none.
+/// A rig without effects and without noise: error of the simulator's plain model after a fit of its uncertain
+/// parameters. No error would mean that both are the same program; half the noise would mean that a plain rig is not
+/// plain.
 #[test]
 fn a_plain_rig_is_the_thesis_model_to_a_third_of_the_noise_and_no_better() {
     let scatter = Scatter([0.5, -0.3, 0.8, -0.6, 0.2, -0.9, 0.4, 0.1, -0.5, 0.7]);

@@ -1,4 +1,4 @@
-//! What the repository promises about itself.
+//! Requirements of the repository itself.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -11,7 +11,7 @@ fn read(path: &str) -> String {
     fs::read_to_string(repository().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// A crate must carry the files that it bundles, and a person looks for them under `data/`: the copies agree.
+/// A crate must contain the files that it bundles, and users look for them under `data/`: the copies are equal.
 #[test]
 fn bundled_files_are_the_ones_under_data() {
     for (bundled, data) in [
@@ -28,7 +28,7 @@ fn bundled_files_are_the_ones_under_data() {
     }
 }
 
-/// The README's first command is `cargo run`: it needs one program among the default members that goes before the others.
+/// The README's first command is `cargo run`: the default members need exactly one default program.
 #[test]
 fn cargo_run_means_one_program() {
     let manifest: toml::Table = read("Cargo.toml").parse().unwrap();
@@ -45,7 +45,7 @@ fn cargo_run_means_one_program() {
     assert_eq!(programs, ["retarder"]);
 }
 
-/// The dependencies between our crates, each allowed one in ARCHITECTURE.md's table and no other.
+/// The dependencies between our crates are those allowed in ARCHITECTURE.md's table and no others.
 #[test]
 fn crates_depend_on_each_other_as_the_architecture_says() {
     let architecture = read("ARCHITECTURE.md");
@@ -84,7 +84,7 @@ fn crates_depend_on_each_other_as_the_architecture_says() {
     }
 }
 
-/// Who reads a module of a library needs to read only what lies below it: `use` between the modules of a crate makes no circle.
+/// A module of a library can be read with only the modules below it: `use` between the modules of a crate has no cycle.
 #[test]
 fn modules_of_a_crate_use_each_other_one_way() {
     for crate_name in [
@@ -120,12 +120,12 @@ fn modules_of_the_diagnosis_use_each_other_one_way() {
 }
 
 fn assert_one_way(whole: &str, mut uses: BTreeMap<String, BTreeSet<String>>) {
-    // What the whole consists of may name all of it, and so may its tests.
+    // The root of a module may name all of its parts, and so may its tests.
     for face in ["lib", "mod", "main", "tests"] {
         uses.remove(face);
     }
     assert!(uses.len() > 3, "the modules were found: {uses:?}");
-    // Takes away what stands on nothing that is left, until nothing does.
+    // Removes modules without remaining dependencies, until there are none.
     while let Some(lowest) = uses
         .iter()
         .find(|(_, used)| !used.iter().any(|name| uses.contains_key(name)))
@@ -136,8 +136,8 @@ fn assert_one_way(whole: &str, mut uses: BTreeMap<String, BTreeSet<String>>) {
     assert!(uses.is_empty(), "{whole}, in a circle: {uses:?}");
 }
 
-/// The modules in `source`, each a file or a folder, with those that its code names behind `way_up` of its path; tests
-/// may name any.
+/// Collects the modules in `source`, each a file or a folder, with those that its code names after `way_up` of its
+/// path; tests may name any.
 fn used_modules(
     source: &Path,
     folder: &Path,
@@ -176,7 +176,7 @@ fn used_modules(
     }
 }
 
-/// Every dependency says what it saves us: a comment stands above it.
+/// Every dependency has a comment above it that states its benefit.
 #[test]
 fn every_outside_dependency_has_its_reason() {
     for entry in fs::read_dir(repository()).unwrap() {
@@ -195,13 +195,13 @@ fn every_outside_dependency_has_its_reason() {
                 let explained = last.starts_with('#');
                 assert!(ours || explained, "{}: {line}", manifest.display());
             }
-            // Several dependencies may share one sentence only if they stand in one line each with it.
+            // The comment has to be directly above each dependency, also above the second of two.
             last = line;
         }
     }
 }
 
-/// The mapping that the page for other people's rigs shows can be copied as it stands.
+/// The mapping on the page about your own rig can be copied unchanged.
 #[test]
 fn the_mapping_of_the_page_for_your_rig_is_read() {
     let page = read("docs/your-rig.md");
@@ -224,7 +224,7 @@ fn the_mapping_of_the_page_for_your_rig_is_read() {
     assert!(values("p_ch")[1].is_nan());
 }
 
-/// No document points at a file that is not there.
+/// Links in documents lead to existing files.
 #[test]
 fn links_between_documents_lead_somewhere() {
     let mut documents = vec![

@@ -1,4 +1,4 @@
-//! The simulator against a general stiff solver on the same equations.
+//! Simulator compared with a general stiff solver on the same equations.
 
 use plant_sim::replay::{CurrentSampling, Replay};
 use plant_sim::{PlantParameters, Tolerance};
@@ -13,8 +13,8 @@ fn rms_and_worst_mbar(a: &[f64], b: &[f64]) -> (f64, f64) {
     )
 }
 
-/// Twelve seconds of a bench log: the promised accuracy of the default tolerance, 0.2 mbar rms and 8 mbar at
-/// worst, measured against a solver that shares the right-hand side alone, at a tolerance far below.
+/// Twelve seconds of a bench log: the required accuracy of the default tolerance, 0.2 mbar rms and 8 mbar at worst,
+/// compared with a solver that shares only the right-hand side, at a much smaller tolerance.
 #[test]
 fn the_default_tolerance_keeps_its_promise_against_another_solver() {
     let parameters = PlantParameters::nominal();

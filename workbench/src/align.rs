@@ -1,28 +1,28 @@
-//! By how much one log has to be moved to lie on another: cross-correlation of how a signal changes.
+//! Time offset between two logs, from the cross-correlation of the changes of a signal.
 
 use recording::{Recording, Signal, TimeBase};
 use serde::Serialize;
 
 use crate::refusal::Refusal;
 
-/// Steps of the coarse search in either direction, and pieces in which a log is looked at.
+/// Steps of the coarse search in either direction, and number of pieces of a log.
 const COARSE: usize = 2000;
 /// Steps of the fine search in either direction.
 const FINE: usize = 40;
 /// Share of the shorter log that has to overlap.
 const OVERLAP_MIN: f64 = 0.25;
 
-/// The offset at which two logs agree best.
+/// Offset with the best agreement of two logs.
 #[derive(Debug, PartialEq, Serialize)]
 pub(crate) struct Alignment {
-    /// To add to the times of the moved log (s).
+    /// Offset to add to the times of the moved log (s).
     pub(crate) offset_s: f64,
-    /// Correlation coefficient of the signal there, -1 to 1.
+    /// Correlation coefficient of the signal at this offset, -1 to 1.
     pub(crate) correlation: f64,
 }
 
-/// Looks for the offset of `moved` at which `signal` correlates best with that of `fixed`, over a quarter of the shorter
-/// log at least.
+/// Finds the offset of `moved` at which `signal` correlates best with that of `fixed`, with an overlap of at least a
+/// quarter of the shorter log.
 pub(crate) fn align(
     fixed: &Recording,
     moved: &Recording,
@@ -45,7 +45,7 @@ pub(crate) fn align(
             })
             .max_by(|one, other| one.correlation.total_cmp(&other.correlation))
     };
-    // Where both logs begin at the same event, an offset of begin to begin is the middle of what may be.
+    // If both logs begin at the same event, the offset between their begins is the middle of the search range.
     let middle_s = fixed.times_s[0] - moved.times_s[0];
     let coarse = search(middle_s, step_s, COARSE);
     let fine = coarse.and_then(|coarse| search(coarse.offset_s, step_s / FINE as f64, FINE));
@@ -56,7 +56,7 @@ pub(crate) fn align(
     })
 }
 
-/// A signal without its missing samples.
+/// Signal without its missing samples.
 struct Course {
     times_s: Vec<f64>,
     values: Vec<f64>,
@@ -82,7 +82,7 @@ impl Course {
         self.times_s[self.times_s.len() - 1] - self.times_s[0]
     }
 
-    /// The value at `time_s`, between two samples on the line through them.
+    /// Returns the value at `time_s`, linear between two samples.
     fn at(&self, time_s: f64) -> f64 {
         let after = self.times_s.partition_point(|&one| one < time_s);
         let after = after.clamp(1, self.times_s.len() - 1);
@@ -92,7 +92,8 @@ impl Course {
     }
 }
 
-/// The correlation coefficient of the overlapping part, looked at in so many places; none if it is too short or flat.
+/// Returns the correlation coefficient of the overlapping part, sampled at a fixed number of places; `None` if it is
+/// too short or constant.
 fn correlation(fixed: &Course, moved: &Course, offset_s: f64, overlap_s: f64) -> Option<f64> {
     let from_s = fixed.times_s[0].max(moved.times_s[0] + offset_s);
     let last = |course: &Course| course.times_s[course.times_s.len() - 1];
@@ -123,7 +124,7 @@ mod tests {
 
     use super::*;
 
-    /// Pressure steps, seen by a clock that is late by `late_s` and begins at `begin_s`.
+    /// Returns pressure steps, as recorded by a clock that is late by `late_s` and begins at `begin_s`.
     fn log(begin_s: f64, late_s: f64, step_s: f64, count: usize) -> Recording {
         let mut recording = Recording::new(Provenance::from_source("bench"));
         let base = TimeBase::uniform(begin_s, step_s, count).unwrap();

@@ -1,4 +1,4 @@
-//! The files of the page. All are part of the program; a path of a request is looked up in this list and nowhere else.
+//! Files of the page. All are part of the program; the path of a request is looked up in this list only.
 
 use std::sync::LazyLock;
 
@@ -63,21 +63,21 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/report.js",
 ];
 
-/// The charting library, cut out of the script elements in which its crate hands it out.
+/// The charting library, extracted from the script elements that its crate returns.
 static PLOTLY: LazyLock<String> = LazyLock::new(|| {
     let elements = Plot::offline_js_sources();
     let begin = elements.find('>').map_or(0, |at| at + 1);
-    // The library itself has no such line; the second element is for formulas in labels, which the page does not have.
+    // The library itself has no such line; the second element is for formulas in labels, which the page does not use.
     let end = elements.find("</script>\n").unwrap_or(elements.len());
     elements[begin..end].to_owned()
 });
 
-/// The one document.
+/// Returns the one document.
 pub(crate) async fn index() -> impl IntoResponse {
     ([(CONTENT_TYPE, HTML)], include_str!("web/index.html"))
 }
 
-/// A script or the style sheet.
+/// Returns a script or the style sheet.
 pub(crate) async fn asset(Path(path): Path<String>) -> Result<Response, Refusal> {
     let (kind, text): (_, &'static str) = match path.as_str() {
         "style.css" => (CSS, include_str!("web/style.css")),
@@ -107,7 +107,7 @@ mod tests {
         );
     }
 
-    /// Every file in a folder of this crate and in those below it, with its text.
+    /// Returns every file in a folder of this crate and in its subfolders, with its text.
     fn texts_in(folder: &str) -> Vec<(std::path::PathBuf, String)> {
         let mut texts = Vec::new();
         let mut folders = vec![std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)];
@@ -125,7 +125,7 @@ mod tests {
         texts
     }
 
-    /// Rule 9: the server starts the process of a tab and no other program, and nothing of a request is an argument of it.
+    /// Rule 9: the server starts the process of a tab and no other program, and passes it no argument from a request.
     #[test]
     fn no_program_is_started_but_that_of_a_tab() {
         const ALLOWED: &str = "(&self.worker.program)
@@ -133,7 +133,7 @@ mod tests {
             .arg(&self.project)
             .arg(self.worker.memory_bytes.to_string())
             .stdin(Stdio::piped())";
-        // Not spelled out, or this line would be found.
+        // Written in parts; otherwise this line would be found.
         let forbidden = [
             ["process", "Command"].join("::"),
             ["Command", "new"].join("::"),
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(begun, [(root.join("src/tabs/process.rs"), true)]);
     }
 
-    /// Every file of the folder is in the list, and none names a place elsewhere.
+    /// Every file of the folder is in the list, and none refers to another host.
     #[test]
     fn the_modules_are_those_of_the_folder_and_need_no_network() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/web");

@@ -1,4 +1,4 @@
-//! Channels that a person adds to the logs of a project: a name, a unit, and a formula over the signals of each log.
+//! Calculated channels of a project: a name, a unit, and a formula over the signals of each log.
 
 use recording::{Provenance, Recording, TimeBase, TimeBaseId, Unit};
 use serde::{Deserialize, Serialize};
@@ -6,28 +6,29 @@ use serde::{Deserialize, Serialize};
 use crate::formula::Formula;
 use crate::refusal::{Problem, Refusal};
 
-/// Channels of one project.
+/// Largest number of calculated channels in a project.
 const CHANNELS_MAX: usize = 32;
 
-/// A channel as a person writes it.
+/// Calculated channel in the user's notation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Calculated {
     name: String,
-    /// As in the header of a log: `bar_gauge`, `mA`.
+    /// Unit as in the header of a log: `bar_gauge`, `mA`.
     unit: String,
-    /// Over the values in the units that the log has.
+    /// Formula over the values in the units of the log.
     formula: String,
 }
 
-/// Refuses channels that no log could have. The line of a problem is the channel's, its column the place in the formula.
+/// Refuses channels that are invalid for every log. A problem's line is the number of the channel; its column is the
+/// position in the formula.
 pub(crate) fn check(channels: &[Calculated]) -> Result<(), Refusal> {
     if channels.len() > CHANNELS_MAX {
         return Err(Refusal::value(format!(
             "a project has at most {CHANNELS_MAX} calculated channels; remove one first"
         )));
     }
-    // A recording of its own knows what a name may be, and that it is given once.
+    // A recording already checks names and duplicates.
     let mut names = Recording::new(Provenance::default());
     let base = TimeBase::uniform(0.0, 1.0, 1).map_err(|error| Refusal::value(error.to_string()))?;
     let base = names.add_time_base(base);
@@ -65,7 +66,7 @@ impl Calculated {
         })
     }
 
-    /// Its samples in a log with their time base, or why there are none.
+    /// Returns the samples for a log with their time base, or the reason why there are none.
     fn samples(&self, log: &Recording) -> Result<(TimeBaseId, Vec<f64>), String> {
         let formula = Formula::parse(&self.formula).map_err(|error| error.to_string())?;
         let signal = |name: &String| {
@@ -102,8 +103,8 @@ impl Calculated {
     }
 }
 
-/// Adds each channel to a log, in their order, so that one may use those before it. What cannot be added is left out, with the
-/// reason.
+/// Adds each channel to a log, in order, so that a channel may use those before it. A channel that cannot be added is
+/// left out, with the reason.
 pub(crate) fn add_to(log: &mut Recording, channels: &[Calculated]) {
     for channel in channels {
         if let Err(reason) = channel.add_to(log) {

@@ -1,4 +1,4 @@
-//! What the closed loop of a project is asked to do: profile, controller, chance.
+//! Settings of a project's closed loop: profile, controller, seed.
 
 use std::time::Duration;
 
@@ -9,29 +9,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::refusal::Refusal;
 
-/// Changes of the reference in a profile of the page.
+/// Largest number of reference changes in a profile of the page.
 const CHANGES_MAX: usize = 1000;
-/// Longest profile of the page: a run of it fits into memory a hundred times.
+/// Longest profile of the page: a hundred runs of it fit into memory.
 const LONGEST: Duration = Duration::from_secs(600);
-/// Rigs in one batch of the page.
+/// Largest number of rigs in a batch of the page.
 const RIGS_MAX: u32 = 1000;
 
-/// The wish, as it is kept with the project.
+/// Settings of the closed loop, stored with the project.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ClosedLoop {
-    /// The built-in scenario whose profile is run, or was edited.
+    /// Built-in scenario whose profile is used, or was edited.
     pub(crate) scenario: String,
-    /// The profile where it was edited or read.
+    /// Profile, if it was edited or read from a file.
     pub(crate) profile: Option<Profile>,
     pub(crate) controller: ControllerFile,
     /// Seed of sensor noise and rigs.
     pub(crate) seed: u64,
-    /// Rigs of a batch.
+    /// Number of rigs in a batch.
     pub(crate) rigs: u32,
 }
 
-/// A controller file.
+/// Controller file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ControllerFile {
@@ -39,7 +39,7 @@ pub(crate) struct ControllerFile {
     pub(crate) toml: String,
 }
 
-/// A reference profile as a table.
+/// Reference profile as a table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Profile {
@@ -52,7 +52,7 @@ pub(crate) struct Profile {
     pub(crate) end_s: f64,
 }
 
-/// A change of the reference: a step, or a ramp where it takes time.
+/// Change of the reference: a step, or a ramp if it has a duration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Step {
@@ -90,7 +90,7 @@ impl Default for ClosedLoop {
 }
 
 impl Profile {
-    /// The profile of a scenario.
+    /// Returns the profile of a scenario.
     pub(crate) fn of(scenario: &Scenario) -> Self {
         let seconds = |ns: u64| ns as f64 / 1e9;
         let step = |change: &Change| Step {
@@ -147,7 +147,7 @@ fn nanoseconds(what: &str, seconds: f64) -> Result<u64, Refusal> {
 }
 
 impl ClosedLoop {
-    /// The scenario on a plant.
+    /// Returns the scenario on a plant.
     pub(crate) fn scenario_on(&self, plant: &PlantParameters) -> Result<Scenario, Refusal> {
         let base = self.base()?;
         let mut scenario = match &self.profile {
@@ -178,7 +178,7 @@ impl ClosedLoop {
         Scenario::built_in(&self.scenario).ok_or_else(|| Refusal::not_found("scenario"))
     }
 
-    /// The profile that is run.
+    /// Returns the profile of the next run.
     pub(crate) fn profile(&self) -> Result<Profile, Refusal> {
         match &self.profile {
             Some(profile) => Ok(profile.clone()),

@@ -1,4 +1,4 @@
-//! Connections: few places for those that have not proved their session, and a deadline for whoever does not send or read.
+//! Connections: few places for clients without a valid cookie, and a deadline for clients that do not send or read.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,19 +17,19 @@ use tokio_io_timeout::TimeoutStream;
 
 use crate::lock::lock;
 
-/// Connections at one time that sent the cookie of this start; a browser has six.
+/// Most simultaneous connections that sent the cookie of this start; a browser uses six.
 const PROVED_MAX: usize = 448;
-/// Connections at one time that did not send it yet. The oldest makes room for the next one.
+/// Most simultaneous connections that did not send it yet. The oldest is closed for a new one.
 const UNPROVED_MAX: usize = 64;
-/// Longest time for the headers of a request.
+/// Deadline for the headers of a request.
 const HEADERS_DEADLINE: Duration = Duration::from_secs(15);
-/// Longest time in which nothing of an answer is read.
+/// Longest time in which a client reads nothing of an answer.
 const WRITE_DEADLINE: Duration = Duration::from_secs(30);
 
 /// Places of all connections.
 pub(crate) struct Places {
     numbers: AtomicU64,
-    /// The oldest first.
+    /// Oldest first.
     unproved: Mutex<VecDeque<(u64, AbortHandle)>>,
     proved: Arc<Semaphore>,
 }
@@ -53,7 +53,7 @@ impl Places {
         })
     }
 
-    /// Runs `serve` in a place of its own. Where there is none left, the connection that has been unproved for longest ends.
+    /// Runs `serve` in a place of its own. Without a free place, the oldest unproved connection is closed.
     fn take<F: Future<Output = ()> + Send + 'static>(
         self: &Arc<Self>,
         serve: impl FnOnce(Place) -> F,
@@ -65,7 +65,7 @@ impl Places {
             proved: OnceLock::new(),
         }));
         let surplus = {
-            // Locked until the connection is listed: it leaves the list when it ends.
+            // Locked until the connection is listed, since it leaves the list when it ends.
             let mut unproved = lock(&self.unproved);
             let serving = tokio::spawn(serve(place));
             unproved.push_back((number, serving.abort_handle()));
@@ -86,7 +86,7 @@ impl Places {
 }
 
 impl Place {
-    /// Notes that a request on this connection had the cookie: it makes room for nobody from then on.
+    /// Marks the connection as proved by the cookie: from now on it is not closed for another one.
     pub(crate) fn prove(&self) {
         let Self(held) = self;
         if held.proved.get().is_none()
@@ -104,11 +104,11 @@ impl Drop for Held {
     }
 }
 
-/// Takes the connections of one socket.
+/// Accepts the connections of one socket.
 pub(crate) async fn accept(listener: TcpListener, router: Router, places: Arc<Places>) {
     loop {
         let Ok((stream, _)) = listener.accept().await else {
-            // One connection that failed, or no file handles for a moment.
+            // One connection failed, or there are temporarily no file handles.
             tokio::time::sleep(Duration::from_millis(20)).await;
             continue;
         };
@@ -120,7 +120,7 @@ pub(crate) async fn accept(listener: TcpListener, router: Router, places: Arc<Pl
     }
 }
 
-/// Answers the requests of one connection. One that breaks off concerns its page alone.
+/// Answers the requests of one connection. A broken connection affects its own page only.
 async fn serve_connection(
     stream: impl AsyncRead + AsyncWrite + Send,
     router: Router,
@@ -147,7 +147,7 @@ mod tests {
 
     use super::*;
 
-    /// Runs `test` with a clock that goes on when nothing else does.
+    /// Runs `test` with a clock that advances only when all tasks wait.
     fn with_paused_clock(test: impl Future<Output = ()>) {
         tokio::runtime::Builder::new_current_thread()
             .enable_time()
@@ -157,7 +157,7 @@ mod tests {
             .block_on(test);
     }
 
-    /// A client of a server whose one page proves the session.
+    /// Connects a client to a server whose one page proves the session.
     fn connect(places: &Arc<Places>) -> DuplexStream {
         let page = get(async |Extension(place): Extension<Place>| {
             place.prove();
@@ -169,7 +169,7 @@ mod tests {
         client
     }
 
-    /// How long the server keeps a connection, with what it answers until then.
+    /// Returns how long the server keeps a connection, and the length of its answer.
     async fn kept_for(client: &mut DuplexStream) -> (Duration, usize) {
         let begin = Instant::now();
         let mut answer = Vec::new();
@@ -178,7 +178,8 @@ mod tests {
         (begin.elapsed(), answer.len())
     }
 
-    /// Rule 6: whoever does not finish the headers is let go, and no earlier than the deadline says. The clock is the test's.
+    /// Rule 6: a client that does not finish the headers is disconnected at the deadline and not earlier. The clock is
+    /// the test's.
     #[test]
     fn headers_that_do_not_end_are_waited_for_until_the_deadline() {
         with_paused_clock(async {
@@ -195,7 +196,7 @@ mod tests {
         });
     }
 
-    /// A client that asks and never reads once kept its connection for ever.
+    /// Defect seen: a client that sent a request and never read kept its connection for ever.
     #[test]
     fn an_answer_that_nobody_reads_is_waited_for_until_the_deadline() {
         with_paused_clock(async {
@@ -223,7 +224,7 @@ mod tests {
         });
     }
 
-    /// 520 clients that proved nothing once kept everybody out.
+    /// Defect seen: 520 clients without a cookie blocked everybody else.
     #[test]
     fn whoever_proves_nothing_makes_room_for_those_who_come() {
         with_paused_clock(async {
@@ -240,7 +241,7 @@ mod tests {
             assert_eq!(kept_for(first).await, (Duration::ZERO, 0));
             let last = rest.last_mut().unwrap();
             assert_eq!(kept_for(last).await, (HEADERS_DEADLINE, 0));
-            // The one that had proved its session is still there, and a new one is served.
+            // The connection that proved its session is still open, and a new one is served.
             let (_, length) = kept_for(&mut proved).await;
             assert!(length > 4096, "{length}");
             let mut late = connect(&places);

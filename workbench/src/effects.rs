@@ -1,21 +1,21 @@
-//! The library of effects, as the pages show it.
+//! Library of effects in the form that the pages show.
 
 use plant_sim::effects::{About, EntryPoint, LIBRARY};
 use plant_sim::parameters::{ParameterSpec, Scale};
 use serde::Serialize;
 
-/// The page of equations, of which an effect shows its own.
+/// The page of equations; an effect shows its own equation.
 const EQUATIONS: &str = include_str!("../../docs/equations.md");
 
-/// An effect, described.
+/// Description of an effect.
 #[derive(Serialize)]
 pub(crate) struct EffectView {
     id: &'static str,
     title: String,
     sentence: &'static str,
-    /// Where it acts on the plant, in words.
+    /// Part of the plant that it acts on, in words.
     acts_on: &'static str,
-    /// Its law as printed in `docs/equations.md`.
+    /// Law as printed in `docs/equations.md`.
     equation: &'static str,
     source: &'static str,
     excited_by: &'static str,
@@ -31,7 +31,7 @@ struct FormView {
     parameters: Vec<ParameterView>,
 }
 
-/// A parameter of an effect: what a slider needs.
+/// Parameter of an effect, with the properties of its slider.
 #[derive(Serialize)]
 struct ParameterView {
     key: &'static str,
@@ -40,9 +40,9 @@ struct ParameterView {
     lowest: f64,
     highest: f64,
     typical: Option<f64>,
-    /// Whether its values are spread over decades.
+    /// Whether its values span decades.
     is_log: bool,
-    /// Whether the effect is the stronger, the smaller the value is, as the area of a narrow place.
+    /// Whether a smaller value is a stronger effect, as for the area of a restriction.
     is_stronger_below: bool,
 }
 
@@ -74,7 +74,7 @@ impl EffectView {
     }
 }
 
-/// The whole library.
+/// Returns the whole library.
 pub(crate) fn all() -> Vec<EffectView> {
     LIBRARY
         .iter()
@@ -98,7 +98,7 @@ fn parameter(spec: &'static ParameterSpec) -> ParameterView {
     }
 }
 
-/// The first block of formulas below the heading that names the effect.
+/// Returns the first block of formulas below the heading that names the effect.
 fn equation(about: &About) -> Option<&'static str> {
     let name = format!("`{}`", about.id);
     let mut sections = EQUATIONS.split("\n### ");

@@ -1,4 +1,4 @@
-//! Logs and plants that come with the program: the practice rigs, and measurements that others published.
+//! Bundled logs and plants: the practice rigs, and published measurements of others.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::project::PlantFile;
 
-/// An example as the page lists it.
+/// Example in the list of the page.
 #[derive(Serialize)]
 pub(crate) struct Example {
     id: &'static str,
@@ -15,10 +15,10 @@ pub(crate) struct Example {
     about: &'static str,
 }
 
-/// What an example opens.
+/// Files that an example opens.
 pub(crate) struct Files {
     pub(crate) logs: Vec<Log>,
-    /// The plant; none is the thesis model.
+    /// Plant; `None` is the thesis model.
     pub(crate) plant: Option<PlantFile>,
     /// Tolerances of signals whose noise the log does not show.
     pub(crate) tolerances: BTreeMap<String, f64>,
@@ -30,7 +30,7 @@ pub(crate) struct Log {
     pub(crate) mapping: Option<&'static str>,
 }
 
-/// One row of the list.
+/// Row of the list.
 struct Entry {
     listed: Example,
     logs: &'static [Row],
@@ -202,12 +202,12 @@ fn entries() -> impl Iterator<Item = &'static Entry> {
     PRACTICE.iter().chain(REAL)
 }
 
-/// All examples, in the order in which they are listed.
+/// Returns all examples, in the order of the list.
 pub(crate) fn all() -> Vec<&'static Example> {
     entries().map(|entry| &entry.listed).collect()
 }
 
-/// The files of an example; none if there is no such.
+/// Returns the files of an example; `None` for an unknown id.
 pub(crate) fn files(id: &str) -> Option<Files> {
     let entry = entries().find(|entry| entry.listed.id == id)?;
     let log = |&(name, bytes, mapping): &Row| Log {
@@ -236,7 +236,7 @@ mod tests {
 
     use super::*;
 
-    /// Each example opens as a person would have it: every log is read, and can be compared with its plant.
+    /// Every log of each example can be read and compared with its plant.
     #[test]
     fn every_example_can_be_compared() {
         for example in all() {
@@ -253,7 +253,7 @@ mod tests {
                     ..Options::default()
                 };
                 let recording = read(log.name, log.bytes, &options).unwrap();
-                // One practice rig stands for all: they are alike, and each takes a second.
+                // One practice rig represents all: they are alike, and each takes a second.
                 if example.group == "Practice rigs" && example.id != "practice-00" {
                     continue;
                 }

@@ -1,7 +1,7 @@
 //! Formulas over signals: numbers, names, `+ - * /`, parentheses, `abs`, `sqrt`, `min` and `max`.
 //!
-//! A name stands as it is if it consists of letters, digits, `_` and `.` and begins with a letter or `_`; any other name stands in
-//! double quotes, a quote within it doubled: `"p ch" - p_supply`.
+//! A name of letters, digits, `_` and `.` that begins with a letter or `_` needs no quotes. Any other name stands in
+//! double quotes, with a quote within it doubled: `"p ch" - p_supply`.
 
 use winnow::ascii::{digit1, multispace0};
 use winnow::combinator::{
@@ -14,21 +14,21 @@ use winnow::token::{none_of, one_of, take_while};
 
 /// Longest formula (characters).
 pub(crate) const LENGTH_MAX: usize = 500;
-/// Parentheses within each other.
+/// Largest depth of nested parentheses.
 const DEPTH_MAX: usize = 20;
 
-/// A formula that can be computed.
+/// Parsed formula.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Formula {
     root: Node,
     signals: Vec<String>,
 }
 
-/// Where a formula stops to be one.
+/// Position and reason of a syntax error.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("character {position} of the formula: {problem}")]
 pub(crate) struct FormulaError {
-    /// Counted in characters, from 1.
+    /// Position in characters, from 1.
     pub(crate) position: usize,
     pub(crate) problem: String,
 }
@@ -36,7 +36,7 @@ pub(crate) struct FormulaError {
 #[derive(Debug, PartialEq)]
 enum Node {
     Number(f64),
-    /// Its name, and its place among the formula's signals.
+    /// Name, and index among the formula's signals.
     Signal(String, usize),
     Negative(Box<Node>),
     Binary(char, Box<Node>, Box<Node>),
@@ -72,7 +72,7 @@ impl Function {
 
 impl Formula {
     /// # Errors
-    /// [`FormulaError`]: what was expected, and where.
+    /// [`FormulaError`]: the expected text and its position.
     pub(crate) fn parse(text: &str) -> Result<Self, FormulaError> {
         check_size(text)?;
         let mut root = terminated(expression, eof.context(expected("an operator")))
@@ -92,12 +92,12 @@ impl Formula {
         Ok(Self { root, signals })
     }
 
-    /// Names of the signals, each once.
+    /// Returns the names of the signals, each once.
     pub(crate) fn signals(&self) -> &[String] {
         &self.signals
     }
 
-    /// The value in `row` of the signals' values; NaN where one is missing, or where there is no finite value.
+    /// Returns the value in `row` of the signals' values; NaN if a sample is missing or the value is not finite.
     pub(crate) fn value(&self, signals: &[&[f64]], row: usize) -> f64 {
         let value = self.root.value(signals, row);
         if value.is_finite() { value } else { f64::NAN }
@@ -105,7 +105,7 @@ impl Formula {
 }
 
 impl Node {
-    /// Gives each signal its place.
+    /// Assigns each signal its index.
     fn place(&mut self, names: &mut Vec<String>) {
         match self {
             Self::Number(_) => {}
@@ -157,7 +157,7 @@ impl Node {
     }
 }
 
-/// The extreme of two values is missing where one of them is.
+/// Returns the extreme of two values; missing if one of them is missing.
 fn known(one: f64, other: f64, extreme: fn(f64, f64) -> f64) -> f64 {
     if one.is_nan() || other.is_nan() {
         f64::NAN
@@ -166,7 +166,7 @@ fn known(one: f64, other: f64, extreme: fn(f64, f64) -> f64) -> f64 {
     }
 }
 
-/// Bounds what the parser goes into.
+/// Limits the size of the parser's input.
 fn check_size(text: &str) -> Result<(), FormulaError> {
     let at = |position, problem: String| Err(FormulaError { position, problem });
     let mut depth = 0_usize;
@@ -190,7 +190,7 @@ fn check_size(text: &str) -> Result<(), FormulaError> {
     Ok(())
 }
 
-/// What the parser says, in a sentence.
+/// Returns the parser's message as a sentence.
 fn told(error: &ContextError, rest: &str) -> String {
     let expected = error.context().find_map(|context| match context {
         StrContext::Expected(StrContextValue::Description(text)) => Some(*text),
@@ -226,7 +226,7 @@ fn binary(left: Node, operator: char, right: Node) -> Node {
     Node::Binary(operator, Box::new(left), Box::new(right))
 }
 
-/// An operand with signs before and white space around it.
+/// Parses an operand with leading signs and white space around it.
 fn factor(input: &mut &str) -> Parsed<Node> {
     let sign = preceded(multispace0, one_of(['+', '-']));
     let signs = repeat(0.., sign).fold(|| false, |is_negative, sign| is_negative != (sign == '-'));
@@ -264,7 +264,7 @@ fn close(input: &mut &str) -> Parsed<char> {
     cut_err(')'.context(expected("an operator or a closing parenthesis"))).parse_next(input)
 }
 
-/// A name in quotes.
+/// Parses a name in quotes.
 fn quoted(input: &mut &str) -> Parsed<Node> {
     let character = alt(("\"\"".value('"'), none_of('"')));
     let name = repeat(1.., character).fold(String::new, |mut name, character| {
@@ -277,7 +277,7 @@ fn quoted(input: &mut &str) -> Parsed<Node> {
         .parse_next(input)
 }
 
-/// A plain name, or a call if a parenthesis follows.
+/// Parses a plain name, or a call if a parenthesis follows.
 fn named(input: &mut &str) -> Parsed<Node> {
     let begin = *input;
     let first = one_of(|character: char| character.is_alphabetic() || character == '_');
@@ -307,7 +307,7 @@ fn named(input: &mut &str) -> Parsed<Node> {
     }
 }
 
-/// Ends the parser here.
+/// Ends the parser at this position.
 fn refuse(input: &mut &str, what: &'static str) -> Parsed<Node> {
     cut_err(fail.context(expected(what))).parse_next(input)
 }
@@ -316,7 +316,7 @@ fn refuse(input: &mut &str, what: &'static str) -> Parsed<Node> {
 mod tests {
     use super::*;
 
-    /// The value for a = 2, b = -3 and a missing c.
+    /// Returns the value for a = 2, b = -3 and a missing c.
     fn value(text: &str) -> f64 {
         let formula = Formula::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
         let of = |name: &String| match name.as_str() {

@@ -1,8 +1,8 @@
-//! What every request passes before it is routed, and what every response carries.
+//! Checks of every request before routing, and headers of every response.
 //!
-//! In this order: the target and the `Host` header (a page of a name that an attacker lets point at this machine has another one), where
-//! the request comes from (a page of another origin may send but not read), the secret of this start (so may other users
-//! of the machine).
+//! The checks, in this order: the target and the `Host` header (an attacker's host name that resolves to this machine
+//! differs from ours), the origin of the request (a page of another origin may send but not read), and the secret of
+//! this start (other users of the machine may send requests, too).
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use axum::response::{IntoResponse, Response};
 use crate::connections::Place;
 use crate::token::Secrets;
 
-/// Everything from this server, nothing inline, and strings become markup only where a policy lets them.
+/// All content comes from this server, nothing is inline, and strings become markup only through a policy.
 const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; \
      connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; \
      require-trusted-types-for 'script'; trusted-types default";
@@ -28,14 +28,14 @@ const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src '
 const SEC_FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 const SEC_FETCH_MODE: HeaderName = HeaderName::from_static("sec-fetch-mode");
 
-/// What the guard knows of this start.
+/// Secrets and address of this start.
 pub(crate) struct Gate {
     pub(crate) port: u16,
     pub(crate) secrets: Secrets,
 }
 
 impl Gate {
-    /// Cookies are shared by all ports of a host, so two servers need two names.
+    /// Returns the name of the cookie. All ports of a host share cookies, so two servers need two names.
     fn cookie_name(&self) -> String {
         format!("retarder-{}", self.port)
     }
@@ -47,8 +47,8 @@ impl Gate {
             .any(|name| host == format!("{name}:{port}"))
     }
 
-    /// Whether the target of a request is a whole address, and one of another server. A target like that has precedence over
-    /// the `Host` header (RFC 9112, section 3.2.2).
+    /// Returns whether the target of a request is an absolute address of another server. Such a target has precedence
+    /// over the `Host` header (RFC 9112, section 3.2.2).
     fn is_misdirected(&self, target: &Uri) -> bool {
         let is_foreign = |authority: &Authority| !self.is_our_host(authority.as_str());
         target.authority().is_some_and(is_foreign)
@@ -68,7 +68,7 @@ impl Gate {
             .any(|(key, value)| key == name && self.secrets.is_cookie(value))
     }
 
-    /// The answer to a request that may not pass; none lets it pass.
+    /// Returns the answer to a request that may not pass; `None` lets it pass.
     fn refusal(&self, request: &Request) -> Option<Response> {
         let headers = request.headers();
         if self.is_misdirected(request.uri()) {
@@ -83,7 +83,7 @@ impl Gate {
                 "Only the page of this server may ask this.\n",
             ));
         }
-        // The method is GET: a look at the headers alone is no use of the address.
+        // Only GET counts: a HEAD request does not use the address up.
         let token = (request.method() == Method::GET && request.uri().path() == "/")
             .then(|| token_of(request.uri().query().unwrap_or("")))
             .flatten();
@@ -94,7 +94,7 @@ impl Gate {
                 }
                 None
             }
-            // The address was opened again: the secret leaves the address bar.
+            // The address was opened again: redirect, so that the address bar does not show the secret.
             (true, Some(_)) => Some(to_the_page(None)),
             (false, Some(token)) => match self.secrets.exchange(token) {
                 Some(cookie) => Some(to_the_page(Some(format!(
@@ -108,7 +108,7 @@ impl Gate {
     }
 }
 
-/// The one value of a header; none if it is absent, repeated or no text.
+/// Returns the one value of a header; `None` if it is absent, repeated or not text.
 fn only(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
     let mut values = headers.get_all(name).iter();
     match (values.next(), values.next()) {
@@ -117,7 +117,7 @@ fn only(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
     }
 }
 
-/// Whether the request comes from a page of this server, or from a person who typed the address.
+/// Returns whether the request comes from a page of this server, or from a user who entered the address.
 fn is_from_our_page(method: &Method, headers: &HeaderMap, host: &str) -> bool {
     let origin = match headers.get_all(ORIGIN).iter().count() {
         0 => None,
@@ -133,7 +133,7 @@ fn is_from_our_page(method: &Method, headers: &HeaderMap, host: &str) -> bool {
         (Some(false), _) => false,
         (_, Some("same-origin")) => true,
         (_, Some("none")) => reads_only || origin == Some(true),
-        // A link that was followed from elsewhere may open the page; it brings no cookie.
+        // A link from another site may open the page; it brings no cookie.
         (_, Some(_)) => reads_only && is_navigation,
         (Some(true), None) => true,
         (None, None) => reads_only,
@@ -169,7 +169,7 @@ fn unauthorised() -> Response {
     )
 }
 
-/// The end of a connection, with its reason.
+/// Creates the last response of a connection, with its reason.
 fn plain(status: StatusCode, text: &'static str) -> Response {
     let headers = [
         (CONTENT_TYPE, "text/plain; charset=utf-8"),
@@ -178,14 +178,14 @@ fn plain(status: StatusCode, text: &'static str) -> Response {
     (status, headers, Body::from(text)).into_response()
 }
 
-/// Lets a request pass or answers it, and gives every answer the same headers.
+/// Lets a request pass or answers it, and adds the same headers to every response.
 pub(crate) async fn guard(State(gate): State<Arc<Gate>>, request: Request, next: Next) -> Response {
     let mut response = match gate.refusal(&request) {
         Some(response) => response,
         None => next.run(request).await,
     };
     let headers = response.headers_mut();
-    // A document that has a policy of its own keeps it.
+    // A document with its own policy keeps it.
     headers
         .entry(CONTENT_SECURITY_POLICY)
         .or_insert(HeaderValue::from_static(CONTENT_POLICY));

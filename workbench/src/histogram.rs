@@ -1,8 +1,8 @@
-//! How often which value occurs.
+//! Histogram of values.
 
 use serde::Serialize;
 
-/// Bins of a histogram: fewer say nothing, more are narrower than what is seen.
+/// Number of bins: fewer show no shape, more are narrower than a pixel.
 const BINS: std::ops::RangeInclusive<usize> = 8..=160;
 
 /// Shares of samples by value.
@@ -14,12 +14,12 @@ pub(crate) struct Histogram {
     /// Left edge of the first bin.
     from: f64,
     bin_width: f64,
-    /// Share of the samples in each bin, over its width (1/unit).
+    /// Share of the samples in each bin, divided by its width (1/unit).
     density: Vec<f64>,
 }
 
 impl Histogram {
-    /// Of the values that are there; none if there are none.
+    /// Returns the histogram of the values that are not missing; `None` without any.
     pub(crate) fn of(values: &[f64]) -> Option<Self> {
         let present = || values.iter().copied().filter(|value| !value.is_nan());
         let samples = present().count();
@@ -51,7 +51,7 @@ impl Histogram {
     }
 }
 
-/// The range of the bins, wide enough to be divided even where all values are the same.
+/// Returns the range of the bins, wide enough to be divided even if all values are equal.
 fn around(low: f64, high: f64) -> (f64, f64) {
     let least = 1e-9 * low.abs().max(high.abs()).max(1e-6);
     if high - low > least {
@@ -61,10 +61,10 @@ fn around(low: f64, high: f64) -> (f64, f64) {
     }
 }
 
-/// By Scott's rule (D. W. Scott, Biometrika 66, 1979).
+/// Returns the number of bins by Scott's rule (D. W. Scott, Biometrika 66, 1979).
 fn bins(span: f64, standard_deviation: f64, count: f64) -> usize {
     let width = 3.49 * standard_deviation / count.cbrt();
-    // What has no spread has the fewest.
+    // Values without spread get the fewest bins.
     let wished = if width > 0.0 { span / width } else { 0.0 };
     (wished as usize).clamp(*BINS.start(), *BINS.end())
 }

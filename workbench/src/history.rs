@@ -1,4 +1,4 @@
-//! How a plant became what it is: every change of page "Refine", with the error that it left. Undo and redo move within it.
+//! History of a plant: every change of page "Refine", with the error after it. Undo and redo move within it.
 
 use model_lab::SignalError;
 use model_lab::diagnosis::result::FittedParameter;
@@ -10,39 +10,39 @@ use serde::{Deserialize, Serialize};
 use crate::plant_file::PlantFile;
 use crate::refusal::Refusal;
 
-/// Steps that are kept; beyond them the oldest is forgotten, but not the beginning.
+/// Largest number of steps; beyond it the oldest is dropped, except for the first.
 const STEPS_MAX: usize = 100;
 
-/// The steps of a plant, from the one that was opened on.
+/// Steps of a plant, beginning with the opened one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct History {
     steps: Vec<Step>,
-    /// The step that holds; those after it were undone.
+    /// Current step; those after it were undone.
     at: usize,
 }
 
-/// What was done, and what came of it.
+/// Change and its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Step {
-    /// What was done, for people.
+    /// Description of the change for the user.
     pub(crate) done: String,
-    /// The plant from then on, without the effects that are switched off.
+    /// Plant after the change, without the effects that are switched off.
     pub(crate) plant: PlantFile,
-    /// Every effect in the order added, those switched off as well.
+    /// All effects in the order of their addition, including those switched off.
     pub(crate) effects: Vec<StepEffect>,
-    /// Name of the log that the errors are of; empty until they are known.
+    /// Name of the log of the errors; empty until they are known.
     pub(crate) log: String,
-    /// What the plant, driven by the commands alone, is off on that log.
+    /// Free-run errors of the plant on that log.
     pub(crate) errors: Vec<StepError>,
-    /// What the fit of effects said, where the step is one.
+    /// Result of the fit of effects, if the step is one.
     pub(crate) fit: Option<Refinement>,
-    /// What the estimation said, where the step is one.
+    /// Result of the estimation, if the step is one.
     pub(crate) estimation: Option<Estimation>,
 }
 
-/// An effect with its values.
+/// Effect with its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StepEffect {
@@ -52,19 +52,19 @@ pub(crate) struct StepEffect {
     pub(crate) parameters: Vec<StepParameter>,
 }
 
-/// A parameter of an effect.
+/// Parameter of an effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StepParameter {
     pub(crate) key: String,
     pub(crate) unit: String,
-    /// None where it is infinite, which is the way some effects are off.
+    /// `None` for an infinite value, with which some effects are off.
     pub(crate) value: Option<f64>,
-    /// What the last fit said of it.
+    /// Result of the last fit.
     pub(crate) fitted: Option<Interval>,
 }
 
-/// A fitted value with its 95 % interval.
+/// Fitted value with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Interval {
@@ -73,7 +73,7 @@ pub(crate) struct Interval {
     pub(crate) high: f64,
 }
 
-/// How far a plant is off in one signal.
+/// Error of a plant in one signal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StepError {
@@ -96,7 +96,7 @@ impl From<&SignalError> for StepError {
 }
 
 impl History {
-    /// Begins with a plant as it was opened.
+    /// Begins a history with a plant as opened.
     pub(crate) fn begin(plant: &PlantFile) -> Result<Self, Refusal> {
         let effects = plant.parameters()?.effects;
         Ok(Self {
@@ -116,48 +116,48 @@ impl History {
         })
     }
 
-    /// Whether its last step is this plant.
+    /// Returns whether its last step is this plant.
     pub(crate) fn is_of(&self, plant: &PlantFile) -> bool {
         self.steps
             .get(self.at)
             .is_some_and(|step| step.plant == *plant)
     }
 
-    /// All steps, the undone ones as well.
+    /// Returns all steps, including the undone ones.
     pub(crate) fn steps(&self) -> &[Step] {
         &self.steps
     }
 
-    /// Index of the step that holds.
+    /// Returns the index of the current step.
     pub(crate) fn at(&self) -> usize {
         self.at
     }
 
-    /// The plant as it was opened.
+    /// Returns the plant as opened.
     pub(crate) fn first(&self) -> &Step {
         &self.steps[0]
     }
 
-    /// The plant that effects are fitted on: as it was last estimated, or as it was opened.
+    /// Returns the plant that effects are fitted on: the last estimated one, or the one as opened.
     pub(crate) fn base(&self) -> &Step {
         let until_now = self.steps[..=self.at].iter().rev();
         let mut estimated = until_now.filter(|step| step.estimation.is_some());
         estimated.next().unwrap_or_else(|| self.first())
     }
 
-    /// The step that holds.
+    /// Returns the current step.
     pub(crate) fn now(&self) -> &Step {
         &self.steps[self.at]
     }
 
-    /// Notes the errors of the step that holds.
+    /// Stores the errors of the current step.
     pub(crate) fn measure(&mut self, log: &str, errors: Vec<StepError>) {
         let step = &mut self.steps[self.at];
         log.clone_into(&mut step.log);
         step.errors = errors;
     }
 
-    /// Adds a step; what was undone is forgotten.
+    /// Adds a step, and drops the undone ones.
     pub(crate) fn push(&mut self, step: Step) {
         self.steps.truncate(self.at + 1);
         if self.steps.len() >= STEPS_MAX {
@@ -185,7 +185,7 @@ impl Step {
         self.effects.iter().find(|effect| effect.effect == id)
     }
 
-    /// The plant with all of its effects, those switched off left out, up to and with the first `count` that are on.
+    /// Returns the plant with its effects up to the first `count` that are on; those switched off are left out.
     pub(crate) fn plant_with_first(&self, count: usize) -> Result<PlantParameters, Refusal> {
         let plant = self.plant.parameters()?;
         let on = self.effects.iter().filter(|effect| effect.is_on);
@@ -196,7 +196,7 @@ impl Step {
 }
 
 impl StepEffect {
-    /// An effect as a plant has it, with what a fit said of its parameters.
+    /// Returns an effect of a plant, with the fitted values of its parameters.
     pub(crate) fn of(setting: &EffectSetting, fitted: &[FittedParameter]) -> Self {
         let values = setting.parameters().iter().zip(setting.values());
         Self {
@@ -221,7 +221,7 @@ impl StepEffect {
         }
     }
 
-    /// The effect as a plant has it.
+    /// Returns the effect in the form of a plant file.
     pub(crate) fn setting(&self) -> Result<EffectSetting, Refusal> {
         let effect = by_id(&self.effect).ok_or_else(|| Refusal::not_found("effect"))?;
         let variant = effect.about().variant(&self.variant);
@@ -269,7 +269,7 @@ mod tests {
         assert_eq!(history.now().done, (2 * STEPS_MAX - 1).to_string());
     }
 
-    /// Goal: a project file with an effect that is off by an infinite value is read again.
+    /// Goal: a project file with an effect that is off by an infinite value can be read again.
     #[test]
     fn a_history_survives_its_file() {
         let plant = PlantFile {

@@ -1,4 +1,4 @@
-//! Work that takes longer than a request: one job at a time for each session, watched by events, ended with its page.
+//! Jobs that take longer than a request: one at a time for each session, with progress events, ended with its page.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -15,17 +15,17 @@ use tokio::sync::watch;
 
 use crate::refusal::{Problem, Refusal};
 
-/// Steps of progress that are told.
+/// Number of reported progress steps.
 const STEPS: f64 = 1000.0;
 
-/// How far a job is.
+/// Progress of a job.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "state", rename_all = "snake_case")]
 pub(crate) enum Progress {
     Running {
-        /// What is done just now; none where the job is one piece.
+        /// Current stage; `None` if the job has only one.
         stage: Option<&'static str>,
-        /// Share of it that is done, 0 to 1.
+        /// Completed share of the stage, 0 to 1.
         share: f64,
     },
     Done,
@@ -35,7 +35,7 @@ pub(crate) enum Progress {
     },
 }
 
-/// A job under way.
+/// Running job.
 pub(crate) struct Job {
     pub(crate) number: u64,
     is_cancelled: AtomicBool,
@@ -55,7 +55,8 @@ impl Job {
         }
     }
 
-    /// Starts `work` on a thread of its own, once `take_place` gives it a place. It asks its job now and then whether to go on.
+    /// Starts `work` on its own thread, as soon as `take_place` returns a place. The work asks its job regularly
+    /// whether to continue.
     pub(crate) fn start<P>(
         take_place: impl FnOnce() -> P + Send + 'static,
         work: impl FnOnce(&Self) -> Result<(), Refusal> + Send + 'static,
@@ -98,13 +99,13 @@ impl Job {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
-    /// Tells how far the job is (0 to 1), and says whether it is to go on.
+    /// Reports the progress (0 to 1), and returns whether to continue.
     pub(crate) fn goes_on(&self, share: f64) -> bool {
         self.tell(None, share);
         !self.is_cancelled()
     }
 
-    /// The same for a diagnosis, which has stages and reports from several threads.
+    /// Does the same for a diagnosis, which has stages and reports from several threads.
     pub(crate) fn watch(&self, seen: diagnosis::Progress) -> ControlFlow<()> {
         self.tell(Some(seen.stage), seen.done);
         if self.is_cancelled() {
@@ -132,7 +133,7 @@ impl Job {
         });
     }
 
-    /// Its progress as events, the last one its end. Whoever stops listening before that ends the job.
+    /// Returns the progress as events; the last one is the end. A client that stops listening before ends the job.
     pub(crate) fn events(
         self: &Arc<Self>,
     ) -> Sse<impl Stream<Item = Result<Event, Infallible>> + use<>> {

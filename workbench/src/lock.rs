@@ -1,8 +1,8 @@
-//! Locks that outlive a panic.
+//! Locks that survive a panic.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A panic while a lock is held leaves whole values: they are replaced, not changed in steps.
+/// Locks in spite of a panic of another holder: values are replaced as a whole and are never half changed.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

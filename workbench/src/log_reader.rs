@@ -1,4 +1,4 @@
-//! The one door through which logs come in, whatever their format.
+//! Reader of all logs, in any format.
 
 use std::io::{self, Read as _};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,11 +10,11 @@ use recording::{LogFormat, LogOptions, Recording, read_log};
 use crate::refusal::Problem;
 use crate::store::{UPLOAD_BYTES_MAX, open_regular};
 
-/// Reads the log at `path`; `name` is what a person calls it. A reader that panics is told as a damaged file: whatever
-/// the bytes are, the server goes on.
+/// Reads the log at `path`; `name` is its name in messages. A panic of a reader is reported as a damaged file, so that
+/// no file can end the server.
 ///
 /// # Errors
-/// The first thing that is wrong with the file or its mapping, with its line.
+/// The first problem of the file or its mapping, with its line.
 pub(crate) fn read(name: &str, path: &Path, mapping: Option<&str>) -> Result<Recording, Problem> {
     catch_unwind(AssertUnwindSafe(|| read_any(name, path, mapping))).unwrap_or_else(|_| {
         Err(Problem::new(
@@ -41,7 +41,7 @@ fn read_any(name: &str, path: &Path, mapping: Option<&str>) -> Result<Recording,
     read_log(name, file, &options).map_err(|error| Problem::from(&error))
 }
 
-/// Whether the file is MF4, by how it begins.
+/// Returns whether the file is MF4, by its first bytes.
 pub(crate) fn is_mf4(path: &Path) -> bool {
     let mut begin = Vec::new();
     let read = open_regular(path).and_then(|file| file.take(8).read_to_end(&mut begin));

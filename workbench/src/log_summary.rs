@@ -1,24 +1,24 @@
-//! What a log is, in a few words and figures: computed once, when it is read.
+//! Summary of a log, computed when it is read.
 
 use recording::{Recording, Unit};
 use serde::Serialize;
 
 use crate::shown_unit::unit_of_errors;
 
-/// A log in a few words and figures.
+/// Summary of a log.
 #[derive(Clone, Serialize)]
 pub(crate) struct LogSummary {
     samples: usize,
     duration_s: f64,
-    /// Date and time of the log's 0 s with its zone, where the file tells it.
+    /// Date, time and zone of the log's 0 s, if the file states it.
     start: Option<String>,
     sample_interval_s: Option<f64>,
-    /// Pauses of the log: many times its sample interval.
+    /// Number of pauses: many times the sample interval.
     gaps: usize,
     is_uneven: bool,
     sha256: Option<String>,
     signals: Vec<SignalView>,
-    /// What the file has and the log has not, each with the reason.
+    /// Channels of the file that the log lacks, each with the reason.
     left_out: Vec<LeftOutView>,
 }
 
@@ -32,12 +32,12 @@ struct LeftOutView {
 struct SignalView {
     name: String,
     unit: String,
-    /// The unit as a header writes it.
+    /// Unit in the notation of a header.
     token: &'static str,
-    /// That of its errors, and so of their limits.
+    /// Unit of its errors and their limits.
     error_unit: &'static str,
     quantity: String,
-    /// `gauge`, `absolute` or none, for a pressure.
+    /// `gauge` or `absolute` for a pressure, otherwise `None`.
     reference: Option<&'static str>,
     missing: usize,
     lowest: Option<f64>,

@@ -1,12 +1,12 @@
-//! The loopback interface: 127.0.0.1 and, where the machine has it, `[::1]`, on one port and no other address.
+//! Loopback interface: 127.0.0.1 and, if the machine has it, `[::1]`, on one port and no other address.
 
 use std::io::{self, ErrorKind};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 
-/// Free ports that are tried; one that is free in IPv4 may be taken in IPv6.
+/// Number of free ports to try; a port that is free in IPv4 may be in use in IPv6.
 const FREE_PORTS_TRIED: usize = 16;
 
-/// The sockets that a server listens on.
+/// Sockets that a server listens on.
 #[derive(Debug)]
 pub(crate) struct Loopback {
     pub(crate) port: u16,
@@ -14,7 +14,7 @@ pub(crate) struct Loopback {
 }
 
 impl Loopback {
-    /// Takes `port`. One that is taken in IPv6 alone is taken: a browser may look for `localhost` there first.
+    /// Binds `port`. A port in use in IPv6 alone counts as in use: a browser may try IPv6 first for `localhost`.
     pub(crate) fn on(port: u16) -> io::Result<Self> {
         let first = listen(Ipv4Addr::LOCALHOST.into(), port)?;
         let port = first.local_addr()?.port();
@@ -27,7 +27,7 @@ impl Loopback {
         Ok(Self { port, sockets })
     }
 
-    /// Takes a port that is free.
+    /// Binds a free port.
     pub(crate) fn on_free_port() -> io::Result<Self> {
         let tried = (1..FREE_PORTS_TRIED).find_map(|_| Self::on(0).ok());
         tried.map_or_else(|| Self::on(0), Ok)

@@ -1,4 +1,4 @@
-//! The form in which a person says what the columns of a log are becomes the TOML that its reader takes.
+//! Conversion of the mapping form into the TOML mapping of the reader.
 
 use std::fmt::Write as _;
 
@@ -6,18 +6,18 @@ use serde::Deserialize;
 
 use crate::refusal::Refusal;
 
-/// A mapping as the page sends it.
+/// Mapping sent by the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Form {
-    /// The mapping as TOML, for what the form does not offer; it takes the place of all else.
+    /// Mapping as TOML, for options that the form lacks; it replaces all other fields.
     toml: Option<String>,
     #[serde(default)]
     columns: Vec<Column>,
     /// Lines before the header.
     #[serde(default)]
     skip_lines: u32,
-    /// Whether the first line that is read names the columns; none lets the reader find out.
+    /// Whether the first line names the columns; `None` lets the reader decide.
     header: Option<bool>,
     /// `comma`, `semicolon` or `tab`.
     delimiter: Option<Word>,
@@ -25,7 +25,7 @@ pub(crate) struct Form {
     decimal: Option<Word>,
 }
 
-/// What one column is. A column that the form does not have speaks for itself.
+/// Mapping of one column. A column without an entry keeps the meaning of its header.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Column {
@@ -41,13 +41,13 @@ struct Column {
     thousands_separator: Option<Word>,
 }
 
-/// Which column.
+/// Identification of a column.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
 enum Key {
-    /// By its place in a CSV file, from 1.
+    /// Position in a CSV file, from 1.
     Number(u32),
-    /// By the name of a channel.
+    /// Name of a channel.
     Name(String),
 }
 
@@ -68,14 +68,14 @@ enum Role {
     Ignore,
 }
 
-/// A word that the reader of mappings judges.
+/// Word that the reader of mappings checks.
 type Word = String;
 
 impl Form {
-    /// The mapping as TOML; none if the form says nothing, so that the log is read as it stands.
+    /// Returns the mapping as TOML; `None` if the form is empty, so that the log is read without a mapping.
     ///
     /// # Errors
-    /// A number that TOML cannot hold.
+    /// Number that TOML cannot express.
     pub(crate) fn toml(&self) -> Result<Option<String>, Refusal> {
         if let Some(toml) = &self.toml {
             return Ok(Some(toml.clone()).filter(|toml| !toml.trim().is_empty()));
@@ -146,7 +146,7 @@ impl Column {
     }
 }
 
-/// A TOML string.
+/// Returns a TOML string.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for character in text.chars() {
@@ -213,7 +213,7 @@ mod tests {
             !toml.lines().any(|line| line.starts_with("ignore")),
             "{toml}"
         );
-        // A name with a line break is refused by the reader, as a name and not as broken TOML.
+        // The reader refuses a name with a line break as a name, not as invalid TOML.
         let error = Mapping::parse("mapping", &toml).unwrap_err();
         assert_eq!(error.code(), "E-MAP-NAME", "{error}");
     }

@@ -1,4 +1,4 @@
-//! The plants of a project on which the loop is closed: the one it has, and the plain one beside it.
+//! Plants of a project for the closed loop: the current one, and the plain one beside it.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::Part;
@@ -7,17 +7,17 @@ use plant_sim::plant::{FILL, VENT};
 use crate::project::Project;
 use crate::refusal::Refusal;
 
-/// A plant that the loop is closed on.
+/// Plant of a closed loop.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct NamedPlant {
-    /// `plain` or `refined`, where there are two; else `plant`.
+    /// `plain` or `refined` if there are two, otherwise `plant`.
     pub(crate) role: &'static str,
     pub(crate) name: String,
     pub(crate) parameters: PlantParameters,
 }
 
 impl NamedPlant {
-    /// The plants of a project: the one it has now, and before it the plain one, where that is another.
+    /// Returns the plants of a project: the current one, and before it the plain one if that differs.
     pub(crate) fn all_of(project: &Project) -> Result<Vec<Self>, Refusal> {
         let now = &project.plant;
         let parameters = now.parameters()?;
@@ -53,7 +53,7 @@ impl NamedPlant {
     }
 }
 
-/// The plant before it was refined: as it was opened, or without its effects if it was opened with them.
+/// Returns the plant before its refinement: as opened, or without its effects if it was opened with them.
 fn plain(
     project: &Project,
     parameters: &PlantParameters,

@@ -1,4 +1,4 @@
-//! Names of stored files. The server makes them, so that no text of a request becomes a path.
+//! Names of stored files. The server creates them, so that no text of a request becomes a path.
 
 use std::io;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::token::{hex, random_hex};
 
-/// SHA-256 of a stored log, which is its name in the folder.
+/// SHA-256 of a stored log, which is its file name.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub(crate) struct LogHash(String);
@@ -39,7 +39,7 @@ impl From<LogHash> for String {
     }
 }
 
-/// A name that the server drew: 32 hexadecimal digits, so that it is a safe file name.
+/// Random name of 32 hexadecimal digits from the server, and therefore a safe file name.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub(crate) struct ProjectId(String);

@@ -1,4 +1,4 @@
-//! The pages: each is one file of routes here and one module in `web/pages/`.
+//! Pages: each has one file of routes here and one module in `web/pages/`.
 
 pub(crate) mod compare;
 pub(crate) mod control;
@@ -24,13 +24,13 @@ use crate::names::ProjectId;
 use crate::refusal::Refusal;
 use crate::session::{Opening, Session, Sessions};
 
-/// Longest request that is no upload (bytes): a plant, a mapping, a reference profile.
+/// Longest request other than an upload (bytes): a plant, a mapping, a reference profile.
 pub(crate) const JSON_BYTES_MAX: u64 = 2 << 20;
 
-/// What the routes of a page share.
+/// State that the routes of a page share.
 pub(crate) type Shared = State<Arc<Sessions>>;
 
-/// All routes of a session.
+/// Returns all routes of a session.
 pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
     Router::new()
         .route("/sessions", post(open))
@@ -45,13 +45,13 @@ pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
         .with_state(sessions)
 }
 
-/// The session that the path names.
+/// Returns the session in the path.
 pub(crate) fn session(sessions: &Sessions, id: String) -> Result<Arc<Session>, Refusal> {
     let id = ProjectId::try_from(id).map_err(|_| Refusal::not_found("session"))?;
     sessions.get(&id)
 }
 
-/// Files are read on threads that may wait.
+/// Runs file access on a thread that may block.
 pub(crate) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
 ) -> Result<T, Refusal> {
@@ -65,13 +65,13 @@ pub(crate) async fn blocking<T: Send + 'static>(
     })
 }
 
-/// The number of a job, by which its events are asked for.
+/// Number of a job, by which its events are requested.
 #[derive(Serialize)]
 pub(crate) struct Begun {
     job: u64,
 }
 
-/// Begins work of a session, watched and ended by its page; what is under way in the same tab ends.
+/// Begins a job of a session, with progress for its page; a running job of the same tab ends.
 pub(crate) fn begin_job(
     session: &Arc<Session>,
     work: impl FnOnce(&Session, &Job) -> Result<(), Refusal> + Send + 'static,
@@ -84,7 +84,7 @@ pub(crate) fn begin_job(
     Json(Begun { job: number })
 }
 
-/// Opens the session of this process, and says whether it has logs.
+/// Opens the session of this process, and returns whether it has logs.
 async fn open(State(sessions): Shared, Json(opening): Json<Opening>) -> Json<bool> {
     let session = sessions.open(opening);
     Json(!session.project().logs.is_empty())

@@ -1,4 +1,4 @@
-//! A plant file with its name, as a project keeps it.
+//! Plant file with its name, as stored in a project.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::NOMINAL_PLANT_TOML;
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::refusal::Refusal;
 
-/// A plant file.
+/// Plant file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlantFile {

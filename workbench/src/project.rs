@@ -1,4 +1,4 @@
-//! What a person has open: logs with their mappings and offsets, a plant, and how strict the comparison is.
+//! Project: logs with their mappings and offsets, a plant, and the limits of the comparison.
 
 use std::collections::BTreeMap;
 
@@ -17,10 +17,10 @@ use crate::tolerance::Tolerance;
 /// Name and version of the project file.
 pub(crate) const PROJECT_SCHEMA: &str = "retarder.project/1";
 
-/// Logs in one project.
+/// Largest number of logs in a project.
 pub(crate) const LOGS_MAX: usize = 32;
 
-/// A project, as it is kept over a restart.
+/// Project, stored over a restart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Project {
@@ -28,40 +28,40 @@ pub(crate) struct Project {
     pub(crate) logs: Vec<LogEntry>,
     pub(crate) plant: PlantFile,
     pub(crate) strictness: Strictness,
-    /// Mappings by the header that they were made for, to be offered again.
+    /// Mappings by the header that they were made for, to be proposed again.
     pub(crate) mappings: BTreeMap<String, String>,
-    /// How the plant became what it is; absent in files of earlier versions.
+    /// History of the plant; absent in files of earlier versions.
     #[serde(default)]
     pub(crate) history: History,
-    /// What the closed loop is asked to do; absent in files of earlier versions.
+    /// Settings of the closed loop; absent in files of earlier versions.
     #[serde(default)]
     pub(crate) closed_loop: ClosedLoop,
-    /// Channels over the signals of the logs; absent in files of earlier versions.
+    /// Calculated channels; absent in files of earlier versions.
     #[serde(default)]
     pub(crate) calculated: Vec<Calculated>,
 }
 
-/// A log of the project.
+/// Log of the project.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LogEntry {
     /// Number within the project.
     pub(crate) number: u32,
-    /// File name as the person sees it. It names nothing on the disk.
+    /// File name for display. It is not a path on the disk.
     pub(crate) name: String,
     pub(crate) file: LogHash,
     /// Mapping, TOML.
     pub(crate) mapping: Option<String>,
-    /// Added to the times of the log (s) where it is shown beside others.
+    /// Offset added to the times of the log (s) when it is shown with others.
     pub(crate) offset_s: f64,
 }
 
-/// When a signal holds; see [`CompareOptions`].
+/// Acceptance limits of signals; see [`CompareOptions`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Strictness {
     pub(crate) allowed_noise_multiples: f64,
-    /// Largest rms of a signal that holds.
+    /// Largest rms error of a signal within tolerance.
     pub(crate) tolerances: BTreeMap<String, f64>,
     /// Bands around single samples; absent in files of earlier versions.
     #[serde(default)]
@@ -80,7 +80,7 @@ impl Default for Strictness {
 }
 
 impl Strictness {
-    /// Refuses what no signal can be judged by.
+    /// Refuses invalid limits.
     pub(crate) fn check(&self) -> Result<(), Refusal> {
         let is_positive = |value: f64| value > 0.0 && value.is_finite();
         if !is_positive(self.allowed_noise_multiples) {
@@ -99,13 +99,13 @@ impl Strictness {
         bands.try_for_each(|(name, band)| band.check(name))
     }
 
-    /// Whether a comparison that was made with `before` says something else with this.
+    /// Returns whether a comparison that was made with `before` has another verdict with these limits.
     pub(crate) fn judges_otherwise(&self, before: &Self) -> bool {
         self.allowed_noise_multiples != before.allowed_noise_multiples
             || self.tolerances != before.tolerances
     }
 
-    /// The options for `log`; tolerances of signals that it has not are for other logs of the project.
+    /// Returns the options for `log`; tolerances of signals that it lacks are for other logs of the project.
     pub(crate) fn options_for(&self, log: &Recording) -> CompareOptions {
         let tolerances = self.tolerances.iter();
         CompareOptions {
@@ -135,7 +135,7 @@ impl Default for Project {
 }
 
 impl Project {
-    /// Adds a log and says its number.
+    /// Adds a log and returns its number.
     pub(crate) fn add(&mut self, name: String, file: LogHash, mapping: Option<String>) -> u32 {
         let number = self.logs.iter().map(|log| log.number).max().unwrap_or(0) + 1;
         self.logs.push(LogEntry {

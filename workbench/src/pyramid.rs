@@ -1,25 +1,25 @@
-//! Long courses in few points: of each piece the lowest and the highest sample, so that no peak is lost at any zoom.
+//! Long time series in few points: the lowest and the highest sample of each part, so that no peak is lost at any zoom.
 //!
-//! Every point is a sample of the log at its own time; nothing is averaged. Level n of a pyramid knows the extremes of
-//! each 8ⁿ samples, so that a view costs as much as it has points and not as much as it has samples.
+//! Every point is a sample of the log at its own time; nothing is averaged. Level n of a pyramid has the extremes of
+//! each 8ⁿ samples, so that the cost of a view depends on its points and not on its samples.
 
 use std::ops::Range;
 
 use model_lab::result::Residual;
 
-/// Samples or pieces that a piece of the next level has.
+/// Samples or parts in a part of the next level.
 const FANOUT: usize = 8;
 
-/// Place of no sample: every one of the piece is missing.
+/// Index of no sample: all samples of the part are missing.
 const NONE: u32 = u32::MAX;
 
-/// Extremes of a course, level by level.
+/// Extremes of a time series, level by level.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pyramid {
     levels: Vec<Vec<Extremes>>,
 }
 
-/// The values of a time series, kept or computed.
+/// Values of a time series, stored or computed.
 pub(crate) trait Series {
     /// Returns the number of samples.
     fn count(&self) -> usize;
@@ -104,7 +104,7 @@ impl Extremes {
 }
 
 impl Pyramid {
-    /// The pyramid of `values`, NaN where missing; at most 2³² - 1 of them.
+    /// Creates the pyramid of `values`, NaN if missing; at most 2³² - 1 of them.
     pub(crate) fn new(values: &(impl Series + ?Sized)) -> Self {
         let mut levels: Vec<Vec<Extremes>> = Vec::new();
         let mut below = values.count();
@@ -127,7 +127,7 @@ impl Pyramid {
         Self { levels }
     }
 
-    /// Extremes of the samples in `range`, by the largest pieces that lie within.
+    /// Returns the extremes of the samples in `range`, from the largest parts within it.
     fn extremes(&self, values: &(impl Series + ?Sized), range: Range<usize>) -> Extremes {
         let mut extremes = Extremes::NONE;
         let mut at = range.start;
@@ -149,8 +149,8 @@ impl Pyramid {
         extremes
     }
 
-    /// Indices of at most about `points` samples that show the course between `from_s` and `to_s`, with the sample before
-    /// and the one after; none in the list is a gap.
+    /// Returns the indices of at most about `points` samples that show the series between `from_s` and `to_s`, with the
+    /// sample before and the one after; `None` in the list is a gap.
     pub(crate) fn thin(
         &self,
         (times_s, values): (&[f64], &(impl Series + ?Sized)),
@@ -208,7 +208,7 @@ impl Pyramid {
     }
 }
 
-/// A gap between two samples that follow each other more than `gap_s` apart in the log.
+/// Inserts a gap between consecutive samples that are more than `gap_s` apart in the log.
 fn with_gaps(shown: Vec<Option<usize>>, times_s: &[f64], gap_s: f64) -> Vec<Option<usize>> {
     let mut out: Vec<Option<usize>> = Vec::with_capacity(shown.len());
     for index in shown {
@@ -236,7 +236,7 @@ mod tests {
         (0..count).map(|index| index as f64 * 0.001).collect()
     }
 
-    /// Something between a walk and a saw, the same each time.
+    /// Returns a mixture of a random walk and a sawtooth, the same each time.
     fn course(count: usize) -> Vec<f64> {
         let value = |index: usize| ((index * 7919) % 10_007) as f64 - (index % 300) as f64;
         (0..count).map(value).collect()

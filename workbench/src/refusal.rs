@@ -1,4 +1,4 @@
-//! What the page is told when something cannot be done.
+//! Refusals and their problems, for the page.
 
 use axum::Json;
 use axum::http::StatusCode;
@@ -17,12 +17,12 @@ use recording::csv::{CsvError, MappingError};
 use recording::mf4::Mf4Error;
 use serde::Serialize;
 
-/// One thing that is wrong, and what to do.
+/// Problem, and what to do.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Problem {
     /// Stable code, such as `E-CSV-TIME-ORDER`.
     pub(crate) code: String,
-    /// What was found, what was expected, what to do.
+    /// Cause, expectation, and what to do.
     pub(crate) message: String,
     /// Line of the file, from 1.
     pub(crate) line: Option<u64>,
@@ -41,7 +41,7 @@ impl Problem {
     }
 }
 
-/// A request that was not carried out: a status for the browser and all that is wrong.
+/// Refused request: a status for the browser and all problems.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
     pub(crate) status: StatusCode,
@@ -56,23 +56,23 @@ impl Refusal {
         }
     }
 
-    /// What was asked for is not there: a log that was removed, a session of an earlier start.
+    /// Creates the refusal of a missing thing: a log that was removed, a session of an earlier start.
     pub(crate) fn not_found(what: &str) -> Self {
         let message = format!("there is no such {what}; reload the page");
         Self::new(StatusCode::NOT_FOUND, "E-WEB-NOT-FOUND", message)
     }
 
-    /// The request came before what it needs.
+    /// Creates the refusal of a request that came before its prerequisites.
     pub(crate) fn too_early(message: impl Into<String>) -> Self {
         Self::new(StatusCode::CONFLICT, "E-WEB-TOO-EARLY", message)
     }
 
-    /// A value of the request that is out of its range.
+    /// Creates the refusal of a value out of its range.
     pub(crate) fn value(message: impl Into<String>) -> Self {
         Self::new(StatusCode::BAD_REQUEST, "E-WEB-VALUE", message)
     }
 
-    /// A request or a file that is longer than what is taken.
+    /// Creates the refusal of a request or file above the size limit.
     pub(crate) fn too_large(bytes: u64, bytes_max: u64) -> Self {
         Self::new(
             StatusCode::PAYLOAD_TOO_LARGE,
@@ -83,7 +83,7 @@ impl Refusal {
         )
     }
 
-    /// An upload that did not come to its end.
+    /// Creates the refusal of an incomplete upload.
     pub(crate) fn broken_off() -> Self {
         Self::new(
             StatusCode::BAD_REQUEST,
@@ -130,7 +130,7 @@ impl From<&CsvError> for Problem {
 }
 
 impl From<&Mf4Error> for Problem {
-    /// An MF4 file has no lines; its blocks are for those who repair it.
+    /// An MF4 file has no lines; the error names its blocks, for a repair.
     fn from(error: &Mf4Error) -> Self {
         let place = error.place();
         let block = place.block.map(|block| format!("block {block}"));
@@ -211,7 +211,7 @@ refusals! {
 }
 
 impl From<std::io::Error> for Refusal {
-    /// Only the kind: the text of an error may name a path.
+    /// Only the kind, since the text of an error may name a path.
     fn from(error: std::io::Error) -> Self {
         Self::new(
             StatusCode::INTERNAL_SERVER_ERROR,

@@ -1,23 +1,23 @@
-//! One course at the instants of another.
+//! Values of one time series at the instants of another.
 
 use recording::Sampling;
 use serde::{Deserialize, Serialize};
 
-/// Instants closer than this share of a step are the same: shifted times differ in their last bits.
+/// Instants closer than this share of a step count as equal: shifted times differ in their last bits.
 const SAME_IN_MEDIAN_STEPS: f64 = 1e-6;
 
-/// What a course is between two samples.
+/// Interpolation between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Between {
-    /// On the line through both.
+    /// Linear between both.
     Linear,
-    /// As the earlier one: what holds until it is set anew.
+    /// Value of the earlier one, as for a command.
     Hold,
 }
 
-/// The values of a course (times in s, values, median step in s) at `instants_s`, which rise. NaN before its first and after
-/// its last sample, in its gaps, and where a sample that it takes is missing.
+/// Returns the values of a series (times in s, values, median step in s) at the increasing `instants_s`. NaN before its
+/// first and after its last sample, in its gaps, and if a required sample is missing.
 pub(crate) fn at_instants(
     (times_s, values, step_s): (&[f64], &[f64], f64),
     instants_s: impl Iterator<Item = f64>,

@@ -1,4 +1,4 @@
-//! Binds, prints nothing, serves until it is stopped.
+//! Server: binds, serves until it is stopped, and prints nothing.
 
 use std::io;
 use std::path::PathBuf;
@@ -20,45 +20,45 @@ use crate::store::{FolderError, Store};
 use crate::tabs::{self, Tabs, Worker};
 use crate::token::Secrets;
 
-/// The usual port, so that a bookmark of a view holds over restarts.
+/// Default port, so that a bookmark of a view stays valid after a restart.
 const USUAL_PORT: u16 = 7474;
 
-/// What to serve, and where.
+/// Options of the server.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Folder that keeps logs and projects; made if it is not there.
+    /// Folder for logs and projects; created if it is missing.
     pub project: PathBuf,
-    /// The port on the loopback interface; none takes 7474, or a free one if that is taken.
+    /// Port on the loopback interface; `None` takes 7474, or a free port if that is in use.
     pub port: Option<u16>,
-    /// What does the work of each tab.
+    /// Program that does the work of each tab.
     pub worker: Worker,
 }
 
-/// Why there is no page.
+/// Reason why the server cannot run.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// The project folder.
+    /// Project folder.
     #[error(transparent)]
     Project(#[from] FolderError),
-    /// The port.
+    /// Port.
     #[error(
         "port {port} of the loopback interface: {error}; choose another with --port, or leave the option out"
     )]
     Port {
-        /// The port.
+        /// Port.
         port: u16,
-        /// What the operating system says.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// The operating system has no randomness to give.
+    /// The operating system has no random numbers.
     #[error("no token could be drawn: {0}")]
     Token(#[from] getrandom::Error),
-    /// The runtime or the socket.
+    /// Runtime or socket.
     #[error("the server cannot run: {0}")]
     Run(#[from] io::Error),
 }
 
-/// A server that has its port and its project folder, and waits to run.
+/// Server with its port and its project folder, ready to run.
 pub struct Server {
     loopback: Loopback,
     gate: Arc<Gate>,
@@ -67,7 +67,7 @@ pub struct Server {
     unreadable: Vec<String>,
 }
 
-/// Stops a server from another thread.
+/// Handle that stops a server from another thread.
 #[derive(Clone)]
 pub struct Stopper(Arc<Notify>);
 
@@ -79,10 +79,10 @@ impl Stopper {
 }
 
 impl Server {
-    /// Takes the port on the loopback interface, and on no other, and opens the project folder.
+    /// Binds the port on the loopback interface only, and opens the project folder.
     ///
     /// # Errors
-    /// [`ServeError`]: the port is taken, or the folder cannot be used.
+    /// [`ServeError`]: the port is in use, or the folder cannot be used.
     pub fn bind(options: &Options) -> Result<Self, ServeError> {
         let loopback = match options.port {
             Some(0) => Loopback::on_free_port()?,
@@ -106,18 +106,18 @@ impl Server {
         })
     }
 
-    /// The address to open, with the token of this start. It is good for one browser.
+    /// Returns the address to open, with the token of this start. It works in one browser.
     pub fn address(&self) -> String {
         let Gate { port, secrets } = &*self.gate;
         format!("http://127.0.0.1:{port}/?token={}", secrets.token())
     }
 
-    /// What is wrong with projects of the folder that cannot be read, for people.
+    /// Returns the problems of unreadable projects in the folder.
     pub fn unreadable_projects(&self) -> &[String] {
         &self.unreadable
     }
 
-    /// What stops [`Self::run`].
+    /// Returns the handle that stops [`Self::run`].
     pub fn stopper(&self) -> Stopper {
         Stopper(Arc::clone(&self.stop))
     }
@@ -125,13 +125,13 @@ impl Server {
     /// Serves until it is stopped.
     ///
     /// # Errors
-    /// The operating system gives no threads or takes the socket away.
+    /// The operating system refuses threads, or closes the socket.
     pub fn run(self) -> Result<(), ServeError> {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .enable_all()
             .build()?;
         let served = runtime.block_on(self.serve());
-        // Whatever is computed for pages that are gone is not waited for.
+        // Computations for closed pages are not awaited.
         runtime.shutdown_background();
         served
     }
@@ -150,7 +150,7 @@ impl Server {
             let listener = TcpListener::from_std(socket)?;
             accepting.spawn(accept(listener, router.clone(), Arc::clone(&places)));
         }
-        // What still accepts ends with its set.
+        // Tasks that still accept connections end with their set.
         self.stop.notified().await;
         Ok(())
     }

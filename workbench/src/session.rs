@@ -1,5 +1,4 @@
-//! What one tab has open, and what was computed for it. Each tab has a process of its own: tabs share nothing but the project
-//! folder.
+//! Open files and results of one tab. Each tab has its own process: tabs share only the project folder.
 
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -21,7 +20,7 @@ use crate::results::{Batch, Compared, Controlled, ErrorsOfPlants, Findings};
 use crate::shelf::{Room, Shelf, VALUES_MAX, values_of};
 use crate::store::{BeingRead, Store};
 
-/// The process of a tab, as its routes see it.
+/// Process of a tab, for its routes.
 pub(crate) struct Sessions {
     store: Arc<Store>,
     open: OnceLock<Arc<Session>>,
@@ -31,25 +30,25 @@ pub(crate) struct Sessions {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Opening {
     pub(crate) id: ProjectId,
-    /// Project to begin with, where none of this id is stored.
+    /// Project to copy if no project of this id is stored.
     pub(crate) copy_of: Option<ProjectId>,
-    /// Project whose findings are copied, where none of this id are stored.
+    /// Project whose findings are copied if none of this id are stored.
     pub(crate) findings_of: Option<ProjectId>,
-    /// Whether an earlier process of this session broke off.
+    /// Whether an earlier process of this session ended unexpectedly.
     pub(crate) is_again: bool,
 }
 
-/// What one tab has open.
+/// Open files of one tab.
 pub(crate) struct Session {
     pub(crate) id: ProjectId,
     pub(crate) store: Arc<Store>,
     project: Mutex<Project>,
-    /// Logs at which an earlier process of this session broke off.
+    /// Logs during whose reading an earlier process of this session ended.
     unreadable: Vec<BeingRead>,
     logs: Shelf<OpenLog>,
     comparisons: Shelf<Compared>,
     findings: Mutex<Findings>,
-    /// Errors of plants that were simulated lately.
+    /// Errors of recently simulated plants.
     pub(crate) errors: Mutex<ErrorsOfPlants>,
     /// The last run of the closed loop, and the last batch of rigs.
     pub(crate) controlled: Kept<Controlled>,
@@ -59,7 +58,7 @@ pub(crate) struct Session {
     job: Mutex<Option<Arc<Job>>>,
 }
 
-/// A result that stays until there is another one.
+/// Result that is kept until the next one.
 pub(crate) struct Kept<T>(Mutex<Option<Arc<T>>>);
 
 impl<T> Default for Kept<T> {
@@ -82,16 +81,16 @@ impl<T> Kept<T> {
     }
 }
 
-/// A log in memory, or why it is not.
+/// Log in memory, or the reason why it is missing.
 pub(crate) type OpenLog = Result<LoadedLog, Problem>;
 
-/// A log with what a view of it needs.
+/// Log with the data that a view needs.
 pub(crate) struct LoadedLog {
     pub(crate) recording: Recording,
     pub(crate) summary: LogSummary,
-    /// Of each signal.
+    /// One for each signal.
     pub(crate) pyramids: Vec<Pyramid>,
-    /// Conditions under which it was made, as they were found last.
+    /// Conditions under which it was made, as last determined.
     conditions: Mutex<Option<LogConditions>>,
 }
 
@@ -106,8 +105,8 @@ impl LoadedLog {
         }
     }
 
-    /// Returns the conditions under which it was made, found with `plant` unless they are known: a slider that moves a parameter moves
-    /// no clock.
+    /// Returns the conditions under which it was made. They are determined with `plant` once; a slider that changes a
+    /// parameter changes no clock.
     pub(crate) fn conditions(&self, plant: &PlantParameters) -> LogConditions {
         let mut known = lock(&self.conditions);
         let found = known.get_or_insert_with(|| find_conditions(plant, &self.recording));
@@ -165,12 +164,12 @@ impl Session {
         }
     }
 
-    /// What was found out about the project as it is now.
+    /// Returns the findings about the current project.
     pub(crate) fn findings(&self) -> Findings {
         lock(&self.findings).clone()
     }
 
-    /// Changes what was found out, and stores it. What cannot be stored is not kept either.
+    /// Changes the findings and stores them. If they cannot be stored, the change is dropped.
     pub(crate) fn change_findings(
         &self,
         change: impl FnOnce(&mut Findings),
@@ -188,12 +187,12 @@ impl Session {
         self.store.remove_findings(&self.id);
     }
 
-    /// The project as it is now.
+    /// Returns the current project.
     pub(crate) fn project(&self) -> Project {
         lock(&self.project).clone()
     }
 
-    /// Changes the project and keeps it. A change that is refused, or cannot be kept, changes nothing.
+    /// Changes the project and stores it. A change that is refused, or cannot be stored, has no effect.
     pub(crate) fn change<T>(
         &self,
         change: impl FnOnce(&mut Project) -> Result<T, Refusal>,
@@ -206,7 +205,7 @@ impl Session {
         Ok(result)
     }
 
-    /// The log, read when it is first asked for.
+    /// Returns the log, and reads it at the first request.
     pub(crate) fn log(&self, number: u32) -> Result<Arc<OpenLog>, Refusal> {
         if let Some(log) = self.logs.get(number) {
             return Ok(log);
@@ -218,7 +217,7 @@ impl Session {
             .as_ref()
             .as_ref()
             .map_or(0, |log| values_of(&log.recording));
-        // While it was read, the number may have become another log's, or other columns were chosen.
+        // During the reading, the number may have been given to another log, or other columns may have been selected.
         let now = lock(&self.project);
         if now.log(number).ok() == Some(entry) && now.calculated == project.calculated {
             self.logs.put(number, values, Arc::clone(&log));
@@ -235,7 +234,7 @@ impl Session {
                  remove it",
             ));
         }
-        // A process that ends here leaves the note to the next one.
+        // If the process ends here, the next one finds the note.
         let note = self.store.note_being_read(&self.id, &reading);
         let path = self.store.log_path(&entry.file);
         let read = log_reader::read(&entry.name, &path, entry.mapping.as_deref());
@@ -249,7 +248,7 @@ impl Session {
         read
     }
 
-    /// Forgets what was read and computed of a log.
+    /// Drops the log and its results.
     pub(crate) fn forget_log(&self, number: u32) {
         self.logs.remove(number);
         self.comparisons.remove(number);
@@ -257,7 +256,7 @@ impl Session {
         self.forget_findings();
     }
 
-    /// Recordings of the logs `numbers`, or what is wrong with the first that cannot be read.
+    /// Returns the recordings of the logs `numbers`, or the problem of the first that cannot be read.
     pub(crate) fn recordings(&self, numbers: &[u32]) -> Result<Vec<Recording>, Refusal> {
         let recording = |number: &u32| match &*self.log(*number)? {
             Ok(log) => Ok(log.recording.clone()),
@@ -266,13 +265,13 @@ impl Session {
         numbers.iter().map(recording).collect()
     }
 
-    /// Forgets all comparisons, because the plant or the strictness is another.
+    /// Drops all comparisons after a change of the plant or the limits.
     pub(crate) fn forget_comparisons(&self) {
         self.cancel();
         self.clear_comparisons();
     }
 
-    /// The same for a job that has changed the plant itself.
+    /// Does the same for a job that has changed the plant itself.
     pub(crate) fn clear_comparisons(&self) {
         self.comparisons.clear();
     }
@@ -286,7 +285,7 @@ impl Session {
         self.comparisons.put(log, values, Arc::new(compared));
     }
 
-    /// The job of this number, if it is the last one.
+    /// Returns the job of this number, if it is the last one.
     pub(crate) fn job(&self, number: u64) -> Option<Arc<Job>> {
         let job = lock(&self.job);
         job.as_ref()
@@ -294,14 +293,14 @@ impl Session {
             .map(Arc::clone)
     }
 
-    /// Makes `job` the job of this session; one that is under way ends.
+    /// Sets `job` as the job of this session; a running one ends.
     pub(crate) fn begin(&self, job: Arc<Job>) {
         if let Some(before) = lock(&self.job).replace(job) {
             before.cancel();
         }
     }
 
-    /// Ends the job that is under way.
+    /// Ends the running job.
     pub(crate) fn cancel(&self) {
         if let Some(job) = lock(&self.job).take() {
             job.cancel();

@@ -1,5 +1,5 @@
-//! What is computed for a tab stays in memory within a budget; what was used longest ago makes room. Logs are read again
-//! from the project folder, comparisons are made again, when a page asks for them.
+//! Cache of a tab's results within a memory budget; the least recently used entry is dropped first. On request, logs
+//! are read again from the project folder and comparisons are computed again.
 
 use std::sync::{Arc, Mutex};
 
@@ -7,10 +7,10 @@ use recording::Recording;
 
 use crate::lock::lock;
 
-/// Values of a tab that stay in memory, 8 bytes each: a third of the memory that it may have.
+/// Values of a tab in memory, 8 bytes each: a third of its memory limit.
 pub(crate) const VALUES_MAX: usize = 128 << 20;
 
-/// Room that shelves share.
+/// Budget that several caches share.
 pub(crate) struct Room {
     values_max: usize,
     entries: Mutex<Entries>,
@@ -18,7 +18,7 @@ pub(crate) struct Room {
 
 #[derive(Default)]
 struct Entries {
-    /// What was used last comes last.
+    /// Least recently used first.
     entries: Vec<Entry>,
     shelves: u64,
 }
@@ -32,7 +32,7 @@ struct Entry {
 
 type Thing = Arc<dyn std::any::Any + Send + Sync>;
 
-/// Things of one kind that one tab has, by number.
+/// Results of one kind of one tab, by number.
 pub(crate) struct Shelf<T> {
     room: Arc<Room>,
     number: u64,
@@ -68,7 +68,7 @@ impl<T: Send + Sync + 'static> Shelf<T> {
         thing.downcast().ok()
     }
 
-    /// Keeps a thing of so many values. It stays at least until the next one comes, however large it is.
+    /// Stores a result with this number of values. It stays at least until the next one comes, whatever its size.
     pub(crate) fn put(&self, number: u32, values: usize, thing: Arc<T>) {
         self.remove(number);
         let entries = &mut lock(&self.room.entries).entries;
@@ -105,7 +105,7 @@ impl<T> Drop for Shelf<T> {
     }
 }
 
-/// What a recording takes: values of all signals and time bases.
+/// Returns the size of a recording: values of all signals and time bases.
 pub(crate) fn values_of(recording: &Recording) -> usize {
     let of_signals = recording
         .signals()

@@ -1,4 +1,4 @@
-//! The unit in which a signal is shown: the model's where it has the signal, so that both sides share an axis.
+//! Display unit of a signal: the model's unit if the model has the signal, so that both share an axis.
 
 use std::borrow::Cow;
 
@@ -6,7 +6,7 @@ use plant_sim::PlantParameters;
 use plant_sim::replay::ROW_SIGNALS;
 use recording::{Converter, Signal, Unit};
 
-/// The unit in which a signal is shown, and how to get there from that of the log.
+/// Returns the display unit of a signal, and the conversion from the unit of the log.
 pub(crate) fn shown_unit(
     signal: &Signal,
     parameters: &PlantParameters,
@@ -20,7 +20,7 @@ pub(crate) fn shown_unit(
         .unwrap_or((signal.unit(), None))
 }
 
-/// All values of a signal in the unit in which it is shown, NaN where missing.
+/// Returns all values of a signal in its display unit, NaN if missing.
 pub(crate) fn shown_values<'a>(signal: &'a Signal, parameters: &PlantParameters) -> Cow<'a, [f64]> {
     let values = signal.values_or_nan();
     match shown_unit(signal, parameters).1 {
@@ -29,12 +29,12 @@ pub(crate) fn shown_values<'a>(signal: &'a Signal, parameters: &PlantParameters)
     }
 }
 
-/// Symbol of the unit in which a signal's errors and their limits are told, whatever unit the log has.
+/// Returns the symbol of the unit of a signal's errors and limits, whatever unit the log has.
 pub(crate) fn unit_of_errors(signal: &Signal) -> &'static str {
     unit_of_difference(modelled_unit(signal).unwrap_or(signal.unit()))
 }
 
-/// Symbol of the unit of a difference: that of two pressures is neither gauge nor absolute.
+/// Returns the symbol of the unit of a difference: a difference of two pressures is neither gauge nor absolute.
 pub(crate) fn unit_of_difference(unit: Unit) -> &'static str {
     let symbol = unit.symbol();
     match unit.pressure_reference() {
@@ -63,12 +63,12 @@ mod tests {
         unit_of_errors(&log.signals()[0])
     }
 
-    /// The limits once had the log's unit beside them, and a limit of 5 kPa was one of 5 bar.
+    /// Defect seen: limits were shown with the log's unit, and a limit of 5 kPa counted as 5 bar.
     #[test]
     fn limits_have_the_unit_of_the_errors_whatever_the_log_has() {
         assert_eq!(unit_of_errors_in("p_ch", Unit::KilopascalGauge), "bar");
         assert_eq!(unit_of_errors_in("i_fill", Unit::Ampere), "mA");
-        // What the model has not is held against another log, in its own unit.
+        // A signal that the model lacks is compared with another log, in its own unit.
         assert_eq!(unit_of_errors_in("p_inlet", Unit::KilopascalGauge), "kPa");
         assert_eq!(unit_of_errors_in("voltage", Unit::Volt), "V");
     }

@@ -1,5 +1,5 @@
-//! How the variance of a course is spread over frequency, by Welch's method (P. D. Welch, IEEE Trans. Audio Electroacoust. 15,
-//! 1967): periodograms of Hann-windowed segments that overlap by half, averaged. A segment never lies across a gap.
+//! Power spectral density of a time series, by Welch's method (P. D. Welch, IEEE Trans. Audio Electroacoust. 15, 1967):
+//! averaged periodograms of Hann-windowed segments that overlap by half. No segment contains a gap.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -7,29 +7,29 @@ use std::ops::Range;
 use realfft::RealFftPlanner;
 use serde::Serialize;
 
-/// Samples of a segment: beyond them a view has no more pixels, below them no line can be told from its neighbour.
+/// Samples of a segment: more exceed the pixels of a view; with fewer, neighbouring lines cannot be separated.
 const SEGMENT: std::ops::RangeInclusive<usize> = 32..=4096;
-/// Segments fit so many times into the longest piece, so that their average is steady.
+/// Number of segments in the longest interval, so that their average is steady.
 const LENGTHS_IN_PIECE: usize = 4;
-/// Two samples further apart than so many sample intervals, or closer than one over it, are a gap.
+/// Two samples are a gap if their distance is more than this many sample intervals, or less than one divided by it.
 const STEP_SLACK: f64 = 1.5;
 
-/// A power spectral density.
+/// Power spectral density.
 #[derive(Debug, PartialEq, Serialize)]
 pub(crate) struct Spectrum {
-    /// Without 0: the mean of each segment is taken away.
+    /// Without 0: the mean of each segment is removed.
     frequency_hz: Vec<f64>,
     /// One-sided (unit²/Hz): its integral over frequency is the variance.
     density: Vec<f64>,
     sample_rate_hz: f64,
     segments: usize,
-    /// Distance of two frequencies (Hz).
+    /// Frequency resolution (Hz).
     resolution_hz: f64,
 }
 
 impl Spectrum {
-    /// The spectrum of `values`, NaN where missing, that were sampled about every `step_s`; none where no stretch without
-    /// a gap is long enough.
+    /// Returns the spectrum of `values`, NaN if missing, sampled about every `step_s`; `None` if no interval without a
+    /// gap is long enough.
     pub(crate) fn of(times_s: &[f64], values: &[f64], step_s: f64) -> Option<Self> {
         let pieces = pieces(times_s, values, step_s);
         let longest = pieces.iter().map(ExactSizeIterator::len).max()?;
@@ -61,13 +61,13 @@ impl Spectrum {
         })
     }
 
-    /// Density of white noise with this standard deviation, sampled like the course (unit²/Hz).
+    /// Returns the density of white noise with this standard deviation, sampled like the series (unit²/Hz).
     pub(crate) fn of_white_noise(&self, standard_deviation: f64) -> f64 {
         2.0 * standard_deviation.powi(2) / self.sample_rate_hz
     }
 }
 
-/// Stretches of evenly spaced samples that are there.
+/// Returns the intervals of evenly spaced samples without missing ones.
 fn pieces(times_s: &[f64], values: &[f64], step_s: f64) -> Vec<Range<usize>> {
     let steps = step_s / STEP_SLACK..=step_s * STEP_SLACK;
     let goes_on = |index: usize| {
@@ -85,7 +85,7 @@ fn pieces(times_s: &[f64], values: &[f64], step_s: f64) -> Vec<Range<usize>> {
     pieces
 }
 
-/// Sums up periodograms of segments of one length.
+/// Sum of periodograms of segments of one length.
 struct PowerSum {
     transform: std::sync::Arc<dyn realfft::RealToComplex<f64>>,
     window: Vec<f64>,
@@ -117,7 +117,7 @@ impl PowerSum {
         let transformed = self
             .transform
             .process(&mut self.windowed, &mut self.amplitudes);
-        // Both buffers are the transform's own: their lengths are right.
+        // Both buffers come from the transform: their lengths are right.
         debug_assert!(transformed.is_ok());
         for (power, amplitude) in self.power.iter_mut().zip(&self.amplitudes[1..]) {
             *power += amplitude.norm_sqr();
@@ -125,7 +125,7 @@ impl PowerSum {
         self.segments += 1;
     }
 
-    /// The average, one-sided: all but half the sample rate stands for two frequencies.
+    /// Returns the average, one-sided: every bin except half the sample rate stands for two frequencies.
     fn density(&self, sample_rate_hz: f64) -> Vec<f64> {
         let window_power: f64 = self.window.iter().map(|weight| weight * weight).sum();
         let scale = 1.0 / (sample_rate_hz * window_power * self.segments as f64);
@@ -147,7 +147,7 @@ mod tests {
         (0..count).map(|index| index as f64 * STEP_S).collect()
     }
 
-    /// Numbers without any pattern, the same each time: SplitMix64, uniform within ±1.
+    /// Returns numbers without a pattern, the same each time: SplitMix64, uniform within ±1.
     fn noise(count: usize) -> Vec<f64> {
         let mut state = 7_u64;
         let mut next = || {
@@ -164,7 +164,7 @@ mod tests {
         spectrum.density.iter().sum::<f64>() * spectrum.resolution_hz
     }
 
-    /// Parseval: nothing of the variance is lost, and white noise lies on its level.
+    /// Parseval: the variance is complete, and white noise lies on its level.
     #[test]
     fn the_integral_over_frequency_is_the_variance() {
         let values = noise(100_000);
@@ -193,7 +193,7 @@ mod tests {
         assert!((integral(&spectrum) - 4.5).abs() < 0.01);
     }
 
-    /// A jump across a gap would be a spectrum of its own.
+    /// A jump across a gap would add to the spectrum.
     #[test]
     fn no_segment_lies_across_a_gap_or_a_missing_sample() {
         let mut times = times(4000);
@@ -211,7 +211,7 @@ mod tests {
         );
         let spectrum = Spectrum::of(&times, &values, STEP_S).unwrap();
         assert!(integral(&spectrum) < 1e-6, "{}", integral(&spectrum));
-        // 2000 samples hold 6 segments of 256 with half overlap and a rest: 14, and 6 and 6 for the halves.
+        // 2000 samples contain 6 segments of 256 with half overlap and a rest: 14, and 6 and 6 for the halves.
         assert_eq!(spectrum.segments, 14 + 6 + 6);
     }
 

@@ -1,4 +1,4 @@
-//! The project folder: logs under their hash, one file per project. No name in it comes from a request.
+//! Project folder: logs under their hash, one file per project. No file name comes from a request.
 
 mod folder;
 
@@ -24,33 +24,32 @@ pub use folder::FolderError;
 pub(crate) use folder::open_regular;
 use folder::{Folder, TidyingRight};
 
-/// Largest file that the page takes (bytes): an hour at 1 kHz in a dozen channels as text.
+/// Largest accepted file (bytes): an hour at 1 kHz in a dozen channels as text.
 pub(crate) const UPLOAD_BYTES_MAX: u64 = 1 << 30;
-/// Longest silence within an upload.
+/// Longest pause within an upload.
 const SILENCE_MAX: Duration = Duration::from_secs(30);
-/// Projects that are kept; of older ones, the file is removed when the folder is opened.
+/// Number of stored projects; the files of older ones are removed when the folder is opened.
 const PROJECTS_MAX: usize = 50;
 
-/// Jobs at one time, of all tabs together; others wait.
+/// Simultaneous jobs of all tabs together; others wait.
 const PLACES: usize = 2;
-/// End of the name of a file with findings.
+/// Suffix of a file with findings.
 const FINDINGS: &str = "findings.json";
 
-/// A project folder.
+/// Project folder.
 pub(crate) struct Store {
     folder: PathBuf,
     logs: PathBuf,
     projects: PathBuf,
-    /// Files that are being written; each is renamed once it is whole.
+    /// Folder of files being written; each is renamed when it is complete.
     incoming: PathBuf,
-    /// Of the first server that has the folder open: it alone removes anything.
+    /// Held by the first server that has the folder open: only that one removes files.
     _tidying: Option<TidyingRight>,
 }
 
 impl Store {
-    /// Opens or makes the folder, for its owner alone, and removes those of its own files that nobody needs, unless another
-    /// server is using it. The texts that come with it are about projects that cannot be read: as long as there are any, no
-    /// log is removed.
+    /// Opens or creates the folder, for its owner only, and removes unneeded files of its own unless another server is
+    /// using it. The returned texts are about projects that cannot be read; while there are any, no log is removed.
     pub(crate) fn open(folder: &Path) -> Result<(Self, Vec<String>), FolderError> {
         let mut store = Self::join(folder)?;
         store._tidying = Folder::open(folder)?.take_tidying_right()?;
@@ -76,7 +75,7 @@ impl Store {
         })
     }
 
-    /// Takes an upload, and names it by its hash. Never more than a chunk of it is in memory.
+    /// Receives an upload, and names it by its hash. Only one chunk of it is in memory.
     pub(crate) async fn receive(&self, body: Body) -> Result<LogHash, Refusal> {
         let name = ProjectId::random()?;
         let path = self.incoming.join(name.as_str());
@@ -111,7 +110,7 @@ impl Store {
         Ok(hash)
     }
 
-    /// Keeps a log that comes with the program.
+    /// Stores a bundled log.
     pub(crate) fn keep(&self, bytes: &[u8]) -> io::Result<LogHash> {
         let hash = LogHash::of(&Sha256::digest(bytes));
         let path = self.log_path(&hash);
@@ -121,14 +120,14 @@ impl Store {
         Ok(hash)
     }
 
-    /// Writes a file whole or not at all. A link of that name is replaced, not followed.
+    /// Writes a file completely or not at all. A link of that name is replaced, not followed.
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let unfinished = self.incoming.join(ProjectId::random()?.as_str());
         let mut options = OpenOptions::new();
         let mut file = options.write(true).create_new(true).open(&unfinished)?;
         let written = file
             .write_all(bytes)
-            // File systems count in ticks of milliseconds: two projects saved within one would have no order.
+            // File systems have a time resolution of milliseconds: two projects saved within one would have no order.
             .and_then(|()| file.set_modified(SystemTime::now()))
             .and_then(|()| file.sync_all())
             .and_then(|()| fs::rename(&unfinished, path));
@@ -138,7 +137,7 @@ impl Store {
         written
     }
 
-    /// Where the bytes of a log lie.
+    /// Returns the path of a log.
     pub(crate) fn log_path(&self, hash: &LogHash) -> PathBuf {
         self.logs.join(hash.as_str())
     }
@@ -152,18 +151,18 @@ impl Store {
         self.write(&self.project_path(id), &json)
     }
 
-    /// The project of this id; none if there is none that can be read.
+    /// Returns the project of this id; `None` if it is missing or unreadable.
     pub(crate) fn load(&self, id: &ProjectId) -> Option<Project> {
         read_project(&self.project_path(id)).ok()
     }
 
-    /// The project that was changed last.
+    /// Returns the project that was changed last.
     pub(crate) fn newest(&self) -> Option<ProjectId> {
         let (_, path) = self.project_files().ok()?.pop()?;
         project_id(path.file_name()?.to_str()?)
     }
 
-    /// Whether there is a project of this id that can be read.
+    /// Returns whether there is a readable project of this id.
     pub(crate) fn has(&self, id: &ProjectId) -> bool {
         self.load(id).is_some()
     }
@@ -177,17 +176,17 @@ impl Store {
         self.write(&self.findings_path(id), &json)
     }
 
-    /// What was found out about a project; none if there is nothing that can be read.
+    /// Returns the findings about a project; `None` if they are missing or unreadable.
     pub(crate) fn load_findings(&self, id: &ProjectId) -> Option<Findings> {
         read_json(&self.findings_path(id)).ok()
     }
 
     pub(crate) fn remove_findings(&self, id: &ProjectId) {
-        // Most often there are none.
+        // Most projects have none.
         let _ = fs::remove_file(self.findings_path(id));
     }
 
-    /// Notes that a session begins to read a log.
+    /// Writes a note that a session begins to read a log.
     pub(crate) fn note_being_read(&self, id: &ProjectId, reading: &BeingRead) -> io::Result<Note> {
         let number = ProjectId::random()?;
         let name = format!("{}-{}", id.as_str(), number.as_str());
@@ -198,7 +197,7 @@ impl Store {
         Ok(Note(path))
     }
 
-    /// Logs that a session was reading when its process ended. The notes are taken away.
+    /// Returns the logs that a session was reading when its process ended, and removes the notes.
     pub(crate) fn take_being_read(&self, id: &ProjectId) -> Vec<BeingRead> {
         let is_of_session = |name: &str| note_session(name).as_ref() == Some(id);
         let notes = own_files(&self.incoming, is_of_session).unwrap_or_default();
@@ -210,8 +209,8 @@ impl Store {
         found
     }
 
-    /// Waits until one of the places for work is free, and takes it. It is given back when what comes back is dropped, or its
-    /// process ends. None where the file system has no locks.
+    /// Waits for a free place for work, and takes it. The place is free again when the returned file is dropped or the
+    /// process ends. `None` if the file system has no locks.
     pub(crate) fn take_place(&self) -> Option<File> {
         let open = |number: usize| folder::open_lock(&self.folder.join(format!("place-{number}")));
         for number in 0..PLACES {
@@ -225,7 +224,7 @@ impl Store {
         Some(place)
     }
 
-    /// Project files, the oldest first.
+    /// Returns the project files, oldest first.
     fn project_files(&self) -> io::Result<Vec<(SystemTime, PathBuf)>> {
         let is_ours = |name: &str| project_id(name).is_some();
         let mut files = own_files(&self.projects, is_ours)?;
@@ -233,9 +232,9 @@ impl Store {
         Ok(files)
     }
 
-    /// Removes what an earlier start left unfinished, the oldest projects beyond the number that is kept, and logs that no
-    /// project has. A project that cannot be read may have any of them: then no log is removed, and what is wrong with it
-    /// comes back. Files that are not named as we name them are not ours, and stay.
+    /// Removes unfinished files of an earlier start, the oldest projects beyond the limit, and logs without a project.
+    /// An unreadable project may use any log: then no log is removed, and its problem is returned. Files with names of
+    /// another form are not ours, and stay.
     fn tidy(&self) -> io::Result<Vec<String>> {
         let is_unfinished = |name: &str| {
             ProjectId::try_from(name.to_owned()).is_ok() || note_session(name).is_some()
@@ -280,7 +279,8 @@ impl Store {
     }
 }
 
-/// Regular files of a folder whose names are `wanted`, with the time of their last change. Links are left out.
+/// Returns the regular files of a folder whose names are `wanted`, with the time of their last change. Links are left
+/// out.
 fn own_files(
     folder: &Path,
     wanted: impl Fn(&str) -> bool,
@@ -306,7 +306,7 @@ fn read_json<T: DeserializeOwned>(path: &Path) -> io::Result<T> {
     Ok(serde_json::from_slice(&bytes)?)
 }
 
-/// The project that a project file is named by.
+/// Returns the project in the name of a project file.
 fn project_id(name: &str) -> Option<ProjectId> {
     id_before(name, "json")
 }
@@ -316,14 +316,14 @@ fn id_before(name: &str, end: &str) -> Option<ProjectId> {
     ProjectId::try_from(id.to_owned()).ok()
 }
 
-/// The session that a note is of, by the note's name.
+/// Returns the session in the name of a note.
 fn note_session(name: &str) -> Option<ProjectId> {
     let (session, number) = name.split_once('-')?;
     ProjectId::try_from(number.to_owned()).ok()?;
     ProjectId::try_from(session.to_owned()).ok()
 }
 
-/// A log that is being read, and how.
+/// Log being read, with its mapping.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct BeingRead {
     file: LogHash,
@@ -339,12 +339,12 @@ impl BeingRead {
     }
 }
 
-/// A note that a log is being read.
+/// Note that a log is being read.
 pub(crate) struct Note(PathBuf);
 
 impl Note {
     pub(crate) fn remove(self) {
-        // What stays is taken away with the next start.
+        // A note that remains is removed at the next start.
         let _ = fs::remove_file(self.0);
     }
 }
@@ -367,7 +367,7 @@ mod tests {
 
     use super::*;
 
-    /// Rule 6: an upload may be slow, but not silent. The clock is the test's.
+    /// Rule 6: an upload may be slow, but a long pause ends it. The clock is the test's.
     #[test]
     fn an_upload_that_falls_silent_is_refused_and_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
@@ -377,7 +377,7 @@ mod tests {
             .start_paused(true)
             .build()
             .unwrap();
-        // Ten chunks, each within the deadline, and then nothing any more.
+        // Ten chunks, each within the deadline, and then nothing.
         let chunks = stream::unfold(0, |sent| async move {
             let pause = if sent < 10 {
                 SILENCE_MAX / 2
@@ -397,7 +397,7 @@ mod tests {
         assert_eq!(fs::read_dir(&store.incoming).unwrap().count(), 0);
     }
 
-    /// Rule 6: what an earlier start left half-way is gone, and nobody else on the machine may look.
+    /// Rule 6: unfinished files of an earlier start are removed, and other users of the machine have no access.
     #[test]
     fn the_folder_is_for_its_owner_and_begins_without_leavings() {
         let folder = tempfile::tempdir().unwrap();
@@ -416,7 +416,7 @@ mod tests {
         }
     }
 
-    /// A log that a person had put there was once removed, and so were the oldest of any fifty JSON files.
+    /// Defect seen: a log that a user had put there was removed, and so were the oldest of any fifty JSON files.
     #[test]
     fn files_that_we_did_not_name_stay_and_links_are_not_followed() {
         let folder = tempfile::tempdir().unwrap();
@@ -450,7 +450,7 @@ mod tests {
             assert_eq!(fs::read_to_string(path).unwrap(), "precious", "{path:?}");
         }
         assert!(!store.log_path(&of_nobody).exists());
-        // A link where a log of ours belongs gives way to the log.
+        // A link in the place of a log of ours is replaced by the log.
         store.keep(b"precious").unwrap();
         assert!(
             fs::symlink_metadata(store.log_path(&hash))
@@ -460,7 +460,7 @@ mod tests {
         assert_eq!(fs::read_to_string(&target).unwrap(), "precious");
     }
 
-    /// A second server once took away what the first one was just receiving.
+    /// Defect seen: a second server removed a file that the first one was receiving.
     #[test]
     fn a_folder_in_use_is_not_tidied() {
         let folder = tempfile::tempdir().unwrap();
@@ -472,7 +472,7 @@ mod tests {
         assert_eq!(fs::read_dir(&first.logs).unwrap().count(), 1);
     }
 
-    /// A project of a later version, or a damaged one: its logs once went as those of nobody.
+    /// Defect seen: the logs of an unreadable project (a later version, or damaged) were removed as unused.
     #[test]
     fn logs_stay_as_long_as_a_project_cannot_be_read() {
         let folder = tempfile::tempdir().unwrap();

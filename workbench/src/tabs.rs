@@ -1,5 +1,5 @@
-//! Tabs of the browser. Each has a process of its own under a memory limit, which does all the work of its session; requests
-//! are handed on to it as they are. What ends a process ends what one tab was computing, and nothing else.
+//! Tabs of the browser. Each has its own process under a memory limit, which does all the work of its session; requests
+//! are forwarded unchanged. If a process ends, only the computation of its own tab is lost.
 
 mod process;
 
@@ -27,28 +27,28 @@ use crate::session::Opening;
 use crate::store::{Store, UPLOAD_BYTES_MAX};
 use process::Tab;
 
-/// Tabs at one time; beyond them, the one that was opened first is closed. Its project is kept.
+/// Most simultaneous tabs; beyond them, the oldest is closed. Its project is kept.
 const TABS_MAX: usize = 24;
 
-/// Uploads at one time, of all tabs together.
+/// Simultaneous uploads of all tabs together.
 const UPLOADS: usize = 2;
 
-/// Bytes of one answer or upload that are under way between the processes.
+/// Bytes of one answer or upload in transit between the processes.
 pub(crate) const WINDOW_BYTES: u32 = 1 << 20;
 
-/// The program that does the work of a tab: it calls [`crate::work`] with the arguments that follow these.
+/// Program that does the work of a tab: it calls [`crate::work`] with the arguments that follow these.
 #[derive(Debug, Clone)]
 pub struct Worker {
-    /// The program file.
+    /// Program file.
     pub program: PathBuf,
     /// Its first arguments.
     pub arguments: Vec<String>,
-    /// Largest memory of one tab (bytes).
+    /// Memory limit of one tab (bytes).
     pub memory_bytes: u64,
 }
 
 impl Worker {
-    /// Memory of a tab where nobody says otherwise (bytes): a dozen channels of an hour at 1 kHz, compared.
+    /// Default memory limit of a tab (bytes): a dozen channels of an hour at 1 kHz, compared.
     pub const MEMORY_BYTES: u64 = 3 << 30;
 }
 
@@ -58,11 +58,11 @@ pub(crate) struct Tabs {
     project: PathBuf,
     store: Store,
     uploads: Semaphore,
-    /// Each with its order of opening.
+    /// Each tab with its order of opening.
     open: Mutex<HashMap<ProjectId, (u64, Arc<Tab>)>>,
 }
 
-/// All routes below `/api`.
+/// Returns all routes below `/api`.
 pub(crate) fn routes(tabs: Arc<Tabs>) -> Router {
     let length = from_fn_with_state(UPLOAD_BYTES_MAX, refuse_longer);
     let other = from_fn_with_state(JSON_BYTES_MAX, refuse_longer);
@@ -82,7 +82,7 @@ pub(crate) fn routes(tabs: Arc<Tabs>) -> Router {
         .with_state(tabs)
 }
 
-/// Refuses a request that announces more bytes than its route takes, before any of them is read.
+/// Refuses a request that announces more bytes than its route accepts, before any of them is read.
 async fn refuse_longer(State(bytes_max): State<u64>, request: Request, next: Next) -> Response {
     let announced = request.body().size_hint().lower();
     if announced > bytes_max {
@@ -108,7 +108,7 @@ struct Wish {
 #[derive(Serialize)]
 struct Opened {
     session: ProjectId,
-    /// Whether it began with what another project has open.
+    /// Whether it began with a copy of another open project.
     is_copy: bool,
 }
 
@@ -135,7 +135,7 @@ fn session_id(id: String) -> Result<ProjectId, Refusal> {
     ProjectId::try_from(id).map_err(|_| Refusal::not_found("session"))
 }
 
-/// Hands a request to the process of its tab.
+/// Forwards a request to the process of its tab.
 async fn hand_on(State(tabs): State<Arc<Tabs>>, request: Request) -> Result<Response, Refusal> {
     let id = request.uri().path().split('/').nth(2).unwrap_or_default();
     let tab = tabs.get(&session_id(id.to_owned())?)?;
@@ -170,10 +170,10 @@ impl Tabs {
         found.ok_or_else(|| Refusal::not_found("session"))
     }
 
-    /// Opens a tab: on the project `wanted`, under its own id if no other tab has it open, else on a copy, with what was found
-    /// out about it; without a wish, on a copy of the project that was changed last.
+    /// Opens a tab. A `wanted` project is opened under its own id if no other tab has it open, otherwise as a copy with
+    /// its findings. Without `wanted`, the tab begins with a copy of the project that was changed last.
     fn open(&self, wanted: Option<&ProjectId>) -> Result<Arc<Tab>, Refusal> {
-        // One lock from the question to the answer: of two tabs that ask at once, one gets a copy.
+        // One lock from the check to the answer: of two simultaneous tabs, one gets a copy.
         let mut open = lock(&self.open);
         let live = wanted.and_then(|id| open.get(id));
         let stored = wanted.filter(|id| self.store.has(id));
@@ -212,7 +212,7 @@ impl Tabs {
         Ok(tab)
     }
 
-    /// Ends the work of a tab and forgets it; its project and its findings are kept.
+    /// Ends the work of a tab and closes it; its project and its findings are kept.
     fn close(&self, id: &ProjectId) {
         if let Some((_, tab)) = lock(&self.open).remove(id) {
             tab.close();

@@ -1,19 +1,19 @@
-//! Secrets of one start: the token in the printed address, and the cookie that it is exchanged for.
+//! Secrets of one start: the token in the printed address, and the cookie that replaces it.
 
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// 128 random bits as 32 hexadecimal digits.
+/// Returns 128 random bits as 32 hexadecimal digits.
 ///
 /// # Errors
-/// The operating system has no randomness to give.
+/// The operating system has no random numbers.
 pub(crate) fn random_hex() -> Result<String, getrandom::Error> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes)?;
     Ok(hex(&bytes))
 }
 
-/// Lower-case hexadecimal digits of `bytes`.
+/// Returns the lower-case hexadecimal digits of `bytes`.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         // Writing to a String cannot fail.
@@ -22,7 +22,7 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
     })
 }
 
-/// Base64 with padding (RFC 4648), as content policies write hashes.
+/// Encodes Base64 with padding (RFC 4648), as content policies write hashes.
 pub(crate) fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let quartet = |chunk: &[u8]| {
@@ -40,7 +40,7 @@ pub(crate) fn base64(bytes: &[u8]) -> String {
     bytes.chunks(3).map(quartet).collect()
 }
 
-/// The secrets of one start.
+/// Secrets of one start.
 pub(crate) struct Secrets {
     token: String,
     cookie: String,
@@ -56,25 +56,26 @@ impl Secrets {
         })
     }
 
-    /// What stands in the printed address.
+    /// Returns the token in the printed address.
     pub(crate) fn token(&self) -> &str {
         &self.token
     }
 
-    /// The cookie for the token; once only, so that an address that somebody else reads later opens nothing.
+    /// Returns the cookie for the token, once only, so that an address that is read later by another person opens
+    /// nothing.
     pub(crate) fn exchange(&self, token: &str) -> Option<&str> {
         let is_first =
             is_equal(token, &self.token) && !self.is_exchanged.swap(true, Ordering::Relaxed);
         is_first.then_some(&self.cookie)
     }
 
-    /// Whether this is the cookie of this start.
+    /// Returns whether this is the cookie of this start.
     pub(crate) fn is_cookie(&self, value: &str) -> bool {
         is_equal(value, &self.cookie)
     }
 }
 
-/// Compares in a time that tells nothing of where two texts differ.
+/// Compares in a time that does not depend on the place of the first difference.
 fn is_equal(one: &str, other: &str) -> bool {
     let difference = one
         .bytes()
@@ -87,7 +88,7 @@ fn is_equal(one: &str, other: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// The examples of RFC 4648, section 10.
+    /// Examples of RFC 4648, section 10.
     #[test]
     fn base64_is_that_of_the_standard() {
         for (bytes, text) in [

@@ -1,7 +1,7 @@
-//! How far a model may be from its measurement, sample by sample: a band around the measured course.
+//! Tolerance of a model's error, sample by sample: a band around the measured series.
 //!
-//! The band is as wide as the larger of an absolute and a relative tolerance. A time tolerance widens it to what the band is
-//! anywhere so near in time: a step that comes a moment late is within.
+//! The width of the band is the larger of an absolute and a relative tolerance. A time tolerance extends the band to
+//! its extremes within that time: a step that comes slightly late is within it.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::refusal::Refusal;
 
-/// Longest time tolerance (s): beyond it, a log should be shifted.
+/// Longest time tolerance (s); for more, a log should be shifted.
 const TIME_S_MAX: f64 = 60.0;
 
-/// A tolerance of one signal.
+/// Tolerance of one signal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Tolerance {
@@ -25,13 +25,13 @@ pub(crate) struct Tolerance {
     pub(crate) relative: f64,
     #[serde(default)]
     pub(crate) time_s: f64,
-    /// Share of the samples that may be beyond.
+    /// Share of the samples that may be beyond the band.
     #[serde(default)]
     pub(crate) beyond_max: f64,
 }
 
 impl Tolerance {
-    /// Refuses what is no tolerance.
+    /// Refuses an invalid tolerance.
     pub(crate) fn check(&self, name: &str) -> Result<(), Refusal> {
         let bounds = [
             ("absolute tolerance", self.absolute, f64::MAX),
@@ -59,7 +59,7 @@ impl Tolerance {
         Ok(())
     }
 
-    /// The lowest and the highest residual (measured - modelled) that is within, for each of `rows`.
+    /// Returns the lowest and the highest residual (measured - modelled) within tolerance, for each of `rows`.
     pub(crate) fn bounds(
         &self,
         times_s: &[f64],
@@ -68,7 +68,7 @@ impl Tolerance {
     ) -> [Vec<f64>; 2] {
         let width = |value: f64| self.absolute.max(self.relative * value.abs());
         let upper: Vec<f64> = measured.iter().map(|&value| value + width(value)).collect();
-        // The lowest is the highest upside down.
+        // The lowest value is the highest of the negated values.
         let lower: Vec<f64> = measured.iter().map(|&value| width(value) - value).collect();
         let highest = highest_around(times_s, &upper, rows.clone(), self.time_s);
         let lowest = highest_around(times_s, &lower, rows.clone(), self.time_s);
@@ -82,9 +82,9 @@ impl Tolerance {
     }
 }
 
-/// For each of `rows` the highest value that is no further away than `reach_s`; NaN where there is none.
+/// Returns for each of `rows` the highest value at most `reach_s` away; NaN if there is none.
 fn highest_around(times_s: &[f64], values: &[f64], rows: Range<usize>, reach_s: f64) -> Vec<f64> {
-    // Falling values: what is lower and earlier than another one is never the highest again.
+    // Decreasing values: a value that is lower and earlier than another one is never the highest again.
     let mut candidates: VecDeque<usize> = VecDeque::new();
     let mut next = times_s.get(rows.start).map_or(0, |first_s| {
         times_s.partition_point(|time_s| *time_s < first_s - reach_s)
@@ -139,7 +139,7 @@ mod tests {
         let times_s: Vec<f64> = (0..8).map(f64::from).collect();
         let measured = [0.0, 0.0, 0.0, 0.0, 10.0, 10.0, 10.0, 10.0];
         let [low, high] = tolerance(1.0, 0.0, 1.0).bounds(&times_s, &measured, 2..6);
-        // Before the step the model may be up there already, after it down there still.
+        // Before the step the model may already be high, after it still low.
         assert_eq!(low, [-1.0, -11.0, -1.0, -1.0]);
         assert_eq!(high, [1.0, 1.0, 11.0, 1.0]);
     }

@@ -1,4 +1,4 @@
-//! The process of one tab: the routes of all pages, over standard input and output, under a memory limit.
+//! Process of one tab: the routes of all pages, over standard input and output, under a memory limit.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,11 +14,10 @@ use crate::session::Sessions;
 use crate::store::Store;
 use crate::tabs::WINDOW_BYTES;
 
-/// Longest headers of a request: the state of a view is in its address.
+/// Longest headers of a request: the address contains the state of a view.
 const HEADERS_BYTES_MAX: u32 = 1 << 20;
 
-/// Does the work of one tab until its server goes away. It talks over standard input and output: the program may print
-/// nothing.
+/// Does the work of one tab until its server ends. It uses standard input and output, so the program may print nothing.
 ///
 /// An allocation beyond `memory_bytes` ends this process, and not the server.
 ///
@@ -34,7 +33,7 @@ pub fn work(project: &Path, memory_bytes: u64) -> Result<(), ServeError> {
         .build()?;
     runtime.block_on(async {
         let stream = tokio::io::join(tokio::io::stdin(), tokio::io::stdout());
-        // It ends with the server, however that ended.
+        // It ends with the server, in whatever way that ended.
         let _ = http2::Builder::new(TokioExecutor::new())
             .initial_stream_window_size(WINDOW_BYTES)
             .initial_connection_window_size(4 * WINDOW_BYTES)
@@ -42,12 +41,12 @@ pub fn work(project: &Path, memory_bytes: u64) -> Result<(), ServeError> {
             .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
             .await;
     });
-    // Whatever is computed for a page that is gone is not waited for.
+    // Computations for a closed page are not awaited.
     runtime.shutdown_background();
     Ok(())
 }
 
-/// Data that is allocated, not address space: threads reserve much of that.
+/// Limits allocated data, not address space: threads reserve much of that.
 #[cfg(target_os = "linux")]
 const MEMORY: rustix::process::Resource = rustix::process::Resource::Data;
 #[cfg(all(unix, not(target_os = "linux")))]
@@ -61,12 +60,12 @@ fn limit_memory(bytes: u64) -> std::io::Result<()> {
         maximum: Some(bytes),
     };
     setrlimit(MEMORY, limit(bytes))?;
-    // What was in memory is no help for anybody.
+    // A core dump would be of no use.
     setrlimit(Resource::Core, limit(0))?;
     Ok(())
 }
 
-/// Elsewhere the operating system ends the largest process when memory is short, which is not the server.
+/// On other systems, the operating system ends the largest process when memory is short, which is not the server.
 #[cfg(not(unix))]
 fn limit_memory(_bytes: u64) -> std::io::Result<()> {
     Ok(())

@@ -1,4 +1,4 @@
-//! The image for the ECU: built for each board, run on the emulated machine, its bits compared with the host's.
+//! Image for the ECU: built for each board, run on the emulated machine, its bits compared with the host's.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -14,7 +14,7 @@ use crate::workspace::{arm_target_dir, cargo, target_dir};
 use crate::{process, tests};
 
 const BUILD_DEADLINE: Duration = Duration::from_secs(900);
-/// Longest life of the self-test on the host.
+/// Timeout of the self-test on the host.
 const HOST_DEADLINE: Duration = Duration::from_secs(120);
 
 const TOOLCHAIN: &str = "ARM toolchain";
@@ -24,13 +24,13 @@ const IMAGE_OF_NUCLEO: &str = "ARM image, NUCLEO-G474RE";
 const ON_HOST: &str = "self-test on the host";
 const IN_QEMU: &str = "self-test in QEMU";
 
-/// Installs what the other verbs of this file need.
+/// Installs the requirements of the other functions of this file.
 pub(crate) fn setup(report: &mut Report, choice: Choice) {
     report.step(TOOLCHAIN, || Toolchain::ready(choice));
     report.step(QEMU, qemu::ready);
 }
 
-/// Builds the image and says where it lies.
+/// Builds the image and prints its path.
 pub(crate) fn image(report: &mut Report, board: Board, choice: Choice) {
     let toolchain = report.step(TOOLCHAIN, || Toolchain::ready(choice));
     if let Some(image) = report.step(IMAGE, || build(needed(&toolchain, TOOLCHAIN)?, board)) {
@@ -38,7 +38,7 @@ pub(crate) fn image(report: &mut Report, board: Board, choice: Choice) {
     }
 }
 
-/// Builds the image, runs it, and holds its bits against those of the same code on the host.
+/// Builds the image, runs it, and compares its bits with those of the same code on the host.
 pub(crate) fn test(report: &mut Report, choice: Choice) {
     let toolchain = report.step(TOOLCHAIN, || Toolchain::ready(choice));
     let qemu = report.step(QEMU, qemu::ready);
@@ -80,12 +80,12 @@ pub(crate) fn test(report: &mut Report, choice: Choice) {
     });
 }
 
-/// The result of an earlier step, or the reason why this one cannot run.
+/// Returns the result of an earlier step, or the failure that this step cannot run.
 fn needed<'a, T>(result: &'a Option<T>, step: &'static str) -> Result<&'a T, Failure> {
     result.as_ref().ok_or(Failure::Needs(step))
 }
 
-/// The code that only the image has is not seen by the host's clippy.
+/// Runs clippy on the code that only the image contains; the host's clippy does not see it.
 fn lint(toolchain: &Toolchain, board: Board) -> Result<(), Failure> {
     let mut clippy = for_board(toolchain, "clippy", board);
     clippy.args(["--", "-D", "warnings"]);
@@ -107,7 +107,7 @@ fn build(toolchain: &Toolchain, board: Board) -> Result<PathBuf, Failure> {
     Ok(image)
 }
 
-/// A cargo command on the image of a board.
+/// Creates a cargo command on the image of a board.
 pub(crate) fn for_board(toolchain: &Toolchain, verb: &str, board: Board) -> Command {
     let mut cargo = toolchain.cargo_into(verb, &image_dir(board));
     cargo.args(["--package", "firmware", "--no-default-features"]);
@@ -115,12 +115,12 @@ pub(crate) fn for_board(toolchain: &Toolchain, verb: &str, board: Board) -> Comm
     cargo
 }
 
-/// Where the image of a board lies once it is built.
+/// Returns the path of a board's image.
 pub(crate) fn image_of(board: Board) -> PathBuf {
     image_dir(board).join(TARGET).join("firmware/firmware")
 }
 
-/// Apart for each board: the images have the same name.
+/// Returns a folder for each board, since the images have the same name.
 fn image_dir(board: Board) -> PathBuf {
     match board {
         Board::Mps2An386 => arm_target_dir(),
@@ -135,7 +135,7 @@ fn build_for_host() -> Result<(), Failure> {
     )
 }
 
-/// Runs the host's life of the firmware, with one bit flipped on purpose if `canary` says where.
+/// Runs the firmware on the host; `canary` names the bit that is flipped on purpose.
 fn run_on_host(canary: Option<&str>) -> Result<Run, Failure> {
     let mut firmware = Command::new(target_dir().join("debug/firmware"));
     firmware.env_remove("FIRMWARE_CANARY");
@@ -155,7 +155,7 @@ fn read(machine: &'static str, text: &str) -> Result<Run, Failure> {
     Run::read(text).map_err(|source| Failure::Digests { machine, source })
 }
 
-/// The alarm, tested: a bit flipped in one output of one step must turn the comparison red at that very place.
+/// Tests the comparison: it must fail at the very step whose output has a flipped bit.
 fn canary(host: &Run) -> Result<(), Failure> {
     const STEP: u64 = 4711;
     for name in host.names() {

@@ -1,4 +1,4 @@
-//! The blind benchmarks, of the diagnosis and of the estimation: programs, each of which reads what the ones before wrote.
+//! Blind benchmarks of diagnosis and estimation, as programs that each read the output of the previous one.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,10 +8,10 @@ use crate::process;
 use crate::report::Report;
 use crate::workspace::{cargo, root, target_dir};
 
-/// Longest wait for any of them: some hundred rigs, each of them simulated and diagnosed.
+/// Timeout of a program: some hundred rigs are simulated and diagnosed.
 const DEADLINE: Duration = Duration::from_secs(12 * 3600);
 
-/// Draws rigs unless `draw` has them, lets the command diagnose those that it has not yet diagnosed, and scores.
+/// Draws rigs unless `draw` has them, runs the diagnosis on those without a result, and scores.
 pub(crate) fn run(report: &mut Report, draw: &Path, seed: u64, share: f64) {
     if !build(report) {
         return;
@@ -40,8 +40,8 @@ pub(crate) fn run(report: &mut Report, draw: &Path, seed: u64, share: f64) {
     });
 }
 
-/// Draws field rigs unless `draw` has them, lets the command refine those that it has not yet refined, and scores. With a number of
-/// hidden `effects`, the command diagnoses the rigs as well, and the score is that of the names.
+/// Draws field rigs unless `draw` has them, refines those without a result, and scores. With a number of hidden
+/// `effects`, also diagnoses the rigs and scores the named effects.
 pub(crate) fn field(
     report: &mut Report,
     draw: &Path,

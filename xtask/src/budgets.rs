@@ -1,9 +1,9 @@
-//! What a control sample costs on a Cortex-M4F, and that it costs no more than its budget.
+//! Cost of a control sample on a Cortex-M4F, and its budgets.
 //!
-//! Two ways meet. The bench (`budgets/`) counts the instructions of every call over a long trace, exactly and beside its
-//! peers ([`mod@bench`], [`counted`]). The linked code itself is read for what holds for any input: the longest path
-//! ([`longest_path`]), the deepest stack ([`stack_bound`]), and all that a call can reach ([`reach`]). [`gates`] holds both
-//! against the budgets.
+//! There are two methods. The bench (`budgets/`) counts the instructions of every call over a long trace, for our code
+//! and for comparable controllers ([`mod@bench`], [`counted`]). The analysis of the linked code gives bounds for any
+//! input: the longest path ([`longest_path`]), the deepest stack ([`stack_bound`]), and all code that a call can reach
+//! ([`reach`]). [`gates`] compares both with the budgets.
 
 mod bench;
 mod call_search;
@@ -41,7 +41,7 @@ use code::Code;
 use elf::Elf;
 use findings::Findings;
 
-/// Longest wait for one build.
+/// Timeout of one build.
 const BUILD_DEADLINE: Duration = Duration::from_secs(900);
 
 const TOOLS: &str = "toolchain, emulator and disassembler for ARM";
@@ -52,13 +52,13 @@ const FIGURES: &str = "sample counted and proved";
 const IMAGE: &str = "ARM image";
 const STACK: &str = "stack of the image, proved";
 
-/// Installs what this verb needs beyond the image's toolchain and the emulator.
+/// Installs the requirements of this command beyond the image's toolchain and the emulator.
 pub(crate) fn setup(report: &mut Report) {
     report.step(DISASSEMBLER, code::ready);
     report.step(COMPILER, bench::compiler_ready);
 }
 
-/// Counts, proves, prints and judges; `json` is where the findings go besides.
+/// Counts, proves, prints and judges; `json` is the file for the findings, if given.
 pub(crate) fn run(report: &mut Report, choice: Choice, json: Option<&Path>) {
     let toolchain = report.step(TOOLS, || {
         qemu::ready()?;
@@ -74,7 +74,7 @@ pub(crate) fn run(report: &mut Report, choice: Choice, json: Option<&Path>) {
     }
 }
 
-/// One sample of the controller, beside its peers.
+/// Measures one sample of the controller and of comparable controllers.
 fn sample(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Findings) {
     // Without the compiler the table has no rows in C, and the budgets that compare with them fail.
     let compiler = report.step(COMPILER, bench::compiler_ready);
@@ -112,7 +112,7 @@ fn sample(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Fin
     });
 }
 
-/// The image of the real board: it cannot panic, and its stack is bounded.
+/// Checks the image of the real board: it cannot panic, and its stack is bounded.
 fn image_of_nucleo(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Findings) {
     let build = |feature: &str| image_build(toolchain, Board::NucleoG474Re, feature);
     report.step("image of the NUCLEO-G474RE cannot panic", || {
@@ -130,7 +130,7 @@ fn image_of_nucleo(report: &mut Report, toolchain: Option<&Toolchain>, findings:
     });
 }
 
-/// The image of the emulated board: the same, its stack painted as well, and its size.
+/// Checks the image of the emulated board in the same way, and its painted stack and its size.
 fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Findings) {
     let build = |feature: &str| image_build(toolchain, Board::Mps2An386, feature);
     report.step("image cannot panic", || {
@@ -139,7 +139,7 @@ fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Find
     report.step("image with a panic on purpose is refused", || {
         panic_free::canary_is_refused(&mut build("panic-canary")?)
     });
-    // Last, so that this one is what lies in the folder afterwards.
+    // Last, so that this image is the one in the folder afterwards.
     let image = report.step(IMAGE, || {
         process::run(&mut build("")?, BUILD_DEADLINE)?;
         let elf = Elf::read(&arm::image_of(Board::Mps2An386))?;
@@ -172,7 +172,7 @@ fn image(report: &mut Report, toolchain: Option<&Toolchain>, findings: &mut Find
     });
 }
 
-/// Builds the image of a board with this feature.
+/// Creates the command that builds the image of a board with this feature.
 fn image_build(
     toolchain: Option<&Toolchain>,
     board: Board,
@@ -183,12 +183,12 @@ fn image_build(
     Ok(build)
 }
 
-/// Where a program for the ECU lies once it is built.
+/// Returns the path of a program for the ECU.
 fn built(program: &str) -> PathBuf {
     arm_target_dir().join(TARGET).join("firmware").join(program)
 }
 
-/// The result of an earlier step, or the reason why this one cannot run.
+/// Returns the result of an earlier step, or the failure that this step cannot run.
 fn needed<'a, T>(result: &'a Option<T>, step: &'static str) -> Result<&'a T, Failure> {
     result.as_ref().ok_or(Failure::Needs(step))
 }

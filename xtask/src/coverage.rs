@@ -1,4 +1,5 @@
-//! Every line and every branch of the controller is run by its own tests, or the step fails and names those that are not.
+//! Coverage: the controller's own tests must run every line and every branch of it; otherwise the step fails and names
+//! them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,15 +13,15 @@ use crate::report::Report;
 use crate::toolchain::sysroot;
 use crate::workspace::{cargo, entries, root, target_dir};
 
-/// Building and running the controller's tests with counters in them.
+/// Timeout for building and running the controller's tests with counters.
 const DEADLINE: Duration = Duration::from_secs(900);
-/// Longest wait for a tool that only reads what was counted.
+/// Timeout of a tool that only reads the counts.
 const TOOL_DEADLINE: Duration = Duration::from_secs(120);
 
 const PACKAGE: &str = "retarder-controller";
 const SOURCES: &str = "controller/src";
 
-/// Runs the controller's tests with counters and demands that nothing was missed.
+/// Runs the controller's tests with counters, and fails if a line or branch was not run.
 pub(crate) fn check(report: &mut Report) {
     report.step("coverage of the controller", || {
         let tools = Tools::ready()?;
@@ -30,14 +31,14 @@ pub(crate) fn check(report: &mut Report) {
     });
 }
 
-/// The two programs beside the compiler that read what instrumented programs leave.
+/// The two programs beside the compiler that read the output of instrumented programs.
 struct Tools {
     profdata: PathBuf,
     cov: PathBuf,
 }
 
 impl Tools {
-    /// The tools of the toolchain in use, fetched by rustup if they are not there.
+    /// Returns the tools of the toolchain in use, installed by rustup if they are missing.
     fn ready() -> Result<Self, Failure> {
         if let Some(tools) = Self::found()? {
             return Ok(tools);
@@ -68,17 +69,17 @@ impl Tools {
         }))
     }
 
-    /// The counts of one run of the tests, as an LCOV trace.
+    /// Returns the counts of one run of the tests, as an LCOV trace.
     fn count(&self) -> Result<String, Failure> {
         let target = target_dir().join("coverage");
         let profiles = target.join("profiles");
-        // Counts of an earlier run would hide what this one misses.
+        // Counts of an earlier run would hide gaps of this one.
         let _ = fs::remove_dir_all(&profiles);
         let tests = |arguments: &[&str]| {
             let mut tests = cargo();
             tests.args(["test", "--package", PACKAGE, "--lib", "--tests"]);
             tests.args(arguments);
-            // Branches are counted by an option that a stable compiler grants only when told so.
+            // The option that counts branches is unstable; a stable compiler accepts it only with this variable.
             tests.env("RUSTC_BOOTSTRAP", "1");
             tests.env(
                 "RUSTFLAGS",
@@ -113,7 +114,7 @@ fn profraw(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(paths)
 }
 
-/// The test programs that cargo names in its messages.
+/// Returns the test programs that cargo names in its messages.
 fn executables(messages: &str) -> impl Iterator<Item = String> {
     messages.lines().filter_map(|line| {
         let message: serde_json::Value = serde_json::from_str(line).ok()?;
@@ -121,7 +122,7 @@ fn executables(messages: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// What a run of tests reached of a folder's files.
+/// Coverage of a folder's files by a run of tests.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Coverage {
     files: BTreeMap<PathBuf, Reached>,
@@ -186,7 +187,7 @@ impl Coverage {
     }
 }
 
-/// The line that a record starts with and the count that it ends with; `-` is a branch that was never asked.
+/// Returns the line at the start of a record and the count at its end; `-` is a branch that was never evaluated.
 fn place_and_count(record: &str) -> Option<(u32, u64)> {
     let (line, _) = record.split_once(',')?;
     let (_, count) = record.rsplit_once(',')?;

@@ -1,18 +1,18 @@
-//! What the self-test prints, read and compared: the same bits on both machines, or the first place where they differ.
+//! Output of the self-tests, read and compared: equal bits on both machines, or the first difference.
 //!
 //! The image prints, for each controller configuration, the digest so far at regular steps and one at the end:
 //! ```text
 //! config=scheme_2 step=1024 digest=00c0ffee00c0ffee
 //! config=scheme_2 steps=1500 digest=0123456789abcdef
 //! ```
-//! A digest covers all steps before it, so that the first differing one bounds the first differing step.
+//! A digest covers all steps before it, so that the first difference bounds the first differing step.
 
 use std::fmt;
 
-/// Begins a line that only the ARM machine prints, and that is no result of the controller: how deep its stack was used.
+/// Prefix of a line that only the ARM machine prints, and that is no result of the controller: its stack usage.
 const STACK: &str = "stack ";
 
-/// The self-test of one machine.
+/// Self-test of one machine.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Run {
     configurations: Vec<Configuration>,
@@ -21,18 +21,18 @@ pub(crate) struct Run {
 #[derive(Debug, PartialEq, Eq)]
 struct Configuration {
     name: String,
-    /// Rising in their step; the last one stands at the last step.
+    /// Digests with increasing steps; the last one is at the last step.
     digests: Vec<Digest>,
 }
 
-/// The digest over all steps before `step`.
+/// Digest over all steps before `step`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Digest {
     step: u64,
     value: u64,
 }
 
-/// Why the output of a self-test cannot be read.
+/// Reason why the output of a self-test cannot be read.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Unreadable {
     #[error("line {line} is not `config=NAME step=N digest=HEX`: `{text}`")]
@@ -50,19 +50,19 @@ pub(crate) enum Unreadable {
     Empty,
 }
 
-/// The first place where two runs differ.
+/// First difference of two runs.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Difference {
-    /// Not the same configurations in the same order.
+    /// Different configurations, or another order.
     Names { host: Vec<String>, arm: Vec<String> },
-    /// Not the same steps.
+    /// Different steps.
     Steps { name: String, host: u64, arm: u64 },
-    /// Not the same bits.
+    /// Different bits.
     Bits {
         name: String,
-        /// The digests before this step are equal, ...
+        /// The digests before this step are equal.
         from: u64,
-        /// ... and at this step they are not.
+        /// The digests at this step differ.
         until: u64,
         host: u64,
         arm: u64,
@@ -70,7 +70,7 @@ pub(crate) enum Difference {
 }
 
 impl Run {
-    /// Reads what a self-test printed.
+    /// Reads the output of a self-test.
     pub(crate) fn read(text: &str) -> Result<Self, Unreadable> {
         let mut configurations: Vec<Configuration> = Vec::new();
         let mut open = false;
@@ -94,7 +94,7 @@ impl Run {
                     0
                 }
             };
-            // The end may stand at the step of the last regular digest.
+            // The end may be at the step of the last regular digest.
             if digest.step < previous || (digest.step == previous && !last) {
                 return Err(Unreadable::Order {
                     line,
@@ -115,7 +115,7 @@ impl Run {
         }
     }
 
-    /// The first place where the ARM image's bits are not the host's.
+    /// Returns the first difference of the ARM image's bits from the host's.
     pub(crate) fn compare(host: &Self, arm: &Self) -> Result<(), Difference> {
         if host.names() != arm.names() {
             return Err(Difference::Names {
@@ -129,7 +129,7 @@ impl Run {
             .try_for_each(|(host, arm)| compare(host, arm))
     }
 
-    /// Steps of all configurations together.
+    /// Returns the steps of all configurations together.
     pub(crate) fn steps(&self) -> u64 {
         self.configurations
             .iter()
@@ -185,7 +185,7 @@ fn compare(host: &Configuration, arm: &Configuration) -> Result<(), Difference> 
     Ok(())
 }
 
-/// Name, digest, and whether it is the last one of its configuration.
+/// Returns name, digest, and whether it is the last one of its configuration.
 fn fields(line: &str) -> Option<(&str, Digest, bool)> {
     let mut words = line.split(' ');
     let name = words.next()?.strip_prefix("config=")?;

@@ -1,4 +1,4 @@
-//! Why a step did not pass. Each variant names the culprit and, where one is known, the way out.
+//! Reasons why a step failed. Each variant names the cause and, if known, the remedy.
 
 use std::path::PathBuf;
 use std::process::ExitStatus;
@@ -7,7 +7,7 @@ use std::{io, time::Duration};
 use crate::budgets::unproved::Unproved;
 use crate::digests::{Difference, Unreadable};
 
-/// Why a step did not pass.
+/// Reason why a step failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     #[error("{what} is missing and could not be installed from here; to install it, run: {paste}")]
@@ -65,7 +65,7 @@ pub(crate) enum Failure {
     Needs(&'static str),
 }
 
-/// The last lines of what a captured program said, for the reader of the summary.
+/// Returns the last lines of a captured program's output, for the summary.
 fn quoted(said: &str) -> String {
     const LAST_LINES: usize = 12;
     let lines: Vec<&str> = said.lines().collect();

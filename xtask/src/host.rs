@@ -1,4 +1,4 @@
-//! Everything that runs on this machine: formatting, lints, documentation, tests, examples.
+//! Steps on this machine: formatting, lints, documentation, tests, examples.
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -11,14 +11,14 @@ use crate::tests::Which;
 use crate::workspace::{cargo, entries, find_program, root, target_dir};
 use crate::{packages, process, tests};
 
-/// Longest wait for one cargo command. A cold build of everything takes some minutes on two cores.
+/// Timeout of one cargo command. A cold build of everything takes some minutes on two cores.
 const DEADLINE: Duration = Duration::from_secs(1500);
-/// Longest life of one example: it tells a story and ends.
+/// Timeout of one example.
 const EXAMPLE_DEADLINE: Duration = Duration::from_secs(60);
-/// Longest wait for rustup's download.
+/// Timeout of rustup's download.
 const RUSTUP_DEADLINE: Duration = Duration::from_secs(300);
 
-/// Installs what the other verbs of this file need.
+/// Installs the requirements of the other functions of this file.
 pub(crate) fn setup(report: &mut Report) {
     report.step("rustfmt and clippy", || {
         component("rustfmt", "fmt")?;
@@ -32,7 +32,7 @@ pub(crate) fn format(report: &mut Report) {
     report.step("format", || run(&["fmt", "--all"]));
 }
 
-/// Format, lints and links in the documentation.
+/// Checks format, lints and links in the documentation.
 pub(crate) fn lint(report: &mut Report) {
     report.step("format", || {
         component("rustfmt", "fmt")?;
@@ -59,7 +59,7 @@ pub(crate) fn lint(report: &mut Report) {
     });
 }
 
-/// All tests and examples.
+/// Runs all tests and examples.
 pub(crate) fn test(report: &mut Report) {
     report.step("tests", || tests::run(Which::Alone));
     report.step("tests in the documentation", || {
@@ -79,7 +79,7 @@ pub(crate) fn test(report: &mut Report) {
     report.step("examples", examples);
 }
 
-/// Installs Chromium and its driver if they are not there.
+/// Installs Chromium and its driver if they are missing.
 fn browser_ready() -> Result<(), Failure> {
     let is_there = |program| find_program(program).is_some();
     if is_there("chromedriver") && is_there("chromium") {
@@ -88,7 +88,7 @@ fn browser_ready() -> Result<(), Failure> {
     packages::install("Chromium and its driver", &["chromium", "chromium-driver"])
 }
 
-/// Runs each example of each crate: it needs no arguments, asserts what it tells, and ends.
+/// Runs each example of each crate: it needs no arguments, asserts its claims, and ends.
 fn examples() -> Result<(), Failure> {
     run(&[
         "build",
@@ -110,7 +110,7 @@ fn examples() -> Result<(), Failure> {
     outcome
 }
 
-/// What cargo finds by itself: `CRATE/examples/NAME.rs` and `CRATE/examples/NAME/main.rs`.
+/// Returns the examples that cargo finds by itself: `CRATE/examples/NAME.rs` and `CRATE/examples/NAME/main.rs`.
 fn example_names() -> Result<Vec<PathBuf>, Failure> {
     let mut names = Vec::new();
     for member in entries(&root())? {
@@ -129,7 +129,7 @@ fn example_names() -> Result<Vec<PathBuf>, Failure> {
     Ok(names)
 }
 
-/// A component of the toolchain in use, fetched by rustup if it is not there.
+/// Installs a component of the toolchain in use by rustup if it is missing.
 fn component(name: &str, verb: &str) -> Result<(), Failure> {
     if process::capture(cargo().args([verb, "--version"]), RUSTUP_DEADLINE).is_ok() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What a hostile world does to the program: damaged files and kills.
+//! Robustness tests of the program: damaged files and kills.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,10 +8,10 @@ use crate::process;
 use crate::report::Report;
 use crate::workspace::{cargo, root, target_dir};
 
-/// Longest wait: a hundred thousand runs.
+/// Timeout: a hundred thousand runs.
 const DEADLINE: Duration = Duration::from_secs(6 * 3600);
 
-/// Lets the command read `cases` damaged files, `jobs` at a time.
+/// Runs the command on `cases` damaged files, `jobs` at a time.
 pub(crate) fn damage(report: &mut Report, cases: u64, seed: u64, jobs: usize, failures: &Path) {
     run(report, "damaged files", "damage", |program| {
         program.args(["--cases", &cases.to_string(), "--seed", &seed.to_string()]);

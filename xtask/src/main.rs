@@ -1,7 +1,8 @@
-//! The verbs of the workshop: `cargo xtask --help` lists them, `docs/building.md` explains them.
+//! Commands for development: `cargo xtask --help` lists them, `docs/building.md` explains them.
 //!
-//! One file per group of verbs ([`host`], [`arm`], [`publish`], [`blind`], [`hostile`]); below them what a machine has and lacks ([`toolchain`],
-//! [`qemu`], [`packages`]), and how a step runs, ends and is told ([`process`], [`report`]) and the tests are called ([`tests`]).
+//! One file per group of commands ([`host`], [`arm`], [`publish`], [`blind`], [`hostile`]). Below them: the tools of a
+//! machine and their installation ([`toolchain`], [`qemu`], [`packages`]), steps and their results ([`process`],
+//! [`report`]), and the calls of the tests ([`tests`]).
 
 mod arm;
 mod blind;
@@ -29,7 +30,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use report::Report;
 use toolchain::Choice;
 
-/// Build, image, test and CI verbs.
+/// Build, image, test and CI commands.
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
 struct Cli {
@@ -39,45 +40,45 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Every test, host and ARM; installs what is missing. What the CI runs.
+    /// Run every test, host and ARM, and install what is missing; the CI runs this.
     #[command(visible_alias = "ci")]
     Test {
-        /// Run one part only.
+        /// Run only this part.
         #[arg(long)]
         only: Option<Part>,
         #[command(flatten)]
         arm: ArmOptions,
     },
-    /// Build the image for the ECU and say where it lies.
+    /// Build the image for the ECU and print its path.
     Image {
-        /// The machine to build for.
+        /// Board to build for.
         #[arg(long, default_value = "mps2-an386")]
         board: qemu::Board,
         #[command(flatten)]
         arm: ArmOptions,
     },
-    /// What a control sample costs, beside its peers; fails if a budget is exceeded.
+    /// Measure the cost of a control sample, also of comparable controllers; fails if a budget is exceeded.
     Budgets {
-        /// Where to write the findings as JSON, besides.
+        /// Also write the findings as JSON to this file.
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
         #[command(flatten)]
         arm: ArmOptions,
     },
-    /// Lines and branches of the controller that its tests never run; fails if there are any.
+    /// Find lines and branches of the controller that its tests never run; fails if there are any.
     Coverage,
-    /// Break controller and supervisor place by place: the tests must see it. Takes an hour or more.
+    /// Run mutation tests: each change of controller or supervisor must fail a test. Takes an hour or more.
     Mutants {
-        /// One crate only.
+        /// Test only this crate.
         #[arg(long)]
         only: Option<mutants::Subject>,
-        /// One part of the mutants, such as 0/8.
+        /// Test only this part of the mutants, such as 0/8.
         #[arg(long)]
         shard: Option<mutants::Shard>,
     },
-    /// The blind benchmark of the diagnosis: draw rigs, diagnose them, score. Goes on where it was stopped.
+    /// Run the blind benchmark of the diagnosis: draw rigs, diagnose them, score. Resumes an interrupted run.
     Blind {
-        /// Folder of the draw; what is there already is kept.
+        /// Folder of the draw; existing files are kept.
         #[arg(long, value_name = "FOLDER")]
         draw: PathBuf,
         /// Seed of the rigs.
@@ -87,9 +88,10 @@ enum Verb {
         #[arg(long, default_value_t = 1.0)]
         share: f64,
     },
-    /// The field benchmarks: draw field rigs, refine their plant files, score; with --effects diagnose them, and score the names. Goes on where it was stopped.
+    /// Run the field benchmarks: draw field rigs, refine their plant files, score; with --effects also diagnose them
+    /// and score the named effects. Resumes an interrupted run.
     Field {
-        /// Folder of the draw; what is there already is kept.
+        /// Folder of the draw; existing files are kept.
         #[arg(long, value_name = "FOLDER")]
         draw: PathBuf,
         /// Seed of the rigs.
@@ -98,46 +100,47 @@ enum Verb {
         /// Number of rigs.
         #[arg(long, default_value_t = 100)]
         rigs: usize,
-        /// Hidden effects of each rig: a number, or two as in 0..4.
+        /// Number of hidden effects of each rig, or a range as in 0..4.
         #[arg(long, value_name = "NUMBER")]
         effects: Option<String>,
     },
-    /// Let the command read damaged files under limits of time and memory. Takes half an hour; Ctrl-C ends it with the table so far.
+    /// Run the command on damaged files, with limits of time and memory. Takes half an hour; Ctrl-C ends it with the
+    /// table so far.
     Damage {
         /// Number of damaged files.
         #[arg(long, default_value_t = 100_000)]
         cases: u64,
-        /// Seed of the damages.
+        /// Seed of the damage.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Runs at a time.
+        /// Number of parallel runs.
         #[arg(long, default_value_t = 2)]
         jobs: usize,
         /// Folder for the files and the command line of each finding.
         #[arg(long, value_name = "FOLDER", default_value = "target/damage")]
         failures: PathBuf,
     },
-    /// Kill the command and the server at random moments: nothing may be lost. Takes some minutes.
+    /// Kill the command and the server at random moments: no data may be lost. Takes some minutes.
     Kills {
-        /// Kills of each of the two.
+        /// Number of kills of each of the two.
         #[arg(long, default_value_t = 50)]
         kills: u64,
-        /// Seed of the moments.
+        /// Seed of the random moments.
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Install what the other verbs need, and run nothing.
+    /// Install the requirements of the other commands, and run nothing.
     Setup {
         #[command(flatten)]
         arm: ArmOptions,
     },
     /// Format every file.
     Fmt,
-    /// Format check, clippy, rustdoc.
+    /// Check formatting, clippy and rustdoc.
     Lint,
-    /// `cargo publish --dry-run` of all library crates together.
+    /// Run `cargo publish --dry-run` on all library crates together.
     PublishCheck {
-        /// Also with changes that are not committed.
+        /// Allow changes that are not committed.
         #[arg(long)]
         allow_dirty: bool,
     },
@@ -145,22 +148,22 @@ enum Verb {
 
 #[derive(Args)]
 struct ArmOptions {
-    /// Where the ARM target comes from.
+    /// Source of the ARM target.
     #[arg(long, default_value = "auto")]
     toolchain: Choice,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
-    /// Format check, clippy, rustdoc.
+    /// Check formatting, clippy and rustdoc.
     Lint,
-    /// Tests and examples on this machine, and what of the controller they reach.
+    /// Run tests and examples on this machine, and measure the coverage of the controller.
     Host,
-    /// Some mutants of controller and supervisor, drawn by the commit.
+    /// Run some mutants of controller and supervisor, selected by the commit.
     Mutants,
-    /// The image: built, run in QEMU, its bits compared with the host's, in the loop with the plant.
+    /// Build the image, run it in QEMU, compare its bits with the host's, and run it in the loop with the plant.
     Arm,
-    /// What a sample and the image cost, counted and proved.
+    /// Count and prove the cost of a sample and of the image.
     Budgets,
 }
 

@@ -1,7 +1,8 @@
-//! The code is broken on purpose, place by place, and the tests must see it. What they cannot see is in a list with a
-//! reason, and that list is held against what was found.
+//! Mutation tests: each change of the code must fail a test. Changes that no test can detect are in a list with a
+//! reason, and that list is compared with the survivors.
 //!
-//! All of it takes long, so that the CI runs one part of each crate, drawn by the commit; `cargo xtask mutants` runs the whole.
+//! The whole takes long, so the CI runs one part of each crate, selected by the commit; `cargo xtask mutants` runs
+//! everything.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,24 +18,24 @@ use crate::process;
 use crate::report::Report;
 use crate::workspace::{cargo, find_program, root, target_dir};
 
-/// The version whose names of mutants the lists hold.
+/// Version of the tool whose names of mutants the lists use.
 const VERSION: &str = "27.1.0";
 const INSTALL_DEADLINE: Duration = Duration::from_secs(900);
-/// The whole of one crate, on one core.
+/// Timeout of one whole crate on one core.
 const DEADLINE: Duration = Duration::from_secs(4 * 3600);
-/// A mutant that makes a loop endless is stopped after this many seconds and counts as caught.
+/// Timeout of the tests (s): a mutant with an endless loop is stopped, and counts as caught.
 const TEST_SECONDS: &str = "60";
-/// One part in so many takes about a minute, one more where a mutant makes a loop endless.
+/// Number of parts. One part takes about a minute, and one minute more if a mutant makes a loop endless.
 const CI_PARTS: u32 = 20;
-/// Of all mutants that compile.
+/// Limit of the survivors, in percent of all mutants that compile.
 const MOST_SURVIVORS_PERCENT: usize = 1;
 
-/// A crate whose tests are tested.
+/// Crate whose tests are tested.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Subject {
-    /// The controller.
+    /// Controller.
     Controller,
-    /// What decides whether the coils may have its output.
+    /// Code that decides whether the coils get the controller's output.
     Ecu,
 }
 
@@ -69,7 +70,7 @@ impl Subject {
         }
     }
 
-    /// What is broken of it; nothing: all.
+    /// Returns the files with mutants; empty for all files.
     fn files(self) -> &'static [&'static str] {
         match self {
             Self::Controller => &[],
@@ -86,8 +87,8 @@ impl Subject {
         }
     }
 
-    /// Which tests judge: those that answer within a second or two. The long ones, random and against other arithmetic,
-    /// prove more about right code and little more about wrong one.
+    /// Returns the tests that judge: those that end within a second or two. The long tests, random and against other
+    /// arithmetic, prove more about right code and little more about wrong code.
     fn tests(self) -> &'static [&'static str] {
         match self {
             Self::Controller => &[
@@ -113,7 +114,7 @@ impl Subject {
     }
 }
 
-/// Part `k` of `n`, as the tool counts: `0/n` to `n-1/n`.
+/// Part `k` of `n`, in the tool's notation: `0/n` to `n-1/n`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shard {
     part: u32,
@@ -142,7 +143,7 @@ impl fmt::Display for Shard {
     }
 }
 
-/// Every mutant of these crates, or the part that was asked for.
+/// Tests every mutant of these crates, or the requested part.
 pub(crate) fn check(report: &mut Report, subject: Option<Subject>, shard: Option<Shard>) {
     for one in Subject::ALL {
         if subject.is_none_or(|wanted| wanted == one) {
@@ -151,7 +152,7 @@ pub(crate) fn check(report: &mut Report, subject: Option<Subject>, shard: Option
     }
 }
 
-/// The part of each crate's mutants that this commit draws: other commits draw others, the same commit the same.
+/// Tests the part of each crate's mutants that this commit selects: the same commit always selects the same part.
 pub(crate) fn check_a_part(report: &mut Report) {
     for one in Subject::ALL {
         report.step(one.part_step(), || {
@@ -166,7 +167,7 @@ fn commit_number() -> Result<u32, Failure> {
     head.args(["rev-parse", "--short=7", "HEAD"])
         .current_dir(root());
     let said = process::capture(&mut head, Duration::from_secs(10))?;
-    // Without a commit, as in an unpacked archive, any part is as good as another.
+    // Without a commit, as in an unpacked archive, any part will do.
     Ok(u32::from_str_radix(said.trim(), 16).unwrap_or(0))
 }
 
@@ -182,7 +183,7 @@ fn judge(subject: Subject, shard: Option<Shard>) -> Result<(), Failure> {
 fn run(subject: Subject, shard: Option<Shard>) -> Result<PathBuf, Failure> {
     let out = target_dir().join("mutants").join(subject.folder());
     let outcomes = out.join("mutants.out/outcomes.json");
-    // What an earlier run found is no finding of this one.
+    // Outcomes of an earlier run are no findings of this one.
     let _ = fs::remove_file(&outcomes);
     make_folder(&out)?;
     let mut mutants = Command::new(tool()?);
@@ -191,19 +192,19 @@ fn run(subject: Subject, shard: Option<Shard>) -> Result<PathBuf, Failure> {
     mutants.args(["--timeout", TEST_SECONDS, "--no-shuffle", "--output"]);
     mutants.arg(&out);
     if let Some(shard) = shard {
-        // In turn: parts of consecutive mutants round up, and the last one of twenty was empty, which is an error.
+        // Round robin: with parts of consecutive mutants, the last of twenty was empty, which is an error.
         mutants.args(["--shard", &shard.to_string(), "--sharding", "round-robin"]);
     }
     for file in subject.files() {
         mutants.args(["--file", file]);
     }
     mutants.arg("--").args(subject.tests());
-    // Every mutant is built and its tests are short: what counts is the compiler's time.
+    // Every mutant is built and its tests are short: the compiler's time dominates.
     mutants.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
     mutants.env("CARGO_PROFILE_DEV_DEBUG", "0");
-    // Random tests draw less often, since there are hundreds of runs.
+    // Random tests draw fewer cases, since there are hundreds of runs.
     mutants.env("PROPTEST_CASES", "32");
-    // It ends in failure when one survives, which is judged from the outcomes; without outcomes it has not run.
+    // The tool fails if a mutant survives. The outcomes decide about that; without outcomes it has not run.
     let ended = process::run(&mut mutants, DEADLINE);
     match (ended, outcomes.is_file()) {
         (_, true) => Ok(outcomes),
@@ -215,7 +216,7 @@ fn run(subject: Subject, shard: Option<Shard>) -> Result<PathBuf, Failure> {
     }
 }
 
-/// The tool, built once into the target folder where the machine has none.
+/// Returns the tool; builds it once into the target folder if it is not installed.
 fn tool() -> Result<PathBuf, Failure> {
     if let Some(tool) = find_program("cargo-mutants") {
         return Ok(tool);
@@ -225,7 +226,7 @@ fn tool() -> Result<PathBuf, Failure> {
     if !tool.is_file() {
         let mut install = cargo();
         install.args(["install", "--locked", "cargo-mutants", "--version", VERSION]);
-        // It waits for compilers most of the time: built quickly beats quick.
+        // It mostly waits for compilers: a short build matters more than a fast program.
         install.arg("--debug");
         process::run(install.arg("--root").arg(&folder), INSTALL_DEADLINE)?;
     }
@@ -239,7 +240,7 @@ fn make_folder(path: &Path) -> Result<(), Failure> {
     })
 }
 
-/// A file as what `parse` makes of it.
+/// Reads a file with `parse`.
 fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<T, Failure> {
     let parsed = fs::read_to_string(path).and_then(|text| parse(&text).map_err(io::Error::other));
     parsed.map_err(|source| Failure::File {
@@ -248,7 +249,7 @@ fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<T, 
     })
 }
 
-/// A mutant without line and column, which move with every edit.
+/// Mutant without line and column, which change with every edit.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord)]
 struct Mutant {
     file: String,
@@ -261,7 +262,7 @@ impl fmt::Display for Mutant {
     }
 }
 
-/// The survivors that are known, with the reason why no test can see them.
+/// Known survivors, with the reason why no test can detect them.
 #[derive(Debug, Default)]
 struct Listed(BTreeMap<Mutant, usize>);
 
@@ -300,7 +301,7 @@ impl Listed {
     }
 }
 
-/// What one run of the tool found.
+/// Results of one run of the tool.
 #[derive(Debug, Default)]
 struct Found {
     caught: usize,
@@ -318,7 +319,7 @@ struct Outcome {
     summary: String,
 }
 
-/// The tests of the code as it is, or one mutant.
+/// Tests of the unchanged code, or one mutant.
 #[derive(Deserialize)]
 enum Scenario {
     Baseline,
@@ -346,7 +347,8 @@ impl Found {
         self.survivors.values().sum()
     }
 
-    /// A survivor that nobody listed is a test that is missing; only a whole run can say that a listed one is gone.
+    /// Fails for a survivor that is not listed, since a test is missing; only a whole run can find that a listed
+    /// survivor is gone.
     fn agrees(&self, listed: &Listed, whole: bool) -> Result<(), Failure> {
         let beyond = |these: &BTreeMap<Mutant, usize>, those: &BTreeMap<Mutant, usize>| {
             let more =
@@ -387,7 +389,7 @@ impl fmt::Display for Found {
     }
 }
 
-/// `controller/src/pid.rs:40:9: replace + with - in Pid::step` without the numbers.
+/// Returns `controller/src/pid.rs:40:9: replace + with - in Pid::step` without the numbers.
 fn without_place(name: &str) -> Result<Mutant, String> {
     let mut parts = name.splitn(4, ':');
     match (parts.next(), parts.nth(2)) {

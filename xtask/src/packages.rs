@@ -1,4 +1,4 @@
-//! Programs from the system's package manager, installed only when missing.
+//! Programs of the system's package manager, installed only if missing.
 
 use std::env;
 use std::io::{self, IsTerminal};
@@ -9,12 +9,12 @@ use crate::failure::Failure;
 use crate::process;
 use crate::workspace::find_program;
 
-/// Longest wait for the package manager, its downloads included.
+/// Timeout of the package manager, including downloads.
 const DEADLINE: Duration = Duration::from_secs(600);
 
-/// Installs Debian packages, or fails with the line that a person can paste.
+/// Installs Debian packages, or fails with the command to run.
 ///
-/// `what` names the thing that is missing, for that line's sentence.
+/// `what` names the missing program in the message.
 pub(crate) fn install(what: &str, packages: &[&str]) -> Result<(), Failure> {
     let missing = || Failure::Missing {
         what: what.to_owned(),
@@ -26,7 +26,7 @@ pub(crate) fn install(what: &str, packages: &[&str]) -> Result<(), Failure> {
     if find_program("apt-get").is_none() || (!is_root() && find_program("sudo").is_none()) {
         return Err(missing());
     }
-    // The lists of a fresh machine are empty and those of an old one name versions that are gone: then ask for new ones.
+    // The lists of a new machine are empty, and old lists name versions that are gone: update them and try again.
     let install = || {
         process::run(
             apt_get(&["install", "-y", "--no-install-recommends"]).args(packages),
@@ -41,7 +41,8 @@ pub(crate) fn install(what: &str, packages: &[&str]) -> Result<(), Failure> {
         })
 }
 
-/// `apt-get`, as root, asking nothing. Only `sudo` may ask for a password, and only where a person can answer.
+/// Creates the command `apt-get` as root, without questions. Only `sudo` may ask for a password, and only in a
+/// terminal.
 fn apt_get(arguments: &[&str]) -> Command {
     let mut command = if is_root() {
         Command::new("env")
@@ -54,7 +55,7 @@ fn apt_get(arguments: &[&str]) -> Command {
         sudo
     };
     command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get"]);
-    // Another package manager may run at this moment, mostly the machine's own upgrade.
+    // Another package manager may be running, mostly the system's own upgrade.
     command
         .args(["-o", "DPkg::Lock::Timeout=120"])
         .args(arguments);

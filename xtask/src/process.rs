@@ -1,4 +1,4 @@
-//! Other programs: started, watched, and stopped at a deadline. None outlives the step that started it.
+//! Other programs: started, watched, and stopped at a deadline. None runs longer than the step that started it.
 
 use std::io::{self, Read};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
 
-/// How often a running program is asked whether it has ended.
+/// Interval between checks of a running program.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
-/// Runs a program that talks to the person directly, and waits until it ends with success.
+/// Runs a program with the terminal's input and output, and waits until it ends with success.
 pub(crate) fn run(command: &mut Command, deadline: Duration) -> Result<(), Failure> {
     let line = line(command);
     eprintln!("$ {line}");
@@ -19,7 +19,7 @@ pub(crate) fn run(command: &mut Command, deadline: Duration) -> Result<(), Failu
     verdict(ended, line, deadline, "").map(|_| ())
 }
 
-/// Runs a program whose text is wanted, waits until it ends with success, and returns its standard output.
+/// Runs a program, waits until it ends with success, and returns its standard output.
 pub(crate) fn capture(command: &mut Command, deadline: Duration) -> Result<String, Failure> {
     let line = line(command);
     command.stdin(Stdio::null());
@@ -36,7 +36,7 @@ pub(crate) fn capture(command: &mut Command, deadline: Duration) -> Result<Strin
     };
     let stdout = text(stdout).map_err(watched)?;
     let stderr = text(stderr).map_err(watched)?;
-    // On failure the reason is mostly on standard error; without it, the last words on standard output help.
+    // On failure the reason is mostly on the standard error; otherwise the end of the standard output helps.
     let reason = if stderr.trim().is_empty() {
         &stdout
     } else {
@@ -46,7 +46,7 @@ pub(crate) fn capture(command: &mut Command, deadline: Duration) -> Result<Strin
     Ok(stdout)
 }
 
-/// The command as a person would type it.
+/// Formats the command as a command line.
 fn line(command: &Command) -> String {
     let mut line = command.get_program().to_string_lossy().into_owned();
     for argument in command.get_args() {
@@ -77,7 +77,7 @@ fn verdict(
 
 type Reader = JoinHandle<io::Result<Vec<u8>>>;
 
-/// Reads a pipe beside the waiting, so that a talkative program never blocks on a full pipe.
+/// Reads a pipe in parallel, so that a program never blocks on a full pipe.
 fn drain(pipe: Option<impl Read + Send + 'static>) -> Reader {
     thread::spawn(move || {
         let mut bytes = Vec::new();
@@ -95,7 +95,7 @@ fn text(reader: Reader) -> io::Result<String> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// A started program, stopped when this value goes.
+/// Started program, stopped on drop.
 struct Running(Child);
 
 impl Running {
@@ -109,7 +109,7 @@ impl Running {
         }
     }
 
-    /// The exit status, or nothing if the program still runs at its deadline.
+    /// Returns the exit status, or `None` if the program still runs at its deadline.
     fn wait(&mut self, deadline: Duration) -> io::Result<Option<ExitStatus>> {
         let start = Instant::now();
         loop {
@@ -124,7 +124,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Both fail only if the program has already ended, which is the aim.
+        // Both fail only if the program has already ended.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

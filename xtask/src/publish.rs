@@ -1,4 +1,4 @@
-//! Whether the library crates could be published as they are.
+//! Check that the library crates can be published in their present state.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ const DEADLINE: Duration = Duration::from_secs(1200);
 pub(crate) fn check(report: &mut Report, allow_dirty: bool) {
     report.step("publish, dry run", || {
         let mut publish = cargo();
-        // All members but those with `publish = false`, and those that need each other find each other unpublished.
+        // All members except those with `publish = false`; they also find each other while unpublished.
         publish.args(["publish", "--dry-run", "--workspace"]);
         if allow_dirty {
             publish.arg("--allow-dirty");

@@ -1,4 +1,4 @@
-//! The emulated machine: a Cortex-M4F in QEMU, which runs the very image that a real one would.
+//! Emulated machine: a Cortex-M4F in QEMU that runs the same image as a real one.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,22 +12,22 @@ use crate::{packages, process};
 
 const PROGRAM: &str = "qemu-system-arm";
 
-/// Longest life of one emulated run. The self-test takes a few seconds; a silent or endless image ends here.
+/// Timeout of one emulated run. The self-test takes a few seconds; a silent or endless image ends here.
 pub(crate) const DEADLINE: Duration = Duration::from_secs(180);
 
-/// A machine that the image can be built for.
+/// Board that the image can be built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Board {
     /// Arm MPS2 with the AN386 image, emulated by QEMU.
     #[value(name = "mps2-an386")]
     Mps2An386,
-    /// ST NUCLEO-G474RE, a real one.
+    /// ST NUCLEO-G474RE, a real board.
     #[value(name = "nucleo-g474re")]
     NucleoG474Re,
 }
 
 impl Board {
-    /// The feature of the package `firmware` that chooses it.
+    /// Returns the feature of the package `firmware` that selects the board.
     pub(crate) const fn feature(self) -> &'static str {
         match self {
             Self::Mps2An386 => "board-mps2-an386",
@@ -36,7 +36,7 @@ impl Board {
     }
 }
 
-/// Installs QEMU if it is not there.
+/// Installs QEMU if it is missing.
 pub(crate) fn ready() -> Result<(), Failure> {
     match find_program(PROGRAM) {
         Some(_) => Ok(()),
@@ -44,15 +44,16 @@ pub(crate) fn ready() -> Result<(), Failure> {
     }
 }
 
-/// Runs an image until it ends by itself with success, and returns what it printed.
+/// Runs an image until it ends with success, and returns its output.
 pub(crate) fn run(image: &Path) -> Result<String, Failure> {
     process::capture(&mut command(image), DEADLINE)
 }
 
-/// Asks the image for its self-test: the word that it looks for after a reset (`firmware/src/boards/mps2_an386/pins.rs`).
+/// Request for the self-test: the word that the image looks for after a reset
+/// (`firmware/src/boards/mps2_an386/pins.rs`).
 const WISH: &str = "loader,addr=0x21001040,data=0x74657374,data-len=4";
 
-/// No window, no monitor and no serial line: the self-test speaks and ends by semihosting.
+/// No window, no monitor and no serial line: the self-test prints and ends by semihosting.
 fn command(image: &Path) -> Command {
     let mut qemu = Command::new(PROGRAM);
     qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4"]);

@@ -1,4 +1,4 @@
-//! The steps that ran and how each ended. A failed step does not stop the others; all failures are told together.
+//! Results of the steps. A failed step does not stop the others; all failures are reported together at the end.
 
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -18,7 +18,7 @@ struct Step {
 }
 
 impl Report {
-    /// Runs one step and remembers how it ended; its result is there for the steps that build on it.
+    /// Runs one step and records its result; later steps can use its value.
     pub(crate) fn step<T>(
         &mut self,
         name: &'static str,
@@ -59,7 +59,7 @@ impl Step {
         self.outcome.is_err() && !self.skipped()
     }
 
-    /// Only a step that judges by a tool of its own may be left out on a machine that cannot get it.
+    /// Returns whether the step was skipped; only a step with a tool that this machine cannot get may be.
     fn skipped(&self) -> bool {
         matches!(self.outcome, Err(Failure::Skipped { .. }))
     }

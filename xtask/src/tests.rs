@@ -1,4 +1,4 @@
-//! The tests of this machine: built once, run in three parts, of which one needs a browser and one the image.
+//! Tests of this machine: built once, run in three parts; one needs a browser and one the image.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,26 +8,26 @@ use crate::failure::Failure;
 use crate::process;
 use crate::workspace::{cargo, find_program};
 
-/// What the tests need that stand behind a feature. Each part is built with all of them: with others, cargo would build
-/// the dependencies once more.
+/// Features that the tests need. Each part is built with all of them; otherwise cargo would build the dependencies
+/// again.
 pub(crate) const FEATURES: &str =
     "hil-harness/image-in-the-loop,retarder/image-in-the-loop,workbench/browser";
 
-/// Longest build and run of one part. A cold build of everything takes some minutes on two cores.
+/// Timeout for build and run of one part. A cold build of everything takes some minutes on two cores.
 const DEADLINE: Duration = Duration::from_secs(2400);
 
-/// Which tests of the workspace.
+/// Selection of the workspace's tests.
 #[derive(Clone, Copy)]
 pub(crate) enum Which<'a> {
-    /// Those that need nothing but this machine.
+    /// Tests that need nothing but this machine.
     Alone,
-    /// Those of the page in a browser.
+    /// Tests of the page in a browser.
     Browser,
-    /// Those with the image in the loop, one after the other: each keeps two processors busy.
+    /// Tests with the image in the loop, one at a time: each uses two processors.
     Image(&'a Path),
 }
 
-/// Runs some tests of the workspace, all of them although one fails.
+/// Runs some tests of the workspace; all of them, even if one fails.
 pub(crate) fn run(which: Which<'_>) -> Result<(), Failure> {
     let runs = if find_program("cargo-nextest").is_some() {
         vec![by_nextest(which)]
@@ -59,7 +59,7 @@ fn by_nextest(which: Which<'_>) -> Command {
     tests
 }
 
-/// Cargo's own runner knows whole test programs only.
+/// Returns the commands for cargo's own runner, which knows whole test programs only.
 fn by_cargo(which: Which<'_>) -> Vec<Command> {
     let test = |arguments: &[&str]| {
         let mut tests = cargo();

@@ -1,4 +1,4 @@
-//! Where the ARM target comes from: rustup's ready library, or Debian's toolchain, which builds `core` from its sources.
+//! Sources of the ARM target: rustup's compiled library, or Debian's toolchain, which builds `core` from its sources.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,40 +10,40 @@ use crate::failure::Failure;
 use crate::workspace::{arm_target_dir, cargo, find_program};
 use crate::{packages, process};
 
-/// The processor of the ECU: a Cortex-M4F, hardware floating point for whoever else runs there.
+/// Processor of the ECU: a Cortex-M4F with hardware floating point, for other code on it.
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// Longest wait for rustup's download.
+/// Timeout of rustup's download.
 const RUSTUP_DEADLINE: Duration = Duration::from_secs(300);
-/// Longest wait for an answer about what is installed.
+/// Timeout of a query about installed parts.
 const ASK_DEADLINE: Duration = Duration::from_secs(30);
 
-/// Debian's toolchain for the web browsers it builds: newer than its `rustc`, and with the library's sources.
+/// Debian's toolchain for its web browsers: newer than its `rustc`, and with the library's sources.
 const DEBIAN_PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
 
-/// Which toolchain a person wants.
+/// Choice of the toolchain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Choice {
-    /// The toolchain in use if it has the target or rustup can fetch it, else Debian's.
+    /// The toolchain in use if it has the target or rustup can install it, else Debian's.
     Auto,
-    /// The toolchain in use, its target fetched by rustup.
+    /// The toolchain in use, with its target installed by rustup.
     Rustup,
     /// Debian's packages, `core` built from source.
     Debian,
 }
 
-/// A toolchain that can build for the ECU.
+/// Toolchain that can build for the ECU.
 pub(crate) enum Toolchain {
-    /// The one in use; the target's library is installed beside it.
+    /// The toolchain in use, with the target's library installed.
     InUse,
-    /// Debian's, with the linker found for it.
+    /// Debian's toolchain, with a linker.
     Debian { linker: PathBuf },
 }
 
 impl Toolchain {
-    /// Finds the toolchain, and installs what is missing of it.
+    /// Finds the toolchain, and installs its missing parts.
     pub(crate) fn ready(choice: Choice) -> Result<Self, Failure> {
         match choice {
             Choice::Rustup => in_use(),
@@ -55,12 +55,12 @@ impl Toolchain {
         }
     }
 
-    /// A cargo command for the ECU, such as `build`, with everything that the toolchain needs said.
+    /// Creates a cargo command for the ECU, such as `build`, with all options that the toolchain needs.
     pub(crate) fn cargo(&self, verb: &str) -> Command {
         self.cargo_into(verb, &arm_target_dir())
     }
 
-    /// The same with another target folder.
+    /// Creates the same command with another target folder.
     pub(crate) fn cargo_into(&self, verb: &str, target_dir: &Path) -> Command {
         let mut cargo = cargo();
         if let Self::Debian { linker } = self {
@@ -68,11 +68,11 @@ impl Toolchain {
             cargo = Command::new(DEBIAN_CARGO);
             cargo.current_dir(folder.unwrap_or_default());
             cargo.env("RUSTC", DEBIAN_RUSTC);
-            // What the outer cargo said about its own toolchain does not hold for this one.
+            // These variables of the outer cargo describe its own toolchain and are wrong for this one.
             for stale in ["CARGO", "RUSTDOC", "RUSTUP_TOOLCHAIN", "RUSTC_WRAPPER"] {
                 cargo.env_remove(stale);
             }
-            // Building `core` is an unstable wish, which a stable compiler grants only when told so.
+            // Building `core` is unstable; a stable compiler allows it only with this variable.
             cargo.env("RUSTC_BOOTSTRAP", "1");
             cargo.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
         }
@@ -85,13 +85,13 @@ impl Toolchain {
         cargo
     }
 
-    /// Whether it brings clippy.
+    /// Returns whether the toolchain has clippy.
     pub(crate) fn has_clippy(&self) -> bool {
         matches!(self, Self::InUse)
     }
 }
 
-/// The toolchain in use, with the target's library fetched by rustup if it is not there.
+/// Returns the toolchain in use, with the target's library installed by rustup if it is missing.
 fn in_use() -> Result<Toolchain, Failure> {
     if target_is_installed()? {
         return Ok(Toolchain::InUse);
@@ -120,7 +120,7 @@ fn target_is_installed() -> Result<bool, Failure> {
     Ok(library.is_dir())
 }
 
-/// Debian's toolchain, with its packages installed by apt if they are not there.
+/// Returns Debian's toolchain, with its packages installed by apt if they are missing.
 fn debian() -> Result<Toolchain, Failure> {
     let complete = || {
         let sources = sysroot(DEBIAN_RUSTC)?.join("lib/rustlib/src/rust/library/core");
@@ -132,7 +132,7 @@ fn debian() -> Result<Toolchain, Failure> {
     Ok(Toolchain::Debian { linker: linker()? })
 }
 
-/// A linker for ARM: rustup's toolchains bring one, Debian's binutils are another.
+/// Returns a linker for ARM: from rustup's toolchain, or from Debian's binutils.
 fn linker() -> Result<PathBuf, Failure> {
     const GNU: &str = "arm-none-eabi-ld";
     if let Some(lld) = rustup_lld().or_else(|| find_program(GNU)) {
@@ -142,7 +142,7 @@ fn linker() -> Result<PathBuf, Failure> {
     Ok(PathBuf::from(GNU))
 }
 
-/// The linker that lies beside the compiler in use.
+/// Returns the linker beside the compiler in use.
 fn rustup_lld() -> Option<PathBuf> {
     let libraries = sysroot("rustc").ok()?.join("lib/rustlib");
     let hosts = libraries.read_dir().ok()?;

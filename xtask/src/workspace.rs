@@ -1,4 +1,4 @@
-//! Where things lie, and the cargo that runs this program.
+//! Paths of the workspace, and the cargo that runs this program.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,24 +6,25 @@ use std::{env, fs, io};
 
 use crate::failure::Failure;
 
-/// The folder of the workspace's `Cargo.toml`.
+/// Returns the folder of the workspace's `Cargo.toml`.
 pub(crate) fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_owned()
 }
 
-/// Where cargo puts what it builds for the host.
+/// Returns cargo's target folder for the host.
 pub(crate) fn target_dir() -> PathBuf {
     let told = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
     root().join(told)
 }
 
-/// Where the ARM image is built: apart, so that neither build waits for the other's lock or discards its results.
+/// Returns the target folder of the ARM image: a separate one, so that neither build waits for the other's lock or
+/// discards its results.
 pub(crate) fn arm_target_dir() -> PathBuf {
     target_dir().join("arm")
 }
 
-/// The cargo that runs this program, in the workspace's folder.
+/// Creates a command of the cargo that runs this program, in the workspace's folder.
 pub(crate) fn cargo() -> Command {
     let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut cargo = Command::new(program);
@@ -31,7 +32,7 @@ pub(crate) fn cargo() -> Command {
     cargo
 }
 
-/// The first program of this name on the search path.
+/// Returns the first program of this name on the search path.
 pub(crate) fn find_program(name: &str) -> Option<PathBuf> {
     let folders = env::var_os("PATH")?;
     env::split_paths(&folders)
@@ -39,7 +40,7 @@ pub(crate) fn find_program(name: &str) -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-/// What lies in a folder, in the order of the names.
+/// Returns the contents of a folder, sorted by name.
 pub(crate) fn entries(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let list = || {
         let paths = fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path()));

@@ -1,4 +1,4 @@
-//! The paper: a figure, its texts, and panels with axes.
+//! Drawing area: a figure, its texts, and panels with axes.
 
 use std::ops::Range;
 
@@ -13,22 +13,22 @@ use super::figure::{FONT, Figure, PlotError, SCALE, printable};
 use super::palette;
 use super::quantity::tick;
 
-/// Mean width of a character in ems, for the places of legend entries.
+/// Mean width of a character (em), for the positions of legend entries.
 const CHARACTER_EM: f64 = 0.57;
-/// The backend divides the size of a font by this.
+/// Divisor that the backend applies to font sizes.
 const BACKEND_FONT_SIZE: f64 = 1.24;
 /// Size of ordinary text \[px\].
 const TEXT_PX: f64 = 12.5;
 /// Size of titles \[px\].
 const TITLE_PX: f64 = 15.0;
 
-/// Room left of a panel for its labels \[px\].
+/// Space left of a panel for its labels \[px\].
 pub(super) const LABELS_PX: i32 = 52;
 /// Width of a figure across the page \[px\].
 pub(super) const WIDTH_PX: i32 = 960;
 /// Left edge of titles and captions \[px\].
 const LEFT_PX: i32 = 8;
-/// Right of a panel, so that the last label of its axis is not cut \[px\].
+/// Space right of a panel, so that the last label of its axis is not cut \[px\].
 pub(super) const RIGHT_PX: i32 = 16;
 
 type Backend<'a> = SVGBackend<'a>;
@@ -41,7 +41,7 @@ impl From<DrawError> for PlotError {
     }
 }
 
-/// Draws a figure; `description` is for those who do not see it.
+/// Draws a figure; `description` is its text for screen readers.
 pub(super) fn figure(
     width_px: i32,
     height_px: i32,
@@ -64,7 +64,7 @@ pub(super) fn figure(
     ))
 }
 
-/// Where a text stands.
+/// Horizontal alignment of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,
@@ -72,22 +72,22 @@ pub(super) enum Align {
     Right,
 }
 
-/// Paper to draw on, in pixels from the upper left.
+/// Drawing area in pixels from the upper left.
 pub(super) struct Sheet<'a> {
     area: DrawingArea<Backend<'a>, Shift>,
 }
 
-/// A place \[px\].
+/// Position \[px\].
 pub(super) type Pixel = (i32, i32);
 
 impl<'a> Sheet<'a> {
-    /// What the figure shows, in its first line.
+    /// Writes the title in the first line.
     pub(super) fn title(&self, text: &str) -> Result<(), PlotError> {
         let style = font(TITLE_PX, palette::INK, Align::Left, true);
         self.write(text, (LEFT_PX, 14), style)
     }
 
-    /// A line of ordinary text, vertically centred at the place.
+    /// Writes a line of ordinary text, vertically centred at the position.
     pub(super) fn text(
         &self,
         text: &str,
@@ -98,7 +98,7 @@ impl<'a> Sheet<'a> {
         self.write(text, at, font(TEXT_PX, colour, align, false))
     }
 
-    /// The same, smaller.
+    /// Writes a line of smaller text.
     pub(super) fn small_text(
         &self,
         text: &str,
@@ -109,7 +109,7 @@ impl<'a> Sheet<'a> {
         self.write(text, at, font(TEXT_PX - 2.0, colour, align, false))
     }
 
-    /// The same, bold.
+    /// Writes a line of bold text.
     pub(super) fn bold_text(&self, text: &str, at: Pixel, align: Align) -> Result<(), PlotError> {
         self.write(text, at, font(TEXT_PX, palette::INK, align, true))
     }
@@ -119,7 +119,7 @@ impl<'a> Sheet<'a> {
         Ok(self.area.draw_text(&text, &style, scaled(at))?)
     }
 
-    /// A filled rectangle.
+    /// Draws a filled rectangle.
     pub(super) fn rectangle(
         &self,
         corners: [Pixel; 2],
@@ -131,7 +131,7 @@ impl<'a> Sheet<'a> {
             .draw(&Rectangle::new(corners, style.into().filled()))?)
     }
 
-    /// A straight line.
+    /// Draws a straight line.
     pub(super) fn line(
         &self,
         ends: [Pixel; 2],
@@ -144,7 +144,7 @@ impl<'a> Sheet<'a> {
             .draw(&PathElement::new(ends, stroke(colour, width_px)))?)
     }
 
-    /// A dot with a radius \[px\].
+    /// Draws a dot with a radius \[px\].
     pub(super) fn dot(
         &self,
         at: Pixel,
@@ -155,7 +155,7 @@ impl<'a> Sheet<'a> {
         Ok(self.area.draw(&Circle::new(scaled(at), radius, style))?)
     }
 
-    /// Axes with ticks and the name of the upright one above them.
+    /// Draws axes with ticks and the name of the vertical axis above them.
     pub(super) fn panel(&self, panel: &Panel<'_>) -> Result<Chart<'a>, PlotError> {
         let Panel {
             corner: (left, top),
@@ -206,7 +206,7 @@ impl<'a> Sheet<'a> {
         Ok(Chart { chart })
     }
 
-    /// Entries with a sample of their colour, ending at the right end of `right`.
+    /// Draws entries with a sample of their colour, right-aligned at `right`.
     pub(super) fn legend(
         &self,
         right: Pixel,
@@ -224,27 +224,27 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// Axes to be drawn.
+/// Axes to draw.
 pub(super) struct Panel<'t> {
-    /// Upper left corner of the plot itself \[px\].
+    /// Upper left corner of the plot area \[px\].
     pub(super) corner: Pixel,
-    /// Width and height of the plot itself \[px\].
+    /// Width and height of the plot area \[px\].
     pub(super) size: Pixel,
     pub(super) x: Range<f64>,
     pub(super) y: Range<f64>,
-    /// Quantity and unit of the level axis; none where the panel below has it.
+    /// Quantity and unit of the horizontal axis; `None` if the panel below has it.
     pub(super) x_caption: Option<&'t str>,
-    /// Quantity and unit of the upright axis.
+    /// Quantity and unit of the vertical axis.
     pub(super) y_caption: &'t str,
 }
 
-/// Axes that take curves.
+/// Axes with curves.
 pub(super) struct Chart<'a> {
     chart: ChartContext<'a, Backend<'a>, Plane>,
 }
 
 impl Chart<'_> {
-    /// A band between two values, across the whole panel.
+    /// Draws a band between two values, across the whole panel.
     pub(super) fn band(&mut self, values: Range<f64>, colour: RGBColor) -> Result<(), PlotError> {
         let x = self.chart.x_range();
         let y = self.chart.y_range();
@@ -256,13 +256,13 @@ impl Chart<'_> {
         Ok(())
     }
 
-    /// A level line at a value.
+    /// Draws a horizontal line at a value.
     pub(super) fn level(&mut self, value: f64, colour: RGBColor) -> Result<(), PlotError> {
         let x = self.chart.x_range();
         self.curve(&[vec![(x.start, value), (x.end, value)]], colour, 1.0)
     }
 
-    /// Connected pieces; a piece of a single point is a dot.
+    /// Draws connected pieces; a piece of a single point is a dot.
     pub(super) fn curve(
         &mut self,
         pieces: &[Vec<Point>],
@@ -280,7 +280,7 @@ impl Chart<'_> {
         Ok(())
     }
 
-    /// The area between two curves over the same instants.
+    /// Draws the area between two curves over the same instants.
     pub(super) fn area_between(
         &mut self,
         lower: &[Point],
@@ -294,7 +294,7 @@ impl Chart<'_> {
         Ok(())
     }
 
-    /// A dot, filled or as a ring.
+    /// Draws a dot, filled or as a ring.
     pub(super) fn dot(
         &mut self,
         at: Point,
@@ -313,17 +313,17 @@ impl Chart<'_> {
     }
 }
 
-/// A line of this width.
+/// Returns a line style of this width.
 pub(super) fn stroke(colour: RGBColor, width_px: f64) -> ShapeStyle {
     colour.stroke_width((width_px * f64::from(SCALE)) as u32)
 }
 
-/// About the width of a line of text \[px\].
+/// Returns the approximate width of a line of text \[px\].
 pub(super) fn width_of(text: &str) -> i32 {
     (text.chars().count() as f64 * TEXT_PX * CHARACTER_EM) as i32
 }
 
-/// Long names shortened, so that they cannot cover a figure.
+/// Shortens long names, so that they cannot cover a figure.
 pub(super) fn clipped(text: &str, characters: usize) -> String {
     if text.chars().count() <= characters {
         return text.to_owned();
@@ -332,7 +332,7 @@ pub(super) fn clipped(text: &str, characters: usize) -> String {
     format!("{kept}…")
 }
 
-/// A range with some room on both sides, never empty and never too short for the digits of its ends.
+/// Returns the range with some margin on both sides, never empty and never too short for the digits of its ends.
 pub(super) fn with_room(extent: Range<f64>) -> Range<f64> {
     let length = extent.end - extent.start;
     let magnitude = extent.start.abs().max(extent.end.abs());
@@ -344,7 +344,7 @@ pub(super) fn with_room(extent: Range<f64>) -> Range<f64> {
     extent.start - room..extent.end + room
 }
 
-/// The smallest range that holds both.
+/// Returns the smallest range that contains both.
 pub(super) fn union(a: Range<f64>, b: Range<f64>) -> Range<f64> {
     a.start.min(b.start)..a.end.max(b.end)
 }
@@ -386,7 +386,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
 
-        /// Goal: no log, however odd its values, keeps a figure from being drawn. Method: ends of any sign and size.
+        /// Goal: no log prevents a figure from being drawn, whatever its values. Method: ends of any sign and size.
         #[test]
         fn axes_are_drawn_for_every_range(a in value(), b in value()) {
             let drawn = figure(400, 200, "made up", |sheet| {
@@ -412,7 +412,7 @@ mod tests {
         assert_eq!(clipped("äöüßx", 4), "äöü…");
     }
 
-    /// The page of the report has its own escaping; a figure stands alone too.
+    /// The page of the report has its own escaping; a figure is also a file of its own.
     #[test]
     fn text_in_a_figure_is_no_markup() {
         let hostile = "<script>\u{0}\"&";

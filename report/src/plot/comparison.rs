@@ -1,4 +1,4 @@
-//! Measured over modelled, what is left, and what was commanded, on one axis of time.
+//! Plot of measured and modelled signal, residuals and commands on one time axis.
 
 use std::ops::Range;
 
@@ -13,16 +13,16 @@ use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::{SmallUnit, capitalised, signal_words};
 
-/// Width of the plots themselves \[px\].
+/// Width of the plot area \[px\].
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const OVERLAY_PX: i32 = 210;
 const RESIDUAL_PX: i32 = 110;
-/// Between two panels: the caption of the next one \[px\].
+/// Space between two panels, for the caption of the lower one \[px\].
 const BETWEEN_PX: i32 = 44;
 const FIRST_TOP_PX: i32 = 62;
 
-/// The signal measured and modelled, both residuals with the band of the noise, and the duty cycles of `log`. `window_s` is
-/// an excerpt; without it all is shown.
+/// Draws the signal measured and modelled, both residuals with the noise band, and the duty cycles of `log`. `window_s`
+/// is an excerpt; without it the whole log is drawn.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -102,11 +102,11 @@ pub(crate) fn comparison(
     })
 }
 
-/// An excerpt shows at least so many samples: those of a slow log are farther apart.
+/// Smallest number of samples in an excerpt: the samples of a slow log are farther apart.
 const FEWEST_SAMPLES: f64 = 100.0;
 
-/// The window of `length_s`, or of [`FEWEST_SAMPLES`], in which the free-run residual of the signal `name` is largest; none
-/// if the log is not longer.
+/// Returns the window of `length_s`, or of [`FEWEST_SAMPLES`], with the largest free-run residual of the signal `name`;
+/// `None` if the log is not longer.
 pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Option<Range<f64>> {
     let residual = Course::of_free_run_residual(&comparison.traces, name)?;
     let length_s = length_s.max(FEWEST_SAMPLES * residual.step_s());
@@ -122,12 +122,12 @@ pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Opt
             sum -= points[first].1;
             first += 1;
         }
-        // A window that begins before the log would be shorter than asked for.
+        // A window that begins before the log would be shorter than requested.
         if time_s - all_s.start >= length_s && sum > best.0 {
             best = (sum, time_s - length_s);
         }
     }
-    // Whole seconds read better, and stay within the log.
+    // Whole seconds are easier to read, and stay within the log.
     let start_s = best.1.floor().max(all_s.start);
     Some(start_s..start_s + length_s)
 }
@@ -135,7 +135,7 @@ pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Opt
 /// Height of the strip of duty cycles \[px\].
 pub(super) const DUTIES_PX: i32 = 70;
 
-/// The duty cycles of both valves, with the axis of time below.
+/// Draws the duty cycles of both valves, with the time axis below.
 pub(super) fn duties(
     sheet: &Sheet<'_>,
     corner: canvas::Pixel,
@@ -174,7 +174,7 @@ pub(super) fn duties(
     Ok(())
 }
 
-/// `0 to 60 s`.
+/// Formats a range as `0 to 60 s`.
 pub(super) fn span(window_s: &Range<f64>) -> String {
     let round = |time_s: f64| (time_s * 100.0).round() / 100.0;
     format!("{} to {} s", round(window_s.start), round(window_s.end))
@@ -194,7 +194,7 @@ impl Overlay<'_> {
         modelled: Option<&Course<'_>>,
         residual: Option<&Course<'_>>,
     ) -> Result<(), PlotError> {
-        // Residuals are measured minus modelled, on the same instants.
+        // Residuals are measured minus modelled, at the same instants.
         let measured = modelled
             .zip(residual)
             .and_then(|(modelled, residual)| modelled.plus(residual));
@@ -302,7 +302,7 @@ mod tests {
         (log, comparison)
     }
 
-    /// Goal: the excerpt shows the difference at its largest. Method: no other window of ten whole seconds holds a tenth more.
+    /// Goal: the excerpt shows the largest difference. Method: no other window of ten whole seconds has a tenth more.
     #[test]
     fn the_excerpt_is_where_the_residual_is_largest() {
         let (_, comparison) = practice_log();

@@ -1,4 +1,4 @@
-//! The closed loop: what was wanted, what was reached, and what the valves did.
+//! Plot of the closed loop: reference, pressure and valves.
 
 use std::ops::Range;
 
@@ -19,11 +19,11 @@ const PRESSURE_PX: i32 = 250;
 const LIFTS_PX: i32 = 70;
 const BETWEEN_PX: i32 = 44;
 const FIRST_TOP_PX: i32 = 62;
-/// Shown before and after a step, so that its beginning and its rest are seen.
+/// Time shown before and after a step \[s\], so that its beginning and its end are visible.
 const AROUND_STEP_S: [f64; 2] = [0.05, 0.85];
 
-/// Reference, pressure with the tolerance around the reference, lifts of the armatures where recorded, and duty cycles.
-/// `window_s` is an excerpt; without it all is shown.
+/// Draws reference, pressure with the tolerance around the reference, lifts of the armatures if recorded, and duty
+/// cycles. `window_s` is an excerpt; without it the whole run is drawn.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -62,7 +62,8 @@ pub(crate) fn control(
     })
 }
 
-/// The step to look at closely: the one in the operating range that settled last, or any; with the window to show.
+/// Returns the step to show in detail, with its window: of the steps in the operating range, or else of all, the one
+/// that settled last.
 pub(crate) fn step_of_interest(verdict: &Verdict) -> Option<(&StepResponse, Range<f64>)> {
     let step = verdict.steps.iter().max_by_key(|step| {
         (

@@ -1,11 +1,11 @@
-//! The course of a signal as line segments: gaps stay gaps, and a long log is thinned without losing an extreme.
+//! Time series as line segments: gaps stay gaps, and a long log is thinned without losing an extreme.
 
 use std::ops::Range;
 
 use model_lab::result::Traces;
 use recording::{Recording, Sampling, Unit};
 
-/// A point: instant \[s\] and value.
+/// Instant \[s\] and value.
 pub(super) type Point = (f64, f64);
 
 /// Values over time; NaN is a missing sample.
@@ -13,30 +13,30 @@ pub(super) type Point = (f64, f64);
 pub(super) struct Course<'a> {
     times_s: &'a [f64],
     values: Vec<f64>,
-    /// Median distance of two samples \[s\].
+    /// Median sample interval \[s\].
     step_s: f64,
 }
 
 impl<'a> Course<'a> {
-    /// The signal `name` in its own unit, none where it is not recorded.
+    /// Returns the signal `name` in its own unit; `None` if it is not recorded.
     pub(super) fn of(recording: &'a Recording, name: &str) -> Option<Self> {
         let values = recording.signal(name)?.values_or_nan().to_vec();
         Self::on(recording, name, values)
     }
 
-    /// The signal `name` in `unit`, none where it is not recorded or is something else.
+    /// Returns the signal `name` in `unit`; `None` if it is not recorded or has another quantity.
     pub(super) fn of_in(recording: &'a Recording, name: &str, unit: Unit) -> Option<Self> {
         let values = recording.signal(name)?.values_in(unit).ok()?;
         Self::on(recording, name, values)
     }
 
-    /// Measured minus the free run of a comparison; none where the signal is not compared.
+    /// Returns measured minus free run of a comparison; `None` if the signal is not compared.
     pub(super) fn of_free_run_residual(traces: &'a Traces, name: &str) -> Option<Self> {
         let values = traces.free_run_residual(name)?.iter().collect();
         Self::on(&traces.free_run, name, values)
     }
 
-    /// Measured minus the short-horizon prediction of a comparison; none where there is no such prediction.
+    /// Returns measured minus one-step-ahead prediction of a comparison; `None` if there is no such prediction.
     pub(super) fn of_short_horizon_residual(traces: &'a Traces, name: &str) -> Option<Self> {
         let values = traces.short_horizon_residual(name)?.iter().collect();
         Self::on(&traces.short_horizon, name, values)
@@ -51,7 +51,7 @@ impl<'a> Course<'a> {
         })
     }
 
-    /// Sample by sample with another course of the same instants; none where their number differs.
+    /// Returns the sum with another series of the same instants; `None` if the number of samples differs.
     pub(super) fn plus(&self, other: &Course<'_>) -> Option<Self> {
         (self.values.len() == other.values.len()).then(|| {
             let pairs = self.values.iter().zip(&other.values);
@@ -62,25 +62,25 @@ impl<'a> Course<'a> {
         })
     }
 
-    /// Every value times `factor`.
+    /// Multiplies every value by `factor`.
     pub(super) fn times(mut self, factor: f64) -> Self {
         self.values.iter_mut().for_each(|value| *value *= factor);
         self
     }
 
-    /// From the first instant to the end of the last sample \[s\].
+    /// Returns the range from the first instant to the end of the last sample \[s\].
     pub(super) fn window_s(&self) -> Range<f64> {
         let start_s = self.times_s.first().copied().unwrap_or(0.0);
         let end_s = self.times_s.last().copied().unwrap_or(0.0);
         start_s..end_s + self.step_s
     }
 
-    /// Median distance of two samples \[s\].
+    /// Returns the median sample interval \[s\].
     pub(super) fn step_s(&self) -> f64 {
         self.step_s
     }
 
-    /// Least and greatest value in the window; none where nothing was sampled.
+    /// Returns the smallest and largest value in the window; `None` without samples.
     pub(super) fn extent(&self, window_s: &Range<f64>) -> Option<Range<f64>> {
         self.rows(window_s)
             .map(|row| self.values[row])
@@ -91,7 +91,7 @@ impl<'a> Course<'a> {
             })
     }
 
-    /// Sum of the squares from row to row, to find where a course is large.
+    /// Returns the cumulative sum of squares, to find where a series is large.
     pub(super) fn squares(&self) -> impl Iterator<Item = Point> + '_ {
         let square = |value: &f64| if value.is_nan() { 0.0 } else { value * value };
         self.times_s
@@ -100,7 +100,7 @@ impl<'a> Course<'a> {
             .zip(self.values.iter().map(square))
     }
 
-    /// Lines from sample to sample, broken where samples are missing; a sample between missing ones is a dash.
+    /// Returns lines from sample to sample, broken at missing samples; a sample between missing ones becomes a dash.
     pub(super) fn lines(&self, window_s: &Range<f64>, columns: usize) -> Vec<Vec<Point>> {
         let point = |row: usize| (self.times_s[row], self.values[row]);
         self.pieces(window_s)
@@ -112,7 +112,7 @@ impl<'a> Course<'a> {
             .collect()
     }
 
-    /// Stairs: a value holds until the next sample, as a command does.
+    /// Returns stairs: a value applies until the next sample, as a command does.
     pub(super) fn stairs(&self, window_s: &Range<f64>, columns: usize) -> Vec<Vec<Point>> {
         let begins_inside = |row: &usize| self.times_s[*row] < window_s.end;
         let stair = |row: usize, end: usize| {
@@ -150,7 +150,7 @@ impl<'a> Course<'a> {
         from..to.max(from)
     }
 
-    /// Rows without a missing sample or a drop-out between them.
+    /// Returns the ranges of rows without a missing sample or a drop-out.
     fn pieces(&self, window_s: &Range<f64>) -> Vec<Range<usize>> {
         let longest_s = self.step_s * Sampling::GAP_IN_MEDIAN_STEPS;
         let mut pieces: Vec<Range<usize>> = Vec::new();
@@ -170,7 +170,7 @@ impl<'a> Course<'a> {
     }
 }
 
-/// A line without neighbours that can be seen: a two-hundredth of the window.
+/// Returns a visible line for a sample without neighbours: 1/200 of the window.
 fn dash((time_s, value): Point, window_s: &Range<f64>) -> Vec<Point> {
     let half_s = (window_s.end - window_s.start) / 400.0;
     [time_s - half_s, time_s + half_s]
@@ -178,12 +178,12 @@ fn dash((time_s, value): Point, window_s: &Range<f64>) -> Vec<Point> {
         .to_vec()
 }
 
-/// The points that a line needs.
+/// Returns the points that a line needs.
 fn drawn(points: &[Point], window_s: &Range<f64>, columns: usize) -> Vec<Point> {
     thinned(&without_level_points(points.to_vec()), window_s, columns)
 }
 
-/// Of each level stretch only its ends, which changes nothing of what is drawn.
+/// Keeps the ends of each level segment only, which leaves the drawn line unchanged.
 fn without_level_points(mut points: Vec<Point>) -> Vec<Point> {
     let mut kept = 0;
     for row in 0..points.len() {
@@ -198,8 +198,8 @@ fn without_level_points(mut points: Vec<Point>) -> Vec<Point> {
     points
 }
 
-/// At most two points per column of pixels: the least and the greatest, in their order. A line through them covers the same
-/// pixels as one through all points, so that no peak is lost.
+/// Keeps at most two points per pixel column: the smallest and the largest, in their order. A line through them covers
+/// the same pixels as one through all points, so that no peak is lost.
 fn thinned(points: &[Point], window_s: &Range<f64>, columns: usize) -> Vec<Point> {
     if points.len() <= 2 * columns {
         return points.to_vec();
@@ -244,8 +244,8 @@ mod tests {
     }
 
     proptest! {
-        /// Goal: a peak of a single sample is seen in a log of any length. Method: in each column of pixels the drawn points
-        /// reach as low and as high as all samples do, and every drawn point is a sample.
+        /// Goal: a peak of a single sample is visible in a log of any length. Method: in each pixel column the drawn
+        /// points have the minimum and maximum of all samples, and every drawn point is a sample.
         #[test]
         fn thinning_keeps_the_extremes_of_every_column(
             values in prop::collection::vec(prop_oneof![Just(0.0), -9.0..9.0], 1..2000),
@@ -268,8 +268,8 @@ mod tests {
             }
         }
 
-        /// Goal: leaving out the middle of level stretches changes no line. Method: every dropped point lies between two kept
-        /// ones of its own value.
+        /// Goal: dropping the middle of level segments changes no line. Method: every dropped point lies between two
+        /// kept ones of its own value.
         #[test]
         fn only_points_on_a_level_line_are_left_out(values in prop::collection::vec(0_u8..3, 1..200)) {
             let points: Vec<Point> = values.iter().enumerate().map(|(row, value)| (row as f64, f64::from(*value))).collect();

@@ -1,4 +1,4 @@
-//! The error that falls, the effects that compete, and the model before and after.
+//! Plots of a diagnosis: error steps, competing effects, and the model before and after.
 
 use std::ops::Range;
 
@@ -19,20 +19,20 @@ use super::quantity::{SmallUnit, capitalised, pressure_first, short, signal_word
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const OVERLAY_PX: i32 = 210;
 const RESIDUAL_PX: i32 = 130;
-/// Between two panels: the caption of the next one \[px\].
+/// Space between two panels, for the caption of the lower one \[px\].
 const BETWEEN_PX: i32 = 44;
 const FIRST_TOP_PX: i32 = 62;
 
-/// Names left of the bars \[px\].
+/// Width of the names left of the bars \[px\].
 const NAMES_PX: i32 = 236;
-/// Figures right of the bars \[px\].
+/// Width of the numbers right of the bars \[px\].
 const FIGURES_PX: i32 = 190;
 const BARS_PX: i32 = WIDTH_PX - NAMES_PX - FIGURES_PX;
 const TOP_PX: i32 = 54;
 const ROW_PX: i32 = 22;
 const GROUP_PX: i32 = 14;
 
-/// The error of each signal over its noise floor, from the plain model to the last added effect.
+/// Draws the error of each signal over its noise floor, from the plain model to the last added effect.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -92,7 +92,7 @@ pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
     })
 }
 
-/// The share of the excess error that each effect explains by itself.
+/// Draws the share of the excess error that each effect explains by itself.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -128,8 +128,8 @@ pub(crate) fn candidates(diagnosis: &Diagnosis) -> Result<Figure, PlotError> {
     })
 }
 
-/// One signal of a log with the plain model and, where there is one, the refined model, driven by the commands alone,
-/// and their residuals. `models` begins with the plain one.
+/// Draws one signal of a log with the plain model and, if there is one, the refined model in free run, and their
+/// residuals. `models` begins with the plain one.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -205,7 +205,7 @@ fn draw_overlay(
     runs: &[Run<'_>],
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
-    // Residuals are measured minus modelled, on the same instants.
+    // Residuals are measured minus modelled, at the same instants.
     let measured = runs.first().and_then(|plain| {
         let both = plain.modelled.as_ref().zip(plain.residual.as_ref());
         both.and_then(|(modelled, residual)| modelled.plus(residual))

@@ -1,4 +1,4 @@
-//! Where the error is, over duty cycle and pressure.
+//! Map of the error over duty cycle and pressure.
 
 use std::ops::Range;
 
@@ -13,10 +13,10 @@ use super::quantity::{SmallUnit, capitalised, short, signal_words};
 const ROW_LABELS_PX: i32 = 150;
 const TOP_PX: i32 = 84;
 const ROW_PX: i32 = 34;
-/// A share below this is left without a number, for the eye to find what matters.
+/// Smaller shares have no number, so that the large ones stand out.
 const SHARE_SHOWN: f64 = 0.005;
 
-/// The share of the excess in each cell, coloured by the sign of the mean error there.
+/// Draws the share of the excess in each cell, coloured by the sign of its mean error.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -56,7 +56,7 @@ fn legend(sheet: &Sheet<'_>) -> Result<(), PlotError> {
 
 struct Grid<'a> {
     map: &'a ErrorMap,
-    /// From the first to the last duty band that has samples.
+    /// From the first to the last duty band with samples.
     rows: Range<usize>,
     column_px: i32,
 }

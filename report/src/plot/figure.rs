@@ -1,12 +1,12 @@
-//! A drawn figure as SVG text.
+//! Figure as SVG text.
 
-/// Units of drawing per pixel: the backend counts in whole numbers, a screen shows less than a pixel.
+/// Units of drawing per pixel: the backend uses integers, and a screen shows less than a pixel.
 pub(super) const SCALE: i32 = 4;
 /// The reader's own font; no file is loaded.
 pub(super) const FONT: &str =
     "system-ui, -apple-system, Segoe UI, Roboto, Helvetica, Arial, sans-serif";
 
-/// A figure could not be drawn.
+/// Failure of a drawing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the figure cannot be drawn: {reason}")]
 pub(crate) struct PlotError {
@@ -21,18 +21,18 @@ impl PlotError {
     }
 }
 
-/// A drawn figure.
+/// Drawn figure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Figure {
     width_px: i32,
     height_px: i32,
     description: String,
-    /// The elements between `<svg>` and `</svg>`.
+    /// Elements between `<svg>` and `</svg>`.
     elements: String,
 }
 
 impl Figure {
-    /// What the backend wrote, without its outermost element and with the font said once.
+    /// Takes the backend's output, without its outermost element and with the font stated once.
     pub(super) fn from_backend(
         (width_px, height_px): (i32, i32),
         description: String,
@@ -49,12 +49,12 @@ impl Figure {
         }
     }
 
-    /// To stand within an HTML page; colours as on white.
+    /// Returns the figure for an HTML page, with the colours for a white background.
     pub(crate) fn inline_svg(&self) -> String {
         self.svg("", "")
     }
 
-    /// A file of its own, on a white ground.
+    /// Returns the figure as a file of its own, on a white background.
     #[cfg(test)]
     pub(crate) fn svg_file(&self) -> String {
         let mut file = self.svg(
@@ -81,7 +81,7 @@ impl Figure {
     }
 }
 
-/// Text as text within SVG and HTML.
+/// Escapes text for SVG and HTML.
 fn escaped(text: &str) -> String {
     text.chars().fold(String::new(), |mut escaped, character| {
         match character {
@@ -95,7 +95,7 @@ fn escaped(text: &str) -> String {
     })
 }
 
-/// Control characters are no part of SVG.
+/// Replaces control characters, which are invalid in SVG.
 pub(super) fn printable(character: char) -> char {
     if character.is_control() {
         char::REPLACEMENT_CHARACTER

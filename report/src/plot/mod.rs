@@ -1,8 +1,9 @@
-//! Static plots as SVG: what was measured, what was modelled, and where they part.
+//! Static plots as SVG: measurement, model, and their differences.
 //!
-//! Every figure is a pure function of results: equal results give equal bytes. Text stays text in the font of the reader,
-//! every axis names its quantity and unit, and the colours are those of Okabe and Ito, which colour-blind people tell apart.
-//! A figure is drawn in colours for a white ground; a page for dark rooms exchanges them by [`palette::DARK`].
+//! Every figure is a pure function of results: equal results give equal bytes. Text stays text in the font of the
+//! reader, every axis names its quantity and unit, and the colours are those of Okabe and Ito, which colour-blind
+//! people can distinguish. Figures have the colours for a white background; a page with a dark background replaces them
+//! by [`palette::DARK`].
 
 mod canvas;
 mod comparison;

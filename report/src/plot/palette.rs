@@ -2,16 +2,16 @@
 
 use plotters::style::RGBColor;
 
-/// A colour on white and its counterpart on a dark ground, both as `#RRGGBB`.
+/// Colour on white and its counterpart on a dark background, both as `#RRGGBB`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Counterpart {
-    /// As drawn.
+    /// As drawn, on white.
     pub(crate) on_white: &'static str,
-    /// On a dark ground.
+    /// On a dark background.
     pub(crate) on_dark: &'static str,
 }
 
-/// What was measured; text that matters.
+/// Measurement; important text.
 pub(super) const INK: RGBColor = RGBColor(0x1F, 0x1F, 0x1F);
 /// Labels of axes.
 pub(super) const LABEL: RGBColor = RGBColor(0x59, 0x59, 0x59);
@@ -19,22 +19,22 @@ pub(super) const LABEL: RGBColor = RGBColor(0x59, 0x59, 0x59);
 pub(super) const AXIS: RGBColor = RGBColor(0x9A, 0x9A, 0x9A);
 /// Grid lines and empty cells.
 pub(super) const GRID: RGBColor = RGBColor(0xE6, 0xE6, 0xE6);
-/// The inner part of a band: ±1 σ.
+/// Inner part of a band: ±1 σ.
 pub(super) const BAND_INNER: RGBColor = RGBColor(0xD2, 0xD8, 0xDE);
-/// The outer part of a band: ±3 σ, or a tolerance.
+/// Outer part of a band: ±3 σ, or a tolerance.
 pub(super) const BAND_OUTER: RGBColor = RGBColor(0xEA, 0xEE, 0xF1);
-/// The model, and what it leaves when it runs free.
+/// Model, and its free-run residual.
 pub(super) const MODEL: RGBColor = RGBColor(0xD5, 0x5E, 0x00);
-/// The model corrected by the measurement.
+/// Model corrected by the measurement.
 pub(super) const SHORT_HORIZON: RGBColor = RGBColor(0x00, 0x9E, 0x73);
-/// The fill valve.
+/// Fill valve.
 pub(super) const FILL: RGBColor = RGBColor(0x00, 0x72, 0xB2);
-/// The vent valve.
+/// Vent valve.
 pub(super) const VENT: RGBColor = RGBColor(0xCC, 0x79, 0xA7);
-/// A limit.
+/// Limit.
 pub(super) const LIMIT: RGBColor = RGBColor(0xB0, 0x2A, 0x1E);
 
-/// What becomes of each colour on a dark ground.
+/// Colours on a dark background, by colour on white.
 pub(crate) const DARK: &[Counterpart] = &[
     pair("#1F1F1F", "#EDEBE8"),
     pair("#595959", "#B3B0AC"),
@@ -57,7 +57,7 @@ const fn pair(on_white: &'static str, on_dark: &'static str) -> Counterpart {
 mod tests {
     use super::*;
 
-    /// Goal: no colour is forgotten in the dark. Method: every role against the table.
+    /// Goal: every colour has a dark counterpart. Method: compare every role with the table.
     #[test]
     fn every_colour_has_a_counterpart_on_a_dark_ground() {
         let roles = [

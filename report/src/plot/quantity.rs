@@ -1,18 +1,18 @@
-//! Words and units of the signals.
+//! Names and units of the signals.
 
 use model_lab::diagnosis::result::BySignal;
 
-/// A unit in which errors are pleasant to read: `0.012 bar` is `12 mbar`.
+/// Small unit for errors: `0.012 bar` is `12 mbar`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmallUnit<'a> {
-    /// Values in the original unit times this are values in `symbol`.
+    /// Factor from the original unit to `symbol`.
     pub per_unit: f64,
-    /// For tables and axes.
+    /// Symbol for tables and axes.
     pub symbol: &'a str,
 }
 
 impl<'a> SmallUnit<'a> {
-    /// For errors given in `unit`.
+    /// Returns the small unit for errors given in `unit`.
     pub fn of_errors_in(unit: &'a str) -> Self {
         match unit {
             "bar" => Self {
@@ -31,7 +31,7 @@ impl<'a> SmallUnit<'a> {
     }
 }
 
-/// The unit in which a diagnosis gives the figures of a signal.
+/// Returns the unit of a signal's numbers in a diagnosis.
 pub fn unit_of(signal: &str) -> &'static str {
     if signal.starts_with("i_") {
         "mA"
@@ -40,7 +40,7 @@ pub fn unit_of(signal: &str) -> &'static str {
     }
 }
 
-/// Figures by signal, the chamber pressure first.
+/// Returns the numbers by signal, the chamber pressure first.
 pub fn pressure_first(figures: &BySignal) -> impl Iterator<Item = (&str, f64)> {
     let (pressure, rest): (Vec<_>, Vec<_>) = figures
         .iter()
@@ -49,7 +49,7 @@ pub fn pressure_first(figures: &BySignal) -> impl Iterator<Item = (&str, f64)> {
     pressure.into_iter().chain(rest)
 }
 
-/// What a signal is, for people; the name itself where it is none of ours.
+/// Returns the name of a signal in words; an unknown name is returned unchanged.
 pub fn signal_words(name: &str) -> &str {
     match name {
         "p_ch" => "chamber pressure",
@@ -63,7 +63,7 @@ pub fn signal_words(name: &str) -> &str {
     }
 }
 
-/// The first letter large, as at the beginning of a title.
+/// Capitalises the first letter, for a title.
 pub fn capitalised(words: &str) -> String {
     let mut letters = words.chars();
     letters
@@ -72,7 +72,7 @@ pub fn capitalised(words: &str) -> String {
         .unwrap_or_default()
 }
 
-/// About three significant digits, with a true minus sign.
+/// Formats about three significant digits, with a true minus sign.
 pub(super) fn short(value: f64) -> String {
     let decimals = match value.abs() {
         magnitude if magnitude >= 100.0 => 0,
@@ -83,7 +83,7 @@ pub(super) fn short(value: f64) -> String {
     with_minus(format!("{value:.decimals$}"))
 }
 
-/// The tick of an axis: as many decimals as it needs.
+/// Formats the tick of an axis with as many decimals as it needs.
 pub(super) fn tick(value: &f64) -> String {
     let rounded = (value * 1e6).round() / 1e6;
     with_minus(format!("{}", if rounded == 0.0 { 0.0 } else { rounded }))

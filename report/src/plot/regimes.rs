@@ -1,4 +1,4 @@
-//! The shares of the excess error along one dimension.
+//! Plot of the shares of the excess error along one dimension.
 
 use model_lab::result::{RegimeBin, RegimeShares};
 
@@ -12,7 +12,7 @@ const TOP_PX: i32 = 50;
 const ROW_PX: i32 = 26;
 const BARS_PX: i32 = WIDTH_PX - LABELS_PX - 52;
 
-/// For each bin of the dimension: the share of the excess beside the share of the samples.
+/// Draws for each bin of the dimension the share of the excess beside the share of the samples.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -59,7 +59,7 @@ fn draw_bin(sheet: &Sheet<'_>, top_px: i32, bin: &RegimeBin) -> Result<(), PlotE
         Align::Right,
         palette::LABEL,
     )?;
-    // The local error where there is one: the free run carries history into innocent regimes.
+    // Use the one-step-ahead error if there is one: a free run also accumulates errors of other regimes.
     let error = bin.short_horizon.as_ref().unwrap_or(&bin.free_run);
     let length = |share: f64| (f64::from(BARS_PX) * share.clamp(0.0, 1.0)).round() as i32;
     let excess = error.excess_share.unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! The air that is missing after the named effects.
+//! Plot of the mass flow that is missing after the named effects.
 
 use model_lab::diagnosis::result::{FlowCurve, FlowPoint};
 
@@ -9,15 +9,15 @@ use super::figure::{Figure, PlotError};
 use super::palette;
 
 const COLUMNS: usize = 2;
-/// A panel with its labels \[px\].
+/// Size of a panel with its labels \[px\].
 const CELL_PX: (i32, i32) = (WIDTH_PX / COLUMNS as i32, 236);
-/// The plot itself \[px\].
+/// Size of the plot area \[px\].
 const PLOT_PX: (i32, i32) = (CELL_PX.0 - LABELS_PX - RIGHT_PX, 140);
 const TOP_PX: i32 = 62;
-/// Characters of a caption that fit over a panel.
+/// Number of caption characters that fit over a panel.
 const CAPTION: usize = 60;
 
-/// The missing flow against each quantity that tells something of it, with two standard errors on either side.
+/// Draws the missing flow over each quantity that it depends on, with two standard errors on either side.
 ///
 /// # Errors
 /// The drawing itself fails.

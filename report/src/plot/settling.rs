@@ -1,4 +1,4 @@
-//! How long each step took.
+//! Plot of the settling time of each step.
 
 use hil_harness::checks::{StepResponse, Verdict};
 use hil_harness::rigs::RigVerdict;
@@ -12,8 +12,8 @@ const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const HEIGHT_PX: i32 = 200;
 const TOP_PX: i32 = 62;
 
-/// Settling time of every step over its new reference, against T_req. A ring is a reference outside the operating range;
-/// what never settled stands at the upper edge.
+/// Draws the settling time of every step over its new reference, with T_req. A ring marks a reference outside the
+/// operating range; a step that never settled is drawn at the upper edge.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -73,8 +73,8 @@ fn colour(step: &StepResponse) -> plotters::style::RGBColor {
     }
 }
 
-/// What share of the steps, and of the rigs with their slowest step, has settled by which time. Where a curve ends below
-/// 100 %, the rest never settled.
+/// Draws the share of the steps, and of the rigs by their slowest step, that has settled by each time. A curve that
+/// ends below 100 % has steps that never settled.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -119,7 +119,7 @@ pub(crate) fn settling_on_rigs(
     })
 }
 
-/// The distribution as a course of percent over samples.
+/// Returns the distribution in percent over samples.
 fn stairs(times: &SettlingTimes, end: f64) -> Vec<(f64, f64)> {
     let mut course = vec![(0.0, 0.0)];
     let mut percent = 0.0;

@@ -1,4 +1,4 @@
-//! The thesis' measured figures beside the simulated ones.
+//! Plot of the thesis' measured figures beside the simulated ones.
 
 use model_lab::thesis::{Row, ThesisTable};
 
@@ -14,8 +14,8 @@ const FOOTER_PX: i32 = 36;
 const LABELS_PX: i32 = 470;
 const DOTS_PX: i32 = WIDTH_PX - LABELS_PX - 130;
 
-/// One row of dots per figure: measured and simulated, joined by their difference. Rows of one unit share an axis, which is
-/// logarithmic, so that equal distances are equal ratios.
+/// Draws one row of dots per figure: measured and simulated, joined by their difference. Rows of one unit share a
+/// logarithmic axis, so that equal distances are equal ratios.
 ///
 /// # Errors
 /// The drawing itself fails.
@@ -118,7 +118,7 @@ fn draw_row(sheet: &Sheet<'_>, y: i32, row: &Row, axis: &LogAxis) -> Result<(), 
     sheet.small_text(&deviation, (WIDTH_PX - 8, y), Align::Right, colour)
 }
 
-/// Equal distances are equal ratios.
+/// Logarithmic axis: equal distances are equal ratios.
 struct LogAxis {
     from: f64,
     to: f64,
@@ -152,7 +152,7 @@ impl LogAxis {
         LABELS_PX + (f64::from(DOTS_PX) * share.min(1.0)).round() as i32
     }
 
-    /// 1, 2, 5, 10, ...; in a short range every further digit.
+    /// Returns 1, 2, 5, 10, ...; in a short range every digit.
     fn ticks(&self) -> Vec<f64> {
         let digits: &[u32] = if self.to / self.from > 6.0 {
             &[1, 2, 5]

@@ -1,4 +1,4 @@
-//! Commands that find what a model lacks.
+//! Commands that find missing effects and wrong parameters of a model.
 
 use std::path::PathBuf;
 
@@ -13,10 +13,11 @@ Examples:
   retarder diagnose --plant my-plant.toml --log bench.csv --check other.csv --html diagnosis.html
   retarder diagnose --log cold.csv --log warm.csv --json | jq '.verdict, .effects'
 
-Pressure, coil currents or both; several logs of one rig are fitted at once. Without --check, every
-third of twelve blocks of each log is held out. Ctrl-C stops it and leaves no file behind.
-Exit status: 0 nothing detectable is missing, 1 something is missing, 2 could not run,
-3 nothing is missing, but a value of the plant file is wrong.")]
+Needs logs of pressure, coil currents or both; several logs of one rig are fitted together. Without
+--check, every third of twelve blocks of each log is validation data. Ctrl-C stops the command; it
+then leaves no file.
+Exit status: 0 no detectable effect is missing, 1 an effect is missing, 2 could not run,
+3 no effect is missing, but a value of the plant file is wrong.")]
 pub(crate) struct DiagnoseArgs {
     #[command(flatten)]
     pub(crate) logs: LogsArgs,
@@ -38,17 +39,17 @@ Examples:
   retarder compare --plant refined.toml --log other.csv
 
 Without --add: estimates the ordinary parameters, such as discharge, volume, preload and coil, and the sizes
-of the effects that the plant file has. A value may be far off; its statement in the plant file or --free and
---fix say how far. With --add: adds the effects, fitted together with the ordinary parameters within their
-tolerances. `retarder parameters` lists parameters and effects.
+of the effects in the plant file. A start value may be far off: the plant file, --free and --fix give the
+range of each parameter. With --add: adds the effects and fits them together with the ordinary parameters,
+which stay within their tolerances. `retarder parameters` lists parameters and effects.
 Exit status: 0 the plant file is written, 2 could not run.")]
 pub(crate) struct RefineArgs {
     #[command(flatten)]
     pub(crate) logs: LogsArgs,
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
-    /// Effect of the library to add, with the form of its law or else the one that fits best; may be repeated. Without
-    /// it the ordinary parameters are estimated
+    /// Effect of the library to add, with a variant of its law; without VARIANT the best fit is used. May be repeated.
+    /// Without this option the ordinary parameters are estimated
     #[arg(long, value_name = "EFFECT[:VARIANT]")]
     pub(crate) add: Vec<String>,
     /// Write the refined plant to this file; - is the standard output
@@ -60,16 +61,16 @@ pub(crate) struct RefineArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct KnowledgeArgs {
-    /// Let the fit move a parameter, those of a table (`coil`) or `all`, within a range or as far as a first plant
-    /// file may be off; may be repeated
+    /// Estimate a parameter, those of a table (`coil`) or `all`, within LOW to HIGH; without a range, within the
+    /// usual error of a first plant file. May be repeated
     #[arg(long, value_name = "KEY[=LOW..HIGH]", value_parser = freed)]
     pub(crate) free: Vec<Freed>,
-    /// Keep a parameter, those of a table or `all` as the plant file has them; may be repeated
+    /// Keep a parameter, those of a table or `all` at the values of the plant file; may be repeated
     #[arg(long, value_name = "KEY")]
     pub(crate) fix: Vec<String>,
 }
 
-/// What `--free` names, with its range.
+/// Argument of `--free`: parameters and their range.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Freed {
     pub(crate) what: String,
@@ -109,13 +110,13 @@ pub(crate) struct LogsArgs {
     /// Bench log to fit, CSV with units in the header (`p_ch_bar_gauge`) or MF4; may be repeated
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, required = true)]
     pub(crate) log: Vec<PathBuf>,
-    /// Log of the same rig that judges and is not fitted; may be repeated
+    /// Log of the same rig for validation; it is not fitted. May be repeated
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) check: Vec<PathBuf>,
-    /// Error that is of no interest, rms in bar, mA or K: what the model leaves up to it counts as noise; may be repeated
+    /// Error to ignore, rms in bar, mA or K: a model error up to it counts as noise; may be repeated
     #[arg(long, value_name = "SIGNAL=RMS", value_parser = assignment)]
     pub(crate) need: Vec<Assignment>,
-    /// TOML file that maps the columns of logs that do not explain themselves
+    /// TOML file that maps columns or channels without standard names to signals and units
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) mapping: Option<PathBuf>,
 }

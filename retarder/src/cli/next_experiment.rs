@@ -15,12 +15,12 @@ Examples:
   retarder next-experiment --plant fitted.toml --log bench.csv --determine coil --out next.csv
   retarder simulate --log next.csv --out model.csv
 
-Each effect is fitted to the log; manoeuvres within the limits are ranked by how far apart they
-would take the effects, when all that can be refitted has been. With --determine, they are ranked by
-the number of parameters that they determine; the plant file gives the present knowledge. `simulate`
-and a rig take the duty cycles of the best one at once.
-Exit status: 0 the best manoeuvre tells the effects apart, or determines all of the parameters;
-1 none within the limits does; 2 could not run.")]
+Each effect is fitted to the log. Test signals within the limits are ranked by the difference between
+the effects' predictions, after all other parameters are fitted again. With --determine, they are
+ranked by the number of parameters that they determine; the plant file gives the present uncertainty.
+`simulate` and a rig can use the duty cycles of the best test signal directly.
+Exit status: 0 the best test signal distinguishes the effects, or determines all of the parameters;
+1 no test signal within the limits does; 2 could not run.")]
 pub(crate) struct NextExperimentArgs {
     #[command(flatten)]
     pub(crate) log: LogArgs,
@@ -28,7 +28,7 @@ pub(crate) struct NextExperimentArgs {
     pub(crate) plant: PlantArgs,
     #[command(flatten)]
     pub(crate) knowledge: KnowledgeArgs,
-    /// Effect of the library that may be what is missing
+    /// Effect of the library that may be missing
     #[arg(
         long,
         value_name = "EFFECT",
@@ -36,25 +36,25 @@ pub(crate) struct NextExperimentArgs {
         required_unless_present_any = ["for_effect", "determine"]
     )]
     pub(crate) between: Option<String>,
-    /// Effect that may be it as well; may be repeated
+    /// Another effect that may be missing instead; may be repeated
     #[arg(long, value_name = "EFFECT", requires = "between")]
     pub(crate) and: Vec<String>,
-    /// Effect of typical size that the log would not have shown
+    /// Effect whose typical size is below the detection limit of the log
     #[arg(long = "for", value_name = "EFFECT", conflicts_with = "between")]
     pub(crate) for_effect: Option<String>,
-    /// Parameter to be determined, those of a table (`coil`) or `all` that `refine` estimates; may be repeated
+    /// Parameter to determine, those of a table (`coil`), or `all` that `refine` estimates; may be repeated
     #[arg(long, value_name = "KEY", conflicts_with_all = ["between", "for_effect"])]
     pub(crate) determine: Vec<String>,
-    /// Longest time, s
+    /// Longest duration, s
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
     pub(crate) duration: f64,
-    /// Highest chamber pressure, bar gauge; without it nine tenths of the supply pressure
+    /// Highest chamber pressure, bar gauge; without this option 90 % of the supply pressure
     #[arg(long, value_name = "BAR", value_parser = bar)]
     pub(crate) max_bar: Option<f64>,
     /// Highest duty cycle, %
     #[arg(long, value_name = "PCT", default_value_t = 100.0, value_parser = percent)]
     pub(crate) max_duty: f64,
-    /// Write the duty cycles of the best manoeuvre to this CSV file; - is the standard output
+    /// Write the duty cycles of the best test signal to this CSV file; - is the standard output
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! The report of a whole session.
+//! Report of a whole session.
 
 use std::path::PathBuf;
 
@@ -13,10 +13,10 @@ Examples:
   retarder report --plant my-plant.toml --log bench.csv --check other.csv --out week-12.html
   retarder report --log bench.csv --without diagnosis --rigs 100
 
-One file that needs no other: the logs, the plant, model against measurement for each log, which
-effect is missing, and the closed loop on the plant, with the missing effects too where some are found.
-Exit status: 0 the model holds, nothing is missing and the loop keeps its promises, 1 not all of it,
-2 could not run or tell.")]
+The report is one self-contained file: logs, plant, comparison of the model with each log, diagnosis,
+and the closed loop on the plant and, if effects are missing, on the plant with them.
+Exit status: 0 the model is within tolerance, no effect is missing and the loop meets its
+requirements, 1 at least one of these fails, 2 could not run or could not decide.")]
 pub(crate) struct ReportArgs {
     #[command(flatten)]
     pub(crate) logs: LogsArgs,
@@ -27,7 +27,7 @@ pub(crate) struct ReportArgs {
     /// Built-in scenario of the closed loop: reference profile and start
     #[arg(long, value_name = "NAME", default_value = DEFAULT_SCENARIO, value_parser = scenario_names())]
     pub(crate) scenario: String,
-    /// Run the loop on this many more rigs, scattered about the plant as valves are
+    /// Number of additional rigs for the loop, with parameters scattered about the plant
     #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     pub(crate) rigs: u32,
     /// Leave a part out; may be repeated
@@ -38,10 +38,10 @@ pub(crate) struct ReportArgs {
     pub(crate) out: PathBuf,
 }
 
-/// A part of the report that takes its time.
+/// Part of the report that takes long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ReportPart {
-    /// Which effect is missing
+    /// Diagnosis of the missing effect
     Diagnosis,
     /// The closed loop
     Control,

@@ -1,8 +1,8 @@
-//! The results that have a JSON form.
+//! Results with a JSON form.
 
 use clap::ValueEnum;
 
-/// A result with a JSON form.
+/// Result with a JSON form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SchemaName {
     /// retarder.black-box/1, of `blackbox`

@@ -1,4 +1,4 @@
-//! Courses over time as terminal plots.
+//! Terminal plots of time series.
 
 mod raster;
 
@@ -9,39 +9,39 @@ use raster::{DOTS, Raster};
 use super::number::significant;
 use super::{Colour, Terminal, painted_lines};
 
-/// A plot of courses over one axis of time.
+/// Plot of time series over one time axis.
 pub(super) struct Chart<'a> {
-    /// What is shown, with unit.
+    /// Shown quantity with its unit.
     pub(super) title: &'a str,
     pub(super) courses: Vec<Course<'a>>,
-    /// A band of the values around 0 that is marked, with what it is.
+    /// Marked band of values around 0, and its meaning.
     pub(super) band: Option<(f64, &'a str)>,
-    /// Height without title and axis in characters.
+    /// Height without title and axis (characters).
     pub(super) height: usize,
-    /// First and last instant in s.
+    /// First and last instant (s).
     pub(super) span_s: [f64; 2],
-    /// Values that the axis shows at least.
+    /// Values that the axis includes at least.
     pub(super) at_least: Option<[f64; 2]>,
 }
 
-/// One course.
+/// One time series.
 pub(super) struct Course<'a> {
     pub(super) name: &'a str,
     pub(super) colour: Colour,
-    /// Without colours the course is drawn with this character; none draws a line.
+    /// Character that draws the series without colours; `None` draws a line.
     pub(super) mark: Option<char>,
     pub(super) times_s: &'a [f64],
-    /// NaN where missing.
+    /// NaN if missing.
     pub(super) values: &'a [f64],
 }
 
-/// Characters that hold the labels of the values.
+/// Characters for the labels of the values.
 const LABELS: usize = 8;
-/// Without colours, marks are this many characters apart.
+/// Distance between marks without colours (characters).
 const MARK_DISTANCE: usize = 3;
 
 impl Chart<'_> {
-    /// Draws the plot; an empty text where there is nothing to draw.
+    /// Draws the plot; returns an empty text if there is nothing to draw.
     pub(super) fn draw(&self, terminal: &Terminal) -> String {
         let Some([low, high]) = self.range() else {
             return String::new();
@@ -99,7 +99,7 @@ impl Chart<'_> {
         text + "\n"
     }
 
-    /// Lowest and highest value shown; none without any.
+    /// Returns the lowest and highest value shown, or `None` without values.
     fn range(&self) -> Option<[f64; 2]> {
         let band = self.band.map(|(half_width, _)| [-half_width, half_width]);
         let bounds = band.into_iter().chain(self.at_least).flatten();
@@ -118,7 +118,7 @@ impl Chart<'_> {
         match low.partial_cmp(&high)? {
             std::cmp::Ordering::Less => {
                 let margin = 0.03 * (high - low);
-                // What never goes below 0 is not shown to.
+                // Values that are never negative get no negative axis.
                 let low = if low >= 0.0 {
                     (low - margin).max(0.0)
                 } else {
@@ -132,7 +132,7 @@ impl Chart<'_> {
     }
 }
 
-/// From values to places.
+/// Mapping of values to positions.
 struct Frame {
     columns: usize,
     rows: usize,
@@ -151,7 +151,7 @@ impl Frame {
         (share * (DOTS[1] * self.rows - 1) as f64).round() as isize
     }
 
-    /// Row of characters that shows `value`; none outside.
+    /// Returns the row of characters that shows `value`; `None` outside.
     fn row(&self, value: f64) -> Option<usize> {
         let row = usize::try_from(self.y(value)).ok()? / DOTS[1];
         (row < self.rows).then_some(row)
@@ -179,7 +179,7 @@ impl Frame {
         }
     }
 
-    /// Rows with their labels.
+    /// Returns the rows with labels.
     fn value_ticks(&self) -> Vec<(usize, String)> {
         let step = nice_step((self.range[1] - self.range[0]) / (self.rows as f64 / 2.0).max(2.0));
         ticks(self.range, step)
@@ -213,7 +213,7 @@ impl Frame {
     }
 }
 
-/// A log of 59.99 s is drawn to 60 s, so that the axis ends with a label.
+/// Rounds the end up to a label of the axis: a log of 59.99 s is drawn to 60 s.
 fn rounded_up([start_s, end_s]: [f64; 2]) -> [f64; 2] {
     let step = nice_step((end_s - start_s) / 1000.0);
     let rounded_s = (end_s / step).ceil() * step;
@@ -227,7 +227,7 @@ fn rounded_up([start_s, end_s]: [f64; 2]) -> [f64; 2] {
     ]
 }
 
-/// The next larger of 1, 2 and 5 times a power of ten.
+/// Returns the next larger of 1, 2 and 5 times a power of ten.
 fn nice_step(step: f64) -> f64 {
     let power = 10_f64.powf(step.log10().floor());
     [1.0, 2.0, 5.0, 10.0]
@@ -253,7 +253,7 @@ fn label(value: f64, step: f64) -> String {
     }
 }
 
-/// One escape sequence for neighbours of one colour.
+/// Uses one escape sequence for neighbours of one colour.
 fn paint_runs(cells: impl Iterator<Item = (char, Option<Colour>)>, terminal: &Terminal) -> String {
     let mut text = String::new();
     let mut run = String::new();

@@ -1,4 +1,4 @@
-//! Model against measurement.
+//! Text of the comparison of model and measurement.
 
 use std::borrow::Cow;
 
@@ -15,7 +15,7 @@ use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::Answer;
 use crate::run::compare::Compared;
 
-/// The whole comparison.
+/// Returns the whole comparison.
 pub(super) fn comparison(compared: &Compared, terminal: &Terminal) -> String {
     let focus = compared.focus();
     let mut text = head(compared, terminal);
@@ -42,7 +42,7 @@ pub(super) fn comparison(compared: &Compared, terminal: &Terminal) -> String {
     text + &answer(compared, terminal)
 }
 
-/// What was compared.
+/// Returns the names of what was compared.
 pub(super) fn head(compared: &Compared, terminal: &Terminal) -> String {
     let comparison = &compared.comparison;
     let mut text = title(
@@ -67,7 +67,7 @@ pub(super) fn head(compared: &Compared, terminal: &Terminal) -> String {
     text + &warnings(&comparison.warnings, terminal)
 }
 
-/// What in a log probably is not what it is declared to be.
+/// Returns the warnings about columns that are probably declared wrongly.
 pub(super) fn warnings(found: &[Warning], terminal: &Terminal) -> String {
     let sentences = found
         .iter()
@@ -77,7 +77,7 @@ pub(super) fn warnings(found: &[Warning], terminal: &Terminal) -> String {
         .collect()
 }
 
-/// One row per signal.
+/// Returns the table of signals.
 pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
     let mut table = Table::new(
         [
@@ -130,7 +130,7 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
     text
 }
 
-/// The finding of one signal that does not hold.
+/// Returns the finding of one signal outside its tolerance.
 pub(super) fn finding(signal: &SignalComparison, terminal: &Terminal) -> String {
     if signal.holds == Some(true) {
         return String::new();
@@ -146,12 +146,12 @@ pub(super) fn finding(signal: &SignalComparison, terminal: &Terminal) -> String 
     paragraph(&sentence, terminal)
 }
 
-/// A lag of half a millisecond that accounts for a fifth of the mismatch is worth a sentence.
+/// Returns whether the time offset is worth a sentence: half a millisecond that explains a fifth of the mismatch.
 fn is_clear(offset: &TimeOffset) -> bool {
     offset.lag_ms.abs() >= 0.5 && offset.mismatch_explained >= 0.2
 }
 
-/// Measured and modelled, and the residual with the noise.
+/// Returns the plots of measured and modelled signal, and of the residual with the noise.
 pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
     let signal = compared.focus();
     let traces = &compared.comparison.traces;
@@ -217,14 +217,14 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
     overlay.draw(terminal) + "\n" + &residual_chart.draw(terminal)
 }
 
-/// A signal with its instants.
+/// Signal with its instants.
 struct ShownCourse<'a> {
     times_s: &'a [f64],
     values: Cow<'a, [f64]>,
     unit: Unit,
 }
 
-/// Measured minus modelled of the signal `name`.
+/// Returns measured minus modelled of the signal `name`.
 fn residual<'a>(traces: &'a Traces, name: &str) -> Option<ShownCourse<'a>> {
     Some(ShownCourse {
         times_s: traces.free_run.time_base_of(name)?.times_s(),
@@ -233,7 +233,7 @@ fn residual<'a>(traces: &'a Traces, name: &str) -> Option<ShownCourse<'a>> {
     })
 }
 
-/// The signal `name` in `unit`, or as it was logged where it cannot be converted.
+/// Returns the signal `name` in `unit`, or as logged if it cannot be converted.
 fn course<'a>(recording: &'a Recording, name: &str, unit: Option<Unit>) -> Option<ShownCourse<'a>> {
     let signal = recording.signal(name)?;
     let times_s = recording.time_base_of(name)?.times_s();
@@ -250,10 +250,10 @@ fn course<'a>(recording: &'a Recording, name: &str, unit: Option<Unit>) -> Optio
     })
 }
 
-/// Width of the bars of the shares in characters.
+/// Width of the bars of the shares (characters).
 const BAR: usize = 10;
 
-/// Shares of the excess error.
+/// Returns the table of shares of the excess error.
 pub(super) fn regimes(
     signal: &SignalComparison,
     dimensions: &[RegimeShares],
@@ -304,7 +304,7 @@ fn local(bin: &RegimeBin) -> &model_lab::result::BinError {
     bin.short_horizon.as_ref().unwrap_or(&bin.free_run)
 }
 
-/// The verdict in a sentence.
+/// Returns the verdict as a sentence.
 pub(super) fn answer(compared: &Compared, terminal: &Terminal) -> String {
     let verdict = &compared.comparison.verdict;
     let (colour, sentence) = match compared.answer() {

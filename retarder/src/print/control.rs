@@ -1,4 +1,4 @@
-//! The closed loop.
+//! Text of the closed loop.
 
 use hil_harness::checks::{Bound, Check, CheckId};
 use hil_harness::{Requirement, Verdict};
@@ -11,7 +11,7 @@ use super::table::{Align, Entry, Table, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::control::Controlled;
 
-/// The run, its verdict and its rigs.
+/// Returns the run, its verdict and its rigs.
 pub(super) fn control(controlled: &Controlled, terminal: &Terminal) -> String {
     let mut text = head(controlled, terminal);
     text += "\n";
@@ -53,7 +53,7 @@ fn head(controlled: &Controlled, terminal: &Terminal) -> String {
     text
 }
 
-/// Reference and chamber pressure, with the duty cycles below.
+/// Plots reference and chamber pressure, and the duty cycles below.
 pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
     let Some(times) = recording.time_base_of("p_ch") else {
         return String::new();
@@ -83,7 +83,7 @@ pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
         span_s,
         at_least: Some([0.0, 1.0]),
     };
-    // The vent valve lowers the pressure, so it is drawn downwards.
+    // The vent valve lowers the pressure, so its duty cycle is drawn downwards.
     let vent: Vec<f64> = values("duty_vent").iter().map(|duty| -duty).collect();
     let duty = Chart {
         title: "duty cycle [%]",
@@ -105,7 +105,7 @@ pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
     pressure.draw(terminal) + "\n" + &duty.draw(terminal)
 }
 
-/// The requirements with the worst that was reached in any of the runs.
+/// Returns the requirements with the worst result of all runs.
 pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String {
     let mut table = Table::new(
         [
@@ -156,7 +156,7 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
     text
 }
 
-/// What was reached over its limit; never reached is worst.
+/// Returns the result divided by its limit; a check that never passed is the worst.
 fn severity(check: &Check) -> f64 {
     check.reached.map_or(f64::INFINITY, |reached| {
         if check.limit > 0.0 {
@@ -167,7 +167,7 @@ fn severity(check: &Check) -> f64 {
     })
 }
 
-/// The requirement in a few words; the JSON has it in full.
+/// Returns the requirement in a few words; the JSON has the full text.
 fn in_short(id: CheckId) -> String {
     let Requirement {
         operating_range_psup: [low, high],
@@ -191,7 +191,7 @@ fn in_short(id: CheckId) -> String {
     }
 }
 
-/// Checks that no run gives occasion to.
+/// Returns the sentence about checks that no run exercises.
 fn not_exercised(runs: &[&Controlled]) -> Option<String> {
     let names: Vec<String> = CheckId::ALL
         .into_iter()
@@ -220,7 +220,7 @@ fn word(check: &Check) -> Entry {
     }
 }
 
-/// How the checks stand over all rigs.
+/// Returns the results of the checks over all rigs.
 fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
     let count = controlled.rigs.len();
     let mut text = title(&format!("{count} rigs scattered about the plant"), terminal);
@@ -285,7 +285,7 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
     text
 }
 
-/// The verdict in a sentence, which begins with the name of the run where there are several.
+/// Returns the verdict as a sentence; with several runs it begins with the name of the run.
 pub(super) fn answer(controlled: &Controlled, name: Option<&str>, terminal: &Terminal) -> String {
     let mut sentence =
         name.map(|name| format!("{name}: ")).unwrap_or_default() + &sentence(&controlled.verdict);

@@ -1,4 +1,4 @@
-//! What a device is, says, recorded and is set to.
+//! Text of a device: identity, log, records and settings.
 
 use std::io::Write as _;
 
@@ -13,10 +13,10 @@ use crate::run::calibrate::Settings;
 use crate::run::device_report::DeviceReport;
 use crate::run::measurement::Measurement;
 
-/// Lines of a device's log that are shown; the JSON form has all.
+/// Lines of a device's log that are shown; the JSON has all.
 const LOG_LINES: usize = 20;
 
-/// The device, its log, and whether its bits are those of the ECU in process.
+/// Returns the device, its log, and whether its bits equal those of the ECU in process.
 pub(super) fn report(report: &DeviceReport, terminal: &Terminal) -> String {
     let mut text = title("Device", terminal);
     text += &paragraph(&report.identity, terminal);
@@ -46,16 +46,16 @@ pub(super) fn report(report: &DeviceReport, terminal: &Terminal) -> String {
     text
 }
 
-/// That measuring has begun, on the standard error: it may take as long as somebody wants.
+/// Prints to the standard error that measuring has begun, since it may take long.
 pub(crate) fn measuring() {
-    // Whoever closed the standard error does not want to know.
+    // A closed standard error is not a failure.
     let _ = writeln!(
         anstream::stderr(),
         "Measuring; Ctrl-C ends it and keeps every sample until then."
     );
 }
 
-/// How many samples came, and which of those that were wanted did not.
+/// Returns the number of samples that came, and which of the requested ones are missing.
 pub(crate) fn measured(measurement: &Measurement, terminal: &Terminal) -> String {
     let Measurement {
         samples,
@@ -76,10 +76,10 @@ pub(crate) fn measured(measurement: &Measurement, terminal: &Terminal) -> String
     text
 }
 
-/// Records of a black box that are shown without --out; those around the first fault.
+/// Records of a black box that are shown without --out: those around the first fault.
 const RECORDS_SHOWN: usize = 24;
 
-/// The box, with the records around the first fault.
+/// Returns the box, with the records around the first fault.
 pub(super) fn black_box(black_box: &BlackBox, terminal: &Terminal) -> String {
     let mut text = title("Black box", terminal);
     text += &paragraph(&black_box.device, terminal);
@@ -129,7 +129,7 @@ pub(super) fn black_box(black_box: &BlackBox, terminal: &Terminal) -> String {
     text
 }
 
-/// The records to show: half of them before the first fault, or the last ones.
+/// Returns the range of records to show: around the first fault, or the last ones.
 fn around(black_box: &BlackBox) -> std::ops::Range<usize> {
     let count = black_box.records.len();
     let first = black_box.first_fault_in;
@@ -178,7 +178,7 @@ fn records(records: &[Record], first_fault: Option<u32>, terminal: &Terminal) ->
     table.to_string()
 }
 
-/// Settings with their units and choices.
+/// Returns the settings with their units and choices.
 pub(super) fn settings(settings: &Settings, terminal: &Terminal) -> String {
     let mut text = title("Settings of the device", terminal);
     text += &paragraph(&settings.device, terminal);
@@ -203,7 +203,7 @@ fn meaning(id: SettingId) -> String {
     }
 }
 
-/// All signals of a device.
+/// Returns the list of all signals of a device.
 pub(super) fn signals(terminal: &Terminal) -> String {
     let mut text = title("Signals of a device, one number in every sample", terminal);
     let columns = [

@@ -1,4 +1,4 @@
-//! Which physical effect is missing, and how the error falls with it.
+//! Text of the diagnosis: the missing physical effect, and how the error falls with it.
 
 use std::collections::BTreeMap;
 
@@ -15,10 +15,10 @@ use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::diagnose::{Diagnosed, RefinedPlant};
 use report::{SmallUnit, pressure_first, unit_of};
 
-/// Width of the longest bar of the ladder in characters.
+/// Width of the longest bar of the error steps (characters).
 const BAR: usize = 24;
 
-/// The whole diagnosis, the answer first.
+/// Returns the whole diagnosis, the answer first.
 pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
     let found = &diagnosed.diagnosis;
     let plant = &diagnosed.task.plant.name;
@@ -59,7 +59,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
     text
 }
 
-/// What became of the plant.
+/// Returns the summary of a refined plant.
 pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String {
     let found = &refined.refined.refinement;
     let plant = &refined.task.plant.name;
@@ -100,7 +100,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     text + &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal)
 }
 
-/// Clocks of the loggers and states at the start, a sentence for each.
+/// Returns the clocks of the loggers and the states at the start, one sentence each.
 pub(super) fn conditions<'a>(
     clocks: impl IntoIterator<Item = &'a FoundClock>,
     starts: impl IntoIterator<Item = &'a FoundStart>,
@@ -115,7 +115,7 @@ pub(super) fn conditions<'a>(
         .collect()
 }
 
-/// Gaps and missing cells of each log.
+/// Returns the gaps and missing cells of each log.
 pub(super) fn defects(found: &BTreeMap<String, LogDefects>, terminal: &Terminal) -> String {
     let sentences = found.iter().flat_map(|(log, defects)| {
         let told = defects.sentences.iter();
@@ -126,7 +126,7 @@ pub(super) fn defects(found: &BTreeMap<String, LogDefects>, terminal: &Terminal)
         .collect()
 }
 
-/// What in the logs probably is not what it is declared to be.
+/// Returns the warnings about columns that are probably declared wrongly.
 fn doubted(of_logs: &BTreeMap<String, Vec<Warning>>, terminal: &Terminal) -> String {
     let of_log = |(log, found): (&String, &Vec<Warning>)| {
         let mut found = found.clone();
@@ -138,7 +138,7 @@ fn doubted(of_logs: &BTreeMap<String, Vec<Warning>>, terminal: &Terminal) -> Str
     of_logs.iter().map(of_log).collect()
 }
 
-/// What the fit did not see, with the reason.
+/// Returns the data that the fit excluded, with the reason.
 pub(super) fn not_weighed(
     of_logs: &BTreeMap<String, Vec<NotCompared>>,
     terminal: &Terminal,
@@ -177,7 +177,7 @@ fn named(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
         .filter_map(|id| found.candidates.iter().find(|one| one.effect == *id))
 }
 
-/// Falling bars, one per signal and step.
+/// Returns the error steps: one falling bar per signal and step.
 fn ladder(steps: &[Step], terminal: &Terminal) -> String {
     let mut table = Table::new(
         [
@@ -220,7 +220,7 @@ fn ladder(steps: &[Step], terminal: &Terminal) -> String {
     table.to_string() + &painted_paragraph(Colour::Faint, explanation, terminal)
 }
 
-/// A row of the ladder in words.
+/// Returns the name of an error step in words.
 fn step_name(step: &Step) -> String {
     match step.kind {
         StepKind::EffectAdded => {
@@ -231,7 +231,7 @@ fn step_name(step: &Step) -> String {
     }
 }
 
-/// The effects that explain something, ranked.
+/// Returns the effects that explain part of the error, ranked.
 fn candidates(found: &Diagnosis, terminal: &Terminal) -> String {
     let mut table = Table::new(
         [
@@ -265,7 +265,7 @@ fn candidates(found: &Diagnosis, terminal: &Terminal) -> String {
     table.to_string() + &painted_paragraph(Colour::Faint, &explanation, terminal)
 }
 
-/// The size at which each effect would have been named.
+/// Returns the detection limit of each effect.
 fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
     let mut table = Table::new(
         [
@@ -300,7 +300,7 @@ fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
     text
 }
 
-/// On which side of its detection limit an effect shows.
+/// Returns the sign that tells on which side of its detection limit an effect is detected.
 fn beyond(candidate: &Candidate) -> char {
     if candidate.is_stronger_below() {
         '≤'
@@ -334,7 +334,7 @@ fn bound(parameter: &FittedParameter) -> Entry {
     }
 }
 
-/// The first word of the plausibility: the rest is in the JSON and in the report.
+/// Returns the first word of the plausibility; the JSON and the report have the rest.
 fn plausibility(candidate: &Candidate) -> Entry {
     let word = candidate.plausibility.split(':').next().unwrap_or_default();
     let colour = match word {
@@ -344,13 +344,13 @@ fn plausibility(candidate: &Candidate) -> Entry {
     painted(colour, word)
 }
 
-/// What can be mistaken for the named effects.
+/// Returns the effects that can be confused with the named ones.
 fn neighbours(found: &Diagnosis, terminal: &Terminal) -> String {
     let told = found.alternatives();
     told.iter().map(|told| paragraph(told, terminal)).collect()
 }
 
-/// What left its tolerance, or that nothing did.
+/// Returns the parameters that left their tolerance, or the sentence that none did.
 fn nuisance(values: &[NuisanceValue], terminal: &Terminal) -> String {
     let alarms: Vec<&NuisanceValue> = values
         .iter()
@@ -381,7 +381,7 @@ fn nuisance(values: &[NuisanceValue], terminal: &Terminal) -> String {
         .collect()
 }
 
-/// The regimes that hold the excess, before and after.
+/// Returns the regimes with the excess error, before and after.
 fn location(found: &Diagnosis, terminal: &Terminal) -> String {
     let placed = |regimes: &[Regime]| -> Vec<String> {
         let placed = regimes.iter().filter(|regime| regime.regime.is_some());
@@ -438,7 +438,7 @@ mod tests {
         "/../docs/schema/diagnosis.example.json"
     ));
 
-    /// "Nearest, in standard deviations of the noise: ." was once a whole sentence.
+    /// Defect seen: the sentence "Nearest, in standard deviations of the noise: ." with an empty list.
     #[test]
     fn an_effect_without_a_neighbour_has_no_empty_list_of_them() {
         let mut found: Diagnosis = serde_json::from_str(EXAMPLE).unwrap();

@@ -1,4 +1,4 @@
-//! Estimated parameters as a table.
+//! Table of estimated parameters.
 
 use model_lab::diagnosis::{Determination, EstimatedParameter};
 
@@ -9,7 +9,7 @@ use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::diagnose::EstimatedPlant;
 use crate::targets::Targets;
 
-/// The errors before and after, and every parameter.
+/// Returns the errors before and after, and all parameters.
 pub(super) fn estimation(
     estimated: &EstimatedPlant,
     targets: &Targets,
@@ -106,7 +106,7 @@ fn parameters(parameters: &[EstimatedParameter], is_adequate: bool, terminal: &T
     text
 }
 
-/// What a reader needs to know beside the value. Where physics is missing, another log is not what determines a parameter.
+/// Returns the remarks about a value. If an effect is missing, another log would not determine the parameter.
 fn remarks(parameter: &EstimatedParameter, is_adequate: bool) -> Vec<String> {
     let mut remarks = Vec::new();
     match &parameter.determination {

@@ -1,4 +1,4 @@
-//! The loop while it runs, where a person watches.
+//! Live plot of a running loop.
 
 use std::collections::VecDeque;
 use std::io::{IsTerminal as _, Write as _};
@@ -13,20 +13,20 @@ use hil_harness::wire;
 use super::chart::{Chart, Course};
 use super::{Colour, Terminal};
 
-/// Seconds of the run that the plot shows.
+/// Time of the run that the plot shows (s).
 const WINDOW_S: f64 = 8.0;
-/// Lines of the log below it.
+/// Lines of the log below the plot.
 const LOG_LINES: usize = 4;
-/// Between two pictures.
+/// Time between two pictures.
 const REPAINT_EVERY: Duration = Duration::from_millis(50);
 
-/// A plot on the standard error that moves with the run, and vanishes with this value; nothing where that is no terminal.
+/// Moving plot on the standard error, removed on drop; without a terminal it draws nothing.
 pub(crate) struct Live {
     terminal: Terminal,
     is_shown: bool,
     scenario: String,
     end_s: f64,
-    /// Times faster than real time; 0: no limit.
+    /// Speed relative to real time; 0: no limit.
     pace: u32,
     start: Option<Instant>,
     painted: Option<Instant>,
@@ -39,7 +39,7 @@ pub(crate) struct Live {
 }
 
 impl Live {
-    /// Nothing is seen yet.
+    /// Creates a plot without samples.
     pub(crate) fn new(scenario: &Scenario, pace: u32) -> Self {
         Self {
             terminal: Terminal::standard_error(),
@@ -57,7 +57,7 @@ impl Live {
         }
     }
 
-    /// Takes a sample of the run; waits until its time has come for a person.
+    /// Takes a sample of the run, and waits until the pace allows the next one.
     pub(crate) fn see(&mut self, moment: &Moment<'_>) {
         if !self.is_shown {
             return;
@@ -141,17 +141,17 @@ impl Live {
         text
     }
 
-    /// Puts the picture over the one before.
+    /// Draws the picture over the previous one.
     fn show(&mut self, picture: &str) {
         let mut error = std::io::stderr().lock();
-        // Whoever closed the standard error does not want to know.
+        // A closed standard error is not a failure.
         let _ = write!(error, "{}{picture}", above(self.lines));
         let _ = error.flush();
         self.lines = picture.lines().count();
     }
 }
 
-/// The sequence that goes up so many lines and clears what is below.
+/// Returns the escape sequence that moves up by `lines` and clears the rest of the screen.
 fn above(lines: usize) -> String {
     match lines {
         0 => String::new(),

@@ -1,4 +1,4 @@
-//! The next experiment.
+//! Text of the next experiment.
 
 use model_lab::diagnosis::next_experiment::ForeseenParameter;
 
@@ -7,7 +7,7 @@ use super::table::{Align, Table, painted};
 use super::{Colour, Terminal, paragraph, title};
 use crate::run::next_experiment::{Determining, Planned};
 
-/// Manoeuvres by what they tell, and what else would.
+/// Returns the test signals, ranked by what they distinguish, and other experiments that would help.
 pub(super) fn next_experiment(planned: &Planned, terminal: &Terminal) -> String {
     let next = &planned.next;
     let names: Vec<&str> = next
@@ -77,7 +77,7 @@ pub(super) fn next_experiment(planned: &Planned, terminal: &Terminal) -> String 
     text
 }
 
-/// The parameters in question, and manoeuvres by what they determine.
+/// Returns the parameters to determine, and the test signals ranked by what they determine.
 pub(super) fn determining(planned: &Determining, terminal: &Terminal) -> String {
     let next = &planned.next;
     let heading = format!("Experiment for the parameters of {}", planned.plant.name);

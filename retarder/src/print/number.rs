@@ -1,6 +1,6 @@
-//! Numbers as people read them.
+//! Formats of numbers in the text.
 
-/// `value` with `digits` significant digits: 0.375, 86.8, 1234, 2.89e-7.
+/// Formats `value` with `digits` significant digits: 0.375, 86.8, 1234, 2.89e-7.
 pub(super) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 {
@@ -9,7 +9,7 @@ pub(super) fn significant(value: f64, digits: i32) -> String {
             "-".to_owned()
         };
     }
-    // The exponent of the rounded value: 9.996 has two digits before the point at three digits.
+    // Exponent of the rounded value: with three digits, 9.996 has two digits before the point.
     let exponent = format!("{value:.*e}", (digits - 1).max(0) as usize)
         .split_once('e')
         .and_then(|(_, exponent)| exponent.parse::<i32>().ok())
@@ -21,7 +21,7 @@ pub(super) fn significant(value: f64, digits: i32) -> String {
     format!("{value:.*}", decimals as usize)
 }
 
-/// The same with a sign.
+/// Formats a number like [`significant`], with its sign.
 pub(super) fn signed(value: f64, digits: i32) -> String {
     let text = significant(value.abs(), digits);
     if value == 0.0 || !value.is_finite() {
@@ -33,7 +33,7 @@ pub(super) fn signed(value: f64, digits: i32) -> String {
     }
 }
 
-/// Parameter values: an exponent where digits would be many zeros.
+/// Formats a parameter value; long rows of zeros become an exponent.
 pub(super) fn value(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
         format!("{value:e}")
@@ -42,14 +42,14 @@ pub(super) fn value(value: f64) -> String {
     }
 }
 
-/// A share from 0 to 1 in percent.
+/// Formats a share from 0 to 1 in percent.
 pub(super) fn percent(share: f64) -> String {
     let percent = (100.0 * share).round();
-    // No -0.
+    // Avoids -0.
     format!("{} %", percent + 0.0)
 }
 
-/// What there is, or a dash.
+/// Formats the value, or a dash if there is none.
 pub(super) fn or_dash<T>(value: Option<T>, format: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), format)
 }

@@ -1,4 +1,4 @@
-//! What plant files and controller files are made of.
+//! Lists of parameters and settings.
 
 use hil_harness::controller_file::{self, KEYS};
 use model_lab::diagnosis::{Known, known};
@@ -9,7 +9,7 @@ use super::number::{or_dash, value};
 use super::{Colour, Terminal, indented, painted_lines, paragraph, title};
 use crate::input::{NamedController, NamedPlant};
 
-/// All parameters of a plant, as they stand in its file.
+/// Returns all parameters of a plant, in the order of its file.
 pub(super) fn parameters(plant: &NamedPlant, terminal: &Terminal) -> String {
     let mut text = title(&format!("Parameters of the {}", plant.name), terminal);
     let mut section = "";
@@ -48,7 +48,7 @@ fn parameter(spec: &ParameterSpec, plant: &NamedPlant, terminal: &Terminal) -> S
     text
 }
 
-/// How well the value is known, if not simply exact.
+/// Returns how well the value is known; `None` if it is exact.
 fn knowledge(spec: &ParameterSpec, plant: &PlantParameters) -> Option<String> {
     match known(plant, &spec.name())? {
         Known::Exact => None,
@@ -56,7 +56,7 @@ fn knowledge(spec: &ParameterSpec, plant: &PlantParameters) -> Option<String> {
     }
 }
 
-/// All settings of a controller, as they stand in its file.
+/// Returns all settings of a controller, in the order of its file.
 pub(super) fn settings(controller: &NamedController, terminal: &Terminal) -> String {
     let mut text = title(&format!("Settings of the {}", controller.name), terminal);
     let file = controller_file::write(&controller.settings);
@@ -78,7 +78,7 @@ pub(super) fn settings(controller: &NamedController, terminal: &Terminal) -> Str
     text + "\nA file to start from: retarder settings --toml > my-controller.toml\n"
 }
 
-/// Column of what stands beside an assignment.
+/// Column of the remarks beside an assignment.
 const BESIDE: usize = 48;
 
 fn entry(assignment: &str, beside: &str, meaning: &str, terminal: &Terminal) -> String {
@@ -91,7 +91,7 @@ fn entry(assignment: &str, beside: &str, meaning: &str, terminal: &Terminal) -> 
     format!("{}\n{meaning}", line.trim_end())
 }
 
-/// The value of a key in a file that we have written: one key per line, comments behind.
+/// Returns the value of a key in a file that this program wrote: one key per line, comments after the value.
 fn value_in<'a>(text: &'a str, table: &str, key: &str) -> Option<&'a str> {
     let body = text.split_once(&format!("[{table}]\n"))?.1;
     let body = body.split("\n[").next()?;

@@ -1,10 +1,10 @@
-//! What stands in a report, in a few lines.
+//! Short summary of a report.
 
 use super::{Colour, Terminal, comparison, control, painted_paragraph, paragraph, title};
 use crate::run::Answer;
 use crate::run::session::Reported;
 
-/// Each part with its answer; the rest is in the file.
+/// Returns each part with its answer; the file has the rest.
 pub(super) fn report(reported: &Reported, terminal: &Terminal) -> String {
     let mut text = String::new();
     for compared in &reported.compared {

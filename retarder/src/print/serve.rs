@@ -1,11 +1,11 @@
-//! Where the page is.
+//! Address of the page.
 
 use std::io::Write as _;
 
-/// The address, on the standard output, as soon as it answers.
+/// Prints the address to the standard output as soon as the server answers.
 pub(crate) fn serving(address: &str) {
     let mut out = anstream::stdout().lock();
-    // Whoever closed the standard output does not want to know.
+    // A closed standard output is not a failure.
     let _ = write!(
         out,
         "Open {address}\n\nIt is for one browser on this machine. Ctrl-C ends it.\n"

@@ -1,11 +1,11 @@
-//! The work that a simulation took.
+//! Text of a simulation.
 
 use super::diagnosis::conditions;
 use super::number::significant;
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::simulate::Simulation;
 
-/// What was simulated, and how fast.
+/// Returns what was simulated, and at which speed.
 pub(crate) fn simulation(simulation: &Simulation, terminal: &Terminal) -> String {
     let mut text = title(
         &format!("{} driven by {}", simulation.plant, simulation.log),

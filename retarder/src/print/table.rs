@@ -1,4 +1,4 @@
-//! Tables: a line below the head, cells that wrap to the width of the terminal.
+//! Tables with a line below the head, and cells that wrap to the width of the terminal.
 
 use comfy_table::{
     Attribute, Cell, CellAlignment, Color, ContentArrangement, ContentLineStyle, LineStyle,
@@ -12,17 +12,17 @@ const STYLE: TableStyle = TableStyle::new()
     .header_separator(LineStyle::none().fill('─').junction('─'))
     .content_lines(ContentLineStyle::none());
 
-/// A table under construction.
+/// Table under construction.
 pub(super) struct Table {
     table: comfy_table::Table,
     terminal: Terminal,
     wide: Vec<String>,
 }
 
-/// Stands in the table where a line goes that is wider than a column. A character that no text has.
+/// Placeholder for a line that is wider than a column. No text has this character.
 const WIDE: &str = "\u{e000}";
 
-/// Where the cells of a column stand.
+/// Alignment of the cells of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Align {
     Left,
@@ -30,7 +30,7 @@ pub(super) enum Align {
 }
 
 impl Table {
-    /// A table with these columns.
+    /// Creates a table with these columns.
     pub(super) fn new<const N: usize>(columns: [(&str, Align); N], terminal: &Terminal) -> Self {
         let mut table = comfy_table::Table::new();
         table
@@ -59,17 +59,17 @@ impl Table {
         }
     }
 
-    /// One more row.
+    /// Adds a row.
     pub(super) fn row<const N: usize>(&mut self, cells: [Entry; N]) {
         self.table.add_row(cells.map(|entry| entry.0));
     }
 
-    /// A title between the rows.
+    /// Adds a title between the rows.
     pub(super) fn heading(&mut self, text: &str) {
         self.wide(self.terminal.paint(Colour::Title, text));
     }
 
-    /// A remark below a row.
+    /// Adds a remark below a row.
     pub(super) fn remark(&mut self, text: &str) {
         let text = painted_lines(
             Colour::Faint,
@@ -99,7 +99,7 @@ impl std::fmt::Display for Table {
     }
 }
 
-/// A cell.
+/// Cell of a table.
 pub(super) struct Entry(Cell);
 
 impl<T: ToString> From<T> for Entry {
@@ -108,7 +108,7 @@ impl<T: ToString> From<T> for Entry {
     }
 }
 
-/// A cell in the colour of its meaning.
+/// Creates a cell in the colour of its meaning.
 pub(super) fn painted(colour: Colour, text: impl ToString) -> Entry {
     let cell = Cell::new(text);
     Entry(match colour {
@@ -121,7 +121,7 @@ pub(super) fn painted(colour: Colour, text: impl ToString) -> Entry {
     })
 }
 
-/// Whether something holds, in a word.
+/// Creates a cell with the verdict in a word.
 pub(super) fn verdict(holds: Option<bool>) -> Entry {
     match holds {
         Some(true) => painted(Colour::Good, "holds"),
@@ -130,10 +130,10 @@ pub(super) fn verdict(holds: Option<bool>) -> Entry {
     }
 }
 
-/// Eighths of a block.
+/// Blocks in steps of one eighth.
 const EIGHTHS: [char; 9] = [' ', '▏', '▎', '▍', '▌', '▋', '▊', '▉', '█'];
 
-/// A bar of `share` (0 to 1) of `width` characters.
+/// Returns a bar of `share` (0 to 1) of `width` characters.
 pub(super) fn bar(share: f64, width: usize) -> String {
     let eighths = (share.clamp(0.0, 1.0) * (8 * width) as f64).round() as usize;
     let mut bar = "█".repeat(eighths / 8);

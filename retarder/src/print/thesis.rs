@@ -1,4 +1,4 @@
-//! The figures of the thesis.
+//! Text of the thesis figures.
 
 use model_lab::thesis::{Explained, Row};
 
@@ -8,7 +8,7 @@ use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::thesis::{self, Figures};
 use report::capitalised;
 
-/// All figures, one group per rig.
+/// Returns all figures, one group per rig.
 pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
     let rows = &figures.table.rows;
     let mut text = title(
@@ -77,7 +77,7 @@ pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
     text + &terminal.paint(colour, &sentence) + "\n"
 }
 
-/// Times in T_req are printed with three decimals in the thesis, the rest with one.
+/// Formats a figure as the thesis does: times in T_req with three decimals, the rest with one.
 fn figure(value: f64, row: &Row) -> String {
     match row.unit.as_str() {
         "T_req" => format!("{value:.3}"),
@@ -96,7 +96,7 @@ fn group_of(row: &Row) -> String {
     })
 }
 
-/// A number and its percent sign stay on one line.
+/// Keeps a number and its percent sign on one line.
 fn unbreakable(text: &str) -> String {
     text.replace(" %", "\u{a0}%")
 }
@@ -115,10 +115,10 @@ fn note_mark<'a>(row: &'a Row, notes: &mut Vec<&'a str>) -> String {
     format!(" ({})", index + 1)
 }
 
-/// So many explanations are shown figure by figure.
+/// Number of explanations that are shown with all figures.
 const SHOWN: usize = 3;
 
-/// What brings the filling times in, the answer first.
+/// Returns the effects that explain the filling times, the answer first.
 pub(super) fn explanation(explained: &thesis::Explained, terminal: &Terminal) -> String {
     let found = &explained.explanation;
     let head = format!(
@@ -196,7 +196,7 @@ fn fitted(row: &Explained) -> String {
         .join("\n")
 }
 
-/// Every filling time before and after.
+/// Returns every filling time before and after.
 fn figures(plain: &Explained, row: &Explained, terminal: &Terminal) -> String {
     let mut table = Table::new(
         [

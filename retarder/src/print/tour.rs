@@ -1,4 +1,4 @@
-//! The tour.
+//! Text of the demo.
 
 use hil_harness::checks::CheckId;
 
@@ -11,10 +11,10 @@ use crate::run::control::Controlled;
 use crate::run::tour::Tour;
 use crate::targets::Targets;
 
-/// Dimensions of the regimes that the tour shows; `retarder compare` shows all.
+/// Number of regime dimensions that the demo shows; `retarder compare` shows all.
 const DIMENSIONS: usize = 3;
 
-/// Comparison, loop, report, and what to try next.
+/// Returns comparison, loop, report, and the commands to try next.
 pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> String {
     let focus = tour.compared.focus();
     let mut text = step(
@@ -104,7 +104,7 @@ fn step(number: u32, text: &str, terminal: &Terminal) -> String {
     title(&format!("{number}. {text}"), terminal)
 }
 
-/// Commands to type, each with the reason for it below.
+/// Returns commands to type, each with its reason below.
 fn next_steps(terminal: &Terminal) -> String {
     let not_installed = "Where `retarder` is not installed (`cargo install --path retarder`), write \
                          `cargo run --release --` in its place.";

@@ -1,4 +1,4 @@
-//! The black box of a device.
+//! Black box of a device.
 
 use ecu::{Fault, FaultSet, Mode};
 use hil_harness::ecu_under_test::carry_out;
@@ -70,7 +70,7 @@ pub(crate) struct Record {
     pub(crate) faults: Vec<String>,
 }
 
-/// Reads the whole box; then empties it, if that is wanted.
+/// Reads the whole box, then empties it if requested.
 pub(crate) fn run(args: &BlackBoxArgs) -> Result<BlackBox, Failure> {
     let mut session = args.device.dut.session(args.device.image.as_deref())?;
     let device = session.identity();
@@ -137,7 +137,7 @@ fn fault_names(bits: u32) -> Vec<String> {
 }
 
 impl BlackBox {
-    /// One line for each record, with units in the header.
+    /// Returns one line per record, with units in the header.
     pub(crate) fn csv(&self) -> String {
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
         let header = "record,p_ref_bar_gauge,p_ch_measured_bar_gauge,duty_fill_pct,duty_vent_pct,u_pct,mode,faults\n";

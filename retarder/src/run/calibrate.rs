@@ -1,4 +1,4 @@
-//! Settings of a device while it runs.
+//! Settings of a running device.
 
 mod refusal;
 
@@ -13,16 +13,16 @@ use hil_protocol::{Refusal, Reply, Request, SettingsSource};
 use crate::cli::{ReadArgs, WriteArgs};
 use crate::failure::Failure;
 
-/// A save is asked for again this often while the valves are in use, ...
+/// Number of attempts to save while the valves are in use.
 const SAVES_REFUSED: usize = 100;
-/// ... with so much time between.
+/// Time between two attempts.
 const BETWEEN_SAVES: Duration = Duration::from_millis(20);
 
-/// Settings as they are in effect, those that a person wants to see.
+/// Requested settings with the values in effect.
 pub(crate) struct Settings {
-    /// What the device is.
+    /// Identity of the device.
     pub(crate) device: String,
-    /// Where its settings come from, or what was done with them.
+    /// Source of the settings, or what was done with them.
     pub(crate) note: String,
     /// Name, value and unit.
     pub(crate) rows: Vec<(SettingId, String)>,
@@ -68,7 +68,7 @@ fn origin(source: SettingsSource) -> String {
     }
 }
 
-/// Changes settings, all with the same sample, and keeps them if that is wanted.
+/// Changes settings, all in the same sample, and saves them if requested.
 pub(crate) fn write(args: &WriteArgs) -> Result<Settings, Failure> {
     let changes: Vec<(SettingId, i32)> = args
         .assignments
@@ -99,8 +99,7 @@ pub(crate) fn write(args: &WriteArgs) -> Result<Settings, Failure> {
     })
 }
 
-/// Saves, and waits a while for the valves to come to rest: a device that has just started may still be emptying the
-/// chamber.
+/// Saves; waits a while until the valves are at rest, since a device that has just started may still empty the chamber.
 fn save(link: &mut (impl Link + ?Sized)) -> Result<(), LinkError> {
     for _ in 0..SAVES_REFUSED {
         match carry_out(link, &Request::Save) {
@@ -139,7 +138,7 @@ fn rows(wanted: &[SettingId], values: &SettingValues) -> Vec<(SettingId, String)
         .collect()
 }
 
-/// A number of the table as a person reads it.
+/// Formats a number of the settings table.
 fn text(setting: &Setting, value: i32) -> String {
     if setting.choices.is_empty() {
         return (f64::from(value) / 65536.0).to_string();

@@ -1,4 +1,4 @@
-//! Model against measurement.
+//! Comparison of model and measurement.
 
 use model_lab::result::SignalComparison;
 use model_lab::{CompareOptions, Comparison, compare};
@@ -9,18 +9,19 @@ use crate::failure::Failure;
 use crate::input::NamedPlant;
 use crate::progress::Progress;
 
-/// A comparison with what was compared.
+/// Comparison with its inputs.
 pub(crate) struct Compared {
     pub(crate) plant: NamedPlant,
     pub(crate) log: Recording,
     pub(crate) comparison: Comparison,
-    /// Index of the signal that is shown closely.
+    /// Index of the signal that is shown in detail.
     focus: usize,
-    /// Whether a person chose it.
+    /// Whether the signal was chosen on the command line.
     is_chosen: bool,
 }
 
-/// Compares; `focus` names the signal to show closely, without it the one that is farthest off.
+/// Compares model and measurement. `focus` names the signal to show in detail; without it, that is the signal with the
+/// largest error.
 pub(crate) fn run(
     plant: NamedPlant,
     log: Recording,
@@ -51,12 +52,12 @@ pub(crate) fn run(
 }
 
 impl Compared {
-    /// The signal that is shown closely.
+    /// Returns the signal that is shown in detail.
     pub(crate) fn focus(&self) -> &SignalComparison {
         &self.comparison.signals[self.focus]
     }
 
-    /// Whether there is an error to place, or one was asked for.
+    /// Returns whether there is an error to locate, or a signal was chosen.
     pub(crate) fn shows_regimes(&self) -> bool {
         self.is_chosen || self.focus().holds != Some(true)
     }
@@ -76,7 +77,7 @@ fn farthest_off(signals: &[SignalComparison]) -> usize {
         Some(limit) if limit > 0.0 => signal.free_run.rms / limit,
         _ => 0.0,
     };
-    // The first of equals, since chamber pressure comes first.
+    // The first of equals, since the chamber pressure comes first.
     (0..signals.len()).fold(0, |farthest, index| {
         if over_limit(&signals[index]) > over_limit(&signals[farthest]) {
             index

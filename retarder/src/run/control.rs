@@ -1,4 +1,4 @@
-//! The closed loop on the model.
+//! Closed loop on the model.
 
 use std::sync::atomic::AtomicBool;
 
@@ -13,18 +13,18 @@ use crate::input::NamedScenario;
 use crate::interrupt;
 use crate::progress::Progress;
 
-/// A run of the loop and how it stands against the requirement.
+/// Run of the loop and its verdict.
 pub(crate) struct Controlled {
     pub(crate) scenario: NamedScenario,
     pub(crate) run: Run,
     pub(crate) verdict: Verdict,
-    /// The device; none where the ECU in process is the one that was asked for.
+    /// The device; `None` for the ECU in process.
     pub(crate) device: Option<DeviceReport>,
-    /// The same on other rigs; empty where none was asked for.
+    /// Verdicts on other rigs; empty if none were requested.
     pub(crate) rigs: Vec<RigVerdict>,
 }
 
-/// Runs the scenario, then again on `rigs` scattered rigs. `is_interrupted` ends it after the run that is under way.
+/// Runs the scenario, then again on `rigs` scattered rigs. `is_interrupted` ends it after the current run.
 pub(crate) fn run(
     scenario: NamedScenario,
     rigs: u32,
@@ -46,7 +46,7 @@ pub(crate) fn run(
     })
 }
 
-/// All verdicts, unless `is_interrupted` ends it before the next rig.
+/// Collects all verdicts, unless `is_interrupted` ends it before the next rig.
 fn until_interrupted(
     rigs: impl Iterator<Item = Result<RigVerdict, RigError>>,
     is_interrupted: &AtomicBool,
@@ -59,7 +59,7 @@ fn until_interrupted(
 }
 
 impl Controlled {
-    /// Whether every binding check holds, on every rig, and a device does what the ECU in process does.
+    /// Returns whether every binding check passes on every rig, and a device does what the ECU in process does.
     pub(crate) fn holds(&self) -> bool {
         self.verdict.holds
             && self.rigs.iter().all(|rig| rig.verdict.holds)
@@ -110,12 +110,12 @@ pub(crate) struct Rig<'a> {
 }
 
 impl Controlled {
-    /// Rigs on which every binding check holds.
+    /// Returns the number of rigs on which every binding check passes.
     pub(crate) fn rigs_that_hold(&self) -> usize {
         self.rigs.iter().filter(|rig| rig.verdict.holds).count()
     }
 
-    /// The run and its rigs as they stand in JSON.
+    /// Returns the JSON form of the run and its rigs.
     pub(crate) fn rigs(&self) -> Rigs<'_> {
         Rigs {
             schema: RIGS_SCHEMA,

@@ -1,4 +1,4 @@
-//! The loop on a device: watched, then held against the ECU in process.
+//! Loop on a device, shown live, then compared with the ECU in process.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -16,16 +16,16 @@ use crate::failure::Failure;
 use crate::input::NamedScenario;
 use crate::interrupt;
 
-/// What is run on which device.
+/// Scenario and the device to run it on.
 pub(crate) struct Task {
     pub(crate) scenario: NamedScenario,
     pub(crate) dut: Dut,
     pub(crate) image: Option<PathBuf>,
-    /// How many times faster than real time a person watches; 0: no limit.
+    /// Speed of the live plot relative to real time; 0: no limit.
     pub(crate) pace: u32,
 }
 
-/// Runs the loop on the device, with each sample shown to `watch`, and, for comparison, in process.
+/// Runs the loop on the device and shows each sample to `watch`; runs it again in process for comparison.
 pub(crate) fn run(task: Task, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Controlled, Failure> {
     let is_interrupted = interrupt::flag()?;
     let scenario = &task.scenario.scenario;
@@ -42,7 +42,7 @@ pub(crate) fn run(task: Task, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Cont
                 }
             })?)
         });
-    // Ctrl-C reaches the emulator too: whatever error comes of that, it was the person's wish.
+    // Ctrl-C also reaches the emulator: an error after it is the requested interruption.
     interrupt::check(is_interrupted)?;
     let run = watched?;
     let verdict = run.verdict(&Requirement::THESIS)?;
@@ -93,7 +93,7 @@ pub(crate) struct Device<'a> {
 }
 
 impl Controlled {
-    /// The run on a device as it stands in JSON.
+    /// Returns the JSON form of the run on a device.
     pub(crate) fn on_device<'a>(&'a self, report: &'a DeviceReport) -> Device<'a> {
         Device {
             schema: DEVICE_SCHEMA,

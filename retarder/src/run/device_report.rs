@@ -1,15 +1,15 @@
-//! What came of a device, for whoever shows it.
+//! Result of a device, for the outputs.
 
 use hil_harness::Difference;
 
-/// What a device is, beside how its loop stands.
+/// Identity and behaviour of a device, apart from the verdict on the loop.
 pub(crate) struct DeviceReport {
-    /// Kind, version, and over what it was reached.
+    /// Kind, version and connection.
     pub(crate) identity: String,
-    /// Decoded, oldest line first.
+    /// Decoded log, oldest line first.
     pub(crate) log: Vec<String>,
     /// Samples that crossed the wire, with the lead-in.
     pub(crate) samples: usize,
-    /// The first sample in which the ECU in process answers otherwise.
+    /// First sample with a different answer of the ECU in process.
     pub(crate) difference: Option<Difference>,
 }

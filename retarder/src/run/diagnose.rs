@@ -1,4 +1,4 @@
-//! Which physical effect is missing, and the plant with it.
+//! Diagnosis of the missing physical effect, and refinement of the plant.
 
 use core::ops::ControlFlow;
 use std::path::Path;
@@ -18,37 +18,37 @@ use crate::interrupt;
 use crate::options::Options;
 use crate::progress::Progress;
 
-/// What is to be explained.
+/// Logs and plant to explain.
 pub(crate) struct Task {
     pub(crate) plant: NamedPlant,
     pub(crate) logs: Vec<Recording>,
     pub(crate) check: Vec<Recording>,
-    /// The options that name all of it, as a person would type them.
+    /// Options that name all inputs, in the form of a command line.
     pub(crate) options: Options,
 }
 
-/// An effect that is asked for: its id, and the form of its law.
+/// Requested effect: its id, and the form of its law.
 pub(crate) type Asked = (String, Option<String>);
 
-/// A diagnosis with what was diagnosed.
+/// Diagnosis with its inputs.
 pub(crate) struct Diagnosed {
     pub(crate) task: Task,
     pub(crate) diagnosis: Diagnosis,
 }
 
-/// A refined plant with what it was fitted to.
+/// Refined plant with its inputs.
 pub(crate) struct RefinedPlant {
     pub(crate) task: Task,
     pub(crate) refined: Refined,
 }
 
-/// A plant with estimated parameters, with what it was fitted to.
+/// Plant with estimated parameters, and its inputs.
 pub(crate) struct EstimatedPlant {
     pub(crate) task: Task,
     pub(crate) estimated: Estimated,
 }
 
-/// Tries the library.
+/// Tries the effects of the library.
 pub(crate) fn run(task: Task) -> Result<Diagnosed, Failure> {
     let diagnosis =
         watched(|watch| diagnose(&task.plant.parameters, &task.logs, &task.check, watch))?;
@@ -70,7 +70,7 @@ pub(crate) fn estimate(task: Task) -> Result<EstimatedPlant, Failure> {
     Ok(EstimatedPlant { task, estimated })
 }
 
-/// Does long work that shows how far it is, and that Ctrl-C stops.
+/// Runs long work with a progress bar; Ctrl-C stops it.
 pub(super) fn watched<T, E>(
     work: impl FnOnce(&(dyn Fn(Stage) -> ControlFlow<()> + Sync)) -> Result<T, E>,
 ) -> Result<T, Failure>
@@ -103,13 +103,14 @@ impl Diagnosed {
         }
     }
 
-    /// The command that adds the named effects, or frees the values that the plant file has wrong; none where nothing is found.
+    /// Returns the command that adds the named effects, or frees the wrong values of the plant file; `None` if nothing
+    /// is found.
     pub(crate) fn next_command(&self) -> Option<String> {
         let given = self.task.options.as_given();
         let mut steps = self.diagnosis.ladder.iter();
         let is_beyond = steps.any(|step| step.kind == StepKind::RangesWidened);
         if is_beyond && self.diagnosis.verdict == Verdict::Found {
-            // The values come first: an effect that is fitted beside wrong ones takes their place.
+            // Values first: an effect fitted beside wrong values would compensate for them.
             return Some(format!("retarder refine{given} --out {REFINED_FILE}"));
         }
         let outside = self.diagnosis.outside.iter();
@@ -134,7 +135,7 @@ impl Diagnosed {
 const EXPERIMENT_FILE: &str = "next.csv";
 
 impl EstimatedPlant {
-    /// The commands that come next, each with its reason, where the plant was written to the file `plant`.
+    /// Returns the next commands, each with its reason, for a plant written to the file `plant`.
     pub(crate) fn next_commands(&self, plant: &Path) -> Vec<(String, &'static str)> {
         let options = &self.task.options;
         let estimation = &self.estimated.estimation;

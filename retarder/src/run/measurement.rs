@@ -1,4 +1,4 @@
-//! Signals of a device in every sample, beside its own timer.
+//! Signals of a device in every sample, with the device's own timer.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,22 +13,22 @@ use crate::dut::{Dut, Session};
 use crate::failure::Failure;
 use crate::interrupt;
 
-/// What was measured, whole up to where it ended.
+/// Measured signals, complete up to the end of the measurement.
 pub(crate) struct Measurement {
     /// Column names with units, then one line for each sample.
     pub(crate) csv: String,
-    /// How many samples were wanted.
+    /// Number of requested samples.
     pub(crate) wanted: u32,
-    /// How many came.
+    /// Number of received samples.
     pub(crate) samples: u32,
-    /// How many did not come, between the first and the last that did: nobody took them from the device in time.
+    /// Number of lost samples between the first and the last received one: they were not read in time.
     pub(crate) lost: u32,
     signals: Vec<(u16, &'static Signal)>,
-    /// Numbers of the first sample and of the last.
+    /// Numbers of the first and the last sample.
     span: Option<(u32, u32)>,
 }
 
-/// Measures signals until there are as many samples as wanted, or until Ctrl-C. `begin` is called once there is one.
+/// Measures signals until all requested samples came, or until Ctrl-C. Calls `begin` after the first one.
 pub(crate) fn run(args: &MeasureArgs, begin: &mut dyn FnMut()) -> Result<Measurement, Failure> {
     let mut measurement = Measurement::new(&args.signals, args.samples)?;
     if args.device.dut == Dut::InProcess {
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &MeasureArgs, begin: &mut dyn FnMut()) -> Result<Measure
         .session(args.device.image.as_deref())
         .and_then(|mut session| measurement.take(session.as_mut(), is_interrupted, begin));
     match ended {
-        // Ctrl-C reaches the emulator too: whatever error comes of that, it was the person's wish.
+        // Ctrl-C also reaches the emulator: an error after it is the requested interruption.
         Err(_) if is_interrupted.load(Ordering::Relaxed) => {
             let some = (measurement.samples > 0).then_some(measurement);
             some.ok_or(Failure::Interrupted)
@@ -71,7 +71,7 @@ impl Measurement {
         })
     }
 
-    /// Every sample of what was asked for: it holds; with gaps: it does not; ended before: nobody knows.
+    /// Returns the answer: pass if all samples came, fail if there are gaps, open if the measurement ended early.
     pub(crate) fn answer(&self) -> Answer {
         if self.samples < self.wanted {
             Answer::Open
@@ -116,7 +116,7 @@ impl Measurement {
     }
 }
 
-/// Column names with units, as a bench log has them.
+/// Returns the column names with units, as in a bench log.
 fn header(signals: &[(u16, &Signal)]) -> String {
     let mut header = "time_s".to_owned();
     for (_, Signal { name, unit, .. }) in signals {
@@ -139,7 +139,7 @@ mod tests {
 
     use super::*;
 
-    /// A device whose samples have these numbers; with the last of them Ctrl-C is pressed.
+    /// Device that sends samples with these numbers, and Ctrl-C with the last of them.
     struct Scripted<'a> {
         numbers: &'a [u32],
         is_interrupted: &'a AtomicBool,
@@ -174,7 +174,7 @@ mod tests {
         }
     }
 
-    /// `wanted` samples of a device that gives these.
+    /// Measures `wanted` samples of a device that sends these numbers.
     fn measured(wanted: u32, numbers: &[u32]) -> Measurement {
         let is_interrupted = AtomicBool::new(false);
         let mut session = Scripted {

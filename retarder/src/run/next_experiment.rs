@@ -1,4 +1,4 @@
-//! Which experiment tells rival effects apart, or determines parameters?
+//! Planning of the experiment that distinguishes rival effects, or determines parameters.
 
 use model_lab::diagnosis::next_experiment::{
     DeterminingExperiment, Limits, NextExperiment, Question, determining_experiment,
@@ -11,24 +11,24 @@ use super::diagnose::watched;
 use crate::failure::Failure;
 use crate::input::NamedPlant;
 
-/// What is asked.
+/// Question to be answered by the experiment.
 pub(crate) struct Task {
     pub(crate) plant: NamedPlant,
     pub(crate) log: Recording,
-    /// Ids of the effects: several to be told apart, one to be shown. None where parameters are to be determined.
+    /// Ids of the effects: several to distinguish, or one to detect. Empty if parameters are to be determined.
     pub(crate) effects: Vec<String>,
     /// Parameters to be determined.
     pub(crate) determine: Vec<String>,
     pub(crate) limits: Limits,
 }
 
-/// The experiment that determines parameters, with the plant that it is for.
+/// Experiment that determines parameters, with its plant.
 pub(crate) struct Determining {
     pub(crate) plant: NamedPlant,
     pub(crate) next: DeterminingExperiment,
 }
 
-/// Tries the manoeuvres on the parameters in question.
+/// Simulates the test signals and ranks them by the parameters that they determine.
 pub(crate) fn determine(task: Task) -> Result<Determining, Failure> {
     let what: Vec<&str> = task.determine.iter().map(String::as_str).collect();
     let plant = &task.plant.parameters;
@@ -46,13 +46,13 @@ impl Determining {
     }
 }
 
-/// The experiment with the plant that it is for.
+/// Experiment that distinguishes effects, with its plant.
 pub(crate) struct Planned {
     pub(crate) plant: NamedPlant,
     pub(crate) next: NextExperiment,
 }
 
-/// Fits the effects, and tries the manoeuvres.
+/// Fits the effects, and ranks the test signals by how well they distinguish them.
 pub(crate) fn run(task: Task) -> Result<Planned, Failure> {
     let ids: Vec<&str> = task.effects.iter().map(String::as_str).collect();
     let question = match ids[..] {

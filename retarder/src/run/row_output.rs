@@ -1,4 +1,5 @@
-//! A recording that leaves row by row: on the standard output or in a file that appears whole, as CSV or MF4.
+//! Output of a recording row by row, as CSV or MF4: to the standard output, or to a file that appears when it is
+//! complete.
 
 use std::io::{self, BufWriter, StdoutLock};
 use std::path::Path;
@@ -8,7 +9,7 @@ use recording::{AtomicFile, LogFormat, Provenance, mf4};
 
 use crate::targets::Existing;
 
-/// Where rows go.
+/// Destination of the rows.
 pub(super) enum RowOutput {
     Standard(csv::Writer<BufWriter<StdoutLock<'static>>>),
     Csv(csv::Writer<AtomicFile>),
@@ -16,7 +17,7 @@ pub(super) enum RowOutput {
 }
 
 impl RowOutput {
-    /// Begins the file `out`, in the format of its name; none is the standard output.
+    /// Begins the file `out`, in the format of its name; `None` is the standard output.
     pub(super) fn begin(
         out: Option<(&Path, Existing)>,
         provenance: &Provenance,
@@ -43,7 +44,7 @@ impl RowOutput {
         }
     }
 
-    /// Makes the file visible.
+    /// Makes the file visible under its name.
     pub(super) fn finish(self) -> Result<(), WriteError> {
         match self {
             Self::Standard(writer) => drop(writer.finish()?),

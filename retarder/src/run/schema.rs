@@ -13,7 +13,7 @@ use super::device::Device;
 use super::simulate::Simulation;
 use crate::cli::SchemaName;
 
-/// The schema of a result.
+/// Returns the schema of a result.
 pub(crate) fn of(result: SchemaName) -> Schema {
     match result {
         SchemaName::BlackBox => schema_for!(BlackBox),

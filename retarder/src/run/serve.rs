@@ -1,10 +1,10 @@
-//! The page, until Ctrl-C.
+//! Serving of the page until Ctrl-C.
 
 use workbench::{Options, Server};
 
 use crate::failure::Failure;
 
-/// Serves; `begin` is called with the address once it answers. What comes back is what there is to say at the end.
+/// Serves the page, and calls `begin` with the address once the server answers. Returns the text to print at the end.
 pub(crate) fn run(options: &Options, begin: &mut dyn FnMut(&str)) -> Result<String, Failure> {
     let server = Server::bind(options)?;
     for problem in server.unreadable_projects() {

@@ -1,4 +1,4 @@
-//! One report of all of it: logs, comparisons, what is missing, and the loop on the plant as it is and as refined.
+//! Report of a whole session: logs, comparisons, diagnosis, and the loop on the plant as given and as refined.
 
 use hil_harness::Scenario;
 use model_lab::CompareOptions;
@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::input::{NamedController, NamedPlant, NamedScenario};
 use crate::interrupt;
 
-/// What is to be reported.
+/// Contents of the report.
 pub(crate) struct Task {
     /// Plant and logs.
     pub(crate) subject: diagnose::Task,
@@ -24,20 +24,20 @@ pub(crate) struct Task {
     pub(crate) without: Vec<ReportPart>,
 }
 
-/// All that was found.
+/// Results of a whole session.
 pub(crate) struct Reported {
     pub(crate) plant: NamedPlant,
-    /// Every log, those for checking last.
+    /// All logs, validation logs last.
     pub(crate) compared: Vec<Compared>,
     pub(crate) diagnosed: Option<Diagnosed>,
-    /// On the plant, then on the plant with the named effects.
+    /// Loop on the plant, then on the plant with the named effects.
     pub(crate) loops: Vec<Controlled>,
     /// Parts that were left out, with the reason.
     pub(crate) not_run: Vec<String>,
     pub(crate) inputs: Vec<Input>,
 }
 
-/// Runs every part that the plant has what it needs for.
+/// Runs every part that the plant description allows.
 pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
     let Task {
         subject,
@@ -110,7 +110,7 @@ fn inputs(subject: &diagnose::Task, controller: &NamedController) -> Vec<Input> 
         .collect()
 }
 
-/// The plant with the named effects and what to call it; none where none is named.
+/// Returns the plant with the named effects and its name; `None` if no effect is named.
 fn refined(diagnosed: &Diagnosed) -> Option<(String, PlantParameters)> {
     let effects = &diagnosed.diagnosis.effects;
     if effects.is_empty() {
@@ -125,7 +125,8 @@ fn refined(diagnosed: &Diagnosed) -> Option<(String, PlantParameters)> {
 }
 
 impl Reported {
-    /// Whether the model holds on every log, nothing is missing, and the loop keeps its promises.
+    /// Returns whether the model is within tolerance on every log, no effect is missing, and the loop meets its
+    /// requirements.
     pub(crate) fn answer(&self) -> Answer {
         let mut answers: Vec<Answer> = self.compared.iter().map(Compared::answer).collect();
         answers.extend(self.diagnosed.as_ref().map(Diagnosed::answer));

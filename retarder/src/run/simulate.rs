@@ -1,4 +1,4 @@
-//! Duty log in, recording out, in memory that does not grow with the log.
+//! Simulation of a log's duty cycles into a recording, in memory that does not grow with the log.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -29,15 +29,15 @@ use crate::interrupt;
 use crate::progress::Progress;
 use crate::targets::Existing;
 
-/// What to simulate.
+/// Inputs of the simulation.
 pub(crate) struct Task {
     pub(crate) plant: NamedPlant,
     pub(crate) log: LogSource,
-    /// How a CSV log is read.
+    /// Options for reading a CSV log.
     pub(crate) options: Options,
-    /// State to begin in, as far as it is given.
+    /// Given part of the initial state.
     pub(crate) start: Vec<Assignment>,
-    /// CSV or MF4 file; none is the standard output, as CSV.
+    /// CSV or MF4 file; `None` is the standard output, as CSV.
     pub(crate) out: Option<PathBuf>,
     pub(crate) existing: Existing,
 }
@@ -244,7 +244,7 @@ fn simulate(
     Ok(simulation)
 }
 
-/// The plant on its way through the log.
+/// State of the plant during the log.
 struct Model<'a> {
     replay: Replay,
     start: &'a SimulationStart,
@@ -299,12 +299,12 @@ impl<'a> Model<'a> {
     }
 }
 
-/// What the first rows of a log tell, and these rows.
+/// First rows of a log, and the facts that they determine.
 struct First {
-    /// The plant in the surroundings of the log.
+    /// Plant in the surroundings of the log.
     parameters: PlantParameters,
     start: SimulationStart,
-    /// How the log was made.
+    /// Conditions under which the log was made.
     conditions: LogConditions,
     chunk: Chunk,
 }
@@ -336,7 +336,7 @@ impl First {
 
 fn refused(log: &str, error: ReplayError) -> Failure {
     match error {
-        // These name the log themselves.
+        // These errors already name the log.
         ReplayError::MissingSignal(_)
         | ReplayError::NoCommand { .. }
         | ReplayError::GaugeAmbient { .. }
@@ -356,13 +356,13 @@ struct Chunk {
 }
 
 impl Chunk {
-    /// The rows of a recording, so that the library reads and refuses signals as in a whole log.
+    /// Takes the rows of a recording, so that the library reads and refuses signals as in a whole log.
     fn of(
         recording: &Recording,
         (parameters, log): (&PlantParameters, &str),
         is_first: bool,
     ) -> Result<Self, Failure> {
-        // A command may be missing throughout a chunk, but not from the beginning.
+        // A command may be missing in a later chunk, but not in the first one.
         let inputs = match is_first {
             true => inputs(parameters, recording),
             false => inputs_of_part(parameters, recording),
@@ -382,7 +382,7 @@ fn provenance(log: &str, plant: &NamedPlant) -> Provenance {
     provenance
 }
 
-/// The columns that a plant has, and their places in a row.
+/// Returns the columns of a plant, and their places in a row.
 fn columns(parameters: &PlantParameters) -> (Vec<usize>, Vec<Column>) {
     let place = |signal| ROW_SIGNALS.iter().position(|one| *one == signal);
     signals(parameters)
@@ -396,7 +396,8 @@ fn columns(parameters: &PlantParameters) -> (Vec<usize>, Vec<Column>) {
         .unzip()
 }
 
-/// Digits beyond the tolerance of the solver are noise: 0.1 Pa, 0.1 µA, 1 nm and 0.1 mK are written.
+/// Returns the written decimals; digits below the tolerance of the solver are noise: 0.1 Pa, 0.1 µA, 1 nm and 0.1 mK
+/// remain.
 fn decimals() -> Decimals {
     Decimals::shortest()
         .with(Unit::BarGauge, 6)

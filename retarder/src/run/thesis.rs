@@ -1,4 +1,4 @@
-//! The figures of the thesis.
+//! Figures of the thesis.
 
 use model_lab::thesis::{Explanation, Measurements, ThesisTable, compare_with_model};
 
@@ -20,7 +20,7 @@ pub(crate) fn run(plant: NamedPlant) -> Figures {
     }
 }
 
-/// What brings the filling times in.
+/// Effects that explain the filling times.
 pub(crate) struct Explained {
     pub(crate) plant: NamedPlant,
     pub(crate) explanation: Explanation,

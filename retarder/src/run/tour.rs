@@ -1,4 +1,4 @@
-//! The tour: a bench log, the model beside it, and the loop on the model.
+//! Demo: a bench log, the model beside it, and the loop on the model.
 
 use std::sync::atomic::AtomicBool;
 
@@ -10,10 +10,10 @@ use super::thesis::{self, Figures};
 use crate::failure::Failure;
 use crate::input::{self, NamedPlant, NamedScenario};
 
-/// The scenarios of the tour: the figures' profile, and the two steps that section 1.4 puts numbers to.
+/// Scenarios of the demo: the staircase (thesis figure 6.5), and the two steps of section 1.4.
 const SCENARIOS: [&str; 3] = ["figure-6.5", "fill-requirement", "vent-requirement"];
 
-/// Everything that the tour shows.
+/// Results of the demo.
 pub(crate) struct Tour {
     pub(crate) compared: Compared,
     /// In the order of [`SCENARIOS`].
@@ -21,7 +21,7 @@ pub(crate) struct Tour {
     pub(crate) figures: Figures,
 }
 
-/// Takes the tour.
+/// Runs the demo.
 pub(crate) fn run() -> Result<Tour, Failure> {
     let log = input::tour_log()?;
     let compared = compare::run(

@@ -20,8 +20,8 @@ fn a_log_of_another_rig_does_not_hold_and_one_that_is_allowed_more_does() {
     assert_contains(&out, &["holds", "at most 100 times its noise floor"]);
 }
 
-/// The plant of practice-01 draws less current; with a higher resistance the current holds better, and the pressure is
-/// told to be of no interest.
+/// The rig of practice-01 draws less current: with a higher resistance the modelled current fits better. The tolerance
+/// excludes the pressure error from the verdict.
 #[test]
 fn tolerances_and_changed_parameters_count() {
     let bench = Bench::new();
@@ -51,13 +51,13 @@ fn json_is_a_comparison_of_the_library_and_goes_where_it_is_sent() {
         .ended_with(1);
     assert_contains(&out, &["Written: c.json", "Written: c.html"]);
     assert_eq!(bench.read("c.json"), on_standard_output);
-    // Unknown fields are refused by the type.
+    // The type refuses unknown fields.
     let comparison: Comparison = serde_json::from_str(&on_standard_output).unwrap();
     assert_eq!(comparison.schema, "retarder.comparison/1");
     assert!(bench.read("c.html").contains("retarder compare --log"));
 }
 
-/// Once a file of the name `-` was made.
+/// Defect seen: a file with the name `-` was created.
 #[test]
 fn a_page_goes_to_the_standard_output_in_place_of_the_text() {
     let bench = Bench::new();
@@ -77,7 +77,7 @@ fn a_page_goes_to_the_standard_output_in_place_of_the_text() {
 #[test]
 fn a_verdict_that_cannot_be_given_is_neither_yes_nor_no() {
     let bench = Bench::new();
-    // Always under current: no stretch that shows the noise.
+    // Always energised: no interval shows the noise.
     let rows: String = (0..100)
         .map(|row| format!("{:.2},60,0,{}\n", f64::from(row) * 0.01, row % 7))
         .collect();
@@ -136,7 +136,7 @@ fn a_reader_who_has_seen_enough_does_not_change_the_answer() {
     assert_eq!(err, "");
 }
 
-/// The signs are unmistakable, and no model fits such a log.
+/// The signs are unambiguous, and no model fits such a log.
 #[test]
 fn swapped_valves_and_a_column_of_another_name_are_told_in_text_and_json() {
     let bench = Bench::new();

@@ -59,7 +59,7 @@ fn a_profile_of_ones_own_is_run_and_its_recording_is_read_again() {
         .run(&["control", "--reference", "profile.csv", "--out", "-"])
         .ended_with(0);
     assert_eq!(alone, bench.read("run.csv"));
-    // The reference of a run is a reference profile.
+    // The reference of a run can be used as a reference profile.
     bench
         .run(&["control", "--reference", "run.csv"])
         .ended_with(0);

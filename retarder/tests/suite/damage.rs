@@ -1,4 +1,4 @@
-//! Damaged files of every kind, and kills: a small part of what `cargo xtask damage` and `cargo xtask kills` do.
+//! Damaged files of every kind, and kills: a small part of the cases of `cargo xtask damage` and `cargo xtask kills`.
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
@@ -11,8 +11,8 @@ use retarder_tests::kills;
 
 const RETARDER: &str = env!("CARGO_BIN_EXE_retarder");
 
-/// Goal: whatever a file says, the program ends with an answer or a reason. Method: 300 damaged inputs of the cheap
-/// commands. Half a minute of computing.
+/// Goal: whatever a file contains, the program ends with an answer or a reason. Method: 300 damaged inputs of the cheap
+/// commands. Takes half a minute of computing.
 #[test]
 fn no_damaged_file_ends_a_command_without_an_answer_or_a_reason() {
     let failures = tempfile::tempdir().unwrap();
@@ -22,7 +22,7 @@ fn no_damaged_file_ends_a_command_without_an_answer_or_a_reason() {
         cases: 0..300,
         jobs: 2,
         limits: Limits {
-            // This build may be slow, and the machine busy: only what never ends is found.
+            // The build may be slow and the machine busy: only a command that never ends is a finding.
             processor_time: Duration::MAX,
             time: Duration::from_secs(300),
             ..Limits::default()
@@ -42,7 +42,7 @@ fn no_damaged_file_ends_a_command_without_an_answer_or_a_reason() {
     });
     let counted = counted.unwrap();
     assert_eq!(*found.lock().unwrap(), "", "{counted}");
-    // The damages leave enough to be read, or only the readers would be tried.
+    // Enough damaged files must remain readable; otherwise the test covers the readers alone.
     let answered = counted.ended_with(0) + counted.ended_with(1);
     assert_eq!(counted.cases(), 300);
     assert!(answered >= 40 && counted.ended_with(2) >= 40, "{counted}");

@@ -1,4 +1,4 @@
-//! Commands that talk to a device; here the one in process, which needs neither emulator nor board.
+//! Commands that talk to a device; here the device in process, which needs neither emulator nor board.
 
 use serde_json::Value;
 
@@ -28,7 +28,7 @@ fn the_loop_on_a_device_names_it_and_compares_its_bits() {
     assert!(json["device"].as_str().unwrap().contains("in process"));
 }
 
-/// Nothing of the live plot may reach a file or a pipe.
+/// The live plot must not reach a file or a pipe.
 #[test]
 fn without_a_terminal_only_lines_are_printed() {
     let ran = Bench::new().run(&["control", "--dut", "in-process"]);

@@ -13,13 +13,13 @@ use crate::next_experiment::experiment_proposed_by;
 use crate::runner::{Bench, assert_contains, beginning_of};
 use crate::schemas::keep_example;
 
-/// A log of the rig with a leak; seconds of it.
+/// Log of the rig with a leak, and the time used from it (s).
 const LEAKING: (&str, f64) = ("synthetic/practice-01-id.csv", 10.0);
 
-/// Goal: what a person comes for. Method: name what the log hides, add it, watch the error fall, find nothing more; each
-/// step with the file that the one before wrote.
+/// Goal: the main use case. Method: name the hidden effect of the log, add it, check that the error falls, and find
+/// nothing more; each step uses the file that the step before wrote.
 ///
-/// `BLESS=1` keeps both results as the examples of their schemas, without what depends on the machine.
+/// `BLESS=1` stores both results as the examples of their schemas, without the values that depend on the machine.
 #[test]
 fn a_leak_is_named_and_added_and_then_nothing_is_missing() {
     let bench = Bench::new();
@@ -126,10 +126,10 @@ fn a_leak_is_named_and_added_and_then_nothing_is_missing() {
     }
 }
 
-/// Goal: from a first plant file to a fitted one. Method: a rig that lacks nothing, with a plant file whose discharge and delay are
-/// far off; the fitted file is enough for `diagnose`.
+/// Goal: from a first plant file to a fitted one. Method: a rig without missing effects, and a plant file whose
+/// discharge and delay are far off; `diagnose` accepts the fitted file.
 ///
-/// `BLESS=1` keeps the result as the example of its schema.
+/// `BLESS=1` stores the result as the example of its schema.
 #[test]
 fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
     let bench = Bench::new();
@@ -189,7 +189,7 @@ fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
     );
 }
 
-/// A wrong value has an exit status of its own: no physics is missing, and yet the model does not hold.
+/// A wrong value has its own exit status: no effect is missing, and yet the model is outside its tolerance.
 #[test]
 fn a_wrong_value_of_the_plant_file_is_told_with_its_own_status() {
     let bench = Bench::new();
@@ -247,7 +247,7 @@ fn a_need_that_cannot_be_meant_is_refused_before_any_work() {
     }
 }
 
-/// An error of a bar is noise to someone who needs no better.
+/// With a need of one bar, an error of a bar counts as noise.
 #[test]
 fn what_is_below_the_need_is_not_missing() {
     let bench = Bench::new();
@@ -265,7 +265,7 @@ fn what_is_below_the_need_is_not_missing() {
     assert_contains(&said, &["Nothing detectable is missing"]);
 }
 
-/// Pressure at 1 kHz beside commands and currents at 100 Hz, and a channel without a known unit.
+/// Pressure at 1 kHz with commands and currents at 100 Hz, and a channel without a known unit.
 fn two_rates(bench: &Bench) {
     let text = beginning_of(LEAKING.0, 3.0);
     let log = csv::read("bench.csv", text.as_bytes(), &csv::Options::default()).unwrap();
@@ -298,7 +298,8 @@ fn two_rates(bench: &Bench) {
     std::fs::write(path, bytes).unwrap();
 }
 
-/// Once the currents alone were explained without a word, and the advice was to shut the valves, as the log does.
+/// Defect seen: the currents alone were explained without a message, and the advice was to shut the valves, which the
+/// log already does.
 #[test]
 fn a_signal_at_another_rate_is_named_beside_what_is_not_excited() {
     let bench = Bench::new();
@@ -323,7 +324,7 @@ fn a_signal_at_another_rate_is_named_beside_what_is_not_excited() {
     assert_contains(&refined.err, &[note]);
 }
 
-/// Times are 0.
+/// Sets times to 0.
 fn timeless(json: &str) -> Value {
     let mut value: Value = serde_json::from_str(json).unwrap();
     for key in ["elapsed_s", "per_simulation_ms"] {
@@ -332,7 +333,7 @@ fn timeless(json: &str) -> Value {
     value
 }
 
-/// Whether a handler for SIGINT, the second signal, is installed.
+/// Returns whether a handler for SIGINT, the second signal, is installed.
 #[cfg(target_os = "linux")]
 fn catches_interrupts(pid: &str) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
@@ -340,7 +341,7 @@ fn catches_interrupts(pid: &str) -> bool {
     u64::from_str_radix(caught.unwrap().trim(), 16).unwrap() & 0b10 != 0
 }
 
-/// Sends SIGINT once it is watched for.
+/// Sends SIGINT once its handler is installed.
 #[cfg(target_os = "linux")]
 pub(crate) fn interrupt(child: &Child) {
     let pid = child.id().to_string();

@@ -1,4 +1,4 @@
-//! No file of a person is lost: outputs that are inputs or each other, files of others, what a kill left.
+//! Protection of files: outputs that are inputs or each other, files of other programs, remains of a kill.
 
 use std::fs;
 
@@ -21,7 +21,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// The command is refused with `expected`, and every file is as it was.
+/// Asserts that the command is refused with `expected`, and that every file is unchanged.
 #[track_caller]
 fn check(bench: &Bench, arguments: &str, expected: &[&str]) {
     let contents = |bench: &Bench| -> Vec<(String, Option<Vec<u8>>)> {
@@ -188,7 +188,7 @@ fn links_and_redirections_do_not_hide_an_input() {
     assert_eq!(bench.read("rig.csv"), before);
 }
 
-/// Which is what a person does who refines again and again. Kept are its mode and its other names.
+/// Repeated refinement of one plant file keeps its mode and its other names.
 #[test]
 fn refine_replaces_its_own_plant_and_says_so() {
     let bench = bench();
@@ -255,7 +255,8 @@ fn files_stay_with_no_clobber_and_are_replaced_without() {
     assert_contains(&bench.read("new.csv"), &["time_s"]);
 }
 
-/// A process that waits for its input is killed; the next one in that folder cleans up, and a running one keeps its file.
+/// A process that waits for its input is killed. The next process in that folder cleans up; the file of a running one
+/// stays.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_a_kill_left_is_removed_by_the_next_run() {
@@ -277,7 +278,7 @@ fn what_a_kill_left_is_removed_by_the_next_run() {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        // More rows than are read at a time: then the file has begun, and the process waits for the rest.
+        // More rows than one chunk: then the file has begun, and the process waits for the rest.
         let mut rows = "time_s,duty_fill_pct,duty_vent_pct\n".to_owned();
         for row in 0..20_000 {
             rows += &format!("{:.2},0,0\n", f64::from(row) * 0.01);

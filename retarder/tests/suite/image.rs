@@ -1,4 +1,4 @@
-//! The commands on the ELF image, which runs in the emulator; RETARDER_IMAGE names it.
+//! Commands on the ELF image, which runs in the emulator; RETARDER_IMAGE names it.
 
 use std::env;
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::runner::{Bench, Ran, assert_contains};
 
-/// A command with the image at its end.
+/// Returns the command with the image at its end.
 fn on_image(command: &[&str]) -> Vec<String> {
     let image = env::var("RETARDER_IMAGE").expect("RETARDER_IMAGE names the image");
     let words = command.iter().map(|word| (*word).to_owned());
@@ -18,7 +18,7 @@ fn run(bench: &Bench, command: &[&str]) -> Ran {
     bench.run(&words.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-/// Rows of a measurement: number of the sample since the first, and how many values it has.
+/// Returns the rows of a measurement: number of the sample since the first, and number of its values.
 fn rows(csv: &str) -> Vec<(u32, usize)> {
     let row = |line: &str| {
         let (time, values) = line.split_once(',').unwrap();
@@ -108,7 +108,7 @@ fn over_the_serial_line_every_sample_is_measured() {
     assert_eq!(rows(&csv), expected);
 }
 
-/// The mailbox keeps one frame: whoever does not take it before the next sample has lost it.
+/// The mailbox keeps one frame: a frame that is not read before the next sample is lost.
 #[test]
 fn what_the_mailbox_loses_is_counted() {
     let bench = Bench::new();
@@ -144,7 +144,7 @@ fn ctrl_c_leaves_a_whole_file_of_what_was_measured_until_then() {
     let mut command = bench.command(&words);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
-    // It says so with the first sample.
+    // The first sample triggers the message.
     let mut line = String::new();
     let mut err = BufReader::new(child.stderr.take().unwrap());
     err.read_line(&mut line).unwrap();
@@ -168,7 +168,7 @@ fn ctrl_c_leaves_a_whole_file_of_what_was_measured_until_then() {
     assert_contains(&out, &[&said, "Written: run.csv"]);
 }
 
-/// Its first fault comes within samples, for it has no sensors: whoever asks sees it before or after.
+/// The first fault comes within a few samples, since there are no sensors: the box may be read before or after it.
 #[test]
 fn the_black_box_of_a_fresh_image_is_read_in_every_form() {
     let bench = Bench::new();

@@ -17,7 +17,7 @@ fn a_printed_plant_file_is_a_plant_file_and_every_parameter_is_listed() {
             "resistance_20c_ohm = 82.2",
             "0.5 to 5000 ohm",
             "derived: 24 V / 292 mA",
-            // How well each ordinary value is known.
+            // The knowledge of each ordinary value.
             "Known: usual tolerance of the part, 78.1 to 86.3 ohm; for `refine` 65.8 to 98.6 ohm",
             "Values without `Known` count as exact.",
         ],
@@ -106,7 +106,7 @@ fn every_command_has_help_with_an_example_and_completions_name_every_command() {
     }
 }
 
-/// `--help` at the end refuses what stands before it and is wrong, and runs nothing.
+/// `--help` at the end still refuses wrong arguments before it, and runs nothing.
 #[test]
 fn every_command_that_the_tour_and_the_help_propose_is_understood() {
     let bench = Bench::new();
@@ -159,13 +159,13 @@ fn every_command_that_the_documents_show_is_understood() {
     }
 }
 
-/// Asserts that the command understands every line of `texts` that begins with its name; returns how many there are.
+/// Asserts that the command understands every line of `texts` that begins with its name; returns their number.
 fn understood(bench: &Bench, texts: &str) -> usize {
     let lines = texts.lines().map(str::trim_start);
     let lines = lines.filter(|line| line.starts_with("retarder "));
     let mut count = 0;
     for line in lines {
-        // A shell takes the rest of the line, and so does the remark behind two blanks.
+        // A shell takes the rest of the line; a remark begins after two blanks.
         let command = line
             .split(['>', '|'])
             .next()

@@ -1,4 +1,4 @@
-//! The binary as a person meets it: commands, exit status, messages, files.
+//! Black-box tests of the binary: commands, exit status, messages, files.
 
 mod compare;
 mod control;

@@ -1,4 +1,4 @@
-//! Logs and recordings as MF4, where CSV goes too.
+//! Logs and recordings as MF4 in every place that accepts CSV.
 
 use std::fs::File;
 
@@ -10,7 +10,7 @@ fn write_mf4(bench: &Bench, name: &str, recording: &Recording) {
     mf4::write(File::create(bench.path(name)).unwrap(), recording).unwrap();
 }
 
-/// The short log of CSV, as MF4 besides.
+/// Creates a bench with the short log as CSV and as MF4.
 fn bench() -> Bench {
     let bench = Bench::new();
     bench.file("log.csv", &short_log());
@@ -35,7 +35,7 @@ fn a_log_gives_the_same_rows_in_either_format_and_from_the_standard_input() {
     assert_eq!(rows(&String::from_utf8(output.stdout).unwrap()), rows(&csv));
 }
 
-/// Not rounded to decimals as CSV is: what is compared is the model itself.
+/// MF4 values are not rounded to decimals as in CSV: the comparison uses the model's exact values.
 #[test]
 fn a_simulated_mf4_holds_against_its_own_plant_without_any_error() {
     let bench = Bench::new();
@@ -72,7 +72,7 @@ fn the_closed_loop_is_written_as_mf4() {
     assert_eq!(mf4.signals(), csv.signals());
 }
 
-/// Pressure at 1 kHz, commands at 100 Hz: what to write is said, and then it is compared.
+/// Pressure at 1 kHz, commands at 100 Hz: the message states the mapping to write, and with it the comparison runs.
 #[test]
 fn two_rates_are_compared_at_the_instants_that_a_mapping_chooses() {
     let bench = Bench::new();
@@ -116,7 +116,7 @@ fn two_rates_are_compared_at_the_instants_that_a_mapping_chooses() {
         &["note: two-rate.mf4: all signals are as they were known"],
     );
     let at_commands = ran.ended_with(1);
-    // What was held for ten samples is picked again: the figures are those of one rate.
+    // Commands held for ten samples are sampled down again: the figures equal those of one rate.
     let itself = bench
         .run(&["compare", "--log", "one-rate.mf4"])
         .ended_with(1);

@@ -1,5 +1,5 @@
-//! Every kind of mistake once: status 2, nothing on the standard output, and a message that names culprit, value,
-//! bound and what to do.
+//! Every kind of mistake once: status 2, nothing on the standard output, and a message with cause, value, allowed range
+//! and the next step.
 
 use crate::runner::{Bench, assert_contains, beginning_of, data, short_log};
 
@@ -95,7 +95,7 @@ fn files_that_are_not_there_or_no_text() {
     );
 }
 
-/// The log has no pressure, which is found out by the work itself.
+/// The log has no pressure, which only the work itself would find.
 #[test]
 fn results_that_cannot_be_written_are_told_before_the_work() {
     let bench = bench();
@@ -267,7 +267,7 @@ fn references() {
     );
 }
 
-/// A misspelt column was taken for 0 %, and `diagnose` then found something.
+/// Defect seen: a misspelt column counted as 0 %, and `diagnose` then named an effect.
 #[test]
 fn commands_that_are_not_in_the_log() {
     let bench = bench();
@@ -309,7 +309,7 @@ fn commands_that_are_not_in_the_log() {
             check(&bench, &arguments, &expected);
         }
     }
-    // What was declared is no guess.
+    // A declared unit is not a guess.
     bench.file(
         "constant.toml",
         "schema = 1\n[signal.duty_fill]\ncolumn = \"duty_fill_pct\"\nunit = \"pct\"\n\
@@ -326,7 +326,7 @@ fn commands_that_are_not_in_the_log() {
     bench.run(&declared).ended_with(0);
 }
 
-/// One mapping for logs with a command and without.
+/// One mapping works for logs with and without a command.
 #[test]
 fn a_constant_is_added_where_the_log_does_not_have_it() {
     let bench = Bench::new();
@@ -355,7 +355,7 @@ fn a_constant_is_added_where_the_log_does_not_have_it() {
     assert_eq!(duties(&bench.read("m.csv")), 0);
 }
 
-/// A fit is not validated by what was fitted, under whatever name.
+/// Training data cannot validate a fit, under whatever name.
 #[test]
 fn the_same_log_twice() {
     let bench = bench();

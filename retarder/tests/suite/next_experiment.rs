@@ -2,7 +2,7 @@
 
 use crate::runner::{Bench, assert_contains, data};
 
-/// The experiment that a refinement proposes for what it left open is planned for just that.
+/// Plans the experiment that a refinement proposes for the parameters that it left undetermined.
 pub(crate) fn experiment_proposed_by(bench: &Bench, refined: &str) {
     let mut lines = refined.lines().map(str::trim_start);
     let line = lines.find(|line| line.starts_with("retarder next-experiment "));

@@ -7,10 +7,10 @@ use crate::diagnose::interrupt;
 use crate::runner::Ran;
 use crate::runner::{Bench, assert_contains, beginning_of, data};
 
-/// A log of the rig with a leak; seconds of it.
+/// Log of the rig with a leak, and the time used from it (s).
 const LEAKING: (&str, f64) = ("synthetic/practice-01-id.csv", 10.0);
 
-/// Every part is in the file, the loop on the refined plant as well, and the file needs no other.
+/// Every part is in the file, including the loop on the refined plant, and the file needs no other file.
 #[test]
 fn a_report_has_comparison_diagnosis_and_the_loop_on_both_plants() {
     let bench = Bench::new();
@@ -133,7 +133,7 @@ fn a_check_log_is_compared_and_rigs_have_their_settling_times() {
     );
 }
 
-/// Once a report watched for Ctrl-C in its diagnosis only, and what came after it did not end.
+/// Defect seen: a report checked for Ctrl-C in its diagnosis only, and the later parts did not end.
 #[cfg(target_os = "linux")]
 #[test]
 fn ctrl_c_ends_a_report_on_many_rigs_and_leaves_no_file() {

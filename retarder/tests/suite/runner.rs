@@ -1,4 +1,4 @@
-//! Runs the binary in a folder of its own.
+//! Runs of the binary in a folder of its own.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// A folder that vanishes, with the binary run in it.
+/// Temporary folder to run the binary in.
 pub(crate) struct Bench(TempDir);
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Debug)]
 pub(crate) struct Ran {
     pub(crate) status: i32,
@@ -22,7 +22,7 @@ impl Bench {
         Self(tempfile::tempdir().unwrap())
     }
 
-    /// A file with this text, made if need be.
+    /// Writes a file with this text, and creates its folders.
     pub(crate) fn file(&self, name: &str, text: &str) -> &Self {
         fs::write(self.path(name), text).unwrap();
         self
@@ -36,7 +36,7 @@ impl Bench {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
-    /// Names of all files.
+    /// Returns the names of all files.
     pub(crate) fn files(&self) -> Vec<String> {
         let mut names: Vec<String> = fs::read_dir(self.0.path())
             .unwrap()
@@ -46,7 +46,7 @@ impl Bench {
         names
     }
 
-    /// The command before it runs: no terminal, no colours, 100 columns.
+    /// Creates the command: no terminal, no colours, 100 columns.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_retarder"));
         command
@@ -72,7 +72,7 @@ impl Ran {
         }
     }
 
-    /// The run ended with `status`; returns the standard output.
+    /// Asserts that the run ended with `status`; returns the standard output.
     #[track_caller]
     pub(crate) fn ended_with(self, status: i32) -> String {
         assert_eq!(self.status, status, "{}\n{}", self.out, self.err);
@@ -80,7 +80,7 @@ impl Ran {
     }
 }
 
-/// A bundled file.
+/// Reads a bundled file.
 pub(crate) fn data(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../data")
@@ -88,7 +88,7 @@ pub(crate) fn data(name: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// The first seconds of a bundled log.
+/// Returns the first seconds of a bundled log.
 pub(crate) fn beginning_of(name: &str, seconds: f64) -> String {
     let text = fs::read_to_string(data(name)).unwrap();
     let is_early = |line: &&str| {
@@ -101,7 +101,7 @@ pub(crate) fn beginning_of(name: &str, seconds: f64) -> String {
         .collect()
 }
 
-/// A log of one second: shut, filling from 0.2 s, shut from 0.4 s.
+/// Returns a log of one second: shut, filling from 0.2 s, shut from 0.4 s.
 pub(crate) fn short_log() -> String {
     (0..100).fold(
         "time_s,duty_fill_pct,duty_vent_pct\n".to_owned(),

@@ -1,4 +1,4 @@
-//! Results against their published schemas, and these against the types.
+//! Results compared with their published schemas, and the schemas with the types.
 
 use std::fs;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::runner::{Bench, data};
 
-/// Those of the commands that are run here first.
+/// Results, those of the commands that run here first.
 const RESULTS: [&str; 13] = [
     "black-box",
     "comparison",
@@ -28,7 +28,7 @@ fn published(result: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/schema/{result}.json"))
 }
 
-/// `BLESS=1 cargo test -p retarder` writes them anew.
+/// `BLESS=1 cargo test -p retarder` writes them again.
 #[test]
 fn the_published_schemas_are_those_of_the_types() {
     let bench = Bench::new();
@@ -46,7 +46,7 @@ fn the_published_schemas_are_those_of_the_types() {
     }
 }
 
-/// Keeps `json`, a result that takes long, as the example of its schema where `BLESS=1` is set.
+/// With `BLESS=1`, stores `json`, a result that takes long, as the example of its schema.
 pub(crate) fn keep_example(result: &str, json: &Value) {
     if std::env::var_os("BLESS").is_some() {
         fs::write(
@@ -57,7 +57,7 @@ pub(crate) fn keep_example(result: &str, json: &Value) {
     }
 }
 
-/// Real results are valid; with one more field at any depth, or one less, they are not.
+/// Real results are valid; with one field more or less at any depth, they are invalid.
 #[test]
 fn results_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
@@ -134,7 +134,7 @@ fn check(bench: &Bench, result: &str, json: &Value) {
     assert!(!validator.is_valid(&less), "{result}: no schema");
 }
 
-/// Every object of the value, the first of each array.
+/// Returns every object of the value; of each array the first.
 fn pointers_to_objects(value: &Value, pointer: String) -> Vec<String> {
     match value {
         Value::Object(fields) => {

@@ -1,4 +1,4 @@
-//! `serve`: the address, and nobody gets in without it.
+//! `serve`: prints its address, and refuses access without it.
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
@@ -35,7 +35,7 @@ fn the_page_has_an_address_with_a_token_and_refuses_those_without() {
     assert_contains(&exchanged, &["303 See Other"]);
     let (_, cookie) = exchanged.split_once("set-cookie: ").unwrap();
     let (cookie, _) = cookie.split_once(';').unwrap();
-    // The program starts itself for the work of a tab.
+    // The program starts itself again for the work of a tab.
     let body = r#"{"project": null}"#;
     let opened = send(&format!(
         "POST /api/sessions HTTP/1.1\r\nHost: {host}\r\nCookie: {cookie}\r\nOrigin: http://{host}\r\nConnection: close\r\n\
@@ -62,7 +62,7 @@ fn a_port_that_is_taken_and_a_folder_that_is_a_file_are_told_with_what_to_do() {
     assert_contains(&ran.err, &["file", "--project"]);
 }
 
-/// A log that lay in a folder called `logs` was once removed by the first start.
+/// Defect seen: the first start removed a log in a folder named `logs`.
 #[test]
 fn a_folder_with_files_of_somebody_else_is_refused_and_keeps_them() {
     let bench = Bench::new();

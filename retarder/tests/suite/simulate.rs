@@ -9,7 +9,7 @@ use recording::csv;
 
 use crate::runner::{Bench, assert_contains, data, short_log};
 
-/// What is simulated is a measurement of the same plant: the comparison holds, and another plant does not.
+/// A simulated recording is a measurement of the same plant: the comparison passes, and with another plant it fails.
 #[test]
 fn a_simulated_recording_holds_against_its_own_plant_only() {
     let bench = Bench::new();
@@ -36,7 +36,7 @@ fn a_simulated_recording_holds_against_its_own_plant_only() {
         .ended_with(1);
 }
 
-/// A log of the nominal plant, taken every 2 ms by a logger whose rows lie 3.3 ms behind the samples of the ECU.
+/// Returns a log of the nominal plant, taken every 2 ms by a logger whose rows lie 3.3 ms after the samples of the ECU.
 fn log_of_a_logger_with_its_own_clock() -> String {
     let plant = PlantParameters::nominal();
     let clock = LoggerClock {
@@ -83,7 +83,8 @@ fn log_of_a_logger_with_its_own_clock() -> String {
     log
 }
 
-/// Goal: modelled signals are those of the instants of the log, and what was found of them is said. They were up to the full current off.
+/// Goal: modelled signals are those of the instants of the log, and the clock that was found is stated. Defect seen:
+/// the error was up to the full current.
 #[test]
 fn a_log_of_a_logger_with_its_own_clock_is_simulated_and_compared_by_it() {
     let bench = Bench::new();
@@ -114,7 +115,7 @@ fn a_log_of_a_logger_with_its_own_clock_is_simulated_and_compared_by_it() {
     assert_eq!(json["clock"]["source"], "commands");
 }
 
-/// Rows in chunks are the rows of the whole: the values are those of the library's replay, as they are written.
+/// Rows in chunks equal the rows of the whole: the values are those of the library's replay, as written.
 #[test]
 fn streaming_gives_the_rows_of_a_replay_in_memory() {
     let bench = Bench::new();
@@ -167,7 +168,7 @@ fn the_same_log_gives_the_same_bytes_from_a_file_and_from_the_standard_input() {
     assert_eq!(rows(&from_input), rows(&from_file));
 }
 
-/// A pause and empty cells once passed in silence, while `compare` listed them.
+/// Defect seen: a pause and empty cells gave no message, while `compare` listed them.
 #[test]
 fn gaps_and_missing_cells_of_the_log_are_listed_as_compare_lists_them() {
     let bench = Bench::new();
@@ -274,7 +275,7 @@ fn a_signal_to_end_leaves_no_file_behind() {
             .status()
             .unwrap();
         assert!(sent.success());
-        // It waits for rows. It may end before it has read all of these.
+        // The process waits for rows. It may end before it has read all of these.
         while Instant::now() < deadline && input.write_all(rows().as_bytes()).is_ok() {}
         drop(input);
         let mut err = String::new();

@@ -1,10 +1,10 @@
-//! `simulate` begins where the log does, or in a given state.
+//! Start of `simulate`: the beginning of the log, or a given state.
 
 use recording::{Recording, csv};
 
 use crate::runner::{Bench, assert_contains};
 
-/// A log of two seconds in which nothing is commanded; it begins at `first_bar`.
+/// Returns a log of two seconds without commands; it begins at `first_bar`.
 fn hold(first_bar: f64) -> String {
     (0..200).fold(
         "time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge\n".to_owned(),
@@ -53,7 +53,7 @@ fn a_simulation_begins_at_the_pressure_of_its_log_or_at_a_given_one() {
     assert_eq!(json["start"], "from the given pressure, 3.1 bar gauge");
 }
 
-/// A shut chamber at constant mass: p goes with T, and T - T_w with exp(-t h A (k - 1) T_0 / (p_0 V)), E52.
+/// Shut chamber at constant mass: p is proportional to T, and T - T_w to exp(-t h A (k - 1) T_0 / (p_0 V)), E52.
 #[test]
 fn a_simulation_begins_with_the_given_gas_temperature() {
     let bench = Bench::new();

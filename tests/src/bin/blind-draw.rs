@@ -7,22 +7,22 @@ use clap::Parser;
 use retarder_tests::blind::draw::{Counts, Draw, DrawError};
 use retarder_tests::blind::format::Folders;
 
-/// Draws sealed rigs from a seed.
+/// Draw sealed rigs from a seed.
 #[derive(Parser)]
 struct Options {
-    /// Folder that the draw goes to; `logs` and `sealed` in it must not exist.
+    /// Folder of the draw; `logs` and `sealed` in it must not exist.
     #[arg(long)]
     out: PathBuf,
-    /// The seed.
+    /// Seed.
     #[arg(long)]
     seed: u64,
     /// Share of the full set.
     #[arg(long, default_value_t = 1.0)]
     share: f64,
-    /// Numbers of rigs; without it all of them.
+    /// Numbers of rigs; without this option all of them.
     #[arg(long)]
     rig: Vec<usize>,
-    /// Threads.
+    /// Number of threads.
     #[arg(long, default_value_t = 2)]
     threads: usize,
 }

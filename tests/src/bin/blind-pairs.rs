@@ -8,7 +8,8 @@ use retarder_tests::blind::format::Folders;
 use retarder_tests::blind::pairs::run;
 use retarder_tests::blind::run::Released;
 
-/// Fits the pairs of a draw with each of their effects alone, to see whether the other one shows; goes on where it was stopped.
+/// Fit the pairs of a draw with each of their effects alone, to see whether the other one can be detected; resumes an
+/// interrupted run.
 #[derive(Parser)]
 struct Options {
     /// Folder of the draw.

@@ -1,4 +1,4 @@
-//! Diagnoses the rigs of a draw by the released command: `docs/blind-benchmark.md`.
+//! Diagnoses the rigs of a draw with the released command: `docs/blind-benchmark.md`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -7,7 +7,7 @@ use clap::Parser;
 use retarder_tests::blind::format::Folders;
 use retarder_tests::blind::run::{Progress, Released, run};
 
-/// Diagnoses the rigs of a draw by the released command; goes on where it was stopped.
+/// Diagnose the rigs of a draw with the released command; resumes an interrupted run.
 #[derive(Parser)]
 struct Options {
     /// Folder of the draw.
@@ -15,7 +15,7 @@ struct Options {
     draw: PathBuf,
     #[command(flatten)]
     released: Released,
-    /// Diagnoses at a time; each uses the threads that it likes.
+    /// Number of parallel diagnoses; each uses as many threads as it needs.
     #[arg(long, default_value_t = 1)]
     jobs: usize,
 }

@@ -1,4 +1,4 @@
-//! Scores what the diagnosis said of the rigs of a draw: `docs/blind-benchmark.md`.
+//! Scores the diagnoses of the rigs of a draw: `docs/blind-benchmark.md`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -7,13 +7,13 @@ use clap::Parser;
 use retarder_tests::blind::format::Folders;
 use retarder_tests::blind::score::score;
 
-/// Scores what the diagnosis said of the rigs of a draw. Ends with 0 if all promises are kept, with 1 if not.
+/// Score the diagnoses of the rigs of a draw. Ends with 0 if all requirements are met, with 1 if not.
 #[derive(Parser)]
 struct Options {
     /// Folder of the draw.
     #[arg(long)]
     draw: PathBuf,
-    /// Where to write the tables as JSON, besides.
+    /// Also write the tables as JSON to this file.
     #[arg(long)]
     json: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! Lets the built program read damaged files, and counts what must not come of it.
+//! Runs the built program on damaged files, and counts the findings.
 
 #[cfg(unix)]
 mod program {
@@ -14,30 +14,30 @@ mod program {
     use retarder_tests::damage::limits::Limits;
     use retarder_tests::damage::table::Table;
 
-    /// Lets `retarder` read damaged files under limits of time and memory. Ctrl-C ends it with the table so far.
+    /// Run `retarder` on damaged files, with limits of time and memory. Ctrl-C ends it with the table so far.
     ///
-    /// Exit status: 0 nothing was found, 1 something was, 2 it could not run.
+    /// Exit status: 0 no finding, 1 at least one finding, 2 could not run.
     #[derive(Parser)]
     struct Options {
-        /// The command `retarder`.
+        /// Path of the command `retarder`.
         #[arg(long)]
         retarder: PathBuf,
         /// Number of cases.
         #[arg(long, default_value_t = 1000)]
         cases: u64,
-        /// Number of the first case; with `--cases 1`, a case on its own.
+        /// Number of the first case; with `--cases 1`, that case alone.
         #[arg(long, default_value_t = 0)]
         from: u64,
         /// Seed of all cases.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Runs at a time.
+        /// Number of parallel runs.
         #[arg(long, default_value_t = 2)]
         jobs: usize,
         /// Folder for the cases with a finding.
         #[arg(long, default_value = "target/damage")]
         failures: PathBuf,
-        /// Keep every case there, those without a finding too.
+        /// Also keep the cases without a finding.
         #[arg(long)]
         keep: bool,
     }

@@ -8,25 +8,25 @@ use retarder_tests::blind::draw::DrawError;
 use retarder_tests::blind::field::draw::{Effects, FieldDraw};
 use retarder_tests::blind::format::Folders;
 
-/// Draws field rigs from a seed.
+/// Draw field rigs from a seed.
 #[derive(Parser)]
 struct Options {
-    /// Folder that the draw goes to; `logs` and `sealed` in it must not exist.
+    /// Folder of the draw; `logs` and `sealed` in it must not exist.
     #[arg(long)]
     out: PathBuf,
-    /// The seed.
+    /// Seed.
     #[arg(long)]
     seed: u64,
     /// Number of rigs.
     #[arg(long, default_value_t = 100)]
     rigs: usize,
-    /// Numbers of rigs; without it all of them.
+    /// Numbers of rigs; without this option all of them.
     #[arg(long)]
     rig: Vec<usize>,
-    /// Hidden effects of each rig: a number, or two as in 0..4.
+    /// Number of hidden effects of each rig, or a range as in 0..4.
     #[arg(long, default_value = "0")]
     effects: Effects,
-    /// Threads.
+    /// Number of threads.
     #[arg(long, default_value_t = 2)]
     threads: usize,
 }

@@ -1,4 +1,5 @@
-//! Refines the first plant files of a draw of field rigs by the released command, and names what is missing: `docs/field-benchmark.md`.
+//! Refines the first plant files of a draw of field rigs with the released command, and diagnoses missing effects:
+//! `docs/field-benchmark.md`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -8,7 +9,7 @@ use retarder_tests::blind::field::run::{Progress, Retarder, diagnose, fit, refin
 use retarder_tests::blind::format::{Folders, Stage};
 use retarder_tests::blind::run::RunError;
 
-/// Refines the first plant file of each rig by the released command; continues where it was stopped.
+/// Refine the first plant file of each rig with the released command; resumes an interrupted run.
 #[derive(Parser)]
 struct Options {
     /// Folder of the draw.
@@ -16,7 +17,7 @@ struct Options {
     draw: PathBuf,
     #[command(flatten)]
     retarder: Retarder,
-    /// Commands at a time; each uses the threads that it likes.
+    /// Number of parallel commands; each uses as many threads as it needs.
     #[arg(long, default_value_t = 1)]
     jobs: usize,
     /// Also diagnose each rig with its refined plant, and fit the named effects.
@@ -35,7 +36,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs the stages one after the other. Gives the number of findings that are missing.
+/// Runs the stages one after the other. Returns the number of missing findings.
 fn run(options: &Options) -> Result<usize, RunError> {
     let (folders, retarder, jobs) = (
         &Folders::new(&options.draw),
@@ -68,7 +69,7 @@ fn progress(done_what: &str) -> impl Fn(Progress) + Sync {
     }
 }
 
-/// Ends the line of progress, and says where the reasons of missing findings are.
+/// Ends the line of progress, and prints where the reasons of missing findings are.
 fn tell(stage: &Stage, missing: usize) -> usize {
     eprintln!();
     if missing > 0 {

@@ -1,4 +1,4 @@
-//! Scores the refined plants of a draw of field rigs, or the names: `docs/field-benchmark.md`.
+//! Scores the refined plants of a draw of field rigs, or the named effects: `docs/field-benchmark.md`.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -9,16 +9,16 @@ use retarder_tests::blind::field::{names, score};
 use retarder_tests::blind::format::Folders;
 use serde::Serialize;
 
-/// Scores the refined plants of a draw of field rigs. Ends with 0 if all gates pass, with 1 if not.
+/// Score the refined plants of a draw of field rigs. Ends with 0 if all gates pass, with 1 if not.
 #[derive(Parser)]
 struct Options {
     /// Folder of the draw.
     #[arg(long)]
     draw: PathBuf,
-    /// Score the names that the diagnosis gives instead, on rigs with and without hidden effects.
+    /// Score the effects that the diagnosis names instead, on rigs with and without hidden effects.
     #[arg(long)]
     names: bool,
-    /// Write the tables to this file as JSON, too.
+    /// Also write the tables as JSON to this file.
     #[arg(long)]
     json: Option<PathBuf>,
 }
@@ -37,7 +37,7 @@ fn main() -> ExitCode {
     })
 }
 
-/// Prints a report, and writes it as JSON where that is wanted.
+/// Prints a report, and writes it as JSON if requested.
 fn print(report: &(impl Display + Serialize), holds: bool, json: Option<&Path>) -> ExitCode {
     print!("{report}");
     if let Some(path) = json {

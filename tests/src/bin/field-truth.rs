@@ -1,4 +1,5 @@
-//! Judges the true parameters of a draw of field rigs by the released command: `docs/field-benchmark.md`.
+//! Computes the errors of the true parameters of a draw of field rigs with the released command:
+//! `docs/field-benchmark.md`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -8,7 +9,8 @@ use retarder_tests::blind::field::run::Retarder;
 use retarder_tests::blind::field::truth::run;
 use retarder_tests::blind::format::Folders;
 
-/// Judges the true parameters of each rig by the released command; continues where it was stopped. Opens the answers.
+/// Compute the errors of the true parameters of each rig with the released command; resumes an interrupted run. Reads
+/// the answers.
 #[derive(Parser)]
 struct Options {
     /// Folder of the draw.
@@ -16,7 +18,7 @@ struct Options {
     draw: PathBuf,
     #[command(flatten)]
     retarder: Retarder,
-    /// Judgements at a time.
+    /// Number of parallel commands.
     #[arg(long, default_value_t = 2)]
     jobs: usize,
 }

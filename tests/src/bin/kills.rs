@@ -1,4 +1,4 @@
-//! Kills the built program at random moments, and looks whether anything was lost.
+//! Kills the built program at random moments, and checks whether data was lost.
 
 #[cfg(unix)]
 mod program {
@@ -8,18 +8,18 @@ mod program {
     use clap::Parser;
     use retarder_tests::kills::{Kills, Loss, diagnose, serve};
 
-    /// Kills `retarder diagnose --json --html` and `retarder serve` by `kill -9`, and looks whether anything was lost.
+    /// Kill `retarder diagnose --json --html` and `retarder serve` by `kill -9`, and check whether data was lost.
     ///
     /// Exit status: 0 nothing was lost, 1 something was.
     #[derive(Parser)]
     struct Options {
-        /// The command `retarder`.
+        /// Path of the command `retarder`.
         #[arg(long)]
         retarder: PathBuf,
-        /// Kills of each of the two.
+        /// Number of kills of each of the two.
         #[arg(long, default_value_t = 50)]
         kills: u64,
-        /// Seed of the moments.
+        /// Seed of the random moments.
         #[arg(long, default_value_t = 1)]
         seed: u64,
     }

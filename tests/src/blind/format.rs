@@ -1,4 +1,4 @@
-//! What the programs agree on: where files lie, and how a sealed answer is written.
+//! Common formats of the programs: paths of files, and sealed answers.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,82 +10,82 @@ use crate::reference_plant::catalogue::Kinship;
 /// Version of the sealed answers.
 pub const SCHEMA: &str = "retarder.blind-answer/1";
 
-/// The folders of a draw.
+/// Folders of a draw.
 #[derive(Debug, Clone)]
 pub struct Folders(PathBuf);
 
 impl Folders {
-    /// Those in one folder.
+    /// Returns the folders within one folder.
     pub fn new(draw: impl Into<PathBuf>) -> Self {
         Self(draw.into())
     }
 
-    /// The bench logs.
+    /// Returns the folder of the bench logs.
     pub fn logs(&self) -> PathBuf {
         self.0.join("logs")
     }
 
-    /// The log of a rig that is for finding and fitting.
+    /// Returns a rig's log for training.
     pub fn id_log(&self, rig: &str) -> PathBuf {
         self.logs().join(format!("{rig}-id.csv"))
     }
 
-    /// The log of a rig that is held out.
+    /// Returns a rig's log for validation.
     pub fn check_log(&self, rig: &str) -> PathBuf {
         self.logs().join(format!("{rig}-check.csv"))
     }
 
-    /// The answers.
+    /// Returns the folder of the answers.
     pub fn sealed(&self) -> PathBuf {
         self.0.join("sealed")
     }
 
-    /// The answer of a rig.
+    /// Returns the answer of a rig.
     pub fn answer(&self, rig: &str) -> PathBuf {
         self.sealed().join(format!("{rig}.json"))
     }
 
-    /// The plant file that a person would have of a field rig.
+    /// Returns the plant file that a user would have of a field rig.
     pub fn plant(&self, rig: &str) -> PathBuf {
         self.logs().join(format!("{rig}.toml"))
     }
 
-    /// What the true parameters of field rigs leave.
+    /// Returns the folder with the errors of the true parameters of field rigs.
     pub fn truth(&self) -> PathBuf {
         self.0.join("truth")
     }
 
-    /// What the true parameters of a field rig leave.
+    /// Returns the file with the errors of the true parameters of a field rig.
     pub fn judged_truth(&self, rig: &str) -> PathBuf {
         self.truth().join(format!("{rig}.json"))
     }
 
-    /// The diagnosis of bench rigs, the refinement of field rigs.
+    /// Returns the stage with the diagnosis of bench rigs, or the refinement of field rigs.
     pub fn found(&self) -> Stage {
         Stage(self.0.join("found"))
     }
 
-    /// The diagnosis of field rigs.
+    /// Returns the stage with the diagnosis of field rigs.
     pub fn named(&self) -> Stage {
         Stage(self.0.join("named"))
     }
 
-    /// The refined plants of field rigs with the named effects.
+    /// Returns the stage with the refined plants of field rigs with the named effects.
     pub fn fitted(&self) -> Stage {
         Stage(self.0.join("fitted"))
     }
 
-    /// What a model with one of two hidden effects leaves.
+    /// Returns the folder with the errors of models with one of two hidden effects.
     pub fn alone(&self) -> PathBuf {
         self.0.join("alone")
     }
 
-    /// The same of one effect on one rig.
+    /// Returns the file with the errors of one effect on one rig.
     pub fn alone_with(&self, rig: &str, effect: &str) -> PathBuf {
         self.alone().join(format!("{rig}-{effect}.json"))
     }
 
-    /// The folder of the draw itself.
+    /// Returns the folder of the draw itself.
     pub fn root(&self) -> &Path {
         &self.0
     }
@@ -96,33 +96,33 @@ impl Folders {
 pub struct Stage(PathBuf);
 
 impl Stage {
-    /// The folder itself.
+    /// Returns the folder itself.
     pub fn path(&self) -> &Path {
         &self.0
     }
 
-    /// Finding on a rig, as JSON.
+    /// Returns the finding on a rig, as JSON.
     pub fn finding(&self, rig: &str) -> PathBuf {
         self.0.join(format!("{rig}.json"))
     }
 
-    /// Output of a command that left no finding on a rig.
+    /// Returns the output of a command that left no finding on a rig.
     pub fn failed(&self, rig: &str) -> PathBuf {
         self.0.join(format!("{rig}.failed"))
     }
 
-    /// Plant file that was written for a rig.
+    /// Returns the plant file that was written for a rig.
     pub fn plant(&self, rig: &str) -> PathBuf {
         self.0.join(format!("{rig}.toml"))
     }
 
-    /// Time of each command (s) and its exit code, one line a command.
+    /// Returns the file with the time of each command (s) and its exit code, one line per command.
     pub fn times(&self) -> PathBuf {
         self.0.join("times.csv")
     }
 }
 
-/// What a rig hides.
+/// Answer of a rig.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
@@ -130,28 +130,28 @@ pub struct Answer {
     pub schema: String,
     /// Name of the rig, as in the names of its logs.
     pub rig: String,
-    /// Which kind of question it is.
+    /// Kind of question.
     pub class: Class,
-    /// What its logs lack, in a poor one.
+    /// Shortcoming of its logs, if they are poor.
     pub poor: Option<Poor>,
-    /// What it has beyond the plain plant.
+    /// Effects beyond the plain plant.
     pub hidden: Vec<Hidden>,
-    /// How much the hidden effects change each signal on the check log: rms in units of the noise, before any parameter
-    /// is refitted.
+    /// Change of each signal on the check log by the hidden effects: rms in units of the noise, before any parameter is
+    /// refitted.
     pub raw_excess: BTreeMap<String, f64>,
-    /// How the id log and the check log were commanded.
+    /// Command profiles of the id log and the check log.
     pub profiles: [Profile; 2],
-    /// Where the rig lies within the scatter, in the order of `reference_plant::SCATTERED`.
+    /// Position of the rig within the scatter, in the order of `reference_plant::SCATTERED`.
     pub scatter: Vec<f64>,
 }
 
-/// Kinds of rigs.
+/// Kind of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
-    /// The plain plant with scatter.
+    /// Plain plant with scatter.
     Plain,
-    /// One effect of the library in its textbook's law.
+    /// One effect of the library in the law of the textbook.
     Matched,
     /// One effect of the library in another law.
     Variant,
@@ -161,11 +161,11 @@ pub enum Class {
     Beyond,
 }
 
-/// What a poor log lacks.
+/// Shortcoming of a poor log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Poor {
-    /// 10 to 20 s long.
+    /// Length of 10 to 20 s.
     Short,
     /// No sample in which both valves are off.
     NoHold,
@@ -180,7 +180,7 @@ pub enum Poor {
 }
 
 impl Poor {
-    /// All kinds.
+    /// All shortcomings.
     pub const ALL: [Self; 6] = [
         Self::Short,
         Self::NoHold,
@@ -191,15 +191,15 @@ impl Poor {
     ];
 }
 
-/// How a log is commanded.
+/// Command profile of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// A bench engineer's list: steps, holds, stairs, both valves, heating, then some chance.
+    /// List of a bench engineer: steps, holds, stairs, both valves, heating, then random commands.
     Bench,
-    /// Chance: one duty cycle after the other, with holds.
+    /// Random duty cycles with holds.
     Chance,
-    /// Chance without holds.
+    /// Random duty cycles without holds.
     Restless,
     /// Trains of pulses of one PWM period.
     Pulses,
@@ -207,32 +207,32 @@ pub enum Profile {
     ClosedLoop,
 }
 
-/// One hidden effect.
+/// Hidden effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hidden {
-    /// Id of the library, or the nearest name of its own.
+    /// Id in the library, or the nearest name outside it.
     pub effect: String,
-    /// Its law in the reference plant.
+    /// Law in the reference plant.
     pub law: String,
     /// Relation of that law to the library.
     pub kinship: Kinship,
-    /// Ids of the library that are physically the same thing: naming one of them is right as well.
+    /// Ids of the library that are physically the same: naming one of them is also right.
     pub same: Vec<String>,
     /// Size, and its unit.
     pub size: f64,
     /// Unit of the size.
     pub unit: String,
-    /// Size over that which changes the readings by about the noise.
+    /// Size relative to the one that changes the readings by about the noise.
     pub size_over_typical: f64,
-    /// Where the law's other parameters lie in their ranges, 0 to 1.
+    /// Position of the law's other parameters in their ranges, 0 to 1.
     pub shape: f64,
-    /// The library's parameter that means the same, and its value, where there is one.
+    /// Library parameter with the same meaning and its value, if there is one.
     pub parameter: Option<(String, f64)>,
 }
 
 impl Hidden {
-    /// Whether the library has the effect, in this law or in another one.
+    /// Returns whether the library has the effect, in this law or in another one.
     pub fn is_in_library(&self) -> bool {
         self.kinship != Kinship::Beyond
     }

@@ -1,13 +1,15 @@
-//! The blind benchmark of the diagnosis: four programs that share file formats and nothing else.
+//! Blind benchmark of the diagnosis: four programs that share only file formats.
 //!
 //! | program | reads | writes |
 //! |---|---|---|
 //! | `blind-draw` | a seed | `logs/`: bench logs; `sealed/`: what each rig hides |
-//! | `blind-run` | `logs/` | `found/`: what the command `retarder diagnose` said of each rig |
-//! | `blind-pairs` | `sealed/`, `logs/` | `alone/`: for each of two hidden effects, what a model that has it alone leaves |
-//! | `blind-score` | `sealed/`, `found/`, `alone/` if it is there, for two of the rules `logs/` | the table and the verdict |
+//! | `blind-run` | `logs/` | `found/`: result of `retarder diagnose` for each rig |
+//! | `blind-pairs` | `sealed/`, `logs/` | `alone/`: for each of two hidden effects, the error of a model with that
+//! effect alone |
+//! | `blind-score` | `sealed/`, `found/`, optionally `alone/`, and `logs/` for two of the rules | the table and the
+//! verdict |
 //!
-//! `docs/blind-benchmark.md` has the rules of the game: kinds of rigs, what counts as right, gates, seeds.
+//! `docs/blind-benchmark.md` describes the kinds of rigs, right and wrong names, gates and seeds.
 
 pub mod draw;
 pub mod field;

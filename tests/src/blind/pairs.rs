@@ -1,6 +1,7 @@
-//! Does each of two hidden effects show beside the other one? A model that is told one of them, and fitted, leaves the other.
+//! Detectability of each of two hidden effects beside the other one: a model is fitted with one of them, and its error
+//! shows the other.
 //!
-//! It opens the answers, after the diagnosis has given its own.
+//! Reads the answers, after the diagnosis has ended.
 
 use std::fs;
 use std::path::Path;
@@ -11,29 +12,29 @@ use super::format::{Answer, Class, Folders};
 use super::run::{Released, RunError};
 use super::score::{ScoreError, answers};
 
-/// Why it is not known which pairs show.
+/// Reason why the detectable pairs are unknown.
 #[derive(Debug, Error)]
 pub enum PairsError {
     /// The answers could not be read.
     #[error(transparent)]
     Answers(#[from] ScoreError),
-    /// A folder could not be made, or the command did not start.
+    /// A folder could not be created, or the command did not start.
     #[error(transparent)]
     Run(#[from] RunError),
     /// The command could not fit an effect.
     #[error("{rig} with {effect} alone: {said}")]
     Refine {
-        /// The rig.
+        /// Rig.
         rig: String,
-        /// The effect that was told.
+        /// Fitted effect.
         effect: String,
-        /// What the command said.
+        /// Output of the command.
         said: String,
     },
 }
 
-/// Fits every pair of `folders` with each of its effects alone, unless that is done already. `progress` is told how many
-/// of all fits are done.
+/// Fits every pair of `folders` with each of its effects alone, unless there is a result. `progress` gets the number of
+/// finished fits, and of all.
 ///
 /// # Errors
 /// If answers cannot be read, or the command cannot fit one of them.

@@ -1,4 +1,4 @@
-//! Lets the released command diagnose the logs of a draw, one rig after the other; opens no answer.
+//! Runs the diagnosis of the released command on the logs of a draw, rig by rig; reads no answer.
 
 use std::fs;
 use std::io::{self, Write};
@@ -13,7 +13,7 @@ use thiserror::Error;
 use super::format::{Folders, Stage};
 use super::score::ScoreError;
 
-/// Why a run cannot go on.
+/// Reason why a run cannot continue.
 #[derive(Debug, Error)]
 pub enum RunError {
     /// A file or a folder could not be read or written.
@@ -30,30 +30,30 @@ pub enum RunError {
     Finding(#[from] ScoreError),
 }
 
-/// The released command, and the plant that it is given.
+/// Released command with its plant.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Released {
-    /// The command `retarder`.
+    /// Path of the command `retarder`.
     #[arg(long)]
     pub retarder: PathBuf,
-    /// The datasheet's plant.
+    /// Plant of the datasheet.
     #[arg(long, default_value = "data/nominal-plant.toml")]
     pub plant: PathBuf,
 }
 
 impl Released {
-    /// A subcommand with the logs of a rig; nothing to read from the standard input.
+    /// Creates a subcommand with the logs of a rig and an empty standard input.
     pub(super) fn on(&self, subcommand: &str, folders: &Folders, rig: &str) -> Command {
         on_rig(&self.retarder, &self.plant, subcommand, folders, rig)
     }
 
-    /// What `command` printed, and how it ended.
+    /// Returns the output of `command` and its exit status.
     pub(super) fn output(&self, command: &mut Command) -> Result<Output, RunError> {
         output(&self.retarder, command)
     }
 }
 
-/// A subcommand of `retarder` with a plant and the logs of a rig; nothing to read from the standard input.
+/// Creates a subcommand of `retarder` with a plant, the logs of a rig and an empty standard input.
 pub(super) fn on_rig(
     retarder: &Path,
     plant: &Path,
@@ -73,27 +73,28 @@ pub(super) fn on_rig(
     command
 }
 
-/// Returns what a command of `retarder` printed, and how it ended.
+/// Returns the output of a command of `retarder`, and its exit status.
 pub(super) fn output(retarder: &Path, command: &mut Command) -> Result<Output, RunError> {
     let started = command.output();
     started.map_err(|error| RunError::Start(retarder.to_owned(), error))
 }
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Rigs that are diagnosed, those of earlier runs included.
+    /// Diagnosed rigs, including those of earlier runs.
     pub done: usize,
     /// All rigs.
     pub all: usize,
-    /// Time that the rest will take at the pace so far.
+    /// Remaining time at the pace so far.
     pub left: Duration,
 }
 
 /// Diagnoses every rig of `folders` that has no finding yet, `jobs` at a time. A rig whose diagnosis fails leaves a
-/// file with what it said instead of a finding; the next run tries it again. Gives the number of those.
+/// file with the command's output instead of a finding; the next run tries it again. Returns the number of those.
 ///
 /// # Errors
+/// If files cannot be read or written, or the command does not start.
 /// If files cannot be read or written, or the command does not start.
 pub fn run(
     folders: &Folders,
@@ -112,10 +113,11 @@ pub fn run(
     })
 }
 
-/// Lets `find` write the finding of each of `rigs` that has none yet in `stage`, `jobs` at a time. A rig without a finding leaves a
-/// file with what the command said; the next run tries it again. Gives the number of those.
+/// Runs `find` for each of `rigs` that has no finding in `stage`, `jobs` at a time. A rig without a finding leaves a
+/// file with the command's output; the next run tries it again. Returns the number of those.
 ///
 /// # Errors
+/// If files cannot be read or written, or the command does not start.
 /// If files cannot be read or written, or the command does not start.
 pub(super) fn run_each(
     stage: &Stage,
@@ -169,7 +171,7 @@ pub(super) fn run_each(
         .count())
 }
 
-/// Names of the rigs whose logs are there, in order.
+/// Returns the names of the rigs that have logs, in order.
 pub(super) fn rigs(folders: &Folders) -> Result<Vec<String>, RunError> {
     let logs = folders.logs();
     let read = fs::read_dir(&logs).map_err(|error| RunError::File(logs.clone(), error))?;
@@ -186,11 +188,11 @@ pub(super) fn rigs(folders: &Folders) -> Result<Vec<String>, RunError> {
     Ok(rigs)
 }
 
-/// Keeps what the command said where it left no finding; the exit code of the command, -1 if it was killed.
+/// Stores the command's output if there is no finding; returns the exit code of the command, -1 if it was killed.
 fn keep(stage: &Stage, rig: &str, output: &Output) -> Result<i32, RunError> {
     let said = stage.failed(rig);
     if stage.finding(rig).exists() {
-        // Of an earlier run; most often not there.
+        // File of an earlier run; usually missing.
         _ = fs::remove_file(&said);
     } else {
         let text = [&output.stdout[..], &output.stderr].concat();

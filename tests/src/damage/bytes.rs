@@ -1,12 +1,12 @@
-//! Ways to damage a file of any kind, and those that know where MF4 keeps its links and numbers.
+//! Damage for files of any kind, and for the links and numbers of MF4.
 
 use super::values::{FLOATS, INTEGERS, TEXTS};
 use crate::chance::Chance;
 
-/// A way to damage a file: its name, and what it does.
+/// Kind of damage: its name, and the function that makes it.
 pub type Way = (&'static str, fn(&mut Vec<u8>, &mut Chance));
 
-/// Ways for files of any kind.
+/// Kinds for files of any format.
 pub const ANY: [Way; 14] = [
     ("bits flipped", |bytes, chance| flip_bits(bytes, chance)),
     ("byte set", |bytes, chance| set_byte(bytes, chance)),
@@ -26,7 +26,7 @@ pub const ANY: [Way; 14] = [
     ("UTF-16", utf_16),
 ];
 
-/// Ways for MF4, whose links and counts are integers of 64 bits at multiples of 8.
+/// Kinds for MF4, whose links and counts are integers of 64 bits at multiples of 8.
 pub const MF4: [Way; 6] = [
     ("integer set to a bound", |bytes, chance| {
         let value = chance.one_of(&INTEGERS);
@@ -72,12 +72,12 @@ pub const MF4: [Way; 6] = [
     }),
 ];
 
-/// A place between 0 and the end, both included.
+/// Returns a position between 0 and the end, both included.
 pub(super) fn place(bytes: &[u8], chance: &mut Chance) -> usize {
     chance.whole(0, bytes.len())
 }
 
-/// A run of up to `most` bytes: where it begins and where it ends.
+/// Returns the range of up to `most` bytes.
 fn run(bytes: &[u8], chance: &mut Chance, most: usize) -> std::ops::Range<usize> {
     let begin = place(bytes, chance);
     let length = 1 << chance.whole(0, most.ilog2() as usize);

@@ -1,4 +1,4 @@
-//! Many cases, several at a time.
+//! Runs of many cases in parallel.
 
 use std::fs::{self, File};
 use std::io;
@@ -17,52 +17,52 @@ use super::originals::{Bench, OriginalsError, benches, name_of, project};
 use super::served;
 use super::table::Table;
 
-/// What is to be run.
+/// Cases to run, with their limits.
 #[derive(Debug, Clone)]
 pub struct Campaign {
-    /// The program.
+    /// Path of the program.
     pub retarder: PathBuf,
     /// Seed of all cases.
     pub seed: u64,
     /// Numbers of the cases.
     pub cases: std::ops::Range<u64>,
-    /// Runs at a time.
+    /// Number of parallel runs.
     pub jobs: usize,
     /// Limits of each run.
     pub limits: Limits,
-    /// Which commands are drawn.
+    /// Commands to draw from.
     pub effort: Effort,
-    /// Folder that gets a folder for each case with a finding.
+    /// Folder that gets a subfolder for each case with a finding.
     pub failures: PathBuf,
-    /// Whether it gets one for each case without a finding, too.
+    /// Whether it also gets one for each case without a finding.
     pub keeps_all: bool,
 }
 
-/// Why a campaign cannot go on.
+/// Reason why a campaign cannot continue.
 #[derive(Debug, Error)]
 pub enum CampaignError {
-    /// The bundled data is not what it was.
+    /// The bundled data differs from its expected form.
     #[error(transparent)]
     Originals(#[from] OriginalsError),
-    /// The program cannot be run in a folder of its own.
+    /// The program cannot run in a folder of its own.
     #[error("case {0}: {1}")]
     Run(u64, #[source] io::Error),
 }
 
-/// A case with a finding.
+/// Case with a finding.
 #[derive(Debug)]
 pub struct Failure {
-    /// What was found.
+    /// Finding.
     pub finding: Finding,
-    /// Where it was found.
+    /// Case.
     pub case: Case,
-    /// Folder with the files, the command line and what the run said.
+    /// Folder with the files, the command line and the output of the run.
     pub folder: PathBuf,
 }
 
 impl Campaign {
-    /// Runs the cases until the last or until `is_interrupted`, and counts them. `report` hears the counts after each
-    /// case, and the failure if it was one.
+    /// Runs the cases until the last or until `is_interrupted`, and counts them. `report` gets the counts after each
+    /// case, and the failure if there was one.
     ///
     /// # Errors
     /// If the program does not start or its files cannot be written.
@@ -89,7 +89,7 @@ impl Campaign {
                 let case = self.case(&benches, number);
                 let failed = |error| CampaignError::Run(number, error);
                 let (ended, said) = self.one(&case, folder.path()).map_err(failed)?;
-                // Ctrl-C reaches the program, too.
+                // Ctrl-C also reaches the program.
                 if is_interrupted.load(Ordering::Relaxed) {
                     break;
                 }
@@ -125,12 +125,12 @@ impl Campaign {
         Ok(table.into_inner().expect("no thread panicked"))
     }
 
-    /// The case of a number.
+    /// Returns the case of a number.
     pub fn case(&self, benches: &[Bench], number: u64) -> Case {
         Case::draw(benches, self.seed, number, self.effort)
     }
 
-    /// Runs a case in `folder`, which is emptied before.
+    /// Runs a case in `folder`, which is emptied first.
     fn one(&self, case: &Case, folder: &Path) -> io::Result<(Ended, Said)> {
         empty(folder)?;
         case.write(folder)?;
@@ -176,7 +176,7 @@ impl Campaign {
         Ok((ended, said))
     }
 
-    /// Keeps the files of a case with what a person needs to see it again; gives the folder.
+    /// Stores the files of a case with all that is needed to repeat it; returns the folder.
     fn keep(&self, case: &Case, word: &str, ended: &Ended, said: &Said) -> io::Result<PathBuf> {
         let (number, seed) = (case.number, self.seed);
         let folder = self.failures.join(format!("{word}-{seed}-{number}"));
@@ -215,7 +215,7 @@ fn empty(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether an input is not what it was, or a file lies there that nobody asked for.
+/// Returns whether an input changed, or an unexpected file exists.
 fn has_disturbed_files(case: &Case, folder: &Path) -> io::Result<bool> {
     // The server works in its folder.
     if case.command.name == Name::Serve {

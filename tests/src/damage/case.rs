@@ -1,4 +1,4 @@
-//! A case: files, some of them damaged, and the command that reads them.
+//! Case: files, some of them damaged, and the command that reads them.
 
 use std::fs;
 use std::io;
@@ -10,28 +10,28 @@ use super::originals::{Bench, File, Role, name_of};
 use super::text;
 use crate::chance::Chance;
 
-/// A case, drawn from a seed and its number alone.
+/// Case drawn from a seed and its number alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Case {
-    /// Its number.
+    /// Number.
     pub number: u64,
-    /// The bench that its files come from.
+    /// Bench of its files.
     pub bench: &'static str,
-    /// What was done to its files.
+    /// Damage of its files.
     pub damages: Vec<(PathBuf, &'static str)>,
-    /// The files, damaged ones among them.
+    /// Files, including the damaged ones.
     pub files: Vec<File>,
-    /// Who reads them.
+    /// Command that reads them.
     pub command: CommandLine,
 }
 
-/// Cases of which nothing is damaged, beside those that are: they must run as well.
+/// Share of the cases without damage: these must also run.
 const UNDAMAGED: f64 = 0.01;
 /// Share of the project folders, each of which takes a server and a second.
 const SERVED: f64 = 0.005;
 
 impl Case {
-    /// The case of a seed and a number.
+    /// Draws the case of a seed and a number.
     pub fn draw(benches: &[Bench], seed: u64, number: u64, effort: Effort) -> Self {
         let mut chance = Chance::of(seed, number);
         let is_served = chance.happens(SERVED);
@@ -39,7 +39,7 @@ impl Case {
             .iter()
             .filter(|bench| bench.file(Role::Project).is_some() == is_served)
             .collect();
-        // Without a server, its cases are others.
+        // Without a server, the numbers give other cases.
         let all: Vec<_> = benches.iter().collect();
         let bench = chance.one_of(if of_kind.is_empty() { &all } else { &of_kind });
         let command = commands::draw(bench, &mut chance, effort);
@@ -77,7 +77,7 @@ impl Case {
         Ok(())
     }
 
-    /// The command as a person types it in the folder of the files.
+    /// Returns the command line to type in the folder of the files.
     pub fn line(&self) -> String {
         let mut line = format!("retarder {}", self.command.arguments.join(" "));
         if let Some(role) = self.command.standard_input {
@@ -86,7 +86,7 @@ impl Case {
         line
     }
 
-    /// The damages as a person reads them.
+    /// Returns the damage in words.
     pub fn story(&self) -> String {
         let mut story = format!("bench: {}\n", self.bench);
         for (path, name) in &self.damages {
@@ -96,9 +96,9 @@ impl Case {
     }
 }
 
-/// Damages a file in one way of those that fit it.
+/// Damages a file in a way that fits its format.
 fn damage(file: &mut File, chance: &mut Chance) -> &'static str {
-    // Most damages leave a file that can be read, so that what lies behind the reader hears of them.
+    // Most damage leaves a readable file, so that the code behind the reader is tested, too.
     let fitting: &[(&[Way], usize)] = match file.role {
         Role::Log | Role::Reference => &[
             (&text::TABLE, 6),

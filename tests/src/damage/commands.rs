@@ -1,10 +1,10 @@
-//! Commands that read a bench's files, cheap ones often and dear ones now and then.
+//! Commands that read a bench's files: cheap ones often, expensive ones rarely.
 
 use super::originals::{Bench, Role, name_of};
 use super::values::NUMBERS;
 use crate::chance::Chance;
 
-/// A command of the program.
+/// Command of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs, reason = "called as on the command line")]
 pub enum Name {
@@ -22,7 +22,7 @@ pub enum Name {
 }
 
 impl Name {
-    /// All of them, the cheap ones first, each with how often it is drawn.
+    /// All commands, the cheap ones first, each with its relative frequency.
     pub const ALL: [(Self, f64); 11] = [
         (Self::Simulate, 30.0),
         (Self::Compare, 34.0),
@@ -38,7 +38,7 @@ impl Name {
         (Self::Serve, 0.0),
     ];
 
-    /// As it is typed.
+    /// Returns the command as typed.
     pub fn word(self) -> &'static str {
         match self {
             Self::Simulate => "simulate",
@@ -55,7 +55,7 @@ impl Name {
         }
     }
 
-    /// Whether a run takes tenths of a second, rather than milliseconds.
+    /// Returns whether a run takes tenths of a second rather than milliseconds.
     pub fn is_dear(self) -> bool {
         matches!(
             self,
@@ -79,23 +79,23 @@ impl Name {
     }
 }
 
-/// Which commands are drawn.
+/// Selection of commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Effort {
-    /// Those that take milliseconds.
+    /// Commands that take milliseconds.
     Cheap,
-    /// Every one.
+    /// All commands.
     All,
 }
 
-/// A command line in the folder of a case.
+/// Command line in the folder of a case.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CommandLine {
-    /// The command.
+    /// Command.
     pub name: Name,
-    /// It and its arguments.
+    /// Command and its arguments.
     pub arguments: Vec<String>,
-    /// The file that is fed to the standard input.
+    /// File for the standard input.
     pub standard_input: Option<Role>,
     /// Roles of the files that it reads.
     pub reads: Vec<Role>,
@@ -129,7 +129,7 @@ const PARAMETERS: [&str; 10] = [
     "gas.ambient_pressure_pa",
 ];
 
-/// A command that some of the bench's files can be given to.
+/// Draws a command that can read some of the bench's files.
 pub fn draw(bench: &Bench, chance: &mut Chance, effort: Effort) -> CommandLine {
     let name = match bench.file(Role::Project) {
         Some(_) => Name::Serve,
@@ -196,7 +196,7 @@ impl CommandLine {
         }
     }
 
-    /// The plant file, and a parameter set beside it now and then.
+    /// Adds the plant file, and sometimes a parameter.
     fn plant(&mut self, bench: &Bench, chance: &mut Chance, probability: f64) {
         if !bench.is_whole || chance.happens(probability) {
             self.file(bench, Role::Plant, "--plant");
@@ -225,7 +225,7 @@ impl CommandLine {
         self.mapping(bench);
     }
 
-    /// A log, and the same plant and mapping as for one.
+    /// Adds a log, with the same plant and mapping as for a single log.
     fn logs(&mut self, bench: &Bench, chance: &mut Chance) {
         self.log(bench, chance);
         self.plant(bench, chance, 0.5);
@@ -245,7 +245,7 @@ impl CommandLine {
         }
     }
 
-    /// A recording, as CSV or MF4.
+    /// Adds a recording, as CSV or MF4.
     fn out(&mut self, chance: &mut Chance) {
         match chance.whole(0, 4) {
             0 => self.add(&["--out", "out.mf4"]),

@@ -1,33 +1,33 @@
-//! What must not come of a run.
+//! Forbidden results of a run.
 
 use std::fmt;
 use std::os::unix::process::ExitStatusExt as _;
 
 use super::limits::{Ended, Limits};
 
-/// A way in which a run breaks the promise.
+/// Violation of a requirement by a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Finding {
-    /// It panicked, or a thread of it did.
+    /// The program or one of its threads panicked.
     Panic,
     /// A signal ended it.
     Abort,
     /// It took longer than the limit.
     Hang,
-    /// It held more memory than the limit.
+    /// It used more memory than the limit.
     Memory,
     /// Its exit status is none of 0, 1, 2 and 3.
     Status,
-    /// It could not run, or could not tell, and said nothing.
+    /// It could not run or decide, and gave no message.
     Silent,
     /// It changed a file that it reads, or left a temporary one.
     Files,
-    /// It wrote a number that is none.
+    /// It wrote NaN or an infinite number.
     NotANumber,
 }
 
 impl Finding {
-    /// All of them.
+    /// All findings.
     pub const ALL: [Self; 8] = [
         Self::Panic,
         Self::Abort,
@@ -39,7 +39,7 @@ impl Finding {
         Self::NotANumber,
     ];
 
-    /// What a run broke first; nothing if it kept all. `said` is what it printed, `wrote` what it wrote.
+    /// Returns the first violation of a run, if any. `said` is its output.
     pub fn of(ended: &Ended, limits: &Limits, said: &Said) -> Option<Self> {
         let code = ended.status.code();
         let holds = |finding| match finding {
@@ -73,16 +73,16 @@ impl fmt::Display for Finding {
     }
 }
 
-/// What a run left for a person to read.
+/// Output of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Said {
-    /// What it printed.
+    /// Standard output.
     pub standard_output: Vec<u8>,
-    /// What it complained of.
+    /// Standard error.
     pub standard_error: Vec<u8>,
     /// Results as JSON and CSV, on the standard output or in a file.
     pub wrote: Vec<Vec<u8>>,
-    /// Whether an input changed or a temporary file stayed.
+    /// Whether an input changed or a temporary file remained.
     pub has_disturbed_files: bool,
 }
 
@@ -90,7 +90,7 @@ fn contains(text: &[u8], part: &[u8]) -> bool {
     text.windows(part.len()).any(|window| window == part)
 }
 
-/// Whether a value of a CSV or JSON result is written as `NaN` or `inf`.
+/// Returns whether a value of a CSV or JSON result is written as `NaN` or `inf`.
 fn has_no_number(text: &[u8]) -> bool {
     let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'"');
     text.split(|byte| !is_word(byte)).any(|word| {
@@ -129,7 +129,7 @@ mod tests {
         }
     }
 
-    /// The alarm itself is tested: each finding rings on a run that has it, and on no good one.
+    /// Tests the detection itself: each finding is reported for a run that has it, and for no good run.
     #[test]
     fn each_finding_is_told_by_its_sign() {
         let exit = |code: i32| ended(code << 8);

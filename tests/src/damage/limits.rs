@@ -1,4 +1,4 @@
-//! A program under limits of time and memory, and what it took.
+//! Program run under limits of time and memory, and its use of both.
 
 use std::io;
 use std::process::{Child, Command, ExitStatus};
@@ -12,19 +12,19 @@ use wait4::Wait4 as _;
 /// Limits of one run.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Longest time on processors that is no finding: on an idle machine, the time that a person waits.
+    /// Longest processor time without a finding: on an idle machine, the time that a user waits.
     pub processor_time: Duration,
     /// Time after which the program is killed.
     pub time: Duration,
-    /// Largest resident memory that is no finding (bytes).
+    /// Largest resident memory without a finding (bytes).
     pub peak_bytes: u64,
-    /// Address space: an allocation beyond it fails (bytes). Linux only; elsewhere there is no limit.
+    /// Address space: an allocation beyond it fails (bytes). Linux only; other systems have no limit.
     pub address_space_bytes: u64,
 }
 
 impl Default for Limits {
-    /// Those of the promise: 10 s, 500 MB. Six times longer on the clock, for a machine that does other work beside it; and
-    /// 4 GB of addresses, so that the machine outlives a finding.
+    /// Returns the required limits: 10 s, 500 MB. Six times as much clock time, for a machine that also does other
+    /// work, and 4 GB of addresses, so that a finding does not exhaust the machine.
     fn default() -> Self {
         Self {
             processor_time: Duration::from_secs(10),
@@ -35,22 +35,22 @@ impl Default for Limits {
     }
 }
 
-/// How a program ended, and what it took.
+/// End of a program, and its use of time and memory.
 #[derive(Debug, Clone, Copy)]
 pub struct Ended {
     /// Exit status or signal.
     pub status: ExitStatus,
-    /// Whether it was killed because its time was over.
+    /// Whether it was killed at the time limit.
     pub is_overdue: bool,
     /// Time from start to end.
     pub elapsed: Duration,
-    /// Time on processors, user and system.
+    /// Processor time, user and system.
     pub processor_time: Duration,
     /// Largest resident memory (bytes).
     pub peak_bytes: u64,
 }
 
-/// Runs `command` to its end, and kills it when its time is over.
+/// Runs `command` to its end, and kills it at the time limit.
 ///
 /// # Errors
 /// If the program cannot be started, watched or limited.
@@ -58,7 +58,7 @@ pub fn run(command: &mut Command, limits: &Limits) -> io::Result<Ended> {
     run_and(command, limits, |_| ())
 }
 
-/// The same with somebody who talks to the program while it runs.
+/// Runs `command` in the same way while `talk` uses it.
 pub(super) fn run_and(
     command: &mut Command,
     limits: &Limits,
@@ -74,13 +74,13 @@ pub(super) fn run_and(
             let waited = is_over.recv_timeout(limits.time);
             let is_overdue = waited == Err(RecvTimeoutError::Timeout);
             if is_overdue {
-                // The child is not reaped before this thread has ended, so its number is still its own.
+                // The child is reaped only after this thread has ended, so its process id is still valid.
                 let _ = kill_process(pid, Signal::KILL);
             }
             is_overdue
         });
         talk(&mut child);
-        // Leaves the child unreaped: `wait4` reaps it below, together with what it took.
+        // Does not reap the child: `wait4` reaps it below, and returns its resource use.
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT;
         let waited = rustix::io::retry_on_intr(|| waitid(WaitId::Pid(pid), options));
         drop(over);
@@ -100,7 +100,7 @@ pub(super) fn run_and(
     })
 }
 
-/// The program has begun already, but reads no file within the microseconds until it has its limit.
+/// The program has already begun, but it reads no file in the microseconds before the limit is set.
 #[cfg(target_os = "linux")]
 fn limit_addresses(pid: Pid, bytes: u64) -> io::Result<()> {
     use rustix::process::{Resource, Rlimit, prlimit};
@@ -109,7 +109,7 @@ fn limit_addresses(pid: Pid, bytes: u64) -> io::Result<()> {
         maximum: Some(bytes),
     };
     match prlimit(Some(pid), Resource::As, limit) {
-        // It has ended already.
+        // It has already ended.
         Ok(_) | Err(rustix::io::Errno::SRCH) => Ok(()),
         Err(error) => Err(error.into()),
     }
@@ -152,7 +152,7 @@ mod tests {
         assert!(ended.is_overdue && ended.status.code().is_none());
     }
 
-    /// Ten million characters in one variable: the shell holds them.
+    /// Ten million characters in one variable of the shell.
     #[test]
     fn the_peak_of_the_memory_is_seen() {
         let limits = Limits::default();

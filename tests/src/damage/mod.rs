@@ -1,13 +1,13 @@
-//! Damaged files: whatever a file says, the program ends with an answer or with a reason.
+//! Damaged files: whatever a file contains, the program ends with an answer or with a reason.
 //!
 //! ```text
 //! originals ──► case: files, damages, command ──► run under limits ──► finding ──► table, folder of failures
 //!                 ▲ seed and number
 //! ```
 //!
-//! A case is drawn from a seed and its number alone, so that it comes again. [`originals`] are small valid inputs of every
-//! kind that the program reads, [`bytes`] and [`text`] the ways in which they are damaged, [`commands`] who reads them. The
-//! [`campaign`] runs many, several at a time, and [`finding`] says what must not come of any.
+//! A case is drawn from a seed and its number alone, so that it can be repeated. [`originals`] are small valid inputs
+//! of every kind that the program reads, [`bytes`] and [`text`] the kinds of damage, [`commands`] the commands that
+//! read them. The [`campaign`] runs many cases in parallel, and [`finding`] defines the forbidden results.
 
 pub mod bytes;
 pub mod campaign;

@@ -14,14 +14,14 @@ use super::commands::Effort;
 use crate::bench_log::repository;
 use crate::served::{Server, files_below};
 
-/// What a file is to the program.
+/// Role of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
     /// Bench log, CSV.
     Log,
     /// Bench log, MF4.
     Mf4Log,
-    /// Columns or channels of a log.
+    /// Mapping of the columns or channels of a log.
     Mapping,
     /// Plant file.
     Plant,
@@ -29,18 +29,18 @@ pub enum Role {
     Controller,
     /// Reference profile of the closed loop.
     Reference,
-    /// File of a project folder: the project as JSON, a log, or a mark of ours.
+    /// File of a project folder: the project as JSON, a log, or a marker.
     Project,
 }
 
-/// A file that the program reads.
+/// File that the program reads.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
-    /// What it is.
+    /// Role.
     pub role: Role,
-    /// Where it lies in the folder of a case.
+    /// Path in the folder of a case.
     pub path: PathBuf,
-    /// Its content.
+    /// Content.
     pub bytes: Vec<u8>,
 }
 
@@ -57,35 +57,35 @@ impl File {
 /// Files that belong together.
 #[derive(Debug, Clone)]
 pub struct Bench {
-    /// What it is called in the table of a failure.
+    /// Name in the table of a failure.
     pub name: &'static str,
-    /// At most one of each role, and one log.
+    /// At most one file of each role, and one log.
     pub files: Vec<File>,
     /// Whether the plant has both valves and the chamber, as the closed loop needs.
     pub is_whole: bool,
-    /// Commands that it is given to.
+    /// Commands for these files.
     pub effort: Effort,
 }
 
 impl Bench {
-    /// The file of a role.
+    /// Returns the file of a role.
     pub fn file(&self, role: Role) -> Option<&File> {
         self.files.iter().find(|file| file.role == role)
     }
 
-    /// The log, CSV or MF4.
+    /// Returns the log, CSV or MF4.
     pub fn log(&self) -> Option<&File> {
         self.file(Role::Log).or_else(|| self.file(Role::Mf4Log))
     }
 }
 
-/// Why the originals cannot be made.
+/// Reason why the originals cannot be made.
 #[derive(Debug, Error)]
 pub enum OriginalsError {
     /// A bundled file cannot be read.
     #[error("{}: {}", .0.display(), .1)]
     Read(PathBuf, #[source] io::Error),
-    /// A log is not what it was.
+    /// A log differs from its expected form.
     #[error("{0}: {1}")]
     Log(&'static str, String),
     /// The server that writes the project folder fails.
@@ -93,7 +93,7 @@ pub enum OriginalsError {
     Server(#[source] io::Error),
 }
 
-/// Two logs of one rig, the first with a minute's excerpt of a second and a half, fill and vent.
+/// Two logs of one rig; the first is shortened to an excerpt of a second and a half with fill and vent.
 const PRACTICE: &str = "data/synthetic/practice-01-id.csv";
 
 const FOREIGN_MAPPING: &str = r#"schema = 1
@@ -195,10 +195,10 @@ instants_of = "i_fill"
 const PROFILE: &str =
     "time_s,p_ref_bar_gauge\n0,0\n0.5,3\n0.9,3.05\n1.5,1\n1.51,6.5\n2.25,0.2\n3,0.2\n";
 
-/// All of them.
+/// Creates all benches.
 ///
 /// # Errors
-/// If the bundled data is not what it was.
+/// If the bundled data differs from its expected form.
 pub fn benches() -> Result<Vec<Bench>, OriginalsError> {
     let nominal = File::new(Role::Plant, read("data/nominal-plant.toml")?);
     let recommended = controller("recommended")?;
@@ -231,7 +231,7 @@ pub fn benches() -> Result<Vec<Bench>, OriginalsError> {
     let mut effects = whole("every effect", log(rows(PRACTICE, 380, 100)?), None);
     effects.files[1] = File::new(Role::Plant, with_every_effect());
     effects.files[2] = controller("thesis")?;
-    // A fit of twenty effects takes as long as it takes.
+    // A fit of twenty effects takes too long.
     effects.effort = Effort::Cheap;
     let scope = rows("data/synthetic/practice-00-scope-40.csv", 0, 200)?;
     let inrush = rows("data/real/inrush-burkert6724-switching.csv", 0, 150)?;
@@ -302,7 +302,7 @@ fn controller(name: &str) -> Result<File, OriginalsError> {
     Ok(File::new(Role::Controller, bytes))
 }
 
-/// The header and some rows of a log.
+/// Returns the header and some rows of a log.
 fn rows(path: &str, from: usize, count: usize) -> Result<String, OriginalsError> {
     let text = text(path)?;
     let mut lines = text.lines();
@@ -312,7 +312,7 @@ fn rows(path: &str, from: usize, count: usize) -> Result<String, OriginalsError>
     Ok(lines.map(|line| format!("{line}\n")).collect())
 }
 
-/// A pause of 0.5 s, three rows lost, and cells that are empty.
+/// Adds a pause of 0.5 s, three lost rows, and empty cells.
 fn with_gaps(log: &str) -> String {
     let thin = |(row, line): (usize, &str)| match row {
         30..70 | 90..93 => String::new(),
@@ -326,7 +326,7 @@ fn with_gaps(log: &str) -> String {
     log.lines().enumerate().map(thin).collect()
 }
 
-/// The log as another logger would have written it: names, semicolons, decimal commas, milliseconds, remarks.
+/// Rewrites the log as another logger would: names, semicolons, decimal commas, milliseconds, remarks.
 fn foreign(log: &str) -> String {
     let mut text = "Zeit;PWM1;PWM2;Druck;Strom;Bemerkung\n".to_owned();
     for (row, line) in log.lines().skip(1).enumerate() {
@@ -363,10 +363,10 @@ fn with_every_effect() -> String {
     plant.to_toml()
 }
 
-/// A project folder as the program leaves it: two logs, one of them shifted, a comparison and a diagnosis.
+/// Creates a project folder as the program leaves it: two logs, one of them shifted, a comparison and a diagnosis.
 ///
 /// # Errors
-/// If the server does not run, or the bundled data is not what it was.
+/// If the server does not run, or the bundled data differs from its expected form.
 pub fn project(retarder: &Path) -> Result<Bench, OriginalsError> {
     let logs = [rows(PRACTICE, 180, 60)?, rows(PRACTICE, 380, 60)?];
     let files = kept_files(retarder, &logs).map_err(OriginalsError::Server)?;
@@ -401,7 +401,7 @@ fn kept_files(retarder: &Path, logs: &[String]) -> io::Result<Vec<File>> {
         })
     };
     let mut paths = files_below(folder.path())?;
-    // The names are drawn by the server; the order of their roles is not.
+    // The server draws the names at random; the order of their roles is fixed.
     paths.sort_by_key(|path| {
         (
             path.extension().map(ToOwned::to_owned),
@@ -411,10 +411,10 @@ fn kept_files(retarder: &Path, logs: &[String]) -> io::Result<Vec<File>> {
     paths.into_iter().map(read).collect()
 }
 
-/// The project folder in the folder of a case.
+/// Project folder in the folder of a case.
 pub(super) const PROJECT: &str = "project";
 
-/// Where a file of a role lies in the folder of a case.
+/// Returns the path of a file in the folder of a case, by its role.
 pub fn name_of(role: Role) -> &'static Path {
     Path::new(match role {
         Role::Log => "log.csv",

@@ -1,4 +1,4 @@
-//! Somebody who opens the project of a server, looks at it, computes, and ends it.
+//! Client that opens the project of a server, reads it, computes, and ends the server.
 
 use std::io;
 use std::process::Child;
@@ -9,10 +9,10 @@ use serde_json::json;
 use super::case::Case;
 use crate::served::{Client, address};
 
-/// Talks to a server whose standard output is piped, and ends it as Ctrl-C does. What it refuses is its right.
+/// Talks to a server whose standard output is piped, and ends it as Ctrl-C does. Refusals of the server are allowed.
 pub(super) fn talk(server: &mut Child, case: &Case) {
     let _ = look_around(server, case);
-    // Fails only if it has ended already.
+    // Fails only if the server has already ended.
     let _ = kill_process(Pid::from_child(server), Signal::TERM);
 }
 
@@ -37,7 +37,7 @@ fn look_around(server: &mut Child, case: &Case) -> io::Result<()> {
     client.work(&session, "control/run", &json!({}))
 }
 
-/// The name of the project: 32 hexadecimal digits.
+/// Returns the name of the project: 32 hexadecimal digits.
 fn project(case: &Case) -> Option<&str> {
     let mut names = case
         .files

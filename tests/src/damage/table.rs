@@ -1,4 +1,4 @@
-//! What came of many cases, counted.
+//! Counts of the results of many cases.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,7 +15,7 @@ struct Row {
     /// Exit status 0, 1, 2 and 3.
     exits: [u64; 4],
     findings: BTreeMap<Finding, u64>,
-    /// On processors.
+    /// Processor time.
     slowest: Duration,
     slowest_case: u64,
     peak_bytes: u64,
@@ -50,12 +50,12 @@ impl Table {
         row.processor_time += ended.processor_time;
     }
 
-    /// Cases so far.
+    /// Returns the number of cases so far.
     pub fn cases(&self) -> u64 {
         self.rows.values().map(|row| row.cases).sum()
     }
 
-    /// Cases so far that found something.
+    /// Returns the number of cases with a finding so far.
     pub fn findings(&self) -> u64 {
         self.rows
             .values()
@@ -63,7 +63,7 @@ impl Table {
             .sum()
     }
 
-    /// Cases that ended with an exit status.
+    /// Returns the number of cases that ended with an exit status.
     pub fn ended_with(&self, status: usize) -> u64 {
         self.rows.values().map(|row| row.exits[status]).sum()
     }

@@ -1,4 +1,4 @@
-//! Ways to damage a text: any, a table of rows and columns, and what is written in keys and values.
+//! Damage for texts of any kind, for tables of rows and columns, and for keys and values.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::bytes::{Way, place};
 use super::values::{MAPPED_UNITS, NUMBERS, STRUCTURES, UNITS, WORDS};
 use crate::chance::Chance;
 
-/// Ways for the numbers of any text.
+/// Kinds for the numbers of any text.
 pub const NUMBER: [Way; 5] = [
     ("number nudged", |text, chance| {
         set_number(text, chance, |number, chance| {
@@ -34,7 +34,7 @@ pub const NUMBER: [Way; 5] = [
     }),
 ];
 
-/// Ways for any text.
+/// Kinds for any text.
 pub const ANY: [Way; 10] = [
     ("line dropped", |text, chance| {
         lines(text, chance, |lines, at, _| drop(lines.remove(at)))
@@ -80,7 +80,7 @@ pub const ANY: [Way; 10] = [
     }),
 ];
 
-/// Ways for tables: rows of cells between separators, below a header.
+/// Kinds for tables: rows of cells between separators, below a header.
 pub const TABLE: [Way; 12] = [
     ("column set to a bound", |text, chance| {
         let value = any_value(chance);
@@ -184,7 +184,7 @@ pub const TABLE: [Way; 12] = [
     }),
 ];
 
-/// Ways for keys and values, TOML and JSON.
+/// Kinds for keys and values, TOML and JSON.
 pub const KEYS: [Way; 6] = [
     ("value set to a bound", |text, chance| {
         let value = chance.one_of(&NUMBERS).to_owned();
@@ -236,7 +236,7 @@ fn any_value(chance: &mut Chance) -> &'static str {
     }
 }
 
-/// Longest runs of bytes of which `is_in` holds.
+/// Returns the longest runs of bytes for which `is_in` is true.
 fn spans(text: &[u8], is_in: impl Fn(u8) -> bool) -> Vec<Range<usize>> {
     let mut spans: Vec<Range<usize>> = Vec::new();
     for (at, _) in text.iter().enumerate().filter(|(_, byte)| is_in(**byte)) {
@@ -252,7 +252,7 @@ fn number(span: &[u8]) -> Option<f64> {
     std::str::from_utf8(span).ok()?.parse().ok()
 }
 
-/// Puts what `new` says in the place of one number.
+/// Replaces one number by the result of `new`.
 fn set_number(text: &mut Vec<u8>, chance: &mut Chance, new: impl Fn(f64, &mut Chance) -> String) {
     let is_in =
         |byte: u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'e' | b'E' | b'+');
@@ -287,7 +287,7 @@ fn lines(
     if lines.is_empty() {
         return;
     }
-    // Half of them among the first, where headers and sections stand.
+    // Half of them among the first lines, which have headers and sections.
     let last = lines.len() - 1;
     let at = if chance.happens(0.5) {
         chance.whole(0, last)
@@ -323,7 +323,7 @@ fn swap_words(text: &mut Vec<u8>, chance: &mut Chance) {
     text.splice(first, b);
 }
 
-/// One letter of a word is dropped, doubled, changed or written in another case.
+/// Drops, doubles or changes one letter of a word, or changes its case.
 fn mistype(text: &mut Vec<u8>, chance: &mut Chance) {
     let words = words(text);
     if words.is_empty() {
@@ -364,7 +364,7 @@ fn nest(text: &mut Vec<u8>, chance: &mut Chance) {
     text.splice(at, nested.into_bytes());
 }
 
-/// What stands behind `=` or `:` up to a comma, a comment or the end of the line.
+/// Returns the texts after `=` or `:` up to a comma, a comment or the end of the line.
 fn values(text: &[u8]) -> Vec<Range<usize>> {
     let mut values = Vec::new();
     for (at, _) in text
@@ -388,7 +388,7 @@ fn set_value(text: &mut Vec<u8>, chance: &mut Chance, value: String) {
     }
 }
 
-/// Rows of cells, and the separator between them.
+/// Returns the rows of cells, and the separator between them.
 fn table(text: &[u8]) -> (Vec<Vec<String>>, &'static str) {
     let text = String::from_utf8_lossy(text);
     let separator = if text
@@ -409,7 +409,7 @@ fn write_table(rows: &[Vec<String>], separator: &str) -> Vec<u8> {
     lines.collect::<String>().into_bytes()
 }
 
-/// Changes each cell of one column below the header; `change` hears how far down it lies, from 0 to 1.
+/// Changes each cell of one column below the header; `change` gets its relative position in the column, from 0 to 1.
 fn cells(
     text: &mut Vec<u8>,
     chance: &mut Chance,
@@ -429,7 +429,7 @@ fn cells(
     *text = write_table(&rows, separator);
 }
 
-/// The same for the first column, where the time stands.
+/// Changes each cell of the first column, which has the time.
 fn first_cells(text: &mut Vec<u8>, change: impl Fn(&str, f64) -> String) {
     let (mut rows, separator) = table(text);
     let count = rows.len() as f64;
@@ -439,7 +439,7 @@ fn first_cells(text: &mut Vec<u8>, change: impl Fn(&str, f64) -> String) {
     *text = write_table(&rows, separator);
 }
 
-/// Changes each row, the header too; `change` hears two columns.
+/// Changes each row, including the header; `change` gets two columns.
 fn columns(
     text: &mut Vec<u8>,
     chance: &mut Chance,
@@ -478,7 +478,7 @@ mod tests {
         found.unwrap_or_else(|| panic!("no way is called {name}")).1
     }
 
-    /// What some seeds make of the log.
+    /// Returns the damaged log for some seeds.
     fn damaged(ways: &[Way], name: &str) -> Vec<String> {
         let once = |seed| {
             let mut text = LOG.as_bytes().to_vec();

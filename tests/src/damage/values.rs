@@ -1,6 +1,6 @@
-//! Texts and numbers at which programs break.
+//! Critical texts and numbers.
 
-/// Numbers at and beyond bounds, and what people and loggers write in a number's place.
+/// Numbers at and beyond bounds, and texts that users and loggers write in place of a number.
 pub(super) const NUMBERS: [&str; 72] = [
     "0",
     "-0",
@@ -76,7 +76,7 @@ pub(super) const NUMBERS: [&str; 72] = [
     "10",
 ];
 
-/// What stands where a number should.
+/// Words in place of a number.
 pub(super) const WORDS: [&str; 40] = [
     "",
     " ",
@@ -120,7 +120,7 @@ pub(super) const WORDS: [&str; 40] = [
     "1979-05-27",
 ];
 
-/// What TOML and JSON have in a value's place.
+/// Structures of TOML and JSON in place of a value.
 pub(super) const STRUCTURES: [&str; 14] = [
     "[]",
     "{}",
@@ -138,7 +138,7 @@ pub(super) const STRUCTURES: [&str; 14] = [
     "null",
 ];
 
-/// Texts that are no ASCII, or not what they look like.
+/// Texts outside ASCII, or with a misleading look.
 pub(super) const TEXTS: [&str; 16] = [
     "\u{feff}",
     "\u{202e}",
@@ -158,7 +158,7 @@ pub(super) const TEXTS: [&str; 16] = [
     "\u{200d}",
 ];
 
-/// Ends of header names: units that the reader knows, and some that it does not.
+/// Suffixes of header names: units that the reader knows, and some that it does not.
 pub(super) const UNITS: [&str; 34] = [
     "_s",
     "_ms",
@@ -196,7 +196,7 @@ pub(super) const UNITS: [&str; 34] = [
     "",
 ];
 
-/// Units as mappings write them.
+/// Units in the notation of mappings.
 pub(super) const MAPPED_UNITS: [&str; 24] = [
     "\"s\"",
     "\"ms\"",

@@ -1,4 +1,4 @@
-//! `retarder diagnose --json --html` over files of an earlier run.
+//! `retarder diagnose --json --html` in place of the files of an earlier run.
 
 use std::fs;
 use std::io;
@@ -16,18 +16,18 @@ use crate::served::files_below;
 const LOG: &str = "bench.csv";
 const JSON: &str = "diagnosis.json";
 const HTML: &str = "diagnosis.html";
-/// What lay there before: as long as a result, so that a torn file would not pass for it.
+/// Content of the earlier files.
 const OLD: &str = "the result of last week\n";
-/// Written by the run after the kill.
+/// Output of the run after the kill.
 const NEXT: &str = "next.json";
 
 const DIAGNOSE: [&str; 7] = ["diagnose", "--log", LOG, "--json", JSON, "--html", HTML];
 
-/// Rows of the log: a diagnosis of a second.
+/// Rows of the log: a diagnosis takes a second.
 const ROWS: usize = 150;
 
-/// Kills a diagnosis `kills` times at work, each in a folder of its own; kills that come too late are tried again, three
-/// times as many at most.
+/// Kills a diagnosis `kills` times while it works, each in a folder of its own. Kills that come too late are repeated,
+/// at most three times as many.
 ///
 /// # Errors
 /// At the first loss.
@@ -89,14 +89,14 @@ pub fn kill(retarder: &Path, seed: u64, kills: u64) -> Result<Kills, Loss> {
     Ok(counted)
 }
 
-/// Both results say how long the diagnosis took, and its place on the disk; the rest is the same each time.
+/// Removes the time of the diagnosis and its path on the disk from a result; the rest is the same each time.
 fn without_figures(text: &str) -> String {
     text.chars()
         .filter(|c| !c.is_ascii_digit() && *c != '.')
         .collect()
 }
 
-/// A folder with a log and the results of an earlier run.
+/// Folder with a log and the results of an earlier run.
 struct Scene {
     retarder: PathBuf,
     folder: tempfile::TempDir,
@@ -132,7 +132,7 @@ impl Scene {
         command
     }
 
-    /// Diagnoses, and is killed after `time`.
+    /// Diagnoses, and kills the command after `time`.
     fn diagnose(&self, time: Duration) -> io::Result<limits::Ended> {
         let limits = Limits {
             time,
@@ -141,7 +141,7 @@ impl Scene {
         limits::run(&mut self.command(&DIAGNOSE), &limits)
     }
 
-    /// Diagnoses, and is killed some time after a temporary file appears; whether it was still running.
+    /// Diagnoses, and kills the command some time after a temporary file appears; returns whether it was still running.
     fn diagnose_until_writing(&self, pause: Duration) -> io::Result<bool> {
         let mut running = self.command(&DIAGNOSE).spawn()?;
         while running.try_wait()?.is_none() {
@@ -155,7 +155,7 @@ impl Scene {
         Ok(status.code().is_none())
     }
 
-    /// A quick command that writes into the folder.
+    /// Runs a quick command that writes into the folder.
     fn next_run(&self) -> io::Result<()> {
         let arguments = ["compare", "--log", LOG, "--json", NEXT];
         let status = self.command(&arguments).status()?;

@@ -1,7 +1,7 @@
-//! `kill -9` at any moment: what a person owned before is there afterwards, whole.
+//! `kill -9` at any moment: existing files of the user stay complete.
 //!
-//! [`diagnose`] kills a command that writes two files; [`serve`] kills the server of the page while it takes logs and
-//! computes. The moments are drawn from a seed; what must hold, holds at every moment.
+//! [`diagnose`] kills a command that writes two files; [`serve`] kills the server of the page while it receives logs
+//! and computes. The moments are drawn from a seed; the requirements apply at every moment.
 
 pub mod diagnose;
 pub mod serve;
@@ -11,39 +11,39 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// What was lost, or why it cannot be told.
+/// Loss of data, or the reason why it cannot be checked.
 #[derive(Debug, Error)]
 pub enum Loss {
-    /// A file that is read only is not what it was.
+    /// An input file changed.
     #[error("kill {kill}: {} changed", .path.display())]
     Input {
         /// Number of the kill.
         kill: u64,
-        /// The file.
+        /// File.
         path: PathBuf,
     },
-    /// An output is neither what it was before nor what the program writes.
+    /// An output is neither the old file nor the new one.
     #[error("kill {kill}: {} is neither the old file nor the new one", .path.display())]
     Torn {
         /// Number of the kill.
         kill: u64,
-        /// The file.
+        /// File.
         path: PathBuf,
     },
-    /// A file lies there that nobody asked for.
+    /// An unexpected file exists.
     #[error("kill {kill}: {} is left after the next run", .path.display())]
     Left {
         /// Number of the kill.
         kill: u64,
-        /// The file.
+        /// File.
         path: PathBuf,
     },
-    /// What the server had taken is not there any more.
+    /// Data that the server had accepted is missing.
     #[error("kill {kill}: {what}")]
     Forgotten {
         /// Number of the kill.
         kill: u64,
-        /// What is missing.
+        /// Missing data.
         what: String,
     },
     /// The program does not run, or its folder cannot be read.
@@ -51,21 +51,21 @@ pub enum Loss {
     Run {
         /// Number of the kill.
         kill: u64,
-        /// Why.
+        /// Cause.
         source: io::Error,
     },
 }
 
-/// What a number of kills met.
+/// Counts of the kills.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Kills {
-    /// Kills that met the program at work.
+    /// Kills during the work of the program.
     pub at_work: u64,
-    /// Kills that came when it had ended.
+    /// Kills after its end.
     pub too_late: u64,
-    /// Kills after which a temporary file lay there, until the next run.
+    /// Kills that left a temporary file until the next run.
     pub with_leavings: u64,
-    /// Kills after which the new output was there already, or a request had been taken that was not answered.
+    /// Kills after which the new output existed already, or an unanswered request had been carried out.
     pub with_news: u64,
 }
 

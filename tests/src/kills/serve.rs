@@ -1,4 +1,4 @@
-//! `retarder serve` while it takes logs, keeps settings and computes.
+//! `retarder serve` while it receives logs, stores settings and computes.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -15,11 +15,11 @@ use crate::served::{Client, Server, files_below};
 
 /// Latest moment of a kill after the first request (s).
 const LATEST_S: f64 = 1.2;
-/// Logs at most; a project has room for a few more.
+/// Largest number of logs; a project has room for a few more.
 const LOGS: usize = 24;
 
-/// Kills a server `kills` times at work, each in a folder of its own, and opens the folder again; kills that come too late
-/// are tried again, three times as many at most.
+/// Kills a server `kills` times while it works, each in a folder of its own, and opens the folder again. Kills that
+/// come too late are repeated, at most three times as many.
 ///
 /// # Errors
 /// At the first loss.
@@ -66,7 +66,7 @@ pub fn kill(retarder: &Path, seed: u64, kills: u64) -> Result<Kills, Loss> {
     Ok(counted)
 }
 
-/// Logs that differ.
+/// Returns different logs.
 fn logs(chance: &mut Chance) -> io::Result<Vec<String>> {
     let whole = fs::read_to_string(repository().join("data/synthetic/practice-01-id.csv"))?;
     let lines: Vec<_> = whole.lines().collect();
@@ -75,20 +75,20 @@ fn logs(chance: &mut Chance) -> io::Result<Vec<String>> {
         let rows = std::iter::once(&lines[0]).chain(&lines[from..from + rows]);
         rows.map(|line| format!("{line}\n")).collect()
     };
-    // The first one is worth a diagnosis of some seconds.
+    // The first one gives a diagnosis of some seconds.
     Ok((0..LOGS)
         .map(|number| log(if number == 0 { 600 } else { 1000 + 97 * number }))
         .collect())
 }
 
-/// What the server has said to have taken.
+/// Data that the server has confirmed.
 #[derive(Default)]
 struct Told {
-    /// Logs, by their place among all.
+    /// Number of accepted logs, in their order.
     logs: usize,
     /// Offset of the first log (s).
     offset_s: f64,
-    /// Whether a request was not answered, and it may have been taken as well.
+    /// Whether a request was not answered, and may have been carried out.
     is_broken_off: bool,
 }
 
@@ -112,7 +112,7 @@ fn work(client: &Client, session: &str, logs: &[String]) -> io::Result<Told> {
             2 => ("report", json!({})),
             _ => ("control/run", json!({})),
         };
-        // A job is no promise: it may be refused, and nothing of it has to be there afterwards.
+        // A job gives no guarantee: it may be refused, and nothing of it has to be stored.
         if client.post(&format!("{session}/{what}"), &wish).is_err() {
             break;
         }
@@ -126,13 +126,13 @@ fn work(client: &Client, session: &str, logs: &[String]) -> io::Result<Told> {
             Err(_) => break,
         }
     }
-    // Whether the loop ran through or broke off: either way the last request may have been the last one taken.
+    // Whether the loop was completed or aborted: in both cases the last request may have been the last one accepted.
     told.is_broken_off = told.logs < logs.len() || client.get("/api/examples").is_err();
     Ok(told)
 }
 
 impl Told {
-    /// Everything that was taken is there, and at most one thing more; whether there is one.
+    /// Asserts that all accepted data is there, and at most one more item; returns whether there is one more.
     fn check(&self, found: &Value, is_same: bool, kill: u64) -> Result<bool, Loss> {
         let lost = |what: String| Err(Loss::Forgotten { kill, what });
         if !is_same && self.logs > 0 {
@@ -170,7 +170,7 @@ impl Told {
     }
 }
 
-/// The stored logs are those that were taken, byte for byte, and nothing that was cut off.
+/// Asserts that the stored logs are the accepted ones, byte for byte, without truncated ones.
 fn stored(project: &Path, logs: &[String], told: &Told, kill: u64) -> Result<(), Loss> {
     let at = |source| Loss::Run { kill, source };
     let mut missing: BTreeSet<&str> = logs[..told.logs].iter().map(String::as_str).collect();

@@ -1,12 +1,12 @@
-//! Flux linkage of a coil, and the current that belongs to it.
+//! Flux linkage of a coil, and its current.
 //!
-//! Faraday: dλ/dt = u - R i. Magnetic circuit: i = λ/L(x), with 1/L (the reluctance over N²) linear in the position;
-//! saturated iron asks for more current, and eddy currents against the change of the flux ask for more still.
+//! Faraday: dλ/dt = u - R i. Magnetic circuit: i = λ/L(x), with 1/L (the reluctance over N²) linear in the position.
+//! Saturated iron needs more current, and so do eddy currents, which oppose the change of the flux.
 
 use super::departures::CoilDepartures;
 use super::rig::Rig;
 
-/// The coil of one valve.
+/// Coil of one valve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Coil {
     /// Resistance at 20 °C (ohm) and its temperature coefficient (1/K).
@@ -22,23 +22,23 @@ pub(super) struct Coil {
     rated_flux: f64,
 }
 
-/// What drives a coil.
+/// Source of a coil's voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Source {
     /// Energised with this voltage (V).
     On(f64),
-    /// Free-wheeling against this voltage (V) and this resistance (ohm).
+    /// Freewheeling against this voltage (V) and this resistance (ohm).
     Off(f64, f64),
 }
 
-/// A coil at one instant.
+/// Coil at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CoilRates {
     /// Current through the winding (A).
     pub(super) current: f64,
     /// Voltage that changes the flux (V).
     pub(super) flux: f64,
-    /// Rate of the eddy currents' demand (A/s).
+    /// Rate of the eddy currents (A/s).
     pub(super) eddy: f64,
 }
 
@@ -47,7 +47,7 @@ impl Coil {
         let sheet = &rig.datasheet;
         let (closed, open) = (sheet.coil.inductance_closed_h, sheet.coil.inductance_open_h);
         let stroke = sheet.armature.stroke_m;
-        // The law of the datasheet, c i²/(g - x)², holds at both stops; between them it is linear here.
+        // The law of the datasheet, c i²/(g - x)², is exact at both stops; between them it is linear here.
         let force = |inductance: f64, gap: f64| {
             sheet.magnet.force_constant_n_m2_per_a2 / (inductance * gap).powi(2)
         };
@@ -64,17 +64,17 @@ impl Coil {
         }
     }
 
-    /// Pull of the magnet (N).
+    /// Returns the force of the magnet (N).
     pub(super) fn force(&self, flux: f64, position: f64) -> f64 {
         (self.force + self.force_slope * position) * flux * flux
     }
 
-    /// Resistance (ohm) at a temperature over 20 °C (K).
+    /// Returns the resistance (ohm) at a temperature above 20 °C (K).
     pub(super) fn resistance(&self, over_20c: f64) -> f64 {
         self.resistance * (1.0 + self.coefficient * over_20c)
     }
 
-    /// Current that the flux needs without eddy currents (A).
+    /// Returns the current that the flux needs without eddy currents (A).
     pub(super) fn magnetising(&self, iron: &CoilDepartures, flux: f64, position: f64) -> f64 {
         let linear = flux * (self.reluctance + self.reluctance_slope * position);
         if iron.saturation == 0.0 && iron.knee == 0.0 {
@@ -87,7 +87,8 @@ impl Coil {
             / (1.0 + iron.saturation)
     }
 
-    /// Current and rates. `magnetising` is the current that the flux needs, `resistance` that of the warm winding.
+    /// Returns current and rates. `magnetising` is the current that the flux needs, `resistance` that of the warm
+    /// winding.
     pub(super) fn rates(
         &self,
         iron: &CoilDepartures,
@@ -96,7 +97,7 @@ impl Coil {
         resistance: f64,
         source: Source,
     ) -> CoilRates {
-        // With an eddy conductance G: i = i_m + G dλ/dt at once, or i = i_m + e with e following G dλ/dt.
+        // With an eddy conductance G: i = i_m + G dλ/dt without lag, or i = i_m + e with e following G dλ/dt.
         let (voltage, series) = match source {
             Source::On(voltage) => (voltage, 0.0),
             Source::Off(voltage, series) => (-voltage, series),
@@ -123,7 +124,8 @@ impl Coil {
         }
     }
 
-    /// The diode blocks: what flux is left decays with the eddy currents alone, which then carry all of it.
+    /// Returns the rates while the diode blocks: the remaining flux decays with the eddy currents alone, which then
+    /// carry all current.
     fn blocked(iron: &CoilDepartures, flux: f64, magnetising: f64) -> CoilRates {
         if iron.eddy_s == 0.0 || flux <= 0.0 {
             return CoilRates {

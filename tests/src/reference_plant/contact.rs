@@ -1,15 +1,15 @@
 //! End stops as stiff springs with dampers (K. L. Johnson, *Contact Mechanics*, 1985, chapter 11, simplified to a
-//! linear spring): the damper comes in over the first micrometre, and a stop never pulls.
+//! linear spring): the damper rises over the first micrometre, and a stop never pulls.
 
-/// Stiffness of a stop (N/m): a few micrometres deep under spring and pressure.
+/// Stiffness of a stop (N/m): spring and pressure press the armature a few micrometres into it.
 const STIFFNESS: f64 = 1e6;
-/// Depth over which the damper comes in (m).
+/// Depth over which the damper rises (m).
 const ONSET: f64 = 1e-6;
-/// Damping ratio of a stop that leaves no velocity, or at most this: 1 %. At 1.2 it would be 10 %, which is a
-/// bounce that a thesis model, refitted, misses by 2.6 times the pressure noise.
+/// Damping ratio of a stop with at most 1 % of the velocity after the impact. At 1.2 it would be 10 %, a bounce that a
+/// refitted thesis model misses by 2.6 times the pressure noise.
 const DEAD_DAMPING_RATIO: f64 = 5.0;
 
-/// The stops of one armature.
+/// Stops of one armature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stops {
     stroke: f64,
@@ -18,7 +18,7 @@ pub(super) struct Stops {
 }
 
 impl Stops {
-    /// Stops `stroke` (m) apart for a mass (kg), which keeps these shares of its velocity.
+    /// Creates stops `stroke` (m) apart for a mass (kg), which keeps these shares of its velocity.
     pub(super) fn new(stroke: f64, mass: f64, restitution: [f64; 2]) -> Self {
         let critical = 2.0 * (STIFFNESS * mass).sqrt();
         Self {
@@ -27,12 +27,12 @@ impl Stops {
         }
     }
 
-    /// How deep a load (N) presses an armature on its spring (N/m) into the rest stop (m).
+    /// Returns the depth to which a load (N) presses an armature on its spring (N/m) into the rest stop (m).
     pub(super) fn depth(load: f64, spring: f64) -> f64 {
         load / (STIFFNESS + spring)
     }
 
-    /// Force on the armature in the direction of its position (N).
+    /// Returns the force on the armature in the direction of its position (N).
     pub(super) fn force(&self, position: f64, velocity: f64) -> f64 {
         if position < 0.0 {
             push(-position, -velocity, self.damper[0])
@@ -48,7 +48,7 @@ fn push(depth: f64, deepening: f64, damper: f64) -> f64 {
     (STIFFNESS * depth + damper * deepening * (depth / ONSET).min(1.0)).max(0.0)
 }
 
-/// The damping ratio at which a stop that never pulls leaves this share of the velocity (found by halving).
+/// Returns the damping ratio of a stop that never pulls and keeps this share of the velocity (found by bisection).
 fn damping_ratio(restitution: f64) -> f64 {
     let (mut low, mut high) = (0.0, DEAD_DAMPING_RATIO);
     if restitution <= share_left(high) {
@@ -65,12 +65,12 @@ fn damping_ratio(restitution: f64) -> f64 {
     low
 }
 
-/// Share of the velocity that is left when spring and damper together push no more (T. Schwager and T. Pöschel,
-/// *Granular Matter* 9, 2007, 465: the contact ends before the linear oscillation comes back).
+/// Returns the share of the velocity at the end of the contact, when spring and damper together no longer push (T.
+/// Schwager and T. Pöschel, *Granular Matter* 9, 2007, 465: this is before the linear oscillation returns).
 fn share_left(damping_ratio: f64) -> f64 {
     let root = (damping_ratio * damping_ratio - 1.0).abs().sqrt();
     if root == 0.0 {
-        // The limit of either branch below.
+        // Limit of either branch below.
         return (-2.0_f64).exp();
     }
     if damping_ratio > 1.0 {
@@ -88,7 +88,7 @@ mod tests {
 
     const MASS: f64 = 5e-3;
 
-    /// Velocity after an armature ran into a stop with `before`, in semi-implicit steps of 0.1 µs.
+    /// Returns the velocity after an armature hit a stop with `before`, in semi-implicit steps of 0.1 µs.
     fn velocity_after(stops: &Stops, mut position: f64, before: f64) -> f64 {
         let (mut velocity, step) = (before, 1e-7);
         position += velocity * step;
@@ -105,7 +105,7 @@ mod tests {
             let stops = Stops::new(5e-4, MASS, [share; 2]);
             for (at, before) in [(0.0, -0.4), (5e-4, 0.4)] {
                 let after = velocity_after(&stops, at, before);
-                // A stop that never pulls lets go a little earlier than the linear oscillation.
+                // A stop that never pulls ends the contact slightly earlier than the linear oscillation.
                 assert!(
                     (-after / before - share).abs() < 0.06,
                     "{share}: {before} m/s became {after} m/s"

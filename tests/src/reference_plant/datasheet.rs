@@ -1,8 +1,8 @@
-//! The values of `data/nominal-plant.toml`, read by this plant for itself.
+//! Values of `data/nominal-plant.toml`, read by this plant's own code.
 
 use serde::Deserialize;
 
-/// What the datasheet says; keys and units are those of the file.
+/// Values of the datasheet; keys and units are those of the file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[allow(missing_docs, reason = "the file describes its keys")]
 pub struct Datasheet {
@@ -15,7 +15,7 @@ pub struct Datasheet {
     pub chamber: Chamber,
 }
 
-/// `[ecu]`
+/// Section `[ecu]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[allow(missing_docs, reason = "the file describes its keys")]
 pub struct Ecu {
@@ -26,7 +26,7 @@ pub struct Ecu {
     pub free_wheel_diode_drop_v: f64,
 }
 
-/// `[coil]`
+/// Section `[coil]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[allow(missing_docs, reason = "the file describes its keys")]
 pub struct Coil {
@@ -36,7 +36,7 @@ pub struct Coil {
     pub inductance_open_h: f64,
 }
 
-/// `[magnet]`
+/// Section `[magnet]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[allow(missing_docs, reason = "the file describes its keys")]
 pub struct Magnet {
@@ -44,7 +44,7 @@ pub struct Magnet {
     pub gap_closed_m: f64,
 }
 
-/// `[armature]`
+/// Section `[armature]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[allow(missing_docs, reason = "the file describes its keys")]
 pub struct Armature {
@@ -57,7 +57,7 @@ pub struct Armature {
     pub preload_vent_n: f64,
 }
 
-/// `[flow]`
+/// Section `[flow]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[allow(missing_docs, reason = "the file describes its keys")]
 pub struct Flow {
@@ -67,7 +67,7 @@ pub struct Flow {
     pub discharge_vent: f64,
 }
 
-/// `[gas]`
+/// Section `[gas]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[allow(missing_docs, reason = "the file describes its keys")]
 pub struct Gas {
@@ -78,7 +78,7 @@ pub struct Gas {
     pub ambient_pressure_pa: f64,
 }
 
-/// `[chamber]`
+/// Section `[chamber]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[allow(missing_docs, reason = "the file describes its keys")]
 pub struct Chamber {
@@ -86,10 +86,10 @@ pub struct Chamber {
 }
 
 impl Datasheet {
-    /// The bundled file.
+    /// Reads the bundled file.
     ///
     /// # Panics
-    /// If the file is not what this plant needs; a test reads it.
+    /// If the file lacks a value that this plant needs; a test reads it.
     pub fn bundled() -> Self {
         toml::from_str(include_str!("../../../data/nominal-plant.toml"))
             .expect("the bundled datasheet has every key of this plant")

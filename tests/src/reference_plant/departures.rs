@@ -1,4 +1,4 @@
-//! Everything in which a rig may depart from the plain plant. All zero is the plain plant, bit for bit.
+//! Departures of a rig from the plain plant. All zero is the plain plant, bit for bit.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,160 +16,160 @@ pub struct Departures {
     pub sensor: SensorDepartures,
 }
 
-/// Windings and iron, of both valves alike but for their surroundings.
+/// Windings and iron; both valves are equal except for their surroundings.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct CoilDepartures {
-    /// Surroundings of each coil over 20 °C (K).
+    /// Temperature of the surroundings of each coil above 20 °C (K).
     pub surroundings_k: [f64; 2],
-    /// Surroundings of both coils over 20 °C in the end (K), while a cabinet warms up.
+    /// Final temperature of the surroundings of both coils above 20 °C (K), while a cabinet warms up.
     pub surroundings_in_the_end_k: f64,
-    /// Time constant of that (s).
+    /// Time constant of that warming (s).
     pub surroundings_s: f64,
-    /// Winding over the body of the coil per heat (K/W).
+    /// Thermal resistance between winding and body of the coil (K/W).
     pub winding_k_per_w: f64,
     /// Time constant of the winding (s).
     pub winding_s: f64,
-    /// Body of the coil over the surroundings per heat (K/W).
+    /// Thermal resistance between body of the coil and surroundings (K/W).
     pub body_k_per_w: f64,
     /// Time constant of the body (s).
     pub body_s: f64,
-    /// By how much the inductance without current exceeds that at rated current, which the datasheet states.
+    /// Excess of the inductance without current over that at rated current, which the datasheet states.
     pub saturation: f64,
-    /// Power of the flux with which the iron saturates.
+    /// Power of the flux in the saturation.
     pub saturation_power: i32,
-    /// Excess current at rated flux, where the datasheet states the inductance without current.
+    /// Excess current at rated flux, if the datasheet states the inductance without current.
     pub knee: f64,
-    /// Power of the flux with which that grows.
+    /// Power of the flux in that excess.
     pub knee_power: i32,
     /// Conductance of the iron as a shorted turn, referred to the coil (S).
     pub eddy_s: f64,
-    /// Time in which the eddy currents build up (s).
+    /// Build-up time of the eddy currents (s).
     pub eddy_lag_s: f64,
 }
 
-/// Battery, harness and free-wheeling path.
+/// Battery, harness and freewheeling path.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct DriverDepartures {
-    /// Voltage of the free-wheeling path beyond the diode's (V).
+    /// Voltage of the freewheeling path beyond the diode's (V).
     pub clamp_v: f64,
-    /// Resistance in the free-wheeling path (ohm).
+    /// Resistance in the freewheeling path (ohm).
     pub snubber_ohm: f64,
     /// Resistance of the wire that both coils share (ohm).
     pub harness_ohm: f64,
-    /// Resistance of the battery that appears with a delay (ohm).
+    /// Resistance of the battery that acts with a delay (ohm).
     pub polarisation_ohm: f64,
-    /// Time constant of that (s).
+    /// Time constant of that delay (s).
     pub polarisation_s: f64,
-    /// Wander of the battery that no log shows (V).
+    /// Amplitude of a battery voltage variation that no log contains (V).
     pub wander_v: f64,
-    /// Its slowest frequency (Hz).
+    /// Lowest frequency of the variation (Hz).
     pub wander_hz: f64,
 }
 
-/// Friction, stops and the force of the flow.
+/// Friction, stops and the flow force.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ArmatureDepartures {
     /// Sliding friction that follows the velocity (N).
     pub coulomb_n: f64,
-    /// Friction at the lowest velocities beyond that (N).
+    /// Additional friction at the lowest velocities (N).
     pub breakaway_n: f64,
     /// Sliding friction that follows the deflection of bristles (N).
     pub bristle_n: f64,
-    /// Force with which a seat holds an armature that has rested long (N).
+    /// Adhesion force of a seat after a long rest (N).
     pub adhesion_n: f64,
-    /// Time in which that comes (s).
+    /// Build-up time of the adhesion (s).
     pub adhesion_s: f64,
-    /// Share of the velocity that is left after a stop: rest stop, full stroke.
+    /// Share of the velocity after an impact: rest stop, full stroke.
     pub restitution: [f64; 2],
     /// Share of the pressure force that is lost far from the seat.
     pub pressure_force_loss: f64,
-    /// Lift at which half of it is lost (m); exponential if negative, then to 1/e.
+    /// Lift at which half of it is lost (m); if negative, the lift of an exponential loss to 1/e.
     pub pressure_force_lift_m: f64,
 }
 
-/// What lies before the fill valve and behind the vent valve.
+/// Supply and drain.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SupplyDepartures {
     /// Amplitude of a pulsation of the supply (Pa).
     pub pulsation_pa: f64,
-    /// Its frequency (Hz).
+    /// Frequency of the pulsation (Hz).
     pub pulsation_hz: f64,
-    /// Pressure that the regulator loses per mass flow (Pa s/kg).
+    /// Pressure loss of the regulator per mass flow (Pa s/kg).
     pub regulator_pa_s_per_kg: f64,
     /// Time constant of the regulator (s).
     pub regulator_s: f64,
-    /// Effective area of a restriction before the line (m²).
+    /// Effective area of a restriction upstream of the line (m²).
     pub line_m2: f64,
     /// Volume of the line (m³).
     pub line_m3: f64,
     /// Effective area of an orifice in the inlet of the fill valve (m²).
     pub inlet_m2: f64,
-    /// Volume between it and the seat (m³); without it the two areas act as one.
+    /// Volume between that orifice and the seat (m³); without it the two areas act as one.
     pub inlet_m3: f64,
     /// Constant pressure of the drain (Pa).
     pub drain_pa: f64,
     /// Pressure of the drain per mass flow (Pa s/kg).
     pub drain_pa_s_per_kg: f64,
-    /// Time in which the drain's pressure follows (s).
+    /// Time constant of the drain's pressure (s).
     pub drain_s: f64,
 }
 
 /// Leaks, and the law of the flow.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct FlowDepartures {
-    /// From the chamber to the surroundings.
+    /// Leak from the chamber to the surroundings.
     pub chamber_leak: Leak,
-    /// From the supply past the seat of the fill valve.
+    /// Leak from the supply past the seat of the fill valve.
     pub seat_leak: Leak,
-    /// How far the critical ratio lies below that of the nozzle.
+    /// Difference of the critical ratio below that of the nozzle.
     pub critical_ratio_drop: f64,
-    /// How far the subsonic index lies above 0.5, where the critical ratio is lower.
+    /// Excess of the subsonic index over 0.5, if the critical ratio is lower.
     pub subsonic_index_rise: f64,
 }
 
-/// A leak: the sum of its laws.
+/// Leak: the sum of its laws.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Leak {
-    /// A hole: effective area (m²).
+    /// Effective area of a hole (m²).
     pub hole_m2: f64,
-    /// A laminar gap: kg/(s Pa²) by the difference of the squared pressures.
+    /// Laminar gap: kg/(s Pa²) by the difference of the squared pressures.
     pub gap_kg_per_s_pa2: f64,
-    /// A rough gap: kg/s at 1 bar of difference...
+    /// Rough gap: mass flow (kg/s) at 1 bar of difference.
     pub rough_kg_per_s: f64,
-    /// ... and the power of the difference.
+    /// Power of the difference in the rough gap.
     pub rough_power: f64,
 }
 
 /// Heat, walls and volumes at chamber pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ChamberDepartures {
-    /// Time in which gas of ambient density takes the temperature of the wall (s).
+    /// Time constant with which gas of ambient density takes the temperature of the wall (s).
     pub thermal_s: f64,
-    /// Power of the density with which the heat transfer grows.
+    /// Power of the density in the heat transfer.
     pub thermal_density_power: f64,
-    /// Heat capacity of the part of the wall that takes part (J/K); infinite if 0.
+    /// Heat capacity of the part of the wall that warms (J/K); infinite if 0.
     pub wall_j_per_k: f64,
-    /// Time in which that part follows the rest (s).
+    /// Time constant of that part to the rest of the wall (s).
     pub wall_s: f64,
-    /// Volume that a plunger sets free (m³).
+    /// Volume that a plunger adds (m³).
     pub plunger_m3: f64,
-    /// Gauge pressures between which it does (Pa).
+    /// Gauge pressures between which the plunger moves (Pa).
     pub plunger_pa: [f64; 2],
-    /// Time in which it follows (s).
+    /// Time constant of the plunger (s).
     pub plunger_s: f64,
-    /// Share of its way by which friction holds it back.
+    /// Share of the plunger's stroke by which friction holds it back.
     pub plunger_hysteresis: f64,
     /// Volume of tube and sensor cavity (m³).
     pub cavity_m3: f64,
-    /// Laminar conductance of the tube (kg/(s Pa)) ...
+    /// Laminar conductance of the tube (kg/(s Pa)).
     pub cavity_kg_per_s_pa: f64,
-    /// ... or its effective area (m²).
+    /// Effective area of the tube, if it is an orifice (m²).
     pub cavity_m2: f64,
-    /// Whether the sensor sits in the cavity.
+    /// Whether the sensor measures the cavity's pressure.
     pub sensor_in_cavity: bool,
-    /// Share of the volume by which a hose stretches per pressure (1/Pa).
+    /// Relative volume by which a hose stretches per pressure (1/Pa).
     pub hose_per_pa: f64,
-    /// Time in which it stretches (s).
+    /// Time constant of the stretching (s).
     pub hose_s: f64,
 }
 
@@ -178,13 +178,13 @@ pub struct ChamberDepartures {
 pub struct PulseDepartures {
     /// Share of the fill valve's periods without a pulse.
     pub missed_share: f64,
-    /// Which ones.
+    /// Seed of the missed periods.
     pub missed_seed: u64,
-    /// By how much the ECU's clock is slow against the log's.
+    /// Relative slowness of the ECU's clock against the log's.
     pub clock_drift: f64,
-    /// Half the way by which the command delay wanders (s).
+    /// Amplitude of the variation of the command delay (s).
     pub delay_wander_s: f64,
-    /// Period of that (s).
+    /// Period of the variation (s).
     pub delay_wander_period_s: f64,
 }
 
@@ -193,13 +193,13 @@ pub struct PulseDepartures {
 pub struct SensorDepartures {
     /// Lag of the pressure sensor (s).
     pub lag_s: f64,
-    /// A second lag (s).
+    /// Second lag (s).
     pub second_lag_s: f64,
     /// Offset (Pa).
     pub offset_pa: f64,
-    /// Offset that comes while the sensor warms up (Pa).
+    /// Offset that appears while the sensor warms up (Pa).
     pub warm_offset_pa: f64,
-    /// Time constant of that (s).
+    /// Time constant of the warm-up (s).
     pub warm_s: f64,
     /// Width of the play in the sensor's reading (Pa).
     pub play_pa: f64,
@@ -207,6 +207,6 @@ pub struct SensorDepartures {
     pub bow_pa: f64,
     /// Amplitude of a disturbance of both current measurements (A).
     pub interference_a: f64,
-    /// Its frequency as the samples show it (Hz).
+    /// Apparent frequency of the disturbance in the samples (Hz).
     pub interference_hz: f64,
 }

@@ -1,23 +1,23 @@
 //! Mass and energy of the gas, from the supply through the chamber to the drain.
 //!
 //! dm/dt = Σ ṁ,  dU/dt = Σ ṁ h - Q - p dV/dt,  p = (k - 1) U / V,  T = U/(m c_v).
-//! The plain chamber keeps the temperature of its wall, as the thesis assumes: Q is whatever that takes.
+//! The plain chamber keeps the temperature of its wall, as the thesis assumes: Q is the heat that this needs.
 
 use super::departures::{ChamberDepartures, Departures, Leak};
 use super::nozzle::{Nozzle, Subsonic};
 use super::rig::Rig;
 use super::state::*;
 
-/// Width of the passage from curtain to bore (m).
+/// Width of the transition from curtain to bore (m).
 const PASSAGE: f64 = 1e-5;
 const PA_PER_BAR: f64 = 1e5;
 
-/// The opening of one valve.
+/// Opening of one valve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Opening {
     /// C_d π d (m).
     width: f64,
-    /// Lift at which the curtain is as large as the bore (m).
+    /// Lift at which the curtain has the area of the bore (m).
     bore_lift: f64,
 }
 
@@ -29,7 +29,7 @@ impl Opening {
         }
     }
 
-    /// Effective area (m²): the curtain, with a smooth passage to the bore.
+    /// Returns the effective area (m²): the curtain, with a smooth transition to the bore.
     fn area(&self, lift: f64) -> f64 {
         if lift <= 0.0 {
             return 0.0;
@@ -39,7 +39,7 @@ impl Opening {
     }
 }
 
-/// Everything that gas flows through.
+/// All parts that gas flows through.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GasPath {
     nozzle: Nozzle,
@@ -55,22 +55,22 @@ pub(super) struct GasPath {
     /// Stroke of the armatures (m), and whether the vent valve is open without current.
     stroke: f64,
     is_vent_normally_open: bool,
-    /// Time constant with which the wall takes out what the gas was warmed by before the log (s); 0 at once.
+    /// Time constant of the gas cooling by the wall after a warm begin of the log (s); 0 is immediate.
     relaxation: f64,
     departures: Departures,
 }
 
-/// Pressures (Pa abs) and what else follows from the state alone.
+/// Pressures (Pa abs) and other values that follow from the state alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pressures {
     source: f64,
     line: f64,
-    /// Before the seat of the fill valve.
+    /// Pressure upstream of the fill valve's seat.
     pub(super) inlet: f64,
     pub(super) chamber: f64,
     pub(super) cavity: f64,
     pub(super) drain: f64,
-    /// Of the gas in the chamber (K).
+    /// Temperature of the gas in the chamber (K).
     pub(super) temperature: f64,
 }
 
@@ -107,17 +107,17 @@ impl GasPath {
         }
     }
 
-    /// Ambient pressure (Pa abs).
+    /// Returns the ambient pressure (Pa abs).
     pub(super) fn ambient(&self) -> f64 {
         self.ambient
     }
 
-    /// Whether a valve is open without current.
+    /// Returns whether a valve is open without current.
     pub(super) fn is_normally_open(&self, valve: usize) -> bool {
         valve == 1 && self.is_vent_normally_open
     }
 
-    /// Lift of a valve's seat (m) with the armature at `position`.
+    /// Returns the lift of a valve's seat (m) with the armature at `position`.
     pub(super) fn lift(&self, valve: usize, position: f64) -> f64 {
         if self.is_normally_open(valve) {
             self.stroke - position
@@ -126,14 +126,14 @@ impl GasPath {
         }
     }
 
-    /// Makes the gas in the chamber warmer than the wall by this (K) at the same pressure; the wall takes it out with this time
-    /// constant (s).
+    /// Makes the gas in the chamber warmer than the wall by `by_k` at the same pressure; it cools by the wall with the
+    /// time constant `relaxation_s`.
     pub(super) fn warm(&mut self, by_k: f64, relaxation_s: f64, state: &mut State) {
         state[MASS] = state[ENERGY] / (self.heat_capacity * (self.temperature + by_k));
         self.relaxation = relaxation_s;
     }
 
-    /// Chamber vented, lines charged.
+    /// Vents the chamber and fills the lines.
     pub(super) fn rest(&self, state: &mut State) {
         let mass =
             |pressure: f64, volume: f64| pressure * volume / (self.gas_constant * self.temperature);
@@ -191,7 +191,7 @@ impl GasPath {
         }
     }
 
-    /// Mass flows (kg/s) at these lifts, and with them the rates of everything that holds gas.
+    /// Computes the mass flows (kg/s) at these lifts, and the rates of all gas volumes.
     pub(super) fn rates(&self, at: &Pressures, lifts: [f64; 2], state: &State, rate: &mut State) {
         let flow = &self.departures.flow;
         let chamber = (at.chamber, at.temperature);
@@ -228,7 +228,7 @@ impl GasPath {
         let area = self.openings[0].area(lift);
         let supply = &self.departures.supply;
         if supply.inlet_m2 > 0.0 && supply.inlet_m3 == 0.0 {
-            // Two orifices in a row share the pressure difference by the squares of their areas.
+            // Two orifices in series share the pressure difference by the squares of their areas.
             area * supply.inlet_m2 / area.hypot(supply.inlet_m2)
         } else {
             area
@@ -308,7 +308,8 @@ impl GasPath {
         }
     }
 
-    /// Enthalpy of the flows into the chamber (kg/s), heat to the wall, work on plunger and hose.
+    /// Returns the rate of the internal energy (W): enthalpy of the `flows` into the chamber (kg/s), minus heat to the wall
+    /// and work on plunger and hose.
     fn energy_rate(&self, at: &Pressures, flows: [f64; 4], state: &State, rate: &mut State) -> f64 {
         let chamber = &self.departures.chamber;
         let enthalpy: f64 = flows
@@ -337,7 +338,7 @@ impl GasPath {
     }
 }
 
-/// A plunger on its spring follows the pressure, held back by friction.
+/// Returns the rate of a plunger on its spring, which follows the pressure with friction.
 fn plunger_rate(chamber: &ChamberDepartures, gauge: f64, share: f64) -> f64 {
     let [begin, end] = chamber.plunger_pa;
     let way = ((gauge - begin) / (end - begin)).clamp(0.0, 1.0);

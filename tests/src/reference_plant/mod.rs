@@ -1,7 +1,7 @@
-//! A second plant, for evidence: rigs whose truth the simulator and the diagnosis have never seen.
+//! Second plant for tests: rigs whose equations differ from those of the simulator and the diagnosis.
 //!
-//! It shares values with the simulator through `data/nominal-plant.toml` and nothing else. What is different on
-//! purpose, so that a fit of the simulator never reproduces it to the last bit:
+//! It shares only values with the simulator, through `data/nominal-plant.toml`. These parts differ on purpose, so that
+//! a fit of the simulator never reproduces it exactly:
 //!
 //! | | here | in `plant-sim` |
 //! |---|---|---|
@@ -14,8 +14,8 @@
 //! | sensor | anti-alias filter | none |
 //! | solution | Runge-Kutta of order 4, fixed steps, restarted at PWM edges | event-driven, adaptive, closed forms |
 //!
-//! [`Departures`] is everything that a rig may have beyond that; all zero is the plain plant. [`catalogue`] names
-//! the physical effects in it by the ids of the library, in laws of their own, and further ones that no library has.
+//! [`Departures`] has everything that a rig may have beyond that; all zero is the plain plant. [`catalogue`] names its
+//! physical effects by the ids of the library, in laws of its own, and further effects outside any library.
 
 pub mod catalogue;
 mod coil;

@@ -1,10 +1,10 @@
 //! Isentropic flow through a nozzle, from first principles (A. H. Shapiro, *The Dynamics and Thermodynamics of
-//! Compressible Fluid Flow*, 1953, chapter 4): the gas expands to the throat, where its enthalpy has become velocity;
-//! mass flow is area times density times velocity there, and the throat is never beyond the speed of sound.
+//! Compressible Fluid Flow*, 1953, chapter 4): the gas expands to the throat, where its enthalpy has become velocity.
+//! The mass flow is area times density times velocity at the throat, whose velocity never exceeds the speed of sound.
 
 use super::datasheet::Gas;
 
-/// How the flow falls where it is subsonic.
+/// Law of the subsonic flow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Subsonic {
     /// Isentropic expansion to the downstream pressure.
@@ -18,7 +18,7 @@ pub enum Subsonic {
     },
 }
 
-/// The gas and the law by which it flows through openings.
+/// Gas, and its law of flow through openings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nozzle {
     /// Gas constant (J/(kg K)).
@@ -27,14 +27,14 @@ pub struct Nozzle {
     exponent: f64,
     /// Heat capacity at constant pressure (J/(kg K)).
     heat_capacity: f64,
-    /// Temperature at the sonic throat over that upstream, 2/(k + 1).
+    /// Temperature at the sonic throat relative to that upstream, 2/(k + 1).
     sonic_temperature_ratio: f64,
     sonic_pressure_ratio: f64,
     subsonic: Subsonic,
 }
 
 impl Nozzle {
-    /// The ideal gas of the datasheet.
+    /// Creates the ideal gas of the datasheet.
     pub fn new(gas: &Gas, subsonic: Subsonic) -> Self {
         let k = gas.heat_capacity_ratio;
         let sonic_temperature_ratio = 2.0 / (k + 1.0);
@@ -48,8 +48,8 @@ impl Nozzle {
         }
     }
 
-    /// Mass flow (kg/s) from the first to the second place, each (Pa abs, K), through an effective area (m²);
-    /// negative where the second pressure is the larger.
+    /// Returns the mass flow (kg/s) from the first to the second place, each (Pa abs, K), through an effective area
+    /// (m²); negative if the second pressure is higher.
     pub fn flow(&self, area: f64, from: (f64, f64), to: (f64, f64)) -> f64 {
         if area <= 0.0 {
             0.0
@@ -60,7 +60,7 @@ impl Nozzle {
         }
     }
 
-    /// Mass flow per area (kg/(s m²)).
+    /// Returns the mass flow per area (kg/(s m²)).
     fn flux(&self, upstream: f64, temperature: f64, downstream: f64) -> f64 {
         let ratio = downstream / upstream;
         match self.subsonic {
@@ -87,7 +87,7 @@ impl Nozzle {
         )
     }
 
-    /// Density times velocity at a throat with these ratios of pressure and temperature to those upstream.
+    /// Returns density times velocity at a throat with these ratios of pressure and temperature to those upstream.
     fn expanded(
         &self,
         upstream: f64,

@@ -1,4 +1,4 @@
-//! The whole plant and its solution: Runge-Kutta of order 4 with fixed steps, restarted at every PWM edge.
+//! Whole plant and its solution: Runge-Kutta of order 4 with fixed steps, restarted at every PWM edge.
 
 use super::coil::{Coil, Source};
 use super::contact::Stops;
@@ -9,14 +9,15 @@ use super::rig::Rig;
 use super::sensor::{self, Reading};
 use super::state::*;
 
-/// Step while anything electrical or mechanical moves (s).
+/// Step while a coil or an armature is active (s).
 const FINE_STEP: f64 = 1e-5;
-/// Step while coils are dead and armatures seated (s): only gas flows, and the dampers of the stops are stiff.
+/// Step while coils are without current and armatures seated (s): only gas flows, and the dampers of the stops are
+/// stiff.
 const COARSE_STEP: f64 = 1.5e-5;
-/// An armature slower than this rests (m/s).
+/// Velocity below which an armature rests (m/s).
 const RESTING: f64 = 1e-6;
 
-/// A rig that runs.
+/// Running rig.
 #[derive(Debug, Clone)]
 pub struct ReferencePlant {
     rig: Rig,
@@ -30,15 +31,15 @@ pub struct ReferencePlant {
     coarse_step: f64,
     sample_ns: u64,
     now_ns: u64,
-    /// Instant from which the mean currents count (ns).
+    /// Begin of the interval of the mean currents (ns).
     means_since_ns: u64,
     state: State,
-    /// Where the sensor's reading stands within its play (Pa gauge).
+    /// Position of the sensor's reading within its play (Pa gauge).
     play: f64,
 }
 
 impl ReferencePlant {
-    /// A rig at rest: coils dead, armatures seated, chamber vented, everything at 20 °C.
+    /// Creates a rig at rest: coils without current, armatures seated, chamber vented, everything at 20 °C.
     pub fn new(rig: &Rig) -> Self {
         let sheet = &rig.datasheet;
         let armature = &sheet.armature;
@@ -70,7 +71,7 @@ impl ReferencePlant {
         plant
     }
 
-    /// Puts the armatures where the springs hold them, a few micrometres deep in their seats.
+    /// Puts the armatures at the positions where the springs hold them, a few micrometres deep in their seats.
     fn seat(&mut self) {
         let at = self.gas.pressures(0.0, &self.state);
         for valve in 0..2 {
@@ -80,7 +81,7 @@ impl ReferencePlant {
         }
     }
 
-    /// What the rig shows now.
+    /// Returns the present reading.
     pub fn reading(&mut self) -> Reading {
         let (sensor, time) = (self.rig.departures.sensor, self.time());
         let shown = sensor::shown(&sensor);
@@ -100,25 +101,25 @@ impl ReferencePlant {
         }
     }
 
-    /// Hands over the duty cycles (%) of this sample, fill and vent, and runs to the next one.
+    /// Sets the duty cycles (%) of this sample, fill and vent, and runs to the next one.
     pub fn run(&mut self, duty_pct: [f64; 2]) {
         self.command(duty_pct);
         self.begin_means();
         self.run_until(self.now_ns + self.sample_ns);
     }
 
-    /// Hands over the duty cycles (%) of the next sample, fill and vent.
+    /// Sets the duty cycles (%) of the next sample, fill and vent.
     pub fn command(&mut self, duty_pct: [f64; 2]) {
         self.pulses.command(duty_pct);
     }
 
-    /// Begins the interval over which the next reading has the mean currents.
+    /// Begins the interval of the next reading's mean currents.
     pub fn begin_means(&mut self) {
         self.state[CHARGE..CHARGE + 2].fill(0.0);
         self.means_since_ns = self.now_ns;
     }
 
-    /// Runs to an instant (ns). The commands of all samples before it have been handed over.
+    /// Runs to an instant (ns). The commands of all samples before it have to be set.
     pub fn run_until(&mut self, end_ns: u64) {
         while self.now_ns < end_ns {
             let (high, known_until_ns) = self.pulses.at(self.now_ns);
@@ -128,28 +129,28 @@ impl ReferencePlant {
         }
     }
 
-    /// Makes the gas in the chamber warmer than the wall by this (K) at the same pressure, as a fast fill does. The wall takes the
-    /// heat out with this time constant (s).
+    /// Makes the gas in the chamber warmer than the wall by `by_k` at the same pressure, as a fast fill does. It cools
+    /// by the wall with the time constant `relaxation_s`.
     pub fn warm_gas(&mut self, by_k: f64, relaxation_s: f64) {
         self.gas.warm(by_k, relaxation_s, &mut self.state);
     }
 
-    /// Mass (kg) and internal energy (J) of the gas in the chamber.
+    /// Returns mass (kg) and internal energy (J) of the gas in the chamber.
     pub fn gas_content(&self) -> (f64, f64) {
         (self.state[MASS], self.state[ENERGY])
     }
 
-    /// Chamber pressure itself (Pa abs).
+    /// Returns the chamber pressure itself (Pa abs).
     pub fn chamber_pressure(&self) -> f64 {
         self.gas.pressures(self.time(), &self.state).chamber
     }
 
-    /// Temperature of the gas in the chamber (K).
+    /// Returns the temperature of the gas in the chamber (K).
     pub fn gas_temperature(&self) -> f64 {
         self.gas.pressures(self.time(), &self.state).temperature
     }
 
-    /// Armature positions (m), fill and vent.
+    /// Returns the armature positions (m), fill and vent.
     pub fn positions(&self) -> [f64; 2] {
         [self.state[POSITION], self.state[POSITION + 1]]
     }
@@ -173,7 +174,7 @@ impl ReferencePlant {
         }
     }
 
-    /// Coils dead, armatures seated.
+    /// Returns whether the coils are without current and the armatures seated.
     fn rests(&self) -> bool {
         (0..2).all(|valve| {
             self.state[FLUX + valve] == 0.0
@@ -213,8 +214,8 @@ impl ReferencePlant {
         rate
     }
 
-    /// Force of the pressure on an armature in the direction of its magnet (N). It lifts the seat, which the magnet of a normally
-    /// open valve presses down.
+    /// Returns the force of the pressure on an armature in the direction of its magnet (N). The pressure opens the
+    /// seat, which the magnet of a normally open valve closes.
     fn pressure_force(&self, at: &Pressures, valve: usize) -> f64 {
         let lifts = self.pressure_area * pressure_drop(at, valve);
         if self.gas.is_normally_open(valve) {
@@ -266,7 +267,7 @@ impl ReferencePlant {
         }
     }
 
-    /// Temperature of a winding over 20 °C (K).
+    /// Returns the temperature of a winding above 20 °C (K).
     fn over_20c(&self, valve: usize, time: f64, state: &State) -> f64 {
         let coil = &self.rig.departures.coil;
         let mut surroundings = coil.surroundings_k[valve];
@@ -277,7 +278,7 @@ impl ReferencePlant {
         surroundings + state[WINDING + valve] + state[BODY + valve]
     }
 
-    /// The winding heats the body, the body the surroundings; `heat` in W.
+    /// Computes the heat flow from the winding to the body and from the body to the surroundings; `heat` in W.
     fn heat_rates(&self, valve: usize, heat: f64, state: &State, rate: &mut State) {
         let coil = &self.rig.departures.coil;
         if coil.winding_k_per_w > 0.0 {
@@ -313,7 +314,7 @@ impl ReferencePlant {
     }
 }
 
-/// What the battery has beyond its voltage now (V): three tones without a common period.
+/// Returns the present variation of the battery voltage (V): three tones without a common period.
 fn wander(driver: &super::departures::DriverDepartures, time: f64) -> f64 {
     if driver.wander_v == 0.0 {
         return 0.0;
@@ -322,7 +323,7 @@ fn wander(driver: &super::departures::DriverDepartures, time: f64) -> f64 {
     driver.wander_v * (tone(1.0) + tone(1.618) + tone(2.618))
 }
 
-/// Pressure that pushes an armature open (Pa).
+/// Returns the pressure that pushes an armature open (Pa).
 fn pressure_drop(at: &Pressures, valve: usize) -> f64 {
     if valve == 0 {
         at.inlet - at.chamber
@@ -331,7 +332,7 @@ fn pressure_drop(at: &Pressures, valve: usize) -> f64 {
     }
 }
 
-/// Share of the pressure force that is gone at a lift (m).
+/// Returns the lost share of the pressure force at a lift (m).
 fn pressure_force_loss(armature: &super::departures::ArmatureDepartures, lift: f64) -> f64 {
     if armature.pressure_force_loss == 0.0 || lift <= 0.0 {
         return 0.0;
@@ -345,7 +346,7 @@ fn pressure_force_loss(armature: &super::departures::ArmatureDepartures, lift: f
         }
 }
 
-/// Runs `rig` through `commands` (%), fill and vent, one pair per sample: the reading at each sample's instant.
+/// Runs `rig` with `commands` (%), fill and vent, one pair per sample; returns the reading at each sample's instant.
 pub fn replay(rig: &Rig, commands: &[[f64; 2]]) -> Vec<Reading> {
     let mut plant = ReferencePlant::new(rig);
     commands
@@ -411,7 +412,7 @@ mod tests {
         );
     }
 
-    /// Halves of a sample, each with a mean of its own, have the mean of the whole between them.
+    /// The mean of the two halves of a sample is the mean of the whole.
     #[test]
     fn means_are_over_the_interval_that_was_begun() {
         let mut whole = ReferencePlant::new(&Rig::nominal());

@@ -1,15 +1,15 @@
-//! The ECU's output stage: which coil is energised, and until when.
+//! Output stage of the ECU: state of each coil's output, and the end of that state.
 
 use super::departures::Departures;
 use super::rig::Rig;
 
-/// The PWM outputs, from the commands of all samples so far.
+/// PWM outputs, from the commands of all samples so far.
 #[derive(Debug, Clone)]
 pub(super) struct Pulses {
     /// PWM period by the clock of the log (ns).
     period_ns: u64,
     delay_ns: u64,
-    /// Half the way of a wandering delay (ns), and its period in PWM periods.
+    /// Amplitude of a varying delay (ns), and its period in PWM periods.
     wander: (f64, f64),
     missed_share: f64,
     missed_seed: u64,
@@ -18,7 +18,7 @@ pub(super) struct Pulses {
 }
 
 impl Pulses {
-    /// Outputs of `rig`: the period of the sample's command begins one command delay after the sample.
+    /// Creates the outputs of `rig`: the period of the sample's command begins one command delay after the sample.
     pub(super) fn new(rig: &Rig) -> Self {
         let ecu = &rig.datasheet.ecu;
         assert!(
@@ -39,18 +39,18 @@ impl Pulses {
         }
     }
 
-    /// The duty cycles (%) of the next sample.
+    /// Sets the duty cycles (%) of the next sample.
     pub(super) fn command(&mut self, duty_pct: [f64; 2]) {
         self.commands
             .push(duty_pct.map(|duty| (duty / 100.0).clamp(0.0, 1.0)));
     }
 
-    /// Which outputs are high from `now_ns` on, and the instant until which that is known to hold.
+    /// Returns which outputs are high from `now_ns` on, and the instant until which that is certain.
     pub(super) fn at(&self, now_ns: u64) -> ([bool; 2], u64) {
         if now_ns < self.delay_ns {
             return ([false; 2], self.delay_ns);
         }
-        // A wandering delay only ever adds: the period is this one or one before.
+        // A varying delay is never negative: the period is this one or an earlier one.
         let mut period = (now_ns - self.delay_ns) / self.period_ns;
         while self.begin_ns(period) > now_ns {
             period -= 1;
@@ -72,7 +72,7 @@ impl Pulses {
         (high, until_ns)
     }
 
-    /// Instant at which a period begins.
+    /// Returns the instant at which a period begins.
     fn begin_ns(&self, period: u64) -> u64 {
         let (half_way, wander_period) = self.wander;
         let mut late = 0.0;
@@ -82,7 +82,7 @@ impl Pulses {
         self.delay_ns + period * self.period_ns + late as u64
     }
 
-    /// Whether the fill driver skips this period: by chance, but the same in every run.
+    /// Returns whether the fill driver skips this period: random, but the same in every run.
     fn is_missed(&self, period: u64) -> bool {
         if self.missed_share == 0.0 {
             return false;

@@ -1,22 +1,22 @@
-//! One concrete plant: the datasheet's values as they came out on this rig, and its departures.
+//! Concrete plant: the datasheet's values as scattered on this rig, and its departures.
 
 use serde::{Deserialize, Serialize};
 
 use super::datasheet::Datasheet;
 use super::departures::Departures;
 
-/// A rig.
+/// Concrete rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
-    /// Its true values, in the keys of the datasheet.
+    /// True values, in the keys of the datasheet.
     pub datasheet: Datasheet,
-    /// What it has beyond the plain plant.
+    /// Departures from the plain plant.
     pub departures: Departures,
     /// Whether the vent valve is open without current.
     pub is_vent_normally_open: bool,
 }
 
-/// Name and half width of each scattered quantity: relative, but for the delay (s) and the supply pressure (bar).
+/// Name and half width of each scattered quantity: relative, except for the delay (s) and the supply pressure (bar).
 pub const SCATTERED: [(&str, f64); 10] = [
     ("discharge_fill", 0.08),
     ("discharge_vent", 0.08),
@@ -30,12 +30,12 @@ pub const SCATTERED: [(&str, f64); 10] = [
     ("supply_pressure_bar", 0.15),
 ];
 
-/// Where a rig lies within the scatter, each in -1 to 1, in the order of [`SCATTERED`].
+/// Position of a rig within the scatter, each in -1 to 1, in the order of [`SCATTERED`].
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Scatter(pub [f64; SCATTERED.len()]);
 
 impl Rig {
-    /// The plain plant of the datasheet.
+    /// Returns the plain plant of the datasheet.
     pub fn nominal() -> Self {
         Self {
             datasheet: Datasheet::bundled(),
@@ -44,7 +44,7 @@ impl Rig {
         }
     }
 
-    /// The same rig with other departures.
+    /// Returns the same rig with other departures.
     pub fn with(&self, departures: Departures) -> Self {
         Self {
             departures,
@@ -52,7 +52,7 @@ impl Rig {
         }
     }
 
-    /// The same rig, its values moved by `scatter`.
+    /// Returns the same rig, with its values moved by `scatter`.
     pub fn scattered(&self, scatter: &Scatter) -> Self {
         let moved = |n: usize| SCATTERED[n].1 * scatter.0[n];
         let mut rig = self.clone();

@@ -1,25 +1,25 @@
-//! What the rig shows of itself, before noise: the anti-aliased pressure at the sample, and the mean currents.
+//! Readings of the rig before noise: the anti-aliased pressure at the sample, and the mean currents.
 
 use super::departures::SensorDepartures;
 use super::state::*;
 
 /// Time constant of the anti-alias filter (s).
 const ANTI_ALIAS: f64 = 5e-5;
-/// Gauge pressure at which a bow deviates most (Pa).
+/// Gauge pressure with the largest deviation of a bow (Pa).
 const BOW_PRESSURE: f64 = 4e5;
 
-/// One sample without noise.
+/// Reading of one sample without noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
-    /// Chamber pressure as the sensor shows it (Pa gauge).
+    /// Chamber pressure as measured by the sensor (Pa gauge).
     pub pressure: f64,
-    /// Its rate (Pa/s).
+    /// Rate of that pressure (Pa/s).
     pub pressure_rate: f64,
-    /// Mean currents since the sample before (A), fill and vent.
+    /// Mean currents since the previous sample (A), fill and vent.
     pub currents: [f64; 2],
 }
 
-/// Rates of the sensor's own states, `seen` being the pressure at its port (Pa abs).
+/// Computes the rates of the sensor's states; `seen` is the pressure at its port (Pa abs).
 pub(super) fn rates(sensor: &SensorDepartures, seen: f64, state: &State, rate: &mut State) {
     rate[FILTERED] = (seen - state[FILTERED]) / ANTI_ALIAS;
     if sensor.lag_s > 0.0 {
@@ -30,7 +30,7 @@ pub(super) fn rates(sensor: &SensorDepartures, seen: f64, state: &State, rate: &
     }
 }
 
-/// Which state the sensor shows.
+/// Returns the index of the state that the sensor shows.
 pub(super) fn shown(sensor: &SensorDepartures) -> usize {
     if sensor.second_lag_s > 0.0 {
         LAGGED_AGAIN
@@ -41,7 +41,7 @@ pub(super) fn shown(sensor: &SensorDepartures) -> usize {
     }
 }
 
-/// The static faults of the sensor: gauge pressure in, gauge pressure out (Pa). `play` is where the reading stood.
+/// Returns the reading (Pa gauge) with the static faults of the sensor. `play` is the previous reading.
 pub(super) fn distorted(sensor: &SensorDepartures, gauge: f64, time: f64, play: &mut f64) -> f64 {
     let mut reading = gauge + sensor.offset_pa;
     if sensor.warm_offset_pa != 0.0 {
@@ -59,7 +59,7 @@ pub(super) fn distorted(sensor: &SensorDepartures, gauge: f64, time: f64, play: 
     reading
 }
 
-/// Disturbance of the current measurements (A).
+/// Returns the disturbance of the current measurements (A).
 pub(super) fn interference(sensor: &SensorDepartures, time: f64) -> f64 {
     if sensor.interference_a == 0.0 {
         return 0.0;

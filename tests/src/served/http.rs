@@ -1,4 +1,4 @@
-//! Requests as the page of the server sends them.
+//! Requests in the form that the page sends.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::TcpStream;
@@ -6,17 +6,17 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// Longest wait for an answer. It ends a run that hangs; no figure depends on it.
+/// Longest wait for an answer. It ends a run that hangs; no result depends on it.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A browser that has the cookie.
+/// Browser with the cookie.
 #[derive(Debug, Clone)]
 pub(crate) struct Client {
     host: String,
     cookie: String,
 }
 
-/// What came back.
+/// Response of the server.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
@@ -54,7 +54,7 @@ impl Client {
         Ok(client)
     }
 
-    /// Opens a session as a tab does, and gives its path.
+    /// Opens a session as a tab does, and returns its path.
     pub(crate) fn session(&self, project: Option<&str>) -> io::Result<String> {
         let opened = self.post("/api/sessions", &json!({ "project": project }))?;
         let opened = opened.json()?;
@@ -86,7 +86,7 @@ impl Client {
         self.send("POST", &path, "application/octet-stream", bytes)
     }
 
-    /// Begins a job of a session and waits for its end, whatever comes of it.
+    /// Begins a job of a session and waits for its end, with any result.
     pub(crate) fn work(&self, session: &str, what: &str, wish: &Value) -> io::Result<()> {
         let begun = self.post(&format!("{session}/{what}"), wish)?;
         match begun.json().ok().and_then(|begun| begun["job"].as_u64()) {
@@ -117,7 +117,7 @@ impl Client {
         let head = String::from_utf8_lossy(&bytes[..end]).into_owned();
         let status = head.split(' ').nth(1).and_then(|word| word.parse().ok());
         let body = bytes.split_off(end + 4);
-        // A server that dies within an answer has not given it.
+        // An incomplete answer of a server that died counts as no answer.
         let length = head.lines().filter_map(|line| line.split_once(": "));
         let length = length
             .filter(|(key, _)| key.eq_ignore_ascii_case("content-length"))

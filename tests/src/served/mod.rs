@@ -1,4 +1,4 @@
-//! A running server of the page, and a browser that talks to it.
+//! Running server of the page, and a client for it.
 
 mod http;
 
@@ -11,14 +11,14 @@ use rustix::process::{Pid, Signal, kill_process};
 
 pub(crate) use http::Client;
 
-/// A running server; killed by SIGKILL when this value goes.
+/// Running server; killed by SIGKILL on drop.
 pub(crate) struct Server {
     running: Child,
     address: String,
 }
 
 impl Server {
-    /// Starts a server on a project folder, and waits until it says where it is. What it complains of is thrown away.
+    /// Starts a server on a project folder, and waits until it prints its address. Its standard error is discarded.
     pub(crate) fn start(retarder: &Path, project: &Path) -> io::Result<Self> {
         let mut running = Command::new(retarder)
             .args(["serve", "--project"])
@@ -37,12 +37,12 @@ impl Server {
         }
     }
 
-    /// A browser that has exchanged the token.
+    /// Returns a client that has exchanged the token.
     pub(crate) fn client(&self) -> io::Result<Client> {
         Client::open(&self.address)
     }
 
-    /// Ends it as Ctrl-C does, and waits.
+    /// Ends the server as Ctrl-C does, and waits.
     pub(crate) fn end(mut self) -> io::Result<()> {
         kill_process(Pid::from_child(&self.running), Signal::TERM)?;
         self.running.wait().map(drop)
@@ -51,13 +51,13 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // Fails only if it has ended already.
+        // Fails only if it has already ended.
         let _ = self.running.kill();
         let _ = self.running.wait();
     }
 }
 
-/// The address that a server prints, once it does; nothing if it ends before.
+/// Returns the address that a server prints; `None` if it ends before.
 pub(crate) fn address(out: impl Read) -> io::Result<Option<String>> {
     let mut line = String::new();
     BufReader::new(out).read_line(&mut line)?;
@@ -65,7 +65,7 @@ pub(crate) fn address(out: impl Read) -> io::Result<Option<String>> {
     Ok(address.map(str::to_owned))
 }
 
-/// Files below a folder, in no order.
+/// Returns the files below a folder, in no order.
 pub(crate) fn files_below(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {

@@ -1,4 +1,4 @@
-//! The process of one tab, for servers that are started from tests. `retarder serve` starts itself.
+//! Process of one tab, for servers that tests start. `retarder serve` starts its own program.
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! Page "Compare": measured and modelled side by side, and where they part.
+//! Page "Compare": measured and modelled signals, and their differences.
 
 mod band;
 pub(super) mod courses;
@@ -55,7 +55,7 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/logs/{log}/mf4", get(export_mf4))
 }
 
-/// Begins the comparison of a log with the plant; one that is under way in the same tab ends.
+/// Begins the comparison of a log with the plant; a running job of the same tab ends.
 async fn begin(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
@@ -89,7 +89,7 @@ fn compared(session: &Session, log: u32) -> Result<Arc<Compared>, Refusal> {
     })
 }
 
-/// The comparison: the very JSON that `retarder compare --json` writes.
+/// Returns the comparison: the same JSON that `retarder compare --json` writes.
 async fn result(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
@@ -163,7 +163,7 @@ async fn show_difference(
 
 #[derive(Deserialize)]
 struct Alignment {
-    /// The log that stays where it is.
+    /// Log that stays in place.
     with: u32,
     signal: String,
 }
@@ -183,7 +183,7 @@ async fn show_alignment(
     .await
 }
 
-/// The range of a view: measured, modelled and residual of every signal.
+/// Exports the range of a view: measured, modelled and residual of every signal.
 async fn export_csv(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
@@ -201,7 +201,7 @@ async fn export_csv(
     Ok((headers, csv))
 }
 
-/// The same as MF4.
+/// Exports the same as MF4.
 async fn export_mf4(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,

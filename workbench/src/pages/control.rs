@@ -1,4 +1,4 @@
-//! Page "Control": the loop closed on the plant, requirement by requirement, and on rigs that differ as valves do.
+//! Page "Control": closed loop on the plant, its requirements, and its robustness on scattered rigs.
 
 mod batch;
 mod courses;
@@ -26,9 +26,9 @@ use crate::refusal::{Problem, Refusal};
 use crate::results::{Controlled, Judged};
 use crate::session::{Session, Sessions};
 
-/// What is judged by, as in `retarder control`.
+/// Requirement of the verdict, as in `retarder control`.
 pub(super) const REQUIREMENT: Requirement = Requirement::THESIS;
-/// Comment of a setting that was typed here.
+/// Comment of a setting that was entered here.
 const TYPED: &str = "typed in the workbench";
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
@@ -54,11 +54,11 @@ async fn show(
     view::ControlView::of(&session).map(Json)
 }
 
-/// What a person chooses besides the settings of the controller.
+/// Choices other than the settings of the controller.
 #[derive(Deserialize)]
 struct Wish {
     scenario: String,
-    /// None takes the profile of the scenario.
+    /// `None` takes the profile of the scenario.
     profile: Option<Profile>,
     seed: u64,
     rigs: u32,
@@ -82,7 +82,7 @@ async fn wish(
     })
 }
 
-/// Keeps a wish that can be run.
+/// Stores settings that can be run.
 fn change(
     session: &Session,
     change: impl FnOnce(&mut ClosedLoop) -> Result<(), Refusal>,
@@ -97,17 +97,17 @@ fn change(
     view::ControlView::of(session).map(Json)
 }
 
-/// How the controller becomes another one.
+/// Change of the controller.
 #[derive(Deserialize)]
 #[serde(tag = "from", rename_all = "snake_case")]
 enum Settings {
-    /// The one that we recommend.
+    /// Recommended controller.
     Recommended,
-    /// The one of the thesis.
+    /// Controller of the thesis.
     Thesis,
-    /// A controller file.
+    /// Controller file.
     File { name: String, toml: String },
-    /// The present one with other values, by `table.key`; none takes a key away.
+    /// Current controller with other values, by `table.key`; `None` removes a key.
     Values {
         values: Vec<(String, Option<String>)>,
     },
@@ -177,11 +177,11 @@ async fn controller(
 #[derive(Deserialize)]
 struct Reference {
     name: String,
-    /// The file, CSV with the columns `time_s` and `p_ref_bar_gauge`.
+    /// File, CSV with the columns `time_s` and `p_ref_bar_gauge`.
     csv: String,
 }
 
-/// Takes a profile from a file, as `retarder control --reference` does.
+/// Reads a profile from a file, as `retarder control --reference` does.
 async fn reference(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -230,7 +230,7 @@ async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<B
     }))
 }
 
-/// The run of `retarder control --plant` with this plant; none where it was stopped.
+/// Runs the loop as `retarder control --plant` does with this plant; `None` if it was stopped.
 fn run(scenario: &Scenario, goes_on: &dyn Fn(f64) -> bool) -> Result<Option<Run>, Refusal> {
     let samples = f64::from(scenario.duration_samples);
     let sample_s = scenario.plant.ecu.sample_time_s;
@@ -280,7 +280,7 @@ struct Which {
     run: usize,
 }
 
-/// The recording of a run, as `retarder control --out` writes it.
+/// Exports the recording of a run, as `retarder control --out` writes it.
 async fn export_csv(
     State(sessions): Shared,
     Path(id): Path<String>,

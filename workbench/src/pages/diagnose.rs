@@ -1,4 +1,4 @@
-//! Page "Diagnose": which physical effect does the plant lack, and which experiment would tell more?
+//! Page "Diagnose": the missing physical effect, and the experiment that would tell more.
 
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/next-experiment/csv", get(export_csv))
 }
 
-/// Begins a diagnosis; what is under way in the same tab ends.
+/// Begins a diagnosis; a running job of the same tab ends.
 async fn begin(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -64,17 +64,17 @@ fn diagnosed(session: &Session) -> Result<Arc<Diagnosed>, Refusal> {
 
 #[derive(Serialize)]
 struct DiagnosisView {
-    /// Name of the plant that was diagnosed.
+    /// Name of the diagnosed plant.
     plant: String,
-    /// Whether the session's plant is still that one.
+    /// Whether it is still the session's plant.
     is_of_plant: bool,
     chosen: Chosen,
     diagnosis: Diagnosis,
-    /// What else each named effect could be, in words.
+    /// Other explanations of each named effect, in words.
     alternatives: Vec<String>,
 }
 
-/// What was found; null where nothing was diagnosed yet.
+/// Returns the result; null before the first diagnosis.
 async fn result(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -90,7 +90,7 @@ async fn result(
     Ok(Json(session.findings().diagnosed.map(view)))
 }
 
-/// The very JSON that `retarder diagnose --json` writes.
+/// Returns the same JSON that `retarder diagnose --json` writes.
 async fn export_json(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -109,13 +109,13 @@ async fn export_json(
     Ok((headers, json + "\n"))
 }
 
-/// What an experiment is asked for.
+/// Request for an experiment.
 #[derive(Deserialize)]
 struct Wish {
-    /// One effect to be shown, or several to be told apart.
+    /// One effect to detect, or several to distinguish.
     effects: Vec<String>,
     duration_s: f64,
-    /// Highest chamber pressure (bar gauge); none stays below nine tenths of the supply's.
+    /// Highest chamber pressure (bar gauge); `None` stays below 90 % of the supply pressure.
     max_bar: Option<f64>,
     max_duty_pct: f64,
 }
@@ -179,7 +179,7 @@ fn next(session: &Session) -> Result<Arc<NextExperiment>, Refusal> {
         .ok_or_else(|| Refusal::too_early("no experiment is planned yet; plan one first"))
 }
 
-/// What was planned; null where nothing was yet.
+/// Returns the planned experiment; null before the first one.
 async fn planned(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -190,7 +190,7 @@ async fn planned(
     ))
 }
 
-/// The duty cycles that a rig takes.
+/// Returns the duty cycles for a rig.
 async fn export_csv(
     State(sessions): Shared,
     Path(id): Path<String>,

@@ -1,4 +1,4 @@
-//! Page "Logs and plant": what is open, and what is wrong with it.
+//! Page "Logs and plant": open files and their problems.
 
 mod preview;
 mod view;
@@ -25,7 +25,7 @@ use crate::refusal::{Problem, Refusal};
 use crate::session::{Session, Sessions};
 use view::ProjectView;
 
-/// Longest name of a file that is kept (characters).
+/// Longest stored file name (characters).
 const NAME_MAX: usize = 120;
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
@@ -44,7 +44,7 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/calculated", put(set_calculated))
 }
 
-/// What the page shows of the project. Logs that are not in memory yet are read for it.
+/// Returns the project for the page. Logs that are not in memory yet are read.
 async fn project(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -72,7 +72,7 @@ async fn begin_anew(
     blocking(move || view(&session)).await
 }
 
-/// Changes the project so much that nothing of what was computed is left.
+/// Changes the project and drops all computed results.
 fn replace_project(
     session: &Session,
     change: impl FnOnce(&mut Project) -> Result<(), Refusal>,
@@ -89,7 +89,7 @@ fn replace_project(
 
 #[derive(Deserialize)]
 struct OpenExample {
-    /// Whether logs that are open stay.
+    /// Whether open logs stay.
     keep: bool,
 }
 
@@ -133,7 +133,7 @@ struct Named {
     name: String,
 }
 
-/// A file name as it is shown: without folders, printable, not too long.
+/// Returns a file name for display: without folders, printable, shortened.
 pub(super) fn shown_name(name: &str) -> String {
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let printable = last.chars().filter(|character| !character.is_control());
@@ -187,7 +187,7 @@ async fn add_log(
     .await
 }
 
-/// The mapping that an earlier log with the same head had, if this one does not explain itself.
+/// Returns the mapping of an earlier log with the same header, if this one needs a mapping.
 fn remembered(session: &Session, name: &str, path: &std::path::Path) -> Option<String> {
     let project = session.project();
     if project.mappings.is_empty() || log_reader::read(name, path, None).is_ok() {
@@ -258,7 +258,7 @@ async fn shift_log(
     Json(Offset { offset_s }): Json<Offset>,
 ) -> Result<(), Refusal> {
     let session = session(&sessions, id)?;
-    // A day: beyond it, the two logs have nothing to do with each other.
+    // One day: logs with a larger offset are unrelated.
     if !(-86_400.0..=86_400.0).contains(&offset_s) {
         return Err(Refusal::value(format!(
             "a time offset lies between -86400 s and 86400 s; {offset_s} does not"
@@ -273,7 +273,7 @@ async fn shift_log(
 #[derive(Deserialize)]
 struct Plant {
     name: String,
-    /// The plant file; none takes the thesis model.
+    /// Plant file; `None` takes the thesis model.
     toml: Option<String>,
 }
 
@@ -329,7 +329,7 @@ async fn set_strictness(
     Ok(())
 }
 
-/// The calculated channels of all logs; what was computed with others before is gone.
+/// Sets the calculated channels of all logs, and drops results that were computed with others.
 async fn set_calculated(
     State(sessions): Shared,
     Path(id): Path<String>,

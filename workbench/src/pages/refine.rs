@@ -1,4 +1,4 @@
-//! Page "Refine": effects join the plant, are moved, fitted, judged and taken back.
+//! Page "Refine": effects are added, adjusted, fitted, judged and undone.
 
 mod change;
 mod estimate;
@@ -36,7 +36,7 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/refine/plant", get(plant_file))
 }
 
-/// The history of the session's plant; it begins anew where the plant was changed elsewhere.
+/// Returns the history of the session's plant; it begins again if another page changed the plant.
 fn history(session: &Session) -> Result<History, Refusal> {
     let project = session.project();
     if project.history.is_of(&project.plant) {
@@ -52,12 +52,12 @@ fn of_plant(project: &mut Project) -> Result<&mut History, Refusal> {
     Ok(&mut project.history)
 }
 
-/// Notes what the step that holds is off on a log.
+/// Stores the errors of the current step on a log.
 fn note_errors(session: &Session, log: u32) -> Result<(), Refusal> {
     let mut measured = history(session)?;
     simulation::measure(session, log, &mut measured)?;
     session.change(|project| {
-        // Another request may have changed the plant meanwhile.
+        // Another request may have changed the plant in the meantime.
         if measured.is_of(&project.plant) {
             project.history = measured;
         }
@@ -67,12 +67,12 @@ fn note_errors(session: &Session, log: u32) -> Result<(), Refusal> {
 
 #[derive(Serialize)]
 struct RefineView {
-    /// Name of the plant as it was opened.
+    /// Name of the plant as opened.
     opened: String,
     plant: String,
     effects: Vec<StepEffect>,
     steps: Vec<StepView>,
-    /// Index of the step that holds.
+    /// Index of the current step.
     at: usize,
     /// The last fit up to that step.
     fit: Option<Refinement>,
@@ -110,7 +110,7 @@ impl RefineView {
 
 #[derive(Deserialize)]
 struct OnLog {
-    /// The log whose errors are noted with the step.
+    /// Log whose errors are stored with the step.
     log: u32,
 }
 
@@ -173,7 +173,7 @@ struct Fitting {
     chosen: Chosen,
 }
 
-/// Returns the session `id` with its history, if it has the logs that `wish` asks for.
+/// Returns the session `id` with its history, if it has the logs that `wish` requests.
 fn fitting(
     sessions: &Sessions,
     id: String,
@@ -186,8 +186,8 @@ fn fitting(
     Ok((session, history))
 }
 
-/// Begins a fit of all effects that are on, together with what differs from rig to rig, from the plant as opened or as last
-/// estimated.
+/// Begins a fit of all effects that are on, together with the parameters that differ between rigs, from the plant as
+/// opened or as last estimated.
 async fn fit(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -241,7 +241,7 @@ fn add_fitted(session: &Session, job: &Job, now: &Step, step: Step) -> Result<()
     Ok(())
 }
 
-/// Ids of effects that the plant had in the step `base` and has no longer.
+/// Returns the ids of effects that the plant had in the step `base` and no longer has.
 fn now_gone<'a>(effects: &'a [StepEffect], base: &'a Step) -> impl Iterator<Item = &'a str> {
     base.effects
         .iter()
@@ -282,7 +282,7 @@ fn fitted_step(before: &Step, refined: Refined) -> Result<Step, Refusal> {
     })
 }
 
-/// The plant as it is now: what `retarder refine --out` writes.
+/// Returns the current plant: the file that `retarder refine --out` writes.
 async fn plant_file(
     State(sessions): Shared,
     Path(id): Path<String>,

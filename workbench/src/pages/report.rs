@@ -1,4 +1,4 @@
-//! Page "Report": everything of the session in one HTML file.
+//! Page "Report": the whole session in one HTML file.
 
 mod findings;
 
@@ -32,7 +32,8 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/report/file", get(file))
 }
 
-/// The report may show itself with its one style, in a frame of this page. It may load and run nothing, and is of no origin.
+/// The report may show itself with its one style, in a frame of this page. It may load and run nothing, and has no
+/// origin.
 static POLICY: LazyLock<String> = LazyLock::new(|| {
     let style = base64(&Sha256::digest(report::style()));
     format!(
@@ -41,7 +42,7 @@ static POLICY: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
-/// What there is to report.
+/// Contents available for a report.
 #[derive(Serialize)]
 struct ReportState {
     logs: usize,
@@ -49,7 +50,7 @@ struct ReportState {
     compared: usize,
     has_diagnosis: bool,
     steps: usize,
-    /// Runs of the loop that are those of the plant as it is now.
+    /// Runs of the loop on the current plant.
     runs: usize,
     has_report: bool,
 }
@@ -78,7 +79,7 @@ async fn state(
     .await
 }
 
-/// Begins to write the report; logs that were not compared with the plant yet are.
+/// Begins to write the report; compares logs that were not compared with the plant yet.
 async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
     Ok(begin_job(&session, work))
@@ -101,7 +102,7 @@ fn work(session: &Session, job: &Job) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Compares a log that was not compared yet. One that cannot be read or compared is in the report with the reason.
+/// Compares a log that was not compared yet. A log that cannot be read or compared is in the report with the reason.
 fn compare(
     session: &Session,
     project: &Project,
@@ -120,7 +121,7 @@ fn compare(
     Ok(())
 }
 
-/// A log of the project.
+/// Log of the project.
 struct Log {
     number: u32,
     name: String,
@@ -139,7 +140,7 @@ fn logs(session: &Session) -> Result<Vec<Log>, Refusal> {
     entries.iter().map(log).collect()
 }
 
-/// The runs of the loop, if they are those of the plant as it is now.
+/// Returns the runs of the loop, if they are those of the current plant.
 fn runs_of_now(session: &Session) -> Option<Arc<Controlled>> {
     session
         .controlled
@@ -213,7 +214,7 @@ fn title(plant: &str, logs: &[&str]) -> String {
     }
 }
 
-/// Why a log is not read, or not compared.
+/// Returns the reasons why a log was not read, or not compared.
 fn problems(session: &Session, log: &Log) -> Vec<String> {
     match &*log.log {
         Err(problem) => {
@@ -272,7 +273,7 @@ fn written(session: &Session) -> Result<Arc<String>, Refusal> {
         .ok_or_else(|| Refusal::too_early("the report is not written yet; write it first"))
 }
 
-/// The report for a frame of the page.
+/// Returns the report for a frame of the page.
 async fn preview(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -285,7 +286,7 @@ async fn preview(
     Ok((headers, html.as_ref().clone()))
 }
 
-/// The report as a file.
+/// Returns the report as a file.
 async fn file(sessions: Shared, id: Path<String>) -> Result<impl IntoResponse, Refusal> {
     let name = (CONTENT_DISPOSITION, "attachment; filename=\"report.html\"");
     Ok(([name], preview(sessions, id).await?))

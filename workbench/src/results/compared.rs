@@ -1,4 +1,4 @@
-//! A comparison.
+//! Result of a comparison.
 
 use model_lab::Comparison;
 use plant_sim::PlantParameters;
@@ -6,22 +6,22 @@ use plant_sim::PlantParameters;
 use crate::pyramid::Pyramid;
 use crate::shelf::values_of;
 
-/// A comparison with what a view of it needs.
+/// Comparison with the data that a view needs.
 pub(crate) struct Compared {
     pub(crate) comparison: Comparison,
     pub(crate) parameters: PlantParameters,
-    /// Of each compared signal, in the order of the comparison.
+    /// For each compared signal, in the order of the comparison.
     pub(crate) pyramids: Vec<Pyramids>,
 }
 
-/// Extremes of the computed courses of one signal.
+/// Extremes of the computed series of one signal.
 pub(crate) struct Pyramids {
     pub(crate) model: Pyramid,
     pub(crate) residual: Pyramid,
 }
 
 impl Compared {
-    /// Values that it keeps in memory.
+    /// Returns the number of values in memory.
     pub(crate) fn values(&self) -> usize {
         let traces = &self.comparison.traces;
         let all = [&traces.measured, &traces.free_run, &traces.short_horizon];

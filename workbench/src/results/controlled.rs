@@ -7,13 +7,13 @@ use crate::closed_loop::ClosedLoop;
 use crate::named_plant::NamedPlant;
 use crate::project::Project;
 
-/// The loop on every plant of the project, with what was asked for.
+/// Loop on every plant of the project, with its settings.
 pub(crate) struct Controlled {
     pub(crate) wish: ClosedLoop,
     pub(crate) runs: Vec<Judged>,
 }
 
-/// A run and its verdict.
+/// Run and its verdict.
 pub(crate) struct Judged {
     pub(crate) plant: NamedPlant,
     pub(crate) run: Run,
@@ -21,10 +21,10 @@ pub(crate) struct Judged {
 }
 
 impl Controlled {
-    /// Whether a run now would be the same.
+    /// Returns whether a run now would have the same result.
     pub(crate) fn is_of(&self, project: &Project) -> bool {
         let plants = NamedPlant::all_of(project).unwrap_or_default();
-        // The size of a batch changes no run.
+        // The size of a batch does not affect a run.
         let wish = ClosedLoop {
             rigs: self.wish.rigs,
             ..project.closed_loop.clone()
@@ -33,20 +33,20 @@ impl Controlled {
     }
 }
 
-/// The verdicts of a batch, for each plant.
+/// Verdicts of a batch, for each plant.
 pub(crate) struct Batch {
     pub(crate) wish: ClosedLoop,
     pub(crate) plants: Vec<(NamedPlant, Vec<RigVerdict>)>,
 }
 
 impl Batch {
-    /// The verdicts of the rigs about a plant.
+    /// Returns the verdicts of the rigs about a plant.
     pub(crate) fn rigs_of(&self, plant: &NamedPlant) -> Option<&[RigVerdict]> {
         let (_, rigs) = self.plants.iter().find(|(mine, _)| mine == plant)?;
         Some(rigs)
     }
 
-    /// Whether a batch now would be the same.
+    /// Returns whether a batch now would have the same result.
     pub(crate) fn is_of(&self, project: &Project) -> bool {
         let plants = NamedPlant::all_of(project).unwrap_or_default();
         let mine = self.plants.iter().map(|(plant, _)| plant);

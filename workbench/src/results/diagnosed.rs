@@ -1,4 +1,4 @@
-//! A diagnosis.
+//! Result of a diagnosis.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::plant_file::PlantFile;
 use crate::project::Project;
 use crate::refusal::Refusal;
 
-/// A diagnosis with what was diagnosed.
+/// Diagnosis with its inputs.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Diagnosed {
     pub(crate) diagnosis: Diagnosis,
@@ -18,15 +18,15 @@ pub(crate) struct Diagnosed {
     pub(crate) chosen: Chosen,
 }
 
-/// Results that took a person a minute of waiting and little memory: they are stored with their project.
+/// Results that take a minute and little memory: they are stored with their project.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Findings {
     pub(crate) diagnosed: Option<Arc<Diagnosed>>,
-    /// The last experiment that was planned after the diagnosis.
+    /// Last experiment that was planned after the diagnosis.
     pub(crate) next: Option<Arc<NextExperiment>>,
 }
 
-/// Numbers of the logs that are fitted, and of those that judge.
+/// Numbers of the training logs and of the validation logs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Chosen {
     pub(crate) logs: Vec<u32>,

@@ -1,4 +1,4 @@
-//! What was computed for a project, as long as it is of use.
+//! Results that were computed for a project, as long as they are valid.
 
 mod compared;
 mod controlled;
@@ -12,5 +12,5 @@ pub(crate) use diagnosed::{Chosen, Diagnosed, Findings};
 
 use crate::history::StepError;
 
-/// Errors of plants by log and plant file: rungs of the ladder that a slider does not touch are not simulated again.
+/// Errors of plants by log and plant file: error steps that a slider does not affect are not simulated again.
 pub(crate) type ErrorsOfPlants = HashMap<(u32, String), Vec<StepError>>;

@@ -1,10 +1,10 @@
-//! The project folder as a place on the disk: marked as ours, private, free of links, tidied by one server at a time.
+//! Project folder on the disk: marked as ours, private, without links, cleaned by one server at a time.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
-/// File that says whose folder it is.
+/// File that marks the folder as a project folder.
 const MARKER: &str = "retarder-project.txt";
 const MARKER_TEXT: &str = "This folder belongs to `retarder serve`. It keeps logs and projects here, and removes those \
      of its own that no project needs. To forget everything, delete the folder.\n";
@@ -12,7 +12,7 @@ const MARKER_TEXT: &str = "This folder belongs to `retarder serve`. It keeps log
 /// Reason why a folder cannot be the project folder.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// Files of somebody else.
+    /// Files of others.
     #[error(
         "{}: the folder is not empty and has no file `{MARKER}`, so its files are not ours to tidy. Choose a new or an \
          empty folder with --project; if an earlier version of `retarder serve` made this one, create an empty file \
@@ -20,37 +20,37 @@ pub enum FolderError {
         .0.display()
     )]
     NotOurs(PathBuf),
-    /// A link, a folder or a device where the project folder has something else.
+    /// A link, folder or device in the place of a file or folder of the project.
     #[error(
         "{}: not a regular {expected} (links are not followed). Move it away, or choose another folder with --project",
         path.display()
     )]
     NotRegular {
-        /// What stands in the way.
+        /// Path of the obstacle.
         path: PathBuf,
-        /// What belongs there: `file` or `folder`.
+        /// Expected kind: `file` or `folder`.
         expected: &'static str,
     },
-    /// What the operating system does not allow.
+    /// Error of the operating system.
     #[error("{}: {error}; choose a folder that you own, with --project", path.display())]
     Io {
-        /// The file or folder.
+        /// File or folder.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         error: io::Error,
     },
 }
 
-/// A project folder that is ours.
+/// Project folder with our marker.
 pub(super) struct Folder {
     path: PathBuf,
 }
 
-/// Right to remove what is left over. It is exclusive, and ends when it is dropped or its process ends.
+/// Right to remove remains. It is exclusive, and ends when it is dropped or its process ends.
 pub(super) struct TidyingRight(#[expect(dead_code, reason = "held for its lock")] File);
 
 impl Folder {
-    /// Opens the folder, or makes it. One that has files is ours only if it has our marker.
+    /// Opens the folder, or creates it. A folder with files is ours only if it has our marker.
     pub(super) fn open(path: &Path) -> Result<Self, FolderError> {
         make_private(path)?;
         let folder = Self {
@@ -62,7 +62,7 @@ impl Folder {
             if entries.next().is_some() {
                 return Err(FolderError::NotOurs(path.to_path_buf()));
             }
-            // Two servers that begin at once write the same.
+            // Two servers that begin at the same time write the same content.
             let mut file = File::create(&marker).map_err(at(&marker))?;
             file.write_all(MARKER_TEXT.as_bytes())
                 .map_err(at(&marker))?;
@@ -71,7 +71,7 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Opens or makes a folder within, private as well.
+    /// Opens or creates a private folder within it.
     pub(super) fn part(&self, name: &str) -> Result<PathBuf, FolderError> {
         let path = self.path.join(name);
         if !is_there(&path, Kind::Folder)? {
@@ -81,18 +81,18 @@ impl Folder {
         Ok(path)
     }
 
-    /// Takes the right to tidy; none while another server has it.
+    /// Takes the right to clean; `None` while another server has it.
     pub(super) fn take_tidying_right(&self) -> Result<Option<TidyingRight>, FolderError> {
         let file = open_lock(&self.path.join("lock"))?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => Ok(None),
-            // A file system without locks: nobody else can have the right either.
+            // On a file system without locks, nobody else can have the right either.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(TidyingRight(file))),
         }
     }
 }
 
-/// Opens or makes a file that is there to be locked; what it holds stays as it is.
+/// Opens or creates a file to lock; its content stays.
 pub(super) fn open_lock(path: &Path) -> Result<File, FolderError> {
     is_there(path, Kind::File)?;
     let mut options = OpenOptions::new();
@@ -115,7 +115,7 @@ enum Kind {
     Folder,
 }
 
-/// Whether there is such a thing; an error if something else is there.
+/// Returns whether it exists; fails if something else has its name.
 fn is_there(path: &Path, kind: Kind) -> Result<bool, FolderError> {
     let (is_right, expected): (fn(&fs::Metadata) -> bool, _) = match kind {
         Kind::File => (fs::Metadata::is_file, "file"),
@@ -144,7 +144,7 @@ fn make_private(folder: &Path) -> Result<(), FolderError> {
     builder.recursive(true).create(folder).map_err(at(folder))
 }
 
-/// Takes the rights of other users of the machine away, where a folder was there already.
+/// Removes the access rights of other users of the machine, if the folder existed already.
 fn tighten(folder: &Path) -> Result<(), FolderError> {
     #[cfg(unix)]
     {
@@ -174,7 +174,7 @@ mod tests {
         let names = fs::read_dir(folder.path()).unwrap();
         let names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(names, ["logs"]);
-        // What the message says makes it ours.
+        // The file that the message names makes the folder ours.
         fs::write(folder.path().join(MARKER), "").unwrap();
         Folder::open(folder.path()).unwrap();
     }
@@ -208,7 +208,7 @@ mod tests {
         assert!(matches!(part, Err(FolderError::NotRegular { .. })));
     }
 
-    /// The lock was once a file that was made anew, whatever it was before.
+    /// Defect seen: opening the lock replaced the content of the file.
     #[test]
     fn the_lock_is_opened_and_not_emptied() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! The process of a tab, asked by HTTP/2 over its standard input and output. One that broke off is started again.
+//! Process of a tab, reached by HTTP/2 over its standard input and output. If it ends unexpectedly, it is started
+//! again.
 
 use std::convert::Infallible;
 use std::io;
@@ -26,10 +27,10 @@ use crate::names::ProjectId;
 use crate::refusal::Refusal;
 use crate::session::Opening;
 
-/// Longest time that a process which closed its output takes to end.
+/// Longest time between the closed output of a process and its end.
 const ENDING: Duration = Duration::from_secs(10);
 
-/// A tab with its process.
+/// Tab with its process.
 pub(super) struct Tab {
     worker: Worker,
     project: PathBuf,
@@ -62,12 +63,12 @@ impl Tab {
         &self.opening.id
     }
 
-    /// The project that it began with a copy of.
+    /// Returns the project that it began with a copy of.
     pub(super) fn copy_of(&self) -> Option<&ProjectId> {
         self.opening.copy_of.as_ref()
     }
 
-    /// Starts the process, and says whether its project has logs.
+    /// Starts the process, and returns whether its project has logs.
     pub(super) async fn begin(&self) -> Result<bool, Refusal> {
         let mut place = self.process.lock().await;
         let (process, has_logs) = self.start().await?;
@@ -82,14 +83,14 @@ impl Tab {
         tokio::spawn(async move { *tab.process.lock().await = None });
     }
 
-    /// The answer of the process to a request.
+    /// Returns the answer of the process to a request.
     pub(super) async fn ask(self: &Arc<Self>, request: Request) -> Result<Response, Refusal> {
         let request = handed_on(request).ok_or_else(|| Refusal::not_found("page"))?;
         let again = again(&request);
         let mut answer = self.client().await?.send_request(request).await;
         if answer.is_err() {
             let reason = self.reason_of_no_answer().await;
-            // The request may have met a process that another one had broken off.
+            // Another request may have ended the process.
             let again = again.ok_or(reason)?;
             answer = self.client().await?.send_request(again).await;
         }
@@ -109,7 +110,7 @@ impl Tab {
         Ok(Response::from_parts(head, body))
     }
 
-    /// Who answers; a process that broke off is followed by another one.
+    /// Returns the client of the process; starts a new process if the last one ended.
     async fn client(&self) -> Result<Client, Refusal> {
         let mut place = self.process.lock().await;
         let is_gone = place
@@ -122,7 +123,7 @@ impl Tab {
         client.ok_or_else(|| self.broken_off())
     }
 
-    /// Starts a process and lets it open the session.
+    /// Starts a process and opens the session in it.
     async fn start(&self) -> Result<(Process, bool), Refusal> {
         if self.is_closed.load(Ordering::Relaxed) {
             return Err(Refusal::not_found("session"));
@@ -175,7 +176,7 @@ impl Tab {
         Ok(Process { child, client })
     }
 
-    /// Why a request was not answered: the process ended, or the browser broke its own request off.
+    /// Returns the reason of a missing answer: the process ended, or the browser aborted its request.
     async fn reason_of_no_answer(&self) -> Refusal {
         let mut place = self.process.lock().await;
         let has_ended = match place.as_mut() {
@@ -204,7 +205,7 @@ impl Tab {
         Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, "E-WEB-MEMORY", message)
     }
 
-    /// Events of a job. If its process ends before it, the last event says so.
+    /// Returns the events of a job. If its process ends first, the last event states it.
     fn with_end(self: &Arc<Self>, events: Incoming) -> Body {
         let tab = Arc::clone(self);
         let events = Body::new(events).into_data_stream();
@@ -235,7 +236,7 @@ impl Tab {
     }
 }
 
-/// The same request once more, if it only reads.
+/// Returns the same request again, if it only reads.
 fn again(request: &Request) -> Option<Request> {
     if request.method() != Method::GET {
         return None;
@@ -247,7 +248,7 @@ fn again(request: &Request) -> Option<Request> {
     Some(again)
 }
 
-/// A request as a process takes it: without what was between the browser and this server.
+/// Returns a request for a process: without the headers between the browser and this server.
 fn handed_on(request: Request) -> Option<Request> {
     let (head, body) = request.into_parts();
     let path = head.uri.path_and_query()?.as_str();

@@ -1,6 +1,6 @@
-// Requests to the server. A refusal carries a list of problems, each with a code and, where there is one, a line.
+// Requests to the server. A refusal has a list of problems, each with a code and, if known, a line.
 
-/** What the server did not do, and why. */
+/** Refused request, with the reasons. */
 export class Refusal extends Error {
   constructor(status, problems) {
     super(problems.map((problem) => problem.message).join("\n"));
@@ -32,14 +32,14 @@ async function request(method, path, body, signal) {
   throw new Refusal(response.status, value.problems ?? [{ code: `HTTP ${response.status}`, message: text }]);
 }
 
-/** Opens a session on a project; without one, on a copy of what was open last. */
+/** Opens a session on a project; without one, on a copy of the project that was open last. */
 export async function open(project) {
   const opened = await request("POST", "/sessions", { project });
   session = opened.session;
   return opened;
 }
 
-/** Ends the session's work when the page goes away. */
+/** Ends the session's work when the page closes. */
 export function close() {
   if (session) navigator.sendBeacon(`/api/sessions/${session}/close`);
 }
@@ -57,7 +57,10 @@ export const address = (path) => `/api${inSession(path)}`;
 /** Sends a file; the server names it by its content. */
 export const upload = (file) => request("POST", inSession(`/logs?${new URLSearchParams({ name: file.name })}`), file);
 
-/** Follows a job to its end. `onProgress` is told shares from 0 to 1, and of what if the job has stages; aborting the signal ends the job. */
+/**
+ * Follows a job to its end. `onProgress` gets the completed share (0 to 1), and the stage if the job has stages.
+ * Aborting the signal ends the job.
+ */
 export function follow(job, onProgress, signal) {
   return new Promise((resolve, reject) => {
     const events = new EventSource(address(`/jobs/${job}`));

@@ -1,9 +1,9 @@
-// Plotly, with the colours and the manners of this page.
+// Plotly, with the colours and defaults of this page.
 
 import { save } from "./dom.js";
 import { colour } from "./theme.js";
 
-/** Plotly reads a few entities of its labels through markup; nothing else of it, and nothing of ours, may. */
+/** Plotly decodes a few entities of its labels through markup; no other code may use markup. */
 globalThis.trustedTypes?.createPolicy("default", {
   createHTML: (text) => {
     if (/^(&#?\w+;)?$/.test(text)) return text;
@@ -18,16 +18,16 @@ const loaded = new Promise((resolve, reject) => {
   script.addEventListener("error", () => reject(new Error("the charting library did not come")));
 });
 
-/** The library, once it is there. */
+/** Returns the library as soon as it is loaded. */
 export async function plotly() {
   await loaded;
   return globalThis.Plotly;
 }
 
-/** Text for a label: the library would read markup in it. */
+/** Escapes text for a label, since the library would interpret markup. */
 export const label = (text) => String(text).replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
 
-/** An axis in the colours of the page. */
+/** Returns an axis in the colours of the page. */
 export function axis(properties = {}) {
   return {
     color: colour("label"), gridcolor: colour("grid"), linecolor: colour("axis"), zerolinecolor: colour("axis"),
@@ -35,7 +35,7 @@ export function axis(properties = {}) {
   };
 }
 
-/** A layout in the colours of the page. */
+/** Returns a layout in the colours of the page. */
 export function layout(properties = {}) {
   return {
     paper_bgcolor: colour("card"), plot_bgcolor: colour("card"), showlegend: false, hovermode: "closest", dragmode: "zoom",
@@ -47,14 +47,14 @@ export function layout(properties = {}) {
 
 const CONFIG = { displaylogo: false, responsive: true, displayModeBar: false, doubleClick: false, showTips: false };
 
-/** Draws, or draws anew. */
+/** Draws a chart, or draws it again. */
 export async function draw(place, traces, wished) {
   const library = await plotly();
   place.style.height = `${wished.height}px`;
   await library.react(place, traces, wished, CONFIG);
 }
 
-/** Saves a chart as `png` or `svg`, at the size in which it is seen. */
+/** Saves a chart as `png` or `svg`, at its displayed size. */
 export async function saveImage(place, format, name) {
   const library = await plotly();
   const { width, height } = place.getBoundingClientRect();
@@ -62,7 +62,9 @@ export async function saveImage(place, format, name) {
   save(`${name}.${format}`, format === "svg" ? svg : await painted(svg, width, height));
 }
 
-/** An SVG as PNG, at twice its size. The library's own way needs images from elsewhere than the content policy allows. */
+/**
+ * Converts an SVG into a PNG of twice its size. The library's own method needs images that the content policy refuses.
+ */
 async function painted(svg, width, height) {
   const image = new Image(width, height);
   image.src = svg;
@@ -73,7 +75,7 @@ async function painted(svg, width, height) {
   return canvas.toDataURL("image/png");
 }
 
-/** Takes a chart away with all that the library keeps of it. */
+/** Removes a chart with all data that the library stores about it. */
 export function clear(place) {
   globalThis.Plotly?.purge(place);
 }

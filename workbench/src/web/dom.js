@@ -1,6 +1,9 @@
-// Elements without markup: whatever a log calls its signals is text.
+// Elements without markup: names from a log are always text.
 
-/** An element with properties (`class`, `on`, `data`, ARIA and DOM properties) and children; texts become text nodes. */
+/**
+ * Creates an element with properties (`class`, `on`, `data`, ARIA and DOM properties) and children; texts become text
+ * nodes.
+ */
 export function element(tag, properties = {}, ...children) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(properties)) {
@@ -16,12 +19,12 @@ export function element(tag, properties = {}, ...children) {
   return made;
 }
 
-/** Puts `children` in place of what `parent` has. */
+/** Replaces the children of `parent` by `children`. */
 export function fill(parent, ...children) {
   parent.replaceChildren(...children.flat(Infinity).filter((child) => child !== undefined && child !== null && child !== false));
 }
 
-/** A table of rows; the first cell of each row is its header. */
+/** Creates a table of rows; the first cell of each row is its header. */
 export function table(head, rows, caption) {
   return element("table", {},
     caption && element("caption", {}, caption),
@@ -30,12 +33,15 @@ export function table(head, rows, caption) {
       row.map((cell, index) => index === 0 ? element("th", { scope: "row" }, cell) : element("td", {}, cell))))));
 }
 
-/** A button. */
+/** Creates a button. */
 export function button(label, act, properties = {}) {
   return element("button", { type: "button", on: { click: act }, ...properties }, label);
 }
 
-/** Asks; the name of the answer, or none where a person thinks better of it. The first of `answers`, name by label, is proposed. */
+/**
+ * Asks a question, and returns the name of the answer, or nothing if the user cancels. The first of `answers` (name by
+ * label) is the default.
+ */
 export function ask(question, answers) {
   return new Promise((resolve) => {
     const end = (answer) => { dialog.close(); dialog.remove(); resolve(answer); };
@@ -60,7 +66,10 @@ export function save(name, url) {
 
 let messages = 0;
 
-/** Tells something above the page. A note goes by itself, what is lasting or a problem when it is closed, a problem with its page as well. */
+/**
+ * Shows a message above the page. A note disappears by itself, a lasting message or a problem when it is closed; a
+ * problem also disappears with its page.
+ */
 export function tell(text, kind = "note") {
   const place = document.getElementById("messages");
   if ([...place.children].some((there) => there.firstChild?.textContent === text)) return;
@@ -70,12 +79,12 @@ export function tell(text, kind = "note") {
   if (kind === "note") setTimeout(() => message.remove(), 4000);
 }
 
-/** Takes away the problems that were told. */
+/** Removes the problems above the page. */
 export function forgetProblems() {
   for (const message of document.querySelectorAll("#messages .problem")) message.remove();
 }
 
-/** Tells all problems of a refusal. */
+/** Shows all problems of a refusal. */
 export function tellProblems(refusal, what) {
   for (const problem of refusal.problems ?? [{ message: String(refusal) }]) tell(`${what}: ${problem.message}`, "problem");
 }

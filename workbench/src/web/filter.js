@@ -1,12 +1,12 @@
-// A field that leaves of a long list what has its words.
+// Text field that filters a long list by words.
 
 import { element } from "./dom.js";
 
-/** So many entries are seen at a glance. */
+/** Longest list that needs no filter. */
 const GLANCE = 12;
 
 export class Filter {
-  /** `what` says in words what the entries are. */
+  /** Creates a field; `what` names the entries in words. */
   constructor(what) {
     this.entries = [];
     this.field = element("input", { type: "search", class: "filter", placeholder: `filter ${what}`, "aria-label": `filter ${what}`, on: { input: () => this.show() } });
@@ -14,14 +14,14 @@ export class Filter {
     this.element = element("span", { class: "row", hidden: true }, this.field, this.found);
   }
 
-  /** The list: entries of `text`, in which words are looked for, and `line`, which is shown or hidden. */
+  /** Sets the list: entries with `text`, which is searched, and `line`, which is shown or hidden. */
   take(entries) {
     this.entries = entries;
     this.element.hidden = entries.length <= GLANCE;
     this.show();
   }
 
-  /** Entries that have every word of the field. */
+  /** Returns the entries that contain every word of the field. */
   fitting() {
     const words = this.element.hidden ? [] : this.field.value.toLowerCase().split(/\s+/).filter(Boolean);
     return this.entries.filter(({ text }) => words.every((word) => text.toLowerCase().includes(word)));

@@ -1,6 +1,6 @@
-// Numbers and names for people.
+// Formats of numbers and names.
 
-/** A number with so many significant digits, without an exponent where it can be avoided. */
+/** Formats a number with this many significant digits, without an exponent if possible. */
 export function number(value, digits = 4) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   if (value === 0) return "0";
@@ -10,20 +10,20 @@ export function number(value, digits = 4) {
   return value.toFixed(Math.min(decimals, 8)).replace("-", "−");
 }
 
-/** A number for a narrow table: four digits, no more than four of them behind the point. */
+/** Formats a number for a narrow table: four digits, at most four of them after the point. */
 export const brief = (value) => typeof value === "number" && Math.abs(value) < 1 ? String(+value.toFixed(4)).replace("-", "−") : number(value);
 
-/** A number with its sign. */
+/** Formats a number with its sign. */
 export const signed = (value, digits = 4) => (value > 0 ? "+" : "") + number(value, digits);
 
-/** A share in percent. */
+/** Formats a share in percent. */
 export function percent(share) {
   if (share === null || share === undefined) return "–";
   const value = 100 * share;
   return `${(Math.abs(value) < 9.95 ? value.toFixed(1) : value.toFixed(0)).replace(/^-(?=0(\.0)?$)/, "").replace("-", "−")} %`;
 }
 
-/** An interval of time in a unit that suits it. */
+/** Formats an interval of time in a suitable unit. */
 export function duration(seconds) {
   if (seconds === null || seconds === undefined) return "–";
   if (seconds < 1e-3) return `${number(1e6 * seconds, 3)} µs`;
@@ -32,18 +32,18 @@ export function duration(seconds) {
   return `${number(seconds / 60, 4)} min`;
 }
 
-/** A unit as it is printed: m² for m2. */
+/** Formats a unit for display: m² for m2. */
 export const unitText = (unit) => unit.replace(/(?<=[mA])[23]/g, (digit) => digit === "2" ? "²" : "³").replace("ohm", "Ω");
 
-/** Groups of three digits. */
+/** Formats a count in groups of three digits. */
 export const count = (value) => value.toLocaleString("en").replaceAll(",", "\u202f");
 
-// A map, because a log may call its signals as an object calls its own parts.
+// A map, because a log may name a signal like a property of an object.
 const WORDS = new Map([
   ["p_ch", "chamber pressure"], ["i_fill", "current of the fill coil"], ["i_vent", "current of the vent coil"],
   ["duty_fill", "duty cycle of the fill valve"], ["duty_vent", "duty cycle of the vent valve"], ["u_bat", "supply voltage"],
   ["x_fill", "stroke of the fill valve"], ["x_vent", "stroke of the vent valve"], ["x_plunger", "stroke of the plunger"], ["t_gas", "gas temperature"],
 ]);
 
-/** A signal for a label: words and name, or the name alone. */
+/** Returns the label of a signal: words and name, or the name alone. */
 export const titled = (name) => WORDS.has(name) ? `${WORDS.get(name)} ${name}` : name;

@@ -1,4 +1,4 @@
-// Opens the session, shows the page that the address names, and ends the session's work with the page.
+// Opens the session, shows the page in the address, and ends the session's work with the page.
 
 import * as api from "./api.js";
 import { element, fill, forgetProblems, tell } from "./dom.js";
@@ -12,7 +12,7 @@ import * as control from "./pages/control.js";
 import * as report from "./pages/report.js";
 import { tellInterrupted } from "./pages/work.js";
 
-/** A page has a title and `show(place)`, which returns what it has to be told: `leave` and `redraw`. */
+/** Pages by name. A page has a title and `show(place)`, which returns its handlers `leave` and `redraw`. */
 const PAGES = { logs, compare, diagnose, refine, control, report };
 const KEY = "project";
 
@@ -35,7 +35,7 @@ async function show() {
   }
 }
 
-/** Nothing can be shown. */
+/** Shows that nothing can be displayed. */
 function tellEnd(error) {
   fill(place, element("p", { class: "message problem" }, String(error.message ?? error)));
 }

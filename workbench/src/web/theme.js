@@ -1,13 +1,13 @@
-// Light and dark. The colours stand in the style sheet; charts take them from there.
+// Light and dark theme. The style sheet defines the colours; charts read them from there.
 
 const KEY = "theme";
 
 export const isDark = () => document.documentElement.dataset.theme === "dark";
 
-/** The colour of a role. */
+/** Returns the colour of a role. */
 export const colour = (role) => getComputedStyle(document.documentElement).getPropertyValue(`--${role}`).trim();
 
-/** Takes the theme that was chosen last, or the system's. */
+/** Sets the theme that was selected last, or the system's. */
 export function begin(control, onChange) {
   const system = matchMedia("(prefers-color-scheme: dark)");
   const show = (dark) => {

@@ -1,4 +1,4 @@
-// Plots one below the other over one time axis: tools, keys, wheel and pointer move what of it is visible.
+// Plots one below the other on one time axis; tools, keys, wheel and pointer change the visible range.
 
 import { axis, clear, draw, label, layout, plotly } from "./chart.js";
 import { button, element, tellProblems } from "./dom.js";
@@ -7,12 +7,15 @@ import * as view from "./view.js";
 
 const MARGIN = { l: 64, r: 14, t: 28, b: 44 };
 const GAP = 29;
-/** Until a person rests for so long (ms), only the axes follow. */
+/** Pause of the user (ms) after which the plots are fetched again; until then only the axes follow. */
 const REST = 120;
 
-/** A subclass has `refresh`, which fetches `courses` of the visible range, and `paint`, which draws them with `drawStack`. */
+/**
+ * A subclass has `refresh`, which fetches `courses` of the visible range, and `paint`, which draws them with
+ * `drawStack`.
+ */
 export class TimeView {
-  /** `keys` says in words which keys of its own the view has, beside those that move it. */
+  /** Creates a view; `keys` describes its own keys, in addition to those that move it. */
   constructor(id, keys = "") {
     this.courses = null;
     this.chart = element("div", { class: "chart", id, tabIndex: 0, role: "application", "aria-label": `Courses over time. Plus and minus zoom, arrows move, Home shows all${keys}.` });
@@ -22,7 +25,7 @@ export class TimeView {
     this.listen();
   }
 
-  /** The row above the plots. */
+  /** Creates the row above the plots. */
   tools(title, whole, exports) {
     return element("div", { class: "row tools" }, element("h2", {}, title), element("span", { class: "space" }),
       button("−", () => this.zoom(2), { title: "Zoom out (−)", "aria-label": "Zoom out" }),
@@ -44,31 +47,31 @@ export class TimeView {
     if (this.courses) this.paint();
   }
 
-  /** Ends what was being fetched; the signal of what is fetched now. */
+  /** Aborts the running request; returns the signal of the new one. */
   fetchAnew() {
     this.fetching?.abort();
     this.fetching = new AbortController();
     return this.fetching.signal;
   }
 
-  /** Points that a screen of this width can show. */
+  /** Returns the number of points that a screen of this width can show. */
   points(share = 1) {
     return Math.max(400, Math.min(2400, Math.round(share * (this.chart.clientWidth || 900))));
   }
 
-  /** What is visible (s). */
+  /** Returns the visible range (s). */
   range() {
     const [begin, end] = this.courses?.whole_s ?? [0, 1];
     return { from: view.numberOf("from") ?? begin, to: view.numberOf("to") ?? end };
   }
 
-  /** Goes to a range; none is all there is. */
+  /** Goes to a range; without one to the whole log. */
   look(from, to) {
     if (!this.courses) return;
     if (from !== null) {
       const [begin, end] = this.courses.whole_s;
       to = Math.max(to, from + 1e-6 * (end - begin));
-      // Beyond twice the whole there is nothing to see.
+      // There is nothing to see beyond twice the whole range.
       if (to - from > 2 * (end - begin)) [from, to] = [null, null];
     }
     view.set({ from, to });
@@ -77,7 +80,7 @@ export class TimeView {
     this.waiting = setTimeout(() => this.refresh().catch((error) => tellProblems(error, "View")), REST);
   }
 
-  /** Moves the axes at once, with the points that are there. */
+  /** Moves the axes at once, with the present points. */
   async showRange() {
     if (!this.chart.layout) return;
     const { from, to } = this.range();
@@ -95,15 +98,16 @@ export class TimeView {
     this.look(from + share * (to - from), to + share * (to - from));
   }
 
-  /** Shows what lies around a time, and the plots themselves. */
+  /** Shows the surroundings of a time, and scrolls to the plots. */
   goTo(from, to) {
     this.look(from, to);
     this.element.scrollIntoView({ behavior: "smooth", block: "start" });
   }
 
   /**
-   * Draws the panels from top to bottom. Each has a `height` (px), a `title`, the colour role of its `ink`, and `draw`, which is
-   * given the name of its axis and gives its `traces`, the `range` of its axis, and perhaps `ticks` and `shapes`.
+   * Draws the panels from top to bottom. Each has a `height` (px), a `title`, the colour role of its `ink`, and `draw`.
+   * `draw` gets the name of its axis and returns its `traces`, the `range` of its axis, and optionally `ticks` and
+   * `shapes`.
    */
   async drawStack(panels, { title, shapes = [], annotations = [] }) {
     const plotted = panels.reduce((sum, panel) => sum + panel.height, 0) + GAP * Math.max(0, panels.length - 1);
@@ -130,12 +134,12 @@ export class TimeView {
     this.watchLibrary();
   }
 
-  /** A course as a line. */
+  /** Returns a time series as a line. */
   line(course, yaxis, role, more = {}) {
     return { x: course.t, y: course.y, xaxis: "x", yaxis, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width: 1.4, ...more } };
   }
 
-  /** A range of values around what is visible of the courses, with some air; `values` are to be seen besides. */
+  /** Returns a range around the visible values of the series, with a margin; it also includes `values`. */
   rangeOf(courses, values = []) {
     const { from, to } = this.range();
     let [low, high] = [Math.min(...values), Math.max(...values)];
@@ -152,7 +156,7 @@ export class TimeView {
     return [low - air, high + air];
   }
 
-  /** What a person did with the library's own hands. */
+  /** Handles zooming and moving with the library's own tools. */
   watchLibrary() {
     if (this.isWatched) return;
     this.isWatched = true;
@@ -163,7 +167,7 @@ export class TimeView {
     });
   }
 
-  /** The time under a pointer; none beside the plots. */
+  /** Returns the time under a pointer; none beside the plots. */
   timeAt(event) {
     const { left, width } = this.chart.getBoundingClientRect();
     const share = (event.clientX - left - MARGIN.l) / (width - MARGIN.l - MARGIN.r);
@@ -171,16 +175,16 @@ export class TimeView {
     return share >= 0 && share <= 1 ? { time: from + share * (to - from), share } : null;
   }
 
-  /** The time that lies between two places of the pointer (px). */
+  /** Returns the time between two positions of the pointer (px). */
   timeBetween(from, to) {
     const visible = this.range();
     return (to - from) * (visible.to - visible.from) / (this.chart.getBoundingClientRect().width - MARGIN.l - MARGIN.r);
   }
 
-  /** The pointer is at a time, or beside the plots (null). */
+  /** Handles the pointer at a time, or beside the plots (null). */
   hover() {}
 
-  /** What keys of its own the view has. */
+  /** Returns the view's own keys. */
   acts() {
     return {};
   }

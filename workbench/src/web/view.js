@@ -1,4 +1,4 @@
-// What is shown, as the part of the address behind `#`: a link is a view.
+// Displayed state, as the part of the address after `#`: a link is a view.
 
 const state = { page: "logs", parameters: new URLSearchParams() };
 let listen = () => {};
@@ -14,7 +14,7 @@ function write() {
   history.replaceState(null, "", `#/${state.page}${query ? `?${query}` : ""}`);
 }
 
-/** Reads the address, and calls `onMove` whenever a person goes elsewhere in it. */
+/** Reads the address, and calls `onMove` whenever the user changes it. */
 export function begin(onMove) {
   listen = onMove;
   read();
@@ -23,19 +23,19 @@ export function begin(onMove) {
 
 export const page = () => state.page;
 
-/** A text of the view; none if it does not say. */
+/** Returns a text of the view; none if it is not set. */
 export const text = (name) => state.parameters.get(name);
 
-/** A list of texts of the view, whatever letters they have; empty if it does not say. */
+/** Returns a list of texts of the view with any characters; empty if it is not set. */
 export const texts = (name) => state.parameters.getAll(name);
 
-/** A number of the view; none if it does not say, or is no number. */
+/** Returns a number of the view; none if it is not set or not a number. */
 export function numberOf(name) {
   const value = parseFloat(state.parameters.get(name) ?? "");
   return Number.isFinite(value) ? value : null;
 }
 
-/** Changes the view; null takes a part away, and so does an empty list. */
+/** Changes the view; null removes a part, and so does an empty list. */
 export function set(changes) {
   for (const [name, value] of Object.entries(changes)) {
     state.parameters.delete(name);
@@ -56,5 +56,5 @@ export function go(page, changes = {}) {
   listen();
 }
 
-/** The address of the view, without secrets. */
+/** Returns the address of the view, without secrets. */
 export const link = () => location.href;

@@ -1,4 +1,4 @@
-//! Closer looks of the page "Compare": statistics, states behind the plots, tolerances, long lists.
+//! Detail charts of the page "Compare": statistics, valve states behind the plots, tolerances, long lists.
 
 use serde_json::json;
 
@@ -31,7 +31,7 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
             .until("document.getElementById('spectrum').layout.yaxis.title.text.includes('%²')")
             .await;
 
-        // The states of the valves are a part of the link.
+        // The states of the valves are part of the link.
         let shapes = "document.getElementById('time-plots').layout.shapes.filter((shape) => shape.type === 'path').length";
         assert_eq!(person.run(&format!("return {shapes}")).await, 0);
         person.click("[data-states]").await;
@@ -39,7 +39,7 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
         let link = person.client.current_url().await.unwrap().to_string();
         assert!(link.contains("states=shown"), "{link}");
 
-        // A tolerance of p_ch: the band is drawn, and the share beyond it is told.
+        // A tolerance of p_ch: the band is drawn, and the share beyond it is shown.
         let traces = "document.getElementById('time-plots').data.length";
         let before = person.run(&format!("return {traces}")).await;
         let before = before.as_u64().unwrap();

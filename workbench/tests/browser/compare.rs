@@ -1,4 +1,4 @@
-//! The way of a new user: a log is dropped, compared, looked at closely, marked, exported, and shared as a link.
+//! Workflow of a new user: a log is dropped, compared, examined, marked, exported, and shared as a link.
 
 use serde_json::json;
 
@@ -7,7 +7,7 @@ use crate::driver::{Person, with_browser};
 const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
 const CHECK: &str = include_str!("../../../data/synthetic/practice-01-check.csv");
 
-/// What the chart shows on its time axis (s).
+/// Returns the range of the chart's time axis (s).
 async fn range(person: &Person) -> (f64, f64) {
     let range = person
         .run("return document.getElementById('time-plots').layout.xaxis.range")
@@ -45,13 +45,13 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
         assert!(((zoomed_to - zoomed_from) / (to - from) - 0.5).abs() < 1e-6);
         person.until("document.querySelector('#metrics td').textContent.length < 6 && !document.querySelector('#metrics td').textContent.startsWith('6')").await;
 
-        // Two cursors, with the difference of time and of every signal.
+        // Two cursors, with the differences of time and of every signal.
         person.fill("#cursor-a", "20").await;
         person.fill("#cursor-b", "22.5").await;
         person.until("document.getElementById('cursors-title').parentElement.textContent.includes('+2.5')").await;
         person.until("[...document.querySelectorAll('#values tbody tr')].every((row) => row.cells[2].textContent !== '–' && row.cells[4].textContent !== '–')").await;
 
-        // A click on a regime marks its samples in the plots; a click on a cell of the map does the same.
+        // A click on a regime marks its samples in the plots, and so does a click on a cell of the map.
         person
             .click("[data-select='p_ch/valve_state/filling']")
             .await;
@@ -61,7 +61,7 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
             .await;
         person.picture("compare-marked").await;
 
-        // The address is the view: a second tab that opens it shows the same.
+        // The address contains the view: a second tab that opens it shows the same.
         let link = person.client.current_url().await.unwrap().to_string();
         for part in ["log=1", "from=", "a=20", "select=p_ch"] {
             assert!(link.contains(part), "{link}");
@@ -82,7 +82,7 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
         person
             .until("['scatter', 'fold', 'distribution', 'spectrum'].every((look) => document.getElementById(look).data)")
             .await;
-        // Every chart as a picture, in the page's own content policy, and the data as two kinds of log.
+        // Every chart as an image, under the page's own content policy, and the data as two kinds of log.
         person
             .run(
                 "window.saved = []; \
@@ -200,7 +200,7 @@ fn other_logs_lie_beside_and_are_brought_onto_this_one() {
         assert_eq!(person.run(&format!("return {sizes}")).await, json!(true));
         person.picture("compare-overlay").await;
 
-        // Differences go on beside the view, as all courses do, so that moving shows no empty edge.
+        // Differences are also drawn beside the view, like all time series, so that moving shows no empty edge.
         for _ in 0..2 {
             person.press("#time-plots", "+").await;
         }
@@ -216,7 +216,7 @@ fn other_logs_lie_beside_and_are_brought_onto_this_one() {
             .until("document.getElementById('time-plots').data.every(({ x }) => x[0] < 4)")
             .await;
 
-        // A drag with Ctrl takes it elsewhere again; the view stays where it was.
+        // A drag with Ctrl moves the log; the view stays.
         let seen = range(person).await;
         let aligned = person
             .run("return Number(document.querySelector('[aria-label=\"offset of late.csv\"]').value)")

@@ -1,4 +1,4 @@
-//! The loop is closed, looked at, changed, refused, spread over rigs, and written into a report.
+//! The loop is closed, examined, changed, refused, run on scattered rigs, and written into a report.
 
 use serde_json::json;
 
@@ -8,7 +8,7 @@ const NOMINAL: &str = include_str!("../../../data/nominal-plant.toml");
 const LEAK: &str = "\n[effects.chamber_leak]\nvariant = \"orifice\"\narea_m2 = 2e-8\n";
 const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
 
-/// Goes to a page by its tab, and waits until it is there.
+/// Goes to a page by its tab, and waits until it is shown.
 async fn go(person: &Person, page: &str) {
     person.click(&format!("nav a[href^='#/{page}']")).await;
     person
@@ -44,7 +44,7 @@ fn the_loop_is_run_on_both_plants_changed_and_spread_over_rigs() {
         assert!(rows.as_u64().unwrap() >= 6, "{rows}");
         person.picture("control").await;
 
-        // All plots have one time axis: keys move all of them, and the address tells it.
+        // All plots have one time axis: keys move all of them, and the address contains the range.
         person.press("#run-plots", "+").await;
         person.press("#run-plots", "+").await;
         person
@@ -82,7 +82,7 @@ fn the_loop_is_run_on_both_plants_changed_and_spread_over_rigs() {
             .until("document.getElementById('controller-name').textContent === 'thesis controller, changed' && document.body.dataset.ready === 'control'")
             .await;
 
-        // A profile of one's own.
+        // A profile of the user.
         person
             .run("document.querySelectorAll('.profile-step .close').forEach((one) => one.click())")
             .await;
@@ -145,7 +145,7 @@ fn the_report_is_written_shown_and_downloaded() {
         person
             .until("document.getElementById('preview')?.dataset.loaded === 'yes'")
             .await;
-        // The frame is of no origin: this page cannot look into it, so the browser is asked.
+        // The frame has no origin, so this page cannot read it; the browser can.
         let frame = person
             .client
             .find(fantoccini::Locator::Css("#preview"))

@@ -1,4 +1,4 @@
-//! A browser, a server, and what a person does with both.
+//! Browser, server, and the actions of a user.
 
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use workbench::{Options, Server, Stopper, Worker};
 
-/// Longest wait for anything on the page: the machine may be busy.
+/// Longest wait for the page: the machine may be busy.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A browser with one window on a page of a server of its own.
+/// Browser with one window on a page of its own server.
 pub(crate) struct Person {
     pub(crate) client: Client,
     pub(crate) address: String,
@@ -24,7 +24,7 @@ pub(crate) struct Person {
     _folders: [TempDir; 2],
 }
 
-/// The process of a tab.
+/// Returns the program of a tab's process.
 pub(crate) fn worker() -> Worker {
     Worker {
         program: env!("CARGO_BIN_EXE_workbench-tab").into(),
@@ -33,7 +33,7 @@ pub(crate) fn worker() -> Worker {
     }
 }
 
-/// Ends with its browser, whatever a test does.
+/// Process that ends with its browser, whatever a test does.
 struct DriverProcess(Child);
 
 impl Drop for DriverProcess {
@@ -51,7 +51,7 @@ impl Drop for Running {
     }
 }
 
-/// Runs `test` in front of a fresh browser, which is closed afterwards.
+/// Runs `test` with a new browser, and closes it afterwards.
 pub(crate) fn with_browser(test: impl AsyncFnOnce(&Person)) {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
@@ -105,7 +105,7 @@ impl Person {
         person
     }
 
-    /// Counts what the content policy refuses, and every dialogue.
+    /// Counts the refusals of the content policy, and every dialogue.
     pub(crate) async fn watch_the_policy(&self) {
         self.run(
             "window.refused = []; \
@@ -133,7 +133,7 @@ impl Person {
         self.until_within(PATIENCE, expression).await;
     }
 
-    /// The same for what takes longer than a page does.
+    /// Waits with another limit, for slow operations.
     pub(crate) async fn until_within(&self, patience: Duration, expression: &str) {
         let begin = Instant::now();
         while self.run(&format!("return Boolean({expression})")).await != json!(true) {
@@ -154,7 +154,7 @@ impl Person {
             .unwrap_or_else(|error| panic!("{selector}: {error}"));
     }
 
-    /// Clicks twice on the same place, as some people click on everything.
+    /// Clicks twice on the same place, as some users always do.
     pub(crate) async fn double_click(&self, selector: &str) {
         let element = self.client.find(Locator::Css(selector)).await.unwrap();
         let mut mouse = MouseActions::new("mouse".into()).then(PointerAction::MoveToElement {
@@ -182,7 +182,7 @@ impl Person {
         input.send_keys(path.to_str().unwrap()).await.unwrap();
     }
 
-    /// Ends the server under the page.
+    /// Ends the server of the page.
     pub(crate) fn stop_the_server(&self) {
         self.server.0.stop();
     }
@@ -225,7 +225,7 @@ impl Person {
         .await;
     }
 
-    /// Drops a file that is no text.
+    /// Drops a binary file.
     pub(crate) async fn drop_bytes(&self, name: &str, bytes: &[u8]) {
         self.run_with(
             "const data = new DataTransfer(); \
@@ -243,7 +243,7 @@ impl Person {
             .await;
     }
 
-    /// Leaves a picture of the whole page.
+    /// Saves an image of the whole page.
     pub(crate) async fn picture(&self, name: &str) {
         let height = self
             .run("return document.documentElement.scrollHeight")
@@ -259,7 +259,7 @@ impl Person {
         keep(name, &png);
     }
 
-    /// Leaves a picture of a part of the page.
+    /// Saves an image of a part of the page.
     pub(crate) async fn picture_of(&self, selector: &str, name: &str) {
         let part = self.client.find(Locator::Css(selector)).await.unwrap();
         keep(name, &part.screenshot().await.unwrap());

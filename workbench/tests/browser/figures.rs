@@ -1,4 +1,4 @@
-//! How quick the page is, printed: figures for `docs/evidence.md`. In release they are those of a person at a desk:
+//! Speed of the page, printed: figures for `docs/evidence.md`. A release build gives those of an ordinary desktop:
 //!
 //! `cargo nextest run --release -p workbench --features browser --test browser --no-capture figures:: long_log::`
 
@@ -11,7 +11,7 @@ use crate::driver::{with_browser, worker};
 const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
 const CHECK: &str = include_str!("../../../data/synthetic/practice-01-check.csv");
 
-/// Both logs of the rig with a leak as one of 100 s.
+/// Joins both logs of the rig with a leak into one of 100 s.
 fn hundred_seconds() -> String {
     let later = CHECK.lines().skip(1).map(|line| {
         let (time, rest) = line.split_once(',').unwrap();
@@ -23,7 +23,8 @@ fn hundred_seconds() -> String {
         .collect()
 }
 
-/// Goal: first content within a second of `retarder serve`. The server's part and the browser's part, one after the other.
+/// Goal: first content within a second of `retarder serve`. The server's part and the browser's part, one after the
+/// other.
 #[test]
 fn first_content() {
     let folder = tempfile::tempdir().unwrap();
@@ -48,7 +49,7 @@ fn first_content() {
     });
 }
 
-/// Goal: a slider moved on 100 s of log is seen on the screen within 200 ms.
+/// Goal: a slider moved on 100 s of log changes the screen within 200 ms.
 #[test]
 fn a_slider_of_a_hundred_seconds() {
     with_browser(async |person| {

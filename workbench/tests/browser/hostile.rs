@@ -1,4 +1,4 @@
-//! A log from somebody who wants more than to be read.
+//! Hostile log.
 
 use serde_json::json;
 
@@ -17,7 +17,7 @@ const NAMES: [&str; 10] = [
     "&lt;img src=x onerror=alert(1)&gt;",
 ];
 
-/// Whatever signals and files are called is text on every page and in every label of a chart.
+/// Names of signals and files are text on every page and in every label of a chart.
 #[test]
 fn names_of_a_log_are_text_wherever_they_are_shown() {
     with_browser(async |person| {

@@ -1,4 +1,4 @@
-//! A long log stays fluid: at 1 kHz in four channels, ten minutes of it, in release an hour; and what the frames take meanwhile.
+//! Frame times with a long log: 1 kHz in four channels, ten minutes, in a release build an hour.
 
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -13,7 +13,7 @@ const ROWS: u32 = if cfg!(debug_assertions) {
     3_600_000
 };
 
-/// Courses that have something to see at every zoom.
+/// Returns time series with details at every zoom.
 fn log() -> String {
     let mut log = String::from("time_s,p_ch_bar_gauge,i_fill_mA,i_vent_mA,u_bat_V\n");
     for row in 0..ROWS {
@@ -46,7 +46,7 @@ fn a_long_log_opens_and_moves_without_a_visible_stall() {
             .until("document.querySelectorAll('.log').length === 1")
             .await;
         let opened = begin.elapsed();
-        // Without commands there is nothing to compare; the courses are seen all the same.
+        // Without commands there is no comparison, but the time series are shown.
         person.click(".compare").await;
         person
             .until("document.getElementById('time-plots')?.data?.length > 0")
@@ -75,8 +75,8 @@ fn a_long_log_opens_and_moves_without_a_visible_stall() {
             of(0.95),
             of(1.0)
         );
-        // Frames of a machine that has nothing else to do are a few times shorter; a page that draws every sample would
-        // take seconds on any.
+        // On an idle machine frames are a few times shorter; a page that draws every sample would take seconds on any
+        // machine.
         assert!(of(0.5) < 400.0 && of(1.0) < 2500.0, "{sorted:?}");
         let points = person.run("return Math.max(...document.getElementById('time-plots').data.map((trace) => trace.x.length))").await;
         assert!(

@@ -1,6 +1,6 @@
-//! The page in a real browser, as a person has it: Debian's `chromium` and `chromium-driver`.
+//! The page in a real browser: Debian's `chromium` and `chromium-driver`.
 //!
-//! Pictures of what was seen are left in the target folder, under `tmp/`.
+//! Images are saved in the target folder, under `tmp/`.
 
 mod closer;
 mod compare;

@@ -1,4 +1,4 @@
-//! What a person does who has not read the manual: wrong files, double clicks, second thoughts, a server that is gone.
+//! Actions of a user without the manual: wrong files, double clicks, changes of mind, a server that has ended.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use serde_json::json;
 
 use crate::driver::{Person, with_browser};
 
-/// A fit is some hundred simulations, in the tests' profile and beside other tests.
+/// A fit takes some hundred simulations, in the tests' profile and beside other tests.
 const FIT: Duration = Duration::from_secs(300);
 const LOGS: &str = "document.querySelectorAll('.log').length";
 const PROBLEMS: &str = "document.querySelectorAll('#messages .problem').length";
@@ -121,7 +121,7 @@ fn a_double_click_begins_and_does_not_cancel() {
             .until("document.querySelector('.work:not([hidden]) progress')?.value > 0")
             .await;
 
-        // Work ends with its page, and the person is told.
+        // A job ends with its page, and a message says so.
         person.client.refresh().await.unwrap();
         person
             .until("document.getElementById('messages').textContent.includes('Diagnosing ended when the page was loaded again')")

@@ -1,4 +1,4 @@
-//! The loop of a new user: an example is opened, what is missing is named and added, moved, taken back and fitted.
+//! Workflow of a new user: an example is opened, its missing effect is diagnosed, added, adjusted, undone and fitted.
 
 use std::time::{Duration, Instant};
 
@@ -6,10 +6,10 @@ use serde_json::json;
 
 use crate::driver::{Person, with_browser};
 
-/// A diagnosis is a thousand simulations, in the tests' profile and beside other tests.
+/// A diagnosis takes a thousand simulations, in the tests' profile and beside other tests.
 const DIAGNOSIS: Duration = Duration::from_secs(600);
 
-/// The last bar of the pressure: its error in multiples of the noise.
+/// Last bar of the pressure: its error in multiples of the noise.
 const LAST_BAR: &str = "Number([...document.querySelectorAll('#ladder .bar-row[data-signal=p_ch]')].at(-1).dataset.times)";
 
 async fn last_bar(person: &Person) -> f64 {
@@ -20,7 +20,7 @@ async fn last_bar(person: &Person) -> f64 {
         .unwrap()
 }
 
-/// Moves a slider as a hand does, and lets it go if `rests`.
+/// Moves a slider as a user does, and releases it if `rests`.
 async fn slide(person: &Person, key: &str, place: f64, rests: bool) {
     person
         .run_with(
@@ -80,7 +80,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         }
         person.picture("diagnose").await;
 
-        // A page that is loaded again closes its session first: what it found is not lost.
+        // A page that is loaded again first closes its session: its findings are kept.
         person.client.refresh().await.unwrap();
         person
             .until("document.body.dataset.ready === 'diagnose' && document.body.dataset.diagnosed === 'found'")
@@ -94,7 +94,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         let (plain, added) = (plain.as_f64().unwrap(), last_bar(person).await);
         assert!(added < 0.3 * plain, "{plain} {added}");
 
-        // A slider on its way moves the bars and no step; at rest it is one.
+        // A moving slider changes the bars but adds no step; when it rests it adds one.
         let steps = "document.querySelectorAll('#steps li').length";
         slide(person, "area_m2", 0.9, false).await;
         person.until(&format!("{LAST_BAR} > {}", 2.0 * added)).await;
@@ -119,7 +119,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
             .until(&format!("Math.abs({LAST_BAR} - {added}) < 1e-9"))
             .await;
 
-        // Off, the air is lost that the model keeps; on again it is as it was.
+        // Off, the error of the leak returns; on again, everything is as before.
         person.click("[data-switch='chamber_leak']").await;
         person.until(&format!("{LAST_BAR} > {}", 2.0 * added)).await;
         person.click("[data-switch='chamber_leak']").await;
@@ -153,7 +153,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
                 && toml.contains("fitted by retarder refine to practice-01-id.csv")
         );
 
-        // The refined plant is the one that Compare has.
+        // The refined plant is the one of Compare.
         person.click("#to-compare").await;
         person
             .until("document.body.dataset.ready === 'compare'")

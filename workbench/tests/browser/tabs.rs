@@ -22,7 +22,7 @@ fn two_tabs_do_not_meet_and_a_reloaded_one_has_its_project() {
         let page = person.address.split('?').next().unwrap().to_owned();
         person.client.goto(&page).await.unwrap();
         person.until("document.body.dataset.ready === 'logs'").await;
-        // A new tab begins with a copy of what was open last.
+        // A new tab begins with a copy of the project that was open last.
         person
             .until("document.querySelectorAll('.log').length === 1")
             .await;

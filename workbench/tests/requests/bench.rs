@@ -1,4 +1,4 @@
-//! A server of its own for each test, and a client that sends exactly what it is told.
+//! A server of its own for each test, and a client that sends exactly the given bytes.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -10,7 +10,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 use workbench::{Options, Server, Stopper, Worker};
 
-/// A running server with an open session.
+/// Running server with an open session.
 pub(crate) struct Bench {
     pub(crate) port: u16,
     pub(crate) token: String,
@@ -18,7 +18,7 @@ pub(crate) struct Bench {
     running: Option<(Stopper, JoinHandle<()>)>,
 }
 
-/// What came back.
+/// Response of the server.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
@@ -43,7 +43,7 @@ impl Answer {
         pairs.find(|(key, _)| *key == name).map(|(_, value)| value)
     }
 
-    /// The code of the first problem.
+    /// Returns the code of the first problem.
     pub(crate) fn code(&self) -> String {
         self.json()["problems"][0]["code"]
             .as_str()
@@ -61,7 +61,7 @@ impl Bench {
         Self::run(folder, worker(Worker::MEMORY_BYTES))
     }
 
-    /// A server whose tabs have another limit of memory.
+    /// Starts a server whose tabs have another limit of memory.
     pub(crate) fn with_worker(worker: Worker) -> Self {
         Self::run(tempfile::tempdir().unwrap(), worker)
     }
@@ -96,14 +96,14 @@ impl Bench {
         }
     }
 
-    /// Sends these bytes, and reads until the server closes or says that all is said.
+    /// Sends these bytes, and reads until the server closes or the response is complete.
     pub(crate) fn raw(&self, request: &[u8]) -> Answer {
         self.raw_to("127.0.0.1", request)
     }
 
     fn raw_to(&self, address: &str, request: &[u8]) -> Answer {
         let mut stream = self.connect_to(address);
-        // A server that refuses early closes while the rest is still on its way.
+        // A server that refuses early closes while the rest is still being sent.
         let _ = stream.write_all(request);
         read_answer(&mut stream)
     }
@@ -124,12 +124,12 @@ impl Bench {
         format!("127.0.0.1:{}", self.port)
     }
 
-    /// A request with these header lines and no others than `Connection: close`.
+    /// Sends a request with these header lines and no others than `Connection: close`.
     pub(crate) fn send(&self, method: &str, path: &str, headers: &[&str], body: &[u8]) -> Answer {
         self.send_to("127.0.0.1", method, path, headers, body)
     }
 
-    /// The same to another address of the loopback interface.
+    /// Sends the same to another address of the loopback interface.
     pub(crate) fn send_to(
         &self,
         address: &str,
@@ -150,7 +150,7 @@ impl Bench {
         self.raw_to(address, &[request.as_bytes(), body].concat())
     }
 
-    /// The cookie that the token is exchanged for.
+    /// Returns the cookie for the token.
     pub(crate) fn cookie(&self) -> String {
         let host = format!("Host: {}", self.host());
         let path = format!("/?token={}", self.token);
@@ -160,7 +160,7 @@ impl Bench {
         cookie.split(';').next().unwrap().to_owned()
     }
 
-    /// A browser that has the cookie.
+    /// Returns a browser with the cookie.
     pub(crate) fn browser(&self) -> Browser<'_> {
         Browser {
             bench: self,
@@ -177,7 +177,7 @@ impl Drop for Bench {
     }
 }
 
-/// The process of a tab.
+/// Returns the program of a tab's process.
 pub(crate) fn worker(memory_bytes: u64) -> Worker {
     Worker {
         program: env!("CARGO_BIN_EXE_workbench-tab").into(),
@@ -186,7 +186,7 @@ pub(crate) fn worker(memory_bytes: u64) -> Worker {
     }
 }
 
-/// A server on a free port: tests run side by side.
+/// Starts a server on a free port, since tests run in parallel.
 fn serve(folder: &Path, worker: Worker) -> Server {
     let options = Options {
         project: folder.to_path_buf(),
@@ -196,7 +196,7 @@ fn serve(folder: &Path, worker: Worker) -> Server {
     Server::bind(&options).unwrap()
 }
 
-/// Requests as the page of the server sends them.
+/// Client that sends requests in the form of the page.
 pub(crate) struct Browser<'a> {
     pub(crate) bench: &'a Bench,
     pub(crate) cookie: String,
@@ -231,7 +231,7 @@ impl Browser<'_> {
         self.send("PUT", path, "application/json", body.to_string().as_bytes())
     }
 
-    /// Opens a session as a tab does, and gives its path.
+    /// Opens a session as a tab does, and returns its path.
     pub(crate) fn session(&self, project: Option<&str>) -> String {
         let opened = self.post("/api/sessions", &serde_json::json!({ "project": project }));
         assert_eq!(opened.status, 200, "{opened:?}");
@@ -246,14 +246,14 @@ impl Browser<'_> {
         self.send("POST", &path, "application/octet-stream", bytes)
     }
 
-    /// Compares a log and waits for the end; gives the last event.
+    /// Compares a log and waits for the end; returns the last event.
     pub(crate) fn compare(&self, session: &str, log: u64) -> Value {
         let path = format!("{session}/logs/{log}/compare");
         let mut events = self.work(session, &path, &serde_json::json!({}));
         events.pop().unwrap()
     }
 
-    /// Follows a job as a page does that may go away, once it was told that it runs.
+    /// Follows a job like a page that may close, as soon as the job runs.
     pub(crate) fn follow(&self, session: &str, job: u64) -> TcpStream {
         let mut events = self.bench.connect();
         let request = format!(
@@ -267,7 +267,7 @@ impl Browser<'_> {
         events
     }
 
-    /// Begins a job and waits for its end; gives all events.
+    /// Begins a job and waits for its end; returns all events.
     pub(crate) fn work(&self, session: &str, path: &str, wish: &Value) -> Vec<Value> {
         let begun = self.post(path, wish);
         assert_eq!(begun.status, 200, "{begun:?}");

@@ -1,4 +1,4 @@
-//! Closer looks at a comparison, as numbers.
+//! Detail charts of a comparison, as numbers.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use crate::bench::{Bench, Browser};
 
 const LOG: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
 
-/// A session with a compared log, number 1.
+/// Returns a session with a compared log, number 1.
 pub(crate) fn compared(browser: &Browser<'_>) -> String {
     let session = browser.session(None);
     browser.upload(&session, "practice-01-id.csv", LOG.as_bytes());
@@ -51,7 +51,7 @@ fn a_residual_has_a_distribution_and_a_spectrum_that_agree_with_its_metrics() {
     let level = spectral["noise_level"].as_f64().unwrap();
     assert!((level * nyquist_hz / (noise * noise) - 1.0).abs() < 1e-9);
 
-    // A command has both too, but neither noise nor model; where there is nothing, nothing is said.
+    // A command also has both, but neither noise nor model; without values there is no statement.
     let command = get("distribution?signal=duty_fill&of=measured");
     assert_eq!(
         (&command["unit"], &command["noise"]),
@@ -90,7 +90,7 @@ fn a_look_at_what_is_not_there_is_refused() {
     assert_eq!(answer.status, 409, "{answer:?}");
 }
 
-/// The courses of a signal in a view.
+/// Returns the time series of a signal in a view.
 fn signal(browser: &Browser<'_>, session: &str, view: &str, name: &str) -> Value {
     let courses = browser
         .get(&format!("{session}/logs/1/courses?points=800&{view}"))
@@ -103,7 +103,7 @@ fn signal(browser: &Browser<'_>, session: &str, view: &str, name: &str) -> Value
         .clone()
 }
 
-/// A tolerance that is absolute, relative and late at once, in the page's own words.
+/// A tolerance that is absolute, relative and in time, in the page's own notation.
 #[test]
 fn a_tolerance_judges_the_samples_of_the_view_and_leaves_the_comparison() {
     let bench = Bench::start();
@@ -126,7 +126,7 @@ fn a_tolerance_judges_the_samples_of_the_view_and_leaves_the_comparison() {
     assert_eq!(wide["band"]["samples"], wide["metrics"]["samples"]);
     let tight = json!({"absolute": 1e-6, "beyond_max": 0.5});
     assert_eq!(set(tight).status, 200);
-    // The bands judge what is there: nothing is compared again.
+    // The bands judge existing results: the comparison is not computed again.
     let comparison = browser.get(&format!("{session}/logs/1/comparison"));
     assert_eq!(comparison.status, 200, "{comparison:?}");
     let view = "from_s=10&to_s=20";
@@ -180,7 +180,7 @@ fn the_states_of_the_valves_cover_the_view_when_they_are_asked_for() {
     }
 }
 
-/// The numbers are of what is seen; what is drawn goes on beside it.
+/// The numbers cover the visible range; the drawn range is larger.
 #[test]
 fn what_is_drawn_beside_a_view_does_not_count() {
     let bench = Bench::start();
@@ -198,7 +198,7 @@ fn what_is_drawn_beside_a_view_does_not_count() {
     }
 }
 
-/// The same log a second later: its difference is nothing once it is shifted back, and not before.
+/// The same log a second later: the difference is zero only after it is shifted back.
 #[test]
 fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
     let bench = Bench::start();
@@ -247,7 +247,7 @@ fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
     let held = get("&from_s=10&to_s=20&between=hold");
     assert_eq!(held[2]["between"], "hold");
     assert!((worst(&held[2]) - 0.039).abs() < 1e-9, "{held}");
-    // Beside the view the course goes on, and the numbers do not.
+    // The time series continues beside the view, and the numbers do not include that part.
     let beside = get("&from_s=10&to_s=20&beside=0.5");
     assert_eq!(beside[2]["metrics"], linear[2]["metrics"]);
     let ends = |difference: &Value| {

@@ -1,4 +1,4 @@
-//! The closed loop: what is asked of it, what came of it, and what is refused.
+//! Closed loop: settings, results and refusals.
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,7 @@ use crate::bench::{Bench, Browser};
 const NOMINAL: &str = include_str!("../../../data/nominal-plant.toml");
 const LEAK: &str = "\n[effects.chamber_leak]\nvariant = \"orifice\"\narea_m2 = 2e-8\n";
 
-/// A step up and a step down, two seconds.
+/// Returns a step up and a step down, two seconds.
 fn short_profile() -> Value {
     json!({
         "name": "short", "start_pressure_bar": 0.0, "start_bar": 0.0, "end_s": 2.0,
@@ -19,7 +19,7 @@ fn wish(profile: &Value, rigs: u32) -> Value {
     json!({"scenario": "figure-6.5", "profile": profile, "seed": 1, "rigs": rigs})
 }
 
-/// Begins work and gives its last event.
+/// Begins a job and returns its last event.
 fn work(browser: &Browser<'_>, session: &str, what: &str) -> Value {
     let mut events = browser.work(session, &format!("{session}/{what}"), &json!({}));
     events.pop().unwrap()
@@ -89,7 +89,7 @@ fn the_loop_is_that_of_the_command_and_judged_alike() {
     );
 }
 
-/// A plant with effects stands beside itself without them; both runs are in one result.
+/// A plant with effects runs beside itself without them; both runs are in one result.
 #[test]
 fn a_refined_plant_is_run_beside_the_plain_one() {
     let bench = Bench::start();
@@ -116,7 +116,7 @@ fn a_refined_plant_is_run_beside_the_plain_one() {
         .json();
     let [plain, refined] = [0, 1].map(|run| &courses["signals"][1]["runs"][run]["y"]);
     assert_ne!(plain, refined, "the leak is seen");
-    // Another plant: what was run is told to be of an earlier one.
+    // With another plant, the old run is marked as that of an earlier one.
     browser.put(
         &format!("{session}/plant"),
         &json!({"name": "", "toml": null}),
@@ -179,7 +179,7 @@ fn settings_of_the_controller_are_checked_as_in_its_file() {
     let lines = file.lines().count();
     let refused = put(&json!({"from": "file", "name": "mine.toml", "toml": file}));
     assert_eq!(refused.json()["problems"][0]["line"], json!(lines));
-    // What was refused changed nothing.
+    // The refused request changed nothing.
     assert_eq!(
         browser.get(&format!("{session}/control/controller")).text(),
         toml
@@ -276,7 +276,7 @@ fn a_profile_is_checked_and_kept_over_a_restart() {
     );
 }
 
-/// The rigs of a batch are those of `retarder control --rigs`, and their settling times are counted whole.
+/// The rigs of a batch are those of `retarder control --rigs`, with the settling times of all steps.
 #[test]
 fn a_batch_is_that_of_the_command_with_its_settling_times() {
     let bench = Bench::start();
@@ -310,7 +310,7 @@ fn a_batch_is_that_of_the_command_with_its_settling_times() {
     );
 }
 
-/// Rule 11: a batch ends with the page that watches it, long before its last rig.
+/// Rule 11: a batch ends with the page that follows it, long before its last rig.
 #[test]
 fn a_batch_that_nobody_watches_is_stopped() {
     let bench = Bench::start();
@@ -325,7 +325,7 @@ fn a_batch_that_nobody_watches_is_stopped() {
         200
     );
     assert_eq!(browser.get(&format!("{session}/jobs/{job}")).status, 404);
-    // The next one does not wait for it: both places of work are free again.
+    // The next one does not wait for it: both places for work are free again.
     for _ in 0..3 {
         let session = browser.session(None);
         browser.put(

@@ -1,4 +1,4 @@
-//! Page "Diagnose": from a log to the missing effect, and what happens to work that nobody waits for.
+//! Page "Diagnose": from a log to the missing effect, and the end of jobs whose page has closed.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use crate::bench::{Bench, Browser};
 
 const ID: &str = include_str!("../../../data/synthetic/practice-01-id.csv");
 
-/// The first seconds of the rig with a leak: enough to name it, and quick.
+/// Returns the first seconds of the rig with a leak: enough for the diagnosis, and fast.
 pub(crate) fn leaking(seconds: f64) -> String {
     let is_early = |line: &&str| {
         let time = line
@@ -21,7 +21,7 @@ pub(crate) fn leaking(seconds: f64) -> String {
         .collect()
 }
 
-/// A session with the beginning of that log.
+/// Returns a session with the beginning of that log.
 pub(crate) fn with_leaking_log(browser: &Browser<'_>, seconds: f64) -> String {
     let session = browser.session(None);
     let added = browser.upload(&session, "bench.csv", leaking(seconds).as_bytes());
@@ -29,8 +29,8 @@ pub(crate) fn with_leaking_log(browser: &Browser<'_>, seconds: f64) -> String {
     session
 }
 
-/// Goal: the way of the page. Method: diagnose ten seconds of the rig with a leak, plan what would tell more, add what
-/// was named.
+/// Goal: the workflow of the page. Method: diagnose ten seconds of the rig with a leak, plan an experiment, add the
+/// named effect.
 #[test]
 fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     let bench = Bench::start();
@@ -97,7 +97,7 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     for end in ["value", "low", "high"] {
         assert_eq!(added["fitted"][end], fitted[end]);
     }
-    // What differs from rig to rig is as it was fitted with the effect.
+    // The parameters that differ between rigs are as fitted with the effect.
     let toml = browser.get(&format!("{session}/refine/plant")).text();
     assert!(
         toml.contains("fitted by retarder diagnose to bench.csv; was "),
@@ -112,7 +112,7 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     let view = browser.get(&format!("{session}/diagnosis")).json();
     assert_eq!(view["is_of_plant"], false, "the plant is another one now");
 
-    // The report tells what was found, and what was done about it.
+    // The report contains the finding, and the change of the plant.
     browser.work(&session, &format!("{session}/report"), &json!({}));
     let state = browser.get(&format!("{session}/report")).json();
     assert_eq!(
@@ -130,7 +130,8 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     }
 }
 
-/// Closes the session and opens it again, as a reload of the page does, and duplicates its tab; gives the session's path.
+/// Closes the session and opens it again, as a reload of the page does, and duplicates its tab; returns the session's
+/// path.
 fn a_diagnosis_goes_with_its_project(
     browser: &Browser<'_>,
     session: String,
@@ -142,12 +143,12 @@ fn a_diagnosis_goes_with_its_project(
     assert_eq!(diagnosis(&session).status, 404);
     assert_eq!(browser.session(Some(id)), session);
     assert_eq!(&diagnosis(&session).json(), view);
-    // The copy that a duplicated tab gets has it too, until a log of it is another.
+    // The copy of a duplicated tab also has it, until one of its logs changes.
     let copy = browser.session(Some(id));
     assert_eq!(&diagnosis(&copy).json(), view);
     browser.send("DELETE", &format!("{copy}/logs/1"), "text/plain", b"");
     assert_eq!(diagnosis(&copy).json(), Value::Null);
-    // A tab that asks for nothing begins with the logs, and has found out nothing.
+    // A tab without a requested project begins with the logs, and without findings.
     assert_eq!(diagnosis(&browser.session(None)).json(), Value::Null);
     session
 }
@@ -196,7 +197,7 @@ fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
         (early.status, early.code().as_str()),
         (409, "E-WEB-TOO-EARLY")
     );
-    // Nothing yet is an answer; a file of nothing is none.
+    // An empty result is an answer; an empty file is refused.
     for path in ["diagnosis", "next-experiment"] {
         let answer = browser.get(&format!("{session}/{path}"));
         assert_eq!(answer.json(), Value::Null, "{path}");
@@ -206,7 +207,7 @@ fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
         assert_eq!(answer.status, 409, "{path}");
     }
 
-    // A log that cannot drive the model says so when it is tried.
+    // A log that cannot drive the model gives the reason when it is diagnosed.
     browser.upload(
         &session,
         "still.csv",
@@ -220,7 +221,7 @@ fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
     );
 }
 
-/// Rule 11: nobody waits for it any more, whether the page was closed or only stopped to listen.
+/// Rule 11: the diagnosis ends if the page is closed or stops to listen.
 #[test]
 fn a_diagnosis_ends_with_whoever_listens() {
     let bench = Bench::start();
@@ -232,7 +233,7 @@ fn a_diagnosis_ends_with_whoever_listens() {
     );
     let job = begun.json()["job"].as_u64().unwrap();
     drop(browser.follow(&session, job));
-    // Its end is told to whoever asks for the job later.
+    // A later request for the job gets its end.
     let told = browser.get(&format!("{session}/jobs/{job}")).text();
     let last: Value = serde_json::from_str(
         told.lines()

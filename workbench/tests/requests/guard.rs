@@ -1,10 +1,10 @@
-//! Who is let in, and what every answer carries. The numbers are those of the rules in the project's threat list.
+//! Access control, and headers of every answer. The numbers are those of the rules in the project's threat list.
 
 use std::net::TcpListener;
 
 use crate::bench::Bench;
 
-/// Rule 1: 127.0.0.1 and `[::1]` alone.
+/// Rule 1: only 127.0.0.1 and `[::1]`.
 #[test]
 fn the_server_listens_on_the_loopback_interface_only() {
     const LOOPBACK: [&str; 2] = ["0100007F", "00000000000000000000000001000000"];
@@ -26,7 +26,7 @@ fn the_server_listens_on_the_loopback_interface_only() {
     }
 }
 
-/// Rule 1, the other half: whoever takes IPv6 for `localhost` gets the same page.
+/// Rule 1, second part: a client that uses IPv6 for `localhost` gets the same page.
 #[test]
 fn the_page_is_there_on_both_families() {
     let bench = Bench::start();
@@ -38,7 +38,7 @@ fn the_page_is_there_on_both_families() {
     ] {
         let is_there = TcpListener::bind((address, 0)).is_ok();
         if !is_there {
-            // A machine without IPv6 has nothing to serve there.
+            // A machine without IPv6 has no second address to serve.
             assert_eq!(address, "::1");
             continue;
         }
@@ -48,7 +48,7 @@ fn the_page_is_there_on_both_families() {
     }
 }
 
-/// Rule 2: a name that points at this machine is not this server, whatever the method and the path.
+/// Rule 2: another host name that resolves to this machine is refused, for any method and path.
 #[test]
 fn another_host_is_refused_before_anything_else() {
     let bench = Bench::start();
@@ -105,7 +105,7 @@ fn another_host_is_refused_before_anything_else() {
             "{headers:?}: {answer:?}"
         );
     }
-    // A target that is a whole address says where the request goes, whatever the Host header says.
+    // A target with a full address decides over the Host header.
     for target in [
         "http://evil.example/".to_owned(),
         format!("http://evil.example:{port}/api/examples"),
@@ -191,7 +191,7 @@ fn requests_of_other_pages_are_refused_and_nobody_gets_cross_origin_headers() {
         let answer = bench.send("POST", "/api/sessions", &all, br#"{"project":null}"#);
         assert_eq!(answer.status, 200, "{all:?}: {answer:?}");
     }
-    // Even reading is refused, where another page does it and not a person who followed a link.
+    // Reading is also refused if another page does it, rather than a user who followed a link.
     let asked = |headers: &[&str]| {
         let all: Vec<&str> = [&host[..], &cookie[..]]
             .into_iter()
@@ -226,7 +226,7 @@ fn requests_of_other_pages_are_refused_and_nobody_gets_cross_origin_headers() {
     assert!(!preflight.head.contains("access-control"), "{preflight:?}");
 }
 
-/// Rule 4: without the secret of this start there is nothing, and the secret of the address is good for one exchange.
+/// Rule 4: without the secret of this start there is no access, and the token of the address can be exchanged once.
 #[test]
 fn the_token_opens_the_page_once_and_only_the_cookie_opens_it_again() {
     let bench = Bench::start();
@@ -244,7 +244,7 @@ fn the_token_opens_the_page_once_and_only_the_cookie_opens_it_again() {
     }
     let almost = format!("/?token={}x", &bench.token[..31]);
     assert_eq!(bench.send("GET", &almost, &[&host], b"").status, 401);
-    // The token is no secret for any other path, and no cookie.
+    // The token gives no access at any other path, and is not a cookie.
     let elsewhere = format!("/api/examples?token={}", bench.token);
     assert_eq!(bench.send("GET", &elsewhere, &[&host], b"").status, 401);
     let name = format!("retarder-{}", bench.port);
@@ -261,7 +261,7 @@ fn the_token_opens_the_page_once_and_only_the_cookie_opens_it_again() {
     }
 
     let with_token = format!("/?token={}", bench.token);
-    // A mail program that looks at a link before a person opens it once used the token up.
+    // Defect seen: a mail program that checked the link before the user opened it used the token up.
     for method in ["HEAD", "POST", "OPTIONS"] {
         let origin = format!("Origin: http://{}", bench.host());
         let refused = bench.send(method, &with_token, &[&host, &origin], b"");
@@ -287,12 +287,12 @@ fn the_token_opens_the_page_once_and_only_the_cookie_opens_it_again() {
     );
     let cookie = format!("Cookie: a=b; {}", set.split(';').next().unwrap());
     assert_eq!(bench.send("GET", "/", &[&host, &cookie], b"").status, 200);
-    // The person opens the printed address again: the page comes, and the address bar is clean.
+    // The user opens the printed address again: the page is shown, and the address bar contains no token.
     let again = bench.send("GET", &with_token, &[&host, &cookie], b"");
     assert_eq!((again.status, again.header("location")), (303, Some("/")));
 }
 
-/// Rules 7 and 10: the headers of every answer, refusals included, and what a stranger is told.
+/// Rules 7 and 10: the headers of every answer, including refusals, and the information for a stranger.
 #[test]
 fn every_answer_forbids_what_the_page_does_not_need_and_tells_nothing_of_the_machine() {
     let bench = Bench::start();
@@ -346,7 +346,7 @@ fn every_answer_forbids_what_the_page_does_not_need_and_tells_nothing_of_the_mac
             assert_eq!(answer.header(name), Some(value), "{}", answer.head);
         }
         let text = answer.text();
-        // The library has its own examples of addresses; it is not ours to search.
+        // The library contains examples of addresses; it is not searched.
         if answer.body.len() < 100_000 {
             for secret in [folder, "src/", ".rs:", "panicked", "/root", "/home"] {
                 assert!(!text.contains(secret), "{secret}: {text}");
@@ -355,7 +355,7 @@ fn every_answer_forbids_what_the_page_does_not_need_and_tells_nothing_of_the_mac
     }
 }
 
-/// Rule 5: what looks like a path is looked up in a list of names, and nothing of it reaches the disk.
+/// Rule 5: a text that looks like a path is looked up in a list of names, and never reaches the disk.
 #[test]
 fn no_path_of_a_request_reaches_the_disk() {
     let bench = Bench::start();

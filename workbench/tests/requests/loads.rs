@@ -1,10 +1,10 @@
-//! Rule 6: too much, too many, too slow.
+//! Rule 6: limits of size, number and time.
 
 use std::io::{Read, Write};
 
 use crate::bench::{Bench, read_answer};
 
-/// A body that never ends is cut at the limit, and nothing of it is left; what is in memory meanwhile is a few chunks.
+/// A body without end is cut at the limit, and nothing of it remains; meanwhile only a few chunks are in memory.
 #[test]
 fn an_endless_upload_is_cut_at_the_limit_in_little_memory() {
     let bench = Bench::start();
@@ -36,7 +36,7 @@ fn an_endless_upload_is_cut_at_the_limit_in_little_memory() {
         }
     }
     let answer = read_answer(&mut stream);
-    // The refusal may be lost where the server closes while the client still sends.
+    // The refusal may be lost if the server closes while the client still sends.
     assert!(matches!(answer.status, 413 | 0), "{answer:?}");
     assert!(most - before < 64 << 20, "{} MiB", (most - before) >> 20);
     let left = std::fs::read_dir(bench.folder.path().join("incoming"))
@@ -52,7 +52,7 @@ fn an_endless_upload_is_cut_at_the_limit_in_little_memory() {
     );
 }
 
-/// Nothing of the body is sent: a server that waits for it does not answer.
+/// No byte of the body is sent: a server that waits for it would not answer.
 #[test]
 fn a_length_beyond_the_limit_is_refused_at_once() {
     let bench = Bench::start();
@@ -152,7 +152,7 @@ fn a_third_upload_at_the_same_time_is_told_to_wait() {
                 browser.cookie
             );
             stream.write_all(head.as_bytes()).unwrap();
-            // The server asks for the body once it has begun to take it.
+            // The server requests the body when it has begun to accept it.
             let mut asked = [0; 25];
             stream.read_exact(&mut asked).unwrap();
             assert!(asked.starts_with(b"HTTP/1.1 100"), "{}", String::from_utf8_lossy(&asked));
@@ -182,7 +182,7 @@ fn a_project_has_so_many_logs_and_no_more() {
         (refused.status, refused.code()),
         (409, "E-WEB-TOO-MANY".to_owned())
     );
-    // The same bytes are kept once.
+    // The same bytes are stored once.
     assert_eq!(
         std::fs::read_dir(bench.folder.path().join("logs"))
             .unwrap()

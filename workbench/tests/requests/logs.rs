@@ -1,10 +1,10 @@
-//! Logs as text, logs that are wrong, and what of a comparison the page can ask for.
+//! Logs as text, wrong logs, and the parts of a comparison that the page can request.
 
 use serde_json::{Value, json};
 
 use crate::bench::{Bench, Browser};
 
-/// What people and attackers call their signals and files.
+/// Names of signals and files from users and attackers.
 const HOSTILE: [&str; 12] = [
     "\"><img src=x onerror=alert(1)>",
     "</script><script>alert(1)</script>",
@@ -28,7 +28,7 @@ fn project(browser: &Browser<'_>, session: &str) -> Value {
     browser.get(&format!("{session}/project")).json()
 }
 
-/// Rule 8: a name comes back as it is, as JSON; no answer is markup but the one page.
+/// Rule 8: a name is returned unchanged, as JSON; only the one page is markup.
 #[test]
 fn names_come_back_as_text_and_never_as_markup() {
     let bench = Bench::start();
@@ -123,7 +123,7 @@ fn a_wrong_log_stays_with_its_line_and_is_read_once_its_columns_are_explained() 
         mapped["logs"][1]["summary"]["signals"][0]["reference"],
         "gauge"
     );
-    // The next log of this logger needs no second explanation.
+    // The next log of this logger needs no second mapping.
     let again = browser
         .upload(
             &session,
@@ -171,7 +171,7 @@ fn a_wrong_plant_is_refused_with_every_line_and_the_old_one_stays() {
     assert_eq!(browser.get(&format!("{session}/plant")).text(), before);
 }
 
-/// Where the log has channels of the names that the export gives to model and residual itself.
+/// For a log with channels of the names that the export gives to model and residual.
 #[test]
 fn an_export_keeps_channels_that_are_called_like_its_own() {
     let bench = Bench::start();
@@ -343,7 +343,7 @@ fn a_comparison_is_that_of_the_command_and_can_be_looked_at_from_all_sides() {
         "{aligned}"
     );
 
-    // Another plant, and there is no comparison any more.
+    // With another plant, the comparison is dropped.
     browser.put(
         &format!("{session}/strictness"),
         &json!({"allowed_noise_multiples": 1000.0, "tolerances": {}}),
@@ -414,7 +414,8 @@ fn values_out_of_range_are_refused_with_what_is_allowed() {
     assert_eq!(project["logs"][0]["offset_s"], 0.0);
 }
 
-/// The reader's own corpus of wrong files and its MF4 files, whole and cut: each is told by its code, and nothing stops the server.
+/// The reader's own corpus of wrong files and its MF4 files, whole and cut: each gives its code, and the server
+/// continues.
 #[test]
 fn every_file_is_read_or_told_and_the_server_goes_on() {
     let bench = Bench::start();
@@ -478,7 +479,7 @@ fn an_mf4_log_is_a_log_and_its_channels_can_be_chosen() {
     assert!(mf4.body.starts_with(b"MDF "), "{:?}", mf4.head);
 }
 
-/// A channel over the signals of a log is a signal like others, saved with the project and exported with the data.
+/// A calculated channel is a signal like others, saved with the project and exported with the data.
 #[test]
 fn calculated_channels_are_signals_of_every_log_that_has_what_they_need() {
     let bench = Bench::start();
@@ -557,7 +558,7 @@ fn calculated_channels_are_signals_of_every_log_that_has_what_they_need() {
         .collect();
     assert_eq!(set(json!(many)).status, 400);
 
-    // What was refused changed nothing, and a restart finds the channels again.
+    // The refused request changed nothing, and the channels are there after a restart.
     let id = session.rsplit('/').next().unwrap().to_owned();
     let bench = bench.restart();
     let browser = bench.browser();

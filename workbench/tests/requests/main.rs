@@ -1,6 +1,6 @@
-//! The rules of the local server, each as requests that a hostile page, a neighbour or a broken client would send.
+//! Rules of the local server, as requests of a hostile page, another user of the machine or a broken client.
 //!
-//! | rule | where it is asked |
+//! | rule | tested in |
 //! |---|---|
 //! | 1 loopback only | `guard` |
 //! | 2 `Host` | `guard` |

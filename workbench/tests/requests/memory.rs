@@ -1,4 +1,4 @@
-//! What takes too much memory ends alone: the server, the other tabs and what is stored stay.
+//! A tab that needs too much memory ends alone: the server, the other tabs and stored data remain.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,8 @@ const LITTLE: u64 = 96 << 20;
 
 const SMALL: &[u8] = b"time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge\n0,0,0,0\n0.01,50,0,0.1\n0.02,50,0,0.2\n0.03,0,0,0.2\n";
 
-/// A log that is read in a tab with little memory. Its units are not those of the model, so that a comparison converts them.
+/// Returns a log for a tab with little memory. Its units differ from those of the model, so that a comparison converts
+/// them.
 fn log(rows: usize) -> Vec<u8> {
     let mut text = "time_s,duty_fill_pct,duty_vent_pct,p_ch_kPa_abs,i_fill_A\n".to_owned();
     for row in 0..rows {
@@ -30,7 +31,7 @@ fn names(browser: &Browser<'_>, session: &str) -> Vec<Value> {
     logs.map(|log| log["name"].clone()).collect()
 }
 
-/// Goal: the server once ended with all tabs when reading a log took more memory than the machine had.
+/// Defect seen: the server ended with all tabs when reading a log took more memory than the machine had.
 #[test]
 fn a_log_that_takes_too_much_memory_is_told_and_can_be_removed() {
     let bench = Bench::with_worker(worker(LITTLE));
@@ -44,7 +45,7 @@ fn a_log_that_takes_too_much_memory_is_told_and_can_be_removed() {
         (500, "E-WEB-MEMORY".to_owned())
     );
     assert!(refused.text().contains("96 MiB"), "{}", refused.text());
-    // Another process has the project, and says of the log what is wrong with it instead of reading it again.
+    // Another process has the project, and returns the problem of the log instead of reading it again.
     let project = browser.get(&format!("{session}/project")).json();
     let problems: Vec<&Value> = project["logs"]
         .as_array()
@@ -59,7 +60,7 @@ fn a_log_that_takes_too_much_memory_is_told_and_can_be_removed() {
     assert_eq!(browser.compare(&session, 1)["state"], "done");
 }
 
-/// The same for a job: reading is possible, and comparing takes more.
+/// The same for a job: the log can be read, but the comparison needs more.
 #[test]
 fn a_job_that_takes_too_much_memory_fails_alone() {
     let bench = Bench::with_worker(worker(LITTLE));
@@ -73,15 +74,15 @@ fn a_job_that_takes_too_much_memory_fails_alone() {
     assert_eq!(ended["state"], "failed", "{ended}");
     assert_eq!(ended["problems"][0]["code"], "E-WEB-MEMORY");
     assert_eq!(names(&browser, &session), ["long.csv"]);
-    // What the other tab computed is still there.
+    // The result of the other tab is still there.
     let kept = browser.get(&format!("{other}/logs/1/comparison"));
     assert_eq!(kept.status, 200);
 }
 
-/// Rows of a log that can be read and not compared.
+/// Rows of a log that can be read but not compared.
 const MOST_ROWS: usize = 1_000_000;
 
-/// Goal: mappings that once asked for 103 GB are refused, read, or end what their own tab computes.
+/// Defect seen: mappings that requested 103 GB. Now they are refused or read, or end their own tab's process.
 #[test]
 fn hostile_mappings_do_not_end_the_server() {
     let bench = Bench::with_worker(worker(4 * LITTLE));

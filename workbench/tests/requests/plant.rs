@@ -1,4 +1,4 @@
-//! The plant of a project.
+//! Plant of a project.
 
 use serde_json::json;
 
@@ -10,7 +10,7 @@ fn the_page_shows_how_well_the_values_of_the_plant_are_known() {
     let browser = bench.browser();
     let session = browser.session(None);
     let plant = browser.get(&format!("{session}/plant")).text();
-    // A value of the thesis that says how well it is known is shown as well as one that differs.
+    // A value of the thesis with a stated uncertainty is also shown, not only one that differs.
     let toml = plant
         .replace(
             "volume_m3 = 75e-6",

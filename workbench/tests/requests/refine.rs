@@ -1,4 +1,4 @@
-//! Page "Refine": effects are added, moved, fitted and taken back, and the plant of the session follows.
+//! Page "Refine": effects are added, adjusted, fitted and undone, and the plant of the session follows.
 
 use serde_json::{Value, json};
 
@@ -12,7 +12,7 @@ fn change(browser: &Browser<'_>, session: &str, change: Value) -> Value {
     answer.json()
 }
 
-/// Rms of the pressure over its noise, of an entry with errors.
+/// Returns the rms error of the pressure relative to its noise, from an entry with errors.
 fn pressure_in_noise(errors: &Value) -> f64 {
     let errors = errors.as_array().unwrap();
     let pressure = errors
@@ -78,7 +78,7 @@ fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
         (session, toml)
     };
 
-    // The steps outlive the server.
+    // The steps are stored over a restart of the server.
     let bench = bench.restart();
     let browser = bench.browser();
     let again = browser.session(Some(session.rsplit('/').next().unwrap()));
@@ -89,7 +89,7 @@ fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
         (&json!(1), 3)
     );
 
-    // Another plant begins another history, and a report of it has none of this one.
+    // Another plant begins another history, and its report contains nothing of this one.
     let steps_of_report = || browser.get(&format!("{again}/report")).json()["steps"].clone();
     assert_eq!(steps_of_report(), 3);
     browser.put(&format!("{again}/plant"), &json!({"name": ""}));
@@ -98,7 +98,7 @@ fn every_change_is_a_step_that_can_be_undone_and_the_session_has_the_plant() {
     assert_eq!(anew["steps"].as_array().unwrap().len(), 1);
 }
 
-/// Errors on different logs do not compare: once a step kept those of the log on which it was made.
+/// Errors on different logs cannot be compared. Defect seen: a step kept those of the log on which it was made.
 #[test]
 fn the_step_that_holds_has_the_errors_on_the_log_that_is_seen() {
     let bench = Bench::start();
@@ -118,7 +118,7 @@ fn the_step_that_holds_has_the_errors_on_the_log_that_is_seen() {
     assert_eq!(step(1), (json!("bench.csv"), on_bench));
 }
 
-/// Goal: a slider on its way changes nothing, and shows what Compare would say. Method: the same plant both ways.
+/// Goal: a moving slider changes nothing, and shows the result of Compare. Method: the same plant in both ways.
 #[test]
 fn a_moved_slider_is_simulated_and_nothing_else() {
     let bench = Bench::start();
@@ -223,7 +223,7 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
         toml.contains("fitted by retarder refine to bench.csv") && !toml.contains("sensor_lag")
     );
 
-    // It can be taken back, with what it said.
+    // It can be undone, together with its result.
     let undone = change(&browser, &session, json!("undo"));
     assert_eq!(
         (
@@ -234,7 +234,8 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
     );
 }
 
-/// Goal: what an estimation does to the ordinary parameters is a step of its own, and the effect is credited with the rest.
+/// Goal: the change of the ordinary parameters by an estimation is a step of its own, and the effect is credited with
+/// the rest only.
 #[test]
 fn an_estimation_is_a_step_that_effects_are_fitted_on() {
     let bench = Bench::start();

@@ -1,4 +1,4 @@
-//! The report of a session: whole, alone, and text where it comes from a log.
+//! Report of a session: complete, self-contained, and with text from logs as text.
 
 use serde_json::{Value, json};
 
@@ -62,7 +62,7 @@ fn the_report_has_every_part_of_the_session() {
     assert_eq!(preview.header("content-disposition"), None);
 }
 
-/// Rules 7 and 8: the report is a document that may do nothing, and names of a log are text in it.
+/// Rules 7 and 8: the report is a document that may run nothing, and names of a log are text in it.
 #[test]
 fn the_report_may_run_nothing_and_hostile_names_are_text() {
     let bench = Bench::start();

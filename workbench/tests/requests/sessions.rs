@@ -1,4 +1,4 @@
-//! Tabs, restarts, and what happens to work whose page is gone.
+//! Tabs, restarts, and jobs whose page has closed.
 
 use std::io::Read;
 
@@ -31,7 +31,7 @@ fn two_tabs_do_not_disturb_each_other() {
     assert_eq!(names(&browser, &one), ["one.csv"]);
     let project = browser.get(&format!("{one}/project")).json();
     assert_eq!(project["strictness"]["allowed_noise_multiples"], 1.5);
-    // A tab that was duplicated asks for the same project, and gets a copy.
+    // A duplicated tab requests the same project, and gets a copy.
     let id = one.rsplit('/').next().unwrap();
     let copy = browser.session(Some(id));
     assert_ne!(copy, one);
@@ -40,7 +40,7 @@ fn two_tabs_do_not_disturb_each_other() {
     assert_eq!(names(&browser, &one), ["one.csv"]);
 }
 
-/// A person who opens a second tab is told that both have their own; one who loads a page again, or begins, is not.
+/// A user who opens a second tab is told that both are separate; one who reloads a page, or begins, is not.
 #[test]
 fn a_session_says_whether_it_began_as_a_copy() {
     let bench = Bench::start();
@@ -60,7 +60,8 @@ fn a_session_says_whether_it_began_as_a_copy() {
     assert_eq!(open(Some(&first)), (first, false), "loaded again");
 }
 
-/// A restart has another token, and finds each tab's project, its logs and its offsets; a new tab begins with the last one.
+/// A restart has another token, and finds each tab's project, its logs and its offsets; a new tab begins with the last
+/// one.
 #[test]
 fn a_restart_finds_the_projects_again() {
     let bench = Bench::start();
@@ -129,7 +130,7 @@ fn a_project_file_that_is_broken_is_a_new_project() {
     }
 }
 
-/// Rule 11: a session that is closed is gone, with its job.
+/// Rule 11: a closed session is gone, with its job.
 #[test]
 fn closing_a_page_ends_its_session_and_its_work() {
     let bench = Bench::start();

@@ -1,4 +1,4 @@
-//! The bench: run on the emulated machine, and its code read for what no run can show.
+//! Bench: run on the emulated machine, and its code analysed for bounds that a run cannot show.
 
 use std::path::Path;
 use std::process::Command;
@@ -16,10 +16,10 @@ use crate::workspace::find_program;
 use crate::{packages, process};
 
 const COMPILER: &str = "arm-none-eabi-gcc";
-/// Longest life of the bench, which takes some seconds.
+/// Timeout of the bench, which takes some seconds.
 const RUN_DEADLINE: Duration = Duration::from_secs(120);
 
-/// Installs the C compiler if it is not there.
+/// Installs the C compiler if it is missing.
 pub(crate) fn compiler_ready() -> Result<(), Failure> {
     match find_program(COMPILER) {
         Some(_) => Ok(()),
@@ -27,7 +27,7 @@ pub(crate) fn compiler_ready() -> Result<(), Failure> {
     }
 }
 
-/// Runs the bench and proves what its code allows.
+/// Runs the bench and proves bounds of its code.
 pub(crate) fn measure(image: &Path) -> Result<Vec<Figures>, Failure> {
     let said = process::capture(&mut counting_machine(image), RUN_DEADLINE)?;
     let code = Code::of(&Elf::read(image)?)?;
@@ -42,7 +42,8 @@ pub(crate) fn measure(image: &Path) -> Result<Vec<Figures>, Failure> {
     Ok(figures)
 }
 
-/// Each instruction takes 1024 ns of the machine's time, so that its clock counts them (`budgets/src/counter.rs`).
+/// Creates the command of a machine whose instructions take 1024 ns each, so that its clock counts them
+/// (`budgets/src/counter.rs`).
 fn counting_machine(image: &Path) -> Command {
     let mut qemu = Command::new("qemu-system-arm");
     qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4"]);
@@ -53,7 +54,7 @@ fn counting_machine(image: &Path) -> Command {
     qemu
 }
 
-/// The figures as a table.
+/// Returns the figures as a table.
 pub(crate) fn table(figures: &[Figures]) -> Table {
     let mut table = Table::new(&[
         "instructions per call, bytes",
@@ -105,7 +106,7 @@ fn row(figures: &Figures) -> Vec<String> {
     ]
 }
 
-/// What the columns mean, and why a bound is missing where one is.
+/// Returns the meaning of the columns, and the reasons for missing bounds.
 pub(crate) fn legend(figures: &[Figures]) -> String {
     let mut legend = LEGEND.to_owned();
     for figures in figures {

@@ -1,4 +1,4 @@
-//! What is found out about a function needs the same of its callees: each is looked at once, and none may call itself.
+//! Search over a function and its callees: each is visited once, and none may call itself.
 
 use std::collections::HashMap;
 
@@ -6,16 +6,16 @@ use super::code::Code;
 use super::instruction::{Flow, Instruction};
 use super::unbounded::Unbounded;
 
-/// What a function is searched for.
+/// Property that a function is searched for.
 pub(crate) trait Found: Copy {
-    /// Follows the function's own code; of a callee it asks [`CallSearch::function`].
+    /// Follows the function's own code; [`CallSearch::function`] gives the property of a callee.
     fn in_body(search: &mut CallSearch<'_, Self>, entry: u32) -> Result<Self, Unbounded>;
 }
 
-/// A search that remembers what it found, for an image with several entries.
+/// Search with a memory of its results, for an image with several entries.
 pub(crate) struct CallSearch<'a, F> {
     pub(crate) code: &'a Code,
-    /// The functions whose calls lead here.
+    /// Functions whose calls lead to the current one.
     callers: Vec<u32>,
     functions: HashMap<u32, F>,
 }
@@ -29,7 +29,7 @@ impl<'a, F: Found> CallSearch<'a, F> {
         }
     }
 
-    /// What the function at this address has, callees included.
+    /// Returns the property of the function at this address, callees included.
     pub(crate) fn function(&mut self, entry: u32) -> Result<F, Unbounded> {
         if let Some(&found) = self.functions.get(&entry) {
             return Ok(found);
@@ -45,12 +45,13 @@ impl<'a, F: Found> CallSearch<'a, F> {
         Ok(found)
     }
 
-    /// What is known of a function so far.
+    /// Returns the property of a function if it is already known.
     pub(crate) fn known(&self, entry: u32) -> Option<F> {
         self.functions.get(&entry).copied()
     }
 
-    /// The instruction at this address, if it can be followed: it is one, leads into no panic, and says where it goes.
+    /// Returns the instruction at this address if it can be followed: it exists, does not lead to a panic, and its
+    /// targets are known.
     pub(crate) fn instruction(&self, address: u32) -> Result<&'a Instruction, Unbounded> {
         let Some(instruction) = self.code.at(address) else {
             let at = self.code.place(address);

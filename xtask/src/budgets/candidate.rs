@@ -1,15 +1,15 @@
-//! Whom the bench measures, in the order of the table.
+//! Candidates that the bench measures, in the order of the table.
 
 use std::fmt;
 
-/// What a candidate can do.
+/// Functions of a candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Duty {
-    /// Prediction, PID, anti-windup, boost, tolerance, Scheme 1 with constant lower limits: all answer the same.
+    /// Prediction, PID, anti-windup, boost, tolerance, Scheme 1 with constant lower limits: all have the same output.
     FullStep,
-    /// The full step with lower limits that follow the pressure, and what an ECU asks for besides.
+    /// The full step with lower limits that follow the pressure, and the other tasks of an ECU.
     Ecu,
-    /// A PID controller and no more.
+    /// A PID controller alone.
     Kernel,
 }
 
@@ -23,12 +23,12 @@ impl fmt::Display for Duty {
     }
 }
 
-/// One candidate.
+/// Candidate of the bench.
 #[derive(Debug)]
 pub(crate) struct Candidate {
-    /// As the bench calls it.
+    /// Name in the bench.
     pub(crate) name: &'static str,
-    /// As a person calls it.
+    /// Name in the table.
     pub(crate) title: &'static str,
     pub(crate) duty: Duty,
 }
@@ -37,16 +37,16 @@ const fn candidate(name: &'static str, title: &'static str, duty: Duty) -> Candi
     Candidate { name, title, duty }
 }
 
-/// The step that the budgets are for.
+/// Step that the budgets are for.
 pub(crate) const THESIS_STEP: &str = "full_step";
-/// The step with limits by pressure, plausibility of the pressure and telemetry.
+/// Step with limits by pressure, plausibility of the pressure and telemetry.
 pub(crate) const CHECKED_LOOP: &str = "checked_loop";
-/// All that an ECU does in a sample.
+/// All work of an ECU in a sample.
 pub(crate) const ECU_SAMPLE: &str = "ecu_sample";
-/// The baselines that saturate each operation, in the order O2, Os.
+/// Baselines that saturate each operation, in the order O2, Os.
 pub(crate) const SATURATING: [&str; 2] = ["saturating_o2", "saturating_os"];
 
-/// All of them.
+/// All candidates.
 pub(crate) const CANDIDATES: [Candidate; 17] = [
     candidate(
         "full_step",
@@ -96,13 +96,13 @@ pub(crate) const CANDIDATES: [Candidate; 17] = [
 ];
 
 impl Candidate {
-    /// Where it stands in the table.
+    /// Returns the position in the table.
     pub(crate) fn place(&self) -> usize {
         let place = CANDIDATES.iter().position(|other| other.name == self.name);
         place.unwrap_or(CANDIDATES.len())
     }
 
-    /// The candidate of this name.
+    /// Returns the candidate of this name.
     pub(crate) fn named(name: &str) -> Option<&'static Self> {
         CANDIDATES.iter().find(|candidate| candidate.name == name)
     }
@@ -112,7 +112,7 @@ impl Candidate {
 mod tests {
     use super::*;
 
-    /// Forty of the 120 columns that the table may have; the figures take the rest.
+    /// Titles have 40 of the 120 columns of the table; the figures need the rest.
     #[test]
     fn every_title_leaves_room_for_the_figures_and_no_name_comes_twice() {
         for (place, candidate) in CANDIDATES.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The linked code of an image: its instructions by address, and the functions they belong to.
+//! Linked code of an image: its instructions by address, and their functions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -15,7 +15,7 @@ use crate::workspace::find_program;
 const DISASSEMBLER: &str = "arm-none-eabi-objdump";
 const DEADLINE: Duration = Duration::from_secs(120);
 
-/// A function of the image, from its symbol.
+/// Function of the image, from its symbol.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Function {
     pub(crate) name: String,
@@ -28,7 +28,7 @@ impl Function {
         self.end - self.start
     }
 
-    /// Whether control comes here only to panic: the core library's ways to the panic handler, and the handler.
+    /// Returns whether the function only panics: the core library's paths to the panic handler, and the handler.
     pub(crate) fn panics(&self) -> bool {
         let name = self.name.as_str();
         let in_core = name.starts_with("core::")
@@ -43,11 +43,11 @@ pub(crate) struct Code {
     instructions: BTreeMap<u32, Instruction>,
     /// Constants between the instructions, by byte.
     data: BTreeMap<u32, u8>,
-    /// By start; no two begin at the same address.
+    /// Functions by start; no two begin at the same address.
     functions: BTreeMap<u32, Function>,
 }
 
-/// Installs the disassembler if it is not there.
+/// Installs the disassembler if it is missing.
 pub(crate) fn ready() -> Result<(), Failure> {
     match find_program(DISASSEMBLER) {
         Some(_) => Ok(()),
@@ -75,7 +75,7 @@ impl Code {
         ))
     }
 
-    /// From the disassembler's text.
+    /// Reads the disassembler's text.
     pub(crate) fn read(text: &str, functions: impl IntoIterator<Item = Function>) -> Self {
         let mut code = Self::default();
         for line in text.lines() {
@@ -87,7 +87,8 @@ impl Code {
         code
     }
 
-    /// Address, mnemonic and operands with tabs between them: `2e: bl 5c <name+0x4> @ comment`; everything else is a heading.
+    /// Adds a line with address, mnemonic and operands separated by tabs: `2e: bl 5c <name+0x4> @ comment`. Other lines
+    /// are headings.
     fn add(&mut self, line: &str) -> Option<()> {
         let (address, rest) = line.split_once(":\t")?;
         let address = u32::from_str_radix(address.trim(), 16).ok()?;
@@ -100,7 +101,7 @@ impl Code {
             ".word" => self.add_data(address, operands, 4),
             ".short" => self.add_data(address, operands, 2),
             ".byte" => self.add_data(address, operands, 1),
-            // What the disassembler cannot read is left out: whoever comes there falls off the code.
+            // An instruction that the disassembler cannot read is left out: a path that reaches it ends with an error.
             _ if !mnemonic.starts_with(|c: char| c.is_ascii_lowercase()) => None,
             _ => {
                 let instruction = Instruction::read(mnemonic, operands.trim_end());
@@ -121,7 +122,7 @@ impl Code {
         self.instructions.get(&address)
     }
 
-    /// The address behind an instruction, be it another one, a constant or the end of the code.
+    /// Returns the address after an instruction: another one, a constant or the end of the code.
     fn after(&self, address: u32) -> u32 {
         let behind = address + 1..;
         let instruction = self.instructions.range(behind.clone()).next();
@@ -132,13 +133,13 @@ impl Code {
         next.unwrap_or(u32::MAX)
     }
 
-    /// The function that an address lies in.
+    /// Returns the function that contains an address.
     pub(crate) fn function(&self, address: u32) -> Option<&Function> {
         let (_, function) = self.functions.range(..=address).next_back()?;
         (address < function.end).then_some(function)
     }
 
-    /// The functions that are there only to panic, each with those that call it.
+    /// Returns the functions that only panic, each with its callers.
     pub(crate) fn panics(&self) -> BTreeMap<String, BTreeSet<String>> {
         let functions = self.functions.values().filter(|function| function.panics());
         let mut panics: BTreeMap<String, BTreeSet<String>> = functions
@@ -154,7 +155,7 @@ impl Code {
         panics
     }
 
-    /// The function through which the instruction at this address panics, if it calls or jumps to one.
+    /// Returns the function through which the instruction at this address panics, if it calls or jumps to one.
     pub(crate) fn panic_from(&self, address: u32) -> Option<&Function> {
         match self.at(address)?.flow {
             Flow::Call(target) | Flow::Jump(target) => {
@@ -164,7 +165,7 @@ impl Code {
         }
     }
 
-    /// No bound: the instruction at this address panics through `function`.
+    /// Returns the reason: the instruction at this address panics through `function`.
     pub(crate) fn panics_at(&self, address: u32, function: &Function) -> Unbounded {
         Unbounded::Panic {
             at: self.place(address),
@@ -172,7 +173,7 @@ impl Code {
         }
     }
 
-    /// No bound: where the instruction at this address goes is in a register.
+    /// Returns the reason: the target of the instruction at this address is in a register.
     pub(crate) fn indirect_at(&self, address: u32) -> Unbounded {
         Unbounded::Indirect {
             at: self.place(address),
@@ -180,7 +181,7 @@ impl Code {
         }
     }
 
-    /// No bound: the instruction at this address moves the stack pointer by an amount that it does not tell.
+    /// Returns the reason: the instruction at this address moves the stack pointer by an unknown amount.
     pub(crate) fn stack_pointer_at(&self, address: u32) -> Unbounded {
         Unbounded::StackPointer {
             at: self.place(address),
@@ -193,7 +194,7 @@ impl Code {
         instruction.map_or_else(String::new, |instruction| instruction.text.clone())
     }
 
-    /// Where an address lies, for a person: `name+0x12`.
+    /// Formats an address as `name+0x12`.
     pub(crate) fn place(&self, address: u32) -> String {
         match self.function(address) {
             Some(function) => format!("{}+{:#x}", function.name, address - function.start),
@@ -201,7 +202,7 @@ impl Code {
         }
     }
 
-    /// Where control may go from an instruction within the same call: not into the functions it calls.
+    /// Returns the possible next addresses within the same call, without entering called functions.
     pub(crate) fn successors(&self, address: u32) -> Vec<u32> {
         let Some(instruction) = self.at(address) else {
             return Vec::new();
@@ -217,10 +218,10 @@ impl Code {
         }
     }
 
-    /// The targets of a TBB or TBH: its table lies behind it, each entry half the distance from there.
+    /// Returns the targets of a TBB or TBH: its table lies after it, each entry half the distance from there.
     ///
-    /// The table ends with the constants behind the instruction; an odd one ends with a byte of padding, which leads into
-    /// the table itself and not to an instruction.
+    /// The table ends with the constants after the instruction. A table of odd length ends with a byte of padding,
+    /// which leads into the table itself and not to an instruction.
     fn table(&self, address: u32, entry_bytes: u32) -> Vec<u32> {
         let base = address + 4;
         let byte = |at: u32| self.data.get(&at).map(|&byte| u32::from(byte));
@@ -239,7 +240,7 @@ impl Code {
     }
 }
 
-/// Code written for a test: `0 name:` begins a function, ` 2: adds r0, #1` is an instruction.
+/// Creates code for a test: `0 name:` begins a function, ` 2: adds r0, #1` is an instruction.
 #[cfg(test)]
 pub(crate) fn fixture(text: &str) -> Code {
     let mut functions: Vec<Function> = Vec::new();

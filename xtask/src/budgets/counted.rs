@@ -1,20 +1,20 @@
-//! What the bench printed: one line for each candidate.
+//! Output of the bench: one line for each candidate.
 
 use std::str::FromStr;
 
-/// What the bench counted for one candidate over its trace.
+/// Counts of the bench for one candidate over its trace.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Counted {
-    /// The name that the bench gives the candidate.
+    /// Name of the candidate in the bench.
     pub(crate) name: String,
-    /// Address of the function, bit 0 set as of any Thumb function.
+    /// Address of the function, with bit 0 set as for any Thumb function.
     pub(crate) entry: u32,
     pub(crate) calls: u32,
-    /// Instructions of all calls, of the cheapest and of the dearest.
+    /// Instructions of all calls, of the cheapest and of the most expensive one.
     pub(crate) sum: u32,
     pub(crate) min: u32,
     pub(crate) max: u32,
-    /// How deep the painted stack was written (bytes).
+    /// Depth to which the painted stack was written (bytes).
     pub(crate) stack: u32,
     pub(crate) state_bytes: u32,
     pub(crate) config_bytes: u32,
@@ -24,7 +24,7 @@ pub(crate) struct Counted {
     pub(crate) decisions: u32,
 }
 
-/// Why the bench's output cannot be used.
+/// Reason why the bench's output cannot be used.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Unreadable {
     #[error("no candidate was measured")]
@@ -38,7 +38,7 @@ pub(crate) enum Unreadable {
 }
 
 impl Counted {
-    /// Instructions of a call, on average.
+    /// Returns the mean number of instructions of a call.
     pub(crate) fn mean(&self) -> f64 {
         f64::from(self.sum) / f64::from(self.calls)
     }

@@ -1,4 +1,4 @@
-//! An image as the linker wrote it: symbols, sections, vector table.
+//! Image as the linker wrote it: symbols, sections, vector table.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,32 +8,32 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 use super::unproved::Unproved;
 use crate::failure::Failure;
 
-/// The bytes of an ELF file.
+/// Bytes of an ELF file.
 pub(crate) struct Elf {
     path: PathBuf,
     bytes: Vec<u8>,
 }
 
-/// A function or a variable, with the room it takes.
+/// Function or variable, with its size.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Symbol {
-    /// As it is written in Rust.
+    /// Name in Rust's notation.
     pub(crate) name: String,
     pub(crate) address: u32,
     pub(crate) bytes: u32,
     pub(crate) memory: Memory,
 }
 
-/// Where a section lies while the image runs.
+/// Memory of a section while the image runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Memory {
     /// Instructions.
     Code,
     /// Constants.
     Constants,
-    /// Variables with a value at reset, which takes as much flash again.
+    /// Variables with a value at reset, which also take flash.
     Data,
-    /// Variables that are zero at reset, or unknown.
+    /// Variables that are zero at reset, or not initialised.
     Zeroed,
 }
 
@@ -44,7 +44,7 @@ impl Memory {
             SectionKind::ReadOnlyData | SectionKind::ReadOnlyString => Some(Self::Constants),
             SectionKind::Data => Some(Self::Data),
             SectionKind::UninitializedData => Some(Self::Zeroed),
-            // What only the host reads: the log's texts, debug information.
+            // Sections for the host only: the log's texts, debug information.
             _ => None,
         }
     }
@@ -73,7 +73,7 @@ impl Elf {
         &self.path
     }
 
-    /// All functions and variables, each once.
+    /// Returns all functions and variables, each once.
     pub(crate) fn symbols(&self) -> Result<Vec<Symbol>, Failure> {
         let file = self.file()?;
         let mut symbols: Vec<Symbol> = Vec::new();
@@ -84,7 +84,7 @@ impl Elf {
             let Some(memory) = section.and_then(|section| Memory::of(section.kind())) else {
                 continue;
             };
-            // Bit 0 of a function's address says Thumb.
+            // Bit 0 of a function's address marks Thumb code.
             let thumb = u64::from(symbol.kind() == SymbolKind::Text);
             let name = symbol.name().unwrap_or("without name");
             symbols.push(Symbol {
@@ -95,12 +95,12 @@ impl Elf {
             });
         }
         symbols.sort_by_key(|symbol| symbol.address);
-        // The compiler gives identical functions one body and several names.
+        // The compiler merges identical functions into one body with several names.
         symbols.dedup_by_key(|symbol| symbol.address);
         Ok(symbols)
     }
 
-    /// The bytes of all sections of a kind.
+    /// Returns the bytes of all sections of a kind.
     pub(crate) fn bytes_in(&self, wanted: fn(Memory) -> bool) -> Result<u32, Failure> {
         let file = self.file()?;
         let sections = file.sections();
@@ -108,7 +108,7 @@ impl Elf {
         Ok(sections.map(|section| section.size() as u32).sum())
     }
 
-    /// The value of a symbol that the linker script defines.
+    /// Returns the value of a symbol that the linker script defines.
     pub(crate) fn address_of(&self, name: &'static str) -> Result<u32, Failure> {
         let file = self.file()?;
         let symbol = file.symbol_by_name(name);
@@ -119,7 +119,7 @@ impl Elf {
         Ok(symbol.ok_or_else(missing)?.address() as u32)
     }
 
-    /// The words of the vector table.
+    /// Returns the words of the vector table.
     pub(crate) fn vectors(&self) -> Result<Vec<u32>, Failure> {
         const SECTION: &str = ".vector_table";
         let file = self.file()?;

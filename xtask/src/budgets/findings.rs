@@ -1,4 +1,4 @@
-//! All that was found, as a document for machines.
+//! All findings as a JSON document.
 
 use std::fs;
 use std::path::Path;
@@ -13,13 +13,13 @@ use crate::failure::Failure;
 /// Figures and budgets, in the order in which they were found.
 #[derive(Debug, Serialize)]
 pub(crate) struct Findings {
-    /// Name and version of this document's form.
+    /// Name and version of this document's format.
     schema: &'static str,
     candidates: Vec<Row>,
     budgets: Vec<Gate>,
 }
 
-/// The figures of one candidate; what has no bound is absent, and the reason stands for it.
+/// Figures of one candidate; a figure without a bound is absent, and its reason is present.
 #[derive(Debug, Serialize)]
 struct Row {
     name: &'static str,
@@ -81,18 +81,18 @@ impl Default for Findings {
 }
 
 impl Findings {
-    /// Remembers what was counted and proved.
+    /// Adds the counted and proved figures.
     pub(crate) fn measured(&mut self, figures: &[Figures]) {
         self.candidates.extend(figures.iter().map(Row::of));
     }
 
-    /// Remembers budgets, and fails if one is not kept.
+    /// Adds budgets, and fails if one is exceeded.
     pub(crate) fn judge(&mut self, gates: &[Gate]) -> Result<(), Failure> {
         self.budgets.extend_from_slice(gates);
         judge(gates)
     }
 
-    /// Writes the document; a figure that is missing makes it shorter, not wrong.
+    /// Writes the document; missing figures are left out.
     pub(crate) fn write(&self, path: &Path) -> Result<(), Failure> {
         let failed = |source| Failure::File {
             path: path.to_owned(),

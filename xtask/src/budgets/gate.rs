@@ -1,4 +1,4 @@
-//! One budget, what was found, and whether it is kept.
+//! Budget, its figure, and whether the figure is within it.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use super::unbounded::Unbounded;
 use super::unproved::Unproved;
 use crate::failure::Failure;
 
-/// One budget and what was found.
+/// Budget and its figure.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Gate {
     what: String,
@@ -18,7 +18,7 @@ pub(crate) struct Gate {
     kept: bool,
 }
 
-/// A number, or what stands in its place.
+/// Number, or the text in its place.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 enum Figure {
@@ -37,7 +37,7 @@ impl fmt::Display for Figure {
 }
 
 impl Gate {
-    /// A figure that may reach its budget and not pass it.
+    /// Creates the gate of a figure that may reach its budget but not exceed it.
     pub(crate) fn at_most<T: PartialOrd + Into<f64>>(what: &str, found: T, allowed: T) -> Self {
         Self {
             what: what.to_owned(),
@@ -47,7 +47,7 @@ impl Gate {
         }
     }
 
-    /// A bound that may not exist.
+    /// Creates the gate of a bound that may not exist.
     pub(crate) fn bounded(what: &str, found: &Result<u32, Unbounded>, allowed: u32) -> Self {
         match found {
             Ok(found) => Self::at_most(what, *found, allowed),
@@ -60,7 +60,7 @@ impl Gate {
         }
     }
 
-    /// Nothing of a kind, else the first of them.
+    /// Creates the gate of a list that must be empty; otherwise it shows the first entry.
     pub(crate) fn none<'a>(what: &str, found: impl IntoIterator<Item = &'a String>) -> Self {
         let first = found.into_iter().next();
         Self {
@@ -81,7 +81,7 @@ impl Gate {
     }
 }
 
-/// A failure if a budget is not kept; it names budget, figure and goal.
+/// Fails if a budget is exceeded; the failure names budget, figure and allowed value.
 pub(crate) fn judge(gates: &[Gate]) -> Result<(), Failure> {
     let exceeded = exceeded(gates);
     if exceeded.is_empty() {
@@ -91,7 +91,7 @@ pub(crate) fn judge(gates: &[Gate]) -> Result<(), Failure> {
     }
 }
 
-/// The gates as a table.
+/// Returns the gates as a table.
 pub(crate) fn table(gates: &[Gate]) -> Table {
     let mut table = Table::new(&["budget", "found", "at most", ""]);
     for gate in gates {
@@ -106,7 +106,7 @@ pub(crate) fn table(gates: &[Gate]) -> Table {
     table
 }
 
-/// The budgets that are not kept, as sentences.
+/// Returns the exceeded budgets as sentences.
 pub(crate) fn exceeded(gates: &[Gate]) -> Vec<String> {
     let exceeded = gates.iter().filter(|gate| !gate.kept);
     let sentence = |gate: &Gate| {

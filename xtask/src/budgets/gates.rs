@@ -1,28 +1,29 @@
-//! The budgets, each with its reason, and whether the figures keep them.
+//! Budgets with their reasons, compared with the figures.
 
 use super::candidate::{CHECKED_LOOP, Duty, ECU_SAMPLE, SATURATING, THESIS_STEP};
 use super::figures::Figures;
 use super::gate::Gate;
 use super::unbounded::Unbounded;
 
-/// Instructions of the thesis' full step on average: less than the same in C with the FPU takes on this trace.
+/// Mean instructions of the thesis' full step: fewer than the same step in C with the FPU needs on this trace.
 const MEAN_MAX: f64 = 65.0;
-/// Instructions of the thesis' full step at most, for any input: 80 at 100 MHz are about 1 µs of a period of 10 ms.
+/// Most instructions of the thesis' full step, for any input: 80 at 100 MHz are about 1 µs of a period of 10 ms.
 const PROVED_MAX: u32 = 80;
-/// Its code: with its constants, it fits into a quarter of the smallest instruction cache in use (1 KiB, STM32G4).
+/// Code of the full step: with its constants it fits into a quarter of the smallest instruction cache in use (1 KiB,
+/// STM32G4).
 const CODE_BYTES_MAX: u32 = 280;
-/// Its stack: four saved registers, the frame pointer and the return address.
+/// Stack of the full step: four saved registers, the frame pointer and the return address.
 const STACK_BYTES_MAX: u32 = 24;
-/// Its share of what C needs that saturates each operation.
+/// Share of the instructions of C code that saturates each operation.
 const SHARE_OF_SATURATING_MAX: f64 = 0.5;
-/// Instructions of the full step with limits by pressure, plausibility and telemetry, at most.
+/// Most instructions of the full step with limits by pressure, plausibility and telemetry.
 const CHECKED_PROVED_MAX: u32 = 300;
-/// Instructions of all that an ECU does in a sample, at most: 20 µs at 100 MHz, a fifth of a percent of the period.
+/// Most instructions of all work of an ECU in a sample: 20 µs at 100 MHz, 0.2 % of the period.
 const ECU_PROVED_MAX: u32 = 2000;
-/// How far the baselines' duty cycles may be from ours [%]: they are to do the same, or the comparison is none.
+/// Allowed difference of the baselines' duty cycles from ours [%]: a fair comparison needs the same output.
 const DEVIATION_MAX_PCT: f64 = 0.001;
 
-/// All budgets of a sample.
+/// Returns all budgets of a sample.
 pub(crate) fn gates(figures: &[Figures]) -> Vec<Gate> {
     let named = |name: &str| {
         figures
@@ -68,7 +69,8 @@ fn of_the_step(step: &Figures) -> Vec<Gate> {
     ]
 }
 
-/// What code that must end in time may not have; a loop it cannot have, being bounded.
+/// Returns the gates for constructs that code with a bounded time must not have; a loop is excluded already, since it
+/// has no bound.
 fn of_the_code(what: &str, sample: &Figures) -> Vec<Gate> {
     let ours = |name: &&String| {
         ["controller::", "ecu::", "budgets::"]
@@ -86,7 +88,7 @@ fn of_the_code(what: &str, sample: &Figures) -> Vec<Gate> {
     ]
 }
 
-/// Against the better one of -O2 and -Os.
+/// Returns the gates that compare with C, the better one of -O2 and -Os.
 fn beside_c(step: &Figures, saturating: &[Option<&Figures>]) -> Vec<Gate> {
     let present = || saturating.iter().flatten();
     let mean = present().map(|c| c.counted.mean()).reduce(f64::min);
@@ -108,7 +110,8 @@ fn beside_c(step: &Figures, saturating: &[Option<&Figures>]) -> Vec<Gate> {
     ]
 }
 
-/// What was seen must not contradict what was proved, and who is compared must do the same.
+/// Returns the gates of the method: counts must not exceed proved bounds, and compared candidates must have the same
+/// output.
 fn of_the_method(figures: &[Figures]) -> Vec<Gate> {
     let titles = |wrong: fn(&Figures) -> bool| -> Vec<String> {
         let found = figures.iter().filter(|figures| wrong(figures));
@@ -148,7 +151,7 @@ mod tests {
     use crate::budgets::gate::exceeded;
     use crate::budgets::reach::Reach;
 
-    /// A candidate that keeps all budgets with nothing to spare.
+    /// Creates figures that meet all budgets exactly.
     fn figures(name: &str) -> Figures {
         Figures {
             candidate: Candidate::named(name).unwrap(),
@@ -181,7 +184,7 @@ mod tests {
     const CHECKED: usize = 3;
     const ECU: usize = 4;
 
-    /// The whole bench on its budgets, but for C, which needs four times as much.
+    /// Creates the whole bench at its budgets, except for C, which needs four times as much.
     fn on_the_edge() -> Vec<Figures> {
         let mut all: Vec<Figures> = [
             SATURATING[0],
@@ -206,7 +209,7 @@ mod tests {
         assert_eq!(exceeded(&gates(&on_the_edge())), Vec::<String>::new());
     }
 
-    /// Each budget, seen red once: one figure moved one unit too far, and the sentence that tells it.
+    /// Each budget is exceeded once, by one unit, and only its sentence appears.
     #[test]
     fn a_figure_one_unit_beyond_its_budget_is_told_and_no_other() {
         type Spoil = fn(&mut [Figures]);

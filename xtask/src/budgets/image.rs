@@ -1,4 +1,4 @@
-//! The image that is flashed: no panic left in it, its stack bounded, its parts within their room.
+//! Flashed image: no panic left in it, its stack bounded, its parts within their budgets.
 
 use std::collections::BTreeSet;
 
@@ -11,31 +11,31 @@ use super::unbounded::Unbounded;
 use super::unproved::Unproved;
 use crate::failure::Failure;
 
-/// What the processor pushes when an exception begins, at most: 26 words with those of the floating-point unit, and one to
+/// Most bytes that the processor pushes at an exception: 26 words with those of the floating-point unit, and one to
 /// align the stack (Armv7-M architecture, B1.5.7).
 const EXCEPTION_FRAME_BYTES: u32 = 27 * 4;
 
-/// The names of the first sixteen vectors that are handlers; further ones are the part's interrupts.
+/// Names of those of the first sixteen vectors that are handlers; further ones are the part's interrupts.
 const RESET_VECTOR: usize = 1;
 
-/// A call on the way to the deepest point is told from this size on.
+/// Smallest frame that the list of calls to the deepest point shows.
 const TOLD_BYTES: u32 = 256;
 
-/// What the stack of an image can need.
+/// Stack that an image can need.
 #[derive(Debug)]
 pub(crate) struct Stack {
-    /// From reset, and each handler once with its exception frame, as if each interrupted the one before.
+    /// Reset, and each handler once with its exception frame, as if each interrupted the previous one.
     parts: Vec<Part>,
     /// From the end of the variables to the top of RAM.
     reserved: u32,
 }
 
-/// What one entry of the vector table can need.
+/// Stack that one entry of the vector table can need.
 #[derive(Debug, PartialEq, Eq)]
 struct Part {
     name: String,
     bytes: u32,
-    /// The calls to its deepest point, each with what it adds.
+    /// Calls to its deepest point, each with its own part.
     calls: Vec<(String, u32)>,
 }
 
@@ -56,7 +56,7 @@ impl Stack {
         Gate::at_most(&what, self.bound(), self.reserved)
     }
 
-    /// Painted stack against proved: what a run wrote.
+    /// Compares the painted stack of a run with the proved bound.
     pub(crate) fn painted(&self, used: u32) -> Gate {
         Gate::at_most(
             "image: stack touched within proved [bytes]",
@@ -65,7 +65,7 @@ impl Stack {
         )
     }
 
-    /// Who needs how much, and what is left.
+    /// Returns the stack of each entry, and the remaining space.
     pub(crate) fn table(&self) -> Table {
         let mut table = Table::new(&[
             "stack of the image, each handler with its exception frame",
@@ -112,7 +112,7 @@ fn parts(code: &Code, vectors: &[u32]) -> Result<Vec<Part>, Unbounded> {
     Ok(parts)
 }
 
-/// An image that is flashed must not have a way to its panic handler.
+/// Fails if a flashed image has a path to its panic handler.
 pub(crate) fn has_no_panic(code: &Code) -> Result<(), Unproved> {
     let panics = code.panics();
     if panics.is_empty() {
@@ -128,7 +128,7 @@ pub(crate) fn has_no_panic(code: &Code) -> Result<(), Unproved> {
     Err(Unproved::PanicsLeft(told.collect()))
 }
 
-/// What the self-test says of its painted stack: `stack used=312 of=65536`, in bytes.
+/// Reads the painted stack from the self-test's output: `stack used=312 of=65536`, in bytes.
 pub(crate) fn painted(said: &str) -> Result<u32, Unproved> {
     let line = said
         .lines()

@@ -1,58 +1,60 @@
-//! What one Thumb-2 instruction does to the flow of control and to the stack, read from the disassembler's text.
+//! Effect of a Thumb-2 instruction on the flow of control and on the stack, read from the disassembler's text.
 //!
-//! The text of GNU objdump is read rather than the bytes: it knows every encoding, while the disassembler in Rust that was
-//! tried (`yaxpeax-arm` 0.5) stops at the floating-point unit's instructions. Whatever could write the program counter or the
-//! stack pointer in a way that is not known here becomes an [`Flow::IndirectJump`] or a [`StackChange::Unknown`].
+//! The text of GNU objdump is used because it covers every encoding; the Rust disassembler that was tried
+//! (`yaxpeax-arm` 0.5) stops at the instructions of the floating-point unit. An instruction that could write the
+//! program counter or the stack pointer in an unknown way becomes an [`Flow::IndirectJump`] or a
+//! [`StackChange::Unknown`].
 
-/// Where control goes after an instruction.
+/// Flow of control after an instruction.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Flow {
     Next,
     Jump(u32),
-    /// There, or on.
+    /// To this address, or to the next instruction.
     Branch(u32),
-    /// There, and then on.
+    /// To this address, and then to the next instruction.
     Call(u32),
     Return,
-    /// Under a condition: back to the caller, or on.
+    /// Under a condition: back to the caller; otherwise to the next instruction.
     ReturnOrNext,
-    /// To one of the targets in the table behind it, with entries of so many bytes.
+    /// To one of the targets in the table after it, with entries of this many bytes.
     Table(u32),
-    /// To an address in a register, and then on.
+    /// To an address in a register, and then to the next instruction.
     IndirectCall,
     /// To an address in a register.
     IndirectJump,
-    /// An undefined instruction, put where control must never come.
+    /// Undefined instruction, placed where control must never come.
     Trap,
 }
 
-/// How an instruction moves the stack pointer, in bytes.
+/// Change of the stack pointer by an instruction (bytes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StackChange {
     None,
     Down(u32),
     Up(u32),
-    /// By an amount that the instruction does not tell.
+    /// By an amount that the instruction does not state.
     Unknown,
 }
 
 /// One instruction.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Instruction {
-    /// As the disassembler writes it.
+    /// Text of the disassembler.
     pub(crate) text: String,
     pub(crate) flow: Flow,
     pub(crate) stack: StackChange,
 }
 
 impl Instruction {
-    /// From the disassembler's mnemonic and operands, its comment already cut off.
+    /// Reads the disassembler's mnemonic and operands, without the comment.
     pub(crate) fn read(mnemonic: &str, operands: &str) -> Self {
         let name = mnemonic.split('.').next().unwrap_or(mnemonic);
         let (name, conditional) = without_condition(name);
         let flow = flow(name, conditional, operands);
         let stack = match stack_change(name, operands) {
-            // A return is left, so only what goes on counts; any other change under a condition is not followed.
+            // A taken return leaves the function, so only the other case counts; other conditional changes are not
+            // followed.
             _ if flow == Flow::ReturnOrNext => StackChange::None,
             StackChange::Down(_) | StackChange::Up(_) if conditional => StackChange::Unknown,
             change => change,
@@ -64,12 +66,12 @@ impl Instruction {
         }
     }
 
-    /// Whether the floating-point unit executes it: all of its mnemonics begin so, and no other's.
+    /// Returns whether the floating-point unit executes it: all of its mnemonics begin in this way, and no others.
     pub(crate) fn is_float(&self) -> bool {
         self.text.starts_with('v')
     }
 
-    /// Whether it divides, or takes a root.
+    /// Returns whether it divides, or takes a root.
     pub(crate) fn divides(&self) -> bool {
         ["sdiv", "udiv", "vdiv", "vsqrt"]
             .iter()
@@ -77,7 +79,7 @@ impl Instruction {
     }
 }
 
-/// The names that decide about flow and stack. All others are opaque, so that `lsls` is not taken for `ls` under a condition.
+/// Names that affect flow and stack. All others are opaque, so that `lsls` is not read as `ls` under a condition.
 const NAMES: [&str; 26] = [
     "add", "addw", "b", "bl", "blx", "bx", "ldm", "ldmdb", "ldmia", "ldr", "ldrd", "mov", "pop",
     "push", "stm", "stmdb", "stmia", "str", "strd", "sub", "subw", "vldmia", "vpop", "vpush",
@@ -88,7 +90,7 @@ const CONDITIONS: [&str; 16] = [
     "eq", "ne", "cs", "hs", "cc", "lo", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le",
 ];
 
-/// The name without its condition, and whether there was one.
+/// Returns the name without its condition, and whether there was one.
 fn without_condition(name: &str) -> (&str, bool) {
     if NAMES.contains(&name) {
         return (name, false);
@@ -128,14 +130,14 @@ fn flow(name: &str, conditional: bool, operands: &str) -> Flow {
     }
 }
 
-/// The address in front of its `<symbol>`, which the disassembler gives to branches and calls only.
+/// Returns the address before its `<symbol>`, which the disassembler gives to branches and calls only.
 fn target(operands: &str) -> Option<u32> {
     let (before, _) = operands.split_once(" <")?;
     let address = before.rsplit(' ').next()?;
     u32::from_str_radix(address, 16).ok()
 }
 
-/// The register that an instruction writes first, if it writes any.
+/// Returns the register that an instruction writes first, if any.
 fn destination<'a>(name: &str, operands: &'a str) -> Option<&'a str> {
     let reads = [
         "cmp", "cmn", "tst", "teq", "str", "stm", "push", "vstr", "vstm", "pld",
@@ -180,14 +182,14 @@ fn stack_change(name: &str, operands: &str) -> StackChange {
     }
 }
 
-/// `sp, #8` or `sp, sp, #8`.
+/// Returns the constant of `sp, #8` or `sp, sp, #8`.
 fn constant(operands: &str) -> Option<u32> {
     let rest = operands.strip_prefix("sp, ")?;
     let rest = rest.strip_prefix("sp, ").unwrap_or(rest);
     rest.strip_prefix('#')?.parse().ok()
 }
 
-/// The bytes of the registers in a list such as `{r4-r6, lr}` or `{d8}`.
+/// Returns the bytes of the registers in a list such as `{r4-r6, lr}` or `{d8}`.
 fn list_bytes(operands: &str) -> Option<u32> {
     let (_, list) = operands.split_once('{')?;
     let list = list.trim_end_matches('}');

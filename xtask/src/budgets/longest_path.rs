@@ -1,7 +1,7 @@
-//! The most instructions that a call can execute, whatever its input: the longest path through the linked code.
+//! Largest number of instructions of a call for any input: the longest path through the linked code.
 //!
-//! Every path is taken for possible, so the bound is never too low; code with a loop has none. An instruction that its IT block
-//! skips counts, as it does for the processor that has to fetch it.
+//! Every path counts as possible, so the bound is never too low; code with a loop has no bound. An instruction that its
+//! IT block skips counts, since the processor has to fetch it.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,18 +10,18 @@ use super::code::Code;
 use super::instruction::Flow;
 use super::unbounded::Unbounded;
 
-/// The longest path from a function's entry to its return, callees included.
+/// Returns the longest path from a function's entry to its return, callees included.
 pub(crate) fn longest_path(code: &Code, entry: u32) -> Result<u32, Unbounded> {
     let Instructions(longest) = CallSearch::new(code).function(entry & !1)?;
     Ok(longest)
 }
 
-/// Of a function's longest path.
+/// Length of a function's longest path.
 #[derive(Clone, Copy)]
 struct Instructions(u32);
 
 impl Found for Instructions {
-    /// Depth first, without recursion: an address stays on the way until the longest path behind it is known.
+    /// Searches depth first without recursion: an address stays on the path until the longest path after it is known.
     fn in_body(search: &mut CallSearch<'_, Self>, entry: u32) -> Result<Self, Unbounded> {
         let code = search.code;
         let mut longest: HashMap<u32, u32> = HashMap::new();
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn of_two_branches_the_longer_one_counts() {
-        // 0, 2, 4, 6, 8 against 0, 8.
+        // 0, 2, 4, 6, 8 is longer than 0, 8.
         let code = "0 f:\n 0: cbz r0, 8 <f+0x8>\n 2: nop\n 4: nop\n 6: nop\n 8: bx lr\n";
         assert_eq!(bound(code), Ok(5));
     }
@@ -144,7 +144,7 @@ mod tests {
         }
     }
 
-    /// Two loops are one too many, but a diamond is none: both arms meet again.
+    /// A diamond is not a loop: both arms meet again.
     #[test]
     fn arms_that_meet_again_are_no_loop() {
         let code = "0 f:\n 0: cbz r0, 6 <f+0x6>\n 2: nop\n 4: b.n 8 <f+0x8>\n 6: nop\n 8: bx lr\n";

@@ -1,4 +1,4 @@
-//! The proof by the linker: an image whose panic handler calls a function that nobody defines links only if no panic is left.
+//! Proof by the linker: an image whose panic handler calls an undefined function links only if no panic is left.
 
 use std::process::Command;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use super::unproved::Unproved;
 use crate::failure::Failure;
 use crate::process;
 
-/// The function that nobody defines.
+/// The undefined function.
 const UNDEFINED: &str = "this_image_can_panic";
 const DEADLINE: Duration = Duration::from_secs(600);
 
@@ -16,7 +16,7 @@ pub(crate) fn links(build: &mut Command) -> Result<(), Failure> {
     linked(process::capture(build, DEADLINE))
 }
 
-/// Builds an image with one panic on purpose: the linker has to refuse it, and for that reason.
+/// Builds an image with one panic on purpose: the linker has to refuse it for that reason.
 pub(crate) fn canary_is_refused(build: &mut Command) -> Result<(), Failure> {
     refused(process::capture(build, DEADLINE))
 }
@@ -39,13 +39,13 @@ fn refused(built: Result<String, Failure>) -> Result<(), Failure> {
     }
 }
 
-/// Whether the linker, and not somebody else, complained of the missing function.
+/// Returns whether the linker, and not another program, reported the missing function.
 fn names_it(said: &str) -> bool {
     said.lines()
         .any(|line| line.contains("undefined") && line.contains(UNDEFINED))
 }
 
-/// What the linker says of the missing function, without the compiler's words around it.
+/// Returns the linker's message about the missing function, without the compiler's text around it.
 fn about_it(said: &str) -> String {
     let lines = said.lines().map(str::trim);
     let lines = lines.filter(|line| names_it(line) || line.starts_with(">>>"));

@@ -1,18 +1,18 @@
-//! What a function reaches in the linked code, and what stands in it.
+//! Code that a function reaches, and the constructs in it.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::code::{Code, Function};
 use super::instruction::Flow;
 
-/// Everything that a call of one function can execute, up to the panic handler, which is not the function's own.
+/// All code that a call of one function can execute, up to the panic handler, which is not part of the function.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Reach {
-    /// Code with the constants between it, in bytes.
+    /// Code with the constants between it (bytes).
     pub(crate) bytes: u32,
-    /// The functions besides the first, by name.
+    /// Functions other than the first, by name.
     pub(crate) others: BTreeSet<String>,
-    /// The ways into the panic handler, by name.
+    /// Paths into the panic handler, by name.
     pub(crate) panics: BTreeSet<String>,
     /// Places of floating-point instructions.
     pub(crate) floats: Vec<String>,

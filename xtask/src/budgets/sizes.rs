@@ -9,7 +9,7 @@ use super::gate::Gate;
 use super::table::Table;
 use crate::failure::Failure;
 
-/// Room for one crate, or for all that have no line of their own.
+/// Budget of one crate, or of all crates without a line of their own.
 struct Room {
     of: &'static str,
     flash_bytes: u32,
@@ -24,16 +24,16 @@ const fn room(of: &'static str, flash_bytes: u32, ram_bytes: u32) -> Room {
     }
 }
 
-/// The compiler's own functions: copying, 64-bit division.
+/// Functions of the compiler: copying, 64-bit division.
 const BUILTINS: &str = "compiler_builtins";
-/// Texts and tables that the compiler took out of functions.
+/// Texts and tables that the compiler moved out of functions.
 const CONSTANTS: &str = "constants without name";
-/// What has no line of its own in [`ROOMS`], the vector table among it.
+/// Everything without a line of its own in [`ROOMS`], including the vector table.
 const OTHERS: &str = "others";
 /// Constants that the linker keeps without a symbol, and the gaps between sections.
 const UNNAMED: &str = "without symbol";
 
-/// What each crate may take (bytes): what it took when the budget was set, and about a third more.
+/// Budget of each crate (bytes): its size when the budget was set, and about a third more.
 const ROOMS: [Room; 10] = [
     room("firmware", 18_432, 8_192),
     room("ecu", 18_432, 0),
@@ -47,14 +47,14 @@ const ROOMS: [Room; 10] = [
     room(UNNAMED, 1_024, 256),
 ];
 
-/// Flash and RAM in bytes.
+/// Flash and RAM (bytes).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Size {
     pub(crate) flash: u32,
     pub(crate) ram: u32,
 }
 
-/// The sizes of an image by the lines of the budget; their sum is the image.
+/// Returns the sizes of an image by the lines of the budget; their sum is the image.
 pub(crate) fn sizes(elf: &Elf) -> Result<BTreeMap<&'static str, Size>, Failure> {
     let total = Size {
         flash: elf.bytes_in(super::elf::Memory::is_flash)?,
@@ -92,7 +92,7 @@ fn by_crate(symbols: &[Symbol], total: Size) -> BTreeMap<&'static str, Size> {
     sizes
 }
 
-/// The line of the budget that a symbol counts for.
+/// Returns the line of the budget that a symbol counts for.
 fn line_of(name: &str) -> &'static str {
     let own = crate_of(name);
     let own = match own {
@@ -105,8 +105,8 @@ fn line_of(name: &str) -> &'static str {
     room.map_or(OTHERS, |room| room.of)
 }
 
-/// The crate in the name of a function or variable; `for` and `as` give way to the type in front of them, and a type of the
-/// language itself to the trait.
+/// Returns the crate in the name of a function or variable. For `for` and `as` the type in front of them counts; for a
+/// type of the language itself, the trait.
 fn crate_of(name: &str) -> &str {
     let name = name.trim_start_matches(['<', '&', '*', '[', '(']);
     let name = ["mut ", "const ", "dyn ", "impl "]
@@ -125,7 +125,7 @@ fn crate_of(name: &str) -> &str {
     }
 }
 
-/// The sizes as a table.
+/// Returns the sizes as a table.
 pub(crate) fn table(sizes: &BTreeMap<&'static str, Size>) -> Table {
     let mut table = Table::new(&["image, bytes", "flash", "allowed", "RAM", "allowed"]);
     let line = |name: &str, size: Size, room: [u32; 2]| {
@@ -149,7 +149,7 @@ pub(crate) fn table(sizes: &BTreeMap<&'static str, Size>) -> Table {
     table
 }
 
-/// Each crate's flash and RAM against its budget.
+/// Compares each crate's flash and RAM with its budget.
 pub(crate) fn gates(sizes: &BTreeMap<&'static str, Size>) -> Vec<Gate> {
     let gates = ROOMS.iter().flat_map(|room| {
         let size = sizes.get(room.of).copied().unwrap_or_default();

@@ -1,6 +1,6 @@
-//! The most stack that a call can use, whatever its input: its own deepest point, callees included.
+//! Largest stack of a call for any input: its deepest point, callees included.
 //!
-//! The stack pointer is followed along every path; a loop is no obstacle as long as it leaves the stack as it found it.
+//! The stack pointer is followed along every path; a loop is allowed if it leaves the stack pointer unchanged.
 
 use std::collections::HashMap;
 
@@ -9,33 +9,33 @@ use super::code::Code;
 use super::instruction::{Flow, StackChange};
 use super::unbounded::Unbounded;
 
-/// No frame is deeper: a loop that pushes in each round passes it soon.
+/// Limit of a frame: a loop that pushes in each round soon exceeds it.
 const DEEPEST: u32 = 1 << 20;
 
-/// The most bytes below the stack pointer of the caller.
+/// Returns the most bytes below the stack pointer of the caller.
 pub(crate) fn stack_bound(code: &Code, entry: u32) -> Result<u32, Unbounded> {
     StackSearch::new(code).bytes(entry & !1)
 }
 
-/// The search for what each function needs.
+/// Search for the stack that each function needs.
 pub(crate) type StackSearch<'a> = CallSearch<'a, Need>;
 
-/// What a call of a function means for its caller.
+/// Stack effect of a call for its caller.
 #[derive(Clone, Copy)]
 pub(crate) struct Need {
     bytes: u32,
     returns: bool,
-    /// The callee that goes deepest, if one does.
+    /// The callee with the deepest stack, if any.
     deepest: Option<u32>,
 }
 
 impl StackSearch<'_> {
-    /// The most bytes that a call of this function needs.
+    /// Returns the most bytes that a call of this function needs.
     pub(crate) fn bytes(&mut self, entry: u32) -> Result<u32, Unbounded> {
         self.function(entry).map(|need| need.bytes)
     }
 
-    /// The calls by which a function that has a bound reaches its deepest point, each with its own part of it.
+    /// Returns the calls by which a bounded function reaches its deepest point, each with its own part.
     pub(crate) fn deepest_calls(&self, entry: u32) -> Vec<(String, u32)> {
         let mut calls = Vec::new();
         let mut next = Some(entry);
@@ -65,7 +65,7 @@ impl StackSearch<'_> {
 }
 
 impl Found for Need {
-    /// Every address is visited again when a path reaches it deeper than any before.
+    /// Visits an address again when a path reaches it with a deeper stack than before.
     fn in_body(search: &mut StackSearch<'_>, entry: u32) -> Result<Self, Unbounded> {
         let mut need = Self {
             bytes: 0,
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(bound(grows), Err(Unbounded::StackGrows { at }));
     }
 
-    /// Behind a call that never returns stand a constant pool or the next function, which are not part of the path.
+    /// A call that never returns is followed by a constant pool or the next function, which are not part of the path.
     #[test]
     fn nothing_follows_a_call_that_never_returns() {
         let code = "0 f:\n 0: push {r7, lr}\n 2: bl 20 <g>\n 6: .word 0x00000000\n20 g:\n 20: b.n 20 <g>\n";

@@ -1,8 +1,8 @@
-//! Rows of text in columns that line up.
+//! Text tables with aligned columns.
 
 use std::fmt;
 
-/// A table with its heading; the first column is text, all others are figures and stand at their right edge.
+/// Table with its heading; the first column is left-aligned text, all others are right-aligned figures.
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
 }

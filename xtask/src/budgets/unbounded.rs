@@ -1,6 +1,6 @@
-//! Why no bound can be proved, and where.
+//! Reasons why no bound can be proved, with the place.
 
-/// Why a function has no bound that holds for every input.
+/// Reason why a function has no bound for all inputs.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Unbounded {
     #[error("loop at {at}")]
@@ -22,7 +22,7 @@ pub(crate) enum Unbounded {
 }
 
 impl Unbounded {
-    /// One word for a table.
+    /// Returns one word for a table.
     pub(crate) fn word(&self) -> &'static str {
         match self {
             Self::Loop { .. } => "loop",

@@ -1,11 +1,11 @@
-//! Why a budget is not proved to be kept.
+//! Reasons why a budget is not proved.
 
 use std::path::PathBuf;
 
 use super::counted::Unreadable;
 use super::unbounded::Unbounded;
 
-/// Why a budget is not proved to be kept.
+/// Reason why a budget is not proved.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Unproved {
     #[error("{} is no ELF that can be read: {source}", .path.display())]

@@ -1,6 +1,6 @@
-//! Dots of braille: two columns and four rows in each character.
+//! Braille dots: two columns and four rows in each character.
 
-/// A grid of characters that dots and marks are set in.
+/// Grid of characters for dots and marks.
 pub(super) struct Raster<L> {
     width: usize,
     height: usize,
@@ -21,7 +21,7 @@ pub(super) const DOTS: [usize; 2] = [2, 4];
 const BITS: [[u8; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
 
 impl<L: Copy> Raster<L> {
-    /// An empty grid, sizes in characters.
+    /// Creates an empty grid; sizes in characters.
     pub(super) fn new(width: usize, height: usize) -> Self {
         let cell = Cell {
             dots: 0,
@@ -48,7 +48,7 @@ impl<L: Copy> Raster<L> {
         }
     }
 
-    /// A straight line between two dots (Bresenham).
+    /// Draws a straight line between two dots (Bresenham).
     pub(super) fn line(&mut self, from: (isize, isize), to: (isize, isize), layer: L) {
         let (dx, dy) = ((to.0 - from.0).abs(), -(to.1 - from.1).abs());
         let (step_x, step_y) = ((to.0 - from.0).signum(), (to.1 - from.1).signum());
@@ -71,7 +71,7 @@ impl<L: Copy> Raster<L> {
         }
     }
 
-    /// Puts a character over the dot and all others of its cell.
+    /// Draws a character in place of the dots of its cell.
     pub(super) fn mark(&mut self, x: isize, y: isize, mark: char, layer: L) {
         let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else {
             return;
@@ -83,7 +83,7 @@ impl<L: Copy> Raster<L> {
         }
     }
 
-    /// The characters of a row, each with the layer that set it last; `empty` where nothing is.
+    /// Returns the characters of a row, each with the layer that was drawn last; `empty` for empty cells.
     pub(super) fn row(
         &self,
         row: usize,

@@ -1,4 +1,4 @@
-//! Refusals of a device in the words of its tables.
+//! Refusals of a device, in the words of its tables.
 
 use ecu::calibration::{Setting, SettingId};
 use hil_harness::link::LinkError;
@@ -6,7 +6,7 @@ use hil_protocol::Refusal;
 
 use crate::failure::Failure;
 
-/// The failure, with names and units where the device said numbers.
+/// Returns the failure with names and units in place of the device's numbers.
 pub(super) fn named(error: LinkError) -> Failure {
     if let LinkError::Refused { refusal, .. } = &error
         && let Some(said) = in_words(refusal)
@@ -60,7 +60,7 @@ fn in_words(refusal: &Refusal) -> Option<String> {
     }
 }
 
-/// A number of the device, without the digits that its resolution does not have.
+/// Rounds a number of the device to its resolution.
 fn rounded(number: f64) -> f64 {
     (1e4 * number).round() / 1e4
 }

@@ -1,4 +1,4 @@
-//! The rows of a log, some at a time.
+//! Rows of a log, in chunks.
 
 use std::io::Read;
 
@@ -8,20 +8,20 @@ use recording::{DefectCounter, Defects, Provenance, Recording, TimeBase};
 
 use crate::failure::Failure;
 
-/// Rows that are held at a time.
+/// Rows in memory at a time.
 const CHUNK_ROWS: usize = 4096;
-/// Signals of a log that tell the clock of its logger.
+/// Signals of a log that determine the clock of its logger.
 const MEASURED: [&str; 3] = ["p_ch", "i_fill", "i_vent"];
 
-/// The rows of a log: a CSV as it is read, or a recording that was read as a whole.
+/// Rows of a log: a CSV file read in chunks, or a recording that was read as a whole.
 pub(super) enum Rows<R: Read> {
     Csv(Box<Reader<R>>, DefectCounter),
     Recording(Option<Box<Recording>>, Defects),
 }
 
 impl<R: Read> Rows<R> {
-    /// Returns the next rows, none at the end. A recording comes at once; a CSV file with measured signals begins with as many rows as
-    /// the search for the clock of the logger needs.
+    /// Returns the next rows, or `None` at the end. A recording comes in one chunk. The first chunk of a CSV file with
+    /// measured signals has as many rows as the search for the clock of the logger needs.
     pub(super) fn next(&mut self, log: &str, is_first: bool) -> Result<Option<Recording>, Failure> {
         match self {
             Self::Csv(reader, counter) => {
@@ -40,7 +40,7 @@ impl<R: Read> Rows<R> {
         }
     }
 
-    /// What the rows so far lack.
+    /// Returns the defects of the rows so far.
     pub(super) fn defects(self) -> Defects {
         match self {
             Self::Csv(reader, counter) => {
@@ -52,7 +52,7 @@ impl<R: Read> Rows<R> {
     }
 }
 
-/// The next `count` rows at most.
+/// Returns at most the next `count` rows.
 fn next_rows(
     reader: &mut Reader<impl Read>,
     log: &str,

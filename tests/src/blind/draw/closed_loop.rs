@@ -1,4 +1,4 @@
-//! A simple pressure controller, so that some logs are recorded in closed loop.
+//! Simple pressure controller for logs that are recorded in closed loop.
 
 use crate::chance::Chance;
 
@@ -7,13 +7,13 @@ const TOLERANCE: f64 = 0.1;
 /// Duration of a sample (s).
 const SAMPLE: f64 = 0.01;
 
-/// Proportional and integral action on references that change now and then.
+/// Controller with proportional and integral action, for references that change now and then.
 #[derive(Debug, Clone)]
 pub(in crate::blind) struct ClosedLoop {
     /// Reference of each sample (bar gauge).
     references: Vec<f64>,
     grid: usize,
-    /// Duty cycle at which a valve begins to answer (%).
+    /// Duty cycle at which a valve begins to respond (%).
     least_duty: f64,
     /// Duty cycle per error (%/bar) and per its integral (%/(bar s)).
     gains: [f64; 2],
@@ -44,7 +44,7 @@ impl ClosedLoop {
         }
     }
 
-    /// The duty cycles (%) of sample `n`, in which this pressure (bar gauge) is read.
+    /// Returns the duty cycles (%) of sample `n`, in which the ECU reads this pressure (bar gauge).
     pub(super) fn command(&mut self, n: usize, pressure: f64) -> [f64; 2] {
         let error = self.references[n] - pressure;
         if error.abs() < TOLERANCE {

@@ -1,14 +1,14 @@
-//! From readings to the log that a bench would write: noise, steps of the converters, columns.
+//! Conversion of readings into a bench log: noise, resolution of the converters, columns.
 
 use std::fmt::Write;
 
 use crate::chance::Chance;
 use crate::reference_plant::Reading;
 
-/// What measures the rig.
+/// Logger of the rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Logger {
-    /// Noise over that of a good log.
+    /// Noise relative to that of a good log.
     pub(super) noise: f64,
     /// ECU samples per row.
     pub(super) samples_per_row: usize,
@@ -18,14 +18,14 @@ pub(super) struct Logger {
     pub(super) currents: bool,
 }
 
-/// A quantity's noise (rms) and the step of its converter.
+/// Noise of a quantity (rms) and step of its converter.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::blind) struct Channel {
     pub(in crate::blind) noise: f64,
     pub(in crate::blind) step: f64,
 }
 
-/// Pressure as the ECU of a good rig reads it.
+/// Pressure as read by the ECU of a good rig.
 pub(in crate::blind) const PRESSURE_BAR: Channel = Channel {
     noise: 4e-3,
     step: 5.1e-3,
@@ -41,20 +41,20 @@ const BATTERY_V: Channel = Channel {
 const BATTERY: f64 = 24.0;
 
 impl Channel {
-    /// Rms of noise and steps together.
+    /// Returns the rms of noise and converter steps together.
     pub(in crate::blind) fn rms(&self) -> f64 {
         self.noise.hypot(self.step / 12_f64.sqrt())
     }
 
-    /// Returns what the converter shows of `value` with `noise` times its noise.
+    /// Returns the converter's reading of `value` with `noise` times its noise.
     pub(in crate::blind) fn read(&self, value: f64, noise: f64, chance: &mut Chance) -> f64 {
         let noisy = value + noise * self.noise * chance.normal();
-        // Adding zero takes the sign off a zero.
+        // Adding zero removes the sign of a zero.
         (noisy / self.step).round() * self.step + 0.0
     }
 }
 
-/// Units of the noise (bar, mA) in which an excess is counted.
+/// Returns the noise (bar, mA) that is the unit of an excess.
 pub(super) fn noise_of(signal: &str) -> f64 {
     if signal == "p_ch" {
         PRESSURE_BAR.noise
@@ -63,7 +63,7 @@ pub(super) fn noise_of(signal: &str) -> f64 {
     }
 }
 
-/// Signals of the reading (bar gauge, mA), in the order of the columns.
+/// Returns the signals of the reading (bar gauge, mA), in the order of the columns.
 pub(in crate::blind) fn signals(reading: &Reading) -> [(&'static str, f64); 3] {
     [
         ("p_ch", reading.pressure * 1e-5),
@@ -73,12 +73,12 @@ pub(in crate::blind) fn signals(reading: &Reading) -> [(&'static str, f64); 3] {
 }
 
 impl Logger {
-    /// What the ECU reads of the pressure (bar gauge).
+    /// Returns the pressure that the ECU reads (bar gauge).
     pub(super) fn pressure(&self, reading: &Reading, chance: &mut Chance) -> f64 {
         PRESSURE_BAR.read(reading.pressure * 1e-5, self.noise, chance)
     }
 
-    /// The log as CSV. `pressures` are those that the ECU read, one per sample as all others.
+    /// Returns the log as CSV. `pressures` are those that the ECU read, one per sample like all others.
     pub(super) fn csv(
         &self,
         commands: &[[f64; 2]],
@@ -101,7 +101,7 @@ impl Logger {
                 _ = write!(row, ",{:.4}", pressures[n]);
             }
             if self.currents {
-                // Means since the row before.
+                // Means since the previous row.
                 let since = &readings[(n + 1).saturating_sub(self.samples_per_row)..=n];
                 for valve in 0..2 {
                     let mean =

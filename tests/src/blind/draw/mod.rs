@@ -24,16 +24,16 @@ pub use plan::Counts;
 use plan::{Dose, Plan};
 use profile::Commands;
 
-/// Length of a good id log and of a good check log in samples.
+/// Length of a good id log and of a good check log (samples).
 const GOOD_LENGTHS: [usize; 2] = [6000, 4000];
 
-/// Why a draw failed.
+/// Reason why a draw failed.
 #[derive(Debug, Error)]
 pub enum DrawError {
-    /// A folder that is not empty may hold another draw.
+    /// The folder is not empty and may contain another draw.
     #[error("{} is there already; draw into a folder that is not", .0.display())]
     Occupied(PathBuf),
-    /// A number that no rig of the draw has.
+    /// No rig of the draw has this number.
     #[error("there is no rig {0}: this draw has rigs 1 to {1}")]
     NoSuchRig(usize, usize),
     /// A file or a folder could not be written.
@@ -41,10 +41,10 @@ pub enum DrawError {
     Write(PathBuf, #[source] io::Error),
 }
 
-/// One rig, drawn.
+/// Drawn rig.
 #[derive(Debug, Clone)]
 pub struct Drawn {
-    /// What it hides.
+    /// Hidden effects.
     pub answer: Answer,
     /// Its id log and its check log as CSV.
     pub logs: [String; 2],
@@ -54,12 +54,12 @@ pub struct Drawn {
 #[derive(Debug, Clone)]
 pub struct Draw {
     seed: u64,
-    /// By the number of the rig, from 1 on.
+    /// By the number of the rig, from 1.
     plans: Vec<(usize, Plan)>,
 }
 
 impl Draw {
-    /// The rigs of `seed`, planned and not yet run.
+    /// Plans the rigs of `seed`, without running them.
     pub fn new(seed: u64, counts: Counts) -> Self {
         let plans = plan::plans(counts, &mut Chance::new(seed));
         Self {
@@ -68,16 +68,16 @@ impl Draw {
         }
     }
 
-    /// Of these rigs those with one of `numbers`, as they are in the whole draw.
+    /// Keeps the rigs with one of `numbers`, as they are in the whole draw.
     ///
     /// # Errors
-    /// If a number is that of no rig.
+    /// If no rig has one of the numbers.
     pub fn only(mut self, numbers: &[usize]) -> Result<Self, DrawError> {
         only(&mut self.plans, numbers)?;
         Ok(self)
     }
 
-    /// Number of rigs.
+    /// Returns the number of rigs.
     pub fn count(&self) -> usize {
         self.plans.len()
     }
@@ -92,10 +92,10 @@ impl Draw {
         )
     }
 
-    /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` hears how many are done.
+    /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` gets the number of finished rigs.
     ///
     /// # Errors
-    /// If the folder is there already, or a file cannot be written.
+    /// If the folder exists, or a file cannot be written.
     pub fn write(
         &self,
         folders: &Folders,
@@ -108,10 +108,10 @@ impl Draw {
     }
 }
 
-/// Writes `count` rigs into `folders` on `threads` threads; `progress` hears how many are done.
+/// Writes `count` rigs into `folders` on `threads` threads; `progress` gets the number of finished rigs.
 ///
 /// # Errors
-/// If the folder is there already, or a file cannot be written.
+/// If the folder exists, or a file cannot be written.
 pub(super) fn write_rigs(
     folders: &Folders,
     threads: usize,
@@ -145,7 +145,7 @@ pub(super) fn write_rigs(
 }
 
 impl Drawn {
-    /// Writes logs and answer into `folders`, whose folders are there.
+    /// Writes logs and answer into `folders`, which exist.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -154,7 +154,7 @@ impl Drawn {
     }
 }
 
-/// Writes the logs and the answer of one rig into `folders`, whose folders are there.
+/// Writes the logs and the answer of one rig into `folders`, which exist.
 ///
 /// # Errors
 /// If a file cannot be written.
@@ -175,10 +175,10 @@ pub(super) fn write_rig(
     Ok(())
 }
 
-/// The plans with these numbers, which count from 1.
+/// Keeps the plans with these numbers, which count from 1.
 ///
 /// # Errors
-/// If a number is that of no rig.
+/// If no rig has one of the numbers.
 pub(super) fn only<T>(plans: &mut Vec<(usize, T)>, numbers: &[usize]) -> Result<(), DrawError> {
     let count = plans.len();
     if let Some(&number) = numbers.iter().find(|number| !(1..=count).contains(number)) {
@@ -227,7 +227,7 @@ fn drawn(name: String, plan: &Plan, chance: &mut Chance) -> Drawn {
     }
 }
 
-/// What these effects change on a plain rig.
+/// Returns the departures that these effects cause on a plain rig.
 pub(super) fn departures(doses: &[Dose], plain: &Rig) -> Departures {
     let mut departures = Departures::default();
     for dose in doses {
@@ -238,7 +238,7 @@ pub(super) fn departures(doses: &[Dose], plain: &Rig) -> Departures {
     departures
 }
 
-/// The entry of an answer for an effect on a plain rig.
+/// Returns the entry of an answer for an effect on a plain rig.
 pub(super) fn hidden(dose: &Dose, plain: &Rig) -> Hidden {
     let form = dose.form;
     let size = dose.size_over_typical * form.typical;
@@ -266,7 +266,7 @@ fn logger(poor: Option<Poor>) -> Logger {
     }
 }
 
-/// How the id log and the check log are commanded.
+/// Draws the command profiles of the id log and the check log.
 pub(super) fn profiles(poor: Option<Poor>, chance: &mut Chance) -> [Profile; 2] {
     use Profile::{Bench, Chance as ByChance, ClosedLoop, Pulses, Restless};
     match poor {
@@ -283,7 +283,7 @@ pub(super) fn profiles(poor: Option<Poor>, chance: &mut Chance) -> [Profile; 2] 
     }
 }
 
-/// A rig that was run through commands.
+/// Run of a rig with commands.
 struct Run {
     commands: Vec<[f64; 2]>,
     readings: Vec<Reading>,
@@ -326,7 +326,7 @@ impl Run {
     }
 }
 
-/// What a run differs from the plain rig's, by signal: rms in units of the noise of a good log.
+/// Returns the difference of a run from the plain rig's, by signal: rms in units of the noise of a good log.
 fn raw_excess(run: &Run, plain: &[Reading]) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, f64> = BTreeMap::new();
     for (with, without) in run.readings.iter().zip(plain) {

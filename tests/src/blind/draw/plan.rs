@@ -1,10 +1,10 @@
-//! Which rigs a draw has.
+//! Plan of the rigs of a draw.
 
 use super::super::format::{Class, Poor};
 use crate::chance::Chance;
 use crate::reference_plant::catalogue::{Form, Kinship, forms_of};
 
-/// Pairs that act in different places, so that neither can stand in for the other.
+/// Pairs that act in different places, so that neither can explain the other.
 const PAIRS: [[&str; 2]; 20] = [
     ["chamber_leak", "coil_ambient_temperature"],
     ["chamber_leak", "drain_back_pressure"],
@@ -28,25 +28,25 @@ const PAIRS: [[&str; 2]; 20] = [
     ["drain_back_pressure", "iron_saturation"],
 ];
 
-/// Sizes over the typical one: from far below the noise to far above it.
+/// Sizes relative to the typical one: from far below the noise to far above it.
 pub(in crate::blind) const SINGLE_SIZES: [f64; 2] = [0.15, 10.0];
-/// Effects in a pair, or in a poor log: each one matters.
+/// Sizes of effects in a pair, or in a poor log: each one matters.
 const STRONG_SIZES: [f64; 2] = [1.5, 6.0];
 
-/// How many rigs of each kind.
+/// Number of rigs of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counts {
-    /// Without effect.
+    /// Rigs without effect.
     pub plain: usize,
-    /// One effect in its textbook's law.
+    /// Rigs with one effect in the law of the textbook.
     pub matched: usize,
-    /// One effect in another law.
+    /// Rigs with one effect in another law.
     pub variant: usize,
-    /// Two effects.
+    /// Rigs with two effects.
     pub two: usize,
-    /// One effect that no library has.
+    /// Rigs with one effect outside any library.
     pub beyond: usize,
-    /// Poor logs, every other one with an effect.
+    /// Rigs with poor logs, every other one with an effect.
     pub poor: usize,
 }
 
@@ -61,7 +61,7 @@ impl Counts {
         poor: 36,
     };
 
-    /// A share of each, rounded up.
+    /// Returns a share of each, rounded up.
     pub fn share(self, share: f64) -> Self {
         let of = |count: usize| (count as f64 * share).ceil() as usize;
         Self {
@@ -75,7 +75,7 @@ impl Counts {
     }
 }
 
-/// One rig to draw.
+/// Rig to draw.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
     pub(super) class: Class,
@@ -83,7 +83,7 @@ pub(super) struct Plan {
     pub(super) hidden: Vec<Dose>,
 }
 
-/// How much of which law.
+/// Law of an effect and its size.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::blind) struct Dose {
     pub(in crate::blind) form: &'static Form,
@@ -92,7 +92,7 @@ pub(in crate::blind) struct Dose {
 }
 
 impl Dose {
-    /// `stratum` says where on the logarithmic scale of sizes, 0 to 1.
+    /// Draws a dose; `stratum` is the position on the logarithmic scale of sizes, 0 to 1.
     fn new(form: &'static Form, sizes: [f64; 2], stratum: f64, chance: &mut Chance) -> Self {
         Self {
             form,
@@ -102,7 +102,7 @@ impl Dose {
     }
 }
 
-/// All rigs, in an order that tells nothing.
+/// Plans all rigs, in an order that gives no hint.
 pub(super) fn plans(counts: Counts, chance: &mut Chance) -> Vec<Plan> {
     let mut plans = Vec::new();
     plans.extend((0..counts.plain).map(|_| plan(Class::Plain, None, vec![])));
@@ -114,7 +114,7 @@ pub(super) fn plans(counts: Counts, chance: &mut Chance) -> Vec<Plan> {
         let mut forms: Vec<_> = forms_of(kinship).collect();
         chance.shuffle(&mut forms);
         let rounds = count.div_ceil(forms.len());
-        // Each form goes through the strata of sizes, each in an order of its own.
+        // Each form goes through the strata of sizes in its own order.
         let shifts: Vec<usize> = forms.iter().map(|_| chance.whole(0, rounds)).collect();
         plans.extend((0..count).map(|n| {
             let (round, place) = (n / forms.len(), n % forms.len());
@@ -150,12 +150,13 @@ fn plan(class: Class, poor: Option<Poor>, hidden: Vec<Dose>) -> Plan {
     }
 }
 
-/// A strong dose of one matched form that is wanted.
+/// Draws a strong dose of one matched form that `wanted` accepts.
 fn strong(wanted: impl Fn(&Form) -> bool, chance: &mut Chance) -> Dose {
     dose(Kinship::Matched, STRONG_SIZES, wanted, chance)
 }
 
-/// A dose of one wanted form of a kinship, its size over the typical one between `sizes`, even on a logarithmic scale.
+/// Draws a dose of one accepted form of a kinship, its size relative to the typical one between `sizes`, uniform on a
+/// logarithmic scale.
 pub(in crate::blind) fn dose(
     kinship: Kinship,
     sizes: [f64; 2],

@@ -1,10 +1,10 @@
-//! What a rig is commanded to do while it is logged.
+//! Command profiles of the logs.
 
 use super::super::format::Profile;
 use super::closed_loop::ClosedLoop;
 use crate::chance::Chance;
 
-/// Where the duty cycles (%) of each sample come from, fill and vent.
+/// Source of the duty cycles (%) of each sample, fill and vent.
 #[derive(Debug, Clone)]
 pub(in crate::blind) enum Commands {
     Listed(Vec<[f64; 2]>),
@@ -12,7 +12,7 @@ pub(in crate::blind) enum Commands {
 }
 
 impl Commands {
-    /// Commands for `samples` ECU samples, each held for a multiple of `grid` of them.
+    /// Creates commands for `samples` ECU samples, each held for a multiple of `grid` of them.
     pub(in crate::blind) fn new(
         profile: Profile,
         samples: usize,
@@ -36,7 +36,7 @@ impl Commands {
         Self::Listed(list.commands)
     }
 
-    /// The command of sample `n`, in which the ECU reads this pressure (bar gauge).
+    /// Returns the command of sample `n`, in which the ECU reads this pressure (bar gauge).
     pub(in crate::blind) fn at(&mut self, n: usize, pressure: f64) -> [f64; 2] {
         match self {
             Self::Listed(list) => list[n],
@@ -51,14 +51,14 @@ struct List {
 }
 
 impl List {
-    /// `samples` of one command, rounded up to the grid; duty cycles rounded to 0.1 %.
+    /// Adds `samples` of one command, rounded up to the grid; duty cycles rounded to 0.1 %.
     fn hold(&mut self, samples: usize, duty: [f64; 2]) {
         let samples = samples.div_ceil(self.grid) * self.grid;
         let duty = duty.map(|duty| (10.0 * duty).round() / 10.0);
         self.commands.extend(std::iter::repeat_n(duty, samples));
     }
 
-    /// Fill or vent alone.
+    /// Adds a command of one valve alone.
     fn valve(&mut self, valve: usize, samples: usize, duty: f64) {
         let mut both = [0.0; 2];
         both[valve] = duty;
@@ -106,7 +106,7 @@ impl List {
         self.off(chance.whole(200, 450));
     }
 
-    /// Short stretches at growing duty cycles: down from full, or up from empty.
+    /// Adds short intervals at increasing duty cycles: down from full, or up from empty.
     fn stairs(&mut self, valve: usize, chance: &mut Chance) {
         self.valve(1 - valve, 90, 100.0);
         let steps = chance.whole(4, 6);

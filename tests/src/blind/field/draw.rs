@@ -17,28 +17,28 @@ use crate::chance::Chance;
 #[derive(Debug, Clone)]
 pub struct FieldDraw {
     seed: u64,
-    /// Effects by the number of the rig, from 1 on.
+    /// Effects by the number of the rig, from 1.
     doses: Vec<(usize, Vec<Dose>)>,
 }
 
-/// One field rig, drawn.
+/// Drawn field rig.
 #[derive(Debug, Clone)]
 pub struct FieldRig {
-    /// What it is.
+    /// Answer.
     pub answer: FieldAnswer,
-    /// The plant file that a person would have.
+    /// Plant file that a user would have.
     pub plant: String,
     /// Its id log and its check log as CSV.
     pub logs: [String; 2],
 }
 
-/// Chance of the rig with this number.
+/// Returns the random numbers of the rig with this number.
 fn chance_of(seed: u64, number: usize) -> Chance {
     Chance::of(seed, number as u64)
 }
 
 impl FieldDraw {
-    /// The first `rigs` rigs of `seed`, each with a number of hidden effects.
+    /// Plans the first `rigs` rigs of `seed`, each with a number of hidden effects.
     pub fn new(seed: u64, rigs: usize, effects: Effects) -> Self {
         let mut chance = Chance::new(seed);
         let doses = (1..=rigs).map(|number| {
@@ -51,16 +51,16 @@ impl FieldDraw {
         }
     }
 
-    /// Of these rigs those with one of `numbers`, as they are in the whole draw.
+    /// Keeps the rigs with one of `numbers`, as they are in the whole draw.
     ///
     /// # Errors
-    /// If a number is that of no rig.
+    /// If no rig has one of the numbers.
     pub fn only(mut self, numbers: &[usize]) -> Result<Self, DrawError> {
         only(&mut self.doses, numbers)?;
         Ok(self)
     }
 
-    /// Number of rigs.
+    /// Returns the number of rigs.
     pub fn count(&self) -> usize {
         self.doses.len()
     }
@@ -94,10 +94,10 @@ impl FieldDraw {
         }
     }
 
-    /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` hears how many are done.
+    /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` gets the number of finished rigs.
     ///
     /// # Errors
-    /// If the folder is there already, or a file cannot be written.
+    /// If the folder exists, or a file cannot be written.
     pub fn write(
         &self,
         folders: &Folders,

@@ -1,46 +1,46 @@
-//! What the scores read of `retarder refine --json`.
+//! Fields of `retarder refine --json` that the scores read.
 
 use serde::Deserialize;
 use serde_json::Value;
 
 use super::super::score::finding::BySignal;
 
-/// An estimation.
+/// Estimation.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Estimated {
-    /// The errors, from the plant as given on.
+    /// Errors, from the given plant on.
     pub steps: Vec<EstimatedStep>,
-    /// The parameters.
+    /// Parameters.
     pub parameters: Vec<EstimatedParameter>,
 }
 
-/// A refinement with added effects.
+/// Refinement with added effects.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct WithEffects {
-    /// The errors, from the plant without the effects on.
+    /// Errors, from the plant without the effects on.
     ladder: Vec<EstimatedStep>,
 }
 
 impl WithEffects {
-    /// Check error in free run after the last step (noise floors).
+    /// Returns the free-run check error after the last step (noise floors).
     pub fn free_run(&self) -> Option<Worst> {
         let last = self.ladder.last()?;
         worst(&last.free_run_check_rms, &last.noise_floor)
     }
 }
 
-/// The errors of one step.
+/// Errors of one step.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct EstimatedStep {
-    /// Rms error on the check log, one step ahead.
+    /// One-step-ahead rms error on the check log.
     pub check_rms: BySignal,
-    /// What the signal scatters by itself.
+    /// Noise floor of the signal.
     pub noise_floor: BySignal,
-    /// Rms error on the check log, in free run.
+    /// Free-run rms error on the check log.
     pub free_run_check_rms: BySignal,
 }
 
-/// One estimated parameter.
+/// Estimated parameter.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct EstimatedParameter {
     /// Name in a plant file.
@@ -55,23 +55,23 @@ pub struct EstimatedParameter {
     pub determination: Value,
 }
 
-/// An error in noise floors, of the signal in which it is worst.
+/// Error in noise floors, of the signal with the largest one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Worst {
-    /// The signal.
+    /// Signal.
     pub signal: String,
-    /// The error.
+    /// Error.
     pub floors: f64,
 }
 
 impl Estimated {
-    /// Check error one step ahead after the last step.
+    /// Returns the one-step-ahead check error after the last step.
     pub fn check_error(&self) -> Option<Worst> {
         let errors = self.steps.last()?;
         worst(&errors.check_rms, &errors.noise_floor)
     }
 
-    /// Check error in free run after the last step, in the noise floors of `floor`.
+    /// Returns the free-run check error after the last step, in the noise floors of `floor`.
     pub fn free_run(&self, floor: &Self) -> Option<Worst> {
         let floor = &floor.steps.last()?.noise_floor;
         worst(&self.steps.last()?.free_run_check_rms, floor)
@@ -89,12 +89,13 @@ fn worst(rms: &BySignal, floor: &BySignal) -> Option<Worst> {
 }
 
 impl EstimatedParameter {
-    /// Whether the estimation calls it determined.
+    /// Returns whether the estimation calls it determined.
     pub fn is_determined(&self) -> bool {
         self.determination == "determined"
     }
 
-    /// Distance of the true value, in half widths of the interval on its side: within the interval up to 1.
+    /// Returns the distance of the true value, in half widths of the interval on its side; up to 1 it is within the
+    /// interval.
     pub fn half_widths_off(&self, truth: f64) -> f64 {
         let half = if truth > self.after {
             self.high - self.after

@@ -10,7 +10,7 @@ use super::super::score::finding::BySignal;
 /// Version of the sealed answers.
 pub const FIELD_SCHEMA: &str = "retarder.field-answer/1";
 
-/// What a field rig is.
+/// Answer of a field rig.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FieldAnswer {
@@ -20,28 +20,28 @@ pub struct FieldAnswer {
     pub rig: String,
     /// Effects beyond the plain plant.
     pub hidden: Vec<Hidden>,
-    /// From each of them to its removal cost: rms by which the readings of the check log change without it, by logged signal, in units
-    /// of what noise and steps of the channel leave.
+    /// Removal cost of each of them: rms by which the readings of the check log change without it, by logged signal, in
+    /// units of the noise and converter steps of the channel.
     #[serde(default)]
     pub cost_if_left_out: BTreeMap<String, BySignal>,
     /// Whether the vent valve is open without current.
     pub is_vent_normally_open: bool,
-    /// True values by their names in a plant file, of every parameter that the draw moves.
+    /// True values of all parameters that the draw changes, by their names in a plant file.
     pub parameters: BTreeMap<String, f64>,
-    /// The logger.
+    /// Logger.
     pub logger: LoggerAnswer,
     /// The id log and the check log.
     pub logs: [LogAnswer; 2],
 }
 
 impl FieldAnswer {
-    /// Removal cost of a hidden effect in the signal where it is largest (noise floors).
+    /// Returns the removal cost of a hidden effect in the signal with the largest one (noise floors).
     pub fn removal_cost(&self, effect: &str) -> f64 {
         let costs = self.cost_if_left_out.get(effect);
         costs.map_or(0.0, |costs| costs.values().copied().fold(0.0, f64::max))
     }
 
-    /// Kind of the rig and of its logs, in words.
+    /// Returns the kind of the rig and of its logs, in words.
     pub fn kind(&self) -> String {
         let logger = &self.logger;
         let valves = if self.is_vent_normally_open {
@@ -70,15 +70,15 @@ impl FieldAnswer {
     }
 }
 
-/// The logger of a field rig.
+/// Logger of a field rig.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoggerAnswer {
     /// Rows per logged second.
     pub rate_hz: f64,
-    /// True time beyond the logged one (ppm).
+    /// Excess of the true time over the logged one (ppm).
     pub clock_error_ppm: f64,
-    /// Largest shift of a row from an even time base, as a share of the interval; its time stamp is true to it.
+    /// Largest shift of a row from an even time base, as a share of the interval; its time stamp includes the shift.
     pub unevenness: f64,
     /// Resolution of the converter over its range.
     pub bits: usize,
@@ -90,22 +90,22 @@ pub struct LoggerAnswer {
     pub supply_pressure: bool,
 }
 
-/// One log of a field rig.
+/// Log of a field rig.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LogAnswer {
-    /// How it is commanded.
+    /// Command profile.
     pub profile: Profile,
-    /// Least number of ECU samples for which a command stands.
+    /// Smallest number of ECU samples with one command.
     pub command_grid: usize,
-    /// True time from the sample of the ECU before the first row to that row (s).
+    /// True time from the last ECU sample before the first row to that row (s).
     pub phase_s: f64,
     /// Begin and end of the gaps in logged time (s).
     pub gaps: Vec<[f64; 2]>,
     /// Pressure in the chamber at the first row (bar gauge).
     pub first_pressure_bar_gauge: f64,
-    /// Temperature of the gas over that of the wall at the first row (K).
+    /// Temperature of the gas above that of the wall at the first row (K).
     pub first_surplus_k: f64,
-    /// Time constant with which the wall takes that out (s); 0 if the log begins at rest.
+    /// Time constant of its cooling by the wall (s); 0 if the log begins at rest.
     pub relaxation_s: f64,
 }

@@ -1,4 +1,4 @@
-//! Records a field rig: a logger with rate, phase, clock and gaps of its own beside an ECU with its samples.
+//! Recording of a field rig: a logger with its own rate, phase, clock and gaps beside the ECU with its samples.
 
 use std::fmt::Write;
 
@@ -21,16 +21,16 @@ const SUPPLY_BAR: Channel = Channel {
     step: 10e-3,
 };
 
-/// A row's instant.
+/// Instant of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Instant {
-    /// By the logger's clock (s).
+    /// Time by the logger's clock (s).
     pub(super) logged_s: f64,
-    /// In truth, since the first sample of the ECU (ns).
+    /// True time since the first sample of the ECU (ns).
     pub(super) true_ns: u64,
 }
 
-/// The instants of all rows, those in gaps included; `first_ns` is the true instant of the first one.
+/// Returns the instants of all rows, including those in gaps; `first_ns` is the true instant of the first one.
 pub(super) fn instants(
     logger: &LoggerAnswer,
     length_s: f64,
@@ -55,17 +55,17 @@ pub(super) fn instants(
     (0..rows).map(instant).collect()
 }
 
-/// The ECU with its rig.
+/// ECU with its rig.
 struct Bench<'a> {
     plant: ReferencePlant,
     plan: &'a LogPlan,
     commands: Commands,
-    /// Commands so far, one pair a sample that the log's commands are for.
+    /// Commands so far, one pair per sample of the log's command profile.
     given: Vec<[f64; 2]>,
     sample_ns: u64,
     /// Samples so far.
     samples: u64,
-    /// Duty cycles of the last one.
+    /// Duty cycles of the last sample.
     duty: [f64; 2],
     is_vent_normally_open: bool,
 }
@@ -84,18 +84,18 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// ECU samples before the log.
+    /// Returns the number of ECU samples before the log.
     fn lead(&self) -> usize {
         let warm = self.plan.warm;
         warm.map_or(0, |warm| warm.fill_samples + warm.shut_samples)
     }
 
-    /// True instant of the first row (ns).
+    /// Returns the true instant of the first row (ns).
     fn first_ns(&self) -> u64 {
         self.lead() as u64 * self.sample_ns + (self.plan.phase_s * 1e9).round() as u64
     }
 
-    /// Runs to an interval before the first row: its means are over an interval as well.
+    /// Runs to one interval before the first row, so that its means also cover an interval.
     fn begin(&mut self, logger: &LoggerAnswer, chance: &mut Chance) {
         let interval_ns = (1e9 / logger.rate_hz) as u64;
         self.run_until(self.first_ns().saturating_sub(interval_ns), chance);
@@ -114,7 +114,7 @@ impl<'a> Bench<'a> {
         reading
     }
 
-    /// Runs to an instant, through the samples of the ECU until there.
+    /// Runs to an instant, through all samples of the ECU before it.
     fn run_until(&mut self, to_ns: u64, chance: &mut Chance) {
         while self.samples * self.sample_ns <= to_ns {
             self.plant.run_until(self.samples * self.sample_ns);
@@ -142,7 +142,7 @@ impl<'a> Bench<'a> {
         {
             self.plant.warm_gas(warm.surplus_k, warm.relaxation_s);
         }
-        // A normally open valve is shut by its command.
+        // A normally open valve is closed by its command.
         let vent = if self.is_vent_normally_open {
             100.0 - vent
         } else {
@@ -154,20 +154,20 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// A recorded log.
+/// Recorded log.
 #[derive(Debug, Clone)]
 pub(super) struct Recorded {
     pub(super) answer: LogAnswer,
-    /// As CSV.
+    /// Text as CSV.
     pub(super) text: String,
     pub(super) run: Run,
 }
 
-/// A run of a rig: its commands, and its readings without noise.
+/// Run of a rig: its commands, and its readings without noise.
 #[derive(Debug, Clone)]
 pub(super) struct Run {
     commands: Vec<[f64; 2]>,
-    /// Instants of all rows, those in gaps included, and the readings there.
+    /// Instants of all rows, including those in gaps, and their readings.
     instants: Vec<Instant>,
     pub(super) readings: Vec<Reading>,
 }
@@ -179,7 +179,7 @@ pub(super) fn record(
     plan: &LogPlan,
     chance: &mut Chance,
 ) -> Recorded {
-    // A clock may be a little slow.
+    // A clock may be slightly slow.
     let samples = (1.01 * plan.length_s / rig.datasheet.ecu.sample_time_s) as usize;
     let commands = Commands::new(plan.profile, samples, plan.command_grid, chance);
     let mut bench = Bench::new(rig, plan, commands);
@@ -225,17 +225,18 @@ pub(super) fn record(
     }
 }
 
-/// Readings of another rig along the commands of a run of `plan`, at the same instants.
+/// Returns the readings of another rig with the commands of a run of `plan`, at the same instants.
 pub(super) fn replay(rig: &Rig, logger: &LoggerAnswer, plan: &LogPlan, run: &Run) -> Vec<Reading> {
     let mut bench = Bench::new(rig, plan, Commands::Listed(run.commands.clone()));
-    // Noise of the ECU's sensor, on which listed commands do not depend.
+    // Noise of the ECU's sensor; the given commands do not depend on it.
     let mut chance = Chance::new(0);
     bench.begin(logger, &mut chance);
     let read_at = |instant| bench.read_at(instant, &mut chance);
     run.instants.iter().map(read_at).collect()
 }
 
-/// Rms difference of the logged rows of a run of `plan` from `others`, by logged signal, over what noise and steps of its channel leave.
+/// Returns the rms difference of the logged rows of a run of `plan` from `others`, by logged signal, in units of the
+/// noise and converter steps of the channel.
 pub(super) fn difference(
     logger: &LoggerAnswer,
     plan: &LogPlan,
@@ -258,7 +259,7 @@ pub(super) fn difference(
     squares.into_iter().map(rms).collect()
 }
 
-/// Channel of a signal (bar, mA); none where it is not logged.
+/// Returns the channel of a signal (bar, mA); `None` if it is not logged.
 fn channel(logger: &LoggerAnswer, signal: &str) -> Option<Channel> {
     if signal == "p_ch" {
         Some(pressure_bar(logger))

@@ -1,4 +1,4 @@
-//! Ordinary parameters of a field rig, and the plant files with and without them.
+//! Ordinary parameters of a field rig, and the plant files with the first and with the true values.
 
 use std::collections::BTreeMap;
 
@@ -7,32 +7,33 @@ use plant_sim::PlantParameters;
 use crate::chance::Chance;
 use crate::reference_plant::{Datasheet, Rig};
 
-/// The bundled plant file: what a person has at first.
+/// Bundled plant file: the first plant file of a user.
 const NOMINAL: &str = include_str!("../../../../data/nominal-plant.toml");
-/// What a person's file says of a normally open vent valve.
+/// Addition to a user's file for a normally open vent valve.
 const NORMALLY_OPEN: &str = "\n\n[valves]\nvent = \"normally_open\"\n";
-/// Preload of the bundled file, and of a normally open vent valve of the same size, whose magnet works against the pressure (N).
+/// Preload of the bundled file, and of a normally open vent valve of the same size, whose magnet works against the
+/// pressure (N).
 const PRELOADS_VENT: [&str; 2] = ["preload_vent_n = 3.34", "preload_vent_n = 1.40"];
 
-/// Share by which most parameters may be off.
+/// Relative error of most parameters, at most.
 const FAR: f64 = 0.30;
-/// Share by which the inductances may be off, together.
+/// Relative error of the inductances, which have the same one, at most.
 const INDUCTANCE: f64 = 0.15;
-/// Share by which the resistance may be off.
+/// Relative error of the resistance, at most.
 const RESISTANCE: f64 = 0.10;
-/// Distance of the command delay (s).
+/// Error of the command delay, at most (s).
 const DELAY_S: f64 = 6e-3;
-/// Distance of the supply pressure (bar).
+/// Error of the supply pressure, at most (bar).
 const SUPPLY_BAR: f64 = 0.5;
 
-/// Force of a magnet over what it has to overcome, for a valve that opens (closes, if normally open) at any pressure.
+/// Force of a magnet relative to the opposing force, for a valve that opens (closes, if normally open) at any pressure.
 const PULL_IN: f64 = 1.25;
-/// The same at full stroke, where it has to hold.
+/// The same ratio at full stroke, where the magnet has to hold.
 const HOLD: f64 = 1.1;
-/// Force of the spring over what it has to overcome, for a valve that falls back.
+/// Force of the spring relative to the opposing force, for a valve that returns.
 const FALL_BACK: f64 = 1.1;
 
-/// Names of the parameters that are drawn, with their place in a datasheet.
+/// Name of a drawn parameter and its field in a datasheet.
 type Place = (&'static str, fn(&mut Datasheet) -> &mut f64);
 
 const PLACES: [Place; 13] = [
@@ -73,7 +74,7 @@ const PLACES: [Place; 13] = [
     }),
 ];
 
-/// Returns the plant file that a person has at first.
+/// Returns the first plant file of a user.
 pub(super) fn first_file(is_vent_normally_open: bool) -> String {
     if is_vent_normally_open {
         NOMINAL.replace(PRELOADS_VENT[0], PRELOADS_VENT[1]) + NORMALLY_OPEN
@@ -94,7 +95,7 @@ pub(super) fn true_file(is_vent_normally_open: bool, parameters: &BTreeMap<Strin
     plant.to_toml()
 }
 
-/// Draws a rig whose valves work: what does not open and close is no rig that anyone logs.
+/// Draws a rig whose valves work: nobody logs a rig whose valves do not open and close.
 pub(super) fn rig(is_vent_normally_open: bool, chance: &mut Chance) -> Rig {
     let sheet: Datasheet = toml::from_str(&first_file(is_vent_normally_open))
         .expect("the bundled file is a datasheet");
@@ -132,7 +133,7 @@ fn scatter(sheet: &mut Datasheet, chance: &mut Chance) {
     }
 }
 
-/// Whether both valves move to their stops and back at every pressure up to that of the supply.
+/// Returns whether both valves move to their stops and back at every pressure up to that of the supply.
 fn works(rig: &Rig) -> bool {
     let sheet = &rig.datasheet;
     let armature = &sheet.armature;

@@ -1,4 +1,4 @@
-//! Which field rigs a draw has.
+//! Plan of the field rigs of a draw.
 
 use std::str::FromStr;
 
@@ -13,21 +13,21 @@ use crate::reference_plant::catalogue::{Form, Kinship};
 
 /// One rig of this many has a normally open vent valve.
 const NORMALLY_OPEN_ONE_OF: usize = 3;
-/// Rows per second: from the first to the last, even on a logarithmic scale.
+/// Range of the rows per second, uniform on a logarithmic scale.
 pub(super) const RATES_HZ: [f64; 2] = [20.0, 5000.0];
 /// Largest error of a clock (ppm).
 pub(super) const CLOCK_ERROR_PPM: f64 = 200.0;
-/// Share of the loggers with an uneven time base, and how uneven it is.
+/// Share of the loggers with an uneven time base, and range of its unevenness.
 const UNEVEN: f64 = 0.3;
 const UNEVENNESS: [f64; 2] = [0.02, 0.2];
-/// Gaps of a log, and their lengths (s).
+/// Number of gaps of a log, and their lengths (s).
 pub(super) const GAPS_MAX: usize = 3;
 pub(super) const GAP_S: [f64; 2] = [0.3, 1.5];
-/// A gap is this far from both ends of the log and from the next one (s).
+/// Distance of a gap from both ends of the log and from the next one (s).
 const CLEAR_OF_GAPS_S: f64 = 2.0;
 /// Bits of the converter.
 pub(super) const BITS: [usize; 2] = [8, 12];
-/// Noise of the pressure on the practice rigs (bar), and that of a rig over it.
+/// Noise of the pressure on the practice rigs (bar), and the range of a rig's noise relative to it.
 const PRACTICE_NOISE_BAR: f64 = 4e-3;
 const NOISES: [f64; 2] = [0.1, 10.0];
 /// Share of the rigs whose currents, and whose supply pressure, are logged.
@@ -37,16 +37,16 @@ const WARM: f64 = 0.25;
 /// ECU samples of the fill before such a log, and from its last command to the first row.
 const FILL_SAMPLES: [usize; 2] = [4, 20];
 const SHUT_SAMPLES: [usize; 2] = [8, 14];
-/// Gas over the wall at the first row (K), and the time constant with which the wall takes that out (s).
+/// Temperature of the gas above that of the wall at the first row (K), and time constant of its cooling (s).
 const SURPLUS_K: [f64; 2] = [5.0, 30.0];
 const RELAXATION_S: [f64; 2] = [0.2, 1.0];
-/// The hold goes on until the gas is as warm as the wall.
+/// Length of the hold, in time constants: until gas and wall have the same temperature.
 const HOLD_IN_RELAXATIONS: f64 = 8.0;
 
-/// Share of the hidden effects that the library does not have, and of the others those in another law than the textbook's.
+/// Share of the hidden effects outside the library, and share of other laws than the textbook's among the rest.
 const BEYOND: f64 = 0.12;
 const OTHER_LAW: f64 = 0.375;
-/// Effect with which the gas warms by itself: the warm begin of a log, which is put in, would be gone within milliseconds.
+/// Effect with which the gas warms by itself: the warm begin of a log would be gone within milliseconds.
 const WARMS: &str = "gas_temperature";
 
 /// Length of the id log and of the check log (s).
@@ -62,7 +62,7 @@ pub struct Effects {
 impl FromStr for Effects {
     type Err = String;
 
-    /// A number, or two as in `0..4`.
+    /// Reads a number, or a range as in `0..4`.
     fn from_str(text: &str) -> Result<Self, String> {
         let (least, most) = text.split_once("..").unwrap_or((text, text));
         match (least.parse(), most.parse()) {
@@ -75,7 +75,7 @@ impl FromStr for Effects {
 }
 
 impl Effects {
-    /// Draws the effects of a rig: no two that are physically the same thing.
+    /// Draws the effects of a rig, no two of which are physically the same.
     pub(super) fn draw(self, begins_warm: bool, chance: &mut Chance) -> Vec<Dose> {
         let count = chance.whole(self.least, self.most);
         let mut doses: Vec<Dose> = Vec::new();
@@ -101,12 +101,12 @@ fn kinship(chance: &mut Chance) -> Kinship {
     }
 }
 
-/// Whether two laws are of one effect, or physically the same thing, so that no log tells one from the other.
+/// Returns whether two laws are of one effect, or physically the same, so that no log distinguishes them.
 fn is_same(a: &Form, b: &Form) -> bool {
     a.effect == b.effect || a.same.contains(&b.effect) || b.same.contains(&a.effect)
 }
 
-/// A field rig to run.
+/// Field rig to run.
 #[derive(Debug, Clone)]
 pub(super) struct FieldPlan {
     pub(super) plain: Rig,
@@ -114,12 +114,12 @@ pub(super) struct FieldPlan {
     pub(super) logs: [LogPlan; 2],
 }
 
-/// A log to record.
+/// Log to record.
 #[derive(Debug, Clone)]
 pub(super) struct LogPlan {
     pub(super) profile: Profile,
     pub(super) length_s: f64,
-    /// ECU samples for which a command stands: each is seen by one row at least.
+    /// ECU samples with one command: at least one row sees each.
     pub(super) command_grid: usize,
     pub(super) phase_s: f64,
     pub(super) gaps: Vec<[f64; 2]>,
@@ -127,14 +127,14 @@ pub(super) struct LogPlan {
 }
 
 impl LogPlan {
-    /// Whether a row at this time is logged, and lies in no gap.
+    /// Returns whether a row at this time is logged, and not in a gap.
     pub(super) fn is_logged(&self, logged_s: f64) -> bool {
         let mut gaps = self.gaps.iter();
         !gaps.any(|gap| (gap[0]..gap[1]).contains(&logged_s))
     }
 }
 
-/// A fast fill before the log, and the hold with which the log begins.
+/// Fast fill before the log, and the hold at its begin.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Warm {
     pub(super) fill_samples: usize,
@@ -168,13 +168,13 @@ impl FieldPlan {
         }
     }
 
-    /// Whether one of the logs begins with warm gas.
+    /// Returns whether one of the logs begins with warm gas.
     pub(super) fn begins_warm(&self) -> bool {
         self.logs.iter().any(|log| log.warm.is_some())
     }
 }
 
-/// Even on a logarithmic scale.
+/// Draws a number uniformly on a logarithmic scale.
 fn logarithmic([low, high]: [f64; 2], chance: &mut Chance) -> f64 {
     low * (high / low).powf(chance.share())
 }
@@ -195,7 +195,7 @@ fn logger(chance: &mut Chance) -> LoggerAnswer {
     }
 }
 
-/// The samples between two rows at most: a command that stands as long is in the log.
+/// Returns the largest number of samples between two rows: a command of this length is in the log.
 fn command_grid(logger: &LoggerAnswer, sample_s: f64) -> usize {
     let apart_s = (1.0 + 2.0 * logger.unevenness) / logger.rate_hz;
     ((apart_s / sample_s).ceil() as usize).max(1)
@@ -308,7 +308,7 @@ mod tests {
         }
     }
 
-    /// Two laws that write one field would leave the second of them alone.
+    /// If two laws wrote one field, only the second would act.
     #[test]
     fn no_effect_overwrites_another() {
         let sheet = Datasheet::bundled();

@@ -1,4 +1,4 @@
-//! Removal costs of hidden effects: how much the readings of a log change on the same rig without one of them.
+//! Removal costs of hidden effects: the change of a log's readings on the same rig without one of them.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +10,9 @@ use super::logger::{Run, difference, replay};
 use super::plan::LogPlan;
 use crate::reference_plant::Rig;
 
-/// Returns the cost of leaving out each of `doses`, by its effect: rms by which the logged readings of a run change, by signal, over
-/// what noise and steps of the channel leave. The rig without the effect gets the commands of the run, also where a controller
-/// would have given others.
+/// Returns the cost of leaving out each of `doses`, by its effect: rms by which the logged readings of a run change, by
+/// signal, in units of the noise and converter steps of the channel. The rig without the effect gets the commands of
+/// the run, even if a controller would have given others.
 pub(super) fn costs(
     plain: &Rig,
     doses: &[Dose],
@@ -40,7 +40,7 @@ mod tests {
     use crate::chance::Chance;
     use crate::reference_plant::catalogue::forms;
 
-    /// A closed loop of three seconds that begins warm and has a gap.
+    /// Returns the costs in a closed loop of three seconds that begins warm and has a gap.
     fn costs_of(sizes: &[(&str, f64)]) -> BTreeMap<String, BySignal> {
         let mut chance = Chance::new(3);
         let FieldPlan {
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!(costs["sensor_play"]["i_fill"], 0.0);
     }
 
-    /// An offset is in every reading of the sensor: the cost is the offset itself over the channel's noise.
+    /// An offset is in every reading of the sensor: the cost is the offset divided by the channel's noise.
     #[test]
     fn more_of_an_effect_costs_more() {
         let cost = |size| costs_of(&[("sensor_offset", size)])["sensor_offset"]["p_ch"];

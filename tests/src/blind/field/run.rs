@@ -1,4 +1,5 @@
-//! Lets the released command refine the first plant file of every field rig, and name what its refined plant lacks; opens no answer.
+//! Runs the released command on every field rig: refines its first plant file, then diagnoses its refined plant; reads
+//! no answer.
 
 use std::path::PathBuf;
 
@@ -8,16 +9,17 @@ use super::super::run::{RunError, on_rig, output, rigs, run_each};
 use super::super::score::finding::Finding;
 use super::super::score::found;
 
-/// The released command.
+/// Released command.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Retarder {
-    /// The command `retarder`.
+    /// Path of the command `retarder`.
     #[arg(long)]
     pub retarder: PathBuf,
 }
 
-/// Refines the first plant file of every rig of `folders` that has no finding yet, `jobs` at a time. A rig whose refinement fails
-/// leaves a file with what it said instead of a finding; the next run tries it again. Gives the number of those.
+/// Refines the first plant file of every rig of `folders` that has no finding yet, `jobs` at a time. A rig whose
+/// refinement fails leaves a file with the command's output instead of a finding; the next run tries it again. Returns
+/// the number of those.
 ///
 /// # Errors
 /// If files cannot be read or written, or the command does not start.
@@ -79,7 +81,7 @@ pub fn fit(
     })
 }
 
-/// Named effects of a rig with the forms of their laws; none where the diagnosis did not end.
+/// Returns the named effects of a rig with the forms of their laws; empty if the diagnosis did not end.
 fn forms(folders: &Folders, rig: &str) -> Result<Vec<String>, RunError> {
     let finding: Option<Finding> = found(&folders.named().finding(rig))?;
     Ok(finding.map(|finding| finding.forms()).unwrap_or_default())

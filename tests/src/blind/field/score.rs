@@ -1,4 +1,5 @@
-//! Holds the refined plants of a draw of field rigs against the sealed answers: gates with exact limits, and every miss.
+//! Comparison of the refined plants of a draw of field rigs with the sealed answers: gates with exact limits, and every
+//! miss.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -16,20 +17,20 @@ use super::format::FieldAnswer;
 use super::ordinary::first_file;
 use super::thresholds::*;
 
-/// A rig with what was found of it.
+/// Rig with its findings.
 #[derive(Debug, Clone)]
 pub struct FieldScored {
-    /// What it is.
+    /// Answer.
     pub answer: FieldAnswer,
     /// Time of the refinement (s).
     pub seconds: Option<f64>,
-    /// What the refinement said; none if it did not end.
+    /// Result of the refinement; `None` if it did not end.
     pub refined: Option<Estimated>,
-    /// What the true parameters leave; none if that was not looked at.
+    /// Errors of the true parameters; `None` if they were not computed.
     pub truth: Option<Estimated>,
 }
 
-/// A parameter that was called determined.
+/// Parameter that was called determined.
 #[derive(Debug, Clone, PartialEq)]
 struct Determined {
     name: String,
@@ -47,7 +48,7 @@ impl FieldScored {
         self.check_error().is_some_and(is_at_the_floor)
     }
 
-    /// Check error of the true parameters.
+    /// Returns the check error of the true parameters.
     fn truths_check_error(&self) -> Option<Worst> {
         self.truth.as_ref()?.check_error()
     }
@@ -57,7 +58,7 @@ impl FieldScored {
             .is_some_and(|seconds| seconds <= TIME_MAX.as_secs_f64())
     }
 
-    /// Free-run check errors of the refined plant and of the true parameters (noise floors).
+    /// Returns the free-run check errors of the refined plant and of the true parameters (noise floors).
     fn free_runs(&self) -> Option<[Worst; 2]> {
         let (refined, truth) = (self.refined.as_ref()?, self.truth.as_ref()?);
         Some([refined.free_run(refined)?, truth.free_run(refined)?])
@@ -92,7 +93,7 @@ impl FieldScored {
             .collect()
     }
 
-    /// One line for each thing that went wrong.
+    /// Returns one line for each miss.
     fn misses(&self) -> Vec<String> {
         let Some(refined) = &self.refined else {
             return vec!["no answer".to_owned()];
@@ -137,33 +138,33 @@ fn is_at_the_floor(worst: Worst) -> bool {
     worst.floors <= CHECK_ERROR_MAX_FLOORS
 }
 
-/// What a score says.
+/// Score of the refined plants.
 #[derive(Debug, Clone, Serialize)]
 pub struct FieldReport {
-    /// Rigs, and those whose refinement came to an end.
+    /// Rigs, and those whose refinement ended.
     pub rigs: Share,
-    /// The gates.
+    /// Gates.
     pub gates: Vec<Gate>,
-    /// By kinds of rigs.
+    /// Groups by kind of rig.
     pub groups: Vec<Group>,
     /// Intervals by parameter: those that contain the true value, of those called determined.
     pub coverage: BTreeMap<String, Share>,
-    /// What went wrong, by rig.
+    /// Misses by rig.
     pub misses: Vec<String>,
 }
 
 /// Rigs of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Group {
-    /// The kind.
+    /// Kind.
     pub label: &'static str,
-    /// Those whose check error is at the floor.
+    /// Rigs with a check error at the floor.
     pub at_the_floor: Share,
-    /// Those for which that of the true parameters is.
+    /// Rigs for which the check error of the true parameters is at the floor.
     pub truth_at_the_floor: Share,
-    /// Those in time.
+    /// Rigs within their time.
     pub in_time: Share,
-    /// Those whose free run is as good as that of the true parameters.
+    /// Rigs whose free run is as good as that of the true parameters.
     pub free_run: Share,
     /// Median of the check error (noise floors).
     pub median_floors: f64,
@@ -173,7 +174,7 @@ pub struct Group {
 
 type Kind = (&'static str, fn(&FieldAnswer) -> bool);
 
-/// Kinds of rigs that are counted by themselves; a rig is of several.
+/// Kinds of rigs in the tables; a rig may be of several.
 const KINDS: [Kind; 12] = [
     ("normally closed", |rig| !rig.is_vent_normally_open),
     ("vent normally open", |rig| rig.is_vent_normally_open),
@@ -204,7 +205,7 @@ fn begins_warm(rig: &FieldAnswer) -> bool {
 /// Reads answers and findings of a draw, and scores them.
 ///
 /// # Errors
-/// If an answer or a finding cannot be read. A finding that is not there is a miss of every gate.
+/// If an answer or a finding cannot be read. A missing finding is a miss of every gate.
 pub fn score(folders: &Folders) -> Result<FieldReport, ScoreError> {
     let seconds = seconds(&folders.found())?;
     let answers: Vec<FieldAnswer> = answers(folders)?;
@@ -220,7 +221,7 @@ pub fn score(folders: &Folders) -> Result<FieldReport, ScoreError> {
     Ok(FieldReport::new(&rigs))
 }
 
-/// Time of the last command of each rig (s).
+/// Returns the time of the last command of each rig (s).
 pub(super) fn seconds(stage: &Stage) -> Result<BTreeMap<String, f64>, ScoreError> {
     let times = stage.times();
     if !times.exists() {
@@ -236,7 +237,7 @@ pub(super) fn seconds(stage: &Stage) -> Result<BTreeMap<String, f64>, ScoreError
 }
 
 impl FieldReport {
-    /// The score of these rigs.
+    /// Scores these rigs.
     pub fn new(rigs: &[FieldScored]) -> Self {
         let determined: Vec<Determined> = rigs.iter().flat_map(FieldScored::determined).collect();
         let mut coverage: BTreeMap<String, Share> = BTreeMap::new();
@@ -263,7 +264,7 @@ impl FieldReport {
         }
     }
 
-    /// Whether every rig has an answer, and every gate holds.
+    /// Returns whether every rig has an answer, and every gate passes.
     pub fn holds(&self) -> bool {
         self.rigs.count == self.rigs.of && self.gates.iter().all(|gate| gate.holds)
     }

@@ -1,6 +1,6 @@
-//! Errors of the simulator with the true parameters, the clocks of the loggers fitted: `retarder refine --fix all`.
+//! Errors of the simulator with the true parameters and fitted clocks of the loggers: `retarder refine --fix all`.
 //!
-//! It opens the answers, after every rig was refined.
+//! Reads the answers, after every rig was refined.
 
 use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,7 +14,7 @@ use super::format::FieldAnswer;
 use super::ordinary::true_file;
 use super::run::Retarder;
 
-/// Why the errors of the true parameters are not known.
+/// Reason why the errors of the true parameters are unknown.
 #[derive(Debug, Error)]
 pub enum TruthError {
     /// The answers could not be read.
@@ -23,21 +23,21 @@ pub enum TruthError {
     /// A file could not be written, or the command did not start.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The command did not judge a rig.
+    /// The command failed on a rig.
     #[error("{rig} with its true parameters: {said}")]
     Judge {
-        /// The rig.
+        /// Rig.
         rig: String,
-        /// What the command said.
+        /// Output of the command.
         said: String,
     },
 }
 
-/// Judges the true parameters of every rig of `folders`, unless that is done already, `jobs` at a time. `progress` is told how many
-/// of all rigs are done.
+/// Computes the errors of the true parameters of every rig of `folders` without a result, `jobs` at a time. `progress`
+/// gets the number of finished rigs, and of all.
 ///
 /// # Errors
-/// If answers cannot be read, or the command cannot judge one of them.
+/// If answers cannot be read, or the command fails on one of them.
 pub fn run(
     folders: &Folders,
     retarder: &Retarder,

@@ -1,4 +1,4 @@
-//! What the score reads of a diagnosis.
+//! Fields of a diagnosis that the score reads.
 
 use std::collections::BTreeMap;
 
@@ -7,30 +7,30 @@ use serde::Deserialize;
 use super::super::format::Hidden;
 use super::judge::Named;
 
-/// A figure per signal.
+/// Number per signal.
 pub type BySignal = BTreeMap<String, f64>;
 
-/// What `retarder diagnose --json` said of a rig.
+/// Result of `retarder diagnose --json` for a rig.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Finding {
     /// `adequate`, `found`, `form_wrong` or `not_in_library`.
     pub verdict: String,
-    /// The named effects.
+    /// Named effects.
     pub effects: Vec<String>,
-    /// Of each named effect, the ids that the log cannot tell from it.
+    /// Ids that the log cannot distinguish from each named effect.
     #[serde(default)]
     pub equivalents: BTreeMap<String, Vec<String>>,
     /// One row per step.
     pub ladder: Vec<Step>,
-    /// Every effect that was tried alone.
+    /// All effects that were tried alone.
     #[serde(default)]
     pub candidates: Vec<Candidate>,
 }
 
-/// One step of the ladder.
+/// Error step of a diagnosis.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Step {
-    /// What it changes.
+    /// Kind of change.
     #[serde(default)]
     pub kind: String,
     /// Effect that it adds, if any.
@@ -43,17 +43,17 @@ pub struct Step {
     pub fit_rms: BySignal,
     /// Rms error on the check log.
     pub check_rms: BySignal,
-    /// What the signal scatters by itself.
+    /// Noise floor of the signal.
     pub noise_floor: BySignal,
     /// Number of fitted parameters.
     #[serde(default)]
     pub free_parameters: usize,
 }
 
-/// The model with one effect, refitted.
+/// Model with one effect, refitted.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Candidate {
-    /// Its id.
+    /// Id.
     pub effect: String,
     /// Rms error on the id log.
     pub fit_rms: BySignal,
@@ -62,7 +62,7 @@ pub struct Candidate {
     /// Number of fitted parameters.
     #[serde(default)]
     pub free_parameters: usize,
-    /// The effect's own.
+    /// Parameters of the effect.
     #[serde(default)]
     pub parameters: Vec<Fitted>,
 }
@@ -72,7 +72,7 @@ pub struct Candidate {
 pub struct Fitted {
     /// Its key in the plant file.
     pub key: String,
-    /// What fits best.
+    /// Best value.
     pub value: f64,
     /// Lower end of the interval.
     pub low: f64,
@@ -81,14 +81,14 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    /// Whether the interval contains a value.
+    /// Returns whether the interval contains a value.
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
 }
 
 impl Finding {
-    /// The names.
+    /// Returns the names.
     pub fn named(&self) -> Named {
         Named {
             effects: self.effects.clone(),
@@ -96,7 +96,7 @@ impl Finding {
         }
     }
 
-    /// The named effects, each with the form of its law, as `retarder refine --add` reads them.
+    /// Returns the named effects, each with the form of its law, in the notation of `retarder refine --add`.
     pub fn forms(&self) -> Vec<String> {
         let form = |effect: &String| {
             let mut steps = self.ladder.iter();
@@ -107,7 +107,8 @@ impl Finding {
         self.effects.iter().map(form).collect()
     }
 
-    /// Fitted and true value of the parameter of a hidden effect, where it is named by its own id and the library has the parameter.
+    /// Returns fitted and true value of the parameter of a hidden effect, if it is named by its own id and the library
+    /// has the parameter.
     pub fn size_of<'a>(&'a self, hidden: &'a Hidden) -> Option<(&'a Fitted, f64)> {
         let (key, truth) = hidden.parameter.as_ref()?;
         let fitted = self.fitted(&hidden.effect, key)?;
@@ -115,34 +116,34 @@ impl Finding {
         is_named.then_some((fitted, *truth))
     }
 
-    /// The plain model, refitted.
+    /// Returns the plain model, refitted.
     pub fn plain(&self) -> Option<&Step> {
         let mut steps = self.ladder.iter();
         steps.find(|step| step.kind != "plant_as_given")
     }
 
-    /// What the plain model, refitted, leaves beside the noise, in units of the noise: of the signal in which it is most.
+    /// Returns the excess of the refitted plain model, in units of the noise, of the signal with the largest one.
     pub fn excess(&self) -> f64 {
         self.plain().map_or(f64::NAN, |plain| {
             excess(&plain.check_rms, &plain.noise_floor)
         })
     }
 
-    /// What was fitted to a parameter of an effect.
+    /// Returns the fit of a parameter of an effect.
     pub fn fitted(&self, effect: &str, key: &str) -> Option<&Fitted> {
         let mut candidates = self.candidates.iter();
         let candidate = candidates.find(|candidate| candidate.effect == effect)?;
         candidate.parameters.iter().find(|fitted| fitted.key == key)
     }
 
-    /// How many ids a named effect stands for, itself included.
+    /// Returns the number of ids that a named effect stands for, including its own.
     pub fn set_size(&self, effect: &str) -> usize {
         self.equivalents
             .get(effect)
             .map_or(1, |ids| ids.len().max(1))
     }
 
-    /// Check error of the last step over the noise, of the signal in which it is most.
+    /// Returns the check error of the last step relative to the noise, of the signal with the largest one.
     pub fn last_over_floor(&self) -> f64 {
         self.ladder.last().map_or(f64::NAN, |last| {
             ratios(&last.check_rms, &last.noise_floor).fold(0.0, f64::max)
@@ -150,21 +151,21 @@ impl Finding {
     }
 }
 
-/// What a model that was told an effect leaves, of what `retarder refine --json` says.
+/// Errors of a model with one given effect, from `retarder refine --json`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Alone {
     ladder: Vec<Step>,
 }
 
 impl Alone {
-    /// In units of the noise, of the signal in which it is most.
+    /// Returns the excess in units of the noise, of the signal with the largest one.
     pub fn excess(&self) -> f64 {
         let last = self.ladder.last();
         last.map_or(f64::NAN, |last| excess(&last.check_rms, &last.noise_floor))
     }
 }
 
-/// √((rms/floor)² - 1), of the signal in which it is most.
+/// Returns √((rms/floor)² - 1), of the signal with the largest one.
 pub fn excess(rms: &BySignal, floor: &BySignal) -> f64 {
     ratios(rms, floor)
         .map(|ratio| (ratio * ratio - 1.0).max(0.0).sqrt())

@@ -1,4 +1,4 @@
-//! What the names of the diagnosis, or of a rule, have to be worth.
+//! Required quality of the names of the diagnosis, or of a rule.
 
 use std::fmt;
 
@@ -9,29 +9,29 @@ use super::Scored;
 use super::judge::Judgement;
 use super::share::Share;
 
-/// A promise about a share.
+/// Requirement for a share.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gate {
-    /// What it promises.
+    /// Requirement in words.
     pub promise: &'static str,
-    /// What was found.
+    /// Share that was found.
     pub share: Share,
-    /// Its exact 95 % limits.
+    /// Exact 95 % limits of the share.
     pub limits: [f64; 2],
     /// Bound of the share.
     pub bound: f64,
-    /// Whether the bound is the least or the most.
+    /// Whether the bound is the smallest or the largest value.
     pub is_least: bool,
-    /// Whether it is kept; not by nothing.
+    /// Whether the gate passes; it fails without data.
     pub holds: bool,
 }
 
-/// The shares by which names are judged.
+/// Shares by which names are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Quality {
     /// Plain rigs with a name.
     pub false_names: Share,
-    /// Single effects that show and are named.
+    /// Single detectable effects that are named.
     pub right_names: Share,
     /// Rigs with effects of the library that have a wrong name.
     pub wrong_names: Share,
@@ -39,12 +39,12 @@ pub struct Quality {
     pub named_outside: Share,
     /// Pairs of which both are named.
     pub both_of_two: Share,
-    /// The same of those in which each effect shows beside the other one; of none where that was not looked at.
+    /// The same for pairs of which each effect is detectable beside the other one; empty if that was not computed.
     pub both_of_separable: Share,
 }
 
 impl Quality {
-    /// The shares of names that `judgement` picks.
+    /// Counts the shares of names that `judgement` selects.
     pub fn new(rigs: &[Scored], judgement: impl Fn(&Scored) -> Judgement) -> Self {
         let of = |class: Class| rigs.iter().filter(move |rig| rig.answer.class == class);
         Self {
@@ -63,7 +63,7 @@ impl Quality {
         }
     }
 
-    /// The promises.
+    /// Returns the gates.
     pub fn gates(&self) -> [Gate; 5] {
         [
             gate("a plain rig gets a name", self.false_names, 0.01, false),
@@ -95,7 +95,7 @@ impl Quality {
     }
 }
 
-/// Returns the gate of a share that is to be at least, or at most, `bound`.
+/// Returns the gate of a share with `bound` as its smallest, or largest, allowed value.
 pub(in crate::blind) fn gate(
     promise: &'static str,
     share: Share,
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use crate::blind::score::finding::{Finding, Step};
 
-    /// A rig whose plain model leaves `excess`, and which got these names.
+    /// Returns a rig whose plain model has `excess`, and which got these names.
     fn rig(class: Class, hidden: &[&str], excess: f64, effects: &[&str]) -> Scored {
         let by_signal = |value: f64| [("p_ch".to_owned(), value)].into();
         let finding = Finding {
@@ -168,7 +168,7 @@ mod tests {
     fn shares_are_those_of_a_count_by_hand() {
         let mut unfinished = rig(Class::Matched, &["eddy_currents"], 0.0, &[]);
         unfinished.finding = None;
-        // One of the pairs shows its second effect too little.
+        // The second effect of one pair is not detectable.
         let pair = |alone: [f64; 2], names: &[&str]| Scored {
             alone: alone.to_vec(),
             ..rig(Class::Two, &["sensor_lag", "eddy_currents"], 2.0, names)
@@ -197,7 +197,7 @@ mod tests {
             quality(&rigs),
             Quality {
                 false_names: share(1, 2),
-                // Two that show; one without an answer counts as missed.
+                // Two are detectable; one without an answer counts as missed.
                 right_names: share(2, 3),
                 wrong_names: share(2, 8),
                 named_outside: share(1, 2),

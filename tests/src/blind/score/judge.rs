@@ -1,4 +1,4 @@
-//! Compares the names of a diagnosis with what the rig hides.
+//! Comparison of the names of a diagnosis with the hidden effects.
 
 use std::collections::BTreeMap;
 
@@ -7,13 +7,13 @@ use super::super::format::Hidden;
 /// Names given to one rig by the diagnosis or by a rule.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Named {
-    /// The effects.
+    /// Effects.
     pub effects: Vec<String>,
-    /// Of each, the ids that it says it cannot tell from it.
+    /// Ids that the diagnosis declares indistinguishable from each.
     pub equivalents: BTreeMap<String, Vec<String>>,
 }
 
-/// How right the names are.
+/// Correctness of the names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Judgement {
     /// Hidden effects.
@@ -27,7 +27,7 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// Compares names with hidden effects. Each name stands for one hidden effect at most.
+    /// Compares names with hidden effects. Each name stands for at most one hidden effect.
     pub fn new(hidden: &[Hidden], named: &Named) -> Self {
         let names = named.names();
         let count = |assigned: Vec<Option<&str>>| assigned.into_iter().flatten().count();
@@ -39,14 +39,14 @@ impl Judgement {
         }
     }
 
-    /// Names that stand for nothing that is hidden.
+    /// Returns the number of names that stand for no hidden effect.
     pub fn wrong(&self) -> usize {
         self.named - self.right
     }
 }
 
 impl Named {
-    /// For each hidden effect the name that stands for it. As many as possible have one, those in front before the others.
+    /// Returns the name that stands for each hidden effect. As many effects as possible have one, earlier ones first.
     pub fn assigned(&self, hidden: &[Hidden]) -> Vec<Option<&str>> {
         assigned(&self.names(), hidden, &|name, hidden| {
             self.stands(name, hidden)
@@ -57,7 +57,7 @@ impl Named {
         self.effects.iter().map(String::as_str).collect()
     }
 
-    /// Whether a name stands for a hidden effect: by its id, by physics, or by a declared equivalent.
+    /// Returns whether a name stands for a hidden effect: by its id, by physics, or by a declared equivalent.
     fn stands(&self, name: &str, hidden: &Hidden) -> bool {
         let said = self.equivalents.get(name);
         is_own_id(name, hidden)
@@ -70,7 +70,7 @@ fn is_own_id(name: &str, hidden: &Hidden) -> bool {
     hidden.is_in_library() && name == hidden.effect
 }
 
-/// For each hidden effect the name that stands for it, each name once: as many as possible, those in front before the others.
+/// Returns the name that stands for each hidden effect, each name once: as many as possible, earlier ones first.
 fn assigned<'a>(
     names: &[&'a str],
     hidden: &[Hidden],
@@ -192,7 +192,7 @@ pub(super) mod tests {
         );
     }
 
-    /// One name may stand for either: the one in front gets it, unless another name is left for the other.
+    /// If one name may stand for either effect, the first effect gets it, unless another name is left for the second.
     #[test]
     fn a_name_stands_for_the_effect_in_front_unless_both_can_have_one() {
         let two = answer(

@@ -1,11 +1,11 @@
-//! The columns of a log, for the rules that look at it themselves.
+//! Columns of a log, for the rules that read it themselves.
 
 use std::fs;
 use std::path::Path;
 
 use super::ScoreError;
 
-/// A log.
+/// Log of a rig.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Log {
     columns: Vec<(String, Vec<f64>)>,
@@ -18,7 +18,7 @@ impl Log {
             .map_err(|error| ScoreError::Read(path.to_owned(), error))
     }
 
-    /// A header, then numbers; what is no number is one.
+    /// Reads a header, then numbers; other text becomes NaN.
     pub(super) fn parse(text: &str) -> Self {
         let mut lines = text.lines();
         let header = lines.next().unwrap_or_default();

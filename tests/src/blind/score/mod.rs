@@ -1,4 +1,5 @@
-//! Holds what the diagnosis said against the sealed answers: shares with limits, gates, misses, simple rules beside it.
+//! Comparison of the diagnoses with the sealed answers: shares with limits, gates, misses, and simple rules for
+//! comparison.
 
 pub mod finding;
 pub(super) mod gate;
@@ -22,18 +23,18 @@ pub use gate::{Gate, Quality};
 use judge::{Judgement, Named};
 pub use table::Report;
 
-/// Upper ends of the strata of excess, in units of the noise; the last one is open.
+/// Upper ends of the strata of excess, in units of the noise; the last stratum is open.
 pub const STRATA: [f64; 4] = [0.15, 0.5, 1.0, 3.0];
 /// Excess from which an effect has to be found.
 pub const TO_BE_FOUND: f64 = 0.5;
 
-/// Why there is no score.
+/// Reason why there is no score.
 #[derive(Debug, Error)]
 pub enum ScoreError {
     /// A file or a folder could not be read.
     #[error("{}: {}", .0.display(), .1)]
     Read(PathBuf, #[source] io::Error),
-    /// A file is not what it should be.
+    /// A file does not have the expected form.
     #[error("{} is not what the score reads: {}", .0.display(), .1)]
     Form(PathBuf, #[source] serde_json::Error),
     /// There is nothing to score.
@@ -41,18 +42,18 @@ pub enum ScoreError {
     NoAnswers(PathBuf),
 }
 
-/// One rig with its answer and, if the diagnosis came to an end, its finding.
+/// Rig with its answer and, if the diagnosis ended, its finding.
 #[derive(Debug, Clone)]
 pub struct Scored {
-    /// What it hides.
+    /// Answer.
     pub answer: Answer,
-    /// What the diagnosis said.
+    /// Result of the diagnosis.
     pub finding: Option<Finding>,
-    /// Of two hidden effects, the excess that a model leaves which has one of them alone; empty where it was not looked at.
+    /// For two hidden effects, the excess of a model with one of them alone; empty if it was not computed.
     alone: Vec<f64>,
-    /// How right its names are.
+    /// Correctness of its names.
     judgement: Judgement,
-    /// How right the names of the simple rules are, in the order of [`rules::RULES`].
+    /// Correctness of the simple rules' names, in the order of [`rules::RULES`].
     by_rules: Vec<Judgement>,
 }
 
@@ -85,7 +86,7 @@ impl Scored {
         }
     }
 
-    /// Excess of the refitted plain model in units of the noise; none where the diagnosis did not end.
+    /// Returns the excess of the refitted plain model in units of the noise; `None` if the diagnosis did not end.
     pub fn excess(&self) -> Option<f64> {
         self.finding.as_ref().map(Finding::excess)
     }
@@ -98,12 +99,12 @@ impl Scored {
         self.is_single() || self.answer.class == Class::Two
     }
 
-    /// Whether each of two effects shows beside the other one.
+    /// Returns whether each of two effects is detectable beside the other one.
     fn is_separable(&self) -> bool {
         self.alone.len() == 2 && self.alone.iter().all(|&excess| excess >= TO_BE_FOUND)
     }
 
-    /// Whether it has one effect that shows, or whose diagnosis did not end.
+    /// Returns whether it has one detectable effect, or its diagnosis did not end.
     fn is_to_be_found(&self) -> bool {
         self.is_single() && self.excess().is_none_or(|excess| excess >= TO_BE_FOUND)
     }
@@ -112,7 +113,7 @@ impl Scored {
 /// Reads answers and findings of a draw, and scores them.
 ///
 /// # Errors
-/// If an answer or a finding cannot be read. A finding that is not there is a rig without names.
+/// If an answer or a finding cannot be read. A rig without a finding has no names.
 pub fn score(folders: &Folders) -> Result<Report, ScoreError> {
     let rigs = answers::<Answer>(folders)?.into_iter().map(|answer| {
         let finding = found(&folders.found().finding(&answer.rig))?;
@@ -124,7 +125,7 @@ pub fn score(folders: &Folders) -> Result<Report, ScoreError> {
     Ok(Report::new(&rigs))
 }
 
-/// What is left without each of two effects, where that was looked at.
+/// Returns the excess without each of two effects, if it was computed.
 fn alone(folders: &Folders, answer: &Answer) -> Result<Vec<f64>, ScoreError> {
     if answer.class != Class::Two {
         return Ok(Vec::new());
@@ -137,7 +138,7 @@ fn alone(folders: &Folders, answer: &Answer) -> Result<Vec<f64>, ScoreError> {
         .collect()
 }
 
-/// The answers of a draw, in the order of their rigs.
+/// Returns the answers of a draw, in the order of their rigs.
 pub(super) fn answers<T: DeserializeOwned>(folders: &Folders) -> Result<Vec<T>, ScoreError> {
     let sealed = folders.sealed();
     let read = fs::read_dir(&sealed).map_err(|error| ScoreError::Read(sealed.clone(), error))?;
@@ -152,7 +153,7 @@ pub(super) fn answers<T: DeserializeOwned>(folders: &Folders) -> Result<Vec<T>, 
     paths.iter().map(|path| parse(path)).collect()
 }
 
-/// What a file says; none if it is not there.
+/// Reads a file; `None` if it does not exist.
 pub(super) fn found<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, ScoreError> {
     path.exists().then(|| parse(path)).transpose()
 }

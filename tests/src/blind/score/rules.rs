@@ -1,15 +1,15 @@
-//! Simple rules on the same rigs. All but the regression choose among the fits of the diagnosis itself, so that only
-//! the rule differs.
+//! Simple rules on the same rigs. All except the regression choose among the fits of the diagnosis, so that only the
+//! rule differs.
 
 use super::super::format::Answer;
 use super::finding::{BySignal, Candidate, Finding};
 use super::log::Log;
 use super::sparse_regression;
 
-/// How a rule gives names: from the answer (an oracle alone), the diagnosis' fits, and the id log.
+/// Names by a rule: from the answer (for the oracle), the fits of the diagnosis, and the id log.
 type Names = fn(&Answer, Option<&Finding>, Option<&Log>) -> Vec<String>;
 
-/// A rule.
+/// Rule that names effects.
 pub(super) struct Rule {
     pub(super) name: &'static str,
     pub(super) names: Names,
@@ -45,7 +45,7 @@ pub(super) const RULES: [Rule; 4] = [
     },
 ];
 
-/// The candidate that fits best, if it fits better than the plain model at all.
+/// Returns the candidate with the best fit, if it fits better than the plain model.
 fn largest_fit(finding: &Finding) -> Option<String> {
     let plain = finding.plain()?;
     let misfit = |rms: &BySignal| mean_ratio(rms, &plain.noise_floor);
@@ -56,7 +56,8 @@ fn largest_fit(finding: &Finding) -> Option<String> {
     )
 }
 
-/// The candidate with the least information criterion of G. Schwarz (1978), if it is less than the plain model's.
+/// Returns the candidate with the smallest information criterion of G. Schwarz (1978), if it is smaller than the plain
+/// model's.
 fn least_bic(finding: &Finding, rows: usize) -> Option<String> {
     let plain = finding.plain()?;
     let criterion = |rms: &BySignal, parameters: usize| {
@@ -70,7 +71,7 @@ fn least_bic(finding: &Finding, rows: usize) -> Option<String> {
     )
 }
 
-/// Told what is hidden, names what explains at least half of the excess on the check log.
+/// Knows the hidden effects, and names those that explain at least half of the excess on the check log.
 fn oracle(answer: &Answer, finding: &Finding) -> Vec<String> {
     let Some(plain) = finding.plain() else {
         return vec![];
@@ -161,7 +162,7 @@ mod tests {
         );
     }
 
-    /// 100 rows: 200 ln(2/1.95) = 5.06 is more than ln 100 = 4.61 for one parameter, and less than that of two.
+    /// 100 rows: 200 ln(2/1.95) = 5.06 is more than ln 100 = 4.61 for one parameter, and less than that for two.
     #[test]
     fn the_information_criterion_weighs_parameters_against_the_fit() {
         let one = finding(vec![candidate("a", 1.95, 1.0, 11)]);

@@ -1,19 +1,19 @@
-//! A share with its exact 95 % limits (C. J. Clopper and E. S. Pearson, *Biometrika* 26, 1934, 404).
+//! Share with its exact 95 % limits (C. J. Clopper and E. S. Pearson, *Biometrika* 26, 1934, 404).
 
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
 
-/// `count` of `of`.
+/// Share `count` / `of`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Share {
-    /// How many.
+    /// Number of hits.
     pub count: usize,
-    /// Of how many.
+    /// Number of all.
     pub of: usize,
 }
 
 impl Share {
-    /// How many of these are so.
+    /// Counts the elements for which `is` is true.
     pub fn of<T>(all: impl IntoIterator<Item = T>, is: impl Fn(&T) -> bool) -> Self {
         all.into_iter().fold(Self::default(), |share, one| Self {
             count: share.count + usize::from(is(&one)),
@@ -21,15 +21,15 @@ impl Share {
         })
     }
 
-    /// The share; none of nothing.
+    /// Returns the share; `None` if there are no elements.
     pub fn value(self) -> Option<f64> {
         (self.of > 0).then(|| self.count as f64 / self.of as f64)
     }
 
-    /// Limits between which the true share lies with 95 %.
+    /// Returns the limits that contain the true share with 95 %.
     pub fn limits(self) -> [f64; 2] {
         let (count, missing) = (self.count as f64, (self.of - self.count) as f64);
-        // A beta distribution needs both parameters positive: at the ends the limit is the end.
+        // A beta distribution needs positive parameters: at 0 and 1 the limit is the end itself.
         let quantile = |share, a, b| Beta::new(a, b).map_or(share, |beta| beta.inverse_cdf(share));
         [
             if self.count == 0 {

@@ -1,12 +1,12 @@
-//! Sparse regression of the smoothed derivative of the pressure (S. L. Brunton, J. L. Proctor, J. N. Kutz, *PNAS* 113,
-//! 2016, 3932: sequentially thresholded least squares) on terms that the effects of the library add to it.
+//! Sparse regression of the smoothed derivative of the pressure on the terms of the library's effects (S. L. Brunton,
+//! J. L. Proctor, J. N. Kutz, *PNAS* 113, 2016, 3932: sequentially thresholded least squares).
 
 use super::log::Log;
 use crate::least_squares::{rms, weights};
 
-/// Samples on either side of a smoothing window, to which a parabola is fitted (A. Savitzky and M. Golay 1964).
+/// Samples on either side of a smoothing window with a fitted parabola (A. Savitzky and M. Golay 1964).
 const HALF_WINDOW: usize = 5;
-/// Rows by which the pressure follows a command.
+/// Rows between a command and the response of the pressure.
 const DELAY_ROWS: usize = 2;
 /// Share of the derivative below which a term is dropped.
 const THRESHOLD: f64 = 0.05;
@@ -14,10 +14,10 @@ const THRESHOLD: f64 = 0.05;
 const SUPPLY: f64 = 9.41;
 const AMBIENT: f64 = 1.013;
 const CRITICAL: f64 = 0.528;
-/// Duty cycles (%) from which a valve opens further: its share of open time, piece by piece.
+/// Duty cycles (%) at the corners of the piecewise linear opening of a valve.
 const KNEES: [f64; 3] = [30.0, 45.0, 75.0];
 
-/// What one sample offers to the terms.
+/// Quantities of one sample that the terms use.
 struct Sample {
     /// Smoothed pressure (bar abs), and its second derivative (bar/s²).
     pressure: f64,
@@ -26,17 +26,17 @@ struct Sample {
     /// Flow functions of fully open valves.
     fill: f64,
     vent: f64,
-    /// How far the valves are open, 0 to 1, and how fast that changes (1/s).
+    /// Opening of the valves, 0 to 1, and its rate (1/s).
     open: [f64; 2],
     opening: f64,
     /// Energised time of the fill valve so far (s).
     heat: f64,
 }
 
-/// A term for an effect.
+/// Term of an effect.
 type Term = (&'static str, fn(&Sample) -> f64);
 
-/// Effects that have a term in pressure and duty cycle. The others have none: the derivative does not show them.
+/// Effects with a term in pressure and duty cycle. The others do not appear in the derivative.
 const TERMS: [Term; 11] = [
     ("chamber_leak", |s| AMBIENT - s.pressure),
     ("supply_seat_leak", |s| s.fill),
@@ -53,7 +53,7 @@ const TERMS: [Term; 11] = [
     ("sensor_offset", |_| 1.0),
 ];
 
-/// Effects whose terms are left.
+/// Returns the effects whose terms remain.
 pub(super) fn names(log: &Log) -> Vec<String> {
     let Some(samples) = samples(log) else {
         return vec![];
@@ -84,7 +84,7 @@ pub(super) fn names(log: &Log) -> Vec<String> {
     }
 }
 
-/// Samples with the terms of the plain model beside them; none without pressure.
+/// Returns the samples with the terms of the plain model; `None` without pressure.
 fn samples(log: &Log) -> Option<Vec<(Sample, [f64; 2 * KNEES.len()])>> {
     let pressure = log.column("p_ch_bar_gauge")?;
     let time = log.column("time_s")?;
@@ -133,7 +133,7 @@ fn samples(log: &Log) -> Option<Vec<(Sample, [f64; 2 * KNEES.len()])>> {
     Some(samples.collect())
 }
 
-/// Value, slope and curvature in the middle of a window, per sample.
+/// Returns value, slope and curvature in the middle of a window, per sample.
 fn parabola(window: &[f64]) -> [f64; 3] {
     let m = HALF_WINDOW as f64;
     let places = (0..window.len()).map(|n| n as f64 - m);
@@ -150,7 +150,7 @@ fn parabola(window: &[f64]) -> [f64; 3] {
     [(y0 - square * s2) / count, y1 / s2, 2.0 * square]
 }
 
-/// Isentropic flow over that when choked, by the ratio of the pressures.
+/// Returns the isentropic flow relative to choked flow, by the ratio of the pressures.
 fn flow(ratio: f64) -> f64 {
     if ratio <= CRITICAL {
         return 1.0;
@@ -159,7 +159,8 @@ fn flow(ratio: f64) -> f64 {
     (1.0 - beyond * beyond).sqrt()
 }
 
-/// Weights of the columns, each scaled to its rms, with a ridge of a millionth; a column of nothing gets none.
+/// Returns the weights of the columns, each scaled to its rms, with a ridge of a millionth; a column of zeros gets
+/// weight 0.
 fn least_squares(columns: &[&Vec<f64>], target: &[f64]) -> Vec<f64> {
     let scales: Vec<f64> = columns
         .iter()
@@ -198,7 +199,7 @@ mod tests {
         }
     }
 
-    /// A chamber that only leaks: nothing but that and what looks like it.
+    /// For a chamber with a leak only, the leak and its look-alikes are named.
     #[test]
     fn a_leak_without_any_command_is_named() {
         let mut text = String::from("time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge\n");

@@ -1,4 +1,4 @@
-//! The tables of a score, as text and as JSON.
+//! Tables of a score, as text and as JSON.
 
 use std::fmt;
 
@@ -12,54 +12,54 @@ use super::rules::RULES;
 use super::share::Share;
 use super::{STRATA, Scored};
 
-/// Check error over the noise floor that is asked for at most.
+/// Largest check error relative to the noise floor that counts as close.
 const CLOSE_TO_THE_FLOOR: f64 = 1.5;
 
-/// What a score says.
+/// Score of the diagnosis.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
-    /// Rigs, and those whose diagnosis came to an end.
+    /// Rigs, and those whose diagnosis ended.
     pub rigs: Share,
-    /// The shares that the promises are about.
+    /// Shares that the gates judge.
     pub quality: Quality,
-    /// The promises.
+    /// Gates.
     pub gates: Vec<Gate>,
-    /// By class and excess.
+    /// Rows by class and excess.
     pub strata: Vec<Row>,
-    /// Poor logs.
+    /// Rows of poor logs.
     pub poor: Vec<Row>,
-    /// Single effects by id.
+    /// Rows of single effects by id.
     pub effects: Vec<Row>,
     /// Names by the simple rules.
     pub rules: Vec<(&'static str, Quality)>,
     /// Rightly named rigs whose last check error is within 1.5 of the noise floor.
     pub close_to_the_floor: Share,
-    /// Median of the last check error over the noise floor where names are right.
+    /// Median of the last check error relative to the noise floor, over rigs with right names.
     pub median_over_floor: Option<f64>,
-    /// Intervals of the named parameter that hold its true value.
+    /// Intervals of the named parameter that contain its true value.
     pub coverage: Share,
-    /// By what share of the true value fitted ones are off: the median, and what nine of ten keep.
+    /// Relative error of the fitted values: the median, and the 90 % quantile.
     pub deviations: [Option<f64>; 2],
-    /// Mean number of ids that a right name stands for, itself included.
+    /// Mean number of ids that a right name stands for, including its own.
     pub mean_set: Option<f64>,
-    /// What went wrong, by rig.
+    /// Misses by rig.
     pub misses: Vec<String>,
 }
 
-/// One line of a table.
+/// Row of a table.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Row {
-    /// What is counted.
+    /// Label.
     pub label: String,
-    /// Rigs.
+    /// Number of rigs.
     pub rigs: usize,
-    /// All hidden effects named.
+    /// Rigs with all hidden effects named.
     pub right: usize,
-    /// All of them by their own ids.
+    /// Rigs with all of them named by their own ids.
     pub by_own_id: usize,
-    /// Some name stands for nothing.
+    /// Rigs with a name that stands for no hidden effect.
     pub wrong: usize,
-    /// No name.
+    /// Rigs without a name.
     pub unnamed: usize,
 }
 
@@ -129,7 +129,7 @@ impl Report {
         }
     }
 
-    /// Whether all promises are kept and every rig has a finding.
+    /// Returns whether all gates pass and every rig has a finding.
     pub fn holds(&self) -> bool {
         self.rigs.count == self.rigs.of && self.gates.iter().all(|gate| gate.holds)
     }
@@ -191,15 +191,15 @@ fn effects(rigs: &[Scored]) -> Vec<Row> {
         .collect()
 }
 
-/// A fitted value beside the true one.
+/// Fitted value beside the true one.
 struct Size {
-    /// Whether the interval holds the true value.
+    /// Whether the interval contains the true value.
     is_held: bool,
-    /// Share of the true value.
+    /// Relative error.
     deviation: f64,
 }
 
-/// Of each effect named by its own id whose parameter the library has.
+/// Returns the sizes of the effects named by their own id whose parameter the library has.
 fn sizes(rig: &Scored) -> Vec<Size> {
     let Some(finding) = &rig.finding else {
         return vec![];
@@ -226,13 +226,13 @@ fn median(values: Vec<f64>) -> Option<f64> {
     quantile(values, 0.5)
 }
 
-/// The value that this share of them stays below.
+/// Returns the quantile of the values at this share.
 fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get((share * values.len() as f64) as usize).copied()
 }
 
-/// One line on a rig that was not answered as it should have been.
+/// Returns one line on a rig with a wrong or missing answer.
 fn miss(rig: &Scored) -> Option<String> {
     let found = rig.judgement;
     let missed = rig.is_to_be_found() && found.right == 0

@@ -1,4 +1,4 @@
-//! Effects that the library does not have.
+//! Effects outside the library.
 
 use super::Kinship::Beyond;
 use super::{Form, Parameters};
@@ -42,7 +42,7 @@ pub(super) const FORMS: &[Form] = &[
         &[],
         |p, d| d.sensor.bow_pa = 100.0 * p.size,
     ),
-    // A volume that grows with the pressure is what the library calls by the plunger's name.
+    // The library's name for a volume that grows with the pressure is that of the plunger.
     beyond(
         "creeping_hose",
         "volume follows the pressure slowly",
@@ -92,7 +92,7 @@ pub(super) const FORMS: &[Form] = &[
             d.driver.wander_hz = p.between(0.05, 1.0);
         },
     ),
-    // A library that has friction at rest may call it so.
+    // A library with friction at rest may use its name for this.
     beyond(
         "sticky_seat",
         "sticks the longer, the longer it has rested",

@@ -1,4 +1,4 @@
-//! Coils and what drives them.
+//! Coils and their drivers.
 
 use super::Form;
 use super::Kinship::{Matched, Variant};

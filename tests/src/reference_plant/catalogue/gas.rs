@@ -1,4 +1,4 @@
-//! The chamber: leaks, law of the flow, heat and volumes.
+//! Chamber: leaks, law of the flow, heat and volumes.
 
 use super::Form;
 use super::Kinship::{Matched, Variant};
@@ -65,7 +65,7 @@ pub(super) const FORMS: &[Form] = &[
         |p, d| {
             d.chamber.thermal_s = 1e-3 * p.size;
             d.chamber.thermal_density_power = 0.5;
-            // The less, the less the wall warms: no size, no effect.
+            // The smaller the capacity, the more the wall warms; size 0 has no effect.
             d.chamber.wall_j_per_k = p.between(10.0, 50.0) / p.size;
             d.chamber.wall_s = 3.0;
         },

@@ -1,5 +1,5 @@
-//! What a rig may hide: the library's effects in laws of this plant's own, variants of them, and effects that no
-//! library has. A form is a law with a size; size zero is the plain plant.
+//! Effects that a rig may hide: the library's effects in laws of this plant, variants of them, and effects outside any
+//! library. A form is a law with a size; size zero is the plain plant.
 
 mod armature;
 mod beyond;
@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 use super::datasheet::Datasheet;
 use super::departures::Departures;
 
-/// How a form relates to the library of effects.
+/// Relation of a form to the library of effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kinship {
-    /// The textbook's law of an effect of the library.
+    /// Law of the textbook for an effect of the library.
     Matched,
     /// Another law of an effect of the library.
     Variant,
@@ -25,23 +25,23 @@ pub enum Kinship {
     Beyond,
 }
 
-/// One law.
+/// Law of an effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Form {
     /// Id of the effect: the library's, or one of its own.
     pub effect: &'static str,
-    /// What tells this law from the effect's others.
+    /// Distinction of this law from the effect's others.
     pub law: &'static str,
-    /// Its relation to the library.
+    /// Relation to the library.
     pub kinship: Kinship,
     /// Unit of the size.
     pub unit: &'static str,
-    /// A size that leaves about the noise in some signal after the scattered parameters of the simulator's plain model were
-    /// fitted (`plain_fit`, twenty seconds of a bench log).
+    /// Size that leaves about the noise in some signal after a fit of the scattered parameters of the simulator's plain
+    /// model (`plain_fit`, twenty seconds of a bench log).
     pub typical: f64,
-    /// Effects of the library that are physically the same thing here; naming one of them is right as well.
+    /// Effects of the library that are physically the same here; naming one of them is also right.
     pub same: &'static [&'static str],
-    /// The parameter of the library's effect that means the same as this law's, where there is one.
+    /// Parameter of the library's effect with the same meaning, if there is one.
     parameter: Option<LibraryParameter>,
     apply: fn(&Parameters<'_>, &mut Departures),
 }
@@ -49,28 +49,28 @@ pub struct Form {
 /// Key of a parameter of the library, and its value for a law.
 type LibraryParameter = (&'static str, fn(&Parameters<'_>) -> f64);
 
-/// What a law is made from.
+/// Inputs of a law.
 struct Parameters<'a> {
     size: f64,
-    /// Where the law's other parameters lie in their ranges, 0 to 1.
+    /// Position of the law's other parameters in their ranges, 0 to 1.
     shape: f64,
     datasheet: &'a Datasheet,
 }
 
 impl Parameters<'_> {
-    /// A second parameter between two positive bounds, even on a logarithmic scale.
+    /// Returns a second parameter between two positive bounds, uniform on a logarithmic scale.
     fn between(&self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.shape)
     }
 
-    /// Heat capacity at constant volume of the chamber's gas at ambient density (J/K).
+    /// Returns the heat capacity at constant volume of the chamber's gas at ambient density (J/K).
     fn ambient_heat_capacity(&self) -> f64 {
         let gas = &self.datasheet.gas;
         gas.ambient_pressure_pa * self.datasheet.chamber.volume_m3
             / (gas.temperature_k * (gas.heat_capacity_ratio - 1.0))
     }
 
-    /// Effective area of the fully open fill valve (m²).
+    /// Returns the effective area of the fully open fill valve (m²).
     fn fill_bore(&self) -> f64 {
         let flow = &self.datasheet.flow;
         flow.discharge_fill * std::f64::consts::FRAC_PI_4 * flow.orifice_fill_m.powi(2)
@@ -78,7 +78,7 @@ impl Parameters<'_> {
 }
 
 impl Form {
-    /// A law of an effect of the library.
+    /// Creates a law of an effect of the library.
     const fn library(
         effect: &'static str,
         kinship: Kinship,
@@ -98,12 +98,12 @@ impl Form {
         }
     }
 
-    /// The same law, which effects of the library may also stand for.
+    /// Adds effects of the library that are physically the same.
     const fn same(self, same: &'static [&'static str]) -> Self {
         Self { same, ..self }
     }
 
-    /// The same law, one parameter of which the library has too.
+    /// Adds the library parameter with the same meaning.
     const fn parameter(self, key: &'static str, value: fn(&Parameters<'_>) -> f64) -> Self {
         Self {
             parameter: Some((key, value)),
@@ -111,7 +111,7 @@ impl Form {
         }
     }
 
-    /// Key and value of the library's parameter that means the same as this law's, where there is one.
+    /// Returns key and value of the library's parameter with the same meaning, if there is one.
     pub fn library_parameter(
         &self,
         size: f64,
@@ -126,7 +126,7 @@ impl Form {
         self.parameter.map(|(key, value)| (key, value(&parameters)))
     }
 
-    /// Puts this law into `departures`. `shape`, 0 to 1, sets its other parameters.
+    /// Writes this law into `departures`. `shape`, 0 to 1, sets its other parameters.
     pub fn apply(&self, size: f64, shape: f64, datasheet: &Datasheet, departures: &mut Departures) {
         if size > 0.0 {
             let parameters = Parameters {
@@ -139,7 +139,7 @@ impl Form {
     }
 }
 
-/// Every form.
+/// Returns every form.
 pub fn forms() -> impl Iterator<Item = &'static Form> {
     [
         electric::FORMS,
@@ -153,7 +153,7 @@ pub fn forms() -> impl Iterator<Item = &'static Form> {
     .flatten()
 }
 
-/// Every form of one kinship.
+/// Returns every form of one kinship.
 pub fn forms_of(kinship: Kinship) -> impl Iterator<Item = &'static Form> {
     forms().filter(move |form| form.kinship == kinship)
 }
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
     use crate::reference_plant::{Reading, Rig, replay};
 
-    /// Fill, hold, vent, both: what moves everything once.
+    /// Simulates fill, hold, vent, and both valves: everything moves once.
     fn readings(form: &Form, size: f64) -> Vec<Reading> {
         let rig = Rig::nominal();
         let mut departures = Departures::default();
@@ -177,7 +177,7 @@ mod tests {
         replay(&rig.with(departures), &commands)
     }
 
-    /// Bristles a hundred times too stiff for the solver's step once made a rig of no numbers.
+    /// Defect seen: bristles a hundred times too stiff for the solver's step gave NaN.
     #[test]
     fn every_law_is_solved_at_both_ends_of_the_sizes_that_are_drawn() {
         for form in forms() {
@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    /// Of the laws that act within half a second: a pulse is lost and a seat sticks only now and then.
+    /// For the laws that act within half a second: a lost pulse and a sticking seat are rare.
     #[test]
     fn no_size_is_the_plain_plant_and_a_large_one_is_not() {
         let slow = ["missed_pulses", "sticky_seat"];

@@ -1,4 +1,4 @@
-//! The pressure sensor.
+//! Pressure sensor.
 
 use super::Form;
 use super::Kinship::{Matched, Variant};

@@ -1,9 +1,9 @@
-//! What lies before the fill valve and behind the vent valve.
+//! Lines upstream of the fill valve and downstream of the vent valve.
 
 use super::Form;
 use super::Kinship::{Matched, Variant};
 
-/// bar at 1 g/s, as Pa s/kg.
+/// Conversion of bar s/g into Pa s/kg.
 const PA_S_PER_KG: f64 = 1e5 / 1e-3;
 
 pub(super) const FORMS: &[Form] = &[

@@ -1,4 +1,4 @@
-//! The tolerance of a signal as it is drawn around its residual, and what of the residual is beyond it.
+//! Tolerance band of a signal around its residual, and the share of the residual beyond it.
 
 use recording::TimeBase;
 use serde::Serialize;
@@ -8,26 +8,26 @@ use crate::pyramid::{Pyramid, Series};
 use crate::refusal::Refusal;
 use crate::tolerance::Tolerance;
 
-/// A tolerance in a view.
+/// Tolerance in a view.
 #[derive(Serialize)]
 pub(super) struct Band {
-    /// Lowest residual that is within.
+    /// Lowest residual within the tolerance.
     low: Course,
-    /// Highest residual that is within.
+    /// Highest residual within the tolerance.
     high: Course,
-    /// Samples in the view that have a residual.
+    /// Samples in the view with a residual.
     samples: usize,
-    /// Share of them that is beyond the band.
+    /// Share of these beyond the band.
     beyond: f64,
-    /// Share that may be.
+    /// Allowed share.
     beyond_max: f64,
-    /// Whether no more are beyond in the view; none where there are no samples.
+    /// Whether the share in the view is allowed; `None` without samples.
     holds: Option<bool>,
 }
 
 impl Band {
-    /// The band of `tolerance` around the residual `errors` of `measured`, both on `base`: judged where it is seen, and drawn
-    /// beside it too.
+    /// Returns the band of `tolerance` around the residual `errors` of `measured`, both on `base`. It is judged in the
+    /// visible range, and also drawn beside it.
     pub(super) fn of(
         tolerance: &Tolerance,
         (base, measured, errors): (&TimeBase, &[f64], &(impl Series + ?Sized)),
@@ -36,7 +36,7 @@ impl Band {
     ) -> Result<Self, Refusal> {
         let (within, _) = range.of(base)?;
         let times_s = base.times_s();
-        // One sample more on either side, for lines that go on to the edges.
+        // One more sample on either side, for lines that reach the edges.
         let drawn = within.start.saturating_sub(1)..(within.end + 1).min(times_s.len());
         let [low, high] = tolerance.bounds(times_s, measured, drawn.clone());
         let (judged, _) = seen.of(base)?;
@@ -55,7 +55,7 @@ impl Band {
         };
         let course = |bound: &[f64]| match TimeBase::new(times_s[drawn.clone()].to_vec()) {
             Ok(base) => Course::of((&base, bound, &Pyramid::new(bound)), range, points),
-            // Nothing of the log is in the view.
+            // The view contains nothing of the log.
             Err(_) => Ok(Course::default()),
         };
         Ok(Self {

@@ -1,4 +1,4 @@
-//! The courses of a view, in as many points as it has pixels, and what can be said of them in numbers.
+//! Time series of a view, with as many points as it has pixels, and their statistics.
 
 use std::collections::BTreeMap;
 
@@ -17,40 +17,40 @@ use crate::session::{LoadedLog, Session};
 use crate::shown_unit::{shown_unit, shown_values};
 use crate::tolerance::Tolerance;
 
-/// Points of a course that a page may ask for.
+/// Largest number of points that a page may request.
 const POINTS_MAX: usize = 8000;
 
-/// A piece of a log's time (s).
+/// Interval of a log's time (s).
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub(in crate::pages) struct Range {
     pub(in crate::pages) from_s: Option<f64>,
     pub(in crate::pages) to_s: Option<f64>,
 }
 
-/// What the page shows.
+/// View of the page.
 #[derive(Debug, Deserialize)]
 pub(super) struct View {
     from_s: Option<f64>,
     to_s: Option<f64>,
-    /// Courses go on by this share of the view on either side, so that moving shows no empty edge.
+    /// Share of the view that is drawn on either side, so that moving shows no empty edge.
     #[serde(default)]
     beside: f64,
-    /// Points for each course.
+    /// Points of each series.
     points: usize,
     /// Samples to mark; see [`Selection`].
     select: Option<String>,
-    /// Whether the states of the valves are wanted.
+    /// Whether the states of the valves are requested.
     #[serde(default)]
     states: bool,
 }
 
 #[derive(Serialize)]
 pub(super) struct Courses {
-    /// From the first to the last instant of the whole log (s).
+    /// First and last instant of the whole log (s).
     whole_s: (f64, f64),
     signals: Vec<SignalCourses>,
     selection: Option<Selection>,
-    /// What the valves are commanded to do.
+    /// Commanded states of the valves.
     states: Vec<Stretch>,
 }
 
@@ -72,23 +72,23 @@ struct ResidualCourse {
     unit: String,
     /// Standard deviation of the measurement noise.
     noise: Option<f64>,
-    /// Largest rms that holds.
+    /// Largest rms error within tolerance.
     limit: Option<f64>,
     holds: Option<bool>,
-    /// Of the samples in the view.
+    /// Metrics of the samples in the view.
     metrics: Option<Metrics>,
-    /// Tolerance of single samples, where a person gave one.
+    /// Tolerance of single samples, if the user set one.
     band: Option<Band>,
 }
 
-/// Points of a course; null is a gap.
+/// Points of a series; null is a gap.
 #[derive(Default, Serialize)]
 pub(in crate::pages) struct Course {
     t: Vec<Option<f64>>,
     y: Vec<Option<f64>>,
 }
 
-/// A residual in numbers.
+/// Statistics of a residual.
 #[derive(Debug, PartialEq, Serialize)]
 pub(super) struct Metrics {
     samples: usize,
@@ -101,7 +101,7 @@ pub(super) struct Metrics {
 }
 
 impl Metrics {
-    /// None where nothing was compared.
+    /// `None` if nothing was compared.
     pub(super) fn of(residual: impl Iterator<Item = f64> + Clone) -> Option<Self> {
         let present = || residual.clone().filter(|error| !error.is_nan());
         let samples = present().count();
@@ -124,7 +124,7 @@ impl Metrics {
 }
 
 impl Range {
-    /// The range with so much of its width more on either side.
+    /// Returns the range extended by `share` of its width on either side.
     pub(super) fn with_beside(self, share: f64) -> Result<Self, Refusal> {
         if !(0.0..=1.0).contains(&share) {
             return Err(Refusal::value(format!(
@@ -141,7 +141,7 @@ impl Range {
         })
     }
 
-    /// Indices of the instants within, and the range in s.
+    /// Returns the indices of the instants within, and the range in s.
     pub(super) fn of(
         self,
         base: &TimeBase,
@@ -160,7 +160,7 @@ impl Range {
     }
 }
 
-/// The courses of the log `number` in a view, and those of the model where it was compared.
+/// Returns the time series of the log `number` in a view, and those of the model if it was compared.
 pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Courses, Refusal> {
     let log = session.log(number)?;
     let log = log.as_ref().as_ref().map_err(Clone::clone)?;
@@ -211,9 +211,9 @@ struct Drawer<'a> {
     parameters: &'a PlantParameters,
     compared: Option<&'a Compared>,
     tolerances: &'a BTreeMap<String, Tolerance>,
-    /// What is seen: numbers are of it alone.
+    /// Visible range, for the statistics.
     seen: Range,
-    /// What is drawn.
+    /// Drawn range.
     range: Range,
     points: usize,
 }
@@ -306,13 +306,13 @@ impl Drawer<'_> {
     }
 }
 
-/// Mean distance of two instants (s): a bound for gaps that costs nothing.
+/// Returns the mean distance of two instants (s): a cheap bound for gaps.
 pub(super) fn mean_step_s(base: &TimeBase) -> f64 {
     (base.end_s() - base.start_s()) / (base.len().max(2) - 1) as f64
 }
 
 impl Course {
-    /// What is seen of `values` in `range` in about so many points.
+    /// Returns the visible part of `values` in `range`, with about this many points.
     pub(in crate::pages) fn of(
         (base, values, pyramid): (&TimeBase, &(impl Series + ?Sized), &Pyramid),
         range: Range,
@@ -320,7 +320,7 @@ impl Course {
     ) -> Result<Self, Refusal> {
         let (_, view_s) = range.of(base)?;
         let times_s = base.times_s();
-        // Two instants at least: the interval of a whole log may not be known.
+        // Two instants at least: the interval of a whole log may be unknown.
         let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
         let points = points.clamp(2, POINTS_MAX);
         let shown = pyramid.thin((times_s, values), view_s, points, gap_s);

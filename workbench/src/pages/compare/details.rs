@@ -1,4 +1,4 @@
-//! Closer looks: values at a cursor, the residual over a signal, the samples of a PWM period on top of each other.
+//! Detail charts: values at a cursor, residual over a signal, folding by PWM period.
 
 use std::collections::BTreeMap;
 
@@ -14,20 +14,20 @@ use crate::results::Compared;
 use crate::session::Session;
 use crate::shown_unit::{shown_unit, shown_values};
 
-/// Cells of a scatter plot, along and across: each is drawn as one of its samples.
+/// Cells of a scatter plot, across and down: one sample is drawn for each.
 const CELLS: (usize, usize) = (170, 90);
 /// Samples that a fold shows.
 const FOLD_POINTS_MAX: usize = 3000;
-/// Pieces of the period over which a fold averages.
+/// Parts of the period for the averages of a fold.
 const FOLD_PIECES: usize = 60;
 
-/// An instant of the log (s).
+/// Instant of the log (s).
 #[derive(Deserialize)]
 pub(super) struct Instant {
     pub(super) time_s: f64,
 }
 
-/// What the log says at the sample next to an instant.
+/// Values of the log at the sample nearest to an instant.
 #[derive(Serialize)]
 pub(super) struct Values {
     signals: Vec<ValueOf>,
@@ -36,14 +36,14 @@ pub(super) struct Values {
 #[derive(Serialize)]
 struct ValueOf {
     name: String,
-    /// The sample's own time (s).
+    /// Time of the sample (s).
     time_s: f64,
     measured: Option<f64>,
     model: Option<f64>,
     residual: Option<f64>,
 }
 
-/// The values at the cursor.
+/// Returns the values at the cursor.
 pub(super) fn values(session: &Session, number: u32, time_s: f64) -> Result<Values, Refusal> {
     let log = session.log(number)?;
     let log = log.as_ref().as_ref().map_err(Clone::clone)?;
@@ -98,12 +98,12 @@ fn nearest(base: &TimeBase, time_s: f64) -> usize {
     }
 }
 
-/// What a scatter plot shows.
+/// Axes of a scatter plot.
 #[derive(Deserialize)]
 pub(super) struct Axes {
     /// Signal whose residual is drawn.
     signal: String,
-    /// Signal of the log or of the model over which it is drawn.
+    /// Signal of the log or of the model on the horizontal axis.
     over: String,
     from_s: Option<f64>,
     to_s: Option<f64>,
@@ -114,10 +114,10 @@ pub(super) struct Axes {
 pub(super) struct Scatter {
     unit: String,
     over_unit: &'static str,
-    /// Samples behind the points.
+    /// Number of samples behind the points.
     samples: usize,
     points: Points,
-    /// Those of the selection.
+    /// Points of the selection.
     selected: Points,
 }
 
@@ -128,7 +128,7 @@ struct Points {
     t: Vec<f64>,
 }
 
-/// The residual of one signal over another, thinned to one sample for each cell of the plot.
+/// Returns the residual of one signal over another, thinned to one sample for each cell of the plot.
 pub(super) fn scatter(session: &Session, number: u32, axes: &Axes) -> Result<Scatter, Refusal> {
     let compared = super::compared(session, number)?;
     let log = session.log(number)?;
@@ -172,7 +172,7 @@ pub(super) fn scatter(session: &Session, number: u32, axes: &Axes) -> Result<Sca
     })
 }
 
-/// The residual of a compared signal with its time base.
+/// Returns the residual of a compared signal with its time base.
 pub(super) fn residual_of<'a>(
     compared: &'a Compared,
     name: &str,
@@ -183,14 +183,14 @@ pub(super) fn residual_of<'a>(
     found.ok_or_else(|| Refusal::not_found("compared signal"))
 }
 
-/// The unit of its differences.
+/// Returns the unit of its differences.
 pub(super) fn unit_of_errors(compared: &Compared, name: &str) -> String {
     let signals = &compared.comparison.signals;
     let signal = signals.iter().find(|signal| signal.name == name);
     signal.map_or_else(String::new, |signal| signal.unit.clone())
 }
 
-/// The values over which a residual is drawn: time, a signal of the log, or one of the model.
+/// Returns the values of the horizontal axis: time, a signal of the log, or one of the model.
 fn over(
     compared: &Compared,
     log: &recording::Recording,
@@ -226,7 +226,7 @@ fn over(
     Ok((values, unit.symbol()))
 }
 
-/// The first sample in each occupied cell of the rectangle around all samples.
+/// Returns the first sample in each occupied cell of the rectangle around all samples.
 fn one_of_each_cell<I: Iterator<Item = usize>>(
     samples: impl Fn() -> I,
     x: &[f64],
@@ -254,11 +254,11 @@ fn one_of_each_cell<I: Iterator<Item = usize>>(
     cells.into_values().collect()
 }
 
-/// How a course is folded.
+/// Options of a fold.
 #[derive(Deserialize)]
 pub(super) struct Folding {
     signal: String,
-    /// Length of the fold (ms); none takes the PWM period of the plant.
+    /// Length of the fold (ms); `None` takes the PWM period of the plant.
     period_ms: Option<f64>,
     from_s: Option<f64>,
     to_s: Option<f64>,
@@ -269,7 +269,7 @@ pub(super) struct Fold {
     period_ms: f64,
     unit: &'static str,
     samples: usize,
-    /// Median distance of two samples (ms), to see whether a period can be resolved at all.
+    /// Median sample interval (ms), which shows whether the period can be resolved.
     sample_interval_ms: Option<f64>,
     measured: FoldedPoints,
     model: FoldedPoints,
@@ -280,12 +280,12 @@ struct FoldedPoints {
     /// Time within the period (ms).
     phase_ms: Vec<f64>,
     value: Vec<f64>,
-    /// Means over pieces of the period; null where a piece has no sample.
+    /// Means over parts of the period; null for a part without samples.
     mean_phase_ms: Vec<f64>,
     mean: Vec<Option<f64>>,
 }
 
-/// The samples of a view on top of each other, by their time within the period.
+/// Folds the samples of a view by their time within the period.
 pub(super) fn fold(session: &Session, number: u32, fold: &Folding) -> Result<Fold, Refusal> {
     let compared = super::compared(session, number)?;
     let log = session.log(number)?;

@@ -1,4 +1,4 @@
-//! How far a log lies from another one that is laid over it: every signal that both have, at the instants of the first.
+//! Differences of a log from another one, for every signal of both, at the instants of the first.
 
 use recording::{Quantity, Recording, Signal, TimeBase, Unit};
 use serde::{Deserialize, Serialize};
@@ -10,16 +10,16 @@ use crate::resample::{Between, at_instants};
 use crate::session::Session;
 use crate::shown_unit::{shown_unit, shown_values, unit_of_difference};
 
-/// Which difference is seen.
+/// Requested difference.
 #[derive(Deserialize)]
 pub(super) struct Wish {
-    /// The log that is taken away.
+    /// Log that is subtracted.
     other: u32,
-    /// What a course is between two samples; none decides by what is measured.
+    /// Interpolation between two samples; `None` decides by the quantity.
     between: Option<Between>,
     from_s: Option<f64>,
     to_s: Option<f64>,
-    /// Courses go on by this share of the view on either side; numbers do not.
+    /// Share of the view that is drawn on either side; the statistics ignore it.
     #[serde(default)]
     beside: f64,
     points: usize,
@@ -37,11 +37,11 @@ struct Difference {
     between: Between,
     /// This log minus the other one.
     course: Course,
-    /// Of the samples in the view; none where the logs do not overlap.
+    /// Statistics of the samples in the view; `None` if the logs do not overlap.
     metrics: Option<Metrics>,
 }
 
-/// This log minus another one, both with their time offsets.
+/// Returns this log minus another one, both with their time offsets.
 pub(super) fn differences(
     session: &Session,
     number: u32,
@@ -56,7 +56,7 @@ pub(super) fn differences(
     let of_signal = |signal: &Signal| {
         let unit = shown_unit(signal, &parameters).0;
         let same = other.signal(signal.name())?;
-        // What is measured in another quantity has no difference.
+        // Signals of different quantities have no difference.
         if shown_unit(same, &parameters).0 != unit {
             return None;
         }
@@ -81,7 +81,7 @@ fn base_of<'a>(log: &'a Recording, signal: &Signal) -> Option<&'a TimeBase> {
     log.time_base(signal.time_base())
 }
 
-/// A command holds until the next one; what is measured goes on between its samples.
+/// Returns the usual interpolation: a command applies until the next one; a measured signal is linear between samples.
 fn usual(signal: &Signal) -> Between {
     match signal.quantity() {
         Quantity::DutyCycle => Between::Hold,
@@ -89,7 +89,7 @@ fn usual(signal: &Signal) -> Between {
     }
 }
 
-/// The same signal of two logs.
+/// Same signal of two logs.
 struct Pair<'a> {
     base: &'a TimeBase,
     values: &'a [f64],
@@ -128,7 +128,7 @@ impl Pair<'_> {
                 range,
                 wish.points,
             )?,
-            // Nothing of this log is in the view.
+            // The view contains nothing of this log.
             Err(_) => Course::default(),
         };
         Ok(Difference {
@@ -145,7 +145,7 @@ impl Pair<'_> {
     }
 }
 
-/// Where a log has one sample only, nothing lies between.
+/// A log with one sample has nothing between samples.
 fn median_step_s(base: &TimeBase) -> f64 {
     base.sampling().median_step_s.unwrap_or(0.0)
 }

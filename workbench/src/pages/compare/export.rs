@@ -1,4 +1,4 @@
-//! What is seen, as a log that everything here reads.
+//! Export of the visible range, as a log that all readers of the project accept.
 
 use std::fmt::Display;
 
@@ -24,7 +24,7 @@ fn not_written(error: impl Display) -> Refusal {
     Refusal::value(error.to_string())
 }
 
-/// Measured, modelled and residual of every signal on the log's first time base, in `range`.
+/// Returns measured, modelled and residual of every signal on the log's first time base, in `range`.
 fn visible(
     session: &Session,
     number: u32,
@@ -97,7 +97,7 @@ fn visible(
     Ok((out, out_id))
 }
 
-/// `wanted`, or with the first number that makes it free where the log has a channel of this name itself.
+/// Returns `wanted`, or `wanted` with the first number that makes it unique if the log has such a channel.
 fn free_name(log: &Recording, wanted: &str) -> String {
     let numbered = (2..).map(|number| format!("{wanted}_{number}"));
     std::iter::once(wanted.to_owned())

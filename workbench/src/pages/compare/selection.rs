@@ -1,25 +1,25 @@
-//! Samples that a person picked in the error map or in a list of regimes, as pieces of time.
+//! Samples that the user selected in the error map or in a list of regimes, as time intervals.
 
 use serde::Serialize;
 
 use crate::refusal::Refusal;
 use crate::results::Compared;
 
-/// Pieces that a view can show apart.
+/// Largest number of intervals that a view can show.
 const PIECES_MAX: usize = 400;
 
 /// Samples of one regime.
 #[derive(Serialize)]
 pub(super) struct Selection {
-    /// What was picked, in words.
+    /// Description of the selection.
     label: String,
     samples: usize,
-    /// Begin and end of each piece (s); neighbours are joined where there are too many.
+    /// Begin and end of each interval (s); neighbours are joined if there are too many.
     pieces_s: Vec<(f64, f64)>,
 }
 
 impl Selection {
-    /// The samples of `signal/dimension/label`, as a comparison names them.
+    /// Returns the samples of `signal/dimension/label`, with the names of the comparison.
     pub(super) fn of(compared: &Compared, select: &str) -> Result<Self, Refusal> {
         let (label, is_in) = picked(compared, select)?;
         let run = &compared.comparison.traces.free_run;
@@ -44,7 +44,7 @@ impl Selection {
     }
 }
 
-/// The label of the regime, and for each sample whether it is in it.
+/// Returns the label of the regime, and for each sample whether it belongs to it.
 pub(super) fn picked(compared: &Compared, select: &str) -> Result<(String, Vec<bool>), Refusal> {
     let mut words = select.splitn(3, '/');
     let (signal, dimension, label) = (words.next(), words.next(), words.next());
@@ -65,7 +65,7 @@ pub(super) fn picked(compared: &Compared, select: &str) -> Result<(String, Vec<b
     Ok((placement.labels[bin].clone(), is_in.collect()))
 }
 
-/// The pieces, joined over ever wider breaks until a view can show them.
+/// Joins the intervals over increasing gaps until a view can show them.
 fn joined(mut pieces_s: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     while pieces_s.len() > PIECES_MAX {
         let mut breaks_s: Vec<f64> = pieces_s

@@ -1,4 +1,4 @@
-//! What the valves are commanded to do, as stretches of time: the duty cycles of a log, seen as states.
+//! Commanded states of the valves as time intervals, from the duty cycles of a log.
 
 use recording::{Quantity, Recording, Sampling, TimeBase};
 use serde::Serialize;
@@ -6,16 +6,16 @@ use serde::Serialize;
 use super::courses::{Range, mean_step_s};
 use crate::refusal::Refusal;
 
-/// Stretches that a view can show apart; beyond them, each piece of the view has the state that it has for longest.
+/// Largest number of intervals in a view; beyond it, each part of the view gets the state with the longest time in it.
 const STRETCHES_MAX: usize = 500;
 
-/// What both duty cycles together command.
+/// State commanded by both duty cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum State {
-    /// The fill valve alone.
+    /// Only the fill valve is energised.
     Filling,
-    /// The vent valve alone.
+    /// Only the vent valve is energised.
     Venting,
     Both,
     Shut,
@@ -37,7 +37,7 @@ impl State {
     }
 }
 
-/// A time during which the state is the same.
+/// Interval with one state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct Stretch {
     state: State,
@@ -46,7 +46,7 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
-    /// Joins what follows without a break in the same state.
+    /// Appends an interval, joined with the previous one if both have the same state without a break.
     fn append(self, stretches: &mut Vec<Self>) {
         match stretches.last_mut() {
             Some(last) if last.state == self.state && last.to_s >= self.from_s => {
@@ -57,7 +57,7 @@ impl Stretch {
     }
 }
 
-/// The states in `range`; none where the log does not have both duty cycles on one time base.
+/// Returns the states in `range`; empty if the log does not have both duty cycles on one time base.
 pub(super) fn stretches(log: &Recording, range: Range) -> Result<Vec<Stretch>, Refusal> {
     let duty = |name| log.require(name, Quantity::DutyCycle).ok();
     let Some((fill, vent)) = duty("duty_fill").zip(duty("duty_vent")) else {
@@ -69,7 +69,7 @@ pub(super) fn stretches(log: &Recording, range: Range) -> Result<Vec<Stretch>, R
     };
     let (within, view_s) = range.of(base)?;
     let duties = (fill.values_or_nan(), vent.values_or_nan());
-    // A command holds until the next one: what began before the view still holds in it.
+    // A command applies until the next one: one from before the view is still in effect.
     let all = held(base, duties, within.start.saturating_sub(1)..within.end);
     if all.len() <= STRETCHES_MAX {
         return Ok(all);
@@ -78,7 +78,7 @@ pub(super) fn stretches(log: &Recording, range: Range) -> Result<Vec<Stretch>, R
     Ok(longest_in_each_piece(&all, view_s))
 }
 
-/// What each sample commands, until the next one; a pause of the log commands nothing.
+/// Returns the state that each sample commands until the next one; during a pause of the log there is none.
 fn held(
     base: &TimeBase,
     (fill, vent): (&[f64], &[f64]),
@@ -104,13 +104,13 @@ fn held(
     stretches
 }
 
-/// So many stretches at most: the state that lasts longest in each piece of the view.
+/// Returns at most the allowed number of intervals: in each part of the view the state with the longest time.
 fn longest_in_each_piece(all: &[Stretch], (from_s, to_s): (f64, f64)) -> Vec<Stretch> {
     let piece_s = (to_s - from_s) / STRETCHES_MAX as f64;
     let mut shown = Vec::new();
     let mut rest = all;
     for piece in 0..STRETCHES_MAX {
-        // The end of one piece is the begin of the next to the bit.
+        // The end of a part equals the begin of the next bit by bit.
         let [begin_s, end_s] = [piece, piece + 1].map(|edge| from_s + edge as f64 * piece_s);
         let gone = rest.partition_point(|stretch| stretch.to_s <= begin_s);
         rest = &rest[gone..];
@@ -197,7 +197,7 @@ mod tests {
         let states: Vec<State> = found.iter().map(|stretch| stretch.state).collect();
         assert_eq!(states, [State::Shut, State::Venting]);
         assert!((found[0].to_s - 200.0).abs() < 1.0);
-        // Near by, each pulse is there.
+        // In a short view, each pulse is shown.
         let near = Range {
             from_s: Some(10.0),
             to_s: Some(10.2),

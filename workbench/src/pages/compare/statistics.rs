@@ -1,4 +1,4 @@
-//! Closer looks at one course: how often which value occurs, and how its variance is spread over frequency.
+//! Statistics of one time series: histogram and power spectral density.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::shown_unit::shown_unit;
 use crate::spectrum::Spectrum;
 
-/// What is looked at.
+/// Requested statistics.
 #[derive(Deserialize)]
 pub(super) struct Wish {
     signal: String,
@@ -20,7 +20,7 @@ pub(super) struct Wish {
     to_s: Option<f64>,
 }
 
-/// Which course of a signal.
+/// Choice of measured, modelled or residual.
 #[derive(Clone, Copy, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Side {
@@ -33,9 +33,9 @@ enum Side {
 #[derive(Serialize)]
 pub(super) struct Distribution {
     unit: String,
-    /// Standard deviation of the measurement noise; none where it is not known, or where there is none.
+    /// Standard deviation of the measurement noise; `None` if unknown or not applicable.
     noise: Option<f64>,
-    /// None where nothing is in the range.
+    /// `None` if the range is empty.
     histogram: Option<Histogram>,
 }
 
@@ -44,21 +44,21 @@ pub(super) struct Spectral {
     unit: String,
     /// Density of the measurement noise, if it is white (unit²/Hz).
     noise_level: Option<f64>,
-    /// None where no stretch without a gap is long enough.
+    /// `None` if no interval without a gap is long enough.
     spectrum: Option<Spectrum>,
 }
 
-/// The values of a course in a range.
+/// Values of a series in a range.
 struct Course {
     unit: String,
     noise: Option<f64>,
     times_s: Vec<f64>,
     values: Vec<f64>,
-    /// Median distance of two samples of the whole log.
+    /// Median sample interval of the whole log.
     step_s: Option<f64>,
 }
 
-/// The histogram of a course.
+/// Returns the histogram of a series.
 pub(super) fn distribution(
     session: &Session,
     number: u32,
@@ -72,7 +72,7 @@ pub(super) fn distribution(
     })
 }
 
-/// The power spectral density of a course.
+/// Returns the power spectral density of a series.
 pub(super) fn spectrum(session: &Session, number: u32, wish: &Wish) -> Result<Spectral, Refusal> {
     let course = Course::of(session, number, wish)?;
     let spectrum = course

@@ -1,4 +1,4 @@
-//! The loop on many rigs, scattered about each plant as valves are.
+//! Closed loop on many rigs with scattered parameters (robustness, Monte Carlo).
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::pages::{Begun, Shared, begin_job, session};
 use crate::refusal::Refusal;
 use crate::results::Batch;
 
-/// Failing rigs that are named.
+/// Largest number of listed failing rigs.
 const NAMED_MAX: usize = 20;
 
 /// Begins a batch; it can be stopped after each rig.
@@ -53,7 +53,7 @@ pub(super) async fn begin(
 
 #[derive(Serialize)]
 pub(super) struct BatchView {
-    /// Whether a batch now would be the same.
+    /// Whether a batch now would have the same result.
     is_current: bool,
     requirement: RequirementView,
     plants: Vec<RigsView>,
@@ -63,13 +63,13 @@ pub(super) struct BatchView {
 struct RigsView {
     plant: PlantView,
     rigs: usize,
-    /// Rigs on which every binding requirement holds.
+    /// Rigs that meet every binding requirement.
     hold: usize,
-    /// The first rigs on which it does not.
+    /// The first rigs that do not.
     failing: Vec<FailingView>,
     /// Settling times of all steps in the operating range.
     steps: DistributionView,
-    /// The same of the slowest step of each rig.
+    /// Settling times of the slowest step of each rig.
     slowest: DistributionView,
 }
 
@@ -77,7 +77,7 @@ struct RigsView {
 struct FailingView {
     rig: u32,
     seed: u64,
-    /// The binding requirements that are not kept.
+    /// Binding requirements that are not met.
     requirements: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! The courses of the runs in a view.
+//! Time series of the runs in a view.
 
 use recording::Recording;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::results::Controlled;
 
-/// What is shown, in this order.
+/// Shown signals, in this order.
 const SIGNALS: [&str; 8] = [
     "p_ref",
     "p_ch",
@@ -21,18 +21,18 @@ const SIGNALS: [&str; 8] = [
     "x_vent",
 ];
 
-/// What the page shows.
+/// View of the page.
 #[derive(Debug, Deserialize)]
 pub(super) struct View {
     from_s: Option<f64>,
     to_s: Option<f64>,
-    /// Points for each course.
+    /// Points of each series.
     points: usize,
 }
 
 #[derive(Serialize)]
 pub(super) struct Courses {
-    /// From the first to the last instant of the runs (s).
+    /// First and last instant of the runs (s).
     whole_s: (f64, f64),
     signals: Vec<SignalCourses>,
 }
@@ -73,6 +73,6 @@ fn course(run: &Recording, name: &str, range: Range, points: usize) -> Result<Co
         return Err(Refusal::not_found("signal"));
     };
     let values = signal.values_or_nan();
-    // A run is short: what a view needs is made when it is asked for.
+    // A run is short: its points are computed on request.
     Course::of((base, values, &Pyramid::new(values)), range, points)
 }

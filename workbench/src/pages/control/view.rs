@@ -1,4 +1,4 @@
-//! What the page shows of the wish and of what came of it.
+//! View of the closed-loop settings and results.
 
 use hil_harness::controller_file::{self, KEYS};
 use hil_harness::scenario::BUILT_IN;
@@ -15,16 +15,16 @@ use crate::session::Session;
 #[derive(Serialize)]
 pub(super) struct ControlView {
     scenarios: Vec<ScenarioView>,
-    /// The scenario that is chosen.
+    /// Selected scenario.
     scenario: String,
     profile: Profile,
-    /// Whether the profile is another one than the scenario's.
+    /// Whether the profile differs from the scenario's.
     is_edited: bool,
     controller: ControllerView,
     seed: u64,
     rigs: u32,
     plants: Vec<PlantView>,
-    /// Why the loop cannot be closed on the plant; empty if it can.
+    /// Reasons why the loop cannot be closed on the plant; empty if it can.
     problems: Vec<Problem>,
     has_result: bool,
     has_batch: bool,
@@ -48,7 +48,7 @@ struct SettingView {
     table: &'static str,
     name: &'static str,
     about: &'static str,
-    /// As it is typed; none where the file has it not.
+    /// Value as entered; `None` if the file lacks it.
     value: Option<String>,
 }
 
@@ -116,7 +116,7 @@ impl ControlView {
 
 #[derive(Serialize)]
 pub(super) struct ResultView {
-    /// Whether a run now would be the same.
+    /// Whether a run now would have the same result.
     is_current: bool,
     scenario: String,
     controller: String,
@@ -124,7 +124,7 @@ pub(super) struct ResultView {
     runs: Vec<RunView>,
 }
 
-/// What is drawn of the requirement.
+/// Values of the requirement that are drawn.
 #[derive(Serialize)]
 pub(super) struct RequirementView {
     t_req_samples: u32,
@@ -141,7 +141,7 @@ impl RequirementView {
 #[derive(Serialize)]
 struct RunView {
     plant: PlantView,
-    /// The very JSON that `retarder control --json` writes.
+    /// The same JSON that `retarder control --json` writes.
     verdict: Verdict,
 }
 
@@ -162,7 +162,7 @@ impl ResultView {
     }
 }
 
-/// A distribution of settling times as the page draws it.
+/// Distribution of settling times for the chart.
 #[derive(Serialize)]
 pub(super) struct DistributionView {
     count: usize,

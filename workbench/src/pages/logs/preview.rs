@@ -1,4 +1,4 @@
-//! The first rows of a log: as signals where it can be read, as text where it cannot.
+//! First rows of a log: as signals if it can be read, otherwise as text.
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
@@ -12,32 +12,32 @@ use crate::refusal::Refusal;
 use crate::session::Session;
 use crate::store::open_regular;
 
-/// Rows that are shown.
+/// Number of rows.
 const ROWS: usize = 12;
-/// Lines that are shown before and after a line that is wrong.
+/// Lines that are shown before and after a wrong line.
 const AROUND: u64 = 2;
-/// Of a line, no more bytes than this are shown.
+/// Most bytes that are shown of a line.
 const LINE_BYTES_MAX: u64 = 4096;
-/// Channels of a file that are listed.
+/// Most channels that are listed.
 const CHANNELS_MAX: usize = 500;
-/// Cells of a line that are shown.
+/// Most cells that are shown of a line.
 const CELLS_MAX: usize = 64;
 
 #[derive(Serialize)]
 pub(in crate::pages) struct Preview {
-    /// Rows of values, with the time first; empty where the log cannot be read.
+    /// Rows of values, with the time first; empty if the log cannot be read.
     columns: Vec<ColumnView>,
     rows: Vec<Vec<Option<f64>>>,
-    /// The text of the file's head; of a file that is no text, what it has is in the channels.
+    /// Text of the file's head; a binary file has its channels instead.
     head: Text,
     channels: Vec<ChannelView>,
-    /// The text around the line that is wrong.
+    /// Text around the wrong line.
     around: Option<Text>,
-    /// The mapping that is in use, TOML.
+    /// Mapping in use, TOML.
     mapping: Option<String>,
-    /// Signals that the model knows, with the unit in which it has them.
+    /// Signals of the model with their units.
     known: Vec<Known>,
-    /// Tokens of all units, as a mapping writes them.
+    /// Tokens of all units, in the notation of a mapping.
     units: Vec<&'static str>,
 }
 
@@ -47,13 +47,13 @@ struct ColumnView {
     unit: String,
 }
 
-/// A channel of an MF4 file.
+/// Channel of an MF4 file.
 #[derive(Serialize)]
 struct ChannelView {
-    /// As a mapping names it.
+    /// Key in a mapping.
     key: String,
     unit: String,
-    /// Why it is no signal by itself.
+    /// Reason why it is not a signal by itself.
     obstacle: Option<String>,
 }
 
@@ -120,7 +120,7 @@ impl Preview {
     }
 }
 
-/// What an MF4 file has; nothing where it is broken, which its problem tells.
+/// Returns the channels of an MF4 file; empty if it is damaged, which its problem states.
 fn channels(path: &Path) -> Vec<ChannelView> {
     let Ok(listing) = mf4::list_file(path, mf4::Limits::default()) else {
         return Vec::new();
@@ -137,7 +137,7 @@ fn channels(path: &Path) -> Vec<ChannelView> {
     channels.take(CHANNELS_MAX).collect()
 }
 
-/// First rows of the first time base.
+/// Returns the first rows of the first time base.
 fn values(log: &Recording) -> (Vec<ColumnView>, Vec<Vec<Option<f64>>>) {
     let Some((id, base)) = log.time_bases().next() else {
         return Default::default();
@@ -167,7 +167,7 @@ fn values(log: &Recording) -> (Vec<ColumnView>, Vec<Vec<Option<f64>>>) {
     )
 }
 
-/// What tells one kind of file from another: its first line.
+/// Returns the first line, which distinguishes kinds of files.
 pub(in crate::pages) fn head_key(path: &Path) -> Option<String> {
     if log_reader::is_mf4(path) {
         let channels = channels(path);
@@ -175,7 +175,7 @@ pub(in crate::pages) fn head_key(path: &Path) -> Option<String> {
         return Some(names.join("\n"));
     }
     let first = lines(path, 1, 1).ok()?.pop()?.1;
-    // Without a header, the first line is data and the number of columns has to do.
+    // Without a header, the first line is data, and the number of columns has to suffice.
     let separator = delimiter(&[(1, first.clone())]);
     let cells = first.split(symbol(separator));
     if first.chars().any(char::is_alphabetic) {
@@ -185,7 +185,7 @@ pub(in crate::pages) fn head_key(path: &Path) -> Option<String> {
     }
 }
 
-/// `count` lines from line `from` on, with their numbers; bytes that are no text are replaced.
+/// Returns `count` lines from line `from` on, with their numbers; bytes that are not text are replaced.
 fn lines(path: &Path, from: u64, count: u64) -> Result<Vec<(u64, String)>, Refusal> {
     let mut file = BufReader::new(open_regular(path)?);
     let from = from.max(1);
@@ -214,7 +214,7 @@ fn lines(path: &Path, from: u64, count: u64) -> Result<Vec<(u64, String)>, Refus
     Ok(found)
 }
 
-/// The separator that every line has equally often; among several such, or none, the one that is there most often.
+/// Returns the separator with the same count in every line; among several, or without one, the most frequent.
 fn delimiter(lines: &[(u64, String)]) -> Delimiter {
     let judged = |delimiter: &Delimiter| {
         let counts = lines

@@ -1,4 +1,4 @@
-//! What the page shows of a project.
+//! View of a project.
 
 use model_lab::diagnosis::known;
 use plant_sim::PlantParameters;
@@ -24,10 +24,10 @@ struct LogView {
     name: String,
     offset_s: f64,
     is_mapped: bool,
-    /// Why it cannot be read; none if it can.
+    /// Reason why it cannot be read; `None` if it can.
     problem: Option<Problem>,
     summary: Option<LogSummary>,
-    /// Whether there is a comparison of it with the plant as it is now.
+    /// Whether it was compared with the current plant.
     is_compared: bool,
 }
 
@@ -36,7 +36,7 @@ struct PlantView {
     name: String,
     is_nominal: bool,
     problems: Vec<Problem>,
-    /// Parameters that differ from the thesis model, or say how well they are known.
+    /// Parameters that differ from the thesis model, or have a stated uncertainty.
     changed: Vec<ParameterView>,
     effects: Vec<&'static str>,
 }
@@ -48,7 +48,7 @@ struct ParameterView {
     nominal: Option<f64>,
     unit: &'static str,
     about: &'static str,
-    /// How well it is known, in words.
+    /// Uncertainty in words.
     known: String,
 }
 

@@ -1,4 +1,4 @@
-//! Changes of a plant's effects, each a step that can be undone.
+//! Changes of a plant's effects; each is a step that can be undone.
 
 use model_lab::diagnosis::result::FittedParameter;
 use plant_sim::PlantParameters;
@@ -13,18 +13,18 @@ use crate::results::Diagnosed;
 
 /// File name of a plant that was changed here.
 pub(super) const REFINED: &str = "refined.toml";
-/// Where a value comes from that a person chose.
+/// Source of a value that the user chose.
 const BY_HAND: &str = "set by hand in the workbench";
 
-/// What a person does to the plant. Not with a tag inside: serde cannot read numbers that it had to set aside when any
-/// crate of the program asks for serde_json's `arbitrary_precision`, and the log's decoder does.
+/// Change of the plant by the user. Without a tag field, since serde cannot read buffered numbers if any crate of the
+/// program enables serde_json's `arbitrary_precision`, as the log's decoder does.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Change {
-    /// Adds an effect as the diagnosis fitted it, or else at its typical size.
+    /// Adds an effect with its diagnosed values, or else at its typical size.
     Add {
         effect: String,
-        /// Form of its law; none takes the one of the diagnosis, or the first.
+        /// Form of its law; `None` takes that of the diagnosis, or the first.
         form: Option<String>,
     },
     Remove {
@@ -81,7 +81,7 @@ impl Change {
     }
 }
 
-/// Makes a change of the plant a step, called as `change` says what it did.
+/// Creates a step from a change of the plant, named by the description that `change` returns.
 fn edit(
     history: &mut History,
     change: impl FnOnce(&mut Draft) -> Result<String, Refusal>,
@@ -93,14 +93,14 @@ fn edit(
     Ok(())
 }
 
-/// The plant at `now` with a parameter moved, without a step.
+/// Returns the plant at `now` with a changed parameter, without a step.
 pub(super) fn moved(now: &Step, effect: &str, key: &str, value: f64) -> Result<Step, Refusal> {
     let mut draft = Draft::of(now)?;
     let done = draft.set(effect, key, value)?;
     draft.step(done, now)
 }
 
-/// A step in the making.
+/// Unfinished step.
 struct Draft {
     plant: PlantParameters,
     effects: Vec<StepEffect>,
@@ -182,8 +182,8 @@ impl Draft {
         Ok(words)
     }
 
-    /// What differs from rig to rig, as it was fitted with a named effect of the plant that was diagnosed: with the
-    /// datasheet's values beside it the effect would explain less than it does.
+    /// Takes the parameters that differ between rigs from the diagnosis, as fitted together with the named effect: with
+    /// the datasheet's values the effect would explain less than it does.
     fn take_what_was_fitted_with(&mut self, id: &str, found: &Diagnosed) -> Result<(), Refusal> {
         let before = found.plant.parameters()?;
         if self.plant != before || !found.diagnosis.effects.iter().any(|named| named == id) {
@@ -203,7 +203,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Puts an effect into the plant.
+    /// Adds an effect to the plant.
     fn install(&mut self, setting: &EffectSetting, origin: &str) -> Result<(), Refusal> {
         self.plant = self.plant.with_effect(setting.clone());
         for spec in setting.parameters() {
@@ -236,7 +236,7 @@ impl Draft {
         ))
     }
 
-    /// Another form of the law; parameters that both have keep their values.
+    /// Changes the form of the law; parameters of both forms keep their values.
     fn form(&mut self, id: &str, form: &str) -> Result<String, Refusal> {
         let library_effect = library(id)?;
         let variant = library_effect.about().variant(form);

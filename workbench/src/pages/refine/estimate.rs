@@ -1,4 +1,4 @@
-//! Estimates the ordinary parameters of the plant as it is now: a step like any other.
+//! Estimation of the ordinary parameters of the current plant, as a step of its history.
 
 use axum::Json;
 use axum::extract::{Path, State};
@@ -11,7 +11,7 @@ use crate::pages::{Begun, Shared, begin_job};
 use crate::project::PlantFile;
 use crate::refusal::Refusal;
 
-/// Begins an estimation from the plant as it is now, with the effects that are on.
+/// Begins an estimation from the current plant, with the effects that are on.
 pub(super) async fn estimate(
     State(sessions): Shared,
     Path(id): Path<String>,

@@ -1,4 +1,4 @@
-//! The plant on a log, simulated anew whenever a slider moves.
+//! Simulation of the plant on a log, repeated whenever a slider moves.
 
 use std::time::Instant;
 
@@ -16,18 +16,18 @@ use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::session::{LoadedLog, Session};
 
-/// So many are remembered; then all are forgotten.
+/// Largest number of stored errors; beyond it, all are dropped.
 const REMEMBERED_MAX: usize = 256;
 
-/// What is to be simulated, and what is seen of it.
+/// Simulation and its visible range.
 #[derive(Debug, Deserialize)]
 pub(super) struct View {
     log: u32,
     from_s: Option<f64>,
     to_s: Option<f64>,
-    /// Points for each course.
+    /// Points of each series.
     points: usize,
-    /// A parameter that is being moved; all three or none.
+    /// Parameter that a slider moves; all three fields or none.
     effect: Option<String>,
     key: Option<String>,
     value: Option<f64>,
@@ -37,14 +37,14 @@ pub(super) struct View {
 pub(super) struct Simulation {
     /// Simulated time (s).
     log_s: f64,
-    /// What the simulation of the log took (ms).
+    /// Computing time of the simulation of the log (ms).
     simulation_ms: f64,
     signals: Vec<SignalRun>,
     /// From the plant as opened to the last effect that is on.
     ladder: Vec<Rung>,
 }
 
-/// The model's course of a signal that is also measured.
+/// Modelled series of a signal that is also measured.
 #[derive(Serialize)]
 struct SignalRun {
     name: String,
@@ -53,10 +53,10 @@ struct SignalRun {
     model: Course,
 }
 
-/// One row of the ladder.
+/// Row of the error steps.
 #[derive(Serialize)]
 struct Rung {
-    /// Id of the effect that this row adds; none for the plant as opened.
+    /// Id of the effect that this row adds; `None` for the plant as opened.
     added: Option<String>,
     title: String,
     errors: Vec<StepError>,
@@ -108,8 +108,8 @@ fn unit_of(name: &str) -> &'static str {
     signal.map_or("", |(_, unit)| unit.symbol())
 }
 
-/// The plant as opened, then with the ordinary parameters that it has at `step`, then one effect after the other: no effect is credited
-/// with what a fit did to the ordinary parameters. The errors of `step` are known.
+/// Returns the errors of the plant as opened, then with the ordinary parameters of `step`, then with one effect after
+/// the other, so that no effect is credited with the fit of the ordinary parameters. The errors of `step` are known.
 fn ladder(
     (session, number, log): (&Session, u32, &LoadedLog),
     history: &History,
@@ -161,7 +161,7 @@ fn ladder(
     Ok(rungs)
 }
 
-/// The errors of a plant on a log, simulated if they are not known.
+/// Returns the errors of a plant on a log, simulated if they are not known.
 fn errors_of(
     (session, number, log): (&Session, u32, &LoadedLog),
     toml: &str,
@@ -182,8 +182,8 @@ fn errors_of(
     Ok(errors)
 }
 
-/// Fills in what the step that holds is off on a log; a plant that cannot be simulated there has no errors. Another log,
-/// or other columns of the same one, ask for it anew.
+/// Sets the errors of the current step on a log; a plant that cannot be simulated there has none. Another log, or other
+/// columns of the same one, require a new simulation.
 pub(super) fn measure(
     session: &Session,
     number: u32,

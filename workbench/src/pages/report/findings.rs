@@ -1,4 +1,4 @@
-//! What other pages found out about the plant.
+//! Results of other pages about the plant.
 
 use model_lab::diagnosis::Diagnosis;
 use plant_sim::PlantParameters;
@@ -10,19 +10,20 @@ use crate::plant_file::PlantFile;
 use crate::project::Project;
 use crate::session::Session;
 
-/// The last diagnosis and the history of the plant; nothing where there is none.
+/// The last diagnosis and the history of the plant; empty if there is none.
 #[derive(Default)]
 pub(super) struct Findings {
-    /// A diagnosis, and the plant that was diagnosed.
+    /// Diagnosis, and the diagnosed plant.
     pub(super) diagnosis: Option<(Diagnosis, PlantParameters)>,
     /// Steps of the refinement.
     pub(super) steps: Vec<HistoryStep>,
-    /// The step that the plant stands at.
+    /// Current step.
     current: usize,
 }
 
 impl Findings {
-    /// What `session` has of its plant: the history and the diagnosis of another one, opened before, are not of this report.
+    /// Returns the results of `session` for its plant; history and diagnosis of a plant that was open before are left
+    /// out.
     pub(super) fn of(session: &Session) -> Self {
         let Project { history, plant, .. } = session.project();
         let history = if history.is_of(&plant) {
@@ -56,7 +57,7 @@ impl Findings {
         }
     }
 
-    /// The worst of `logs` before and after the named effects.
+    /// Returns the worst of `logs` before and after the named effects.
     pub(super) fn before_and_after<'a>(
         &self,
         logs: &[&'a Recording],

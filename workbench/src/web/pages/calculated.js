@@ -1,9 +1,9 @@
-// Channels that are calculated from the signals of a log: name, unit, formula.
+// Calculated channels of a log: name, unit, formula.
 
 import { button, element, fill } from "../dom.js";
 
 export class CalculatedChannels {
-  /** `apply` sends all channels, and gives the problems that there are. */
+  /** Creates the form. `apply` sends all channels and returns their problems. */
   constructor(apply) {
     Object.assign(this, { apply, rows: [] });
     this.units = element("datalist", { id: "units-of-channels" });
@@ -20,7 +20,7 @@ export class CalculatedChannels {
         button("Calculate", () => this.send(), { class: "primary", id: "calculate" })));
   }
 
-  /** Shows the channels of a project; `signals` are offered units of. */
+  /** Shows the channels of a project; the units of `signals` are proposed. */
   take(channels, signals) {
     fill(this.units, [...new Set(signals.map((signal) => signal.token))].map((unit) => element("option", { value: unit })));
     fill(this.body);
@@ -55,7 +55,7 @@ export class CalculatedChannels {
     this.show(problems[0]);
   }
 
-  /** Puts the caret where a formula is wrong. */
+  /** Puts the caret at the error of a formula. */
   show({ line, column }) {
     const row = this.rows[line - 1];
     if (!row) return;

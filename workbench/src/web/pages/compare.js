@@ -1,4 +1,4 @@
-// Page "Compare": a log and the model driven by its commands, on the same axes, and where they part.
+// Page "Compare": a log and the model driven by its commands, on the same axes, and their differences.
 
 import * as api from "../api.js";
 import { button, element, fill, tellProblems } from "../dom.js";

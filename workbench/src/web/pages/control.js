@@ -1,4 +1,4 @@
-// Page "Control": the loop closed on the plant, what is asked of it, and how it stands on rigs that differ.
+// Page "Control": closed loop on the plant, its requirements, and its robustness on scattered rigs.
 
 import * as api from "../api.js";
 import { button, element, fill, tellProblems } from "../dom.js";
@@ -60,14 +60,17 @@ class Page {
     if (this.wish.has_batch) await this.batch.take();
   }
 
-  /** Another profile, seed or size of the batch; what is not said stays. */
+  /** Changes profile, seed or size of the batch; values that are not given stay. */
   async choose(changes, runs = true) {
     const { scenario, profile, is_edited, seed, rigs } = this.wish;
     const wish = { scenario, profile: is_edited ? profile : null, seed, rigs, ...changes };
     await this.change(() => api.put("/control", wish), "Profile", runs);
   }
 
-  /** Does a change and runs the loop with it. A refusal is thrown, so that a form can show where, and told if `what` is said. */
+  /**
+   * Makes a change and runs the loop with it. Throws a refusal, so that a form can mark the field; with `what`, also
+   * shows it above the page.
+   */
   async change(act, what, runs = true) {
     try {
       this.wish = await act();

@@ -1,4 +1,4 @@
-// Page "Diagnose": which physical effect the plant lacks, how large it is, and what else it could be.
+// Page "Diagnose": the missing physical effect, its size, and other explanations.
 
 import * as api from "../api.js";
 import { button, element, fill, tellProblems } from "../dom.js";
@@ -26,7 +26,7 @@ export async function show(place) {
   return page;
 }
 
-/** The verdicts in few words, and how they are marked. */
+/** Verdicts in a few words, and their marks. */
 const VERDICTS = {
   adequate: ["good", "Nothing is missing"], found: ["good", "Found"],
   plant_file_wrong: ["open", "Plant file wrong"], form_wrong: ["open", "Found in part"], not_in_library: ["bad", "Not in the library"],
@@ -114,7 +114,7 @@ class Page {
       element("p", { class: "quiet" }, `Fitted: ${diagnosis.logs.join(", ")}. Judged on ${diagnosis.check.length > 0 ? diagnosis.check.join(", ") : diagnosis.held_out}. ${cost.simulations} simulations of ${duration(cost.log_s)} in ${duration(cost.elapsed_s)}.`));
   }
 
-  /** What Compare and Refine will show, and why it is more. */
+  /** Returns the errors that Compare and Refine show, and the reason why they are larger. */
   freeRun({ ladder: steps }) {
     const last = steps.at(-1);
     const times = Object.entries(last.free_run_check_rms).filter(([signal]) => last.noise_floor[signal])

@@ -1,11 +1,11 @@
-// How the error falls, effect by effect: bars in multiples of the noise of each signal.
+// Error steps, effect by effect: bars in multiples of the noise of each signal.
 
 import { element } from "../dom.js";
 import { number, titled } from "../format.js";
 
 const multiple = (error) => error.rms !== null && error.noise_floor ? error.rms / error.noise_floor : null;
 
-/** Rungs of `{ title, errors: [{ signal, unit, rms, noise_floor }] }`, the first at the top. */
+/** Draws rows of `{ title, errors: [{ signal, unit, rms, noise_floor }] }`, the first at the top. */
 export function ladder(rungs) {
   const most = Math.max(1.5, ...rungs.flatMap((rung) => rung.errors.map(multiple)).filter((times) => times !== null));
   const place = (times) => `${100 * Math.min(1, times / most)}%`;
@@ -33,7 +33,7 @@ const STEPS = {
   ranges_widened: "ordinary parameters refitted beyond their tolerances",
 };
 
-/** The rungs of a diagnosis or a fit. */
+/** Returns the rows of a diagnosis or a fit. */
 export function rungsOf(steps) {
   return steps.map((step) => ({
     title: step.added ? `+ ${step.added.replaceAll("_", " ")} (${step.variant.replaceAll("_", " ")})` : STEPS[step.kind],

@@ -1,4 +1,4 @@
-// Page "Logs and plant": files come in, columns are explained, problems are named.
+// Page "Logs and plant": opens files, maps columns, shows problems.
 
 import * as api from "../api.js";
 import { ask, button, element, fill, tell, tellProblems } from "../dom.js";
@@ -44,7 +44,7 @@ class Page {
     this.calculated.take(project.calculated, project.logs.flatMap((log) => log.summary?.signals ?? []));
   }
 
-  /** Gives every log these channels; what is wrong with them, if anything is. */
+  /** Adds these channels to every log; returns their problems. */
   async calculate(channels) {
     try {
       this.showProject(await api.put("/calculated", channels));
@@ -72,7 +72,7 @@ class Page {
     return zone;
   }
 
-  /** Chosen again, a file is read again: it may have been mended. */
+  /** A file that is selected again is read again, since it may have been corrected. */
   takeChosen(input) {
     const files = [...input.files];
     input.value = "";

@@ -1,9 +1,9 @@
-// What the columns of a log are, where its header does not say it.
+// Mapping of the columns of a log whose header does not describe them.
 
 import { button, element } from "../dom.js";
 import { Filter } from "../filter.js";
 
-/** The form for a log; `apply` gets what a person says. */
+/** Creates the form for a log; `apply` gets its content. */
 export function mappingForm(log, preview, apply) {
   const isText = preview.channels.length === 0;
   const width = Math.max(...preview.head.lines.map((line) => line.cells.length), 0);
@@ -47,7 +47,7 @@ export function mappingForm(log, preview, apply) {
 
 const OPEN = { role: "by_header", unit: "" };
 
-/** Guesses from a header; a person sees each guess before it counts. */
+/** Guesses a mapping from a header; the user sees each guess before it is applied. */
 function guess(text) {
   const plain = text.toLowerCase();
   if (/^(time|zeit|t)\b|^time_|^t_s$|timestamp/.test(plain)) return { role: "time", unit: /us|µs/.test(plain) ? "us" : /ms/.test(plain) ? "ms" : "s" };

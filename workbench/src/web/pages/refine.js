@@ -1,4 +1,4 @@
-// Page "Refine": effects join the plant, are moved by hand or fitted, and every change can be taken back.
+// Page "Refine": effects are added, adjusted by hand or fitted, and every change can be undone.
 
 import * as api from "../api.js";
 import { button, element, fill, tellProblems } from "../dom.js";
@@ -100,7 +100,7 @@ class Page {
     if (!act.disabled) act.click();
   }
 
-  /** Changes the plant; one after the other, however fast a person is. */
+  /** Changes the plant; changes are sent one after the other. */
   change(change) {
     this.moving = null;
     this.queue = this.queue.then(async () => {
@@ -139,12 +139,12 @@ class Page {
     const errors = (step) => step.errors.filter((error) => error.rms !== null && error.noise_floor).map((error) => ` ${error.signal} ${number(error.rms / error.noise_floor, 3)}×`).join(",");
     fill(this.steps, steps.map((step, index) => element("li", { class: index > at ? "undone" : undefined, "aria-current": index === at ? "step" : undefined },
       step.done,
-      // Errors on different logs do not compare.
+      // Errors on different logs cannot be compared.
       element("span", { class: "quiet" }, step.log === log ? errors(step) : step.log && ` measured on ${step.log}`))));
     this.steps.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest" });
   }
 
-  /** A slider is on its way: the newest place is simulated as soon as the last one is drawn. */
+  /** Simulates while a slider moves: the newest position as soon as the last one is drawn. */
   async move(moved) {
     this.moving = moved;
     if (this.isMoving) return;
@@ -174,7 +174,7 @@ class Page {
     }
   }
 
-  /** Bars go on from where they were; those of a new rung fall from where the plant as opened has its own. */
+  /** Moves the bars from their previous lengths; the bars of a new row start at the errors of the plant as opened. */
   showLadder(rungs) {
     const before = [...this.rungs.querySelectorAll(".rung")].map(widths);
     fill(this.rungs, ladder(rungs));

@@ -1,4 +1,4 @@
-// Page "Report": everything of the session in one file, shown as it will be read.
+// Page "Report": the whole session in one file, shown as in the file.
 
 import * as api from "../api.js";
 import { button, element, fill, tellProblems } from "../dom.js";
@@ -70,7 +70,7 @@ class Page {
     }
   }
 
-  /** Shows the report as a document of its own, which may run nothing. */
+  /** Shows the report as a separate document that may run nothing. */
   preview() {
     this.file.hidden = false;
     this.frame.hidden = false;

@@ -1,11 +1,11 @@
-// Which logs are fitted and which judge: a choice that pages share, and that is part of the address.
+// Training and validation logs: a choice that pages share, and that is part of the address.
 
 import { element } from "../dom.js";
 import * as view from "../view.js";
 
 const numbers = (name) => (view.text(name) ?? "").split(",").filter(Boolean).map(Number);
 
-/** A log whose name says so is for checking, if there is another one to fit. */
+/** A log with a name for validation is a validation log, if there is another one for training. */
 function usual(logs) {
   const says = (log) => /check/i.test(log.name);
   const check = logs.some((log) => !says(log)) ? logs.filter(says) : [];
@@ -13,7 +13,7 @@ function usual(logs) {
 }
 
 export class Roles {
-  /** `wish` is what was chosen before, if anything was. */
+  /** Creates the choice; `wish` is the previous one, if any. */
   constructor(logs, wish) {
     const there = new Set(logs.map((log) => log.number));
     const known = (list) => list.filter((number) => there.has(number));
@@ -36,7 +36,7 @@ export class Roles {
     view.set({ fit: this.chosen.logs.join(","), check: this.chosen.check.join(",") });
   }
 
-  /** What judges, in words. */
+  /** Returns the validation data in words. */
   words() {
     return this.chosen.check.length > 0 ? "" : "No log judges: every third of twelve blocks of each log is held out for that.";
   }

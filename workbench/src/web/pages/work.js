@@ -1,13 +1,13 @@
-// Work of the server that a page waits for: a bar, what is done just now, and a button that ends it.
+// Job of the server that a page waits for: a bar, the current stage, and a button that ends it.
 
 import * as api from "../api.js";
 import { button, element, fill, tell, tellProblems } from "../dom.js";
 import { percent } from "../format.js";
 
-/** What is under way in this tab, as a page that is loaded again finds it. */
+/** Key of the running job of this tab, for a page that is loaded again. */
 const UNDER_WAY = "under-way";
 
-/** Says so if a page that was loaded again had work under way, which ended with it. */
+/** Shows a message if the page was loaded again during a job, which ended with the page. */
 export function tellInterrupted() {
   const what = sessionStorage.getItem(UNDER_WAY);
   sessionStorage.removeItem(UNDER_WAY);
@@ -21,7 +21,7 @@ export class Work {
     this.ending = new AbortController();
   }
 
-  /** Begins work by a request, and follows it; whether it came to its end. A cancelled one is no error. */
+  /** Begins a job by a request, and follows it; returns whether it was completed. A cancelled job is not an error. */
   async run(path, wish) {
     this.stop?.abort();
     const stop = this.stop = new AbortController();
@@ -41,7 +41,7 @@ export class Work {
       }, AbortSignal.any([stop.signal, this.ending.signal]));
       return true;
     } catch (refusal) {
-      // So it is for a page that goes, too.
+      // A closing page has the same status.
       isCutOff = refusal.status === 0;
       if (refusal.name !== "AbortError") tellProblems(refusal, this.what);
       return false;
@@ -51,7 +51,7 @@ export class Work {
     }
   }
 
-  /** The page goes: so does the work. */
+  /** Ends the job with the page. */
   leave() {
     if (!this.element.hidden) tell(`${this.what} ended when its page was left.`, "lasting");
     this.ending.abort();

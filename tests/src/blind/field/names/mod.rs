@@ -1,4 +1,5 @@
-//! Compares the effects that the diagnosis names on field rigs with the sealed answers: gates with exact limits, tables, every miss.
+//! Comparison of the effects that the diagnosis names on field rigs with the sealed answers: gates with exact limits,
+//! tables, every miss.
 
 mod report;
 #[cfg(test)]
@@ -15,36 +16,36 @@ use super::thresholds::*;
 use crate::reference_plant::catalogue::Kinship;
 pub use report::NamesReport;
 
-/// A rig with what was named on it.
+/// Rig with the effects that were named on it.
 #[derive(Debug, Clone)]
 pub struct NamedRig {
-    /// Its answer, the effect with the largest removal cost first.
+    /// Answer, the effect with the largest removal cost first.
     answer: FieldAnswer,
-    /// Refinement of the first plant file; none if it did not end.
+    /// Refinement of the first plant file; `None` if it did not end.
     refined: Option<Estimated>,
-    /// Diagnosis with the refined plant; none if it did not end.
+    /// Diagnosis with the refined plant; `None` if it did not end.
     finding: Option<Finding>,
-    /// Refinement with the named effects; none where none is named, or if it did not end.
+    /// Refinement with the named effects; `None` if no effect is named, or if it did not end.
     fitted: Option<WithEffects>,
     /// Time of the diagnosis (s).
     seconds: Option<f64>,
     judgement: Judgement,
-    /// For each hidden effect the name that stands for it.
+    /// Name that stands for each hidden effect.
     names: Vec<Option<String>>,
 }
 
-/// A hidden effect of a rig.
+/// Hidden effect of a rig.
 #[derive(Debug, Clone, Copy)]
 struct OfRig<'a> {
     hidden: &'a Hidden,
-    /// Removal cost in the signal where it is largest (noise floors).
+    /// Removal cost in the signal with the largest one (noise floors).
     cost: f64,
-    /// Whether the library has it, and its removal cost is large enough to ask for its name.
+    /// Whether it has to be named: the library has it, and its removal cost is large enough.
     is_asked: bool,
     is_named: bool,
 }
 
-/// The interval of a parameter that a named effect has in the library.
+/// Interval of a library parameter of a named effect.
 #[derive(Debug, Clone, Copy)]
 struct Interval<'a> {
     fitted: &'a Fitted,
@@ -52,7 +53,7 @@ struct Interval<'a> {
 }
 
 impl NamedRig {
-    /// A rig with its findings.
+    /// Creates a rig with its findings.
     pub fn new(
         mut answer: FieldAnswer,
         refined: Option<Estimated>,
@@ -62,7 +63,7 @@ impl NamedRig {
     ) -> Self {
         let costs = answer.clone();
         let cost = |hidden: &Hidden| costs.removal_cost(&hidden.effect);
-        // A name that may stand for either of two effects stands for the one that matters more.
+        // A name that may stand for either of two effects stands for the one with the larger cost.
         answer.hidden.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
         let named = finding.as_ref().map(Finding::named).unwrap_or_default();
         let names = named.assigned(&answer.hidden).into_iter();
@@ -106,7 +107,8 @@ impl NamedRig {
         !self.hides_nothing() && self.judgement.wrong() > 0
     }
 
-    /// Free-run check error of the plant with the named effects, or of the refined plant where none is named (noise floors).
+    /// Returns the free-run check error of the plant with the named effects, or of the refined plant if none is named
+    /// (noise floors).
     fn free_run(&self) -> Option<Worst> {
         if self.finding.as_ref()?.effects.is_empty() {
             let refined = self.refined.as_ref()?;
@@ -135,7 +137,7 @@ impl NamedRig {
             .is_some_and(|seconds| seconds <= most.as_secs_f64())
     }
 
-    /// Of the named effects whose law is the library's.
+    /// Returns the intervals of the named effects whose law is the library's.
     fn intervals(&self) -> Vec<Interval<'_>> {
         let hidden = self.answer.hidden.iter();
         let matched = hidden.filter(|hidden| hidden.kinship == Kinship::Matched);
@@ -145,7 +147,7 @@ impl NamedRig {
             .collect()
     }
 
-    /// Everything that went wrong.
+    /// Returns all misses.
     fn misses(&self) -> Vec<String> {
         if self.finding.is_none() {
             return vec!["no answer".to_owned()];
@@ -177,7 +179,7 @@ impl NamedRig {
         misses
     }
 
-    /// One line on a rig that is a miss.
+    /// Returns one line on a rig with a miss.
     fn miss(&self) -> Option<String> {
         let misses = self.misses();
         if misses.is_empty() {
@@ -201,7 +203,7 @@ impl NamedRig {
         ))
     }
 
-    /// A hidden effect with its law and its removal costs (noise floors).
+    /// Returns a hidden effect with its law and its removal costs (noise floors).
     fn in_words(&self, hidden: &Hidden) -> String {
         let costs = self.answer.cost_if_left_out.get(&hidden.effect);
         let costs: String = costs
@@ -223,7 +225,7 @@ fn count(number: usize, noun: &str) -> String {
     format!("{number} {noun}{plural}")
 }
 
-/// Reads answers and findings of a draw, and scores the names.
+/// Reads answers and findings of a draw, and scores the named effects.
 ///
 /// # Errors
 /// If an answer or a finding cannot be read. A rig without a finding has no names, and the score as a whole fails.

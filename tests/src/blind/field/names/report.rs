@@ -1,4 +1,4 @@
-//! The gates and the tables of the names, as text and as JSON.
+//! Gates and tables of the named effects, as text and as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,39 +11,40 @@ use super::super::format::FieldAnswer;
 use super::super::thresholds::*;
 use super::{NamedRig, OfRig};
 
-/// What a score of the names says.
+/// Score of the named effects.
 #[derive(Debug, Clone, Serialize)]
 pub struct NamesReport {
-    /// Rigs, and those whose diagnosis came to an end.
+    /// Rigs, and those whose diagnosis ended.
     pub rigs: Share,
-    /// The gates.
+    /// Gates.
     pub gates: Vec<Gate>,
-    /// Diagnoses in time: with few hidden effects, and with more.
+    /// Diagnoses within their time: with few hidden effects, and with more.
     pub in_time: [Share; 2],
-    /// By number of hidden effects, rate of the logger, and signals.
+    /// Groups by number of hidden effects, rate of the logger, and signals.
     pub groups: Vec<Group>,
-    /// Hidden effects that are asked for by removal cost: from the first to the second (noise floors), and those that are named.
+    /// Hidden effects that have to be named by removal cost: from the first to the second (noise floors), and those
+    /// that are named.
     pub costs: Vec<([f64; 2], Share)>,
     /// By id of the hidden effect.
     pub effects: BTreeMap<String, OfEffect>,
-    /// Rigs on which something went wrong.
+    /// Rigs with a miss.
     pub misses: Vec<String>,
 }
 
 /// Rigs of one kind.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Group {
-    /// The kind.
+    /// Kind.
     pub label: String,
-    /// Rigs.
+    /// Number of rigs.
     pub rigs: usize,
-    /// Hidden effects that are asked for, and those of them that are named.
+    /// Hidden effects that have to be named, and those of them that are.
     pub named: Share,
-    /// Rigs with a name that stands for nothing hidden.
+    /// Rigs with a name that stands for no hidden effect.
     pub wrong: usize,
-    /// Of those whose hidden effects are all in the library, rigs whose final plant runs free as it should.
+    /// Of the rigs whose hidden effects are all in the library, those whose final plant meets the free-run gate.
     pub free_run: Share,
-    /// Rigs whose diagnosis is in time.
+    /// Rigs whose diagnosis is within its time.
     pub in_time: usize,
 }
 
@@ -52,15 +53,15 @@ pub struct Group {
 pub struct OfEffect {
     /// Rigs that hide it.
     pub hidden: usize,
-    /// Those on which it is asked for, and those of them on which it is named.
+    /// Rigs on which it has to be named, and those of them on which it is.
     pub named: Share,
-    /// Those on which it is named without being asked for.
+    /// Rigs on which it is named although it need not be.
     pub unasked: usize,
 }
 
 type Kind = (&'static str, fn(&FieldAnswer) -> bool);
 
-/// Bands of removal costs that are counted by themselves (noise floors).
+/// Bands of removal costs in the tables (noise floors).
 const COSTS: [[f64; 2]; 4] = [
     [ASKED_COST_MIN_FLOORS, 3.0],
     [3.0, 10.0],
@@ -68,7 +69,7 @@ const COSTS: [[f64; 2]; 4] = [
     [30.0, f64::INFINITY],
 ];
 
-/// Kinds of loggers that are counted by themselves.
+/// Kinds of loggers in the tables.
 const KINDS: [Kind; 5] = [
     ("20 to 50 Hz", |rig| rig.logger.rate_hz < 50.0),
     ("50 to 500 Hz", |rig| {
@@ -80,7 +81,7 @@ const KINDS: [Kind; 5] = [
 ];
 
 impl NamesReport {
-    /// The score of these rigs.
+    /// Scores these rigs.
     pub fn new(rigs: &[NamedRig]) -> Self {
         Self {
             rigs: Share::of(rigs, |rig| rig.finding.is_some()),
@@ -96,7 +97,7 @@ impl NamesReport {
         }
     }
 
-    /// Whether every rig has an answer, and every gate holds.
+    /// Returns whether every rig has an answer, and every gate passes.
     pub fn holds(&self) -> bool {
         self.rigs.count == self.rigs.of && self.gates.iter().all(|gate| gate.holds)
     }

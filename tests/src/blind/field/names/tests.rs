@@ -1,4 +1,4 @@
-//! Names that were made up, and what the score says of them.
+//! Scores of invented names.
 
 use super::super::super::format::Profile;
 use super::super::format::{FIELD_SCHEMA, LogAnswer, LoggerAnswer};
@@ -58,7 +58,7 @@ fn answer(effects: Effects) -> FieldAnswer {
     }
 }
 
-/// A step that leaves one noise floor ahead, and this much in free run.
+/// Returns a step with an error of one noise floor one step ahead, and this error in free run.
 fn step(free_run: f64) -> serde_json::Value {
     let signal = |value: f64| serde_json::json!({ "p_ch": value });
     serde_json::json!({
@@ -71,7 +71,7 @@ fn read<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
     serde_json::from_value(json).unwrap()
 }
 
-/// A diagnosis with these names, each of which has an interval that ends at `high`.
+/// Returns a diagnosis with these names, each with an interval that ends at `high`.
 fn finding(names: &[&str], high: f64) -> Finding {
     let interval = serde_json::json!([{ "key": "size", "value": 0.9, "low": 0.8, "high": high }]);
     let candidate = |name: &&str| {
@@ -85,7 +85,8 @@ fn finding(names: &[&str], high: f64) -> Finding {
     }))
 }
 
-/// A rig that was diagnosed within 30 s, its free run 1.5 noise floors after the first refinement and 1.4 with the named effects.
+/// Returns a rig that was diagnosed within 30 s, with a free-run error of 1.5 noise floors after the first refinement
+/// and 1.4 with the named effects.
 fn rig(effects: Effects, names: &[&str]) -> NamedRig {
     NamedRig::new(
         answer(effects),
@@ -96,12 +97,12 @@ fn rig(effects: Effects, names: &[&str]) -> NamedRig {
     )
 }
 
-/// One rig for each gate, all of them right.
+/// Returns one rig for each gate, all of them right.
 fn right() -> Vec<NamedRig> {
     vec![rig(&[], &[]), rig(&[LEAK], &["chamber_leak"])]
 }
 
-/// Names of the gates that fail with this rig beside the right ones.
+/// Returns the names of the gates that fail with this rig beside the right ones.
 fn failed(rig: NamedRig) -> Vec<&'static str> {
     let mut rigs = right();
     rigs.push(rig);
@@ -180,7 +181,7 @@ fn an_effect_of_the_library_is_asked_for_where_it_costs_a_noise_floor() {
     assert_eq!(report.effects["supply_pulsation"].named.of, 0);
 }
 
-/// The equivalents of a name have both effects: it stands for the one that costs more.
+/// The equivalents of a name include both effects: it stands for the one with the larger cost.
 #[test]
 fn a_name_for_either_of_two_effects_stands_for_the_one_that_costs_more() {
     let mut of_either = finding(&["dead_volume"], 1.1);
@@ -202,7 +203,7 @@ fn intervals_count_where_law_and_name_are_those_of_the_library() {
     assert_eq!(intervals(&[CLAMP_OF_OTHER_LAW], &["flyback_clamp"]), 0);
 }
 
-/// The free run of a rig with something outside the library is no fault of it.
+/// A free-run error of a rig with an effect outside the library does not count.
 #[test]
 fn free_runs_count_where_the_library_has_everything() {
     let away = |effects: Effects| NamedRig {

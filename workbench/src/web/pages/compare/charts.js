@@ -1,4 +1,4 @@
-// The courses over time: one plot for each signal, the residual with its noise below, all on one time axis.
+// Time series: one plot for each signal, with the residual and its noise below, all on one time axis.
 
 import * as api from "../../api.js";
 import { plotly, saveImage } from "../../chart.js";
@@ -12,23 +12,23 @@ import { Differences } from "./differences.js";
 
 /** Heights (px): a signal, its residual, an input. */
 const HEIGHT = { signal: 150, residual: 84, input: 78 };
-/** Until a person rests for so long (ms), the looks below stay. */
+/** Pause of the user (ms) after which the detail charts are updated. */
 const REST = 400;
-/** A view is fetched with so much of its width on either side, so that moving shows no empty edge. */
+/** Share of the view that is fetched on either side, so that moving shows no empty edge. */
 const BESIDE = 0.5;
 
-/** What has a ground of its own. */
+/** States with a background colour. */
 const STATES = ["filling", "venting", "both"];
 
 const showsStates = () => view.text("states") !== null;
 
-/** Pieces of time as one shape through all plots. */
+/** Creates time intervals as one shape through all plots. */
 function bands(pieces, role) {
   const path = pieces.map(([begin, end]) => `M${begin},0L${begin},1L${end},1L${end},0Z`).join("");
   return path === "" ? [] : [{ type: "path", xref: "x", yref: "paper", path, fillcolor: colour(role), line: { width: 0 }, layer: "below" }];
 }
 
-/** The share of the visible samples that is beyond a tolerance. */
+/** Returns the text about the share of the visible samples beyond a tolerance. */
 function verdictOf(band) {
   if (!band) return "–";
   const word = band.holds === null ? "open" : band.holds ? "good" : "bad";
@@ -78,7 +78,7 @@ export class TimePlots extends TimeView {
     clearTimeout(this.resting);
   }
 
-  /** Fetches what is visible, and draws it. */
+  /** Fetches the visible range, and draws it. */
   async refresh() {
     const signal = this.fetchAnew();
     const points = this.points(0.8);
@@ -116,7 +116,7 @@ export class TimePlots extends TimeView {
     return (view.text("with") ?? "").split(",").filter(Boolean).map(Number);
   }
 
-  /** Shows a moment, with a cursor on it. */
+  /** Shows an instant, with a cursor at it. */
   goToMoment(time) {
     const [begin, end] = this.courses.whole_s;
     const half = (end - begin) / 40;
@@ -148,7 +148,7 @@ export class TimePlots extends TimeView {
     return this.filter.fitting().some((one) => one.name === name);
   }
 
-  /** Hides the signals of which `isHidden` says so. */
+  /** Hides the signals for which `isHidden` is true. */
   choose(isHidden) {
     this.hidden = new Set(this.courses.signals.map((signal) => signal.name).filter(isHidden));
     view.set({ hide: [...this.hidden] });
@@ -175,7 +175,7 @@ export class TimePlots extends TimeView {
       element("tbody", {}, rows)));
   }
 
-  /** The plots from top to bottom. */
+  /** Returns the plots from top to bottom. */
   panels() {
     const shown = this.courses.signals.filter((signal) => !this.hidden.has(signal.name));
     const outputs = shown.filter((one) => !one.is_input).flatMap((signal) => [
@@ -213,7 +213,7 @@ export class TimePlots extends TimeView {
     };
   }
 
-  /** The residual, the band of its noise, its limit and its tolerance. */
+  /** Draws the residual, its noise band, its limit and its tolerance. */
   drawResidual({ course, noise, limit, band }, yaxis) {
     const across = { xref: "paper", x0: 0, x1: 1, yref: yaxis };
     const shapes = limit ? [limit, -limit].map((at) => ({ ...across, type: "line", y0: at, y1: at, line: { color: colour("limit"), width: 1, dash: "dot" } })) : [];
@@ -232,7 +232,7 @@ export class TimePlots extends TimeView {
     };
   }
 
-  /** The picked samples as bands through all plots. */
+  /** Returns the selected samples as bands through all plots. */
   selection() {
     const { from, to } = this.range();
     const least = (to - from) / 1500;
@@ -240,13 +240,13 @@ export class TimePlots extends TimeView {
     return bands(pieces.map(([begin, end]) => [begin, Math.max(end, begin + least)]), "selection");
   }
 
-  /** What the valves are commanded to do; where both are shut, the ground stays as it is. */
+  /** Returns the commanded states of the valves; with both valves shut the background stays unchanged. */
   states() {
     const of = (state) => this.courses.states.filter((stretch) => stretch.state === state).map((stretch) => [stretch.from_s, stretch.to_s]);
     return STATES.flatMap((state) => bands(of(state), `state-${state}`));
   }
 
-  /** Moves the cursors without drawing the courses again. */
+  /** Moves the cursors without drawing the time series again. */
   async mark() {
     if (!this.chart.layout) return;
     const library = await plotly();
@@ -267,11 +267,11 @@ export class TimePlots extends TimeView {
     return { a: () => this.cursors.set("a", middle), b: () => this.cursors.set("b", middle) };
   }
 
-  /** A click sets a cursor. */
+  /** Sets a cursor at a click. */
   listenToClicks() {
     let pressed = null;
     this.chart.addEventListener("pointerdown", (event) => { pressed = { x: event.clientX, y: event.clientY }; }, true);
-    // The library covers the whole window while a button is down.
+    // The library covers the whole window while a button is pressed.
     addEventListener("pointerup", (event) => {
       const moved = pressed ? Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) : Infinity;
       const at = this.timeAt(event);
@@ -280,14 +280,14 @@ export class TimePlots extends TimeView {
     }, { capture: true, signal: this.ending.signal });
   }
 
-  /** A drag with Ctrl moves the log that was laid over this one last. */
+  /** Moves the log that was overlaid last, at a drag with Ctrl. */
   listenToShifts() {
     const { chart } = this;
     let dragged = null;
     chart.addEventListener("pointerdown", (event) => {
       const overlay = this.overlays.at(-1);
       if (!event.ctrlKey || !overlay || !this.timeAt(event)) return;
-      // No click comes of it for the library, which would zoom.
+      // The library must not receive a click, since it would zoom.
       event.preventDefault();
       chart.setPointerCapture(event.pointerId);
       dragged = { overlay, from: event.clientX, shift: overlay.shift, offset_s: overlay.log.offset_s };

@@ -1,4 +1,5 @@
-// Closer looks: the residual over any signal, the PWM period folded, distributions and spectra, and other logs brought onto this one.
+// Detail charts: residual over any signal, folding by PWM period, histograms and spectra, and the time offsets of other
+// logs.
 
 import * as api from "../../api.js";
 import { axis, clear, draw, label, layout } from "../../chart.js";
@@ -10,7 +11,7 @@ import { Look, chooser, rangeQuery } from "./look.js";
 import { Shifts } from "./shifts.js";
 import { Distribution, Spectrum } from "./statistics.js";
 
-/** Builds the looks below the plots; `refresh` follows the visible range, `redraw` the colours. */
+/** Builds the charts below the plots; `refresh` follows the visible range, `redraw` the colours. */
 export function closerLooks(place, log, logs, comparison, project, onShift) {
   const names = log.summary.signals.map((signal) => signal.name);
   const compared = comparison.signals.map((signal) => signal.name);

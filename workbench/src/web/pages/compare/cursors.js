@@ -23,7 +23,7 @@ export class Cursors {
       this.difference = element("p", { class: "quiet" }), this.body);
   }
 
-  /** Moves a cursor; none takes it away. */
+  /** Moves a cursor; without a time it is removed. */
   set(name, time) {
     view.set({ [name]: time });
     this.fields[name].value = time === null ? "" : String(+time.toPrecision(8));
@@ -94,7 +94,7 @@ export class Cursors {
   }
 }
 
-/** The point of a course next before a time. */
+/** Returns the point of a time series nearest before a time. */
 function at(course, time) {
   let low = 0, high = course.t.length - 1;
   if (high < 0) return null;

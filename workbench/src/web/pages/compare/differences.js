@@ -1,4 +1,4 @@
-// This log minus each log that lies over it, below the signals that both have.
+// This log minus each overlaid log, below the signals of both.
 
 import * as api from "../../api.js";
 import { element, fill } from "../../dom.js";
@@ -6,7 +6,7 @@ import { count, number, signed } from "../../format.js";
 import * as view from "../../view.js";
 
 const HEIGHT = 84;
-/** What the other log is between its samples. */
+/** Interpolation of the other log between its samples. */
 const BETWEEN = [["", "linear, duty cycles held"], ["linear", "linear"], ["hold", "sample and hold"], ["none", "not shown"]];
 
 export class Differences {
@@ -19,7 +19,7 @@ export class Differences {
     this.metrics = element("div", { class: "scroll" });
   }
 
-  /** What is to be drawn for a log that lies over this one, of the piece that `query` asks for. */
+  /** Fetches the plots for an overlaid log, in the range of `query`. */
   async fetch(other, query, signal) {
     const between = view.text("between");
     if (between === "none") return [];
@@ -28,7 +28,7 @@ export class Differences {
     return (await api.get(`/logs/${this.log.number}/difference?${query}`, signal)).signals;
   }
 
-  /** The plots of a signal. */
+  /** Returns the plots of a signal. */
   panels(plots, name) {
     return plots.overlays.flatMap(({ log, differences }, index) => differences.filter((one) => one.name === name && one.metrics).map(({ course, unit, between }) => ({
       height: HEIGHT, title: `${name}: this − ${log.name} [${unit}]`, ink: "label",
@@ -36,7 +36,7 @@ export class Differences {
     })));
   }
 
-  /** The differences in numbers. */
+  /** Shows the differences as numbers. */
   show(overlays) {
     this.element.hidden = overlays.length === 0;
     const rows = overlays.flatMap(({ log, differences }) => differences.map(({ name, unit, metrics, between }) => element("tr", {}, element("th", { scope: "row" }, `${name} − ${log.name}`),

@@ -1,17 +1,17 @@
-// When a signal holds: multiples of its noise, an rms of its own, and a band that its samples stay in.
+// Acceptance limits of a signal: a multiple of its noise, an rms error, and a band for its samples.
 
 import * as api from "../../api.js";
 import { button, element, tellProblems } from "../../dom.js";
 import * as view from "../../view.js";
 
-/** Parts of a band: heading, key, what one of the field's unit is of the project's. */
+/** Fields of a band: heading, key, and factor from the field's unit to the project's. */
 const BAND = [["± absolute", "absolute", 1], ["± % of the value", "relative", 0.01], ["early or late [ms]", "time_s", 0.001], ["% may be beyond", "beyond_max", 0.01]];
-/** What of the view stays when its limits are others. */
+/** Parts of the view that stay when its limits change. */
 const KEPT = ["log", "from", "to", "a", "b", "select", "hide", "states", "with", "between"];
 
 const field = (name, value, placeholder = "") => element("input", { type: "number", min: 0, step: "any", class: "short", "aria-label": name, value, placeholder });
 
-/** The menu for the signals of a log. */
+/** Creates the menu for the signals of a log. */
 export function limitsMenu(log, strictness) {
   const allow = field("multiples of the noise", strictness.allowed_noise_multiples);
   const rows = log.summary.signals.filter(({ name }) => !name.startsWith("duty_") && name !== "u_bat").map((signal) => row(signal, strictness));

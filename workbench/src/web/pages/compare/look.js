@@ -1,10 +1,10 @@
-// What the closer looks of the page share.
+// Common parts of the detail charts.
 
 import { saveImage } from "../../chart.js";
 import { button, element, tellProblems } from "../../dom.js";
 import * as view from "../../view.js";
 
-/** The visible range for a request. */
+/** Adds the visible range to a request. */
 export function rangeQuery(query) {
   for (const [name, key] of [["from", "from_s"], ["to", "to_s"]]) {
     const value = view.numberOf(name);
@@ -13,11 +13,11 @@ export function rangeQuery(query) {
   return query;
 }
 
-/** A choice of `[key, text]`. */
+/** Creates a choice of `[key, text]`. */
 export const chooser = (name, entries, value, act) => element("select", { "aria-label": name, id: name, on: { change: (event) => act(event.target.value) } },
   entries.map(([key, text]) => element("option", { value: key, selected: key === value }, text)));
 
-/** A card with a chart, what is chosen above it and what can be said below. A subclass has `fetch` and `paint`. */
+/** Card with a chart, its choices above and a text below. A subclass has `fetch` and `paint`. */
 export class Look {
   constructor(title, id) {
     this.title = title;
@@ -27,7 +27,7 @@ export class Look {
     this.element = element("section", { class: "card", "aria-label": title }, element("h2", {}, title), this.tools, this.chart, this.note);
   }
 
-  /** Fetches what a person has just chosen. */
+  /** Fetches the data for a new choice. */
   again() {
     this.fetch().catch((error) => tellProblems(error, this.title));
   }

@@ -1,4 +1,5 @@
-// Where the error is: the map over duty cycle and pressure, and shares by regime. A click marks those samples above.
+// Place of the error: the map over duty cycle and pressure, and shares by regime. A click marks the samples in the
+// plots above.
 
 import { axis, clear, draw, label, layout } from "../../chart.js";
 import { button, element, fill } from "../../dom.js";
@@ -6,7 +7,7 @@ import { count, number, percent, signed, titled } from "../../format.js";
 import { colour } from "../../theme.js";
 import * as view from "../../view.js";
 
-/** What a cell can show. */
+/** Values that a cell can show. */
 const SHOWN = {
   excess_share: { text: "share of the excess error", of: (error) => error.excess_share, format: (value) => Math.abs(value) < 0.0005 ? "0" : percent(value) },
   bias: { text: "mean error", of: (error) => error.bias, format: (value) => signed(value, 2) },

@@ -1,10 +1,10 @@
-// The other logs on the time axis of this one.
+// Time offsets of the other logs relative to this one.
 
 import * as api from "../../api.js";
 import { button, element, tell, tellProblems } from "../../dom.js";
 import { number, signed } from "../../format.js";
 
-/** The time offset of each other log: by number, by a slider, by cross-correlation. */
+/** Time offset of each other log: by number, by slider, by cross-correlation. */
 export class Shifts {
   constructor(log, others, onShift) {
     Object.assign(this, { log, onShift, fields: new Map() });
@@ -26,7 +26,7 @@ export class Shifts {
       element("td", {}, names.length > 0 && ["by ", signal, " ", button("Align", () => this.align(other, signal.value, note))], " ", note));
   }
 
-  /** Shows the offset that a log has. */
+  /** Shows the offset of a log. */
   show(other) {
     for (const field of this.fields.get(other) ?? []) field.value = String(+other.offset_s.toPrecision(8));
   }

@@ -1,4 +1,4 @@
-// How often which value occurs, and how the variance of a course is spread over frequency.
+// Statistics of a time series: histogram and power spectral density.
 
 import * as api from "../../api.js";
 import { axis, draw, label, layout } from "../../chart.js";
@@ -10,11 +10,11 @@ import { Look, chooser, rangeQuery } from "./look.js";
 
 /** Points of the normal curve. */
 const CURVE = 160;
-/** It is drawn over so many standard deviations. */
+/** Standard deviations that the curve covers. */
 const CURVE_SIGMAS = 5;
 const INK = { measured: "measured", modelled: "model", residual: "residual" };
 
-/** A look at one course: the residual, the measured or the modelled values of a signal. */
+/** Chart of one series: the residual, the measured or the modelled values of a signal. */
 class Statistics extends Look {
   constructor(title, id, log, compared, names) {
     super(title, id);
@@ -40,7 +40,10 @@ class Statistics extends Look {
     await this.paint();
   }
 
-  /** A chart with logarithmic axes where they are said to be. Powers of ten as `1e−3`: the library's own need styles that the content policy refuses. */
+  /**
+   * Draws a chart with logarithmic axes where requested. Powers of ten are `1e−3`, since the library's own format needs
+   * styles that the content policy refuses.
+   */
   show(traces, xaxis, yaxis) {
     const hover = traces.map((trace) => ({ hoverinfo: "skip", ...trace }));
     return draw(this.chart, hover, layout({ height: 320, bargap: 0, xaxis: axis(xaxis), yaxis: axis({ tickformat: ".1~e", ...yaxis }) }));
@@ -61,9 +64,9 @@ export class Distribution extends Statistics {
     const { from, bin_width: width, density, samples, mean, standard_deviation: deviation } = histogram;
     const x = density.map((_, bin) => from + (bin + 0.5) * width);
     const bars = { type: "bar", x, y: density.map((value) => value || null), width, marker: { color: colour(INK[this.side]), opacity: 0.6, line: { width: 0 } }, hoverinfo: "all", hovertemplate: "%{x:.5g}: %{y:.3g}<extra></extra>" };
-    // The residual of a model that is right is its noise alone, around zero.
+    // The residual of a perfect model is its noise alone, around zero.
     const curve = noise ? normal(this.side === "residual" ? 0 : mean, noise) : { x: [], y: [] };
-    // A logarithmic axis shows the tails; one sample is the least that can be there.
+    // A logarithmic axis shows the tails; one sample is the smallest possible content of a bin.
     const least = 0.5 / (samples * width);
     const most = 1.6 * Math.max(...density, ...curve.y);
     const seen = curve.x.filter((_, index) => curve.y[index] > least);
@@ -99,7 +102,7 @@ export class Spectrum extends Statistics {
   }
 }
 
-/** The normal distribution, where it can be seen. */
+/** Returns the visible part of the normal distribution. */
 function normal(mean, deviation) {
   const x = Array.from({ length: CURVE + 1 }, (_, point) => mean + CURVE_SIGMAS * deviation * (2 * point / CURVE - 1));
   const scale = 1 / (deviation * Math.sqrt(2 * Math.PI));

@@ -1,4 +1,4 @@
-// The loop on rigs that differ as valves do: settling times as a distribution beside the limit.
+// Closed loop on scattered rigs: distribution of the settling times beside the limit.
 
 import * as api from "../../api.js";
 import { axis, clear, draw, layout } from "../../chart.js";
@@ -101,7 +101,7 @@ export class BatchCard {
   }
 }
 
-/** Rigs to look at: with its seed a rig can be run again by itself. */
+/** Lists failing rigs; with its seed a rig can be run again by itself. */
 function failing({ plant, rigs, hold, failing: shown }) {
   if (shown.length === 0) return false;
   return element("details", { class: "tables" }, element("summary", {}, `${plant.role === "plant" ? "" : `${plant.role}: `}${rigs - hold} rigs on which something binding is not kept`),

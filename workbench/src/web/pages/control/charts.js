@@ -1,4 +1,4 @@
-// The courses of the runs: pressure against reference, duty cycles, coil currents, armature positions, on one time axis.
+// Time series of the runs on one time axis: pressure with reference, duty cycles, coil currents, armature positions.
 
 import * as api from "../../api.js";
 import { saveImage } from "../../chart.js";
@@ -8,13 +8,13 @@ import { colour } from "../../theme.js";
 import { TimeView } from "../../time-view.js";
 import * as view from "../../view.js";
 
-/** From top to bottom: signal, height (px) and title. */
+/** Plots from top to bottom: signal, height (px) and title. */
 const PANELS = [
   ["p_ch", 230, "chamber pressure"], ["duty_fill", 64, "duty cycle of the fill valve"], ["duty_vent", 64, "duty cycle of the vent valve"],
   ["i_fill", 64, "current of the fill coil"], ["i_vent", 64, "current of the vent coil"],
   ["x_fill", 64, "armature position of the fill valve"], ["x_vent", 64, "armature position of the vent valve"],
 ];
-/** Shown before and after the beginning of a step (s). */
+/** Time shown before and after the beginning of a step (s). */
 const AROUND = [0.2, 1.2];
 
 export const roleOf = (plant) => plant.role === "plain" ? "plain" : "refined";
@@ -74,7 +74,7 @@ export class RunPlots extends TimeView {
     const { runs } = this.signal(name);
     const isDuty = name.startsWith("duty_");
     const isPressure = name === "p_ch";
-    // Of two runs that lie on one another, both are seen.
+    // One of two runs is dashed, so that both are visible where they coincide.
     const dash = (role) => role === "plain" && runs.length > 1 ? "dash" : "solid";
     const lines = this.result.runs.map(({ plant }, run) => this.line(runs[run], yaxis, `run-${roleOf(plant)}`, { shape: isDuty ? "hv" : "linear", dash: dash(roleOf(plant)) }));
     return {
@@ -83,7 +83,7 @@ export class RunPlots extends TimeView {
     };
   }
 
-  /** The reference with its tolerance, below everything. */
+  /** Returns the reference with its tolerance, below all other traces. */
   reference(yaxis) {
     const course = this.signal("p_ref").runs[0];
     const tolerance = this.result.requirement.p_tol_bar;
@@ -92,7 +92,7 @@ export class RunPlots extends TimeView {
     return [edge(-tolerance, {}), edge(tolerance, { fill: "tonexty", fillcolor: colour("band") }), this.line(course, yaxis, "measured", { shape: "hv", width: 1.2 })];
   }
 
-  /** The values under the pointer, of every signal and run. */
+  /** Shows the values under the pointer, of every signal and run. */
   hover(time) {
     if (time === null || !this.courses) { fill(this.values); return; }
     const at = (course) => {

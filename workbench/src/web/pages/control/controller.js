@@ -1,4 +1,4 @@
-// The settings of the controller: the keys of a controller file, one field each.
+// Settings of the controller: the keys of a controller file, one field each.
 
 import * as api from "../../api.js";
 import { button, element, tell } from "../../dom.js";
@@ -7,10 +7,10 @@ import { button, element, tell } from "../../dom.js";
 const TABLES = new Map([
   ["sample", "Sample"], ["pid", "PID"], ["tolerance", "Tolerance"], ["prediction", "Prediction"], ["boost", "Boost"], ["distributor", "Distribution to the valves"], ["duty_min", "Lower limits of the duty cycles"],
 ]);
-/** Tables that are open: at first what is tuned first, then what a person opened. */
+/** Open tables: at first those that are tuned first, then those that the user opened. */
 const open = new Set(["pid", "tolerance"]);
 
-/** A form that gives changed settings to `apply`, which refuses by throwing. */
+/** Creates a form that passes changed settings to `apply`, which refuses by throwing. */
 export function controllerForm(controller, apply) {
   const wrong = element("div", { class: "problem", role: "status" });
   const fields = controller.settings.map((setting) => ({ setting, path: `${setting.table}.${setting.name}`, ...field(setting) }));
@@ -50,7 +50,7 @@ export function controllerForm(controller, apply) {
   ];
 }
 
-/** A field for a number or a word; the words that a key takes stand quoted in what is said about it. */
+/** Creates a field for a number or a word; the words of a key are quoted in its description. */
 function field(setting) {
   const words = [...setting.about.matchAll(/"(\w+)"/g)].map((match) => match[1]);
   const id = `words-${setting.table}-${setting.name}`;

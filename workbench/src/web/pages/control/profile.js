@@ -1,13 +1,13 @@
-// The reference profile as a table of steps and ramps.
+// Reference profile as a table of steps and ramps.
 
 import { button, element, fill, tell } from "../../dom.js";
 
-/** Changes that the table shows; a longer profile is changed in its file. */
+/** Most changes in the table; a longer profile is changed in its file. */
 const ROWS_MAX = 60;
-/** Changes that are shown without being asked for. */
+/** Changes that are shown at first. */
 const SHORT = 8;
 
-/** A form that gives the edited profile to `apply`, or a file to `open`. Both refuse by throwing. */
+/** Creates a form that passes the edited profile to `apply`, or a file to `open`. Both refuse by throwing. */
 export function profileForm(wish, apply, open) {
   const { profile } = wish;
   const field = (value, name, least, role = "short") => element("input", { type: "number", step: "any", min: least, value, class: role, "aria-label": name, required: true });

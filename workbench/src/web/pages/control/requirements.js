@@ -1,4 +1,4 @@
-// The table of requirements: what was reached on each plant, beside the limit.
+// Table of requirements: the results on each plant, beside the limits.
 
 import { button, element } from "../../dom.js";
 import { number } from "../../format.js";
@@ -31,7 +31,7 @@ function row(id, checks) {
     element("td", { class: "number" }, `${BOUND[known.bound]} ${short(known.limit)} `, element("span", { class: "unit" }, known.unit)), cells);
 }
 
-/** Counts stay counts. */
+/** Counts have no decimals. */
 const short = (value) => Number.isInteger(value) ? String(value) : number(value, 3);
 
 function chip(check) {
@@ -39,7 +39,7 @@ function chip(check) {
   return element("span", { class: `chip ${check.binding ? "bad" : "open"}` }, check.binding ? "not kept" : "beyond");
 }
 
-/** How often the valves moved, and the way to the step that settled last. */
+/** Returns the number of actuations, and the link to the step that settled last. */
 function notes({ plant, verdict }, goTo) {
   const slow = (step) => [step.in_operating_range ? 1 : 0, step.settled_samples ?? Infinity];
   const last = verdict.steps.reduce((worst, step) => {

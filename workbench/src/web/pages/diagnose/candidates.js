@@ -1,4 +1,4 @@
-// The ranking of the effects: what each explains by itself, how large it is, and what it is.
+// Ranking of the effects: the share that each explains by itself, its size, and its description.
 
 import { button, element } from "../../dom.js";
 import { number, unitText } from "../../format.js";
@@ -12,7 +12,7 @@ export class Candidates {
       element("div", { class: "ranking" }, this.ranking().map((candidate, index) => this.row(candidate, index))));
   }
 
-  /** The named ones in their order, then the others by the share that is shown. */
+  /** Returns the named effects in their order, then the others by the shown share. */
   ranking() {
     const { candidates, effects } = this.diagnosis;
     const place = ({ effect }) => effects.includes(effect) ? effects.indexOf(effect) : effects.length;
@@ -65,7 +65,7 @@ export class Candidates {
       element("p", { class: "row" }, button("Add this effect", () => this.onAdd(candidate.effect), { class: isNamed ? "primary add" : "add" })));
   }
 
-  /** What size would have been seen. */
+  /** Returns the detection limit. */
   limit({ effect, detection_limit: limit }, isShort) {
     if (limit.not_excited) return isShort ? "not excited" : `not excited: these logs would not show any size that is met in practice. ${limit.not_excited.manoeuvre} would`;
     const { key, value, unit } = limit.size;

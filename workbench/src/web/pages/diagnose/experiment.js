@@ -1,4 +1,4 @@
-// The next experiment: which duty cycles tell two effects apart, or show one.
+// Next experiment: duty cycles that distinguish effects, or detect one.
 
 import * as api from "../../api.js";
 import { axis, clear, draw, label, layout } from "../../chart.js";
@@ -9,7 +9,10 @@ import { Work } from "../work.js";
 
 const HEIGHT = 230;
 
-/** What is asked first: the named effect and its nearest neighbour, or what the logs could not show. */
+/**
+ * Returns the default question: the named effect and its nearest neighbour, or an effect below the detection limit of
+ * the logs.
+ */
 function question(diagnosis) {
   const first = diagnosis.effects[0];
   if (first) {
@@ -45,7 +48,7 @@ export class Experiment {
     this.begin();
   }
 
-  /** What was planned before. */
+  /** Shows the experiment that was planned before. */
   async begin() {
     try {
       const next = await api.get("/next-experiment");

@@ -1,4 +1,4 @@
-// What is left after the named effects: where air is missing, what swings, what jumped.
+// Unexplained residual after the named effects: missing flow, oscillations, jumps.
 
 import { axis, clear, draw, label, layout } from "../../chart.js";
 import { element } from "../../dom.js";
@@ -34,7 +34,7 @@ export class Remaining {
   }
 }
 
-/** The missing flow against one quantity; bars are two standard errors. */
+/** Draws the missing flow over one quantity; bars are two standard errors. */
 function flowPlots(curves) {
   return curves.map((curve) => ({
     title: `Missing flow, ${curve.condition}`, axes: [`${curve.against} [${curve.unit}]`, "bar/s"],
@@ -48,7 +48,7 @@ function flowPlots(curves) {
   }));
 }
 
-/** Upright lines from the axis. */
+/** Returns vertical lines from the axis. */
 const stems = (x, y, role) => [
   { x: x.flatMap((at) => [at, at, null]), y: y.flatMap((size) => [0, size, null]), mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width: 2 } },
   { x, y, mode: "markers", type: "scatter", marker: { color: colour(role), size: 7 }, hovertemplate: "%{x:.3f}: %{y:.4g}<extra></extra>" },

@@ -1,12 +1,12 @@
-// The effects of the plant: switches, forms of their laws, and sliders.
+// Effects of the plant: switches, forms of their laws, and sliders.
 
 import { button, element, fill } from "../../dom.js";
 import { number, unitText } from "../../format.js";
 
-/** Places of a slider. */
+/** Positions of a slider. */
 const PLACES = 2000;
 
-/** Between a value and its place from 0 to 1, over decades where the library says so. */
+/** Converts between a value and its position from 0 to 1, logarithmic if the library says so. */
 function scaleOf({ lowest, highest, is_log: isLog }) {
   const [low, high] = isLog ? [Math.log(lowest), Math.log(highest)] : [lowest, highest];
   return {
@@ -19,7 +19,7 @@ function scaleOf({ lowest, highest, is_log: isLog }) {
 }
 
 export class Effects {
-  /** `onChange` is told steps, `onMove` where a slider is on its way. */
+  /** `onChange` gets steps, `onMove` the position of a moving slider. */
   constructor(library, onChange, onMove) {
     Object.assign(this, { library, onChange, onMove, cards: new Map() });
     this.list = element("div", { class: "stack" });
@@ -38,7 +38,7 @@ export class Effects {
       if (!this.cards.has(key)) this.cards.set(key, new Card(effect, this.library.get(effect.effect), this.onChange, this.onMove));
       const card = this.cards.get(key);
       card.take(effect);
-      // An element that stays where it is keeps its focus.
+      // An element that is not moved keeps its focus.
       const place = effects.indexOf(effect);
       if (this.list.children[place] !== card.element) this.list.insertBefore(card.element, this.list.children[place] ?? null);
     }
@@ -111,7 +111,7 @@ class Slider {
       this.words.textContent = bounds;
       return;
     }
-    // The knob's middle goes from half of its width to as much before the end.
+    // The centre of the knob moves from half of its width to as much before the end.
     const at = (place) => `calc(${8 - 16 * place}px + ${100 * place}%)`;
     const [low, best, high] = [fitted.low, fitted.value, fitted.high].map((one) => this.scale.place(one));
     Object.assign(this.interval.style, { left: at(low), right: `calc(100% - (${8 - 16 * high}px + ${100 * high}%))` });

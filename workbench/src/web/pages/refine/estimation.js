@@ -1,4 +1,4 @@
-// The estimated ordinary parameters: before, after, interval, and how well the logs determine each.
+// Estimated ordinary parameters: before, after, interval, and how well the logs determine each.
 
 import { element } from "../../dom.js";
 import { number, unitText } from "../../format.js";
@@ -7,7 +7,7 @@ import { ladder, rungsOf } from "../ladder.js";
 const WORDS = { determined: "determined", not_excited: "not excited", at_limit: "at the limit" };
 const COLUMNS = ["parameter", "before", "after", "95 % interval", "unit", "the logs say"];
 
-/** What would determine a parameter, below its row. */
+/** Returns the advice below a parameter's row: logs that would determine it. */
 function advice({ determination: { only_together_with: together }, determined_by: by }) {
   const words = [together && `Only a combination with ${together.parameters.join(", ")} is determined.`, by && `To determine it, ${by}.`];
   const told = words.filter(Boolean).join(" ");
@@ -26,7 +26,7 @@ function rows(parameter) {
   ];
 }
 
-/** The parts of the card of an estimation. */
+/** Returns the parts of the card of an estimation. */
 export function estimated(estimation) {
   const beyond = estimation.parameters.some((parameter) => parameter.is_beyond_usual);
   return [

@@ -1,4 +1,4 @@
-// Measured and modelled over time; the model's courses follow the sliders.
+// Measured and modelled signals over time; the modelled ones follow the sliders.
 
 import * as api from "../../api.js";
 import { axis, clear, draw, label, layout } from "../../chart.js";
@@ -11,7 +11,7 @@ const HEIGHT = { signal: 150, gap: 32 };
 const MARGIN = { l: 64, r: 14, t: 30, b: 44 };
 
 export class Plots {
-  /** `onView` is called when another piece of the log is to be seen. */
+  /** `onView` is called when another part of the log is to be shown. */
   constructor(log, onView) {
     Object.assign(this, { log, onView, courses: null, model: [], seen: "" });
     this.chart = element("div", { class: "chart", id: "refine-plots", role: "img", "aria-label": "Measured and modelled courses" });
@@ -23,7 +23,7 @@ export class Plots {
     this.chart.addEventListener("dblclick", () => this.look(null, null));
   }
 
-  /** What is to be simulated for the view. */
+  /** Returns the request of the view's simulation. */
   query() {
     const query = { points: Math.max(400, Math.min(2400, Math.round(0.8 * (this.chart.clientWidth || 900)))) };
     for (const end of ["from", "to"]) if (view.numberOf(end) !== null) query[`${end}_s`] = view.numberOf(end);
@@ -35,7 +35,7 @@ export class Plots {
     this.onView();
   }
 
-  /** The model's courses as they are now; what is measured is fetched once for each view. */
+  /** Shows the modelled signals; measured signals are fetched once for each view. */
   async take(signals) {
     this.model = signals;
     const query = new URLSearchParams(this.query()).toString();
@@ -75,7 +75,7 @@ export class Plots {
     this.watchLibrary();
   }
 
-  /** What a person did with the library's own hands. */
+  /** Handles zooming and moving with the library's own tools. */
   watchLibrary() {
     if (this.isWatched) return;
     this.isWatched = true;
@@ -86,7 +86,7 @@ export class Plots {
   }
 }
 
-/** A range around both courses, with some air. */
+/** Returns a range around both series, with a margin. */
 function rangeOf(...courses) {
   let low = Infinity, high = -Infinity;
   for (const course of courses) for (const value of course?.y ?? []) if (value !== null) { low = Math.min(low, value); high = Math.max(high, value); }
