@@ -10,10 +10,11 @@ use super::error::DiagnoseError;
 use super::trial::{Bench, Opened, Trial};
 use super::verdict::FURTHER_EVIDENCE;
 
-/// A fit is begun where it promises this share of what the best one gained or promises.
-const BEGIN_PROSPECT: f64 = 0.02;
-/// Near the noise an effect is weak and a promise holds: there a fit is begun where it promises this share of the evidence that a
-/// further effect needs.
+/// A fit is begun where it promises this share of what the best one promises, ...
+const BEGIN_PROSPECT: f64 = 0.05;
+/// ... or of what a named effect gains where it may stand in its place, ...
+const BEGIN_RIVAL_PROSPECT: f64 = 0.1;
+/// ... and this share of the evidence that a further effect needs.
 const WEAK_PROSPECT: f64 = 0.2;
 /// A fit is followed to its end where its first steps gained this share of what the best one gained, ...
 pub(crate) const PROSPECT: f64 = 0.25;
@@ -60,12 +61,13 @@ impl Effort {
 
     /// The promise from which on a fit on top of `base` is begun, where the best one promises `most`.
     fn least_promise(self, base: &Trial, most: f64) -> f64 {
+        let weak = || WEAK_PROSPECT * FURTHER_EVIDENCE * base.correlation_samples;
         match self {
-            Self::Rival { gain, .. } => BEGIN_PROSPECT * most.max(gain),
-            Self::Search if !base.is_material() => {
-                WEAK_PROSPECT * FURTHER_EVIDENCE * base.correlation_samples
-            }
-            Self::Search | Self::Glance => BEGIN_PROSPECT * most,
+            Self::Rival { gain, .. } => BEGIN_RIVAL_PROSPECT * most.max(gain),
+            // Near the noise an effect is weak and a promise holds.
+            Self::Search if !base.is_material() => weak(),
+            Self::Search => weak().max(BEGIN_PROSPECT * most),
+            Self::Glance => BEGIN_PROSPECT * most,
         }
     }
 

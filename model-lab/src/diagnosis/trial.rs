@@ -10,7 +10,7 @@ use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
 use super::log::Run;
 use super::logger_time::fitted_conditions;
-use super::start::{Start, most_promising, promised_cost};
+use super::start::{Start, most_promising, promised_gain};
 use super::unknowns::Unknowns;
 use super::verdict::WIDENINGS;
 use crate::conditions::Conditions;
@@ -116,11 +116,12 @@ impl Bench<'_> {
         wide
     }
 
-    /// By how much the cost of `base` would fall with `effect`, as far as a few sizes of it show; none where none of them can be simulated.
+    /// By how much more the cost of `base` would fall with `effect` than without it, as far as a few sizes of it show; none where none of
+    /// them can be simulated.
     pub(crate) fn promised_gain(&self, base: &Trial, effect: EffectSetting) -> Option<f64> {
         let unknowns = base.unknowns.clone().with_effect(&effect);
         let fitter = Fitter::for_search(self.fitting, &unknowns);
-        Some(base.fit.cost - promised_cost(&fitter, &base.fit)?)
+        promised_gain(&fitter, &base.fit)
     }
 
     /// The most promising of several sizes and shapes of `effect` on top of `base`.
