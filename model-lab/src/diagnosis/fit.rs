@@ -5,6 +5,8 @@
 //! columns that are known already (those of the nuisance parameters hardly change from one candidate to the next),
 //! and an end as soon as a candidate has no chance.
 
+use core::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use plant_sim::Tolerance;
 use rayon::prelude::*;
@@ -12,7 +14,7 @@ use rayon::prelude::*;
 use super::evidence::Evidence;
 use super::log::{Residuals, Run};
 use super::unknowns::{Unknown, Unknowns};
-use super::vector::{dot, square, weighted_dot};
+use super::vector::{dot, square};
 use crate::measured::is_current;
 
 /// Iterations at most, of a fit that is only begun and of a whole one.
@@ -43,6 +45,8 @@ const SLOW: f64 = 0.3;
 const SECANTS: usize = 3;
 /// What a shorter step shows is the solver's error, which would pass for information.
 const SHORTEST_SECANT: f64 = 0.1;
+/// Rows whose products are summed at a time: their columns stay in a core's cache.
+const BLOCK: usize = 512;
 
 /// A point of the unknowns with its residuals.
 #[derive(Debug, Clone)]
@@ -141,6 +145,8 @@ pub(crate) struct Fitter<'a> {
     pub(crate) loss: Loss,
     /// Unknowns and signals that take part.
     pub(crate) scope: Scope,
+    /// An unknown that stays where it is.
+    held: Option<usize>,
 }
 
 /// Part of the plant that a fit is about.
@@ -215,6 +221,7 @@ impl<'a> Fitter<'a> {
             converged_excess_share: 0.0,
             loss: Loss::Square,
             scope: Scope::Whole,
+            held: None,
         }
     }
 
@@ -231,6 +238,14 @@ impl<'a> Fitter<'a> {
         Self {
             tolerance: Tolerance::scaled(ACCURATE),
             ..Self::new(evidence, unknowns)
+        }
+    }
+
+    /// The same, with unknown `n` held where it is.
+    pub(crate) fn holding(evidence: &'a Evidence, unknowns: &'a Unknowns, n: usize) -> Self {
+        Self {
+            held: Some(n),
+            ..Self::accurate(evidence, unknowns)
         }
     }
 
@@ -413,7 +428,9 @@ impl<'a> Fitter<'a> {
             .map(|unknown| unknown.bounds())
             .collect();
         let list = self.unknowns.list();
-        let mut free: Vec<usize> = (0..count).filter(|&n| self.scope.moves(&list[n])).collect();
+        let mut free: Vec<usize> = (0..count)
+            .filter(|&n| self.scope.moves(&list[n]) && self.held != Some(n))
+            .collect();
         let mut step = vec![0.0; count];
         // Each pass fixes what would leave its bounds; the rest is solved again.
         for _ in 0..=count {
@@ -469,24 +486,54 @@ impl<'a> Fitter<'a> {
     pub(crate) fn normal(&self, fit: &Fit) -> (DMatrix<f64>, DVector<f64>) {
         let columns = &fit.jacobian;
         let list = self.unknowns.list();
+        let weights = self.loss.weights(&fit.residuals);
+        let rows = fit.residuals.len();
+        let blocks = (0..rows.div_ceil(BLOCK)).into_par_iter().map(|block| {
+            let block = block * BLOCK..((block + 1) * BLOCK).min(rows);
+            let weights = weights.as_ref().map(|weights| &weights[block.clone()]);
+            normal_of_block(fit, block, weights)
+        });
+        // The sum must not depend on the number of cores.
+        let blocks: Vec<_> = blocks.collect();
         let mut hessian = DMatrix::zeros(columns.len(), columns.len());
         let mut gradient = DVector::zeros(columns.len());
-        let weights = self.loss.weights(&fit.residuals);
-        let dot = |a: &[f64], b: &[f64]| match &weights {
-            Some(weights) => weighted_dot(a, b, weights),
-            None => dot(a, b),
-        };
-        for (a, column) in columns.iter().enumerate() {
-            for (b, other) in columns.iter().enumerate().take(a + 1) {
-                hessian[(a, b)] = dot(column, other);
-                hessian[(b, a)] = hessian[(a, b)];
-            }
-            let weight = list[a].prior_sd().powi(-2);
-            hessian[(a, a)] += weight;
-            gradient[a] = dot(column, &fit.residuals) + weight * (fit.z[a] - list[a].prior_mean());
+        for (of_hessian, of_gradient) in blocks {
+            hessian += of_hessian;
+            gradient += of_gradient;
+        }
+        for (n, unknown) in list.iter().enumerate().take(columns.len()) {
+            let weight = unknown.prior_sd().powi(-2);
+            hessian[(n, n)] += weight;
+            gradient[n] += weight * (fit.z[n] - unknown.prior_mean());
         }
         (hessian, gradient)
     }
+}
+
+/// JᵀJ and Jᵀr of some rows, each row times its weight.
+fn normal_of_block(
+    fit: &Fit,
+    rows: Range<usize>,
+    weights: Option<&[f64]>,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let count = fit.jacobian.len();
+    let weighted = |values: &[f64]| match weights {
+        Some(weights) => values.iter().zip(weights).map(|(v, w)| v * w).collect(),
+        None => values.to_vec(),
+    };
+    let residuals: Vec<f64> = weighted(&fit.residuals[rows.clone()]);
+    let mut hessian = DMatrix::zeros(count, count);
+    let mut gradient = DVector::zeros(count);
+    for (a, column) in fit.jacobian.iter().enumerate() {
+        let column = &column[rows.clone()];
+        gradient[a] = dot(column, &residuals);
+        let column: Vec<f64> = weighted(column);
+        for (b, other) in fit.jacobian.iter().enumerate().take(a + 1) {
+            hessian[(a, b)] = dot(&column, &other[rows.clone()]);
+            hessian[(b, a)] = hessian[(a, b)];
+        }
+    }
+    (hessian, gradient)
 }
 
 #[cfg(test)]
@@ -519,6 +566,41 @@ mod tests {
         for (found, expected) in slope(&moved, [-1.0, 2.0]).iter().zip(across) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
+    }
+
+    /// Rows are summed in blocks, the last of which is shorter.
+    #[test]
+    fn blocks_of_rows_sum_up_to_the_products_of_whole_columns() {
+        let rows = 2 * BLOCK + 3;
+        let column = |rate: f64| (0..rows).map(|n| (rate * n as f64).sin()).collect();
+        let (a, b, residuals): (Vec<f64>, Vec<f64>, Vec<f64>) =
+            (column(0.1), column(0.7), column(1.3));
+        let fit = Fit {
+            z: vec![0.0; 2],
+            cost: square(&residuals),
+            residuals: residuals.clone(),
+            jacobian: vec![a.clone(), b.clone()],
+        };
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let sums = (0..rows.div_ceil(BLOCK)).map(|block| {
+            let block = block * BLOCK..((block + 1) * BLOCK).min(rows);
+            normal_of_block(&fit, block, None)
+        });
+        let (hessian, gradient) = sums
+            .reduce(|(h, g), (other_h, other_g)| (h + other_h, g + other_g))
+            .unwrap();
+        for (found, expected) in [
+            (hessian[(0, 0)], sum(&a, &a)),
+            (hessian[(1, 0)], sum(&a, &b)),
+            (hessian[(0, 1)], sum(&a, &b)),
+            (gradient[1], sum(&b, &residuals)),
+        ] {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        let half = vec![0.5; BLOCK];
+        let (weighted, _) = normal_of_block(&fit, 0..BLOCK, Some(&half));
+        let (plain, _) = normal_of_block(&fit, 0..BLOCK, None);
+        assert!((weighted[(1, 0)] - 0.5 * plain[(1, 0)]).abs() < 1e-12);
     }
 
     #[test]

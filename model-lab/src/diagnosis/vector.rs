@@ -19,12 +19,6 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Returns the sum of the products a b w.
-pub(crate) fn weighted_dot(a: &[f64], b: &[f64], weights: &[f64]) -> f64 {
-    let weighted: Vec<f64> = b.iter().zip(weights).map(|(b, w)| b * w).collect();
-    dot(a, &weighted)
-}
-
 /// The median; none of nothing.
 pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::profile;
 use super::result::{Determination, EstimatedParameter};
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::interval::{covariance, half_widths};
@@ -21,9 +22,9 @@ const AT_LIMIT: f64 = 1e-6;
 
 /// The parameters of `trial`, whose Jacobian is accurate, with what `evidence` says of each.
 pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<EstimatedParameter> {
-    let mut widths = half_widths(evidence, trial);
-    for (unknown, width) in trial.unknowns.list().iter().zip(&mut widths) {
-        *width = width.hypot(NORMAL_95 * unknown.between_programs());
+    let mut distances = profile::distances(evidence, trial, &half_widths(evidence, trial));
+    for (unknown, ends) in trial.unknowns.list().iter().zip(&mut distances) {
+        *ends = ends.map(|end| end.hypot(NORMAL_95 * unknown.between_programs()));
     }
     let covariance = covariance(evidence, trial);
     let list = trial.unknowns.list();
@@ -37,6 +38,7 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
         let (least, most) = unknown.bounds();
         let value_at = |z: f64| unknown.value(z.clamp(least, most));
         let is_at_limit = z - least < AT_LIMIT || most - z < AT_LIMIT;
+        let [below, above] = distances[n];
         let possible = NORMAL_95 * unknown.believed_sd();
         let alone = NORMAL_95
             / trial.fit.jacobian[n]
@@ -46,7 +48,7 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
                 .sqrt();
         let determination = if is_at_limit {
             Determination::AtLimit
-        } else if widths[n] <= DETERMINED * possible {
+        } else if 0.5 * (below + above) <= DETERMINED * possible {
             Determination::Determined
         } else {
             let together = partners(&trial.unknowns, covariance.as_ref(), n);
@@ -58,7 +60,7 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
                 }
             }
         };
-        let (low, high) = (value_at(z - widths[n]), value_at(z + widths[n]));
+        let (low, high) = (value_at(z - below), value_at(z + above));
         Some(EstimatedParameter {
             name: spec.name(),
             unit: spec.unit.to_owned(),
@@ -71,8 +73,7 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
                 .flatten(),
             is_beyond_usual: match unknown {
                 Unknown::Nuisance(nuisance) => nuisance.usual.is_some_and(|usual| {
-                    let (to_low, to_high) = (value_at(z - widths[n]), value_at(z + widths[n]));
-                    to_low > nuisance.datasheet + usual || to_high < nuisance.datasheet - usual
+                    low > nuisance.datasheet + usual || high < nuisance.datasheet - usual
                 }),
                 _ => false,
             },

@@ -6,6 +6,7 @@
 mod determination;
 #[cfg(test)]
 mod effect_tests;
+mod profile;
 mod result;
 mod rounds;
 mod stages;
