@@ -14,7 +14,7 @@ const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
 const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
 /// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
 /// elsewhere: a fit that begins in the wrong valley stays there.
-const SHAPES: [f64; 2] = [-0.6, 0.6];
+const SHAPES: [f64; 3] = [0.0, -0.6, 0.6];
 /// So many starts are looked at where they promise to lead.
 const BEST: usize = 3;
 /// A shape that is not typical promises this much more: the data of a poor log leave the shape open.
@@ -116,17 +116,25 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Vec<Start> {
     starts
 }
 
-/// Displacements of the unknowns of an effect: each parameter of form to either side, one at a time.
+/// Displacements of the unknowns of an effect: every combination of its parameters of form but the typical one.
 fn shapes(own: &[Unknown]) -> Vec<Vec<f64>> {
-    let of_form = (0..own.len()).filter(|&n| !own[n].is_strength());
-    let displaced = of_form.flat_map(|n| {
-        SHAPES.map(|by| {
-            let mut shape = vec![0.0; own.len()];
-            shape[n] = by;
-            shape
-        })
+    let all = own.iter().fold(vec![Vec::new()], |begun, unknown| {
+        let choices: &[f64] = if unknown.is_strength() {
+            &[0.0]
+        } else {
+            &SHAPES
+        };
+        let choices = choices.iter();
+        choices
+            .flat_map(|&choice| {
+                begun
+                    .iter()
+                    .map(move |shape| [&shape[..], &[choice]].concat())
+            })
+            .collect()
     });
-    displaced.collect()
+    let is_typical = |shape: &Vec<f64>| shape.iter().all(|&moved| moved == 0.0);
+    all.into_iter().filter(|shape| !is_typical(shape)).collect()
 }
 
 /// The share of what a start adds that is best, and the cost that it promises.
