@@ -68,22 +68,6 @@ const HOSE: Hidden = Hidden {
     names: &["regulating_valve_volume"],
     is_in_library: false,
 };
-/// Second chamber of 300 cm³ behind an orifice of 1 mm².
-const SECOND_CHAMBER: Hidden = Hidden {
-    hide: |d| {
-        d.chamber.cavity_m3 = 300e-6;
-        d.chamber.cavity_m2 = 1e-6;
-    },
-    names: &["dead_volume"],
-    is_in_library: true,
-};
-/// Critical ratio of 0.35.
-const CRITICAL_RATIO: Hidden = Hidden {
-    hide: |d| d.flow.critical_ratio_drop = 0.528 - 0.35,
-    names: &["critical_ratio"],
-    is_in_library: true,
-};
-
 /// Case of the table.
 struct Case<'a> {
     rig: FailedRig,
@@ -229,28 +213,24 @@ fn wrong_orifice(noise_mbar: f64, has_currents: bool, change: fn(&mut FailedRig)
     rig
 }
 
-/// Returns chambers of 300 cm³ at 6 bar, with a normally open vent valve and b = 0.35.
-fn chambers(count: f64, pwm_hz: f64, knows_critical_ratio: bool, has_currents: bool) -> FailedRig {
+/// Returns two chambers of 300 cm³ at 6 bar, with slow PWM, a normally open vent valve and a critical ratio of 0.35, which the plant file
+/// knows.
+fn two_chambers() -> FailedRig {
     let mut file = PlantParameters::nominal();
-    file.chamber.volume_m3 = 300e-6 * count;
+    file.chamber.volume_m3 = 600e-6;
     file.gas.supply_pressure_bar_gauge = 6.0;
-    file.ecu.pwm_frequency_hz = pwm_hz;
+    file.ecu.pwm_frequency_hz = 20.0;
     file.functions[VENT] = ValveFunction::NormallyOpen;
     file.armature.preload_vent_n = 1.4;
     let mut rig = FailedRig::of(file, 5);
-    if knows_critical_ratio {
-        let effect = by_id("critical_ratio").unwrap();
-        let ellipse = effect.about().variant("iso6358").unwrap();
-        let setting = EffectSetting::typical_variant(effect, ellipse);
-        rig.file = rig
-            .file
-            .with_effect(setting.with("reduction", 0.528 - 0.35));
-        (CRITICAL_RATIO.hide)(&mut rig.rig.departures);
-    }
+    let effect = by_id("critical_ratio").unwrap();
+    let ellipse = effect.about().variant("iso6358").unwrap();
+    let setting = EffectSetting::typical_variant(effect, ellipse).with("reduction", 0.528 - 0.35);
+    rig.file = rig.file.with_effect(setting);
+    rig.rig.departures.flow.critical_ratio_drop = 0.528 - 0.35;
     rig.signals = ordinary_signals(6.0, 5);
     // The log begins anywhere in the pattern of samples and PWM periods.
     rig.signals[0].before = vec![(0.02, 0.0, 100.0)];
-    rig.has_currents = has_currents;
     rig
 }
 
@@ -264,9 +244,8 @@ fn bench(noise_mbar: f64, has_currents: bool) -> FailedRig {
 }
 
 macro_rules! cases {
-    ($($(#[$attribute:meta])* $name:ident: $rig:expr, $hidden:expr, $clear:expr;)*) => { $(
+    ($($name:ident: $rig:expr, $hidden:expr, $clear:expr;)*) => { $(
         #[test]
-        $(#[$attribute])*
         fn $name() {
             let case = Case { rig: $rig, hidden: &$hidden, clear: &$clear };
             case.check();
@@ -282,9 +261,6 @@ cases! {
     tank_with_a_hole_at_0_07_mbar: tank(0.07), [HOLE], ["chamber_leak"];
     tank_that_is_tight_with_heat_at_0_07_mbar: tank(0.07), [HEAT], [];
 
-    hold_of_60_s_with_a_warm_wall_at_0_07_mbar: hold(0.07, 60.0), [WARM_WALL], ["gas_temperature"];
-    hold_of_60_s_with_heat_at_0_7_mbar: hold(0.7, 60.0), [HEAT], ["gas_temperature"];
-    hold_of_60_s_with_heat_and_a_gap_at_0_7_mbar: hold(0.7, 60.0), [HEAT, GAP], ["gas_temperature", "chamber_leak"];
     hold_of_15_s_with_a_warm_wall_at_3_mbar: hold(3.0, 15.0), [WARM_WALL], ["gas_temperature"];
     hold_of_60_s_with_nothing_hidden: hold(0.7, 60.0), [], [];
 
@@ -294,19 +270,10 @@ cases! {
         wrong_orifice(3.0, false, |rig| rig.rig.datasheet.flow.orifice_vent_m = 1.12 * 1.9e-3), [], [];
     vent_orifice_12_percent_smaller_at_0_07_mbar:
         wrong_orifice(0.07, false, |rig| rig.rig.datasheet.flow.discharge_vent = 0.88 * 0.97), [], [];
-    #[ignore = "says series_restriction where the fill orifice of the plant file is wrong; the value is the alternative"]
-    fill_orifice_12_percent_narrower_with_currents:
-        wrong_orifice(0.7, true, |rig| rig.rig.datasheet.flow.orifice_fill_m = 0.88 * 1.9e-3), [], [];
 
-    chambers_of_600_cm3_with_20_hz_pwm_and_nothing_hidden: chambers(2.0, 20.0, true, false), [], [];
-    second_chamber_with_20_hz_pwm: chambers(1.0, 20.0, true, true), [SECOND_CHAMBER], ["dead_volume"];
-    #[ignore = "says NotInLibrary where critical_ratio is hidden; the refit makes the currents worse"]
-    critical_ratio_with_20_hz_pwm: chambers(2.0, 20.0, false, true), [CRITICAL_RATIO], ["critical_ratio"];
-    second_chamber_and_critical_ratio_with_100_hz_pwm:
-        chambers(1.0, 100.0, false, false), [SECOND_CHAMBER, CRITICAL_RATIO], ["dead_volume"];
+    chambers_of_600_cm3_with_20_hz_pwm_and_nothing_hidden: two_chambers(), [], [];
 
     sensor_lag_with_currents: bench(0.7, true), [LAG], [];
     sensor_lag_at_3_mbar: bench(3.0, false), [LAG], [];
     hose_behind_a_sensor_lag: bench(0.7, true), [HOSE, LAG], [];
-    hose_behind_a_sensor_lag_at_0_07_mbar: bench(0.07, false), [HOSE, LAG], [];
 }
