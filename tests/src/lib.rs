@@ -5,6 +5,7 @@ pub mod blind;
 pub mod chance;
 #[cfg(unix)]
 pub mod damage;
+pub mod failed_rigs;
 #[cfg(unix)]
 pub mod kills;
 pub mod least_squares;

@@ -14,6 +14,8 @@ const FINE_STEP: f64 = 1e-5;
 /// Step while coils are without current and armatures seated (s): only gas flows, and the dampers of the stops are
 /// stiff.
 const COARSE_STEP: f64 = 1.5e-5;
+/// Step of long holds (s): armatures are fixed, and the anti-alias filter is stiff.
+const LONG_STEP: f64 = 1e-4;
 /// Velocity below which an armature rests (m/s).
 const RESTING: f64 = 1e-6;
 
@@ -29,6 +31,9 @@ pub struct ReferencePlant {
     pressure_area: f64,
     preloads: [f64; 2],
     coarse_step: f64,
+    /// Whether seated armatures without current are fixed in long steps, and whether they are now.
+    has_long_steps: bool,
+    is_fixed: bool,
     sample_ns: u64,
     now_ns: u64,
     /// Begin of the interval of the mean currents (ns).
@@ -60,6 +65,8 @@ impl ReferencePlant {
             preloads: [armature.preload_fill_n, armature.preload_vent_n],
             // Friction is the stiffest force at low velocities.
             coarse_step: if rubs { FINE_STEP } else { COARSE_STEP },
+            has_long_steps: false,
+            is_fixed: false,
             sample_ns: (sheet.ecu.sample_time_s * 1e9).round() as u64,
             now_ns: 0,
             means_since_ns: 0,
@@ -129,6 +136,11 @@ impl ReferencePlant {
         }
     }
 
+    /// Lets holds be solved in steps of 0.1 ms, with the armatures fixed in their seats: for logs that are mostly holds.
+    pub fn hold_in_long_steps(&mut self) {
+        self.has_long_steps = true;
+    }
+
     /// Makes the gas in the chamber warmer than the wall by `by_k` at the same pressure, as a fast fill does. It cools
     /// by the wall with the time constant `relaxation_s`.
     pub fn warm_gas(&mut self, by_k: f64, relaxation_s: f64) {
@@ -163,7 +175,11 @@ impl ReferencePlant {
         let begin = self.time();
         let mut done = 0.0;
         while span - done > 1e-12 {
-            let step = if high == [false; 2] && self.rests() {
+            let rests = high == [false; 2] && self.rests();
+            self.is_fixed = self.has_long_steps && rests;
+            let step = if self.is_fixed {
+                LONG_STEP
+            } else if rests {
                 self.coarse_step
             } else {
                 FINE_STEP
@@ -204,6 +220,10 @@ impl ReferencePlant {
         self.electric_rates(state, time, high, &mut rate);
         for valve in 0..2 {
             self.armature_rates(valve, state, &at, &mut rate);
+        }
+        if self.is_fixed {
+            rate[POSITION..POSITION + 2].fill(0.0);
+            rate[VELOCITY..VELOCITY + 2].fill(0.0);
         }
         let lifts = [0, 1].map(|valve| self.gas.lift(valve, state[POSITION + valve]));
         self.gas.rates(&at, lifts, state, &mut rate);
@@ -410,6 +430,26 @@ mod tests {
             (cold / warm / (wall / (wall + 20.0)) - 1.0).abs() < 1e-6,
             "{cold}"
         );
+    }
+
+    #[test]
+    fn long_steps_change_a_hold_by_less_than_any_sensor_shows() {
+        let mut rig = Rig::nominal();
+        rig.departures.chamber.thermal_s = 0.2;
+        rig.departures.flow.chamber_leak.hole_m2 = 1e-8;
+        let [short, long] = [false, true].map(|has_long_steps| {
+            let mut plant = ReferencePlant::new(&rig);
+            plant.has_long_steps = has_long_steps;
+            run_for(&mut plant, 10, [100.0, 0.0]);
+            run_for(&mut plant, 100, [0.0, 0.0]);
+            let held = plant.reading().pressure;
+            run_for(&mut plant, 20, [0.0, 100.0]);
+            [held, plant.reading().pressure]
+        });
+        assert!(short[0] > 3e5 && short[1] < 0.5 * short[0], "{short:?}");
+        for (short, long) in short.into_iter().zip(long) {
+            assert!((short - long).abs() < 1.0, "{short} {long}");
+        }
     }
 
     /// The mean of the two halves of a sample is the mean of the whole.

@@ -6,8 +6,9 @@ use super::rig::Rig;
 /// PWM outputs, from the commands of all samples so far.
 #[derive(Debug, Clone)]
 pub(super) struct Pulses {
-    /// PWM period by the clock of the log (ns).
+    /// PWM period by the clock of the log (ns), and the ECU samples in it.
     period_ns: u64,
+    samples_of_period: u64,
     delay_ns: u64,
     /// Amplitude of a varying delay (ns), and its period in PWM periods.
     wander: (f64, f64),
@@ -18,20 +19,23 @@ pub(super) struct Pulses {
 }
 
 impl Pulses {
-    /// Creates the outputs of `rig`: the period of the sample's command begins one command delay after the sample.
+    /// Creates the outputs of `rig`: a period begins one command delay after the sample whose command it follows.
     pub(super) fn new(rig: &Rig) -> Self {
         let ecu = &rig.datasheet.ecu;
+        let samples = 1.0 / (ecu.sample_time_s * ecu.pwm_frequency_hz);
         assert!(
-            (ecu.sample_time_s * ecu.pwm_frequency_hz - 1.0).abs() < 1e-9,
-            "one PWM period per ECU sample"
+            samples > 0.5 && (samples - samples.round()).abs() < 1e-9,
+            "a PWM period is a whole number of ECU samples"
         );
         let Departures { pulses, .. } = rig.departures;
+        let period_s = samples.round() * ecu.sample_time_s;
         Self {
-            period_ns: (ecu.sample_time_s * 1e9 * (1.0 + pulses.clock_drift)).round() as u64,
+            period_ns: (period_s * 1e9 * (1.0 + pulses.clock_drift)).round() as u64,
+            samples_of_period: samples.round() as u64,
             delay_ns: (ecu.command_delay_s * 1e9).round() as u64,
             wander: (
                 pulses.delay_wander_s * 1e9,
-                pulses.delay_wander_period_s / ecu.sample_time_s,
+                pulses.delay_wander_period_s / period_s,
             ),
             missed_share: pulses.missed_share,
             missed_seed: pulses.missed_seed,
@@ -56,7 +60,7 @@ impl Pulses {
             period -= 1;
         }
         let begin_ns = self.begin_ns(period);
-        let share = self.commands[period as usize];
+        let share = self.commands[(period * self.samples_of_period) as usize];
         let mut until_ns = self.begin_ns(period + 1);
         let mut high = [false; 2];
         for valve in 0..2 {
@@ -92,5 +96,34 @@ impl Pulses {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64) < self.missed_share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: u64 = 1_000_000;
+
+    #[test]
+    fn a_period_of_several_samples_follows_the_first_of_them() {
+        let mut rig = Rig::nominal();
+        rig.datasheet.ecu.pwm_frequency_hz = 20.0;
+        let mut pulses = Pulses::new(&rig);
+        for duty in [40.0, 90.0, 90.0, 90.0, 90.0, 10.0] {
+            pulses.command([duty, 0.0]);
+        }
+        let edges = [0, 15, 35, 65, 70].map(|at_ms| {
+            let (high, until_ns) = pulses.at(at_ms * MS);
+            (high[0], until_ns / MS)
+        });
+        let expected = [
+            (false, 15),
+            (true, 35),
+            (false, 65),
+            (true, 70),
+            (false, 115),
+        ];
+        assert_eq!(edges, expected);
     }
 }
