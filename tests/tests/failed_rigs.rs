@@ -90,7 +90,7 @@ impl Case<'_> {
             problems.is_empty(),
             "{}\n{}",
             problems.join("\n"),
-            told(&diagnosis)
+            summary(&diagnosis)
         );
     }
 
@@ -132,7 +132,7 @@ impl Case<'_> {
 }
 
 /// Returns the parts of a diagnosis that a failed test shows.
-fn told(diagnosis: &Diagnosis) -> String {
+fn summary(diagnosis: &Diagnosis) -> String {
     let mut text = format!("{:?}: {}\n", diagnosis.verdict, diagnosis.sentence);
     for step in &diagnosis.ladder {
         let (name, share) = (step.name(), step.explained_share);

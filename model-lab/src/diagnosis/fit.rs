@@ -145,8 +145,8 @@ pub(crate) struct Fitter<'a> {
     pub(crate) loss: Loss,
     /// Unknowns and signals that take part.
     pub(crate) scope: Scope,
-    /// An unknown that stays where it is.
-    held: Option<usize>,
+    /// Index of an unknown that is fixed.
+    fixed: Option<usize>,
 }
 
 /// Part of the plant that a fit is about.
@@ -221,7 +221,7 @@ impl<'a> Fitter<'a> {
             converged_excess_share: 0.0,
             loss: Loss::Square,
             scope: Scope::Whole,
-            held: None,
+            fixed: None,
         }
     }
 
@@ -241,10 +241,14 @@ impl<'a> Fitter<'a> {
         }
     }
 
-    /// The same, with unknown `n` held where it is.
-    pub(crate) fn holding(evidence: &'a Evidence, unknowns: &'a Unknowns, n: usize) -> Self {
+    /// An accurate one that moves every unknown but `n`.
+    pub(crate) fn accurate_but_for(
+        evidence: &'a Evidence,
+        unknowns: &'a Unknowns,
+        n: usize,
+    ) -> Self {
         Self {
-            held: Some(n),
+            fixed: Some(n),
             ..Self::accurate(evidence, unknowns)
         }
     }
@@ -429,7 +433,7 @@ impl<'a> Fitter<'a> {
             .collect();
         let list = self.unknowns.list();
         let mut free: Vec<usize> = (0..count)
-            .filter(|&n| self.scope.moves(&list[n]) && self.held != Some(n))
+            .filter(|&n| self.scope.moves(&list[n]) && self.fixed != Some(n))
             .collect();
         let mut step = vec![0.0; count];
         // Each pass fixes what would leave its bounds; the rest is solved again.
@@ -510,7 +514,7 @@ impl<'a> Fitter<'a> {
     }
 }
 
-/// JᵀJ and Jᵀr of some rows, each row times its weight.
+/// Returns JᵀJ and Jᵀr of some rows, each row times its weight.
 fn normal_of_block(
     fit: &Fit,
     rows: Range<usize>,

@@ -42,8 +42,8 @@ pub(crate) struct Start {
     pub(crate) promised: f64,
 }
 
-/// By how much more the cost of `base` would fall with the effect whose unknowns are the last ones than without it: the most that it
-/// promises at a few sizes, or at a share of what it adds there.
+/// Returns by how much more the cost of `base` is expected to fall with the effect than without it. The unknowns of the effect are the
+/// last ones; the best of a few sizes counts.
 pub(crate) fn promised_gain(fitter: &Fitter, base: &Fit) -> Option<f64> {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
@@ -53,20 +53,21 @@ pub(crate) fn promised_gain(fitter: &Fitter, base: &Fit) -> Option<f64> {
         &SIZES
     };
     let typical = vec![0.0; own.len()];
+    let without = cost_without(fitter, base);
     let starts = sizes
         .iter()
         .filter_map(|&size| Start::new(fitter, base, own, size, &typical));
     let promised = starts.map(|start| {
         let weakened = start
-            .best_share(fitter, base)
+            .best_share(fitter, base, without)
             .filter(|best| WEAKENED.contains(&best.share));
         weakened.map_or(start.promised, |best| best.cost.min(start.promised))
     });
     let least = promised.min_by(f64::total_cmp)?;
-    Some(cost_without(fitter, base) - least)
+    Some(without - least)
 }
 
-/// The cost that a further step of `base` without the effect promises. Where the model is not smooth, a fit ends before it.
+/// Returns the expected cost after a further step of `base` without the effect. Where the model is not smooth, the step may not reach it.
 fn cost_without(fitter: &Fitter, base: &Fit) -> f64 {
     let (_, decrease) = fitter.step(base, 0.0);
     base.cost - decrease.max(0.0)
@@ -83,6 +84,7 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Vec<Start> {
     let begin =
         |fitter: &Fitter, size: f64, shape: &[f64]| Start::new(fitter, base, own, size, shape);
     let typical = vec![0.0; own.len()];
+    let without = cost_without(fitter, base);
     let mut starts: Vec<Start> = sizes
         .iter()
         .filter_map(|&size| begin(fitter, size, &typical))
@@ -97,7 +99,7 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Vec<Start> {
         .fold(f64::INFINITY, f64::min);
     let weakened = starts
         .iter()
-        .filter_map(|start| Some((start, start.best_share(fitter, base)?)))
+        .filter_map(|start| Some((start, start.best_share(fitter, base, without)?)))
         .filter(|(_, best)| WEAKENED.contains(&best.share) && best.cost < least)
         .min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
     if let Some((start, best)) = weakened {
@@ -175,8 +177,9 @@ impl Start {
         pairs.map(|(with, without)| with - without).collect()
     }
 
-    /// As if the residuals were linear in what is added and in the nuisance parameters, whose part is taken out first.
-    fn best_share(&self, fitter: &Fitter, base: &Fit) -> Option<BestShare> {
+    /// As if the residuals were linear in what is added and in the nuisance parameters, whose part is taken out first. A further step of
+    /// `base` without the effect promises the cost `without`.
+    fn best_share(&self, fitter: &Fitter, base: &Fit, without: f64) -> Option<BestShare> {
         let added = self.added(base);
         let (hessian, gradient) = fitter.normal(base);
         let columns = base.jacobian.iter();
@@ -189,7 +192,7 @@ impl Start {
         let across = square(&added) - room.dot(&shared);
         (across > 0.0).then(|| BestShare {
             share: -along / across,
-            cost: cost_without(fitter, base) - along * along / across,
+            cost: without - along * along / across,
         })
     }
 

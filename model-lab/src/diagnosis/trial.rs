@@ -116,8 +116,8 @@ impl Bench<'_> {
         wide
     }
 
-    /// By how much more the cost of `base` would fall with `effect` than without it, as far as a few sizes of it show; none where none of
-    /// them can be simulated.
+    /// Returns by how much more the cost of `base` is expected to fall with `effect` than without it; none if no size of the effect can be
+    /// simulated.
     pub(crate) fn promised_gain(&self, base: &Trial, effect: EffectSetting) -> Option<f64> {
         let unknowns = base.unknowns.clone().with_effect(&effect);
         let fitter = Fitter::for_search(self.fitting, &unknowns);

@@ -11,8 +11,8 @@ const GAP = 29;
 const REST = 120;
 
 /**
- * A subclass has `refresh`, which fetches `courses` of the visible range, and `paint`, which draws them with
- * `drawStack`.
+ * Base class of the views over time. A subclass implements `refresh`, which fetches the time series of the visible
+ * range, and `paint`, which draws them with `drawStack`.
  */
 export class TimeView {
   /** Creates a view; `keys` describes its own keys, in addition to those that move it. */

@@ -1,8 +1,8 @@
 //! Intervals by the profile likelihood, where the curvature at the fit describes the cost poorly.
 //!
-//! An interval by curvature takes the cost for a parabola. It is none where a valve opens only below some preload, or where a parameter
-//! shows with the square of its distance. The profile is the least cost with one parameter held and the others fitted; the interval
-//! ends where it has risen by as much as the parabola at the end of its own interval.
+//! An interval from the curvature assumes that the cost grows with the square of the distance from the fit. That is wrong where a valve
+//! opens only below some preload, and where a range ends before the interval does. The profile is the least cost with one parameter fixed
+//! and the others fitted. Its interval ends where the cost has risen by as much as the curvature predicts for the end of the other one.
 //!
 //! W. Q. Meeker, L. A. Escobar, Teaching about approximate confidence regions based on maximum likelihood estimation, The American
 //! Statistician 49 (1995).
@@ -14,20 +14,20 @@ use crate::diagnosis::fit::{Descent, Fit, Fitter};
 use crate::diagnosis::interval::covariance;
 use crate::diagnosis::trial::Trial;
 
-/// The curvature describes the cost if the rise at the end of the interval is within this share of what it predicts.
+/// The curvature describes the cost if the rise at the end of its interval differs by less than this share from the predicted one.
 const AS_PREDICTED: f64 = 0.5;
-/// The end of an interval is found if the profile is within this share of the rise that it is to have.
+/// The end of an interval is found if the rise of the profile differs by less than this share from the required one.
 const FOUND: f64 = 0.2;
-/// Fits of the other parameters at most for one end of an interval, ...
+/// Largest number of fits of the other parameters for one end of an interval.
 const FITS: usize = 6;
-/// ... each at most so much nearer or further than the one before.
-const LONGEST_FACTOR: f64 = 3.0;
+/// Largest ratio of the distances of two consecutive fits.
+const LARGEST_RATIO: f64 = 3.0;
 
-/// Returns the distances from each coordinate of `trial` to the lower and to the upper end of its 95 % interval: `widths`, those by
-/// curvature, where the cost at the ends is as the curvature predicts, and those of the profile elsewhere. The fit of `trial` is
-/// accurate.
+/// Returns the distances from each coordinate of `trial` to the lower and to the upper end of its 95 % interval. These are `widths`, the
+/// half widths from the curvature, where the cost there is as the curvature predicts, and those of the profile elsewhere. The fit of
+/// `trial` must be one by an accurate fitter.
 pub(super) fn distances(evidence: &Evidence, trial: &Trial, widths: &[f64]) -> Vec<[f64; 2]> {
-    // A wrong model has no likelihood.
+    // A model that leaves more than the noise has no likelihood.
     let covariance = covariance(evidence, trial).filter(|_| !trial.is_material());
     let Some(covariance) = covariance else {
         return widths.iter().map(|&width| [width; 2]).collect();
@@ -36,7 +36,7 @@ pub(super) fn distances(evidence: &Evidence, trial: &Trial, widths: &[f64]) -> V
         let variance = covariance[(n, n)];
         let along = covariance.column(n).iter().map(|c| c / variance).collect();
         let profile = Profile {
-            fitter: Fitter::holding(evidence, &trial.unknowns, n),
+            fitter: Fitter::accurate_but_for(evidence, &trial.unknowns, n),
             fit: &trial.fit,
             n,
             along,
@@ -52,18 +52,18 @@ pub(super) fn distances(evidence: &Evidence, trial: &Trial, widths: &[f64]) -> V
 
 /// The least cost as a function of one coordinate.
 struct Profile<'a> {
-    /// Moves the other coordinates alone.
+    /// Fitter of the other coordinates.
     fitter: Fitter<'a>,
     fit: &'a Fit,
     n: usize,
-    /// Change of all coordinates with this one, the others fitted, as far as the model is linear.
+    /// Derivative of the fitted coordinates with respect to this one, by the curvature.
     along: Vec<f64>,
     /// Half the second derivative of the profile at the fit.
     curvature: f64,
 }
 
 impl Profile<'_> {
-    /// Returns the distance to the end of the interval to one `side`, which is `width` by the curvature.
+    /// Returns the distance to the lower (`side` -1) or upper (1) end of the interval; `width` is that from the curvature.
     fn distance(&self, side: f64, width: f64) -> f64 {
         let (least, most) = self.fitter.unknowns.list()[self.n].bounds();
         let z = self.fit.z[self.n];
@@ -90,7 +90,7 @@ impl Profile<'_> {
                 beyond = distance;
             }
             let factor = (rise / reached.max(f64::MIN_POSITIVE)).sqrt();
-            let next = distance * factor.clamp(LONGEST_FACTOR.recip(), LONGEST_FACTOR);
+            let next = distance * factor.clamp(LARGEST_RATIO.recip(), LARGEST_RATIO);
             let is_new = next > within && next < beyond;
             distance = if is_new {
                 next
@@ -99,11 +99,11 @@ impl Profile<'_> {
             };
             distance = distance.min(reach);
         }
-        // What lies beyond for certain.
+        // Not found exactly: the least distance that is known to be too far.
         beyond.min(reach)
     }
 
-    /// Whether the cost `by` from the fit, the others moved as far as the model is linear, is as the curvature predicts.
+    /// Whether the cost at the distance `by` from the fit is as the curvature predicts.
     fn is_as_predicted(&self, by: f64) -> bool {
         let predicted = self.curvature * by * by;
         self.moved(by).is_some_and(|there| {
@@ -112,7 +112,7 @@ impl Profile<'_> {
         })
     }
 
-    /// By how much the profile `by` from the fit is above the fit; none where nothing can be simulated there.
+    /// Returns the rise of the profile at the distance `by` from the fit; none if that point cannot be simulated.
     fn rise_at(&self, by: f64) -> Option<f64> {
         let start = Fit {
             jacobian: self.fit.jacobian.clone(),
@@ -125,7 +125,7 @@ impl Profile<'_> {
         Some(fitted.cost - self.fit.cost)
     }
 
-    /// The point `by` from the fit in this coordinate, the others moved as far as the model is linear.
+    /// Returns the point at the distance `by` from the fit in this coordinate, the others moved with it by the curvature.
     fn moved(&self, by: f64) -> Option<Fit> {
         let coordinates = self.fit.z.iter().zip(&self.along);
         let moved = coordinates.zip(self.fitter.unknowns.list());
@@ -149,7 +149,7 @@ mod tests {
     use crate::diagnosis::split::Split;
     use crate::diagnosis::unknowns::Unknowns;
 
-    /// The accurate fit of a log, judged, with nothing free but `free` within 30 %.
+    /// Returns the accurate fit of a log in which only the parameters `free` are estimated, within 30 %.
     fn fitted(
         plant: &PlantParameters,
         free: &[&str],
@@ -180,7 +180,7 @@ mod tests {
         (split, trial.unwrap())
     }
 
-    /// Where the model is linear, the profile is the parabola.
+    /// The cost of a parameter that acts linearly grows with the square of the distance, so the curvature gives the interval.
     #[test]
     fn a_linear_parameter_keeps_the_interval_of_its_curvature() {
         let phases = [(1.0, 100.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 100.0)];
@@ -197,8 +197,8 @@ mod tests {
         );
     }
 
-    /// Pulses that do not open a valve say that its preload is not much less, and nothing of how much more it is. The curvature says
-    /// nothing to either side.
+    /// With a much smaller preload the pulses would open the valve; with a larger one they do not open it either. The curvature at the fit
+    /// shows neither.
     #[test]
     fn pulses_that_do_not_open_a_valve_bound_its_preload_from_below() {
         let phases = [(0.5, 0.0, 0.0), (3.0, 20.0, 0.0), (0.5, 0.0, 0.0)];
