@@ -115,8 +115,10 @@ pub fn diagnose_with(
         plant: mut estimated,
         estimation,
     } = estimate(&with_found, logs, check, watch)?;
-    let first = first.diagnosis;
-    if !second_look::is_nearer(&estimation, &first) {
+    let mut first = first.diagnosis;
+    let is_nearer = second_look::is_nearer(&estimation, &first);
+    first.cost.add(&estimation.cost);
+    if !is_nearer {
         return Ok(first);
     }
     estimated = first
@@ -124,8 +126,13 @@ pub fn diagnose_with(
         .iter()
         .fold(estimated, |plant, id| plant.without_effect(id));
     let second = diagnose_within(library, &estimated, logs, check, watch)?.diagnosis;
-    let second = second_look::relative_to_file(plant, (&first, &estimation), second);
-    Ok(second.unwrap_or(first))
+    let mut cost = first.cost.clone();
+    cost.add(&second.cost);
+    let second = second_look::relative_to_file(plant, &first, second);
+    Ok(Diagnosis {
+        cost,
+        ..second.unwrap_or(first)
+    })
 }
 
 /// A diagnosis within what the plant file admits, and what a second look needs.

@@ -437,3 +437,11 @@ pub struct Cost {
     /// Computing time of one simulation (ms).
     pub per_simulation_ms: f64,
 }
+
+impl Cost {
+    /// Adds the simulations and the time of further work on the same logs.
+    pub(super) fn add(&mut self, further: &Self) {
+        self.simulations += further.simulations;
+        self.elapsed_s += further.elapsed_s;
+    }
+}
