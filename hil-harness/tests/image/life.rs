@@ -16,6 +16,21 @@ fn signal(signal: &str, process: u32) -> bool {
     status.is_ok_and(|status| status.success())
 }
 
+/// Stops the process and returns when each of its threads has stopped, which `kill` does not wait
+/// for.
+fn stop(process: u32) {
+    assert!(signal("STOP", process));
+    // The state follows the name in brackets: "8088 (qemu-system-arm) T ...".
+    let stopped = |thread: std::fs::DirEntry| {
+        let stat = std::fs::read_to_string(thread.path().join("stat"));
+        stat.is_ok_and(|stat| stat.rsplit(") ").next().is_some_and(|s| s.starts_with('T')))
+    };
+    let threads = || std::fs::read_dir(format!("/proc/{process}/task")).unwrap();
+    while !threads().all(|thread| stopped(thread.unwrap())) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
 #[test]
 fn the_emulator_ends_with_the_value_that_started_it() {
     let device = started(Wire::Mailbox);
@@ -53,7 +68,7 @@ fn a_hang_is_an_error_with_the_last_lines_of_the_log() {
         let lines = framed.take_log().unwrap();
         let last = lines.last().expect("an image says that it started");
         // The machine stops, like one whose clock has failed.
-        assert!(signal("STOP", framed.transport().emulator().process_id()));
+        stop(framed.transport().emulator().process_id());
         let error = framed.ask(&Request::Counters).unwrap_err();
         let text = error.to_string();
         assert!(text.contains("no reply to request Counters"), "{text}");
