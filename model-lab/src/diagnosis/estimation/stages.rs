@@ -143,22 +143,24 @@ fn fit_coils(split: &mut Split, unknowns: &Unknowns, z: &[f64]) -> Result<Vec<f6
         fitter.scope = Scope::Coils;
         fitter.descend(fitter.at(z)?, descent)
     };
+    let plant = unknowns.plant(z);
     let mut begun = Vec::new();
     for sampling in [CurrentSampling::MeanOfInterval, CurrentSampling::Instant] {
-        let is_open = split.set_open_sampling(sampling);
+        let is_open = split.take_sampling(&plant, sampling);
         let fits = delays_all_over(unknowns, z).into_par_iter();
         let fits = fits.filter_map(|z| coils(&split.fitting, z, BEGUN));
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
-        begun.extend(best.map(|fit| (sampling, fit)));
+        begun.extend(best.map(|fit| (sampling, split.fitting.conditions(), fit)));
         if !is_open {
             break;
         }
     }
     let best = begun
         .into_iter()
-        .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-    let (sampling, fit) = best.ok_or_else(|| split.not_simulated())?;
-    split.set_open_sampling(sampling);
+        .min_by(|a, b| a.2.cost.total_cmp(&b.2.cost));
+    let (sampling, conditions, fit) = best.ok_or_else(|| split.not_simulated())?;
+    split.take_sampling(&plant, sampling);
+    split.fitting.set_conditions(&conditions, &plant);
     let fit = coils(&split.fitting, fit.z, Descent::Whole);
     Ok(fit.ok_or_else(|| split.not_simulated())?.z)
 }

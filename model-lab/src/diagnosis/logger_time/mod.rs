@@ -24,7 +24,7 @@ use crate::conditions::Conditions;
 use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
 pub(crate) use of_one_log::conditions_of;
 use pwm_lead::find_pwm_lead;
-pub(crate) use sampling::find_sampling;
+pub(crate) use sampling::{find_sampling, take_sampling};
 pub(crate) use slow::{Search, centre_slow_clocks, find_slow_clocks};
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...

@@ -8,23 +8,47 @@ use plant_sim::replay::CurrentSampling;
 
 use super::super::evidence::Evidence;
 use super::super::log::Log;
+use super::pwm_lead::find_pwm_lead;
 use super::{DELAY_STEP_S, Delay, best};
 
 /// Chooses for all logs in `evidence` that leave it open: what leaves less.
 pub(crate) fn find_sampling(plant: &PlantParameters, evidence: &mut Evidence, delay: Delay) {
-    let mut loss = |sampling| {
-        if !evidence.set_open_sampling(sampling) {
-            return f64::INFINITY;
+    let mut found: Option<(f64, _, _)> = None;
+    for sampling in [CurrentSampling::MeanOfInterval, CurrentSampling::Instant] {
+        if !take_sampling(plant, evidence, sampling, delay) {
+            return;
         }
         let open = evidence.logs.iter().filter(|log| log.is_sampling_open());
         let of_log = |log: &Log| {
             let clock = [log.conditions.clock];
             best(plant, log, &clock, delay.candidates_s(plant, DELAY_STEP_S)).loss
         };
-        open.map(of_log).sum()
-    };
-    let of_instants: f64 = loss(CurrentSampling::Instant);
-    if of_instants < loss(CurrentSampling::MeanOfInterval) {
-        evidence.set_open_sampling(CurrentSampling::Instant);
+        let loss: f64 = open.map(of_log).sum();
+        if found.as_ref().is_none_or(|&(least, ..)| loss < least) {
+            found = Some((loss, sampling, evidence.conditions()));
+        }
     }
+    if let Some((_, sampling, conditions)) = found {
+        evidence.set_open_sampling(sampling);
+        evidence.set_conditions(&conditions, plant);
+    }
+}
+
+/// Takes the currents of each log that leaves it open for `sampling`, and finds at which sample of a PWM period the log begins then, for
+/// the pulses of one choice lie half a row from those of the other. Returns whether there is such a log.
+pub(crate) fn take_sampling(
+    plant: &PlantParameters,
+    evidence: &mut Evidence,
+    sampling: CurrentSampling,
+    delay: Delay,
+) -> bool {
+    let is_open = evidence.set_open_sampling(sampling);
+    for log in evidence
+        .logs
+        .iter_mut()
+        .filter(|log| log.is_sampling_open())
+    {
+        find_pwm_lead(plant, log, delay);
+    }
+    is_open
 }
