@@ -3,7 +3,6 @@
 use std::sync::{Arc, Mutex, OnceLock};
 
 use model_lab::{LogConditions, find_conditions};
-use plant_sim::PlantParameters;
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
@@ -13,12 +12,16 @@ use crate::lock::lock;
 use crate::log_reader;
 use crate::log_summary::LogSummary;
 use crate::names::ProjectId;
+use crate::plant_file::PlantFile;
 use crate::project::{LogEntry, Project};
 use crate::pyramid::Pyramid;
 use crate::refusal::{Problem, Refusal};
 use crate::results::{Batch, Compared, Controlled, ErrorsOfPlants, Findings};
 use crate::shelf::{Room, Shelf, VALUES_MAX, values_of};
 use crate::store::{BeingRead, Store};
+
+/// Plants of which each log remembers the conditions.
+const PLANTS_REMEMBERED: usize = 4;
 
 /// Process of a tab, for its routes.
 pub(crate) struct Sessions {
@@ -90,8 +93,8 @@ pub(crate) struct LoadedLog {
     pub(crate) summary: LogSummary,
     /// One for each signal.
     pub(crate) pyramids: Vec<Pyramid>,
-    /// Conditions under which it was made, as last determined.
-    conditions: Mutex<Option<LogConditions>>,
+    /// Conditions under which it was made, by each plant that they were determined with.
+    conditions: Mutex<Vec<(PlantFile, LogConditions)>>,
 }
 
 impl LoadedLog {
@@ -105,12 +108,17 @@ impl LoadedLog {
         }
     }
 
-    /// Returns the conditions under which it was made. They are determined with `plant` once; a slider that changes a
-    /// parameter changes no clock.
-    pub(crate) fn conditions(&self, plant: &PlantParameters) -> LogConditions {
+    /// Returns the conditions under which it was made, determined with `base` once. `base` is the plant as opened or as
+    /// estimated: an effect that is added and a slider that is moved change no clock.
+    pub(crate) fn conditions(&self, base: &PlantFile) -> Result<LogConditions, Refusal> {
         let mut known = lock(&self.conditions);
-        let found = known.get_or_insert_with(|| find_conditions(plant, &self.recording));
-        found.clone()
+        if let Some((_, conditions)) = known.iter().find(|(plant, _)| plant == base) {
+            return Ok(conditions.clone());
+        }
+        let found = find_conditions(&base.parameters()?, &self.recording);
+        known.truncate(PLANTS_REMEMBERED - 1);
+        known.insert(0, (base.clone(), found.clone()));
+        Ok(found)
     }
 }
 
@@ -304,6 +312,36 @@ impl Session {
     pub(crate) fn cancel(&self) {
         if let Some(job) = lock(&self.job).take() {
             job.cancel();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use recording::csv;
+
+    use super::*;
+
+    /// Defect seen: an estimated plant was simulated under the conditions of the plant as opened.
+    #[test]
+    fn each_plant_has_the_conditions_that_it_finds() {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data");
+        let path = data.join("real/leakdown-aluminium.csv");
+        let log = LoadedLog::new(csv::read_file(path, &csv::Options::default()).unwrap());
+        let plant = |name: &str| PlantFile {
+            name: name.to_owned(),
+            toml: fs::read_to_string(data.join("plants").join(name)).unwrap(),
+        };
+        let [opened, fitted] =
+            ["leakdown-chamber.toml", "fitted-leakdown-aluminium.toml"].map(plant);
+        let found =
+            |plant: &PlantFile| find_conditions(&plant.parameters().unwrap(), &log.recording);
+        assert_ne!(found(&opened), found(&fitted));
+        for plant in [&opened, &fitted, &opened] {
+            assert_eq!(log.conditions(plant).unwrap(), found(plant));
         }
     }
 }

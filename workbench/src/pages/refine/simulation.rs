@@ -12,6 +12,7 @@ use super::history;
 use crate::history::{History, Step, StepError};
 use crate::lock::lock;
 use crate::pages::compare::courses::{Course, Range};
+use crate::plant_file::PlantFile;
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::session::{LoadedLog, Session};
@@ -71,7 +72,7 @@ pub(super) fn simulate(session: &Session, view: &View) -> Result<Simulation, Ref
     let log = session.log(view.log)?;
     let log = log.as_ref().as_ref().map_err(Clone::clone)?;
     let plant = step.plant.parameters()?;
-    let conditions = log.conditions(&plant);
+    let conditions = log.conditions(&history.base().plant)?;
     let begin = Instant::now();
     let run = free_run(&plant, &log.recording, &conditions)?;
     let simulation_ms = begin.elapsed().as_secs_f64() * 1e3;
@@ -124,16 +125,17 @@ fn ladder(
             return Ok(errors.to_vec());
         }
         let plant = step.plant_with_first(count)?;
-        errors_of((session, number, log), &plant.to_toml(), || {
-            Ok(plant.clone())
-        })
+        let on = (session, number, log, &history.base().plant);
+        errors_of(on, &plant.to_toml(), || Ok(plant.clone()))
     };
     let mut rungs = vec![Rung {
         added: None,
         title: format!("as opened: {}", first.plant.name),
-        errors: errors_of((session, number, log), &first.plant.toml, || {
-            first.plant.parameters()
-        })?,
+        errors: errors_of(
+            (session, number, log, &first.plant),
+            &first.plant.toml,
+            || first.plant.parameters(),
+        )?,
     }];
     let old = on.iter().filter(|effect| is_old(&effect.effect)).count();
     let opened = first.plant.parameters()?;
@@ -161,9 +163,9 @@ fn ladder(
     Ok(rungs)
 }
 
-/// Returns the errors of a plant on a log, simulated if they are not known.
+/// Returns the errors of a plant on a log under its conditions by `base`, simulated if they are not known.
 fn errors_of(
-    (session, number, log): (&Session, u32, &LoadedLog),
+    (session, number, log, base): (&Session, u32, &LoadedLog, &PlantFile),
     toml: &str,
     plant: impl FnOnce() -> Result<PlantParameters, Refusal>,
 ) -> Result<Vec<StepError>, Refusal> {
@@ -172,7 +174,7 @@ fn errors_of(
         return Ok(errors.clone());
     }
     let plant = plant()?;
-    let run = free_run(&plant, &log.recording, &log.conditions(&plant))?;
+    let run = free_run(&plant, &log.recording, &log.conditions(base)?)?;
     let errors: Vec<StepError> = run.errors.iter().map(StepError::from).collect();
     let mut known = lock(&session.errors);
     if known.len() >= REMEMBERED_MAX {
@@ -193,7 +195,8 @@ pub(super) fn measure(
     let plant = history.now().plant.clone();
     let log = session.log(number)?;
     let Ok(log) = log.as_ref() else { return Ok(()) };
-    if let Ok(errors) = errors_of((session, number, log), &plant.toml, || plant.parameters()) {
+    let on = (session, number, log, &history.base().plant);
+    if let Ok(errors) = errors_of(on, &plant.toml, || plant.parameters()) {
         history.measure(&name, errors);
     }
     Ok(())
