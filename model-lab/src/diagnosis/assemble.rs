@@ -326,7 +326,7 @@ fn farthest(outside: &[OutsideValue]) -> String {
 pub(crate) fn sentence(
     verdict: Verdict,
     steps: &[Step],
-    (candidates, outside): (&[Candidate], &[OutsideValue]),
+    (candidates, outside, rivals): (&[Candidate], &[OutsideValue], &[String]),
     equivalents: &BTreeMap<String, Vec<String>>,
     is_converged: bool,
 ) -> String {
@@ -365,14 +365,24 @@ pub(crate) fn sentence(
                 candidates.len()
             )
         }
-        Verdict::PlantFileWrong => format!(
-            "the plant file is wrong here: {values}; with {} nothing detectable is missing",
-            if outside.len() == 1 {
-                "this value"
+        Verdict::PlantFileWrong => {
+            let these = match outside.len() {
+                1 => "this value",
+                _ => "these values",
+            };
+            let wrong = format!(
+                "the plant file is wrong here: {values}; with {these} nothing detectable is missing"
+            );
+            if rivals.is_empty() {
+                wrong
             } else {
-                "these values"
-            },
-        ),
+                let rivals: Vec<String> = rivals.iter().map(|id| spaced(id)).collect();
+                format!(
+                    "{wrong}; or the file is right and {} is missing, which explains the error as well",
+                    rivals.join(" and ")
+                )
+            }
+        }
         Verdict::Found => {
             let found = format!(
                 "missing: {}; with {} {share:.0} % of the excess error is explained",

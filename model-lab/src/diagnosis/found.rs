@@ -1,14 +1,17 @@
 //! From the logs to the answer: the plant refitted within what its file admits, with wider ranges, and with effects.
 //!
 //! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise,
-//! the plant file is wrong and no physics is missing; but an effect that fits as well within the ranges is named, and the values are
-//! the alternative: a warm coil and one with more turns are the same to every signal. Else effects are looked for within the file's
-//! ranges.
+//! the plant file is wrong and no physics is missing. An effect may fit as well within the ranges: a warm coil and one with more turns
+//! are the same to every signal, and so are a narrow fitting and a narrower orifice. Then the values are the answer if a first plant
+//! file may be as wrong as that, and the effect is the alternative; else it is the other way round. Where widening leaves an error,
+//! effects are looked for within the file's ranges.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
 
+use super::assemble;
 use super::error::DiagnoseError;
+use super::known::may_be_beside_first_file;
 use super::ladder::{self, Ladder};
 use super::search::{Effort, Tried, Watch, best_forms, report, shows_in_currents, try_all};
 use super::split::Split;
@@ -27,11 +30,16 @@ pub(crate) fn find(
     let adequate = wide.filter(|wide| !wide.is_material());
     let found = climb_from(split, plant, library, plain.clone(), watch)?;
     if let Some(wide) = adequate {
-        return if found.is_as_good_as(&wide) {
-            Ok(found.or(wide))
-        } else {
-            Ok(climb_from(split, plant, library, wide, watch)?.beyond(plain))
-        };
+        let outside = assemble::outside(&plain, &wide);
+        let mut values = outside.iter().map(|value| (&value.name, value.value));
+        let may_be = values.all(|(name, value)| may_be_beside_first_file(plant, name, value));
+        let is_as_good = found.is_as_good_as(&wide);
+        if is_as_good && !may_be {
+            return Ok(found.or(wide));
+        }
+        let rival = is_as_good.then(|| found.last().clone());
+        let wide = climb_from(split, plant, library, wide, watch)?;
+        return Ok(wide.beyond(plain, rival));
     }
     Ok(found)
 }

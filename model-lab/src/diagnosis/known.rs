@@ -56,6 +56,18 @@ pub fn known(plant: &PlantParameters, name: &str) -> Option<Known> {
     })
 }
 
+/// Whether `value` may be the true one of the parameter `name` beside a first plant file: `plant` states nothing of it, and an estimation
+/// would look for it there.
+pub(super) fn may_be_beside_first_file(plant: &PlantParameters, name: &str, value: f64) -> bool {
+    match known(plant, name) {
+        Some(Known::Bare {
+            estimated: (least, most),
+            ..
+        }) => (least..=most).contains(&value),
+        _ => false,
+    }
+}
+
 fn is_exact(plant: &PlantParameters, name: &str) -> bool {
     plant.knowledge.get(name) == Some(&Knowledge::Exact)
 }

@@ -1,13 +1,15 @@
 //! From the plain model to the named effects.
 
+use rayon::prelude::*;
+
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::result::Verdict;
 use super::search::{Effort, PROSPECT, Tried, Watch, best_form, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
-    ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE, FURTHER_SHARE,
-    NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
+    ALIKE_EXCESS, ALIKE_SHARE, CLEARLY_LESS, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE,
+    FURTHER_SHARE, NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
 };
 
 /// So many first effects are tried with every second one, ...
@@ -16,6 +18,8 @@ const FIRSTS: usize = 3;
 const FIRST_SHARE: f64 = 0.05;
 /// ... and this share of what the best of them explains.
 const FIRST_OF_BEST: f64 = 0.25;
+/// Another form of a first effect is tried beside a second one if it gains this share of what the best form gains.
+const ALIKE_FORM: f64 = 0.9;
 
 /// What was found.
 pub(crate) struct Ladder {
@@ -25,6 +29,8 @@ pub(crate) struct Ladder {
     pub(crate) within: Option<Trial>,
     /// The plant with wider ranges, where it explains the error as well as the named effect.
     pub(crate) alternative: Option<Trial>,
+    /// The plant with the effect that explains the error as well as the wider ranges of the first step.
+    pub(crate) rival: Option<Trial>,
     /// Every effect alone.
     pub(crate) singles: Vec<Tried>,
     /// For each named effect, what stands in its place beside the other one.
@@ -57,6 +63,7 @@ pub(crate) fn climb(
         steps: vec![plain],
         within: None,
         alternative: None,
+        rival: None,
         singles,
         rivals: Vec::new(),
     };
@@ -126,10 +133,20 @@ impl Ladder {
         self.steps.last().expect("the plain plant is there")
     }
 
-    /// The same, told that its ranges are wider than those of `within`, the plant within what its file admits.
-    pub(crate) fn beyond(mut self, within: Trial) -> Self {
-        self.within = Some(within);
+    /// The same, told that its ranges are wider than those of `within`, the plant within what its file admits, where `rival` with its
+    /// effect explains the error as well.
+    pub(crate) fn beyond(mut self, within: Trial, rival: Option<Trial>) -> Self {
+        (self.within, self.rival) = (Some(within), rival);
         self
+    }
+
+    /// The effects that explain the error as well, where the answer is that the plant file is wrong.
+    pub(crate) fn rival_effects(&self) -> Vec<String> {
+        let rival = self.rival.iter().flat_map(|rival| &rival.effects);
+        match self.verdict() {
+            Verdict::PlantFileWrong => rival.map(|effect| effect.id().to_owned()).collect(),
+            _ => Vec::new(),
+        }
     }
 
     /// The same, told that `wide`, the plant with wider ranges, explains the error as well.
@@ -250,54 +267,103 @@ fn best_pair(
     let mut best: Option<Pair> = None;
     for first in firsts {
         // The same two in the other order differ by what a fit leaves open.
-        let has_first = |pair: &Pair| {
-            first
-                .effects
-                .iter()
-                .all(|effect| pair.last.has(effect.id()))
-        };
+        let ids: Vec<_> = first.effects.iter().map(|effect| effect.id()).collect();
+        let has_first = |pair: &Pair| ids.iter().all(|id| pair.last.has(id));
         if best.as_ref().is_some_and(has_first) {
             continue;
         }
-        let Some(mut first) = in_best_form(bench, plain, singles, first) else {
+        let Some(first) = in_best_form(bench, plain, singles, first) else {
             continue;
         };
-        if first.refresh(bench).is_none() {
-            continue;
-        }
-        let tried = try_all(bench, &first, Effort::Search, "pairs of effects", watch)?;
-        let Some(last) = best_step(bench, plain, &tried) else {
-            continue;
-        };
-        let second = last.effects.last().expect("one was added").id();
-        let Some(other) = singles
-            .iter()
-            .find(|tried| tried.id() == second)
-            .map(|tried| tried.trial.clone().unwrap_or_else(|| plain.clone()))
-        else {
-            continue;
-        };
-        let needs_both = last.is_further_than(&first) && last.is_further_than(&other);
-        let is_better = best.as_ref().is_none_or(|best| {
-            let is_other = !last.effects.iter().all(|effect| best.last.has(effect.id()));
-            is_other && last.total_square() < best.last.total_square()
-        });
-        if needs_both && is_better {
-            best = Some(Pair {
-                first,
-                other,
-                last,
-                tried,
-            });
+        let own = pair_on(bench, plain, first.clone(), singles, watch)?;
+        keep_better(&mut best, own);
+        // Alone, the form of the first is bent by what the second explains; it may be another one beside it.
+        let is_partly = |pair: &Pair| pair.explains_most(plain) && pair.last.is_material();
+        if best
+            .as_ref()
+            .is_some_and(|pair| has_first(pair) && is_partly(pair))
+        {
+            for form in alike_forms(bench, plain, &first) {
+                let own = pair_on(bench, plain, form, singles, watch)?;
+                keep_better(&mut best, own);
+            }
         }
         // Others are tried only where the pair leaves much: what it leaves else is left to further effects.
-        if best.as_ref().is_some_and(|best| {
-            best.last.share_of(plain) >= PARTLY_NAMED_SHARE || !best.last.is_material()
-        }) {
+        if (best.as_ref()).is_some_and(|pair| pair.explains_most(plain) || !pair.last.is_material())
+        {
             break;
         }
     }
     Ok(best)
+}
+
+/// The best second effect beside `first`, if both are needed.
+fn pair_on(
+    bench: &Bench,
+    plain: &Trial,
+    mut first: Trial,
+    singles: &[Tried],
+    watch: Watch,
+) -> Result<Option<Pair>, DiagnoseError> {
+    if first.refresh(bench).is_none() {
+        return Ok(None);
+    }
+    let tried = try_all(bench, &first, Effort::Search, "pairs of effects", watch)?;
+    let Some(last) = best_step(bench, plain, &tried) else {
+        return Ok(None);
+    };
+    let second = last.effects.last().expect("one was added").id();
+    let other = singles.iter().find(|tried| tried.id() == second);
+    let Some(other) = other.map(|tried| tried.trial.clone().unwrap_or_else(|| plain.clone()))
+    else {
+        return Ok(None);
+    };
+    let needs_both = last.is_further_than(&first) && last.is_further_than(&other);
+    Ok(needs_both.then_some(Pair {
+        first,
+        other,
+        last,
+        tried,
+    }))
+}
+
+/// Takes `pair` for the `best` one where it leaves less; the same two effects in other forms, where they leave clearly less.
+fn keep_better(best: &mut Option<Pair>, pair: Option<Pair>) {
+    let Some(pair) = pair else { return };
+    let is_better = best.as_ref().is_none_or(|best| {
+        let mut effects = pair.last.effects.iter();
+        let is_same = effects.all(|effect| best.last.has(effect.id()));
+        let share = if is_same { CLEARLY_LESS } else { 1.0 };
+        pair.last.total_square() < share * best.last.total_square()
+    });
+    if is_better {
+        *best = Some(pair);
+    }
+}
+
+/// The last effect of `first` on top of `plain` in those other forms of its law that explain nearly as much, the best first.
+fn alike_forms(bench: &Bench, plain: &Trial, first: &Trial) -> Vec<Trial> {
+    let Some(named) = first.effects.last() else {
+        return Vec::new();
+    };
+    let mut forms = bench.plant.forms_of(named.effect());
+    forms.retain(|form| form.variant().name != named.variant().name);
+    let gain = |trial: &Trial| plain.fit.cost - trial.fit.cost;
+    let fits = forms
+        .into_par_iter()
+        .filter_map(|form| bench.finish(bench.open(bench.sketch(plain, form))?));
+    let mut alike: Vec<Trial> = fits
+        .filter(|trial| gain(trial) >= ALIKE_FORM * gain(first))
+        .collect();
+    alike.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+    alike
+}
+
+impl Pair {
+    /// Whether it explains so much of the excess of `plain` that it may be named.
+    fn explains_most(&self, plain: &Trial) -> bool {
+        self.last.share_of(plain) >= PARTLY_NAMED_SHARE
+    }
 }
 
 /// Several effects that explain what is missing.

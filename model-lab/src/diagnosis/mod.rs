@@ -217,11 +217,12 @@ fn diagnose_within(
         sentence: assemble::sentence(
             found.verdict(),
             &ladder,
-            (&candidates, &outside),
+            (&candidates, &outside, &found.rival_effects()),
             &equivalents,
             is_converged,
         ),
         is_converged,
+        rival_effects: found.rival_effects(),
         effects: ladder
             .iter()
             .filter_map(|step| step.added.clone())

@@ -138,6 +138,7 @@ pub fn refine(
         steps,
         within: None,
         alternative: None,
+        rival: None,
         singles: Vec::new(),
         rivals: Vec::new(),
     };

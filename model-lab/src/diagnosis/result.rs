@@ -67,6 +67,9 @@ pub struct Diagnosis {
     /// the named effects where the ladder has a row of widened ranges, in their place where it has none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<OutsideValue>,
+    /// Effects that explain the error as well if the values of `outside` are those of the plant file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rival_effects: Vec<String>,
     /// Every effect of the library that acts on a part of the plant, the one that explains most first.
     pub candidates: Vec<Candidate>,
     /// What may differ from rig to rig without any physics missing, as fitted with the named effects.

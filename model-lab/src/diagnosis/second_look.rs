@@ -57,7 +57,7 @@ pub(super) fn relative_to_file(
     second.sentence = assemble::sentence(
         second.verdict,
         &second.ladder,
-        (&second.candidates, &second.outside),
+        (&second.candidates, &second.outside, &second.rival_effects),
         &second.equivalents,
         second.is_converged,
     );

@@ -9,7 +9,7 @@ use super::unknowns::Unknown;
 use super::vector::{dot, square};
 
 /// Sizes at which the search for the best one begins, over the typical one; other shapes at the typical one alone.
-const SIZES: [f64; 4] = [0.02, 0.15, 1.0, 5.0];
+const SIZES: [f64; 5] = [0.02, 0.15, 1.0, 5.0, 30.0];
 /// The same for effects that have a sign.
 const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
 /// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
@@ -80,7 +80,7 @@ fn cost_without(fitter: &Fitter, base: &Fit) -> f64 {
 pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Vec<Start> {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
-    let sizes = if is_signed { &SIGNED_SIZES } else { &SIZES };
+    let sizes: &[f64] = if is_signed { &SIGNED_SIZES } else { &SIZES };
     let begin =
         |fitter: &Fitter, size: f64, shape: &[f64]| Start::new(fitter, base, own, size, shape);
     let typical = vec![0.0; own.len()];

@@ -1,4 +1,4 @@
-//! Effect: the plunger of the regulating valve enlarges the chamber.
+//! Effect: the chamber grows with the pressure, by the plunger of the regulating valve or by walls that widen.
 
 use crate::additions::Plunger;
 use crate::description::{
@@ -18,12 +18,19 @@ effect_parameters! { "effects.regulating_valve_volume":
         "pressure that the plunger's friction holds (E53)";
     DAMPING = damping_s ["s"] 1e-3 ..= 10.0, Log 0.02,
         "time constant with which the plunger follows the pressure (E53)";
+    COMPLIANCE = compliance_m3_per_bar ["m3/bar"] 1e-9 ..= 1e-3, Log 5e-7, off 0.0,
+        "volume by which hoses and walls widen per bar (E53)";
+    CREEP = creep_s ["s"] 1e-3 ..= 100.0, Log 0.5,
+        "time constant with which hoses and walls follow the pressure (E53)";
 }
+
+/// Rise of the pressure (Pa) up to which walls widen in proportion.
+const WIDENING: f64 = 100.0 * PA_PER_BAR;
 
 static ABOUT: About = About {
     id: "regulating_valve_volume",
-    sentence: "The plunger of the regulating valve gives way to the pressure, so the chamber is larger at high pressure and takes more air for the last bar.",
-    source: "E53: thesis, section 3.4 and equation 3.25 without the plunger's mass",
+    sentence: "The plunger of the regulating valve, a hose or a wall gives way to the pressure, so the chamber is larger at high pressure and takes more air for the last bar.",
+    source: "E53: thesis, section 3.4 and equation 3.25 without the plunger's mass; a hose as a spring in parallel with a damper",
     acts_on: EntryPoint::Volume,
     variants: &[
         Variant {
@@ -41,6 +48,11 @@ static ABOUT: About = About {
             about: "oil or a throttle holds the plunger back: it follows the pressure late",
             parameters: &[&SWEPT, &BEGIN, &TRAVEL, &DAMPING],
         },
+        Variant {
+            name: "elastic",
+            about: "hoses and walls widen in proportion with the pressure and creep after it",
+            parameters: &[&COMPLIANCE, &CREEP],
+        },
     ],
     excited_by: "the same pulses at 1 bar and at 5 bar, up and down",
     confused_with: &["gas_temperature", "sensor_offset", "critical_ratio"],
@@ -57,12 +69,16 @@ impl Effect for RegulatingValveVolume {
 
     fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
         let pascal = |key: &str| setting.get(key).unwrap_or(0.0) * PA_PER_BAR;
+        let (swept, travel) = match setting.get("compliance_m3_per_bar") {
+            Some(compliance) => (compliance / PA_PER_BAR * WIDENING, WIDENING),
+            None => (setting.value("swept_volume_m3"), pascal("travel_bar")),
+        };
         plant.additions.plunger = Some(Plunger {
-            swept: setting.value("swept_volume_m3"),
+            swept,
             begin: pascal("begin_bar") + parameters.gas.ambient_pressure_pa,
-            travel: pascal("travel_bar"),
+            travel,
             friction: pascal("friction_bar"),
-            damping: setting.get("damping_s"),
+            damping: setting.get("damping_s").or(setting.get("creep_s")),
         });
     }
 }
@@ -95,6 +111,38 @@ mod tests {
             (soft * volume / (stiff * 75e-6) - 1.0).abs() < 1e-4,
             "{soft} {stiff}"
         );
+    }
+
+    /// Choked filling: the same mass of air enters a stiff chamber and one with a wall that creeps to V + C (p - p_amb).
+    #[test]
+    fn a_wall_creeps_to_the_volume_of_its_pressure() {
+        let compliance = 2e-6;
+        let elastic = ABOUT.variant("elastic").unwrap();
+        let setting = EffectSetting::typical_variant(&RegulatingValveVolume, elastic)
+            .with("compliance_m3_per_bar", compliance)
+            .with("creep_s", 0.3);
+        let pressures = |plant: &PlantParameters| {
+            let mut simulator = Simulator::with_tolerance(plant, Tolerance::scaled(0.01));
+            let command = |duty_fill_pct| Command {
+                duty_fill_pct,
+                duty_vent_pct: 0.0,
+            };
+            simulator.command(command(100.0));
+            simulator.advance_to_ns(40_000_000);
+            simulator.command(command(0.0));
+            [0.1, 6.0].map(|time_s| {
+                simulator.advance_to_ns((1e9 * time_s) as u64);
+                simulator.state().pressure
+            })
+        };
+        let plain = PlantParameters::nominal();
+        let [_, stiff] = pressures(&plain);
+        let [soon, crept] = pressures(&plain.with_effect(setting));
+        assert!(stiff > 2e5, "{stiff}");
+        assert!(soon > crept + 3e3, "{soon} {crept}");
+        let widened = 75e-6 + compliance * (crept - 101_325.0) / 1e5;
+        let ratio = crept * widened / (stiff * 75e-6);
+        assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
     }
 
     /// With and without an energy balance: the two terms of the volume's change agree.
