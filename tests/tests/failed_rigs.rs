@@ -66,8 +66,26 @@ const HOSE: Hidden = Hidden {
         d.chamber.hose_s = 0.5;
     },
     names: &["regulating_valve_volume"],
-    is_in_library: false,
+    is_in_library: true,
 };
+/// Second chamber of 300 cm³ behind an orifice of 1 mm².
+const SECOND_CHAMBER: Hidden = Hidden {
+    hide: |d| {
+        d.chamber.cavity_m3 = 300e-6;
+        d.chamber.cavity_m2 = 1e-6;
+    },
+    names: &["dead_volume"],
+    is_in_library: true,
+};
+/// Critical ratio of 0.35.
+const CRITICAL_RATIO: Hidden = Hidden {
+    hide: |d| d.flow.critical_ratio_drop = RATIO_DROP,
+    names: &["critical_ratio"],
+    is_in_library: true,
+};
+/// Critical ratio of an ideal nozzle less that of the hidden law.
+const RATIO_DROP: f64 = 0.528 - 0.35;
+
 /// Case of the table.
 struct Case<'a> {
     rig: FailedRig,
@@ -213,21 +231,34 @@ fn wrong_orifice(noise_mbar: f64, has_currents: bool, change: fn(&mut FailedRig)
     rig
 }
 
-/// Returns two chambers of 300 cm³ at 6 bar, with slow PWM, a normally open vent valve and a critical ratio of 0.35, which the plant file
-/// knows.
+/// Returns two chambers of 300 cm³ at 6 bar, with a normally open vent valve and a critical ratio of 0.35, which the plant file knows.
 fn two_chambers() -> FailedRig {
+    let mut rig = chambers_of_file(2.0, 20.0);
+    let effect = by_id("critical_ratio").unwrap();
+    let ellipse = effect.about().variant("iso6358").unwrap();
+    let setting = EffectSetting::typical_variant(effect, ellipse).with("reduction", RATIO_DROP);
+    rig.file = rig.file.with_effect(setting);
+    (CRITICAL_RATIO.hide)(&mut rig.rig.departures);
+    rig
+}
+
+/// Returns `count` such chambers with the critical ratio of an ideal nozzle, and the currents of their valves.
+fn chambers_with_currents(count: f64, pwm_hz: f64) -> FailedRig {
+    FailedRig {
+        has_currents: true,
+        ..chambers_of_file(count, pwm_hz)
+    }
+}
+
+/// Returns `count` such chambers with the critical ratio of an ideal nozzle.
+fn chambers_of_file(count: f64, pwm_hz: f64) -> FailedRig {
     let mut file = PlantParameters::nominal();
-    file.chamber.volume_m3 = 600e-6;
+    file.chamber.volume_m3 = 300e-6 * count;
     file.gas.supply_pressure_bar_gauge = 6.0;
-    file.ecu.pwm_frequency_hz = 20.0;
+    file.ecu.pwm_frequency_hz = pwm_hz;
     file.functions[VENT] = ValveFunction::NormallyOpen;
     file.armature.preload_vent_n = 1.4;
     let mut rig = FailedRig::of(file, 5);
-    let effect = by_id("critical_ratio").unwrap();
-    let ellipse = effect.about().variant("iso6358").unwrap();
-    let setting = EffectSetting::typical_variant(effect, ellipse).with("reduction", 0.528 - 0.35);
-    rig.file = rig.file.with_effect(setting);
-    rig.rig.departures.flow.critical_ratio_drop = 0.528 - 0.35;
     rig.signals = ordinary_signals(6.0, 5);
     // The log begins anywhere in the pattern of samples and PWM periods.
     rig.signals[0].before = vec![(0.02, 0.0, 100.0)];
@@ -263,6 +294,8 @@ cases! {
 
     hold_of_15_s_with_a_warm_wall_at_3_mbar: hold(3.0, 15.0), [WARM_WALL], ["gas_temperature"];
     hold_of_60_s_with_nothing_hidden: hold(0.7, 60.0), [], [];
+    hold_of_60_s_with_heat: hold(0.7, 60.0), [HEAT], ["gas_temperature"];
+    hold_of_60_s_with_heat_and_a_gap: hold(0.7, 60.0), [HEAT, GAP], ["gas_temperature", "chamber_leak"];
 
     vent_orifice_12_percent_larger_with_currents:
         wrong_orifice(0.7, true, |rig| rig.rig.datasheet.flow.discharge_vent = 1.12 * 0.97), [], [];
@@ -271,9 +304,20 @@ cases! {
     vent_orifice_12_percent_smaller_at_0_07_mbar:
         wrong_orifice(0.07, false, |rig| rig.rig.datasheet.flow.discharge_vent = 0.88 * 0.97), [], [];
 
+    fill_orifice_12_percent_narrower_with_currents:
+        wrong_orifice(0.7, true, |rig| rig.rig.datasheet.flow.orifice_fill_m = 0.88 * 1.9e-3), [], [];
+
     chambers_of_600_cm3_with_20_hz_pwm_and_nothing_hidden: two_chambers(), [], [];
+    critical_ratio_with_20_hz_pwm_and_mean_currents:
+        chambers_with_currents(2.0, 20.0), [CRITICAL_RATIO], ["critical_ratio"];
+    second_chamber_with_20_hz_pwm_and_mean_currents:
+        chambers_with_currents(1.0, 20.0), [SECOND_CHAMBER], ["dead_volume"];
+    second_chamber_and_critical_ratio:
+        chambers_of_file(1.0, 100.0), [SECOND_CHAMBER, CRITICAL_RATIO], ["dead_volume", "critical_ratio"];
 
     sensor_lag_with_currents: bench(0.7, true), [LAG], [];
     sensor_lag_at_3_mbar: bench(3.0, false), [LAG], [];
     hose_behind_a_sensor_lag: bench(0.7, true), [HOSE, LAG], [];
+    hose_behind_a_sensor_lag_at_0_07_mbar:
+        bench(0.07, false), [HOSE, LAG], ["regulating_valve_volume", "sensor_lag"];
 }

@@ -31,6 +31,7 @@ const SLOWER: f64 = 0.75;
 const LEAST_PRESSURE: f64 = 1e3;
 
 /// A log, ready to be simulated again and again.
+#[derive(Clone)]
 pub(crate) struct Log {
     pub(crate) source: String,
     pub(crate) commands: Commands,
@@ -71,6 +72,7 @@ pub(crate) struct Log {
 }
 
 /// One signal of a log.
+#[derive(Clone)]
 pub(crate) struct Channel {
     pub(crate) signal: &'static str,
     /// Where it stands in a row of the model.

@@ -12,7 +12,9 @@ use super::error::DiagnoseError;
 use super::evidence::Evidence;
 use super::gather::gather;
 use super::log::Log;
-use super::logger_time::{Search, find_conditions, find_slow_clocks, fit_conditions};
+use super::logger_time::{
+    Delay, Search, find_conditions, find_slow_clocks, fit_conditions, take_sampling,
+};
 use super::result::{Cost, FoundClock, FoundStart};
 use super::trial::{Bench, Trial};
 use crate::result::{LogDefects, NotCompared, Warning};
@@ -148,15 +150,27 @@ impl Split {
             return Ok(false);
         }
         let fitted = best.plant();
-        let before = self.checking.conditions();
+        let before = self.checking.logs.clone();
         find_conditions(&fitted, &mut self.checking, &drifts_ppm);
+        if self.is_nearer(plant, best)? {
+            return Ok(true);
+        }
+        self.checking.logs.clone_from(&before);
+        let delay_s = fitted.ecu.command_delay_s;
+        let delays_s = (delay_s, delay_s);
+        let slow = find_slow_clocks(&fitted, &mut self.checking, delays_s, Search::Together);
+        if slow.is_some() && self.is_nearer(plant, best)? {
+            return Ok(true);
+        }
+        self.checking.logs = before;
+        Ok(false)
+    }
+
+    /// Whether the fit of `best` is nearer to the logs that judge, under the conditions that they have now, than it was.
+    fn is_nearer(&self, plant: &PlantParameters, best: &Trial) -> Result<bool, DiagnoseError> {
         let judged = self.bench(plant, &[]).judged_anew(best);
         let judged = judged.ok_or_else(|| self.not_simulated())?;
-        let is_nearer = judged.checked.total_excess() < best.checked.total_excess();
-        if !is_nearer {
-            self.checking.set_conditions(&before, &fitted);
-        }
-        Ok(is_nearer)
+        Ok(judged.checked.total_excess() < best.checked.total_excess())
     }
 
     /// What trials on these logs are held against.
@@ -189,10 +203,15 @@ impl Split {
         plain.ok_or_else(|| self.not_simulated())
     }
 
-    /// Takes the currents of all logs that leave it open for `sampling`; returns whether one of those that are fitted does.
-    pub(super) fn set_open_sampling(&mut self, sampling: CurrentSampling) -> bool {
-        self.checking.set_open_sampling(sampling);
-        self.fitting.set_open_sampling(sampling)
+    /// Takes the currents of all logs that leave it open for `sampling`, as [`take_sampling`]; returns whether one of those that are fitted
+    /// does.
+    pub(super) fn take_sampling(
+        &mut self,
+        plant: &PlantParameters,
+        sampling: CurrentSampling,
+    ) -> bool {
+        take_sampling(plant, &mut self.checking, sampling, Delay::Searched);
+        take_sampling(plant, &mut self.fitting, sampling, Delay::Searched)
     }
 
     /// What `attempt` makes of these logs with their currents taken the other way, as means or as values of an instant; none, and the logs
