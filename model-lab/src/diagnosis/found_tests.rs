@@ -1,12 +1,13 @@
 use core::ops::ControlFlow;
+use std::collections::BTreeMap;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::logger_clock::LoggerClock;
 use recording::Recording;
 
-use super::result::{Diagnosis, StepKind, Verdict};
-use super::{diagnose, diagnose_with, fix};
+use super::result::{Diagnosis, OutsideValue, StepKind, Verdict};
+use super::{assemble, diagnose, diagnose_with, fix};
 use crate::bench::{Bench, logged};
 
 /// A bench whose plant has been changed.
@@ -139,4 +140,31 @@ fn an_error_that_is_not_needed_counts_as_noise() {
         "{}",
         diagnosis.sentence
     );
+}
+
+/// A narrow fitting and a narrower orifice look alike: the value is the answer, and the fitting is told.
+#[test]
+fn what_explains_as_much_as_a_wrong_value_is_told() {
+    let outside = OutsideValue {
+        name: "flow.discharge_fill".to_owned(),
+        unit: String::new(),
+        value: 0.738,
+        least: 0.855,
+        most: 1.04,
+    };
+    let said = |rivals: &[String]| {
+        let about = (&[][..], &[outside.clone()][..], rivals);
+        let none = BTreeMap::new();
+        assemble::sentence(Verdict::PlantFileWrong, &[], about, &none, true)
+    };
+    let alone = said(&[]);
+    assert!(
+        alone.ends_with("with this value nothing detectable is missing"),
+        "{alone}"
+    );
+    let rival = said(&["series_restriction".to_owned()]);
+    let either = format!(
+        "{alone}; or the file is right and series restriction is missing, which explains the error as well"
+    );
+    assert_eq!(rival, either);
 }

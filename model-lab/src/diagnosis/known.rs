@@ -178,6 +178,20 @@ mod tests {
         known(plant, name).unwrap().words(spec.unit)
     }
 
+    /// A first file may have an orifice 25 % too wide, but no coil 20 % off; a file that states a tolerance is no first one.
+    #[test]
+    fn a_first_plant_file_may_be_wrong_by_as_much_as_an_estimation_looks() {
+        let mut plant = PlantParameters::nominal();
+        let discharge = "flow.discharge_fill";
+        assert!(may_be_beside_first_file(&plant, discharge, 0.71));
+        assert!(!may_be_beside_first_file(&plant, discharge, 0.3));
+        let resistance = "coil.resistance_20c_ohm";
+        assert!(!may_be_beside_first_file(&plant, resistance, 99.0));
+        let stated = Knowledge::TolerancePct(50.0);
+        plant.knowledge.insert(discharge.to_owned(), stated);
+        assert!(!may_be_beside_first_file(&plant, discharge, 0.71));
+    }
+
     #[test]
     fn every_statement_has_its_words() {
         let mut plant = PlantParameters::nominal();
