@@ -123,6 +123,15 @@ impl Evidence {
         }
     }
 
+    /// Moves the clocks that no commands tell by `shift_s`; the commands stay assigned as they are.
+    pub(crate) fn shift_clocks(&mut self, shift_s: f64) {
+        for log in self.logs.iter_mut().filter(|log| log.is_clock_open()) {
+            if let Some(clock) = &mut log.conditions.clock {
+                clock.phase_s += shift_s;
+            }
+        }
+    }
+
     /// Takes the currents of each log that leaves it open for `sampling`; returns whether there is such a log.
     pub(crate) fn set_open_sampling(&mut self, sampling: CurrentSampling) -> bool {
         let open = self.logs.iter_mut().filter(|log| log.is_sampling_open());

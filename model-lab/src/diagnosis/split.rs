@@ -156,11 +156,16 @@ impl Split {
             return Ok(true);
         }
         self.checking.logs.clone_from(&before);
-        let delay_s = fitted.ecu.command_delay_s;
-        let delays_s = (delay_s, delay_s);
-        let slow = find_slow_clocks(&fitted, &mut self.checking, delays_s, Search::Together);
-        if slow.is_some() && self.is_nearer(plant, best)? {
-            return Ok(true);
+        // The fitted delay may be wrong by what the clocks of the fitted logs make up for; at which sample a command was given tells.
+        let there_s = fitted.ecu.command_delay_s;
+        let reach_s = 0.5 * fitted.ecu.sample_time_s;
+        let delays_s = ((there_s - reach_s).max(0.0), there_s + reach_s);
+        let found_s = find_slow_clocks(&fitted, &mut self.checking, delays_s, Search::Together);
+        if let Some(found_s) = found_s {
+            self.checking.shift_clocks(there_s - found_s);
+            if self.is_nearer(plant, best)? {
+                return Ok(true);
+            }
         }
         self.checking.logs = before;
         Ok(false)
