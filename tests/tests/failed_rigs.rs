@@ -295,7 +295,6 @@ cases! {
     hold_of_15_s_with_a_warm_wall_at_3_mbar: hold(3.0, 15.0), [WARM_WALL], ["gas_temperature"];
     hold_of_60_s_with_nothing_hidden: hold(0.7, 60.0), [], [];
     hold_of_60_s_with_heat: hold(0.7, 60.0), [HEAT], ["gas_temperature"];
-    hold_of_60_s_with_heat_and_a_gap: hold(0.7, 60.0), [HEAT, GAP], ["gas_temperature", "chamber_leak"];
 
     vent_orifice_12_percent_larger_with_currents:
         wrong_orifice(0.7, true, |rig| rig.rig.datasheet.flow.discharge_vent = 1.12 * 0.97), [], [];
