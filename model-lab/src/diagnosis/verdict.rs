@@ -14,8 +14,8 @@ pub(crate) const MODEL_ERROR: f64 = 1.8e-4;
 pub(crate) const CHANCE: f64 = 2.33;
 /// A share of the excess error that is worth figures.
 pub(crate) const WORTH_SHOWING: f64 = 0.05;
-/// What is left with the currents taken the other way (means, values of an instant) or with other forms of two effects is clearly less
-/// below this share.
+/// A second way to fit the same logs is taken if it leaves less than this share of the squared error of the first way: currents as means
+/// or as values of an instant, two effects in other forms.
 pub(crate) const CLEARLY_LESS: f64 = 0.9;
 /// Share of the excess that names explain where nothing material remains.
 pub(crate) const FOUND_SHARE: f64 = 0.90;
