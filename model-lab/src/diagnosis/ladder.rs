@@ -289,8 +289,8 @@ fn best_pair(
             }
         }
         // Others are tried only where the pair leaves much: what it leaves else is left to further effects.
-        if (best.as_ref()).is_some_and(|pair| pair.explains_most(plain) || !pair.last.is_material())
-        {
+        let is_enough = |pair: &Pair| pair.explains_most(plain) || !pair.last.is_material();
+        if best.as_ref().is_some_and(is_enough) {
             break;
         }
     }
