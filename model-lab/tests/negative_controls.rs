@@ -1,7 +1,8 @@
 //! What the diagnosis must not say.
 
+mod practice;
+
 use core::ops::ControlFlow;
-use std::path::PathBuf;
 
 use model_lab::diagnosis::result::{Diagnosis, Verdict};
 use model_lab::diagnosis::{DiagnoseError, diagnose, diagnose_with};
@@ -12,31 +13,15 @@ use recording::{Provenance, Recording, TimeBase, Unit, csv};
 
 const WATCH: fn(model_lab::diagnosis::Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 
-fn log(name: &str) -> Recording {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../data/synthetic")
-        .join(name);
-    csv::read_file(path, &csv::Options::default()).unwrap()
-}
-
 /// The first seconds are enough for what is asked here.
 const SECONDS: usize = 20;
 
-fn beginning(log: &Recording) -> Recording {
-    let rows = SECONDS * 100;
-    let mut new = Recording::new(Provenance::from_source("beginning"));
-    let base = log.time_base(log.signals()[0].time_base()).unwrap();
-    let id = new.add_time_base(TimeBase::new(base.times_s()[..rows].to_vec()).unwrap());
-    for signal in log.signals() {
-        let values = signal.values_or_nan()[..rows].to_vec();
-        new.add_signal(signal.name(), signal.unit(), id, values)
-            .unwrap();
-    }
-    new
+fn beginning(name: &str) -> Recording {
+    practice::beginning(name, SECONDS)
 }
 
 fn rig(rig: u8, library: &[&'static dyn Effect]) -> Diagnosis {
-    let read = |kind: &str| [beginning(&log(&format!("practice-{rig:02}-{kind}.csv")))];
+    let read = |kind: &str| [beginning(&format!("practice-{rig:02}-{kind}.csv"))];
     let plant = PlantParameters::nominal();
     diagnose_with(library, &plant, &read("id"), &read("check"), &WATCH).unwrap()
 }
@@ -185,8 +170,8 @@ fn duty_cycles_of_another_time_give_no_name() {
             values
         })
     };
-    let logs = [shifted(&beginning(&log("practice-01-id.csv")))];
-    let check = [shifted(&beginning(&log("practice-01-check.csv")))];
+    let logs = [shifted(&beginning("practice-01-id.csv"))];
+    let check = [shifted(&beginning("practice-01-check.csv"))];
     let diagnosis = diagnose(&PlantParameters::nominal(), &logs, &check, &WATCH).unwrap();
     assert_eq!(
         diagnosis.verdict,
@@ -209,7 +194,7 @@ fn the_models_own_data_is_answered_perfectly() {
         let truth = effect.get(key).unwrap();
         let plant = PlantParameters::nominal().with_effect(effect);
         let made = |name: &str, seed: u64| {
-            let commands = beginning(&log(name));
+            let commands = beginning(name);
             let model = replay(&plant, &commands, Tolerance::default(), |_, _| {}).unwrap();
             let noise = noise(seed);
             rebuilt(&commands, |name, values| {
@@ -277,7 +262,10 @@ fn noise(seed: u64) -> impl Fn(usize) -> f64 {
 
 #[test]
 fn who_watches_may_stop_it() {
-    let (logs, check) = ([log("practice-01-id.csv")], [log("practice-01-check.csv")]);
+    let (logs, check) = (
+        [practice::log("practice-01-id.csv")],
+        [practice::log("practice-01-check.csv")],
+    );
     let stop = |_| ControlFlow::Break(());
     let result = diagnose(&PlantParameters::nominal(), &logs, &check, &stop);
     assert_eq!(result.unwrap_err(), DiagnoseError::Interrupted);
@@ -288,7 +276,7 @@ fn who_watches_may_stop_it() {
 /// Without pressure and currents there is nothing to weigh.
 #[test]
 fn a_log_that_shows_nothing_is_refused() {
-    let log = log("practice-01-id.csv");
+    let log = practice::log("practice-01-id.csv");
     let mut commands = Recording::new(Provenance::from_source("commands.csv"));
     let base = log.signals()[0].time_base();
     let id = commands.add_time_base(log.time_base(base).unwrap().clone());
