@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use recording::{Provenance, Recording, TimeBase, csv};
 
-pub fn log(name: &str) -> Recording {
+pub(crate) fn log(name: &str) -> Recording {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("../data/synthetic")
         .join(name);
@@ -12,7 +12,7 @@ pub fn log(name: &str) -> Recording {
 }
 
 /// The first seconds of a log of 100 rows per second, or all of a shorter one.
-pub fn beginning(name: &str, seconds: usize) -> Recording {
+pub(crate) fn beginning(name: &str, seconds: usize) -> Recording {
     let log = log(name);
     let mut new = Recording::new(Provenance::from_source("beginning"));
     let base = log.time_base(log.signals()[0].time_base()).unwrap();
