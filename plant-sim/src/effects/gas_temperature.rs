@@ -38,6 +38,11 @@ static ABOUT: About = About {
             about: "the gas rises along the wall by itself: more heat while it is dense and its temperature far from the wall's",
             parameters: &[&CONVECTION],
         },
+        Variant {
+            name: "convection_to_warming_wall",
+            about: "the same to an inner wall that follows the gas and gives its heat on",
+            parameters: &[&CONVECTION, &CAPACITY, &LOSS],
+        },
     ],
     excited_by: "fast filling to high pressure, then both valves shut for 3 s; the same slowly",
     confused_with: &[
@@ -80,8 +85,9 @@ mod tests {
     use crate::{Command, Simulator, Tolerance};
 
     fn simulator(conductance: f64, variant: usize) -> Simulator {
-        let setting = EffectSetting::typical_variant(&GasTemperature, &ABOUT.variants[variant])
-            .with("wall_heat_transfer_w_per_k", conductance);
+        let variant = &ABOUT.variants[variant];
+        let setting = EffectSetting::typical_variant(&GasTemperature, variant)
+            .with(variant.parameters[0].key, conductance);
         let plant = PlantParameters::nominal().with_effect(setting);
         Simulator::with_tolerance(&plant, Tolerance::scaled(0.01))
     }
@@ -165,6 +171,8 @@ mod tests {
             simulator.advance_to_ns(2_000_000_000);
             state(&simulator, "t_gas")
         };
-        assert!(temperature(1) > temperature(0) + 0.5);
+        let [constant, warming, convection, to_warming] = core::array::from_fn(temperature);
+        assert!(warming > constant + 0.5);
+        assert!(to_warming > convection + 0.5);
     }
 }
