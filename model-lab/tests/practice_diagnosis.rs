@@ -93,7 +93,7 @@ fn rig_0_lacks_nothing_and_tells_what_it_would_have_shown() {
         diagnosis.sentence
     );
     assert!(diagnosis.effects.is_empty() && diagnosis.equivalents.is_empty());
-    assert_eq!(diagnosis.candidates.len(), 20);
+    assert_eq!(diagnosis.candidates.len(), 21);
     assert!(
         diagnosis
             .nuisance

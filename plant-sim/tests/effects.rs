@@ -130,6 +130,7 @@ fn the_ids_are_those_of_the_design() {
             "gas_temperature",
             "iron_saturation",
             "regulating_valve_volume",
+            "sensor_hysteresis",
             "sensor_lag",
             "sensor_offset",
             "series_restriction",

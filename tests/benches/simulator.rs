@@ -109,7 +109,7 @@ fn main() {
         });
     report_beside(
         &converged(&all_effects),
-        "event-driven, all twenty effects",
+        "event-driven, all 21 effects",
         &best_of(&all_effects, Tolerance::default()),
     );
     let mut equal: Option<f64> = None;

@@ -70,6 +70,8 @@ pub struct Additions {
     pub flow_force: FlowForce,
     /// Lag of the pressure sensor.
     pub sensor_lag: Option<SensorLag>,
+    /// Hysteresis of the sensor: difference of its readings at one pressure (Pa).
+    pub sensor_hysteresis: f64,
     /// Offset of the sensor (Pa).
     pub sensor_offset: f64,
     /// Drift of the sensor's offset while it warms up (Pa).

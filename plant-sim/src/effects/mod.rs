@@ -21,6 +21,7 @@ pub mod flyback_clamp;
 pub mod gas_temperature;
 pub mod iron_saturation;
 pub mod regulating_valve_volume;
+pub mod sensor_hysteresis;
 pub mod sensor_lag;
 pub mod sensor_offset;
 pub mod series_restriction;
@@ -32,7 +33,7 @@ pub mod supply_seat_leak;
 pub use crate::description::{About, Effect, EffectSetting, EntryPoint, Variant};
 
 /// All effects of the library. They are installed in this order, independent of the order in the plant file.
-pub static LIBRARY: [&dyn Effect; 20] = [
+pub static LIBRARY: [&dyn Effect; 21] = [
     &chamber_leak::ChamberLeak,
     &supply_seat_leak::SupplySeatLeak,
     &coil_ambient_temperature::CoilAmbientTemperature,
@@ -47,6 +48,7 @@ pub static LIBRARY: [&dyn Effect; 20] = [
     &gas_temperature::GasTemperature,
     &regulating_valve_volume::RegulatingValveVolume,
     &sensor_lag::SensorLag,
+    &sensor_hysteresis::SensorHysteresis,
     &sensor_offset::SensorOffset,
     &drain_back_pressure::DrainBackPressure,
     &critical_ratio::CriticalRatio,

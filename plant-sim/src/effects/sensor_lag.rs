@@ -29,7 +29,7 @@ static ABOUT: About = About {
         },
     ],
     excited_by: "single pulses with pauses; a PWM frequency that is no divisor of the sample rate",
-    confused_with: &["dead_volume", "gas_temperature"],
+    confused_with: &["dead_volume", "gas_temperature", "sensor_hysteresis"],
 };
 
 /// The effect.

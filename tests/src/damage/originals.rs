@@ -231,7 +231,7 @@ pub fn benches() -> Result<Vec<Bench>, OriginalsError> {
     let mut effects = whole("every effect", log(rows(PRACTICE, 380, 100)?), None);
     effects.files[1] = File::new(Role::Plant, with_every_effect());
     effects.files[2] = controller("thesis")?;
-    // A fit of twenty effects takes too long.
+    // A fit of all effects takes too long.
     effects.effort = Effort::Cheap;
     let scope = rows("data/synthetic/practice-00-scope-40.csv", 0, 200)?;
     let inrush = rows("data/real/inrush-burkert6724-switching.csv", 0, 150)?;

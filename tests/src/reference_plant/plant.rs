@@ -39,8 +39,8 @@ pub struct ReferencePlant {
     /// Begin of the interval of the mean currents (ns).
     means_since_ns: u64,
     state: State,
-    /// Position of the sensor's reading within its play (Pa gauge).
-    play: f64,
+    /// Pressure behind the play of the sensor (Pa gauge).
+    played: f64,
 }
 
 impl ReferencePlant {
@@ -71,7 +71,7 @@ impl ReferencePlant {
             now_ns: 0,
             means_since_ns: 0,
             state,
-            play: 0.0,
+            played: 0.0,
             rig: rig.clone(),
         };
         plant.seat();
@@ -92,7 +92,6 @@ impl ReferencePlant {
     pub fn reading(&mut self) -> Reading {
         let (sensor, time) = (self.rig.departures.sensor, self.time());
         let shown = sensor::shown(&sensor);
-        let gauge = self.state[shown] - self.gas.ambient();
         let rate = self.rates(&self.state, time, [false; 2])[shown];
         let span_ns = match self.now_ns - self.means_since_ns {
             0 => self.sample_ns,
@@ -100,7 +99,7 @@ impl ReferencePlant {
         };
         let span = span_ns as f64 * 1e-9;
         Reading {
-            pressure: sensor::distorted(&sensor, gauge, time, &mut self.play),
+            pressure: sensor::distorted(&sensor, self.played, time),
             pressure_rate: rate,
             currents: [0, 1].map(|valve| {
                 self.state[CHARGE + valve] / span + sensor::interference(&sensor, time)
@@ -145,6 +144,7 @@ impl ReferencePlant {
     /// by the wall with the time constant `relaxation_s`.
     pub fn warm_gas(&mut self, by_k: f64, relaxation_s: f64) {
         self.gas.warm(by_k, relaxation_s, &mut self.state);
+        self.play();
     }
 
     /// Returns mass (kg) and internal energy (J) of the gas in the chamber.
@@ -212,6 +212,14 @@ impl ReferencePlant {
             let flux = &mut self.state[FLUX + valve];
             *flux = flux.max(0.0);
         }
+        self.play();
+    }
+
+    /// Moves the reading with the pressure.
+    fn play(&mut self) {
+        let sensor = &self.rig.departures.sensor;
+        let gauge = self.state[sensor::shown(sensor)] - self.gas.ambient();
+        self.played = sensor::played(sensor, self.played, gauge);
     }
 
     fn rates(&self, state: &State, time: f64, high: [bool; 2]) -> State {

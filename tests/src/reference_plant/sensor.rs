@@ -41,8 +41,14 @@ pub(super) fn shown(sensor: &SensorDepartures) -> usize {
     }
 }
 
-/// Returns the reading (Pa gauge) with the static faults of the sensor. `play` is the previous reading.
-pub(super) fn distorted(sensor: &SensorDepartures, gauge: f64, time: f64, play: &mut f64) -> f64 {
+/// Returns where the reading (Pa gauge) goes from `before` with the pressure `gauge`: nowhere within its play.
+pub(super) fn played(sensor: &SensorDepartures, before: f64, gauge: f64) -> f64 {
+    let half = 0.5 * sensor.play_pa;
+    before.clamp(gauge - half, gauge + half)
+}
+
+/// Returns the reading (Pa gauge) with the other static faults of the sensor.
+pub(super) fn distorted(sensor: &SensorDepartures, gauge: f64, time: f64) -> f64 {
     let mut reading = gauge + sensor.offset_pa;
     if sensor.warm_offset_pa != 0.0 {
         reading += sensor.warm_offset_pa * (1.0 - (-time / sensor.warm_s).exp());
@@ -50,11 +56,6 @@ pub(super) fn distorted(sensor: &SensorDepartures, gauge: f64, time: f64, play: 
     if sensor.bow_pa != 0.0 {
         let share = gauge / BOW_PRESSURE;
         reading += sensor.bow_pa * share * (2.0 - share);
-    }
-    if sensor.play_pa > 0.0 {
-        let half = 0.5 * sensor.play_pa;
-        *play = play.clamp(reading - half, reading + half);
-        reading = *play;
     }
     reading
 }

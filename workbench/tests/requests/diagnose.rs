@@ -159,7 +159,7 @@ fn the_library_is_told_with_equations_bounds_and_units() {
     let browser = bench.browser();
     let effects = browser.get("/api/effects").json();
     let effects = effects.as_array().unwrap();
-    assert_eq!(effects.len(), 20);
+    assert_eq!(effects.len(), 21);
     let leak = effects
         .iter()
         .find(|effect| effect["id"] == "chamber_leak")

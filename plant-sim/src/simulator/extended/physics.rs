@@ -302,16 +302,14 @@ impl Physics for Extended {
         let course = span.cubic(sensed);
         let start = [span.start[sensed], span.start_rate[sensed]];
         let end = [end[sensed], course.rate_at(taken)];
-        let lag = self.plant.additions.sensor_lag;
-        self.sensor.follow(lag, taken, start, end);
+        self.sensor.follow(&self.plant.additions, taken, start, end);
     }
 
     fn commit_formula(&mut self, areas: [f64; 2], taken: f64, pressures: [f64; 2]) {
         let areas = gas::widened(&self.plant, areas);
         let [start, end] =
             pressures.map(|pressure| [pressure, self.plant.pressure_rate(areas, pressure)]);
-        let lag = self.plant.additions.sensor_lag;
-        self.sensor.follow(lag, taken, start, end);
+        self.sensor.follow(&self.plant.additions, taken, start, end);
     }
 
     fn commit_resting_coil(

@@ -74,11 +74,11 @@ mod tests {
 
     #[test]
     fn an_effect_of_no_size_costs_nothing_beside_one_that_does() {
-        let costs = costs_of(&[("sensor_play", 3.0), ("chamber_leak", 0.0)]);
+        let costs = costs_of(&[("sensor_hysteresis", 3.0), ("chamber_leak", 0.0)]);
         assert!(costs["chamber_leak"].values().all(|&cost| cost == 0.0));
-        assert!(costs["sensor_play"]["p_ch"] > 0.0);
-        assert_eq!(costs["sensor_play"].len(), 3, "{costs:?}");
-        assert_eq!(costs["sensor_play"]["i_fill"], 0.0);
+        assert!(costs["sensor_hysteresis"]["p_ch"] > 0.0);
+        assert_eq!(costs["sensor_hysteresis"].len(), 3, "{costs:?}");
+        assert_eq!(costs["sensor_hysteresis"]["i_fill"], 0.0);
     }
 
     /// An offset is in every reading of the sensor: the cost is the offset divided by the channel's noise.

@@ -32,26 +32,12 @@ pub(super) const FORMS: &[Form] = &[
         d.pulses.missed_share = (1e-2 * p.size).min(0.2);
         d.pulses.missed_seed = (p.shape * (1_u64 << 53) as f64) as u64;
     }),
-    beyond("sensor_play", "hysteresis", (15.0, "mbar"), &[], |p, d| {
-        d.sensor.play_pa = 100.0 * p.size;
-    }),
     beyond(
         "sensor_bow",
         "parabola between 0 and 8 bar",
         (30.0, "mbar"),
         &[],
         |p, d| d.sensor.bow_pa = 100.0 * p.size,
-    ),
-    // The library's name for a volume that grows with the pressure is that of the plunger.
-    beyond(
-        "creeping_hose",
-        "volume follows the pressure slowly",
-        (0.056, "% per bar"),
-        &["regulating_valve_volume"],
-        |p, d| {
-            d.chamber.hose_per_pa = 1e-2 * p.size / 1e5;
-            d.chamber.hose_s = p.between(0.2, 2.0);
-        },
     ),
     beyond(
         "current_interference",

@@ -94,6 +94,16 @@ pub(super) const FORMS: &[Form] = &[
         },
     ),
     Form::library(
+        "regulating_valve_volume",
+        Variant,
+        "hose that follows the pressure slowly",
+        (0.056, "% per bar"),
+        |p, d| {
+            d.chamber.hose_per_pa = 1e-2 * p.size / 1e5;
+            d.chamber.hose_s = p.between(0.2, 2.0);
+        },
+    ),
+    Form::library(
         "dead_volume",
         Matched,
         "laminar tube, sensor in the cavity",

@@ -15,6 +15,14 @@ pub(super) const FORMS: &[Form] = &[
     })
     .same(&["dead_volume"]),
     Form::library(
+        "sensor_hysteresis",
+        Matched,
+        "play",
+        (15.0, "mbar"),
+        |p, d| d.sensor.play_pa = 100.0 * p.size,
+    )
+    .parameter("hysteresis_bar", |p| 1e-3 * p.size),
+    Form::library(
         "sensor_offset",
         Matched,
         "constant",
