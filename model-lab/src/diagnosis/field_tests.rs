@@ -85,6 +85,8 @@ fn a_sensor_lag_is_told_from_the_clock_of_a_slow_logger() {
     assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
     assert_eq!(diagnosis.effects, ["sensor_lag"]);
     assert_eq!(diagnosis.clocks.len(), 2);
+    let mut clocks = diagnosis.clocks.iter();
+    assert!(clocks.all(|clock| !clock.statement.contains("currents")));
 }
 
 /// Means over a row of 1.7 ms look like values of an instant half a row earlier, and so does the jump of a current that eddy currents make:
@@ -101,4 +103,8 @@ fn eddy_currents_are_told_from_currents_of_an_instant() {
     let diagnosis = diagnosed(&PlantParameters::nominal(), &library, &logs);
     assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
     assert_eq!(diagnosis.effects, ["eddy_currents"]);
+    for clock in &diagnosis.clocks {
+        let told = "currents are taken for means since the row before";
+        assert!(clock.statement.ends_with(told), "{}", clock.statement);
+    }
 }

@@ -252,8 +252,18 @@ impl Log {
         }
     }
 
+    /// The clock of the logger, and how the currents are taken where the log leaves it open.
     pub(super) fn found_clock(&self) -> Option<FoundClock> {
-        self.found().clock(&self.source)
+        let mut clock = self.found().clock(&self.source)?;
+        if self.is_sampling_open() {
+            clock.statement += match self.sampling {
+                CurrentSampling::MeanOfInterval => {
+                    "; currents are taken for means since the row before"
+                }
+                CurrentSampling::Instant => "; currents are taken for values of the instant",
+            };
+        }
+        Some(clock)
     }
 
     pub(super) fn found_start(&self) -> Option<FoundStart> {
