@@ -56,7 +56,7 @@ const ROUNDS: usize = 2;
 /// Phases that are tried within what the commands leave open, over half of it.
 const WITHIN_SLACK: [f64; 3] = [-0.67, 0.0, 0.67];
 /// Least standard deviation of a phase that the commands tell, over the time from row to row.
-const TOLD_PHASE_SD: f64 = 0.1;
+const TOLD_PHASE_SD: f64 = 0.02;
 /// Standard deviation of what lies evenly within a slack to either side.
 const EVEN_SD: f64 = 0.577;
 
