@@ -9,7 +9,7 @@ use model_lab::diagnosis::{DiagnoseError, diagnose, diagnose_with};
 use plant_sim::effects::{Effect, EffectSetting, LIBRARY, by_id};
 use plant_sim::replay::replay;
 use plant_sim::{PlantParameters, Tolerance};
-use recording::{Provenance, Recording, TimeBase, Unit, csv};
+use recording::{Provenance, Recording, Unit};
 
 const WATCH: fn(model_lab::diagnosis::Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 

@@ -186,11 +186,11 @@ fn diagnose_within(
     let (equivalents, distinguishability) = assemble::equivalents(&found);
     search::report(watch, "where the error is", 0.0)?;
     split.take_conditions(plain);
-    let given = assemble::regimes(plant, (logs, split.given_logs()))?;
-    let before = assemble::regimes(&plain.plant(), (logs, split.given_logs()))?;
+    let given = assemble::regimes(plant, (logs, &split.fitting.logs))?;
+    let before = assemble::regimes(&plain.plant(), (logs, &split.fitting.logs))?;
     let after = if found.steps.len() > 1 {
         split.take_conditions(last);
-        assemble::regimes(&last.plant(), (logs, split.given_logs()))?
+        assemble::regimes(&last.plant(), (logs, &split.fitting.logs))?
     } else {
         before.clone()
     };

@@ -34,8 +34,6 @@ pub(super) struct Split {
 enum HeldOut {
     /// The logs that were given for it.
     CheckLogs,
-    /// The logs that were given for fitting.
-    FittingLogs,
     /// Every third block of the logs that were given for fitting, for there are no others.
     Blocks,
     /// The other blocks.
@@ -66,8 +64,8 @@ impl Split {
 
     /// The logs shared out such that `plant`, fitted to some of them, fails on these, if it fails on any; with that fit.
     ///
-    /// What only the logs for checking show is fitted there. Where a fit to either set of logs fails on the other, it was
-    /// bent, or left open what the other needs: then all of them are fitted together.
+    /// A fit to the logs for fitting that fails on those for checking was bent, or left open what the others need or what they alone
+    /// show: then all of them are fitted together.
     pub(super) fn that_shows(
         plant: &PlantParameters,
         logs: &[Recording],
@@ -83,9 +81,9 @@ impl Split {
         if plain.fitted.is_material() || !plain.checked.is_material() {
             return Ok((given, plain));
         }
-        let exchanged = given.exchanged();
-        let plain = exchanged.plain(plant)?;
-        if check.is_empty() || !plain.checked.is_material() {
+        if check.is_empty() {
+            let exchanged = given.with_other_blocks();
+            let plain = exchanged.plain(plant)?;
             return Ok((exchanged, plain));
         }
         let mut all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
@@ -126,15 +124,12 @@ impl Split {
         self.checking.replace_conditions(&last.checked_conditions);
     }
 
-    fn exchanged(self) -> Self {
+    /// Fits the blocks that judged, and judges by those that were fitted.
+    fn with_other_blocks(self) -> Self {
         Self {
             fitting: self.checking,
             checking: self.fitting,
-            held_out: match self.held_out {
-                HeldOut::CheckLogs => HeldOut::FittingLogs,
-                HeldOut::Blocks => HeldOut::OtherBlocks,
-                there => there,
-            },
+            held_out: HeldOut::OtherBlocks,
         }
     }
 
@@ -284,17 +279,9 @@ impl Split {
         }
     }
 
-    /// The logs that were given first, for fitting: the first ones of these.
-    pub(super) fn given_logs(&self) -> &[Log] {
-        match self.held_out {
-            HeldOut::FittingLogs => &self.checking.logs,
-            _ => &self.fitting.logs,
-        }
-    }
-
     /// The logs that judge, without those that are fitted in part.
     pub(super) fn check_logs(&self) -> &[Log] {
-        if matches!(self.held_out, HeldOut::CheckLogs | HeldOut::FittingLogs) {
+        if self.held_out == HeldOut::CheckLogs {
             &self.checking.logs
         } else {
             &[]
@@ -364,9 +351,6 @@ impl Split {
     pub(super) fn held_out(&self) -> &'static str {
         match self.held_out {
             HeldOut::CheckLogs => "the logs given for checking, which were not fitted",
-            HeldOut::FittingLogs => {
-                "the logs given for fitting: only those given for checking show that something is missing, so they were fitted"
-            }
             HeldOut::Blocks => "every third of twelve blocks of each log, which was not fitted",
             HeldOut::OtherBlocks => {
                 "two of every three of twelve blocks of each log: only the third shows that something is missing, so it was fitted"

@@ -86,7 +86,7 @@ fn a_fit_has_converged_at_its_end_and_not_on_its_way() {
 
 /// The fitted log never fills the chamber, so that a leak shows only in the log for checking.
 #[test]
-fn what_only_the_check_log_shows_is_fitted_there() {
+fn what_only_the_check_log_shows_is_fitted_with_the_others() {
     let leaking = Bench {
         plant: with("chamber_leak", "orifice", &[("area_m2", 3e-8)]),
         ..Bench::default()
@@ -107,7 +107,7 @@ fn what_only_the_check_log_shows_is_fitted_there() {
     assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
     assert_eq!(diagnosis.effects, ["chamber_leak"]);
     assert!(
-        diagnosis.held_out.contains("so they were fitted"),
+        diagnosis.held_out.contains("those for checking included"),
         "{}",
         diagnosis.held_out
     );
