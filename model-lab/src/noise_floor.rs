@@ -2,9 +2,11 @@
 //!
 //! While nothing can change a signal, all that is left of it after taking out a slow trend is noise. The variance of
 //! each quiet piece is taken after a straight line is removed; the median over the pieces ignores the few in which
-//! something did move, such as gas that still cools. Noise below the resolution hides in it, so the floor is never
-//! below that of the quantisation, step / sqrt(12).
+//! something did move, such as gas that still cools. Noise below the resolution hides in it: how much each level of a
+//! resting signal scatters then tells the noise, and the floor has the variance of the quantisation as well.
 
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use plant_sim::plant::{FILL, VENT};
@@ -21,6 +23,16 @@ const SHORTEST_HOLD_S: f64 = 0.3;
 const LONGEST_PIECE_S: f64 = 0.5;
 /// ... unless that would leave fewer samples than this.
 const FEWEST_SAMPLES: usize = 10;
+
+/// Noise whose variance in a piece is below this share of a squared step hides in the resolution: where it does not, the level within a
+/// step makes no difference.
+const HIDDEN: f64 = 0.25;
+/// A signal rests if its trend over a piece is less than this share of a step.
+const RESTS: f64 = 0.5;
+/// Harmonics of the error of quantisation.
+const HARMONICS: usize = 1000;
+/// Halvings of the interval that contains a deviation.
+const HALVINGS: usize = 40;
 
 /// A noise floor with what its accuracy depends on.
 #[derive(Debug, Clone)]
@@ -75,25 +87,20 @@ impl Quiet {
 
 /// The noise floor of `values`, sampled at the instants of `commands`.
 pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &Commands) -> Floor {
-    let mut variances = Vec::new();
-    let mut samples = 0;
-    for piece in pieces(&quiet.stretches(commands), &commands.times_s) {
-        if let Some((variance, count)) =
-            detrended_variance(&commands.times_s[piece.clone()], &values[piece])
-        {
-            variances.push((variance, count));
-            samples += count;
-        }
-    }
+    let pieces: Vec<Piece> = pieces(&quiet.stretches(commands), &commands.times_s)
+        .into_iter()
+        .filter_map(|rows| Piece::of(&commands.times_s[rows.clone()], &values[rows]))
+        .collect();
+    let samples = pieces.iter().map(|piece| piece.count).sum();
     let step = quantisation_step(values);
     let summary = |value, statement| NoiseFloor {
         value,
         quantisation_step: step,
-        pieces: variances.len(),
+        pieces: pieces.len(),
         samples,
         statement,
     };
-    let Some(scattered) = median_variance(&variances).map(f64::sqrt) else {
+    let Some(variance) = median_variance(&pieces) else {
         let statement = format!("unknown: give 2 s with {}", quiet.when());
         return Floor {
             summary: summary(None, statement),
@@ -101,8 +108,8 @@ pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &C
             freedom: 0.0,
         };
     };
-    let resolved = step.map_or(0.0, |step| step / 12_f64.sqrt());
-    let sigma = scattered.max(resolved);
+    let hidden = step.filter(|step| variance < HIDDEN * step * step);
+    let sigma = hidden.map_or(variance.sqrt(), |step| sigma_in_steps(&pieces, step));
     if sigma == 0.0 {
         let statement = format!(
             "unknown: the log does not change at all with {}; log it finer",
@@ -114,18 +121,17 @@ pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &C
             freedom: 0.0,
         };
     }
-    let source = if scattered >= resolved {
-        "the scatter"
-    } else {
-        "the resolution"
+    let source = match hidden {
+        Some(_) => "the scatter and the resolution",
+        None => "the scatter",
     };
     let statement = format!(
         "{} {unit} rms from {source} of {samples} samples with {} ({} pieces, each without its trend)",
         significant(sigma),
         quiet.when(),
-        variances.len()
+        pieces.len()
     );
-    let freedom = (samples - 2 * variances.len()) as f64;
+    let freedom = (samples - 2 * pieces.len()) as f64;
     Floor {
         summary: summary(Some(sigma), statement),
         sigma,
@@ -152,37 +158,100 @@ fn pieces(stretches: &[Range<usize>], times_s: &[f64]) -> Vec<Range<usize>> {
     pieces
 }
 
-/// Variance about a straight line, with the number of samples; none for fewer than [`FEWEST_SAMPLES`].
-fn detrended_variance(times_s: &[f64], values: &[f64]) -> Option<(f64, usize)> {
-    let pairs = || {
-        times_s
-            .iter()
-            .zip(values)
-            .filter(|(_, value)| !value.is_nan())
-    };
-    let count = pairs().count();
-    if count < FEWEST_SAMPLES {
-        return None;
+/// Piece of a quiet stretch.
+struct Piece {
+    /// Variance about a straight line.
+    variance: f64,
+    /// Number of samples.
+    count: usize,
+    /// Mean.
+    level: f64,
+    /// Rise of the line over the piece.
+    rise: f64,
+}
+
+impl Piece {
+    /// None for fewer samples than [`FEWEST_SAMPLES`].
+    fn of(times_s: &[f64], values: &[f64]) -> Option<Self> {
+        let pairs = || {
+            times_s
+                .iter()
+                .zip(values)
+                .filter(|(_, value)| !value.is_nan())
+        };
+        let count = pairs().count();
+        if count < FEWEST_SAMPLES {
+            return None;
+        }
+        let n = count as f64;
+        let (time, level) = pairs().fold((0.0, 0.0), |(t, y), (time, value)| {
+            (t + time / n, y + value / n)
+        });
+        let (tt, ty, yy) = pairs().fold((0.0, 0.0, 0.0), |(tt, ty, yy), (t, y)| {
+            let (t, y) = (t - time, y - level);
+            (tt + t * t, ty + t * y, yy + y * y)
+        });
+        Some(Self {
+            variance: (yy - ty * ty / tt).max(0.0) / (n - 2.0),
+            count,
+            level,
+            rise: ty / tt * (times_s[times_s.len() - 1] - times_s[0]),
+        })
     }
-    let n = count as f64;
-    let (time, level) = pairs().fold((0.0, 0.0), |(t, y), (time, value)| {
-        (t + time / n, y + value / n)
-    });
-    let (tt, ty, yy) = pairs().fold((0.0, 0.0, 0.0), |(tt, ty, yy), (t, y)| {
-        let (t, y) = (t - time, y - level);
-        (tt + t * t, ty + t * y, yy + y * y)
-    });
-    Some(((yy - ty * ty / tt).max(0.0) / (n - 2.0), count))
+
+    fn freedom(&self) -> f64 {
+        (self.count - 2) as f64
+    }
+}
+
+/// Standard deviation of noise and quantisation together, of noise that hides in steps of `step`, from how much each level of the resting
+/// signal scatters.
+fn sigma_in_steps(pieces: &[Piece], step: f64) -> f64 {
+    let mut by_level: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
+    let rests = |piece: &&Piece| piece.rise.abs() < RESTS * step && piece.variance < step * step;
+    for piece in pieces.iter().filter(rests) {
+        let code = (piece.level / step).round() as i64;
+        let (sum, freedom) = by_level.entry(code).or_default();
+        *sum += piece.freedom() * piece.variance / (step * step);
+        *freedom += piece.freedom();
+    }
+    let levels = by_level.len().max(1) as f64;
+    let means = by_level.values().map(|(sum, freedom)| sum / freedom);
+    let scatter = means.sum::<f64>() / levels;
+    step * (deviation_that_scatters(scatter).powi(2) + 1.0 / 12.0).sqrt()
+}
+
+/// The standard deviation of noise, in steps, with which readings of a level scatter with the variance `scatter`, mean of all levels
+/// within a step; 1 at most.
+fn deviation_that_scatters(scatter: f64) -> f64 {
+    let (mut least, mut most) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (least + most);
+        if scatter_of(middle) < scatter {
+            least = middle;
+        } else {
+            most = middle;
+        }
+    }
+    least
+}
+
+/// Variance of the readings of a level, mean of all levels within a step, for noise of this standard deviation, all in steps: that of
+/// noise and quantisation without what is a bias at each level.
+fn scatter_of(deviation: f64) -> f64 {
+    let harmonic = |k: usize| {
+        let there = 2.0 * PI * PI * (k * k) as f64;
+        (-2.0 * there * deviation * deviation).exp() / there
+    };
+    let bias: f64 = (1..=HARMONICS).map(harmonic).sum();
+    deviation * deviation + 1.0 / 12.0 - bias
 }
 
 /// Median of the variances, each first divided by where the median of its chi-squared distribution lies
 /// (Wilson and Hilferty); none without pieces.
-fn median_variance(variances: &[(f64, usize)]) -> Option<f64> {
-    let unbiased = |&(variance, count): &(f64, usize)| {
-        let freedom = (count - 2) as f64;
-        variance / (1.0 - 2.0 / (9.0 * freedom)).powi(3)
-    };
-    let mut sorted: Vec<f64> = variances.iter().map(unbiased).collect();
+fn median_variance(pieces: &[Piece]) -> Option<f64> {
+    let unbiased = |piece: &Piece| piece.variance / (1.0 - 2.0 / (9.0 * piece.freedom())).powi(3);
+    let mut sorted: Vec<f64> = pieces.iter().map(unbiased).collect();
     sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;
     match sorted.len() {
@@ -255,6 +324,33 @@ mod tests {
         );
         let found = floor.summary.quantisation_step.unwrap();
         assert!((found / step - 1.0).abs() < 1e-6, "{found}");
+    }
+
+    /// Defect seen: noise of a fifth of a step showed at few levels only, and the floor was that of the quantisation alone, 19 % too low.
+    #[test]
+    fn noise_that_hides_in_the_resolution_is_in_the_floor() {
+        let step = 11.7e-3;
+        for deviation in [0.1, 0.2, 0.3, 0.45] {
+            let level = |t: f64| 3.0 + 0.0317 * (t / 1.5).floor();
+            let floor = floor(&noisy(4, deviation * step, step, level));
+            let expected = step * (deviation * deviation + 1.0 / 12.0_f64).sqrt();
+            assert!(
+                (floor.sigma / expected - 1.0).abs() < 0.06,
+                "{deviation}: {} {expected}",
+                floor.sigma
+            );
+        }
+    }
+
+    /// A wide normal distribution scatters as it is; a narrow one only at the edge of a step, as its mean difference says: 1/√π.
+    #[test]
+    fn readings_scatter_as_noise_and_level_say() {
+        assert!((scatter_of(0.8) - (0.64 + 1.0 / 12.0)).abs() < 1e-5);
+        assert!((scatter_of(0.02) - 0.02 / PI.sqrt()).abs() < 1e-4);
+        for deviation in [0.05, 0.2, 0.4] {
+            let found = deviation_that_scatters(scatter_of(deviation));
+            assert!((found - deviation).abs() < 1e-9, "{found}");
+        }
     }
 
     #[test]

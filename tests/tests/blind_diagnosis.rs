@@ -7,27 +7,46 @@ use std::path::PathBuf;
 use model_lab::diagnosis::diagnose;
 use plant_sim::PlantParameters;
 use recording::{Recording, csv};
-use retarder_tests::blind::draw::{Counts, Draw};
-use retarder_tests::blind::format::Folders;
+use retarder_tests::blind::draw::KnownRig;
+use retarder_tests::blind::format::{Class, Folders, Poor};
 use retarder_tests::blind::score::{Quality, score};
 
-/// Seeds below 100 and this share of the full set are for development.
-const SEED: u64 = 2;
-const SHARE: f64 = 0.2;
+/// Effect, law, size over the typical one, and shape.
+type Hidden = (&'static str, &'static str, f64, f64);
 
-fn quality_of(rig: usize) -> Quality {
-    quality_of_part(SEED, rig, usize::MAX)
+/// Plain rigs of development seeds, by their numbers.
+const fn plain(seed: u64, number: usize) -> KnownRig {
+    KnownRig {
+        seed,
+        number,
+        class: Class::Plain,
+        poor: None,
+        hidden: &[],
+    }
 }
 
-/// Draws one rig, diagnoses the first `rows` of its logs, and scores it.
-fn quality_of_part(seed: u64, rig: usize, rows: usize) -> Quality {
+/// Rig of seed 2 with these hidden effects.
+const fn hiding(number: usize, class: Class, hidden: &'static [Hidden]) -> KnownRig {
+    KnownRig {
+        class,
+        hidden,
+        ..plain(2, number)
+    }
+}
+
+fn quality_of(rig: KnownRig) -> Quality {
+    quality_of_part(rig, usize::MAX)
+}
+
+/// Runs a rig, diagnoses the first `rows` of its logs, and scores it.
+fn quality_of_part(rig: KnownRig, rows: usize) -> Quality {
     let folder = tempfile::tempdir().unwrap();
     let folders = Folders::new(folder.path());
     let (logs, sealed, found) = (folders.logs(), folders.sealed(), folders.found());
     for folder in [&logs, &sealed, found.path()] {
         fs::create_dir(folder).unwrap();
     }
-    let drawn = Draw::new(seed, Counts::FULL.share(SHARE)).rig(rig - 1);
+    let drawn = rig.run();
     drawn.write(&folders).unwrap();
     let name = &drawn.answer.rig;
     let read = |path: PathBuf| -> [Recording; 1] {
@@ -51,20 +70,21 @@ fn quality_of_part(seed: u64, rig: usize, rows: usize) -> Quality {
 
 #[test]
 fn a_plain_rig_gets_no_name() {
-    let share = quality_of(33).false_names;
+    let share = quality_of(plain(2, 33)).false_names;
     assert_eq!((share.count, share.of), (0, 1));
 }
 
 /// Defect seen: the fit of the plain model kept an old Jacobian and did not converge; a lag of 50 µs was named.
 #[test]
 fn a_plain_rig_with_a_long_way_to_its_fit_gets_no_name() {
-    let share = quality_of_part(3, 32, usize::MAX).false_names;
+    let share = quality_of(plain(3, 32)).false_names;
     assert_eq!((share.count, share.of), (0, 1));
 }
 
 #[test]
 fn a_clamp_is_named() {
-    let quality = quality_of(56);
+    const CLAMP: Hidden = ("flyback_clamp", "constant voltage", 4.618, 0.247);
+    let quality = quality_of(hiding(56, Class::Matched, &[CLAMP]));
     let (right, wrong) = (quality.right_names, quality.wrong_names);
     assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
 }
@@ -72,7 +92,8 @@ fn a_clamp_is_named() {
 /// Defect seen: a lag and a dead volume were named.
 #[test]
 fn a_lag_of_another_law_is_named() {
-    let quality = quality_of(54);
+    const LAG: Hidden = ("sensor_lag", "two lags", 7.281, 0.656);
+    let quality = quality_of(hiding(54, Class::Variant, &[LAG]));
     let (right, wrong) = (quality.right_names, quality.wrong_names);
     assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
 }
@@ -80,7 +101,19 @@ fn a_lag_of_another_law_is_named() {
 /// Defect seen: only the warm coil was named.
 #[test]
 fn warm_gas_and_a_warm_coil_are_both_named() {
-    let quality = quality_of(31);
+    const GAS: Hidden = (
+        "gas_temperature",
+        "constant heat transfer to a cold wall",
+        4.317,
+        0.890,
+    );
+    const WARM: Hidden = (
+        "coil_ambient_temperature",
+        "both coils in warm surroundings",
+        4.304,
+        0.626,
+    );
+    let quality = quality_of(hiding(31, Class::Two, &[GAS, WARM]));
     let (both, wrong) = (quality.both_of_two, quality.wrong_names);
     assert_eq!((both.count, both.of, wrong.count), (1, 1, 0));
 }
@@ -88,13 +121,24 @@ fn warm_gas_and_a_warm_coil_are_both_named() {
 /// Defect seen: a plunger with an undetermined volume was named. Half a minute of each log, since it tries every pair.
 #[test]
 fn a_bowed_sensor_gets_no_name() {
-    let share = quality_of_part(SEED, 59, 3000).named_outside;
+    const BOW: Hidden = ("sensor_bow", "parabola between 0 and 8 bar", 6.084, 0.730);
+    let share = quality_of_part(hiding(59, Class::Beyond, &[BOW]), 3000).named_outside;
     assert_eq!((share.count, share.of), (0, 1));
 }
 
 #[test]
 fn warm_coils_are_named_after_a_short_log() {
-    let quality = quality_of(62);
+    const WARM: Hidden = (
+        "coil_ambient_temperature",
+        "both coils in warm surroundings",
+        2.186,
+        0.345,
+    );
+    let short = KnownRig {
+        poor: Some(Poor::Short),
+        ..hiding(62, Class::Matched, &[WARM])
+    };
+    let quality = quality_of(short);
     let (right, wrong) = (quality.right_names, quality.wrong_names);
     assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
 }

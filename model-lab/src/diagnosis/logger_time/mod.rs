@@ -177,16 +177,20 @@ fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drif
         let clock = clock.later(sample_time_s);
         log.set_clock(clock, plant);
         if is_told {
-            let told = told
-                .iter()
-                .find(|told| told.clock.drift_ppm == clock.drift_ppm);
-            let slack_s = told.map_or(interval_s, |told| told.phase_slack_s);
-            // The same sample of the ECU for both.
-            let apart_s = told.map_or(0.0, |told| told.clock.phase_s - clock.phase_s);
-            let apart_s = apart_s - (apart_s / sample_time_s).round() * sample_time_s;
-            let phase_s = clock.phase_at_s(log.middle_s()) + apart_s;
-            let least_s = TOLD_PHASE_SD * interval_s;
-            let sd_s = (EVEN_SD * slack_s).max(least_s);
+            let middle_s = log.middle_s();
+            let phase_s = clock.phase_at_s(middle_s);
+            // The same sample of the ECU for all; with another drift the phase in the middle is another one.
+            let admitted = told.iter().map(|told| {
+                let apart_s = told.clock.phase_at_s(middle_s) - phase_s;
+                let apart_s = apart_s - (apart_s / sample_time_s).round() * sample_time_s;
+                (apart_s - told.phase_slack_s, apart_s + told.phase_slack_s)
+            });
+            let (least_s, most_s) = admitted
+                .fold((0.0, 0.0), |(least_s, most_s): (f64, f64), one| {
+                    (least_s.min(one.0), most_s.max(one.1))
+                });
+            let phase_s = phase_s + 0.5 * (least_s + most_s);
+            let sd_s = (EVEN_SD * 0.5 * (most_s - least_s)).max(TOLD_PHASE_SD * interval_s);
             (log.known_phase_s, log.is_clock_told) = ((phase_s, sd_s), true);
         }
     }

@@ -14,8 +14,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde::Serialize;
 use thiserror::Error;
 
-use super::format::{Answer, Folders, Hidden, Poor, Profile, SCHEMA};
+use super::format::{Answer, Class, Folders, Hidden, Poor, Profile, SCHEMA};
 use crate::chance::Chance;
+use crate::reference_plant::catalogue::forms;
 use crate::reference_plant::{
     Departures, Reading, ReferencePlant, Rig, SCATTERED, Scatter, replay,
 };
@@ -58,6 +59,43 @@ pub struct Draw {
     plans: Vec<(usize, Plan)>,
 }
 
+/// Rig of a seed as it was drawn: it stays the same when the catalogue of effects, and with it the plan of the draw, changes.
+#[derive(Debug, Clone, Copy)]
+pub struct KnownRig {
+    /// Seed of its draw.
+    pub seed: u64,
+    /// Number in its draw, from 1.
+    pub number: usize,
+    /// Class.
+    pub class: Class,
+    /// Shortcoming of its logs.
+    pub poor: Option<Poor>,
+    /// Effect, law, size over the typical one, and shape of each hidden effect.
+    pub hidden: &'static [(&'static str, &'static str, f64, f64)],
+}
+
+impl KnownRig {
+    /// Runs the rig.
+    ///
+    /// # Panics
+    /// If the catalogue does not have one of the laws.
+    pub fn run(&self) -> Drawn {
+        let dose = |&(effect, law, size_over_typical, shape): &(&str, &str, f64, f64)| Dose {
+            form: forms()
+                .find(|form| (form.effect, form.law) == (effect, law))
+                .unwrap_or_else(|| panic!("no {effect}: {law}")),
+            size_over_typical,
+            shape,
+        };
+        let plan = Plan {
+            class: self.class,
+            poor: self.poor,
+            hidden: self.hidden.iter().map(dose).collect(),
+        };
+        rig(self.seed, self.number, &plan)
+    }
+}
+
 impl Draw {
     /// Plans the rigs of `seed`, without running them.
     pub fn new(seed: u64, counts: Counts) -> Self {
@@ -85,11 +123,7 @@ impl Draw {
     /// Runs one of these rigs.
     pub fn rig(&self, index: usize) -> Drawn {
         let (number, plan) = &self.plans[index];
-        drawn(
-            format!("rig-{number:03}"),
-            plan,
-            &mut Chance::of(self.seed, *number as u64 - 1),
-        )
+        rig(self.seed, *number, plan)
     }
 
     /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` gets the number of finished rigs.
@@ -188,7 +222,8 @@ pub(super) fn only<T>(plans: &mut Vec<(usize, T)>, numbers: &[usize]) -> Result<
     Ok(())
 }
 
-fn drawn(name: String, plan: &Plan, chance: &mut Chance) -> Drawn {
+fn rig(seed: u64, number: usize, plan: &Plan) -> Drawn {
+    let chance = &mut Chance::of(seed, number as u64 - 1);
     let scatter = Scatter([0.0; SCATTERED.len()].map(|_: f64| chance.between(-1.0, 1.0)));
     let plain = Rig::nominal().scattered(&scatter);
     let rig = plain.with(departures(&plan.hidden, &plain));
@@ -211,7 +246,7 @@ fn drawn(name: String, plan: &Plan, chance: &mut Chance) -> Drawn {
     Drawn {
         answer: Answer {
             schema: SCHEMA.to_owned(),
-            rig: name,
+            rig: format!("rig-{number:03}"),
             class: plan.class,
             poor: plan.poor,
             hidden: plan
