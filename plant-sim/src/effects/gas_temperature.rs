@@ -40,7 +40,7 @@ static ABOUT: About = About {
         },
         Variant {
             name: "convection_to_warming_wall",
-            about: "the same to an inner wall that follows the gas and gives its heat on",
+            about: "natural convection to an inner wall that follows the gas and gives its heat on",
             parameters: &[&CONVECTION, &CAPACITY, &LOSS],
         },
     ],
