@@ -173,7 +173,7 @@ fn rig_8_lacks_something_that_the_library_has_not() {
     assert!(diagnosis.effects.is_empty() && diagnosis.unexplained);
 }
 
-/// What remains of rig 8 without any effect; a line of 0.45 Hz needs the periods of the whole log.
+/// The supply of rig 8 swings at 0.45 Hz. The whole log has enough periods to show it; half of it has not.
 #[test]
 fn rig_8_swings_at_a_line_of_its_own() {
     let read = |kind: &str| [practice::log(&format!("practice-08-{kind}.csv"))];

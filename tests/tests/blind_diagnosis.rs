@@ -34,6 +34,15 @@ const fn hiding(number: usize, class: Class, hidden: &'static [Hidden]) -> Known
     }
 }
 
+const fn warm_coils(size_over_typical: f64, shape: f64) -> Hidden {
+    (
+        "coil_ambient_temperature",
+        "both coils in warm surroundings",
+        size_over_typical,
+        shape,
+    )
+}
+
 fn quality_of(rig: KnownRig) -> Quality {
     quality_of_part(rig, usize::MAX)
 }
@@ -107,12 +116,7 @@ fn warm_gas_and_a_warm_coil_are_both_named() {
         4.317,
         0.890,
     );
-    const WARM: Hidden = (
-        "coil_ambient_temperature",
-        "both coils in warm surroundings",
-        4.304,
-        0.626,
-    );
+    const WARM: Hidden = warm_coils(4.304, 0.626);
     let quality = quality_of(hiding(31, Class::Two, &[GAS, WARM]));
     let (both, wrong) = (quality.both_of_two, quality.wrong_names);
     assert_eq!((both.count, both.of, wrong.count), (1, 1, 0));
@@ -128,12 +132,7 @@ fn a_bowed_sensor_gets_no_name() {
 
 #[test]
 fn warm_coils_are_named_after_a_short_log() {
-    const WARM: Hidden = (
-        "coil_ambient_temperature",
-        "both coils in warm surroundings",
-        2.186,
-        0.345,
-    );
+    const WARM: Hidden = warm_coils(2.186, 0.345);
     let short = KnownRig {
         poor: Some(Poor::Short),
         ..hiding(62, Class::Matched, &[WARM])

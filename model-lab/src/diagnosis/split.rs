@@ -82,9 +82,9 @@ impl Split {
             return Ok((given, plain));
         }
         if check.is_empty() {
-            let exchanged = given.with_other_blocks();
-            let plain = exchanged.plain(plant)?;
-            return Ok((exchanged, plain));
+            let other = given.with_other_blocks();
+            let plain = other.plain(plant)?;
+            return Ok((other, plain));
         }
         let mut all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
         all.fit_conditions(plant);
