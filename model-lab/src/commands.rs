@@ -104,6 +104,17 @@ impl Commands {
         })
     }
 
+    /// The same at some of the instants, which contain the rows of every gap.
+    pub(crate) fn at_rows(&self, rows: &[usize]) -> Self {
+        let at = |values: &[f64]| Arc::new(rows.iter().map(|&row| values[row]).collect());
+        Self {
+            times_s: at(&self.times_s),
+            duty_pct: [FILL, VENT].map(|valve| at(&self.duty_pct[valve])),
+            gaps: self.gaps.at_rows(rows),
+            ..self.clone()
+        }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.times_s.len()
     }

@@ -126,6 +126,19 @@ impl Gaps {
         }
     }
 
+    /// The same gaps where only `rows` are left, which contain those of every gap.
+    pub(crate) fn at_rows(&self, rows: &[usize]) -> Self {
+        let place = |row: usize| rows.partition_point(|&kept| kept < row);
+        let moved = |gap: &Gap| Gap {
+            rows: place(gap.rows.start)..place(gap.rows.end),
+            ..gap.clone()
+        };
+        Self {
+            list: self.list.iter().map(moved).collect(),
+            pause_s: self.pause_s,
+        }
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

@@ -26,7 +26,7 @@ pub(super) fn gather<'a>(
     let logs = read.into_iter().map(|(log, read)| {
         let mut log = Log::new(parameters, log, read, &noise)?;
         find_clock(parameters, &mut log, Delay::Searched, &[]);
-        let mut alone = Evidence::of(vec![log]);
+        let mut alone = Evidence::of(vec![log.thinned(parameters)]);
         find_supply(parameters, &mut alone);
         Ok(alone.logs)
     });

@@ -1,6 +1,7 @@
 //! A log as the diagnosis sees it: what drives the model, and what it has to answer.
 
 mod assignment;
+mod thin;
 
 use std::sync::Arc;
 
@@ -46,11 +47,7 @@ pub(crate) struct Log {
     /// Whether the plant has coils.
     has_coil: bool,
     pub(crate) conditions: Conditions,
-    /// Phase of the clock (s) in the middle of the log that the rows of the logged commands show, with its standard deviation: infinite
-    /// where they do not.
-    pub(crate) known_phase_s: (f64, f64),
-    /// Whether the commands show the clock without the model.
-    pub(crate) is_clock_told: bool,
+    pub(crate) known_clock: KnownClock,
     /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
     issued_ns: Vec<u64>,
     /// Surroundings that were measured with it.
@@ -69,6 +66,29 @@ pub(crate) struct Log {
     pub(crate) counted: Vec<bool>,
     /// Whether the supply was shut off: nothing in the log tells, and it explains the currents better.
     pub(crate) is_without_supply: bool,
+}
+
+/// What the rows of the logged commands show of the clock.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum KnownClock {
+    Nothing,
+    /// Its phase in the middle of the log.
+    Middle(KnownPhase),
+    /// Its phases at the first and the last change of a command. A drift moves one against the other, so that what is admitted of both
+    /// together is admitted of each.
+    Ends([KnownPhase; 2]),
+}
+
+/// What is known of a phase.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct KnownPhase {
+    /// Time since the first row of the log (s).
+    pub(crate) at_s: f64,
+    /// Phase there (s) with its standard deviation.
+    pub(crate) value_s: f64,
+    pub(crate) sd_s: f64,
+    /// How far a fit may move from it (s).
+    pub(crate) reach_s: f64,
 }
 
 /// One signal of a log.
@@ -175,8 +195,7 @@ impl Log {
                 },
                 pwm_lead_ns: 0,
             },
-            known_phase_s: (0.0, f64::INFINITY),
-            is_clock_told: false,
+            known_clock: KnownClock::Nothing,
             issued_ns: Vec::new(),
             sample_time_s: parameters.ecu.sample_time_s,
             interval_s,
@@ -235,7 +254,7 @@ impl Log {
     pub(crate) fn found(&self) -> LogConditions {
         LogConditions {
             conditions: self.conditions,
-            clock_source: match self.is_clock_told {
+            clock_source: match self.is_clock_told() {
                 true => ClockSource::Commands,
                 false => ClockSource::Model,
             },
@@ -275,9 +294,14 @@ impl Log {
         self.commands.times_s.last().copied().unwrap_or(0.0)
     }
 
+    /// Whether the commands show the clock without the model.
+    pub(crate) fn is_clock_told(&self) -> bool {
+        matches!(self.known_clock, KnownClock::Ends(_))
+    }
+
     /// Whether a model alone can tell the clock of the logger: it has coils that are commanded, and the commands do not tell it.
     pub(crate) fn is_clock_open(&self) -> bool {
-        self.has_coil && !self.is_clock_told && self.duration_s() > self.interval_s
+        self.has_coil && !self.is_clock_told() && self.duration_s() > self.interval_s
     }
 
     /// Whether it begins with a chamber that was filled, whose gas may still be warm.

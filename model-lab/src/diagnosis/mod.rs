@@ -25,6 +25,7 @@ mod knowledge;
 mod known;
 mod ladder;
 mod log;
+mod log_unknown;
 mod logged_supply;
 mod logger_time;
 pub mod next_experiment;

@@ -2,10 +2,10 @@
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::EffectSetting;
-use plant_sim::logger_clock::LoggerClock;
 
 use super::effect_unknown::{EVEN_SD, EffectUnknown};
 use super::log::Log;
+use super::log_unknown::LogUnknown;
 use super::nuisance::{Nuisance, Shows, nuisances};
 use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
@@ -15,14 +15,6 @@ const NUISANCE_STEP: f64 = 0.04;
 /// ... or this change of an effect's coordinate. Both are far above the solver's error.
 const EFFECT_STEP: f64 = 0.04;
 
-/// Units of the clocks' coordinates, ...
-const PHASE_UNIT_S: f64 = 1e-3;
-const DRIFT_UNIT_PPM: f64 = 20.0;
-/// ... how far a phase may move from what the commands tell, in standard deviations, ...
-const PHASE_REACH_SD: f64 = 3.0;
-/// ... and how far a drift may move from where it was begun (ppm).
-const DRIFT_REACH_PPM: f64 = 300.0;
-
 /// Within this coordinate of a bound a parameter has run to it.
 pub(crate) const AT_BOUND: f64 = 1e-6;
 
@@ -31,46 +23,6 @@ pub(crate) const AT_BOUND: f64 = 1e-6;
 pub(crate) struct Unknowns {
     datasheet: PlantParameters,
     list: Vec<Unknown>,
-}
-
-/// A condition of one log that is fitted.
-#[derive(Debug, Clone)]
-pub(crate) struct LogUnknown {
-    /// Index of the log.
-    pub(crate) log: usize,
-    pub(crate) figure: LogFigure,
-    /// The middle of the log since its first row (s).
-    middle_s: f64,
-    pub(crate) start: f64,
-    /// Value and standard deviation that are known without the model; the deviation is infinite where nothing is.
-    pub(crate) known: (f64, f64),
-    /// One unit of its coordinate.
-    pub(crate) unit: f64,
-    /// Least and largest value.
-    pub(crate) range: (f64, f64),
-}
-
-/// Which of the conditions of a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum LogFigure {
-    /// [`LoggerClock::phase_at_s`] in the middle of the log, where it does not depend on the drift.
-    PhaseS,
-    /// [`LoggerClock::drift_ppm`].
-    DriftPpm,
-    /// [`StartGas::excess_k`](crate::conditions::StartGas::excess_k).
-    StartExcessK,
-    /// Logarithm of [`StartGas::cooling_s`](crate::conditions::StartGas::cooling_s).
-    LnCoolingS,
-}
-
-impl LogFigure {
-    /// The condition, for people.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::PhaseS | Self::DriftPpm => "clock of the logger",
-            Self::StartExcessK | Self::LnCoolingS => "temperature of the gas at the start",
-        }
-    }
 }
 
 /// One coordinate.
@@ -105,8 +57,7 @@ impl Unknowns {
             datasheet: datasheet.clone(),
             list: nuisances.into_iter().map(Unknown::Nuisance).collect(),
         }
-        .with_clocks(logs)
-        .with_starts(logs);
+        .with_conditions(logs);
         for setting in fitted {
             unknowns = unknowns.with_effect(setting);
         }
@@ -210,81 +161,14 @@ impl Unknowns {
             datasheet: plant.clone(),
             list: Vec::new(),
         };
-        of_plant.with_clocks(logs).with_starts(logs)
+        of_plant.with_conditions(logs)
     }
 
-    /// Adds the clocks of the loggers to what is fitted: phase and drift of each log that has one.
-    fn with_clocks(mut self, logs: &[Log]) -> Self {
-        for (index, log) in logs.iter().enumerate() {
-            let Some(clock) = log.conditions.clock else {
-                continue;
-            };
-            let middle_s = log.middle_s();
-            let (phase_s, drift_ppm) = (clock.phase_at_s(middle_s), clock.drift_ppm);
-            let (known_s, sd_s) = log.known_phase_s;
-            let reach_s = 0.5 * log.sample_time_s;
-            let phase_range = if PHASE_REACH_SD * sd_s < reach_s {
-                (
-                    known_s - PHASE_REACH_SD * sd_s,
-                    known_s + PHASE_REACH_SD * sd_s,
-                )
-            } else {
-                (phase_s - reach_s, phase_s + reach_s)
-            };
-            self.list.extend([
-                Unknown::Log(LogUnknown {
-                    log: index,
-                    figure: LogFigure::PhaseS,
-                    middle_s,
-                    start: phase_s,
-                    known: log.known_phase_s,
-                    unit: PHASE_UNIT_S,
-                    range: (phase_range.0.max(0.0), phase_range.1),
-                }),
-                Unknown::Log(LogUnknown {
-                    log: index,
-                    figure: LogFigure::DriftPpm,
-                    middle_s,
-                    start: drift_ppm,
-                    known: (drift_ppm, f64::INFINITY),
-                    unit: DRIFT_UNIT_PPM,
-                    range: (drift_ppm - DRIFT_REACH_PPM, drift_ppm + DRIFT_REACH_PPM),
-                }),
-            ]);
-        }
-        self
-    }
-
-    /// Adds the state in which logs begin to what is fitted: the temperature of the gas in a filled chamber.
-    fn with_starts(mut self, logs: &[Log]) -> Self {
-        let filled = logs
-            .iter()
-            .enumerate()
-            .filter(|(_, log)| log.begins_filled());
-        for (index, log) in filled {
-            let gas = log.conditions.start_gas;
-            let usual = log.usual_gas();
-            self.list.extend([
-                Unknown::Log(LogUnknown {
-                    log: index,
-                    figure: LogFigure::StartExcessK,
-                    middle_s: 0.0,
-                    start: gas.excess_k,
-                    known: (0.0, usual.excess_sd_k),
-                    unit: usual.excess_sd_k,
-                    range: usual.excess_k,
-                }),
-                Unknown::Log(LogUnknown {
-                    log: index,
-                    figure: LogFigure::LnCoolingS,
-                    middle_s: 0.0,
-                    start: gas.cooling_s.ln(),
-                    known: (usual.usual_s.ln(), usual.ln_sd),
-                    unit: 1.0,
-                    range: (usual.least_s.ln(), usual.most_s.ln()),
-                }),
-            ]);
-        }
+    /// Adds the conditions of `logs` to what is fitted.
+    fn with_conditions(mut self, logs: &[Log]) -> Self {
+        let of_logs = logs.iter().enumerate();
+        let fitted = of_logs.flat_map(|(index, log)| LogUnknown::of(index, log));
+        self.list.extend(fitted.map(Unknown::Log));
         self
     }
 
@@ -294,22 +178,7 @@ impl Unknowns {
             let Unknown::Log(fitted) = unknown else {
                 continue;
             };
-            let value = unknown.value(z);
-            let there = &mut conditions[fitted.log];
-            match fitted.figure {
-                LogFigure::PhaseS => {
-                    let drift_ppm = there.clock.unwrap_or_default().drift_ppm;
-                    let clock = LoggerClock::with_phase_at(fitted.middle_s, value, drift_ppm);
-                    there.clock = Some(clock);
-                }
-                LogFigure::DriftPpm => {
-                    let phase_s = there.clock.unwrap_or_default().phase_at_s(fitted.middle_s);
-                    let clock = LoggerClock::with_phase_at(fitted.middle_s, phase_s, value);
-                    there.clock = Some(clock);
-                }
-                LogFigure::StartExcessK => there.start_gas.excess_k = value,
-                LogFigure::LnCoolingS => there.start_gas.cooling_s = value.exp(),
-            }
+            fitted.put(conditions, unknown.value(z));
         }
     }
 
@@ -333,9 +202,7 @@ impl Unknown {
     pub(crate) fn is_shown_by_currents(&self) -> bool {
         match self {
             Self::Nuisance(nuisance) => nuisance.spec.section == "coil" || self.is_delay(),
-            Self::Log(fitted) => {
-                matches!(fitted.figure, LogFigure::PhaseS | LogFigure::DriftPpm)
-            }
+            Self::Log(fitted) => fitted.is_of_clock(),
             Self::Effect(_) => false,
         }
     }
@@ -353,7 +220,7 @@ impl Unknown {
         match self {
             Self::Nuisance(nuisance) => nuisance.spec.name(),
             Self::Effect(effect) => effect.spec.name(),
-            Self::Log(condition) => condition.figure.name().to_owned(),
+            Self::Log(condition) => condition.name().to_owned(),
         }
     }
 

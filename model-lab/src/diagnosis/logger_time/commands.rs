@@ -20,7 +20,7 @@ const APART_SHARE: f64 = 0.3;
 /// Changes may lie outside of their rows by this share of the time between them: rounded times.
 const SLACK: f64 = 0.02;
 /// The same for a clock that was fitted.
-const FITTED_SLACK: f64 = 0.1;
+pub(super) const FITTED_SLACK: f64 = 0.1;
 /// Share of the changes that a clock has to explain: a command may be set by hand, between the samples of the ECU.
 const EXPLAINED: f64 = 0.98;
 
@@ -28,8 +28,10 @@ const EXPLAINED: f64 = 0.98;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ToldClock {
     pub(super) clock: LoggerClock,
-    /// The phase may be this much more or less (s).
+    /// The phase may be this much more or less (s), ...
     pub(super) phase_slack_s: f64,
+    /// ... and so may the drift (ppm).
+    pub(super) drift_slack_ppm: f64,
 }
 
 /// A change of a command: somewhere between two rows.
@@ -66,11 +68,12 @@ pub(super) fn clocks_from_commands(inputs: &[ReplayInput], sample_time_s: f64) -
     let apart_ppm = APART_SHARE * interval_s / span_s * 1e6;
     let drifts = ranges.into_iter().flat_map(|(least_ppm, most_ppm)| {
         let count = ((most_ppm - least_ppm) / apart_ppm).ceil().max(1.0);
-        let place = move |n: usize| (n as f64 + 0.5) / count;
-        (0..count as usize).map(move |n| least_ppm + place(n) * (most_ppm - least_ppm))
+        let slack_ppm = 0.5 * (most_ppm - least_ppm) / count;
+        let place = move |n: usize| least_ppm + (2 * n + 1) as f64 * slack_ppm;
+        (0..count as usize).map(move |n| (place(n), slack_ppm))
     });
     drifts
-        .filter_map(|drift_ppm| {
+        .filter_map(|(drift_ppm, slack_ppm)| {
             let (least_s, most_s) = phases(&changes, drift_ppm, sample_time_s)?;
             Some(ToldClock {
                 clock: LoggerClock {
@@ -78,6 +81,7 @@ pub(super) fn clocks_from_commands(inputs: &[ReplayInput], sample_time_s: f64) -
                     drift_ppm,
                 },
                 phase_slack_s: 0.5 * (most_s - least_s),
+                drift_slack_ppm: slack_ppm + step_ppm,
             })
         })
         .collect()
@@ -94,6 +98,17 @@ pub(super) fn admit(inputs: &[ReplayInput], sample_time_s: f64, clock: LoggerClo
     };
     let explained = changes.iter().filter(encloses).count();
     explained as f64 >= EXPLAINED * changes.len() as f64
+}
+
+/// Returns the instants of the first and the last change that tell something of a clock, since the first row (s); those of the first and
+/// the last row where there is none.
+pub(super) fn ends_s(inputs: &[ReplayInput], sample_time_s: f64) -> [f64; 2] {
+    let changes = changes(inputs, FASTER * sample_time_s);
+    let last_row_s = inputs.last().map_or(0.0, |last| last.time_ns as f64 * 1e-9);
+    match (changes.first(), changes.last()) {
+        (Some(first), Some(last)) if last.at_s > first.at_s => [first.at_s, last.at_s],
+        _ => [0.0, last_row_s],
+    }
 }
 
 /// Returns how often the commands change.

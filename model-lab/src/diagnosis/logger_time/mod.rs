@@ -9,6 +9,7 @@ mod of_one_log;
 mod pwm_lead;
 mod sampling;
 mod slow;
+mod told;
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -26,6 +27,7 @@ pub(crate) use of_one_log::conditions_of;
 use pwm_lead::find_pwm_lead;
 pub(crate) use sampling::{find_sampling, take_sampling};
 pub(crate) use slow::{Search, centre_slow_clocks, find_slow_clocks};
+use told::known_clock;
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...
 const DELAY_REACH_S: f64 = 8e-3;
@@ -55,8 +57,6 @@ const CLEAR_FITTED: f64 = 0.98;
 const ROUNDS: usize = 2;
 /// Phases that are tried within what the commands leave open, over half of it.
 const WITHIN_SLACK: [f64; 3] = [-0.67, 0.0, 0.67];
-/// Least standard deviation of a phase that the commands tell, over the time from row to row.
-const TOLD_PHASE_SD: f64 = 0.02;
 /// Standard deviation of what lies evenly within a slack to either side.
 const EVEN_SD: f64 = 0.577;
 
@@ -146,7 +146,7 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, d
 
 /// Finds the clock of the logger of `log`, which has coils and several rows.
 fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
-    let (interval_s, duration_s) = (log.interval_s, log.duration_s());
+    let duration_s = log.duration_s();
     let sample_time_s = plant.ecu.sample_time_s;
     let told = clocks_from_commands(log.inputs(), sample_time_s);
     let is_told = !told.is_empty();
@@ -177,21 +177,7 @@ fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drif
         let clock = clock.later(sample_time_s);
         log.set_clock(clock, plant);
         if is_told {
-            let middle_s = log.middle_s();
-            let phase_s = clock.phase_at_s(middle_s);
-            // The same sample of the ECU for all; with another drift the phase in the middle is another one.
-            let admitted = told.iter().map(|told| {
-                let apart_s = told.clock.phase_at_s(middle_s) - phase_s;
-                let apart_s = apart_s - (apart_s / sample_time_s).round() * sample_time_s;
-                (apart_s - told.phase_slack_s, apart_s + told.phase_slack_s)
-            });
-            let (least_s, most_s) = admitted
-                .fold((0.0, 0.0), |(least_s, most_s): (f64, f64), one| {
-                    (least_s.min(one.0), most_s.max(one.1))
-                });
-            let phase_s = phase_s + 0.5 * (least_s + most_s);
-            let sd_s = (EVEN_SD * 0.5 * (most_s - least_s)).max(TOLD_PHASE_SD * interval_s);
-            (log.known_phase_s, log.is_clock_told) = ((phase_s, sd_s), true);
+            log.known_clock = known_clock(&told, clock, log);
         }
     }
 }
@@ -306,6 +292,7 @@ mod tests {
     use super::*;
     use crate::bench::logged_through;
     use crate::diagnosis::gather::gather;
+    use crate::diagnosis::log::{KnownClock, KnownPhase};
 
     /// Defect seen: some hundred commands told the phase of rows 6.9 ms apart to a tenth of a millisecond, and a fit went 1.7 ms away
     /// from it, 2.4 noise floors from the log.
@@ -326,10 +313,20 @@ mod tests {
         let log = logged_through(&plant, (clock, 6.9e-3), 1, &pulses);
         let evidence = gather(&plant, [&log]).unwrap();
         let log = &evidence.logs[0];
-        let (known_s, sd_s) = log.known_phase_s;
-        let off_s = known_s - clock.phase_at_s(log.middle_s());
-        let off_s = off_s - (off_s / log.sample_time_s).round() * log.sample_time_s;
-        assert!(log.is_clock_told && sd_s < 0.3e-3, "{sd_s}");
-        assert!(off_s.abs() < 3.0 * sd_s, "{off_s} {sd_s}");
+        let KnownClock::Ends(ends) = log.known_clock else {
+            panic!("the commands tell it");
+        };
+        for KnownPhase {
+            at_s,
+            value_s,
+            sd_s,
+            reach_s,
+        } in ends
+        {
+            let off_s = value_s - clock.phase_at_s(at_s);
+            let off_s = off_s - (off_s / log.sample_time_s).round() * log.sample_time_s;
+            assert!(sd_s < 0.5e-3 && reach_s < 1.6e-3, "{sd_s} {reach_s}");
+            assert!(off_s.abs() < reach_s, "{off_s} {sd_s}");
+        }
     }
 }

@@ -212,7 +212,7 @@ fn evidence_of(plant: &PlantParameters, log: &Recording) -> Option<Evidence> {
     let read = Read::of(plant, log).ok()?;
     read.tell(&mut noise);
     let log = Log::new(plant, log, read, &noise).ok()?;
-    Some(Evidence::of(vec![log]))
+    Some(Evidence::of(vec![log.thinned(plant)]))
 }
 
 /// The first [`LogConditions::ROWS_MAX`] rows at most, up to `end_s` after the first one.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{DELAY_STEP_S, DRIFT_MAX_PPM, EVEN_SD, IN_TIME_FITTED, loss};
 use crate::diagnosis::evidence::Evidence;
-use crate::diagnosis::log::Log;
+use crate::diagnosis::log::{KnownClock, KnownPhase, Log};
 
 /// Drifts are tried in steps that move the last row by this time (s).
 const DRIFT_STEP_S: f64 = 1e-3;
@@ -24,6 +24,8 @@ const CLEAR: f64 = 0.98;
 
 /// Least standard deviation of a phase that rows and commands show (s).
 const LEAST_PHASE_SD_S: f64 = 0.1e-3;
+/// How far a fit may move a phase from what rows and commands show, in standard deviations.
+const PHASE_REACH_SD: f64 = 3.0;
 
 /// How delay and drifts are searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -172,7 +174,13 @@ pub(crate) fn centre_slow_clocks(
         let (phase_s, drift_ppm) = (clock.phase_s + shift_s, clock.drift_ppm);
         let clock = LoggerClock { phase_s, drift_ppm }.later(plant.ecu.sample_time_s);
         log.set_clock(clock, &there);
-        log.known_phase_s = (clock.phase_at_s(log.middle_s()), sd_s);
+        let at_s = log.middle_s();
+        log.known_clock = KnownClock::Middle(KnownPhase {
+            at_s,
+            value_s: clock.phase_at_s(at_s),
+            sd_s,
+            reach_s: (PHASE_REACH_SD * sd_s).min(0.5 * log.sample_time_s),
+        });
     }
     Some(there.ecu.command_delay_s)
 }

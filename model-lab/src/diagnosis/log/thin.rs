@@ -1,0 +1,169 @@
+//! A fast log, thinned to the rows that a fit needs.
+//!
+//! The simulation stops at each row, so that a log of 5 kHz takes five times as long as one of 1 kHz, while the plant is as slow in
+//! both. Neighbouring rows are kept in pairs, since a current may be a mean over the time since the row before. The place of the pairs
+//! changes from one to the next, so that rows at a multiple of the PWM frequency still show every part of its period.
+
+use std::sync::Arc;
+
+use plant_sim::PlantParameters;
+use plant_sim::replay::{CurrentSampling, ReplayInput};
+
+use super::Log;
+use crate::measured::is_current;
+
+/// About so many rows per second are kept of a faster log, beside those at commands and gaps.
+const ROWS_PER_S: f64 = 1000.0;
+/// Golden section: the places of the pairs are spread evenly and never repeat.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+impl Log {
+    /// Returns the log with the rows that a fit needs; a log of about 1 kHz stays as it is.
+    pub(crate) fn thinned(mut self, parameters: &PlantParameters) -> Self {
+        let rows = self.needed_rows();
+        if rows.len() == self.inputs.len() {
+            return self;
+        }
+        let is_mean = self.is_sampling_open() || self.sampling == CurrentSampling::MeanOfInterval;
+        for channel in &mut self.channels {
+            let needs_row_before = is_mean && is_current(channel.signal);
+            let value = |(place, &row): (usize, &usize)| {
+                let has_row_before = row == 0 || rows[place - 1] == row - 1;
+                match has_row_before || !needs_row_before {
+                    true => channel.values[row],
+                    false => f64::NAN,
+                }
+            };
+            channel.values = Arc::new(rows.iter().enumerate().map(value).collect());
+        }
+        // A row that is left out may have a command that the next one lacks.
+        let mut command = None;
+        let mut kept = rows.iter().peekable();
+        let mut inputs = Vec::with_capacity(rows.len());
+        for (row, input) in self.inputs.iter().enumerate() {
+            command = input.command.or(command);
+            if kept.next_if_eq(&&row).is_some() {
+                inputs.push(ReplayInput {
+                    command: command.take(),
+                    ..*input
+                });
+            }
+        }
+        self.inputs = inputs;
+        if !self.issued_ns.is_empty() {
+            self.issued_ns = rows.iter().map(|&row| self.issued_ns[row]).collect();
+        }
+        self.counted = rows.iter().map(|&row| self.counted[row]).collect();
+        self.commands = self.commands.at_rows(&rows);
+        for restart in &mut self.start.restarts {
+            restart.row = rows.partition_point(|&row| row < restart.row);
+        }
+        self.find_predictor(parameters);
+        self
+    }
+
+    /// Rows that a fit needs, in order.
+    fn needed_rows(&self) -> Vec<usize> {
+        let count = self.inputs.len();
+        let group = (2.0 / (ROWS_PER_S * self.interval_s)).round();
+        if !(group > 2.0 && group < count as f64) {
+            return (0..count).collect();
+        }
+        let group = group as usize;
+        let mut is_needed = vec![false; count];
+        for (n, begin) in (0..count).step_by(group).enumerate() {
+            let place = ((n as f64 * GOLDEN).fract() * (group - 1) as f64) as usize;
+            let pair = begin + place..(begin + place + 2).min(count);
+            is_needed[pair.start.min(count - 1)..pair.end].fill(true);
+        }
+        // Between these rows the ECU gave another command, which tells the clock.
+        for row in 1..count {
+            if self.inputs[row].command != self.inputs[row - 1].command {
+                is_needed[row - 1..=row].fill(true);
+            }
+        }
+        for gap in self.commands.gaps.iter() {
+            is_needed[gap.rows.start.saturating_sub(1)..gap.rows.end].fill(true);
+        }
+        for end in [0, count - 1] {
+            is_needed[end] = true;
+        }
+        (0..count).filter(|&row| is_needed[row]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use plant_sim::logger_clock::LoggerClock;
+    use plant_sim::replay::ReplayInput;
+    use recording::Recording;
+
+    use super::super::Run;
+    use crate::bench::{logged, without_rows};
+    use crate::diagnosis::evidence::Evidence;
+    use crate::diagnosis::gather::gather;
+    use crate::metrics::rms;
+    use plant_sim::PlantParameters;
+
+    const CLOCK: LoggerClock = LoggerClock {
+        phase_s: 6.2e-3,
+        drift_ppm: 120.0,
+    };
+
+    fn evidence(log: &Recording) -> Evidence {
+        gather(&PlantParameters::nominal(), [log]).unwrap()
+    }
+
+    /// Currents that are means of 0.25 ms, and a pause of 0.3 s behind which the model begins again.
+    #[test]
+    fn a_true_plant_leaves_the_noise_on_a_thinned_log() {
+        let plant = PlantParameters::nominal();
+        let whole = logged(&plant, CLOCK, 0.25e-3, 3);
+        let log = without_rows(&whole, 20_000..21_200);
+        let evidence = evidence(&log);
+        assert!(evidence.logs[0].inputs.len() < 14_000);
+        for run in [Run::Predicted, Run::Free] {
+            let residuals = evidence.residuals(&plant, run).unwrap();
+            for (_, channel, range) in evidence.channels() {
+                let errors = residuals[range].iter().copied();
+                let errors: Vec<f64> = errors.filter(|error| *error != 0.0).collect();
+                let error = rms(&errors).unwrap();
+                assert!(
+                    (0.8..1.2).contains(&error),
+                    "{} {run:?}: {error}",
+                    channel.signal
+                );
+                assert!(errors.len() > 3_000, "{}: {}", channel.signal, errors.len());
+            }
+        }
+    }
+
+    #[test]
+    fn rows_around_each_command_are_kept_and_show_every_part_of_a_pwm_period() {
+        let log = logged(&PlantParameters::nominal(), CLOCK, 0.2e-3, 3);
+        let evidence = evidence(&log);
+        let thinned = &evidence.logs[0];
+        let changes = |pair: &&[ReplayInput]| pair[0].command != pair[1].command;
+        let changes: Vec<_> = thinned.inputs.windows(2).filter(changes).collect();
+        assert!(changes.len() > 20);
+        for pair in changes {
+            assert_eq!(pair[1].time_ns - pair[0].time_ns, 200_000);
+        }
+        // Fifty rows of a period of 10 ms.
+        let mut rows_of_place = [0; 50];
+        for input in &thinned.inputs {
+            rows_of_place[input.time_ns as usize / 200_000 % 50] += 1;
+        }
+        let fewest = rows_of_place.iter().min().unwrap();
+        assert!(*fewest * 100 > thinned.inputs.len(), "{rows_of_place:?}");
+    }
+
+    #[test]
+    fn a_log_of_1_khz_stays_as_it_is() {
+        let log = logged(&PlantParameters::nominal(), CLOCK, 1e-3, 3);
+        assert_eq!(
+            evidence(&log).logs[0].inputs.len(),
+            log.time_bases().next().unwrap().1.len()
+        );
+    }
+}
