@@ -1,10 +1,10 @@
 //! Recording of a field rig: a logger with its own rate, phase, clock and gaps beside the ECU with its samples.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::super::draw::log::{Channel, PRESSURE_BAR, signals};
 use super::super::draw::profile::Commands;
-use super::super::score::finding::BySignal;
 use super::format::{LogAnswer, LoggerAnswer};
 use super::plan::LogPlan;
 use crate::chance::Chance;
@@ -235,28 +235,25 @@ pub(super) fn replay(rig: &Rig, logger: &LoggerAnswer, plan: &LogPlan, run: &Run
     run.instants.iter().map(read_at).collect()
 }
 
-/// Returns the rms difference of the logged rows of a run of `plan` from `others`, by logged signal, in units of the
+/// Returns the differences of `readings` in the logged rows of `run` from `others`, by logged signal, in units of the
 /// noise and converter steps of the channel.
-pub(super) fn difference(
-    logger: &LoggerAnswer,
-    plan: &LogPlan,
-    run: &Run,
+pub(super) fn differences(
+    (logger, plan, run): (&LoggerAnswer, &LogPlan, &Run),
+    readings: &[Reading],
     others: &[Reading],
-) -> BySignal {
-    let rows = run.instants.iter().zip(run.readings.iter().zip(others));
+) -> BTreeMap<&'static str, Vec<f64>> {
+    let rows = run.instants.iter().zip(readings.iter().zip(others));
     let logged = rows.filter(|(instant, _)| plan.is_logged(instant.logged_s));
-    let (mut squares, mut count) = (BySignal::new(), 0.0);
+    let mut differences: BTreeMap<_, Vec<f64>> = BTreeMap::new();
     for (_, (reading, other)) in logged {
-        count += 1.0;
         for ((signal, value), (_, other)) in signals(reading).into_iter().zip(signals(other)) {
             if let Some(channel) = channel(logger, signal) {
-                let square = ((value - other) / channel.rms()).powi(2);
-                *squares.entry(signal.to_owned()).or_default() += square;
+                let of_signal = differences.entry(signal).or_default();
+                of_signal.push((value - other) / channel.rms());
             }
         }
     }
-    let rms = |(signal, square): (String, f64)| (signal, (square / count).sqrt());
-    squares.into_iter().map(rms).collect()
+    differences
 }
 
 /// Returns the channel of a signal (bar, mA); `None` if it is not logged.

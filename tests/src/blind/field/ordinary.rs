@@ -36,7 +36,10 @@ const FALL_BACK: f64 = 1.1;
 /// Name of a drawn parameter and its field in a datasheet.
 type Place = (&'static str, fn(&mut Datasheet) -> &mut f64);
 
-const PLACES: [Place; 13] = [
+/// Number of drawn parameters.
+pub(super) const COUNT: usize = 13;
+
+const PLACES: [Place; COUNT] = [
     ("flow.discharge_fill", |sheet| {
         &mut sheet.flow.discharge_fill
     }),
@@ -120,17 +123,36 @@ pub(super) fn parameters(rig: &Rig) -> BTreeMap<String, f64> {
 }
 
 fn scatter(sheet: &mut Datasheet, chance: &mut Chance) {
-    let inductance = 1.0 + chance.between(-INDUCTANCE, INDUCTANCE);
+    let inductance = chance.between(-1.0, 1.0);
     for (name, place) in PLACES {
         let value = place(sheet);
-        match name {
-            "coil.inductance_closed_h" | "coil.inductance_open_h" => *value *= inductance,
-            "coil.resistance_20c_ohm" => *value *= 1.0 + chance.between(-RESISTANCE, RESISTANCE),
-            "ecu.command_delay_s" => *value += chance.between(-DELAY_S, DELAY_S),
-            "gas.supply_pressure_bar_gauge" => *value += chance.between(-SUPPLY_BAR, SUPPLY_BAR),
-            _ => *value *= 1.0 + chance.between(-FAR, FAR),
-        }
+        let share = match name {
+            "coil.inductance_closed_h" | "coil.inductance_open_h" => inductance,
+            _ => chance.between(-1.0, 1.0),
+        };
+        *value += share * largest_error(name, *value);
     }
+}
+
+/// Returns the largest error of a parameter of this value, in its unit.
+fn largest_error(name: &str, value: f64) -> f64 {
+    match name {
+        "coil.inductance_closed_h" | "coil.inductance_open_h" => INDUCTANCE * value,
+        "coil.resistance_20c_ohm" => RESISTANCE * value,
+        "ecu.command_delay_s" => DELAY_S,
+        "gas.supply_pressure_bar_gauge" => SUPPLY_BAR,
+        _ => FAR * value,
+    }
+}
+
+/// Returns a rig whose drawn parameters are off those of `rig` by these shares of their largest errors.
+pub(super) fn moved(rig: &Rig, shares: &[f64; COUNT]) -> Rig {
+    let mut moved = rig.clone();
+    for ((name, place), share) in PLACES.into_iter().zip(shares) {
+        let value = place(&mut moved.datasheet);
+        *value += share * largest_error(name, *value);
+    }
+    moved
 }
 
 /// Returns whether both valves move to their stops and back at every pressure up to that of the supply.

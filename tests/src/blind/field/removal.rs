@@ -1,4 +1,9 @@
-//! Removal costs of hidden effects: the change of a log's readings on the same rig without one of them.
+//! Removal costs of hidden effects: what the same rig without one of them would leave of a log if its ordinary parameters
+//! were fitted.
+//!
+//! A warm coil changes every reading as a larger resistance does, so that leaving it out costs nothing. How much of an effect the
+//! ordinary parameters take over is seen at a small size of it, where the plant is linear: the sine of the angle between its change and
+//! the changes that the parameters make.
 
 use std::collections::BTreeMap;
 
@@ -6,11 +11,20 @@ use super::super::draw::departures;
 use super::super::draw::plan::Dose;
 use super::super::score::finding::BySignal;
 use super::format::LoggerAnswer;
-use super::logger::{Run, difference, replay};
+use super::logger::{Run, differences, replay};
+use super::ordinary;
 use super::plan::LogPlan;
-use crate::reference_plant::Rig;
+use crate::least_squares::{rms, weights};
+use crate::reference_plant::{Reading, Rig};
 
-/// Returns the cost of leaving out each of `doses`, by its effect: rms by which the logged readings of a run change, by
+/// A small size of an effect changes the worst signal by so many times the noise of its channel.
+const SMALL: f64 = 1.0;
+/// Step of the differences, in largest errors of the parameters.
+const STEP: f64 = 0.02;
+/// Pull of each parameter to its true value: volume and discharge coefficients are nearly dependent.
+const PULL: f64 = 1.0;
+
+/// Returns the cost of leaving out each of `doses`, by its effect: rms of what remains of the logged readings of a run, by
 /// signal, in units of the noise and converter steps of the channel. The rig without the effect gets the commands of
 /// the run, even if a controller would have given others.
 pub(super) fn costs(
@@ -21,14 +35,73 @@ pub(super) fn costs(
     run: &Run,
 ) -> BTreeMap<String, BySignal> {
     let cost = |left_out: usize| {
-        let mut others = doses.to_vec();
-        let dose = others.remove(left_out);
-        let without = plain.with(departures(&others, plain));
-        let readings = replay(&without, logger, plan, run);
-        let cost = difference(logger, plan, run, &readings);
-        (dose.form.effect.to_owned(), cost)
+        let effect = doses[left_out].form.effect.to_owned();
+        (effect, cost(plain, (doses, left_out), (logger, plan, run)))
     };
     (0..doses.len()).map(cost).collect()
+}
+
+/// Returns the cost of leaving out one of `doses`.
+fn cost(plain: &Rig, (doses, left_out): (&[Dose], usize), seen: Seen) -> BySignal {
+    let (logger, plan, run) = seen;
+    let readings = |rig: &Rig| replay(rig, logger, plan, run);
+    let mut doses = doses.to_vec();
+    let dose = doses.remove(left_out);
+    let without = plain.with(departures(&doses, plain));
+    let bare = readings(&without);
+    let removed = differences(seen, &run.readings, &bare);
+    let worst = by_signal(&removed).into_values().fold(0.0, f64::max);
+    doses.push(Dose {
+        size_over_typical: dose.size_over_typical * (SMALL / worst).min(1.0),
+        ..dose
+    });
+    let with_small = readings(&plain.with(departures(&doses, plain)));
+    let small = differences(seen, &with_small, &bare);
+    let scale = rms(whole(&removed)) / rms(whole(&small));
+    if !scale.is_finite() {
+        // A small size changes nothing, so that nothing can be taken over.
+        return by_signal(&removed);
+    }
+    let mut left = by_signal(&beside_parameters((&without, &bare), small, seen));
+    left.values_mut().for_each(|left| *left *= scale);
+    left
+}
+
+type Changes = BTreeMap<&'static str, Vec<f64>>;
+type Seen<'a> = (&'a LoggerAnswer, &'a LogPlan, &'a Run);
+
+fn whole(changes: &Changes) -> Vec<f64> {
+    changes.values().flatten().copied().collect()
+}
+
+fn by_signal(changes: &Changes) -> BySignal {
+    let rms =
+        |(signal, values): (&&str, &Vec<f64>)| ((*signal).to_owned(), rms(values.iter().copied()));
+    changes.iter().map(rms).collect()
+}
+
+/// Returns what the ordinary parameters of `rig`, whose readings are `bare`, leave of small `changes`.
+fn beside_parameters((rig, bare): (&Rig, &[Reading]), mut changes: Changes, seen: Seen) -> Changes {
+    let (logger, plan, run) = seen;
+    let columns: [Vec<f64>; ordinary::COUNT] = std::array::from_fn(|n| {
+        let mut shares = [0.0; ordinary::COUNT];
+        shares[n] = STEP;
+        let there = replay(&ordinary::moved(rig, &shares), logger, plan, run);
+        let column = differences(seen, &there, bare);
+        whole(&column)
+            .into_iter()
+            .map(|change| change / STEP)
+            .collect()
+    });
+    let weights = weights(&columns, &whole(&changes), &[PULL; ordinary::COUNT]);
+    for (row, change) in changes.values_mut().flatten().enumerate() {
+        let fitted = columns
+            .iter()
+            .zip(&weights)
+            .map(|(column, weight)| weight * column[row]);
+        *change -= fitted.sum::<f64>();
+    }
+    changes
 }
 
 #[cfg(test)]
@@ -78,18 +151,25 @@ mod tests {
         assert!(costs["chamber_leak"].values().all(|&cost| cost == 0.0));
         assert!(costs["sensor_hysteresis"]["p_ch"] > 0.0);
         assert_eq!(costs["sensor_hysteresis"].len(), 3, "{costs:?}");
-        assert_eq!(costs["sensor_hysteresis"]["i_fill"], 0.0);
     }
 
-    /// An offset is in every reading of the sensor: the cost is the offset divided by the channel's noise.
     #[test]
     fn more_of_an_effect_costs_more() {
-        let cost = |size| costs_of(&[("sensor_offset", size)])["sensor_offset"]["p_ch"];
-        let [one, three] = [1.0, 3.0].map(cost);
-        assert!((three / one - 3.0).abs() < 1e-9, "{one} {three}");
+        let offset = |size| costs_of(&[("sensor_offset", size)])["sensor_offset"]["p_ch"];
+        let [one, three] = [1.0, 3.0].map(offset);
+        assert!(one > 0.0 && three > 2.0 * one, "{one} {three}");
         let leak = |size| costs_of(&[("chamber_leak", size)])["chamber_leak"]["p_ch"];
         let [one, three] = [1.0, 3.0].map(leak);
         assert!(one > 0.0 && three > 1.5 * one, "{one} {three}");
+    }
+
+    /// Warm coils are coils of a larger resistance.
+    #[test]
+    fn what_the_ordinary_parameters_take_over_is_no_cost() {
+        let effect = "coil_ambient_temperature";
+        let costs = costs_of(&[(effect, 3.0)]);
+        let worst = costs[effect].values().copied().fold(0.0, f64::max);
+        assert!(worst < 0.3, "{costs:?}");
     }
 
     #[test]
