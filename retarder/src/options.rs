@@ -10,6 +10,7 @@ pub(crate) struct Options {
     logs: String,
     mapping: String,
     first_log: String,
+    all_as_logs: String,
     knowledge: String,
     needs: String,
 }
@@ -35,6 +36,7 @@ impl Options {
             plant: paths("--plant", plant.plant.as_slice()),
             logs: paths("--log", &logs.log) + &paths("--check", &logs.check),
             first_log: paths("--log", &logs.log[..logs.log.len().min(1)]),
+            all_as_logs: paths("--log", &logs.log) + &paths("--log", &logs.check),
             mapping,
             knowledge: sets.chain(freed).chain(fixed).collect(),
             needs: needs.collect(),
@@ -63,6 +65,16 @@ impl Options {
     /// Returns the same options, and the plant file as the output.
     pub(crate) fn with_plant_anew(&self, plant: &Path) -> String {
         self.with_plant(plant) + &option("--out", &plant.to_string_lossy())
+    }
+
+    /// Returns the same options with every log to fit, and the plant file as the output.
+    pub(crate) fn with_plant_anew_and_all_logs(&self, plant: &Path) -> String {
+        let file = paths("--plant", &[plant]);
+        let out = option("--out", &plant.to_string_lossy());
+        format!(
+            "{file}{}{}{}{out}",
+            self.all_as_logs, self.mapping, self.needs
+        )
     }
 
     /// Returns the options of the plant file `plant` and the first log alone.

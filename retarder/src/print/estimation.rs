@@ -26,6 +26,12 @@ pub(super) fn estimation(
     text += &errors(estimated, terminal);
     text += "\n";
     text += &parameters(&found.parameters, found.is_adequate, terminal);
+    if !found.explains_fitted_logs {
+        text += &paragraph(
+            "Estimate again once the missing effect is in the plant file: until then its error widens the intervals.",
+            terminal,
+        );
+    }
     text += "\n";
     text += &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal);
     if let Some(plant) = &targets.plant {
@@ -96,14 +102,7 @@ fn parameters(parameters: &[EstimatedParameter], is_adequate: bool, terminal: &T
             table.remark(&remark);
         }
     }
-    let mut text = table.to_string();
-    if !is_adequate {
-        text += &paragraph(
-            "Estimate again once the missing effect is in the plant file: until then its error widens the intervals.",
-            terminal,
-        );
-    }
-    text
+    table.to_string()
 }
 
 /// Returns the remarks about a value. If an effect is missing, another log would not determine the parameter.

@@ -144,6 +144,11 @@ impl EstimatedPlant {
             let again = format!("retarder refine{}", options.with_plant_anew(plant));
             return vec![(again, "go on with the fit")];
         }
+        if !estimation.is_adequate && estimation.explains_fitted_logs {
+            let with_all = options.with_plant_anew_and_all_logs(plant);
+            let with_all = format!("retarder refine{with_all}");
+            return vec![(with_all, "fit what the first log leaves open")];
+        }
         if !estimation.is_adequate {
             return vec![(diagnose, "which physical effect is missing?")];
         }

@@ -32,6 +32,7 @@ use super::trial::{Bench, Trial};
 use super::unknowns::Unknowns;
 pub(super) use determination::DETERMINED;
 use determination::estimated_parameters;
+use result::Left;
 pub use result::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
 };
@@ -76,6 +77,11 @@ pub fn estimate(
         ..trial.clone()
     };
     let parameters = estimated_parameters(&split.fitting, &sharp);
+    let left = match (trial.fitted.is_material(), trial.checked.is_material()) {
+        (false, false) => Left::Noise,
+        (false, true) if !check.is_empty() => Left::MoreOnCheck,
+        _ => Left::More,
+    };
     let steps = [
         (StepKind::PlantAsGiven, &given),
         (StepKind::ParametersRefitted, &trial),
@@ -88,8 +94,9 @@ pub fn estimate(
         not_compared: split.not_compared(),
         defects: split.defects(),
         held_out: split.held_out().to_owned(),
-        sentence: result::sentence(!trial.is_material(), is_converged, &parameters),
-        is_adequate: !trial.is_material(),
+        sentence: result::sentence(left, is_converged, &parameters),
+        is_adequate: left == Left::Noise,
+        explains_fitted_logs: left != Left::More,
         is_converged,
         steps: steps.into(),
         parameters,

@@ -44,6 +44,9 @@ pub struct Estimation {
     pub sentence: String,
     /// Whether the estimated model leaves no more than the noise.
     pub is_adequate: bool,
+    /// The same of the fitted logs alone. Where they are explained and the validation data are not, the fitted logs leave open what the
+    /// others need.
+    pub explains_fitted_logs: bool,
     /// Whether the fit has converged: a further step from the estimated values gains little.
     pub is_converged: bool,
     /// The errors, from the plant as given on.
@@ -108,7 +111,7 @@ pub enum Determination {
 
 /// Returns the result in words.
 pub(super) fn sentence(
-    is_adequate: bool,
+    left: Left,
     is_converged: bool,
     parameters: &[EstimatedParameter],
 ) -> String {
@@ -119,16 +122,28 @@ pub(super) fn sentence(
         "{count} of {} parameters {are} determined",
         parameters.len()
     );
-    if is_adequate {
-        format!("the estimated model leaves no more than the noise; {known}")
-    } else if !is_converged {
-        "the fit has not converged: the estimated model leaves more than the noise, and other values would leave less; estimate again from the written file, or state narrower ranges"
-            .to_owned()
-    } else {
-        format!(
+    match left {
+        Left::Noise => format!("the estimated model leaves no more than the noise; {known}"),
+        Left::MoreOnCheck => format!(
+            "the estimated model explains the fitted logs and not the validation logs, which need values that the fitted logs leave open, or something changed between them: give all of them with --log; {known}"
+        ),
+        Left::More if !is_converged => {
+            "the fit has not converged: the estimated model leaves more than the noise, and other values would leave less; estimate again from the written file, or state narrower ranges"
+                .to_owned()
+        }
+        Left::More => format!(
             "the estimated model leaves more than the noise, so physics is missing and its error biases the estimates; {known}"
-        )
+        ),
     }
+}
+
+/// What an estimated model leaves of the logs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Left {
+    Noise,
+    /// More than the noise, but only of validation logs.
+    MoreOnCheck,
+    More,
 }
 
 /// Least tolerance that a refined file states (%): another day, another log.

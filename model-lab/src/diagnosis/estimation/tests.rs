@@ -196,3 +196,45 @@ fn a_log_of_the_ecu_itself_has_no_clock_of_its_own_and_what_is_fixed_stays() {
     assert_eq!(preload.determination, Determination::AtLimit);
     assert!(preload.after <= 3.2, "{preload:?}");
 }
+
+/// Defect seen: "physics is missing" was said of a rig without an effect, because the check log vented, which the fitted one did not.
+#[test]
+fn a_check_log_that_needs_what_the_fitted_one_leaves_open_is_no_missing_physics() {
+    let fills = [
+        (0.5, 0.0, 0.0),
+        (0.1, 60.0, 0.0),
+        (0.5, 0.0, 0.0),
+        (0.15, 45.0, 0.0),
+    ]
+    .repeat(4);
+    let rig = another_rig();
+    let fitted = Bench {
+        plant: rig.clone(),
+        phases: fills,
+        ..Bench::default()
+    };
+    let check = Bench {
+        plant: rig,
+        seed: 2,
+        ..Bench::default()
+    };
+    let found = estimated(
+        &PlantParameters::nominal(),
+        &[fitted.measure()],
+        &[check.measure()],
+    );
+    let estimation = &found.estimation;
+    assert!(estimation.explains_fitted_logs && !estimation.is_adequate);
+    assert!(
+        !estimation.sentence.contains("physics is missing"),
+        "{}",
+        estimation.sentence
+    );
+    let all = [fitted.measure(), check.measure()];
+    let found = estimated(&PlantParameters::nominal(), &all, &[]);
+    assert!(
+        found.estimation.is_adequate,
+        "{}",
+        found.estimation.sentence
+    );
+}
