@@ -68,7 +68,7 @@ pub(crate) struct Log {
     pub(crate) is_without_supply: bool,
 }
 
-/// What the rows of the logged commands show of the clock.
+/// Prior knowledge of a logger's clock from the rows of the logged commands.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum KnownClock {
     Nothing,
@@ -79,7 +79,7 @@ pub(crate) enum KnownClock {
     Ends([KnownPhase; 2]),
 }
 
-/// What is known of a phase.
+/// Prior knowledge of a phase.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct KnownPhase {
     /// Time since the first row of the log (s).
@@ -87,7 +87,7 @@ pub(crate) struct KnownPhase {
     /// Phase there (s) with its standard deviation.
     pub(crate) value_s: f64,
     pub(crate) sd_s: f64,
-    /// How far a fit may move from it (s).
+    /// Largest distance of a fitted phase from it (s).
     pub(crate) reach_s: f64,
 }
 

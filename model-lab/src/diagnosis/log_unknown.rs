@@ -26,14 +26,14 @@ pub(crate) struct LogUnknown {
     pub(crate) range: (f64, f64),
 }
 
-/// Which of the conditions of a log.
+/// Quantity that is fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum LogFigure {
-    /// [`LoggerClock::phase_at_s`] an instant; the drift stays.
+    /// [`LoggerClock::phase_at_s`] one instant; the drift stays.
     PhaseS { at_s: f64 },
     /// [`LoggerClock::drift_ppm`]; the phase at an instant stays.
     DriftPpm { at_s: f64 },
-    /// [`LoggerClock::phase_at_s`] an instant; the phase at another one stays.
+    /// [`LoggerClock::phase_at_s`] one end of the log; the phase at the other end stays.
     EndPhaseS { at_s: f64, other_s: f64 },
     /// [`StartGas::excess_k`](crate::conditions::StartGas::excess_k).
     StartExcessK,

@@ -137,7 +137,7 @@ pub(super) fn sentence(
     }
 }
 
-/// What an estimated model leaves of the logs.
+/// Errors of an estimated model beside the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Left {
     Noise,

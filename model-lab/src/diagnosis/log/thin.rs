@@ -12,7 +12,7 @@ use plant_sim::replay::{CurrentSampling, ReplayInput};
 use super::Log;
 use crate::measured::is_current;
 
-/// About so many rows per second are kept of a faster log, beside those at commands and gaps.
+/// Approximate rate of the rows that are kept of a faster log (1/s), without those at commands and gaps.
 const ROWS_PER_S: f64 = 1000.0;
 /// Golden section: the places of the pairs are spread evenly and never repeat.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;

@@ -24,7 +24,7 @@ const CLEAR: f64 = 0.98;
 
 /// Least standard deviation of a phase that rows and commands show (s).
 const LEAST_PHASE_SD_S: f64 = 0.1e-3;
-/// How far a fit may move a phase from what rows and commands show, in standard deviations.
+/// Largest distance of a fitted phase from the one that rows and commands show, in standard deviations.
 const PHASE_REACH_SD: f64 = 3.0;
 
 /// How delay and drifts are searched.

@@ -17,16 +17,16 @@ use super::plan::LogPlan;
 use crate::least_squares::{rms, weights};
 use crate::reference_plant::{Reading, Rig};
 
-/// A small size of an effect changes the worst signal by so many times the noise of its channel.
+/// Change of the worst signal by an effect of small size, in units of the noise of its channel.
 const SMALL: f64 = 1.0;
 /// Step of the differences, in largest errors of the parameters.
 const STEP: f64 = 0.02;
 /// Pull of each parameter to its true value: volume and discharge coefficients are nearly dependent.
 const PULL: f64 = 1.0;
 
-/// Returns the cost of leaving out each of `doses`, by its effect: rms of what remains of the logged readings of a run, by
-/// signal, in units of the noise and converter steps of the channel. The rig without the effect gets the commands of
-/// the run, even if a controller would have given others.
+/// Returns the cost of leaving out each of `doses`, by its effect: rms of the change of a run's logged readings that fitted
+/// ordinary parameters would leave, by signal, in units of the noise and converter steps of the channel. The rig without
+/// the effect gets the commands of the run, even if a controller would have given others.
 pub(super) fn costs(
     plain: &Rig,
     doses: &[Dose],
