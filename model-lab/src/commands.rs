@@ -104,7 +104,7 @@ impl Commands {
         })
     }
 
-    /// The same at some of the instants, which contain the rows of every gap.
+    /// The same at some of the instants, which contain the rows of every gap up to the last of them.
     pub(crate) fn at_rows(&self, rows: &[usize]) -> Self {
         let at = |values: &[f64]| Arc::new(rows.iter().map(|&row| values[row]).collect());
         Self {

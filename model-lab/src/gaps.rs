@@ -126,7 +126,7 @@ impl Gaps {
         }
     }
 
-    /// The same gaps where only `rows` are left, which contain those of every gap.
+    /// The same gaps where only `rows` are left, which contain those of every gap up to the last of them.
     pub(crate) fn at_rows(&self, rows: &[usize]) -> Self {
         let place = |row: usize| rows.partition_point(|&kept| kept < row);
         let moved = |gap: &Gap| Gap {
@@ -134,7 +134,9 @@ impl Gaps {
             ..gap.clone()
         };
         Self {
-            list: self.list.iter().map(moved).collect(),
+            list: (self.list.iter().map(moved))
+                .filter(|gap| !gap.rows.is_empty())
+                .collect(),
             pause_s: self.pause_s,
         }
     }

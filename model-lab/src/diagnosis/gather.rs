@@ -24,9 +24,9 @@ pub(super) fn gather<'a>(
     });
     let read = read.collect::<Result<Vec<_>, DiagnoseError>>()?;
     let logs = read.into_iter().map(|(log, read)| {
-        let mut log = Log::new(parameters, log, read, &noise)?;
+        let mut log = Log::new(parameters, log, read, &noise)?.thinned(parameters);
         find_clock(parameters, &mut log, Delay::Searched, &[]);
-        let mut alone = Evidence::of(vec![log.thinned(parameters)]);
+        let mut alone = Evidence::of(vec![log]);
         find_supply(parameters, &mut alone);
         Ok(alone.logs)
     });

@@ -1,7 +1,7 @@
 //! A log as the diagnosis sees it: what drives the model, and what it has to answer.
 
 mod assignment;
-mod thin;
+mod part;
 
 use std::sync::Arc;
 

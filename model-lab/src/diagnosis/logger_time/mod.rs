@@ -10,6 +10,7 @@ mod pwm_lead;
 mod sampling;
 mod slow;
 mod told;
+mod tries;
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -18,7 +19,7 @@ use rayon::prelude::*;
 
 use super::evidence::Evidence;
 use super::fit::{Descent, Fitter, Loss};
-use super::log::{Log, Run};
+use super::log::Log;
 use super::unknowns::Unknowns;
 use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
@@ -28,6 +29,7 @@ use pwm_lead::find_pwm_lead;
 pub(crate) use sampling::{find_sampling, take_sampling};
 pub(crate) use slow::{Search, centre_slow_clocks, find_slow_clocks};
 use told::known_clock;
+use tries::{Found, OUTLIER, Tries, loss};
 
 /// Delays are tried as far as this to either side of the plant file's (s), ...
 const DELAY_REACH_S: f64 = 8e-3;
@@ -44,8 +46,6 @@ const DRIFT_STEP_S: f64 = 3e-3;
 const SLOW_DRIFT_MAX_PPM: f64 = 0.6 * DRIFT_MAX_PPM;
 /// Steps to either side at most.
 const DRIFTS_MAX: f64 = 8.0;
-/// Errors above this many noise floors count in proportion, not with their square.
-const OUTLIER: f64 = 3.0;
 /// Mean loss of a sample below which rows are taken to be samples of the ECU, by a first plant file and by a fitted plant. White noise
 /// has 0.7.
 const IN_TIME: f64 = 2.0;
@@ -122,13 +122,6 @@ impl Delay {
     }
 }
 
-/// A clock with a delay, and what they leave.
-#[derive(Debug, Clone, Copy)]
-struct Tried {
-    clock: Option<LoggerClock>,
-    loss: f64,
-}
-
 /// Finds how the rows of `log` lie in the time of the ECU, with `plant` as far as it is known. `drifts_ppm` are those of other logs,
 /// perhaps of the same logger.
 pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
@@ -146,40 +139,52 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, d
 
 /// Finds the clock of the logger of `log`, which has coils and several rows.
 fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
-    let duration_s = log.duration_s();
     let sample_time_s = plant.ecu.sample_time_s;
     let told = clocks_from_commands(log.inputs(), sample_time_s);
     let is_told = !told.is_empty();
-    let found = if !is_told {
-        // A delay that was fitted together with a clock suits that clock alone.
-        let is_stated = plant.knowledge.contains_key(COMMAND_DELAY);
-        let fitted = (is_stated && delay == Delay::Searched).then_some(Delay::AsGiven);
-        let ways: Vec<Delay> = fitted.into_iter().chain([delay]).collect();
-        let as_ecu = best(plant, log, &[None], delay.candidates_s(plant, DELAY_STEP_S));
-        if as_ecu.loss < ways[0].in_time() * log.counted_samples().max(1) as f64 {
-            return;
-        }
-        let mut drifts: Vec<f64> = drifts_ppm.to_vec();
-        drifts.extend(usual_drifts_ppm(duration_s));
-        let found = ways.into_iter().find_map(|delay| {
-            let clocks = clocks_of(&drifts, delay.phases(), sample_time_s);
-            let delays_s = delay.candidates_s(plant, WIDE_DELAY_STEP_S);
-            let found = best(plant, log, &clocks, delays_s);
-            (found.loss <= delay.clear() * as_ecu.loss).then_some(found)
-        });
-        let Some(found) = found else { return };
-        found
-    } else {
+    let tries = Tries::on(plant, log);
+    let found = if is_told {
         let clocks: Vec<_> = told.iter().flat_map(|told| delay.clocks(told)).collect();
-        best(plant, log, &clocks, delay.candidates_s(plant, DELAY_STEP_S))
+        Some(tries.best(&clocks, &delay.candidates_s(plant, DELAY_STEP_S)))
+    } else {
+        find_untold_clock(plant, (log, &tries), delay, drifts_ppm)
     };
-    if let Some(clock) = found.clock {
+    if let Some(clock) = found.and_then(|found| found.whole.clock) {
         let clock = clock.later(sample_time_s);
         log.set_clock(clock, plant);
         if is_told {
             log.known_clock = known_clock(&told, clock, log);
         }
     }
+}
+
+/// Finds the clock of the logger of `log` of which the commands tell nothing; none if the rows may be samples of the ECU.
+fn find_untold_clock(
+    plant: &PlantParameters,
+    (log, tries): (&Log, &Tries),
+    delay: Delay,
+    drifts_ppm: &[f64],
+) -> Option<Found> {
+    let as_ecu = tries.best(&[None], &delay.candidates_s(plant, DELAY_STEP_S));
+    // A delay that was fitted together with a clock suits that clock alone.
+    let is_stated = plant.knowledge.contains_key(COMMAND_DELAY);
+    let fitted = (is_stated && delay == Delay::Searched).then_some(Delay::AsGiven);
+    let ways: Vec<Delay> = fitted.into_iter().chain([delay]).collect();
+    if as_ecu.whole.loss < ways[0].in_time() * log.counted_samples().max(1) as f64 {
+        return None;
+    }
+    let drifts_ppm: Vec<f64> = (drifts_ppm.iter().copied())
+        .chain(usual_drifts_ppm(log.duration_s()))
+        .collect();
+    ways.into_iter().find_map(|delay| {
+        let phases_s: Vec<f64> = (delay.phases().iter())
+            .map(|share| share * plant.ecu.sample_time_s)
+            .collect();
+        let delays_s = delay.candidates_s(plant, WIDE_DELAY_STEP_S);
+        let most = 0.5 * (1.0 + delay.clear()) * as_ecu.begun_loss;
+        let found = tries.best_drifting((&phases_s, &delays_s, &drifts_ppm), most)?;
+        (found.whole.loss <= delay.clear() * as_ecu.whole.loss).then_some(found)
+    })
 }
 
 /// Finds the clocks of all logs in `evidence` with `plant`, whose parameters are right, and fits all conditions. `drifts_ppm` are those
@@ -239,52 +244,6 @@ fn usual_drifts_ppm(duration_s: f64) -> impl Iterator<Item = f64> {
     let step_ppm = DRIFT_STEP_S / duration_s * 1e6;
     let steps = (SLOW_DRIFT_MAX_PPM / step_ppm).ceil().min(DRIFTS_MAX) as i32;
     (-steps..=steps).map(move |step| f64::from(step) * step_ppm)
-}
-
-/// Clocks of these drifts and of these phases over the sample time of the ECU.
-fn clocks_of(drifts_ppm: &[f64], phases: &[f64], sample_time_s: f64) -> Vec<Option<LoggerClock>> {
-    let clock = |drift_ppm: f64, phase: f64| LoggerClock {
-        phase_s: phase * sample_time_s,
-        drift_ppm,
-    };
-    let of_drift = |&drift_ppm: &f64| {
-        let phases = phases.iter();
-        phases.map(move |&phase| Some(clock(drift_ppm, phase)))
-    };
-    drifts_ppm.iter().flat_map(of_drift).collect()
-}
-
-/// The best of `clocks`, each with the delay that suits it best.
-fn best(
-    plant: &PlantParameters,
-    log: &Log,
-    clocks: &[Option<LoggerClock>],
-    delays_s: Vec<f64>,
-) -> Tried {
-    let pairs: Vec<_> = clocks
-        .iter()
-        .flat_map(|&clock| delays_s.iter().map(move |&delay_s| (clock, delay_s)))
-        .collect();
-    let tried = pairs.into_par_iter().map(|(clock, delay_s)| Tried {
-        clock,
-        loss: loss(plant, log, clock, delay_s),
-    });
-    tried
-        .min_by(|a, b| a.loss.total_cmp(&b.loss))
-        .expect("the delay of the plant is one of them")
-}
-
-/// What `clock` leaves with commands delayed by `delay_s`: squares of small errors, large ones in proportion.
-fn loss(plant: &PlantParameters, log: &Log, clock: Option<LoggerClock>, delay_s: f64) -> f64 {
-    let mut plant = plant.clone();
-    plant.ecu.command_delay_s = delay_s;
-    let residuals = log.residuals_assigned(&plant, clock, Run::Predicted);
-    residuals.map_or(f64::INFINITY, |residuals| {
-        residuals
-            .iter()
-            .map(|residual| residual * residual / (1.0 + residual.abs() / OUTLIER))
-            .sum()
-    })
 }
 
 #[cfg(test)]

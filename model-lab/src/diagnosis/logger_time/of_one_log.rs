@@ -11,7 +11,7 @@ use recording::{Recording, TimeBase};
 
 use super::commands::{admit, admit_own_clock, change_count, clocks_from_commands};
 use super::{
-    CLEAR, CLEAR_FITTED, DELAY_STEP_S, Delay, IN_TIME_FITTED, Search, best, clocks_of, find_clock,
+    CLEAR, CLEAR_FITTED, DELAY_STEP_S, Delay, IN_TIME_FITTED, Search, Tries, find_clock,
     find_sampling, find_slow_clocks, fit_conditions, loss,
 };
 use crate::commands::COMMAND_DELAY;
@@ -21,8 +21,6 @@ use crate::diagnosis::log::Log;
 use crate::diagnosis::read_log::Read;
 use crate::diagnosis::sensor_noise::SensorNoise;
 
-/// Logged time (s) in which all clocks are tried: a drift of 100 ppm moves its end by 1.5 ms.
-const BEGINNING_S: f64 = 15.0;
 /// Changes of the commands without which no clock shows.
 const CHANGES_MIN: usize = 5;
 /// Changes of the commands that are on a grid of the ECU by no chance: two rows of a fast logger enclose an instant of any grid with
@@ -45,12 +43,12 @@ pub(crate) fn conditions_of(
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
     let surroundings = Surroundings::of(plant, log).ok()?;
     let plant = &*surroundings.around(plant);
-    let mut evidence = evidence_of(plant, &beginning(log, f64::INFINITY))?;
+    let mut evidence = evidence_of(plant, &first_rows(log))?;
     if !goes_on() {
         return None;
     }
     if has_coil {
-        find_clock_by(plant, log, &mut evidence, goes_on)?;
+        find_clock_by(plant, &mut evidence, goes_on)?;
     } else if !evidence.logs[0].begins_filled() {
         // Neither a clock nor warm gas shows.
         return None;
@@ -84,10 +82,9 @@ fn open_drifts_ppm(plant: &PlantParameters, log: &Log) -> Option<(f64, f64)> {
     (moves_end_s > OPEN_S).then_some((least, most))
 }
 
-/// Finds the clock of the one log in `evidence`, which is `whole` or its beginning; none where `goes_on` says no.
+/// Finds the clock of the one log in `evidence`; none where `goes_on` says no.
 fn find_clock_by(
     plant: &PlantParameters,
-    whole: &Recording,
     evidence: &mut Evidence,
     goes_on: &dyn Fn() -> bool,
 ) -> Option<()> {
@@ -111,10 +108,7 @@ fn find_clock_by(
     if !goes_on() {
         return None;
     }
-    let begun = evidence_of(plant, &beginning(whole, BEGINNING_S));
-    let Some(begun) = begun.as_ref().map(|evidence| &evidence.logs[0]) else {
-        return Some(());
-    };
+    let tries = Tries::on(plant, log);
     let (delay_s, interval_s) = (plant.ecu.command_delay_s, log.interval_s);
     // A plant file that says how well it knows the delay was fitted, and its delay with it.
     let delay = match plant.knowledge.contains_key(COMMAND_DELAY) {
@@ -123,8 +117,9 @@ fn find_clock_by(
     };
     let (clocks, delays_s, own_delays_s) = if told.is_empty() {
         let delays_s = delay.candidates_s(plant, DELAY_STEP_S);
-        let clocks = clocks_of(&[0.0], delay.phases(), sample_time_s);
-        (clocks, delays_s.clone(), delays_s)
+        let clock = |share: &f64| LoggerClock::with_phase_at(0.0, share * sample_time_s, 0.0);
+        let clocks = delay.phases().iter().map(|share| Some(clock(share)));
+        (clocks.collect(), delays_s.clone(), delays_s)
     } else {
         let clocks = told.iter().flat_map(|told| Delay::AsGiven.clocks(told));
         let shares = match delay {
@@ -133,11 +128,15 @@ fn find_clock_by(
         };
         let own_delays_s = shares.iter().map(|share| delay_s + share * interval_s);
         let own_delays_s = own_delays_s.filter(|&delay_s| delay_s >= 0.0);
-        (clocks.collect(), vec![delay_s], own_delays_s.collect())
+        (
+            clocks.collect::<Vec<_>>(),
+            vec![delay_s],
+            own_delays_s.collect(),
+        )
     };
-    let without = best(plant, begun, &[None], own_delays_s);
-    let with = best(plant, begun, &clocks, delays_s);
-    let noise = IN_TIME_FITTED * begun.counted_samples().max(1) as f64;
+    let without = tries.begun(&[None], &own_delays_s)[0];
+    let with = tries.begun(&clocks, &delays_s)[0];
+    let noise = IN_TIME_FITTED * tries.beginning().counted_samples().max(1) as f64;
     let is_clear = with.loss < CLEAR * without.loss;
     let leaves_noise = with.loss < noise && with.loss < CLEAR_FITTED * without.loss;
     if !is_clear && !leaves_noise {
@@ -215,15 +214,13 @@ fn evidence_of(plant: &PlantParameters, log: &Recording) -> Option<Evidence> {
     Some(Evidence::of(vec![log.thinned(plant)]))
 }
 
-/// The first [`LogConditions::ROWS_MAX`] rows at most, up to `end_s` after the first one.
-fn beginning(log: &Recording, end_s: f64) -> Recording {
+/// The first [`LogConditions::ROWS_MAX`] rows at most.
+fn first_rows(log: &Recording) -> Recording {
     let mut part = Recording::new(log.provenance().clone());
     let mut ids = Vec::new();
     for (id, base) in log.time_bases() {
-        let times_s = base.times_s();
-        let rows = times_s.partition_point(|&time_s| time_s - times_s[0] <= end_s);
-        let rows = rows.min(LogConditions::ROWS_MAX);
-        let times_s = times_s[..rows].to_vec();
+        let rows = base.len().min(LogConditions::ROWS_MAX);
+        let times_s = base.times_s()[..rows].to_vec();
         let base = TimeBase::new(times_s).expect("it is the beginning of one");
         ids.push((id, part.add_time_base(base), rows));
     }

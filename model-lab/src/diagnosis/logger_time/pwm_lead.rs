@@ -7,7 +7,7 @@
 use plant_sim::PlantParameters;
 use plant_sim::parameters::EcuParameters;
 
-use super::{CLEAR, Delay, WIDE_DELAY_STEP_S, best};
+use super::{CLEAR, Delay, Tries, WIDE_DELAY_STEP_S};
 use crate::diagnosis::log::Log;
 
 /// Largest number of samples that are tried. In a longer pattern they lie close together, and the delay of the commands makes up for one.
@@ -26,7 +26,7 @@ pub(super) fn find_pwm_lead(plant: &PlantParameters, log: &mut Log, delay: Delay
     let mut loss_of = |lead_ns: u64| {
         log.conditions.pwm_lead_ns = lead_ns;
         let delays_s = delay.candidates_s(plant, WIDE_DELAY_STEP_S);
-        best(plant, log, &[clock], delays_s).loss
+        Tries::on(plant, log).best(&[clock], &delays_s).whole.loss
     };
     let before = loss_of(there_ns);
     let losses = leads_ns.iter().map(|&lead_ns| (loss_of(lead_ns), lead_ns));

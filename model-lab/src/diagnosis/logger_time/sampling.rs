@@ -9,7 +9,7 @@ use plant_sim::replay::CurrentSampling;
 use super::super::evidence::Evidence;
 use super::super::log::Log;
 use super::pwm_lead::find_pwm_lead;
-use super::{DELAY_STEP_S, Delay, best};
+use super::{DELAY_STEP_S, Delay, Tries};
 
 /// Chooses for all logs in `evidence` that leave it open: what leaves less.
 pub(crate) fn find_sampling(plant: &PlantParameters, evidence: &mut Evidence, delay: Delay) {
@@ -21,7 +21,8 @@ pub(crate) fn find_sampling(plant: &PlantParameters, evidence: &mut Evidence, de
         let open = evidence.logs.iter().filter(|log| log.is_sampling_open());
         let of_log = |log: &Log| {
             let clock = [log.conditions.clock];
-            best(plant, log, &clock, delay.candidates_s(plant, DELAY_STEP_S)).loss
+            let delays_s = delay.candidates_s(plant, DELAY_STEP_S);
+            Tries::on(plant, log).best(&clock, &delays_s).whole.loss
         };
         let loss: f64 = open.map(of_log).sum();
         if found.as_ref().is_none_or(|&(least, ..)| loss < least) {

@@ -1,4 +1,4 @@
-//! A fast log, thinned to the rows that a fit needs.
+//! A part of a log: its beginning, or the rows of a fast log that a fit needs.
 //!
 //! The simulation stops at each row, so that a log of 5 kHz takes five times as long as one of 1 kHz, while the plant is as slow in
 //! both. Neighbouring rows are kept in pairs, since a current may be a mean over the time since the row before. The place of the pairs
@@ -19,11 +19,36 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl Log {
     /// Returns the log with the rows that a fit needs; a log of about 1 kHz stays as it is.
-    pub(crate) fn thinned(mut self, parameters: &PlantParameters) -> Self {
+    pub(crate) fn thinned(self, parameters: &PlantParameters) -> Self {
         let rows = self.needed_rows();
-        if rows.len() == self.inputs.len() {
-            return self;
+        match rows.len() == self.inputs.len() {
+            true => self,
+            false => self.at_rows(&rows, parameters),
         }
+    }
+
+    /// Returns the first `least_s` of the log, and what follows up to the given number of changes of the commands; none if that is all.
+    pub(crate) fn beginning(
+        &self,
+        least_s: f64,
+        changes: usize,
+        parameters: &PlantParameters,
+    ) -> Option<Self> {
+        let count = self.inputs.len();
+        let mut changing = (1..count).filter(|&row| self.changes_command(row));
+        let changed = changing.nth(changes).unwrap_or(count);
+        let times_s = &self.commands.times_s;
+        let end = changed.max(times_s.partition_point(|&time_s| time_s <= least_s));
+        let rows: Vec<usize> = (0..end).collect();
+        (end < count).then(|| self.clone().at_rows(&rows, parameters))
+    }
+
+    fn changes_command(&self, row: usize) -> bool {
+        self.inputs[row].command != self.inputs[row - 1].command
+    }
+
+    /// The log with these rows alone, in order.
+    fn at_rows(mut self, rows: &[usize], parameters: &PlantParameters) -> Self {
         let is_mean = self.is_sampling_open() || self.sampling == CurrentSampling::MeanOfInterval;
         for channel in &mut self.channels {
             let needs_row_before = is_mean && is_current(channel.signal);
@@ -54,7 +79,7 @@ impl Log {
             self.issued_ns = rows.iter().map(|&row| self.issued_ns[row]).collect();
         }
         self.counted = rows.iter().map(|&row| self.counted[row]).collect();
-        self.commands = self.commands.at_rows(&rows);
+        self.commands = self.commands.at_rows(rows);
         for restart in &mut self.start.restarts {
             restart.row = rows.partition_point(|&row| row < restart.row);
         }
@@ -78,7 +103,7 @@ impl Log {
         }
         // Between these rows the ECU gave another command, which tells the clock.
         for row in 1..count {
-            if self.inputs[row].command != self.inputs[row - 1].command {
+            if self.changes_command(row) {
                 is_needed[row - 1..=row].fill(true);
             }
         }
@@ -98,7 +123,7 @@ mod tests {
     use plant_sim::replay::ReplayInput;
     use recording::Recording;
 
-    use super::super::Run;
+    use super::super::{Log, Run};
     use crate::bench::{logged, without_rows};
     use crate::diagnosis::evidence::Evidence;
     use crate::diagnosis::gather::gather;
@@ -165,5 +190,35 @@ mod tests {
             evidence(&log).logs[0].inputs.len(),
             log.time_bases().next().unwrap().1.len()
         );
+    }
+
+    /// Of a log with a pause in its beginning and another one behind it.
+    #[test]
+    fn the_beginning_of_a_log_has_its_first_errors() {
+        let plant = PlantParameters::nominal();
+        let log = logged(&plant, CLOCK, 1e-3, 3);
+        let log = without_rows(&without_rows(&log, 9_000..9_200), 2_000..2_300);
+        let whole = &evidence(&log).logs[0];
+        let beginning = whole.beginning(4.0, 4, &plant).unwrap();
+        let rows = beginning.inputs.len();
+        assert!((3_700..3_800).contains(&rows), "{rows}");
+        let mut wrong = plant.clone();
+        wrong.chamber.volume_m3 *= 1.1;
+        let errors = |log: &Log| {
+            log.residuals_assigned(&wrong, Some(CLOCK), Run::Free)
+                .unwrap()
+        };
+        let (begun, all) = (errors(&beginning), errors(whole));
+        for (channel, of_channel) in begun.chunks(rows).enumerate() {
+            assert_eq!(of_channel, &all[channel * whole.inputs.len()..][..rows]);
+        }
+        let changes = |log: &Log| {
+            (1..log.inputs.len())
+                .filter(|&row| log.changes_command(row))
+                .count()
+        };
+        let long = whole.beginning(0.1, 10, &plant).unwrap();
+        assert_eq!(changes(&long), 10);
+        assert!(whole.beginning(4.0, 1_000, &plant).is_none());
     }
 }

@@ -1,0 +1,142 @@
+//! Clocks and delays, tried on the model.
+//!
+//! How the rows lie in the time of the ECU shows in a part of a log as well as in all of it. So most tries see the beginning of the
+//! log alone, where drifts do not count yet, and only the best of them the whole.
+
+use plant_sim::PlantParameters;
+use plant_sim::logger_clock::LoggerClock;
+use rayon::prelude::*;
+
+use crate::diagnosis::log::{Log, Run};
+
+/// Length (s) of the beginning: a drift of 100 ppm moves its end by 1.5 ms.
+const BEGINNING_S: f64 = 15.0;
+/// The beginning goes on up to as many changes of the commands.
+const CHANGES: usize = 30;
+/// The best tries at the beginning that see the whole log.
+const PROMISING: usize = 3;
+/// Errors above this many noise floors count in proportion, not with their square.
+pub(super) const OUTLIER: f64 = 3.0;
+
+/// A clock with a delay of the commands, and what they leave.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tried {
+    pub(super) clock: Option<LoggerClock>,
+    pub(super) delay_s: f64,
+    pub(super) loss: f64,
+}
+
+/// What the best try leaves at the beginning and in all of a log.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found {
+    pub(super) begun_loss: f64,
+    pub(super) whole: Tried,
+}
+
+/// A log on which clocks and delays are tried.
+pub(super) struct Tries<'a> {
+    plant: &'a PlantParameters,
+    log: &'a Log,
+    beginning: Option<Log>,
+}
+
+impl<'a> Tries<'a> {
+    pub(super) fn on(plant: &'a PlantParameters, log: &'a Log) -> Self {
+        Self {
+            plant,
+            log,
+            beginning: log.beginning(BEGINNING_S, CHANGES, plant),
+        }
+    }
+
+    /// The part of the log that most tries see: all of a short one.
+    pub(super) fn beginning(&self) -> &Log {
+        self.beginning.as_ref().unwrap_or(self.log)
+    }
+
+    /// What `clocks` leave at the beginning, each with each delay out of `delays_s`, the least first.
+    pub(super) fn begun(&self, clocks: &[Option<LoggerClock>], delays_s: &[f64]) -> Vec<Tried> {
+        ranked(self.plant, self.beginning(), pairs(clocks, delays_s))
+    }
+
+    /// The best of `clocks`, each with the delay out of `delays_s` that suits it best.
+    pub(super) fn best(&self, clocks: &[Option<LoggerClock>], delays_s: &[f64]) -> Found {
+        let begun = self.begun(clocks, delays_s);
+        let promising = begun.iter().take(PROMISING);
+        let promising = promising.map(|tried| (tried.clock, tried.delay_s));
+        self.found(&begun, promising.collect())
+    }
+
+    /// The best of clocks with these phases at the beginning of the log, each with the delay out of `delays_s` and the drift out of
+    /// `drifts_ppm` that suit it best. None where the best one leaves more than `most` at the beginning.
+    pub(super) fn best_drifting(
+        &self,
+        (phases_s, delays_s, drifts_ppm): (&[f64], &[f64], &[f64]),
+        most: f64,
+    ) -> Option<Found> {
+        let middle_s = self.beginning().middle_s();
+        let clock = |phase_s, drift_ppm| LoggerClock::with_phase_at(middle_s, phase_s, drift_ppm);
+        let clocks: Vec<_> = phases_s
+            .iter()
+            .map(|&phase_s| Some(clock(phase_s, 0.0)))
+            .collect();
+        let begun = self.begun(&clocks, delays_s);
+        if begun[0].loss > most {
+            return None;
+        }
+        let promising = begun.iter().take(PROMISING).flat_map(|tried| {
+            let drifting = |&drift_ppm| tried.clock.map(|still| clock(still.phase_s, drift_ppm));
+            drifts_ppm
+                .iter()
+                .map(move |drift_ppm| (drifting(drift_ppm), tried.delay_s))
+        });
+        Some(self.found(&begun, promising.collect()))
+    }
+
+    fn found(&self, begun: &[Tried], promising: Vec<(Option<LoggerClock>, f64)>) -> Found {
+        Found {
+            begun_loss: begun[0].loss,
+            whole: ranked(self.plant, self.log, promising)[0],
+        }
+    }
+}
+
+/// Each clock with each delay.
+fn pairs(clocks: &[Option<LoggerClock>], delays_s: &[f64]) -> Vec<(Option<LoggerClock>, f64)> {
+    let with_delays = |&clock| delays_s.iter().map(move |&delay_s| (clock, delay_s));
+    clocks.iter().flat_map(with_delays).collect()
+}
+
+/// What clocks with delays leave in `log`, the least first.
+fn ranked(
+    plant: &PlantParameters,
+    log: &Log,
+    pairs: Vec<(Option<LoggerClock>, f64)>,
+) -> Vec<Tried> {
+    let tried = pairs.into_par_iter().map(|(clock, delay_s)| Tried {
+        clock,
+        delay_s,
+        loss: loss(plant, log, clock, delay_s),
+    });
+    let mut ranked: Vec<Tried> = tried.collect();
+    ranked.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    ranked
+}
+
+/// What `clock` leaves with commands delayed by `delay_s`: squares of small errors, large ones in proportion.
+pub(super) fn loss(
+    plant: &PlantParameters,
+    log: &Log,
+    clock: Option<LoggerClock>,
+    delay_s: f64,
+) -> f64 {
+    let mut plant = plant.clone();
+    plant.ecu.command_delay_s = delay_s;
+    let residuals = log.residuals_assigned(&plant, clock, Run::Predicted);
+    residuals.map_or(f64::INFINITY, |residuals| {
+        residuals
+            .iter()
+            .map(|residual| residual * residual / (1.0 + residual.abs() / OUTLIER))
+            .sum()
+    })
+}
