@@ -108,7 +108,9 @@ impl NozzleLaw {
     /// `effective_area` is discharge coefficient times area (m²), pressures are absolute (Pa).
     #[inline]
     pub fn mass_flow(&self, effective_area: f64, upstream: f64, downstream: f64) -> f64 {
-        if self.is_choked(upstream, downstream) {
+        if effective_area == 0.0 {
+            0.0
+        } else if self.is_choked(upstream, downstream) {
             effective_area * upstream * self.choked_factor
         } else if upstream >= downstream {
             effective_area * upstream * self.flow_function(downstream / upstream)
@@ -159,6 +161,20 @@ impl NozzleLaw {
             self.subsonic.at((1.0 - ratio).sqrt())
         } else {
             self.laminar_slope * (1.0 - ratio)
+        }
+    }
+
+    /// Returns Ψ(ratio) / sqrt(R T) and its derivative by `ratio` (s/m), both of the table.
+    #[inline]
+    pub(crate) fn flow_function_with_slope(&self, ratio: f64) -> [f64; 2] {
+        if ratio <= self.critical_ratio {
+            [self.choked_factor, 0.0]
+        } else if ratio < LAMINAR_RATIO {
+            let root = (1.0 - ratio).sqrt();
+            let [value, slope] = self.subsonic.with_slope_at(root);
+            [value, -0.5 * slope / root]
+        } else {
+            [self.laminar_slope * (1.0 - ratio), -self.laminar_slope]
         }
     }
 

@@ -1,7 +1,7 @@
 //! Fixed restrictions: orifices and tubes in parallel or in series with a valve (E46).
 
 use crate::orifice::NozzleLaw;
-use crate::solver::root::first_positive;
+use crate::solver::root::increasing_root;
 
 /// Ratio of downstream to upstream pressure above which the flow through a restriction between two volumes is linear in
 /// the pressure drop. The zone is a hundred times as wide as that of a valve. Both sides are nearly equal most of the
@@ -62,14 +62,21 @@ pub fn in_series(
     if areas[1] <= 0.0 || upstream == downstream {
         return (0.0, upstream);
     }
-    // Outflow minus inflow grows with the pressure between. The squares of flows are nearly linear in it, so the root
-    // is found in a few evaluations; the flows themselves have an infinite slope at either end.
-    let surplus = |above: f64| {
-        let between = downstream + above;
-        let out = nozzle.mass_flow(areas[1], between, downstream);
-        out * out - nozzle.mass_flow(areas[0], upstream, between).powi(2)
+    // Squares of both flows per effective area of the second orifice, and their derivatives by the pressure between:
+    // nearly linear in it, while the flows themselves have an infinite slope at either end.
+    let share = areas[0] / areas[1];
+    let squares = |between: f64| {
+        let [into, into_slope] = nozzle.flow_function_with_slope(between / upstream);
+        let ratio = downstream / between;
+        let [out, out_slope] = nozzle.flow_function_with_slope(ratio);
+        let (into, into_slope) = (share * upstream * into, share * into_slope);
+        let (out, out_slope) = (between * out, out - ratio * out_slope);
+        let surplus = out * out - into * into;
+        [surplus, 2.0 * (out * out_slope - into * into_slope)]
     };
-    let between = downstream + first_positive(surplus, 0.0, upstream - downstream);
+    // Were they linear, the drops would be as the squares of the areas.
+    let start = downstream + (upstream - downstream) * share * share / (1.0 + share * share);
+    let between = increasing_root(squares, [downstream, upstream], start);
     (nozzle.mass_flow(areas[1], between, downstream), between)
 }
 

@@ -11,6 +11,7 @@ pub struct FlowForce {
 
 impl FlowForce {
     /// Returns the share of the pressure force that is lost at `lift` (share of the stroke, 0 to 1), E58.
+    #[inline]
     pub(crate) fn lost_share(&self, lift: f64) -> f64 {
         self.at_full_lift * (1.0 + self.steepness) * lift / (1.0 + self.steepness * lift)
     }

@@ -82,6 +82,29 @@ pub struct Additions {
     pub hooks: Hooks,
 }
 
+impl Additions {
+    /// Returns whether the current of a coil does not follow from its voltage, resistance and inductance alone.
+    pub(crate) fn has_coil_law(&self) -> bool {
+        self.saturation.is_some()
+            || self.eddy_conductance > 0.0
+            || self.supply_resistance > 0.0
+            || self.polarisation.is_some()
+            || !self.hooks.is_empty()
+    }
+
+    /// Returns whether the pressure does not follow from the flows through valves and leaks alone.
+    pub(crate) fn has_gas_law(&self) -> bool {
+        self.supply_line.is_some()
+            || self.drain_line.is_some()
+            || self.restrictions != [None; 2]
+            || self.combined != [None; 2]
+            || self.wall_heat.is_some()
+            || self.cavity.is_some()
+            || self.plunger.is_some()
+            || !self.hooks.is_empty()
+    }
+}
+
 /// Voltage behind a resistance that rises and decays with a time constant: a battery under a lasting current (E50).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Polarisation {

@@ -52,12 +52,32 @@ fn narrowed(plant: &Plant, index: usize, area: f64) -> f64 {
 #[inline]
 fn through_valve(
     plant: &Plant,
-    index: usize,
-    open: f64,
+    layout: &Layout,
+    (index, open): (usize, f64),
+    upstream: f64,
+    downstream: f64,
+) -> (f64, f64) {
+    if layout.is_alone[index] || open == 0.0 {
+        let flow = plant.nozzle.mass_flow(open, upstream, downstream);
+        (flow, upstream - downstream)
+    } else if open < 0.0 {
+        // Beyond the seat within a step: the law continues smoothly, like the area.
+        let (flow, drop) = through_orifices(plant, (index, -open), upstream, downstream);
+        (-flow, drop)
+    } else {
+        through_orifices(plant, (index, open), upstream, downstream)
+    }
+}
+
+/// The same of a valve whose flow other orifices limit as well.
+fn through_orifices(
+    plant: &Plant,
+    (index, open): (usize, f64),
     upstream: f64,
     downstream: f64,
 ) -> (f64, f64) {
     let additions = &plant.additions;
+    let nozzle = &plant.nozzle;
     let area = narrowed(plant, index, open);
     let behind = additions.restrictions[index];
     // A line without volume is an orifice upstream of the fill valve.
@@ -65,26 +85,16 @@ fn through_valve(
         .supply_line
         .filter(|_| index == FILL)
         .and_then(Line::orifice);
-    if area == 0.0 {
-        (0.0, upstream - downstream)
-    } else if area < 0.0 {
-        // Beyond the seat within a step: the law continues smoothly, like the area.
-        let (flow, drop) = through_valve(plant, index, -open, upstream, downstream);
-        (-flow, drop)
-    } else if let Some(before) = before {
+    if let Some(before) = before {
         let areas = [before.in_series_with(behind).effective_area, area];
-        let (flow, between) = in_series(&plant.nozzle, areas, upstream, downstream);
+        let (flow, between) = in_series(nozzle, areas, upstream, downstream);
         (flow, between - downstream)
     } else if let Some(behind) = behind {
-        let (flow, between) = in_series(
-            &plant.nozzle,
-            [area, behind.effective_area],
-            upstream,
-            downstream,
-        );
+        let areas = [area, behind.effective_area];
+        let (flow, between) = in_series(nozzle, areas, upstream, downstream);
         (flow, upstream - between)
     } else {
-        let flow = plant.nozzle.mass_flow(area, upstream, downstream);
+        let flow = nozzle.mass_flow(area, upstream, downstream);
         (flow, upstream - downstream)
     }
 }
@@ -147,7 +157,7 @@ pub(super) fn pressure_drop(
     } else {
         (pressure, sink(plant, layout, extra))
     };
-    through_valve(plant, index, area, upstream, downstream).1
+    through_valve(plant, layout, (index, area), upstream, downstream).1
 }
 
 /// Returns the volume of the gas while the pressure rises or falls.
@@ -163,6 +173,24 @@ fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> Volume {
     Volume {
         size: plant.chamber.volume + swept.size,
         ..swept
+    }
+}
+
+/// Returns the rate of the pressure where no effect changes its law but for leaks.
+#[inline]
+pub(super) fn plain_rates(plant: &Plant, areas: [f64; 2], pressure: f64) -> GasNow {
+    let leaks = plant.additions.leaks;
+    let nozzle = &plant.nozzle;
+    let (supply, drain) = (plant.supply_pressure, plant.drain_pressure);
+    let fill = nozzle.mass_flow(areas[FILL], supply, pressure);
+    let vent = nozzle.mass_flow(areas[VENT], pressure, drain);
+    let leak = leaks[0].map_or(0.0, |leak| {
+        leak.mass_flow(nozzle, pressure, plant.ambient_pressure)
+    });
+    let seat = leaks[1].map_or(0.0, |leak| leak.mass_flow(nozzle, supply, pressure));
+    GasNow {
+        pressure_rate: plant.chamber.pressure_per_mass * (fill - vent - leak + seat),
+        drops: [supply - pressure, pressure - drain],
     }
 }
 
@@ -187,9 +215,9 @@ pub(super) fn rates(
         extra_rates[index] = plunger.rate(swept, pressure);
     }
 
-    let (fill, fill_drop) = through_valve(plant, FILL, areas[FILL], source, pressure);
+    let (fill, fill_drop) = through_valve(plant, layout, (FILL, areas[FILL]), source, pressure);
     let sink = sink(plant, layout, extra);
-    let (vent, vent_drop) = through_valve(plant, VENT, areas[VENT], pressure, sink);
+    let (vent, vent_drop) = through_valve(plant, layout, (VENT, areas[VENT]), pressure, sink);
     let seat = additions.leaks[1].map_or(0.0, |leak| leak.mass_flow(nozzle, source, pressure));
     let leak = additions.leaks[0].map_or(0.0, |leak| {
         leak.mass_flow(nozzle, pressure, plant.ambient_pressure)
@@ -204,32 +232,28 @@ pub(super) fn rates(
         _ => 0.0,
     };
 
-    // Flow into the chamber, and whether it comes from outside. The pressures decide, because a flow also changes its
-    // sign beyond the seat.
-    let mut streams = [
-        (fill, source >= pressure),
-        (-vent, sink > pressure),
-        (seat, source >= pressure),
-        (-leak, plant.ambient_pressure > pressure),
-        (own, own >= 0.0),
-    ];
-    if let (Some(heat), Some(temperature)) = (&additions.wall_heat, layout.temperature) {
-        // Warm gas is thin: the outflow of the chamber is reduced by the root of its temperature.
-        let thin = (heat.surroundings / extra[temperature]).sqrt();
-        for (flow, from_outside) in &mut streams {
-            if !*from_outside {
-                *flow *= thin;
-            }
-        }
-    }
+    // Warm gas is thin: the outflow of the chamber is reduced by the root of its temperature.
+    let thin = match (&additions.wall_heat, layout.temperature) {
+        (Some(heat), Some(temperature)) => (heat.surroundings / extra[temperature]).sqrt(),
+        _ => 1.0,
+    };
     let (mut inflow, mut outflow) = ((-cavity).max(0.0), cavity.max(0.0));
-    for (flow, from_outside) in streams {
+    // Accounts for a flow into the chamber. The pressures decide whether it comes from outside, because a flow also
+    // changes its sign beyond the seat.
+    let mut account = |flow: f64, from_outside: bool| {
         if from_outside {
             inflow += flow;
+            flow
         } else {
-            outflow -= flow;
+            outflow -= flow * thin;
+            flow * thin
         }
-    }
+    };
+    let filled = account(fill, source >= pressure);
+    let vented = account(-vent, sink > pressure);
+    let seeped = account(seat, source >= pressure);
+    account(-leak, plant.ambient_pressure > pressure);
+    account(own, own >= 0.0);
 
     let pressure_rate = match (&additions.wall_heat, layout.temperature) {
         (Some(heat), Some(index)) => {
@@ -258,11 +282,11 @@ pub(super) fn rates(
     };
     let gas = (nozzle, plain * plant.chamber.volume);
     if let (Some(index), Some(line)) = (layout.line, additions.supply_line) {
-        let drawn = streams[0].0 + streams[2].0;
+        let drawn = filled + seeped;
         extra_rates[index] = line.pressure_rate(gas, reservoir(plant, now), source, drawn);
     }
     if let (Some(index), Some(line)) = (layout.drain, additions.drain_line) {
-        extra_rates[index] = line.pressure_rate(gas, plant.drain_pressure, sink, streams[1].0);
+        extra_rates[index] = line.pressure_rate(gas, plant.drain_pressure, sink, vented);
     }
     GasNow {
         pressure_rate,

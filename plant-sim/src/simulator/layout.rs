@@ -2,7 +2,7 @@
 
 use super::physics::{FEW, MANY, Width};
 use crate::additions::Line;
-use crate::plant::Plant;
+use crate::plant::{FILL, Plant, VENT};
 
 /// Indices of the added states.
 #[derive(Debug, Clone, Default)]
@@ -25,6 +25,8 @@ pub(super) struct Layout {
     pub(super) plunger: Option<usize>,
     /// First index and number of the user-defined states.
     pub(super) own: (usize, usize),
+    /// Whether each valve alone limits the flow through it.
+    pub(super) is_alone: [bool; 2],
     len: usize,
 }
 
@@ -50,6 +52,11 @@ impl Layout {
                 .is_some_and(|plunger| plunger.damping.is_some()),
         );
         let own = additions.hooks.states.len();
+        let has_line = additions.supply_line.and_then(Line::orifice).is_some();
+        let is_alone = [FILL, VENT].map(|index| {
+            let orifices = [additions.combined[index], additions.restrictions[index]];
+            orifices == [None; 2] && !(has_line && index == FILL)
+        });
         Self {
             time,
             line,
@@ -60,6 +67,7 @@ impl Layout {
             polarisation,
             plunger,
             own: (layout.len, own),
+            is_alone,
             len: layout.len + own,
         }
     }

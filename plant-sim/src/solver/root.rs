@@ -37,6 +37,42 @@ pub(crate) fn first_positive(g: impl Fn(f64) -> f64, lo: f64, h: f64) -> f64 {
     above
 }
 
+/// Largest number of steps of [`increasing_root`].
+const NEWTON_STEPS: usize = 60;
+/// The last Newton step is this share of the distance from either end at most: its square is the error that is left.
+const LAST_STEP: f64 = 1e-5;
+
+/// Returns the root between `low` and `high` of a function that increases from a negative to a positive value there.
+/// `g` gives value and slope. Newton's method from `start`, with bisection where it leaves the bracket.
+#[inline]
+pub(crate) fn increasing_root(
+    g: impl Fn(f64) -> [f64; 2],
+    [low, high]: [f64; 2],
+    start: f64,
+) -> f64 {
+    let (mut below, mut above) = (low, high);
+    let mut x = start;
+    for _ in 0..NEWTON_STEPS {
+        let [value, slope] = g(x);
+        if value > 0.0 {
+            above = x;
+        } else {
+            below = x;
+        }
+        let next = x - value / slope;
+        let close = LAST_STEP * (x - low).min(high - x) + f64::EPSILON * high;
+        if (next - x).abs() <= close {
+            return next;
+        }
+        x = if next > below && next < above {
+            next
+        } else {
+            0.5 * (below + above)
+        };
+    }
+    x
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,5 +103,18 @@ mod tests {
     fn a_flat_root_is_found_to_the_precision_of_its_value() {
         let time = first_positive(|t| (t - 0.9_f64).powi(3), 0.0, 1.0);
         assert!((time - 0.9).abs() < 1e-3, "{time}");
+    }
+
+    #[test]
+    fn a_root_is_found_where_the_slope_misleads() {
+        let cube = |x: f64| [(x - 0.3).powi(3), 3.0 * (x - 0.3).powi(2)];
+        let kink = |x: f64| match x < 0.7 {
+            true => [1e-3 * (x - 0.7), 1e-3],
+            false => [50.0 * (x - 0.7), 50.0],
+        };
+        let flat = |x: f64| [x.tanh() - 1e-6, 1.0 - x.tanh().powi(2)];
+        assert!((increasing_root(cube, [0.0, 1.0], 0.9) - 0.3).abs() < 1e-5);
+        assert!((increasing_root(kink, [0.0, 1.0], 0.99) - 0.7).abs() < 1e-12);
+        assert!((increasing_root(flat, [0.0, 30.0], 25.0) - 1e-6).abs() < 1e-15);
     }
 }

@@ -21,12 +21,22 @@ impl Table {
     /// Returns the value at `x`; beyond the ends, the outermost cubic is continued.
     #[inline]
     pub(crate) fn at(&self, x: f64) -> f64 {
+        self.with_slope_at(x)[0]
+    }
+
+    /// Returns the value and the slope at `x`; beyond the ends, the outermost cubic is continued.
+    #[inline]
+    pub(crate) fn with_slope_at(&self, x: f64) -> [f64; 2] {
         let position = (x - self.start) * self.intervals_per_unit;
         let index = (position.max(0.0) as usize).min(self.nodes.len() - 2);
         let t = position - index as f64;
         let ([y0, m0], [y1, m1]) = (self.nodes[index], self.nodes[index + 1]);
         let rise = y1 - y0;
-        y0 + t * (m0 + t * (3.0 * rise - 2.0 * m0 - m1 + t * (m0 + m1 - 2.0 * rise)))
+        let (square, cube) = (3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise);
+        [
+            y0 + t * (m0 + t * (square + t * cube)),
+            (m0 + t * (2.0 * square + t * 3.0 * cube)) * self.intervals_per_unit,
+        ]
     }
 }
 

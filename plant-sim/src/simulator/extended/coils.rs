@@ -31,12 +31,16 @@ impl Extended {
     }
 
     /// Returns the live coils at a state, with their magnetising currents.
+    #[inline]
     pub(super) fn coils<const N: usize, const M: usize>(
         &self,
         smooth: &Smooth<M>,
         y: &[f64; N],
         more: [f64; 2],
     ) -> [CoilNow; 2] {
+        if !self.has_coil_law {
+            return self.plain_coils(smooth, y);
+        }
         let mut coils = [None; 2];
         for slot in 0..M {
             let (index, first) = (smooth.live[slot], first_of(slot));
@@ -46,6 +50,29 @@ impl Extended {
             coils[index] = Some((drive, current, more[index] - lost));
         }
         flux::coils_now(&self.plant, coils)
+    }
+
+    /// Returns the live coils at a state, where no effect changes their law.
+    #[inline]
+    fn plain_coils<const N: usize, const M: usize>(
+        &self,
+        smooth: &Smooth<M>,
+        y: &[f64; N],
+    ) -> [CoilNow; 2] {
+        let mut coils = [CoilNow::default(); 2];
+        for slot in 0..M {
+            let (index, first) = (smooth.live[slot], first_of(slot));
+            let drive = smooth.drives[slot];
+            if let Some(voltage) = drive.voltage() {
+                let current = y[first] / self.plant.valves[index].coil.inductance(y[first + 1]);
+                let resistance = flux::loop_resistance(&self.plant, index, drive);
+                coils[index] = CoilNow {
+                    current,
+                    flux_rate: voltage - resistance * current,
+                };
+            }
+        }
+        coils
     }
 
     /// Returns the reduction of a coil's voltage by the battery's polarisation (V).

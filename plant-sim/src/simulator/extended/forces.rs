@@ -7,6 +7,7 @@ use crate::valve::ValveState;
 
 impl Extended {
     /// Returns the forces on an armature without friction (N).
+    #[inline]
     pub(super) fn net_force(
         &self,
         (index, x, v): (usize, f64, f64),
@@ -16,8 +17,12 @@ impl Extended {
     ) -> f64 {
         let valve = &self.plant.valves[index];
         let additions = &self.plant.additions;
-        let lift = valve.lift(x) / valve.armature.stroke;
-        let drop = pressure_drop * (1.0 - additions.flow_force.lost_share(lift));
+        let drop = if additions.flow_force.at_full_lift == 0.0 {
+            pressure_drop
+        } else {
+            let lift = valve.lift(x) / valve.armature.stroke;
+            pressure_drop * (1.0 - additions.flow_force.lost_share(lift))
+        };
         let own = now.map_or(0.0, |now| hooks::sum(&additions.hooks.force[index], now));
         valve.magnet.force(pulling_current, x) + valve.armature.static_force(x, drop)
             - valve.armature.viscous_friction * v

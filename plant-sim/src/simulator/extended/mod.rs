@@ -27,6 +27,9 @@ pub struct EffectState {
 pub(in crate::simulator) struct Extended {
     plant: Plant,
     layout: Layout,
+    /// Whether an effect changes the law of the coils, and that of the flows.
+    has_coil_law: bool,
+    has_gas_law: bool,
     extra: [f64; MANY],
     /// Inverse tolerances of `extra`.
     extra_weights: [f64; MANY],
@@ -61,6 +64,8 @@ impl Extended {
             swept: plant.swept_at_rest(),
             sensor: Sensor::new(start),
             elapsed: 0.0,
+            has_coil_law: plant.additions.has_coil_law(),
+            has_gas_law: plant.additions.has_gas_law(),
             layout,
             plant,
         }
@@ -186,5 +191,59 @@ impl Extended {
             *swept = plunger.shifted(*swept, before, pressure);
         }
         self.sensor.shift(shift);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::effects::{EffectSetting, LIBRARY};
+    use crate::simulator::Engine;
+    use crate::{Command, PlantParameters, Simulator};
+
+    /// Pressures (Pa) and currents (A) of two seconds; `in_full` takes no short cut for laws that no effect changes.
+    fn course(plant: &PlantParameters, in_full: bool) -> Vec<[f64; 3]> {
+        let mut simulator = Simulator::new(plant);
+        let Engine::Extended(solver) = &mut simulator.engine else {
+            panic!("an effect is there");
+        };
+        if in_full {
+            (solver.physics.has_coil_law, solver.physics.has_gas_law) = (true, true);
+        }
+        let sample = |n: u64| {
+            let (duty_fill_pct, duty_vent_pct) = match n / 25 % 4 {
+                0 => (60.0, 0.0),
+                1 => (0.0, 0.0),
+                2 => (0.0, 45.0),
+                _ => (80.0, 70.0),
+            };
+            simulator.command(Command {
+                duty_fill_pct,
+                duty_vent_pct,
+            });
+            simulator.advance_to_ns((n + 1) * 10_000_000);
+            let sample = simulator.sample();
+            let [fill, vent] = sample.mean_current;
+            [sample.measured_pressure, fill, vent]
+        };
+        (0..200).map(sample).collect()
+    }
+
+    #[test]
+    fn a_law_that_no_effect_changes_is_that_of_all_effects_without_one() {
+        for effect in LIBRARY {
+            for variant in effect.about().variants {
+                let setting = EffectSetting::typical_variant(effect, variant);
+                let plant = PlantParameters::nominal().with_effect(setting);
+                if matches!(Simulator::new(&plant).engine, Engine::Plain(_)) {
+                    continue;
+                }
+                for (short, full) in course(&plant, false).into_iter().zip(course(&plant, true)) {
+                    let within = |n: usize, bound: f64| (short[n] - full[n]).abs() < bound;
+                    let is_same = within(0, 1.0) && within(1, 1e-6) && within(2, 1e-6);
+                    let name = (effect.about().id, variant.name);
+                    assert!(is_same, "{name:?}: {short:?} and {full:?}");
+                }
+            }
+        }
     }
 }

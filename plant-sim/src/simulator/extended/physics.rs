@@ -188,15 +188,19 @@ impl Physics for Extended {
         });
         let coils = self.coils(smooth, y, more);
         let (valve_rates, extra_rates) = rates.split_at_mut(first_of(M));
-        let gas = gas::rates(
-            &self.plant,
-            &self.layout,
-            areas,
-            (pressure, self.swept),
-            now,
-            extra,
-            extra_rates,
-        );
+        let gas = if self.has_gas_law {
+            gas::rates(
+                &self.plant,
+                &self.layout,
+                areas,
+                (pressure, self.swept),
+                now,
+                extra,
+                extra_rates,
+            )
+        } else {
+            gas::plain_rates(&self.plant, areas, pressure)
+        };
         valve_rates[0] = gas.pressure_rate;
         for slot in 0..M {
             let (index, first) = (smooth.live[slot], first_of(slot));
