@@ -157,6 +157,9 @@ pub(super) fn pressure_drop(
     } else {
         (pressure, sink(plant, layout, extra))
     };
+    if layout.is_alone[index] || area == 0.0 {
+        return upstream - downstream;
+    }
     through_valve(plant, layout, (index, area), upstream, downstream).1
 }
 

@@ -6,8 +6,6 @@ use crate::hooks::{self, Now};
 /// State of the sensor.
 #[derive(Debug, Clone)]
 pub(super) struct Sensor {
-    /// Measured pressure (Pa abs): the chamber's or the cavity's.
-    sensed: f64,
     /// Outputs of the stages of its lag (Pa abs).
     lagged: [f64; 2],
     /// Pressure behind lag and hysteresis (Pa abs).
@@ -17,30 +15,35 @@ pub(super) struct Sensor {
 impl Sensor {
     pub(super) fn new(pressure: f64) -> Self {
         Self {
-            sensed: pressure,
             lagged: [pressure; 2],
             held: pressure,
         }
     }
 
     /// Follows the pressure over `h` (s), from and to a value with its slope.
-    #[inline]
     pub(super) fn follow(&mut self, additions: &Additions, h: f64, start: [f64; 2], end: [f64; 2]) {
-        self.sensed = end[0];
-        let mut through = self.sensed;
-        if let Some(lag) = additions.sensor_lag {
-            if h > 0.0 {
-                self.lagged = lag.follow(self.lagged, h, start, end);
-            }
-            through = self.lagged[1];
+        if let Some(lag) = additions.sensor_lag
+            && h > 0.0
+        {
+            self.lagged = lag.follow(self.lagged, h, start, end);
         }
+        self.hold(additions, self.lagged[1]);
+    }
+
+    /// Follows the pressure to its present value without lag.
+    #[inline]
+    pub(super) fn follow_at_once(&mut self, additions: &Additions, pressure: f64) {
+        self.hold(additions, pressure);
+    }
+
+    #[inline]
+    fn hold(&mut self, additions: &Additions, through: f64) {
         let half = 0.5 * additions.sensor_hysteresis;
         self.held = self.held.clamp(through - half, through + half);
     }
 
     /// Moves all pressures by `shift` (Pa).
     pub(super) fn shift(&mut self, shift: f64) {
-        self.sensed += shift;
         self.lagged = self.lagged.map(|lagged| lagged + shift);
         self.held += shift;
     }

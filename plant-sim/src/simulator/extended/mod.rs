@@ -33,6 +33,8 @@ pub(in crate::simulator) struct Extended {
     extra: [f64; MANY],
     /// Inverse tolerances of `extra`.
     extra_weights: [f64; MANY],
+    /// Inverse of each coil's inductance at rest (1/H).
+    per_inductance: [f64; 2],
     /// Flux linkage of each coil (Wb), if its current does not determine it.
     flux: [f64; 2],
     /// Temperature of each coil, and the heat since its last update (J).
@@ -57,6 +59,8 @@ impl Extended {
         Self {
             extra,
             extra_weights,
+            per_inductance: [FILL, VENT]
+                .map(|index| plant.valves[index].coil.inductance_at_rest.recip()),
             flux: [0.0; 2],
             coils: [coil; 2],
             heat: [0.0; 2],

@@ -238,7 +238,7 @@ impl Physics for Extended {
         // coils.
         let mut valves = *error;
         for slot in 0..M {
-            valves[first_of(slot)] /= self.plant.valves[slot].coil.inductance_at_rest;
+            valves[first_of(slot)] *= self.per_inductance[slot];
         }
         let extra = error[first_of(M)..].iter().zip(self.extra_weights);
         extra.fold(
@@ -303,6 +303,11 @@ impl Physics for Extended {
         let sensed = self
             .sensed_cavity()
             .map_or(0, |cavity| first_of(M) + cavity);
+        if self.plant.additions.sensor_lag.is_none() {
+            self.sensor
+                .follow_at_once(&self.plant.additions, end[sensed]);
+            return;
+        }
         let course = span.cubic(sensed);
         let start = [span.start[sensed], span.start_rate[sensed]];
         let end = [end[sensed], course.rate_at(taken)];
@@ -310,6 +315,11 @@ impl Physics for Extended {
     }
 
     fn commit_formula(&mut self, areas: [f64; 2], taken: f64, pressures: [f64; 2]) {
+        if self.plant.additions.sensor_lag.is_none() {
+            self.sensor
+                .follow_at_once(&self.plant.additions, pressures[1]);
+            return;
+        }
         let areas = gas::widened(&self.plant, areas);
         let [start, end] =
             pressures.map(|pressure| [pressure, self.plant.pressure_rate(areas, pressure)]);
