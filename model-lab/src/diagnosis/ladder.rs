@@ -351,7 +351,7 @@ fn alike_forms(bench: &Bench, plain: &Trial, first: &Trial) -> Vec<Trial> {
     let gain = |trial: &Trial| plain.fit.cost - trial.fit.cost;
     let fits = forms
         .into_par_iter()
-        .filter_map(|form| bench.finish(bench.open(bench.sketch(plain, form))?));
+        .filter_map(|form| bench.finish(bench.begin(plain, form)?));
     let mut alike: Vec<Trial> = fits
         .filter(|trial| gain(trial) >= ALIKE_FORM * gain(first))
         .collect();

@@ -7,7 +7,7 @@ use plant_sim::effects::{Effect, EffectSetting, EntryPoint};
 use rayon::prelude::*;
 
 use super::error::DiagnoseError;
-use super::trial::{Bench, Opened, Trial};
+use super::trial::{Bench, Opened, Prospect, Trial};
 use super::verdict::FURTHER_EVIDENCE;
 
 /// A fit is begun where it promises this share of what the best one promises, ...
@@ -188,19 +188,20 @@ fn open_promising(
         let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / total;
         report(watch, stage, BEGUN * share)
     };
-    let promises = settings
-        .par_iter()
-        .map(|setting| step().map(|()| bench.promised_gain(base, setting.clone())))
-        .collect::<Result<Vec<_>, _>>()?;
-    let most = promises.iter().copied().flatten().fold(0.0, f64::max);
-    let least = effort.least_promise(base, most);
-    settings
+    let prospects = settings
         .into_par_iter()
-        .zip(promises)
-        .map(|(setting, promise)| {
+        .map(|setting| step().map(|()| bench.prospect(base, setting)))
+        .collect::<Result<Vec<_>, _>>()?;
+    let gains = prospects.iter().filter_map(Prospect::gain);
+    let least = effort.least_promise(base, gains.fold(0.0, f64::max));
+    prospects
+        .into_par_iter()
+        .map(|prospect| {
             step()?;
+            let setting = prospect.setting.clone();
+            let promise = prospect.gain();
             let is_promising = promise.is_some_and(|promise| promise > 0.0 && promise >= least);
-            let sketch = is_promising.then(|| bench.sketch(base, setting.clone()));
+            let sketch = is_promising.then(|| bench.sketch(base, prospect));
             Ok(Begun {
                 opened: sketch.and_then(|sketch| bench.open(sketch)),
                 setting,
@@ -230,7 +231,7 @@ pub(crate) fn report(watch: Watch, stage: &'static str, done: f64) -> Result<(),
 pub(crate) fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) -> Option<Trial> {
     forms
         .into_par_iter()
-        .filter_map(|form| bench.finish(bench.open(bench.sketch(base, form))?))
+        .filter_map(|form| bench.finish(bench.begin(base, form)?))
         .reduce_with(|a, b| if b.is_preferred_to(&a) { b } else { a })
 }
 

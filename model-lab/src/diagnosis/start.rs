@@ -2,16 +2,24 @@
 
 use core::ops::RangeInclusive;
 
-use nalgebra::DVector;
+use nalgebra::{Cholesky, DVector, Dyn};
 
 use super::fit::{Fit, Fitter};
 use super::unknowns::Unknown;
 use super::vector::{dot, square};
 
-/// Sizes at which the search for the best one begins, over the typical one; other shapes at the typical one alone.
-const SIZES: [f64; 5] = [0.02, 0.15, 1.0, 5.0, 30.0];
-/// The same for effects that have a sign.
-const SIGNED_SIZES: [f64; 4] = [-1.0, -0.15, 0.15, 1.0];
+/// Sizes at which an effect is looked at first, over the typical one; other shapes at the typical one alone.
+const SIZES: [f64; 2] = [0.15, 1.0];
+/// Sizes that are looked at where the first ones say so.
+const WEAKER_SIZE: f64 = 0.02;
+const STRONGER_SIZES: [f64; 2] = [5.0, 30.0];
+/// The best share of what a size adds asks for a weaker one if it is below this, ...
+const WEAK: f64 = 0.3;
+/// ... and for a stronger one if it is above this.
+const STRONG: f64 = 0.7;
+/// Sizes of an effect with a sign: at the first ones it shows whether it promises anything.
+const SIGNED_SIZES: [f64; 2] = [-0.15, 0.15];
+const FURTHER_SIGNED_SIZES: [f64; 2] = [-1.0, 1.0];
 /// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
 /// elsewhere: a fit that begins in the wrong valley stays there.
 const SHAPES: [f64; 3] = [0.0, -0.6, 0.6];
@@ -26,72 +34,98 @@ const NEIGHBOUR: f64 = 0.8;
 /// ... within these powers.
 const POWERS: [f64; 2] = [0.5, 10.0];
 
-/// Sizes of an effect with a sign at which it shows whether it promises anything: others follow from these.
-const FIRST_SIGNED_SIZES: [f64; 2] = [-0.15, 0.15];
-
 /// An effect on top of a fitted plant, before anything of it is fitted.
 pub(crate) struct Start {
     size: f64,
     /// Displacements of the parameters of form, in their standard deviations.
     shape: Vec<f64>,
-    /// With the nuisance parameters of the plant without it.
+    /// With the nuisance parameters of the plant without it; no Jacobian.
     pub(crate) fit: Fit,
     /// Where the nuisance parameters have made room for it, ...
     pub(crate) moved: Vec<f64>,
     /// ... and the cost that a linear model promises there.
     pub(crate) promised: f64,
+    /// The share of what it adds that is best, as if the residuals were linear in it.
+    best: Option<BestShare>,
 }
 
-/// Returns by how much more the cost of `base` is expected to fall with the effect than without it. The unknowns of the effect are the
-/// last ones; the best of a few sizes counts.
-pub(crate) fn promised_gain(fitter: &Fitter, base: &Fit) -> Option<f64> {
+/// An effect in its typical shape on top of a fitted plant.
+pub(crate) struct Prospect {
+    starts: Vec<Start>,
+    /// By how much more the cost is expected to fall with the effect than without it; none if no size can be simulated.
+    pub(crate) gain: Option<f64>,
+}
+
+/// Looks at a few sizes of the effect whose unknowns are the last ones, on top of `base`.
+pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
     let own = &fitter.unknowns.list()[base.z.len()..];
-    let is_signed = own.iter().any(Unknown::is_signed);
-    let sizes: &[f64] = if is_signed {
-        &FIRST_SIGNED_SIZES
-    } else {
-        &SIZES
-    };
     let typical = vec![0.0; own.len()];
-    let without = cost_without(fitter, base);
-    let starts = sizes
-        .iter()
-        .filter_map(|&size| Start::new(fitter, base, own, size, &typical));
-    let promised = starts.map(|start| {
-        let weakened = start
-            .best_share(fitter, base, without)
-            .filter(|best| WEAKENED.contains(&best.share));
+    let room = Room::of(fitter, base);
+    let begin = |size: f64| Start::new(fitter, &room, own, size, &typical);
+    let starts = if own.iter().any(Unknown::is_signed) {
+        SIGNED_SIZES.into_iter().filter_map(begin).collect()
+    } else {
+        starts_of_sizes(begin)
+    };
+    let promised = starts.iter().map(|start: &Start| {
+        let weakened = start.best.filter(|best| WEAKENED.contains(&best.share));
         weakened.map_or(start.promised, |best| best.cost.min(start.promised))
     });
-    let least = promised.min_by(f64::total_cmp)?;
-    Some(without - least)
+    let least = promised.min_by(f64::total_cmp);
+    Prospect {
+        gain: least.map(|least| room.without - least),
+        starts,
+    }
 }
 
-/// Returns the expected cost after a further step of `base` without the effect. Where the model is not smooth, the step may not reach it.
-fn cost_without(fitter: &Fitter, base: &Fit) -> f64 {
-    let (_, decrease) = fitter.step(base, 0.0);
-    base.cost - decrease.max(0.0)
+/// Starts at the first sizes, and at those to which what they add points.
+fn starts_of_sizes(begin: impl Fn(f64) -> Option<Start>) -> Vec<Start> {
+    let mut starts: Vec<Start> = SIZES.into_iter().filter_map(&begin).collect();
+    let asks_for_weaker = |start: &Start| {
+        start
+            .best
+            .is_some_and(|best| (0.0..WEAK).contains(&best.share))
+    };
+    let asks_for_stronger = |start: &Start| start.best.is_none_or(|best| best.share > STRONG);
+    if starts.first().is_none_or(asks_for_weaker) {
+        starts.extend(begin(WEAKER_SIZE));
+    }
+    let mut last = starts.iter().find(|start| start.size == SIZES[1]);
+    let mut stronger = Vec::new();
+    for size in STRONGER_SIZES {
+        if !last.is_some_and(asks_for_stronger) {
+            break;
+        }
+        stronger.extend(begin(size));
+        last = stronger.last().filter(|start: &&Start| start.size == size);
+    }
+    starts.extend(stronger);
+    starts
 }
 
 /// The most promising starts of the effect whose unknowns are the last ones, on top of `base`.
 ///
 /// An effect may be far weaker than is typical and still show. So each size also says how much of what it adds would be
 /// best, and where that promises more than the sizes themselves, one of that strength is tried as well.
-pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Vec<Start> {
+pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) -> Vec<Start> {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
-    let sizes: &[f64] = if is_signed { &SIGNED_SIZES } else { &SIZES };
-    let begin =
-        |fitter: &Fitter, size: f64, shape: &[f64]| Start::new(fitter, base, own, size, shape);
+    let room = Room::of(fitter, base);
+    let begin = |size: f64, shape: &[f64]| Start::new(fitter, &room, own, size, shape);
     let typical = vec![0.0; own.len()];
-    let without = cost_without(fitter, base);
-    let mut starts: Vec<Start> = sizes
-        .iter()
-        .filter_map(|&size| begin(fitter, size, &typical))
-        .collect();
+    let mut starts = prospect.starts;
+    let whole: &[f64] = if is_signed {
+        starts.extend(
+            FURTHER_SIGNED_SIZES
+                .into_iter()
+                .filter_map(|size| begin(size, &typical)),
+        );
+        &FURTHER_SIGNED_SIZES
+    } else {
+        &SIZES[1..]
+    };
     for shape in shapes(own) {
-        let sizes = sizes.iter().filter(|size| size.abs() == 1.0);
-        starts.extend(sizes.filter_map(|&size| begin(fitter, size, &shape)));
+        starts.extend(whole.iter().filter_map(|&size| begin(size, &shape)));
     }
     let least = starts
         .iter()
@@ -99,14 +133,14 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit) -> Vec<Start> {
         .fold(f64::INFINITY, f64::min);
     let weakened = starts
         .iter()
-        .filter_map(|start| Some((start, start.best_share(fitter, base, without)?)))
+        .filter_map(|start| Some((start, start.best?)))
         .filter(|(_, best)| WEAKENED.contains(&best.share) && best.cost < least)
         .min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
     if let Some((start, best)) = weakened {
-        let power = start.power(fitter, base, own).unwrap_or(1.0);
+        let power = start.power(fitter, &room, own).unwrap_or(1.0);
         let size = start.size * best.share.powf(1.0 / power);
         let shape = start.shape.clone();
-        starts.extend(Start::new(fitter, base, own, size, &shape));
+        starts.extend(begin(size, &shape));
     }
     let price = |start: &Start| {
         let is_typical = start.shape.iter().all(|&moved| moved == 0.0);
@@ -140,15 +174,61 @@ fn shapes(own: &[Unknown]) -> Vec<Vec<f64>> {
 }
 
 /// The share of what a start adds that is best, and the cost that it promises.
+#[derive(Debug, Clone, Copy)]
 struct BestShare {
     share: f64,
     cost: f64,
 }
 
+/// A fitted plant whose nuisance parameters make room for an effect.
+struct Room<'a> {
+    base: &'a Fit,
+    /// Of its curvature; none where that is singular.
+    curvature: Option<Cholesky<f64, Dyn>>,
+    gradient: DVector<f64>,
+    /// Expected cost after a further step without the effect. Where the model is not smooth, the step may not reach it.
+    without: f64,
+}
+
+impl<'a> Room<'a> {
+    fn of(fitter: &Fitter, base: &'a Fit) -> Self {
+        let (hessian, gradient) = fitter.normal(base);
+        let (_, decrease) = fitter.step(base, 0.0);
+        Self {
+            base,
+            curvature: hessian.cholesky(),
+            gradient,
+            without: base.cost - decrease.max(0.0),
+        }
+    }
+
+    /// As if the residuals were linear in what is `added` to them and in the nuisance parameters, whose part is taken out first.
+    fn best_share(&self, added: &[f64]) -> Option<BestShare> {
+        let columns = self.base.jacobian.iter();
+        let shared = DVector::from_iterator(
+            self.base.jacobian.len(),
+            columns.map(|column| dot(column, added)),
+        );
+        let room = self.curvature.as_ref()?.solve(&shared);
+        let along = dot(added, &self.base.residuals) - room.dot(&self.gradient);
+        let across = square(added) - room.dot(&shared);
+        (across > 0.0).then(|| BestShare {
+            share: -along / across,
+            cost: self.without - along * along / across,
+        })
+    }
+}
+
 impl Start {
     /// The strengths of the effect at `size`, the rest of it typical but for `shape`.
-    fn new(fitter: &Fitter, base: &Fit, own: &[Unknown], size: f64, shape: &[f64]) -> Option<Self> {
-        let mut z = base.z.clone();
+    fn new(
+        fitter: &Fitter,
+        room: &Room,
+        own: &[Unknown],
+        size: f64,
+        shape: &[f64],
+    ) -> Option<Self> {
+        let mut z = room.base.z.clone();
         let displaced = own.iter().zip(shape).map(|(unknown, &moved)| {
             let (least, most) = unknown.bounds();
             let by = if unknown.is_strength() {
@@ -160,49 +240,32 @@ impl Start {
         });
         z.extend(displaced);
         let mut fit = fitter.at(z)?;
-        fit.jacobian.clone_from(&base.jacobian);
+        fit.jacobian.clone_from(&room.base.jacobian);
         let (moved, decrease) = fitter.step(&fit, 0.0);
+        fit.jacobian = Vec::new();
         Some(Self {
             size,
             shape: shape.to_vec(),
             promised: fit.cost - decrease.max(0.0),
+            best: room.best_share(&added(&fit, room.base)),
             fit,
             moved,
         })
     }
 
-    /// What the effect adds to the residuals of `base`.
-    fn added(&self, base: &Fit) -> Vec<f64> {
-        let pairs = self.fit.residuals.iter().zip(&base.residuals);
-        pairs.map(|(with, without)| with - without).collect()
-    }
-
-    /// As if the residuals were linear in what is added and in the nuisance parameters, whose part is taken out first. A further step of
-    /// `base` without the effect promises the cost `without`.
-    fn best_share(&self, fitter: &Fitter, base: &Fit, without: f64) -> Option<BestShare> {
-        let added = self.added(base);
-        let (hessian, gradient) = fitter.normal(base);
-        let columns = base.jacobian.iter();
-        let shared = DVector::from_iterator(
-            base.jacobian.len(),
-            columns.map(|column| dot(column, &added)),
-        );
-        let room = hessian.cholesky()?.solve(&shared);
-        let along = dot(&added, &base.residuals) - room.dot(&gradient);
-        let across = square(&added) - room.dot(&shared);
-        (across > 0.0).then(|| BestShare {
-            share: -along / across,
-            cost: without - along * along / across,
-        })
-    }
-
     /// The power of its size with which the effect grows.
-    fn power(&self, fitter: &Fitter, base: &Fit, own: &[Unknown]) -> Option<f64> {
-        let near = Self::new(fitter, base, own, NEIGHBOUR * self.size, &self.shape)?;
-        let [here, there] = [self, &near].map(|start| square(&start.added(base)).sqrt());
+    fn power(&self, fitter: &Fitter, room: &Room, own: &[Unknown]) -> Option<f64> {
+        let near = Self::new(fitter, room, own, NEIGHBOUR * self.size, &self.shape)?;
+        let [here, there] = [self, &near].map(|start| square(&added(&start.fit, room.base)).sqrt());
         let power = (there / here).ln() / NEIGHBOUR.ln();
         power.is_finite().then(|| power.clamp(POWERS[0], POWERS[1]))
     }
+}
+
+/// What an effect adds to the residuals of `base`.
+fn added(with: &Fit, base: &Fit) -> Vec<f64> {
+    let pairs = with.residuals.iter().zip(&base.residuals);
+    pairs.map(|(with, without)| with - without).collect()
 }
 
 #[cfg(test)]
@@ -239,7 +302,9 @@ mod tests {
         let promise = |id: &str| {
             let effect = EffectSetting::typical(by_id(id).unwrap());
             let unknowns = unknowns.clone().with_effect(&effect);
-            promised_gain(&Fitter::new(&evidence, &unknowns), &unfitted).unwrap()
+            prospect(&Fitter::new(&evidence, &unknowns), &unfitted)
+                .gain
+                .unwrap()
         };
         let heating = promise("coil_heating");
         assert!(

@@ -37,7 +37,7 @@ fn least_cost(plant: &PlantParameters, evidence: &Evidence) -> f64 {
         .into_iter()
         .filter(|&effect| shows_in_currents(effect) && evidence.duration_s() <= SHORT_S);
     effects
-        .filter_map(|effect| bench.open(bench.sketch(&plain, EffectSetting::typical(effect))))
+        .filter_map(|effect| bench.begin(&plain, EffectSetting::typical(effect)))
         .map(|opened| opened.fit.cost)
         .fold(plain.fit.cost, f64::min)
 }

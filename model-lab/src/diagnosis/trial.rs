@@ -8,18 +8,34 @@ use plant_sim::{PlantParameters, Tolerance};
 use super::errors::Errors;
 use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
-use super::log::Run;
+use super::log::{Residuals, Run};
 use super::logger_time::fitted_conditions;
-use super::start::{Start, most_promising, promised_gain};
+use super::start::{self, Start, most_promising};
 use super::unknowns::Unknowns;
 use super::verdict::WIDENINGS;
 use crate::conditions::Conditions;
 use crate::whiteness::autocorrelation_time_samples;
 
+/// An effect on top of a fitted plant, looked at in a few sizes.
+pub(crate) struct Prospect {
+    pub(crate) setting: EffectSetting,
+    unknowns: Unknowns,
+    starts: start::Prospect,
+}
+
+impl Prospect {
+    /// By how much more the cost is expected to fall with the effect than without it; none if no size of it can be simulated.
+    pub(crate) fn gain(&self) -> Option<f64> {
+        self.starts.gain
+    }
+}
+
 /// An effect on top of a fitted plant, where its fit would begin.
 pub(crate) struct Sketch {
     effects: Vec<EffectSetting>,
     unknowns: Unknowns,
+    /// Jacobian of the plant without the effect.
+    known: Vec<Residuals>,
     /// The most promising first.
     starts: Vec<Start>,
     /// Cost of the plant without the effect.
@@ -116,26 +132,40 @@ impl Bench<'_> {
         wide
     }
 
-    /// Returns by how much more the cost of `base` is expected to fall with `effect` than without it; none if no size of the effect can be
-    /// simulated.
-    pub(crate) fn promised_gain(&self, base: &Trial, effect: EffectSetting) -> Option<f64> {
-        let unknowns = base.unknowns.clone().with_effect(&effect);
-        let fitter = Fitter::for_search(self.fitting, &unknowns);
-        promised_gain(&fitter, &base.fit)
+    /// `setting` on top of `base` in its typical shape.
+    pub(crate) fn prospect(&self, base: &Trial, setting: EffectSetting) -> Prospect {
+        let unknowns = base.unknowns.clone().with_effect(&setting);
+        let starts = start::prospect(&Fitter::for_search(self.fitting, &unknowns), &base.fit);
+        Prospect {
+            setting,
+            unknowns,
+            starts,
+        }
     }
 
-    /// The most promising of several sizes and shapes of `effect` on top of `base`.
-    pub(crate) fn sketch(&self, base: &Trial, effect: EffectSetting) -> Sketch {
-        let unknowns = base.unknowns.clone().with_effect(&effect);
+    /// The most promising of several sizes and shapes of an effect on top of `base`.
+    pub(crate) fn sketch(&self, base: &Trial, prospect: Prospect) -> Sketch {
+        let Prospect {
+            setting,
+            unknowns,
+            starts,
+        } = prospect;
+        let fitter = Fitter::for_search(self.fitting, &unknowns);
+        let starts = most_promising(&fitter, &base.fit, starts);
         let mut effects = base.effects.clone();
-        effects.push(effect);
-        let starts = most_promising(&Fitter::for_search(self.fitting, &unknowns), &base.fit);
+        effects.push(setting);
         Sketch {
             effects,
             unknowns,
+            known: base.fit.jacobian.clone(),
             starts,
             before: base.fit.cost,
         }
+    }
+
+    /// The fit of `setting` on top of `base`, begun; none where nothing of it can be simulated.
+    pub(crate) fn begin(&self, base: &Trial, setting: EffectSetting) -> Option<Opened> {
+        self.open(self.sketch(base, self.prospect(base, setting)))
     }
 
     /// A few steps of the fit of what was sketched, from where the least is left; none where nothing of it can be simulated.
@@ -143,18 +173,16 @@ impl Bench<'_> {
         let Sketch {
             effects,
             unknowns,
+            known,
             starts,
             before,
         } = sketch;
         let fitter = Fitter::for_search(self.fitting, &unknowns);
-        let reached = starts.into_iter().flat_map(|start| {
-            let moved = fitter.at(start.moved).map(|moved| Fit {
-                jacobian: start.fit.jacobian.clone(),
-                ..moved
-            });
-            [Some(start.fit), moved]
-        });
-        let start = reached.flatten().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let reached = starts
+            .into_iter()
+            .flat_map(|start| [fitter.at(start.moved), Some(start.fit)]);
+        let mut start = reached.flatten().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        start.jacobian = known;
         let begun = Descent::Begun {
             renews_below: before,
         };
@@ -169,7 +197,7 @@ impl Bench<'_> {
     /// Fits what was begun as far as a search needs it, and judges it.
     pub(crate) fn finish(&self, opened: Opened) -> Option<Trial> {
         let fitter = Fitter::for_search(self.fitting, &opened.unknowns);
-        let fit = fitter.descend(opened.fit, Descent::Whole)?;
+        let fit = fitter.descend(opened.fit, Descent::Searched)?;
         self.judge(opened.effects, opened.unknowns, fit)
     }
 
@@ -456,8 +484,9 @@ mod tests {
         later[0].start_gas.cooling_s *= 5.0;
         evidence.replace_conditions(&later);
         let leak = EffectSetting::typical(by_id("chamber_leak").unwrap());
-        let sketch = bench(&rig.plant, &evidence).sketch(&plain, leak);
-        assert_eq!(conditions(&sketch.unknowns, &plain.fit.z), fitted);
+        let begun = bench(&rig.plant, &evidence);
+        let prospect = begun.prospect(&plain, leak);
+        assert_eq!(conditions(&prospect.unknowns, &plain.fit.z), fitted);
     }
 
     /// Fewer unknowns once were so many more that no gain was enough.
