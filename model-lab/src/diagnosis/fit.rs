@@ -116,8 +116,6 @@ pub(crate) enum Descent {
     /// A few steps. Columns of the Jacobian that are there before are taken anew only once the cost is below `renews_below`: a fit that
     /// gains nothing is not worth them.
     Begun { renews_below: f64 },
-    /// As far as a search needs it: to where a Jacobian that was taken on the way promises nothing more.
-    Searched,
     /// To the least cost, where a Jacobian of its own promises nothing more.
     Whole,
 }
@@ -126,7 +124,7 @@ impl Descent {
     fn iterations(self) -> usize {
         match self {
             Self::Begun { .. } => FIRST_ITERATIONS,
-            Self::Searched | Self::Whole => ITERATIONS,
+            Self::Whole => ITERATIONS,
         }
     }
 }
@@ -352,7 +350,6 @@ impl<'a> Fitter<'a> {
     pub(crate) fn descend(&self, mut fit: Fit, descent: Descent) -> Option<Fit> {
         let known = fit.jacobian.len();
         let mut fresh = known == 0;
-        let mut is_own = fresh;
         if known < self.unknowns.len() {
             self.differentiate(&mut fit, known, Difference::Forward)?;
         }
@@ -361,12 +358,7 @@ impl<'a> Fitter<'a> {
         for _ in 0..descent.iterations() {
             let (z, expected) = self.step(&fit, damping);
             let mut renew = expected < self.converged(fit.cost);
-            let suffices = match descent {
-                Descent::Begun { .. } => true,
-                Descent::Searched => is_own,
-                Descent::Whole => fresh,
-            };
-            if renew && suffices {
+            if renew && (fresh || descent != Descent::Whole) {
                 break;
             }
             let next = if renew { None } else { self.at(z) };
@@ -399,7 +391,7 @@ impl<'a> Fitter<'a> {
                     _ => 0,
                 };
                 self.differentiate(&mut fit, first, Difference::Forward)?;
-                (fresh, is_own, secants) = (true, true, 0);
+                (fresh, secants) = (true, 0);
             }
         }
         Some(fit)

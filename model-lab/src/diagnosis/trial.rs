@@ -197,7 +197,7 @@ impl Bench<'_> {
     /// Fits what was begun as far as a search needs it, and judges it.
     pub(crate) fn finish(&self, opened: Opened) -> Option<Trial> {
         let fitter = Fitter::for_search(self.fitting, &opened.unknowns);
-        let fit = fitter.descend(opened.fit, Descent::Searched)?;
+        let fit = fitter.descend(opened.fit, Descent::Whole)?;
         self.judge(opened.effects, opened.unknowns, fit)
     }
 
