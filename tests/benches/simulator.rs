@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use plant_sim::effects::{EffectSetting, LIBRARY};
+use plant_sim::effects::{Effect, EffectSetting, LIBRARY};
 use plant_sim::replay::{CurrentSampling, Replay, ReplayInput};
 use plant_sim::{PlantParameters, Tolerance};
 use retarder_tests::{bench_log, stiff_solver};
@@ -33,6 +33,21 @@ fn event_driven(parameters: &PlantParameters, inputs: &[ReplayInput], tolerance:
         seconds: start.elapsed().as_secs_f64(),
         steps: replay.simulator().statistics().steps,
     }
+}
+
+/// Prints how long one effect takes, over the plain plant.
+fn print_costs_of_effects(seconds: impl Fn(&PlantParameters) -> f64, plain: &PlantParameters) {
+    let of_plain = seconds(plain);
+    let cost = |effect: &'static dyn Effect| {
+        let plant = plain.with_effect(EffectSetting::typical(effect));
+        (seconds(&plant) / of_plain, effect.about().id)
+    };
+    let mut costs: Vec<_> = LIBRARY.into_iter().map(cost).collect();
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let ((median, _), (worst, id)) = (costs[costs.len() / 2], costs[costs.len() - 1]);
+    println!(
+        "one effect over the plain plant: median {median:.1}, worst {worst:.1} times the time ({id})"
+    );
 }
 
 fn general(parameters: &PlantParameters, inputs: &[ReplayInput], tolerance: f64) -> Run {
@@ -111,6 +126,10 @@ fn main() {
         &converged(&all_effects),
         "event-driven, all 21 effects",
         &best_of(&all_effects, Tolerance::default()),
+    );
+    print_costs_of_effects(
+        |plant| best_of(plant, Tolerance::default()).seconds,
+        &parameters,
     );
     let mut equal: Option<f64> = None;
     for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {

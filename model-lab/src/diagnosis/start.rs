@@ -35,6 +35,7 @@ const NEIGHBOUR: f64 = 0.8;
 const POWERS: [f64; 2] = [0.5, 10.0];
 
 /// An effect on top of a fitted plant, before anything of it is fitted.
+#[derive(Clone)]
 pub(crate) struct Start {
     size: f64,
     /// Displacements of the parameters of form, in their standard deviations.
@@ -65,7 +66,7 @@ pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
     let starts = if own.iter().any(Unknown::is_signed) {
         SIGNED_SIZES.into_iter().filter_map(begin).collect()
     } else {
-        starts_of_sizes(begin)
+        starts_of_sizes(room.without, begin)
     };
     let promised = starts.iter().map(|start: &Start| {
         let weakened = start.best.filter(|best| WEAKENED.contains(&best.share));
@@ -78,28 +79,30 @@ pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
     }
 }
 
-/// Starts at the first sizes, and at those to which what they add points.
-fn starts_of_sizes(begin: impl Fn(f64) -> Option<Start>) -> Vec<Start> {
+/// Starts at the first sizes, and at those to which what they add points; `without` is the cost that is expected without the effect.
+fn starts_of_sizes(without: f64, begin: impl Fn(f64) -> Option<Start>) -> Vec<Start> {
     let mut starts: Vec<Start> = SIZES.into_iter().filter_map(&begin).collect();
+    // Where the least size leaves more than none, the effect is not linear up to there: it may empty a tank.
     let asks_for_weaker = |start: &Start| {
-        start
-            .best
-            .is_some_and(|best| (0.0..WEAK).contains(&best.share))
+        let is_much = |best: BestShare| (0.0..WEAK).contains(&best.share);
+        start.best.is_some_and(is_much) || start.promised > without
     };
-    let asks_for_stronger = |start: &Start| start.best.is_none_or(|best| best.share > STRONG);
     if starts.first().is_none_or(asks_for_weaker) {
         starts.extend(begin(WEAKER_SIZE));
     }
-    let mut last = starts.iter().find(|start| start.size == SIZES[1]);
-    let mut stronger = Vec::new();
+    let mut least = without.min(starts.first().map_or(f64::INFINITY, |start| start.promised));
+    let mut last = starts.iter().find(|start| start.size == SIZES[1]).cloned();
     for size in STRONGER_SIZES {
-        if !last.is_some_and(asks_for_stronger) {
+        let asks_for_stronger = |start: &Start| {
+            start.promised < least || start.best.is_none_or(|best| best.share > STRONG)
+        };
+        let Some(start) = last.filter(asks_for_stronger) else {
             break;
-        }
-        stronger.extend(begin(size));
-        last = stronger.last().filter(|start: &&Start| start.size == size);
+        };
+        least = least.min(start.promised);
+        last = begin(size);
+        starts.extend(last.clone());
     }
-    starts.extend(stronger);
     starts
 }
 
