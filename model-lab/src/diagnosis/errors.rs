@@ -92,6 +92,12 @@ impl Errors {
         each.into_values().fold(0.0, f64::max)
     }
 
+    /// Rms error over what a perfect model has, of the signal that has most.
+    pub(crate) fn most_floors(&self) -> f64 {
+        let each = self.each(|sums| (sums.normalised_square / sums.count).sqrt());
+        each.into_values().fold(0.0, f64::max)
+    }
+
     /// Samples of all signals.
     pub(crate) fn count(&self) -> f64 {
         self.0.values().map(|sums| sums.count).sum()

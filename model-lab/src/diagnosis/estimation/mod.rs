@@ -77,11 +77,7 @@ pub fn estimate(
         ..trial.clone()
     };
     let parameters = estimated_parameters(&split.fitting, &sharp);
-    let left = match (trial.fitted.is_material(), trial.checked.is_material()) {
-        (false, false) => Left::Noise,
-        (false, true) if !check.is_empty() => Left::MoreOnCheck,
-        _ => Left::More,
-    };
+    let left = Left::of(&trial, !check.is_empty());
     let steps = [
         (StepKind::PlantAsGiven, &given),
         (StepKind::ParametersRefitted, &trial),
@@ -96,7 +92,7 @@ pub fn estimate(
         held_out: split.held_out().to_owned(),
         sentence: result::sentence(left, is_converged, &parameters),
         is_adequate: left == Left::Noise,
-        explains_fitted_logs: left != Left::More,
+        explains_fitted_logs: matches!(left, Left::Noise | Left::MoreOnCheck),
         is_converged,
         steps: steps.into(),
         parameters,

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::refine::rounded;
 use crate::diagnosis::result::{Cost, FoundClock, FoundStart, Step};
+use crate::diagnosis::trial::Trial;
 use crate::result::{LogDefects, NotCompared};
 
 /// Name and version of the JSON format.
@@ -131,6 +132,9 @@ pub(super) fn sentence(
             "the fit has not converged: the estimated model leaves more than the noise, and other values would leave less; estimate again from the written file, or state narrower ranges"
                 .to_owned()
         }
+        Left::Little(floors) => format!(
+            "the estimated model leaves {floors:.2} times the noise: too little to say whether physics is missing; {known}"
+        ),
         Left::More => format!(
             "the estimated model leaves more than the noise, so physics is missing and its error biases the estimates; {known}"
         ),
@@ -138,12 +142,33 @@ pub(super) fn sentence(
 }
 
 /// Errors of an estimated model beside the noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Left {
     Noise,
     /// More than the noise, but only of validation logs.
     MoreOnCheck,
+    /// So many noise floors that the noise may be taken for too small.
+    Little(f64),
     More,
+}
+
+/// Noise floors up to which the noise may be taken for too small (docs/field-benchmark.md: true parameters leave up to 1.26).
+const LITTLE: f64 = 1.25;
+
+impl Left {
+    pub(super) fn of(trial: &Trial, has_check: bool) -> Self {
+        match (trial.fitted.is_material(), trial.checked.is_material()) {
+            (false, false) => Self::Noise,
+            (false, true) if has_check => Self::MoreOnCheck,
+            _ => {
+                let floors = trial.fitted.most_floors().max(trial.checked.most_floors());
+                match floors <= LITTLE {
+                    true => Self::Little(floors),
+                    false => Self::More,
+                }
+            }
+        }
+    }
 }
 
 /// Least tolerance that a refined file states (%): another day, another log.

@@ -238,3 +238,14 @@ fn a_check_log_that_needs_what_the_fitted_one_leaves_open_is_no_missing_physics(
         found.estimation.sentence
     );
 }
+
+/// Defect seen: 1.13 noise floors on a rig without an effect, whose converter had 8 bits, were called missing physics.
+#[test]
+fn a_little_more_than_the_noise_says_nothing_of_physics() {
+    let said = |left: Left| result::sentence(left, true, &[]);
+    assert_eq!(
+        said(Left::Little(1.13)),
+        "the estimated model leaves 1.13 times the noise: too little to say whether physics is missing; 0 of 0 parameters are determined"
+    );
+    assert!(said(Left::More).contains("so physics is missing"));
+}
