@@ -147,12 +147,13 @@ pub(super) enum Left {
     Noise,
     /// More than the noise, but only of validation logs.
     MoreOnCheck,
-    /// So many noise floors that the noise may be taken for too small.
+    /// Slightly more than the noise: its largest error over the noise floor, at most [`LITTLE`].
     Little(f64),
     More,
 }
 
-/// Noise floors up to which the noise may be taken for too small (docs/field-benchmark.md: true parameters leave up to 1.26).
+/// Largest error over the noise floor that an underestimated noise may cause (docs/field-benchmark.md: 1.26 with the true
+/// parameters).
 const LITTLE: f64 = 1.25;
 
 impl Left {

@@ -1,7 +1,7 @@
 //! Clocks and delays, tried on the model.
 //!
-//! How the rows lie in the time of the ECU shows in a part of a log as well as in all of it. So most tries see the beginning of the
-//! log alone, where drifts do not count yet, and only the best of them the whole.
+//! A part of a log shows phase and delay as well as the whole log does. So most clocks and delays are compared with the beginning of the
+//! log alone, where a drift has no effect yet, and only the best of them with the whole log.
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -13,12 +13,12 @@ use crate::diagnosis::log::{Log, Run};
 const BEGINNING_S: f64 = 15.0;
 /// The beginning goes on up to as many changes of the commands.
 const CHANGES: usize = 30;
-/// The best tries at the beginning that see the whole log.
+/// Number of candidates, the best at the beginning, that are compared with the whole log.
 const PROMISING: usize = 3;
 /// Errors above this many noise floors count in proportion, not with their square.
 pub(super) const OUTLIER: f64 = 3.0;
 
-/// A clock with a delay of the commands, and what they leave.
+/// A clock with a delay of the commands, and their loss.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tried {
     pub(super) clock: Option<LoggerClock>,
@@ -26,7 +26,7 @@ pub(super) struct Tried {
     pub(super) loss: f64,
 }
 
-/// What the best try leaves at the beginning and in all of a log.
+/// The best clock with its delay: loss at the beginning, and over the whole log.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     pub(super) begun_loss: f64,
@@ -49,17 +49,17 @@ impl<'a> Tries<'a> {
         }
     }
 
-    /// The part of the log that most tries see: all of a short one.
+    /// Returns the beginning of the log: all of a short one.
     pub(super) fn beginning(&self) -> &Log {
         self.beginning.as_ref().unwrap_or(self.log)
     }
 
-    /// What `clocks` leave at the beginning, each with each delay out of `delays_s`, the least first.
+    /// Returns the losses at the beginning of each of `clocks` with each delay of `delays_s`, the smallest first.
     pub(super) fn begun(&self, clocks: &[Option<LoggerClock>], delays_s: &[f64]) -> Vec<Tried> {
         ranked(self.plant, self.beginning(), pairs(clocks, delays_s))
     }
 
-    /// The best of `clocks`, each with the delay out of `delays_s` that suits it best.
+    /// Returns the best of `clocks`, each with the delay of `delays_s` that has the smallest loss.
     pub(super) fn best(&self, clocks: &[Option<LoggerClock>], delays_s: &[f64]) -> Found {
         let begun = self.begun(clocks, delays_s);
         let promising = begun.iter().take(PROMISING);
@@ -67,8 +67,8 @@ impl<'a> Tries<'a> {
         self.found(&begun, promising.collect())
     }
 
-    /// The best of clocks with these phases at the beginning of the log, each with the delay out of `delays_s` and the drift out of
-    /// `drifts_ppm` that suit it best. None where the best one leaves more than `most` at the beginning.
+    /// Returns the best clock with one of these phases at the beginning of the log, a delay of `delays_s` and a drift of `drifts_ppm`; none
+    /// if the smallest loss at the beginning is above `most`.
     pub(super) fn best_drifting(
         &self,
         (phases_s, delays_s, drifts_ppm): (&[f64], &[f64], &[f64]),
@@ -107,7 +107,7 @@ fn pairs(clocks: &[Option<LoggerClock>], delays_s: &[f64]) -> Vec<(Option<Logger
     clocks.iter().flat_map(with_delays).collect()
 }
 
-/// What clocks with delays leave in `log`, the least first.
+/// Returns the losses of clocks with delays on `log`, the smallest first.
 fn ranked(
     plant: &PlantParameters,
     log: &Log,
@@ -123,7 +123,7 @@ fn ranked(
     ranked
 }
 
-/// What `clock` leaves with commands delayed by `delay_s`: squares of small errors, large ones in proportion.
+/// Returns the loss of `clock` with commands delayed by `delay_s`: the sum of squares of small errors, in proportion for large ones.
 pub(super) fn loss(
     plant: &PlantParameters,
     log: &Log,

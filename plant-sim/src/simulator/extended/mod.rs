@@ -205,7 +205,7 @@ mod tests {
     use crate::{Command, PlantParameters, Simulator};
 
     /// Pressures (Pa) and currents (A) of two seconds; `in_full` takes no short cut for laws that no effect changes.
-    fn course(plant: &PlantParameters, in_full: bool) -> Vec<[f64; 3]> {
+    fn trace(plant: &PlantParameters, in_full: bool) -> Vec<[f64; 3]> {
         let mut simulator = Simulator::new(plant);
         let Engine::Extended(solver) = &mut simulator.engine else {
             panic!("an effect is there");
@@ -241,7 +241,7 @@ mod tests {
                 if matches!(Simulator::new(&plant).engine, Engine::Plain(_)) {
                     continue;
                 }
-                for (short, full) in course(&plant, false).into_iter().zip(course(&plant, true)) {
+                for (short, full) in trace(&plant, false).into_iter().zip(trace(&plant, true)) {
                     let within = |n: usize, bound: f64| (short[n] - full[n]).abs() < bound;
                     let is_same = within(0, 1.0) && within(1, 1e-6) && within(2, 1e-6);
                     let name = (effect.about().id, variant.name);
