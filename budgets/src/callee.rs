@@ -1,4 +1,4 @@
-//! Candidate in the form in which it is called: a function with its configuration and its state, passed by reference.
+//! Candidate as it is called: a function with its configuration and its state, passed by reference.
 
 use core::cell::Cell;
 use core::marker::PhantomData;

@@ -38,7 +38,8 @@ pub(crate) struct Counter {
 impl Counter {
     /// Starts SysTick and paints the stack.
     pub(crate) fn new() -> Self {
-        // SAFETY: three registers that every Cortex-M has; nobody else in this image uses SysTick, and no interrupt is enabled.
+        // SAFETY: three registers that every Cortex-M has; no other code in this image uses SysTick, and no interrupt
+        // is enabled.
         unsafe {
             SYST_RVR.write_volatile(MASK);
             SYST_CVR.write_volatile(0);

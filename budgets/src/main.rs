@@ -1,5 +1,5 @@
-//! Bench: every candidate over the whole trace, one line each. On the host there is no processor to count on, and it
-//! says so.
+//! Bench: every candidate over the whole trace, one line each. On the host it cannot count instructions, and prints
+//! this.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -29,7 +29,8 @@ mod image {
 
     #[entry]
     fn main() -> ! {
-        // Only semihosting can end the run: without it no report is possible, and the watcher's deadline ends the run.
+        // Only semihosting can end the run: without it no report is possible, and the deadline of `cargo xtask` ends
+        // the run.
         debug::exit(match crate::bench::run() {
             Ok(()) => debug::EXIT_SUCCESS,
             Err(_) => debug::EXIT_FAILURE,

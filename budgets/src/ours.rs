@@ -20,7 +20,8 @@ impl Mechanisms for Recommended {
     const SETTINGS: Settings = Settings::recommended();
 }
 
-/// PID controller with its anti-windup, and as little else as settings allow: the traditional distributor.
+/// PID controller with its anti-windup, and the fewest other mechanisms that the settings allow: the traditional
+/// distributor.
 pub struct PidAlone;
 
 impl Mechanisms for PidAlone {

@@ -1,5 +1,5 @@
-//! Published PID controllers of others, each called as its documentation says. They have no prediction, no deadband and
-//! no distributor. Gains differ in meaning from crate to crate, and only the cost is compared.
+//! Published PID controllers of other authors, each called as its documentation states. They have no prediction, no
+//! deadband and no distributor. Gains differ in meaning from crate to crate, and only the cost is compared.
 
 use advanced_pid::{Pid as AdvancedPid, PidConfig, PidController};
 use dsp_fixedpoint::Q;

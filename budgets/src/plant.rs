@@ -1,4 +1,4 @@
-//! Simple plant, first order in the pressure, with few numbers; the detailed plant is `plant-sim`.
+//! Simple plant of first order in the pressure, with few parameters; the detailed plant is `plant-sim`.
 
 use ecu::{PressureSensor, SensorCode};
 

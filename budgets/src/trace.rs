@@ -31,7 +31,8 @@ impl ClosedLoop {
     /// Returns the inputs of the next sample, and the controller's duty cycles of fill and vent valve (2⁻¹⁶ %).
     pub fn sample(&mut self) -> (Sample, [i32; 2]) {
         let sample = self.plant.sample();
-        // It calls the measured function, not a second copy of the step: inlined here it would not be inlined there.
+        // This calls the measured function, not a second copy of the step: if it were inlined here, it would not be
+        // inlined there.
         let answer = full_step(
             &CONTROLLER,
             &mut self.state,
@@ -55,8 +56,8 @@ mod tests {
     use super::*;
     use controller::{Activity, Duty, Input, Pressure, Saturation};
 
-    /// Goal: the mean over the trace is that of a working loop, not of one at rest, and its longest path can occur.
-    /// Method: the trace of the controller in each sample.
+    /// Goal: the mean over the trace is that of a working loop, not of one at rest, and every branch occurs. Method:
+    /// the trace of the controller in each sample.
     #[test]
     fn the_loop_is_mostly_on_its_way_and_visits_every_branch() {
         let mut state = State::at_rest();

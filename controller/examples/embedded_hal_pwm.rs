@@ -1,4 +1,5 @@
-//! The controller alone on a board: two `embedded-hal` PWM outputs and a pressure source, nothing else of this project.
+//! Controller on a board without the other crates of this project: two `embedded-hal` PWM outputs and a pressure
+//! source.
 //!
 //! On a target replace [`Bench`] by the HAL's PWM channels and ADC; [`Loop`] stays unchanged. Here it runs on the host
 //! with a chamber model of a few lines and asserts the expected behaviour:
@@ -13,7 +14,7 @@ use controller::fixed::types::I16F16;
 use controller::{Config, Duty, Input, Output, Pressure, Settings, State, step};
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
 
-/// Checked at compile time: settings out of bounds do not build.
+/// Configuration, checked at compile time: settings out of bounds do not build.
 const CONFIG: Config = match Config::new(&Settings::recommended()) {
     Ok(config) => config,
     Err(_) => panic!("settings out of bounds"),
@@ -41,7 +42,7 @@ struct Loop<F, V, S> {
     vent: V,
     sensor: S,
     /// State of the controller; `None` until the first pressure and after a missing one, so that the controller starts
-    /// without a kick.
+    /// without a derivative kick.
     state: Option<State>,
 }
 
@@ -72,7 +73,7 @@ where
     }
 
     fn drive(&mut self, output: Output) -> Result<(), F::Error> {
-        // The valve that closes is written first, so that the order of the two writes never drives both.
+        // The closing valve is written first, so that both valves are never driven between the two writes.
         if output.duty_fill.is_off() {
             set(&mut self.fill, output.duty_fill)?;
             set(&mut self.vent, output.duty_vent)

@@ -30,8 +30,8 @@ impl AntiWindup {
         }
     }
 
-    /// Stores in `kept` the integral part for the next sample: `summed`, the unchanged `kept`, or `summed` drawn back
-    /// by the cut-off part of u. Returns whether the error was summed without restriction.
+    /// Stores in `kept` the integral part for the next sample: `summed`, the unchanged `kept`, or `summed` reduced by a
+    /// share of the cut-off part of u. Returns whether the error was summed without restriction.
     #[inline(always)]
     pub(crate) fn settle(
         self,
@@ -80,7 +80,7 @@ impl Tracking {
             return Ok(Self(0));
         };
         let sample_time = propagate!(sample_time(settings)) as u128;
-        // A tracking time shorter than the sample time would take back more than was cut off.
+        // A tracking time shorter than the sample time would subtract more than was cut off.
         let range = TRACKING_TIME_MS.from(settings.sample_time_ms);
         let tracking_time =
             propagate!(range.checked(Field::TrackingTime, tracking_time_ms)) as u128;

@@ -14,7 +14,7 @@ const RESPONSE_BAR: Range = Range::new("0", "10");
 /// Below this range the rounding of the coefficient would be visible in u; above it the coefficient overflows its word.
 const RATE_PER_SAMPLE: CoefficientRange = CoefficientRange::new("0.1", "1000");
 
-/// Coefficients of the extra integrator; without boost it never runs.
+/// Coefficients of the extra integrator, which never runs if the boost is switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Boost {

@@ -68,7 +68,7 @@ pub enum ConfigError {
     },
 }
 
-/// Number of [`Settings`](crate::Settings), with the name that errors show.
+/// Numeric field of [`Settings`](crate::Settings), with the name that errors show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[allow(
@@ -200,7 +200,7 @@ pub struct OtherMechanism {
     pub mechanism: Mechanism,
 }
 
-/// Choice in [`Settings`](crate::Settings), with the name that errors show.
+/// Choice field of [`Settings`](crate::Settings), with the name that errors show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[allow(

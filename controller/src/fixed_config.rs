@@ -21,7 +21,7 @@ pub trait Mechanisms {
 /// [`Config`] whose mechanisms are fixed at compile time, while each number stays tunable.
 ///
 /// A sample gives the same bits as [`step`](crate::step()) with that configuration, at less than half the cost:
-/// mechanisms that are not chosen are not compiled in.
+/// mechanisms that are not chosen are not compiled.
 /// ```
 /// use controller::{Config, FixedConfig, Input, Mechanisms, Pressure, Settings, State};
 ///

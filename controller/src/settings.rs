@@ -210,8 +210,8 @@ impl OpeningDuty {
 
 impl Settings {
     /// Returns the controller of the thesis: PID, anti-windup, Scheme 1 with 25.5 % as lower limit in all conditions,
-    /// deadband, prediction two samples ahead, boost. The thesis does not print its gains; these are of the size that
-    /// its figures show.
+    /// deadband, prediction two samples ahead, boost. The thesis does not print its gains; these have the order of
+    /// magnitude of its figures.
     pub const fn thesis() -> Self {
         // Constants, so that the compiler parses the decimal text and not the target.
         const THESIS: Settings = Settings {

@@ -65,8 +65,8 @@ impl State {
         }
     }
 
-    /// Returns a state for a start without a kick at any pressure. The previous sample is set to this input, so the
-    /// first sample sees no change of error or pressure. Both integrators are 0.
+    /// Returns a state for a start without a derivative kick at any pressure. The previous sample is set to this input,
+    /// so the first sample sees no change of error or pressure. Both integrators are 0.
     pub fn new(input: Input) -> Self {
         Self {
             previous: Sample::of(input),
@@ -93,7 +93,7 @@ impl State {
         }
     }
 
-    /// Clears the boost and, if the settings say so, the integral part when the reference is reached.
+    /// Clears the boost when the reference is reached and, depending on the settings, the integral part.
     #[inline(always)]
     pub(crate) const fn clear_at_reference(&mut self, integral: IntegralAtReference) {
         self.boost = Integrator::ZERO;

@@ -11,7 +11,7 @@ pub struct Trace {
     /// Reference - chamber pressure, both within the control range.
     pub error: Pressure,
     /// Predicted error (equations 6.8, 6.10); the error itself without prediction. Beyond ±32 bar only its sign is
-    /// right.
+    /// correct.
     pub predicted_error: Pressure,
     /// K eₙ; 0 while the valves are switched off.
     pub proportional: ControlSignal,
@@ -30,7 +30,7 @@ pub struct Trace {
     /// Saturation of u at ±100 %.
     pub saturation: Saturation,
     /// Whether the integral part followed this sample's error: false while the valves are off, or while anti-windup
-    /// freezes or draws it back.
+    /// freezes or reduces it.
     pub integrating: bool,
     /// Whether the boost followed this sample's error.
     pub boosting: bool,

@@ -1,4 +1,4 @@
-//! Black box: a record of the last seconds before the first fault and of a short time after it.
+//! Black box: record of the last seconds before the first fault and of a short time after it.
 //!
 //! ```text
 //!             first fault            as many samples more as are kept after it
@@ -7,12 +7,12 @@
 //!      └────────────────────────────────────────────────► FrozenByReset     reset │ (from Triggered)
 //! ```
 //!
-//! The first fault triggers, because later faults are mostly its consequences. A frozen box stays frozen until it is
-//! read and cleared.
+//! The first fault is the trigger, because later faults are mostly its consequences. A frozen box stays frozen until it
+//! is read and cleared.
 //!
 //! The box is stored in plain words that a warm reset does not change, and after a cold start they may have any
-//! content. Therefore it is its own ring and not one of `heapless`, whose indices would have to be trusted. The header
-//! is written when the box is cleared, the trigger when it changes, and one record per sample. Each has its own
+//! content. Therefore the ring is implemented here: the indices of a `heapless` ring would have to be trusted. The
+//! header is written when the box is cleared, the trigger when it changes, and one record per sample. Each has its own
 //! checksum, so the cost of a sample does not grow with the ring, and records torn by a reset are distinguished from
 //! whole ones. The end of the ring follows from the numbers of its records.
 

@@ -45,10 +45,10 @@ pub(crate) struct Limits {
     /// Minimum effect of the open valve, per sample and pressure difference across it, 2⁻³²: half of the nominal rate.
     pub(crate) least_rise: i32,
     pub(crate) least_fall: i32,
-    /// Duty cycles from which on the valves are open for sure (%), 2⁻¹⁶.
+    /// Lowest duty cycles at which the valves are certainly open (%), 2⁻¹⁶.
     pub(crate) open_fill: i32,
     pub(crate) open_vent: i32,
-    /// Number of samples from a command until the valve follows it for sure.
+    /// Number of samples from a command until the valve has certainly followed it.
     pub(crate) settling: Window,
     /// Change of the reference per sample.
     pub(crate) ramp: i32,
@@ -82,7 +82,8 @@ impl EcuConfig {
         })
     }
 
-    /// Returns the same configuration without one safety mechanism, for a test that has to detect the removal.
+    /// Returns the same configuration without one safety mechanism, so that a test can check that the removal is
+    /// detected.
     #[cfg(any(test, feature = "fault-seeding"))]
     #[must_use]
     pub const fn without(self, mechanism: Mechanism) -> Self {
@@ -90,7 +91,8 @@ impl EcuConfig {
         self.with_mechanisms(mechanisms)
     }
 
-    /// Returns the same configuration without the detector of `fault`, for a test that has to detect the removal.
+    /// Returns the same configuration without the detector of `fault`, so that a test can check that the removal is
+    /// detected.
     #[cfg(any(test, feature = "fault-seeding"))]
     #[must_use]
     pub const fn without_detector(self, fault: Fault) -> Self {

@@ -81,7 +81,7 @@ impl Detectors {
         sample_time: SampleTimeDetector::NEW,
     };
 
-    /// Runs one sample; `told` is the commands to the valves until now.
+    /// Runs one sample; `told` contains the commands to the valves until now.
     #[inline(always)]
     pub(crate) fn sample(&mut self, limits: &Limits, told: &Told, inputs: &Inputs) -> Seen {
         let reference_is_new = self.reference.sample(limits, inputs.reference);
@@ -101,7 +101,7 @@ impl Detectors {
         }
     }
 
-    /// Takes the duty cycles that the coils just got.
+    /// Records the duty cycles that were just applied to the coils.
     #[inline(always)]
     pub(crate) fn told(&mut self, outputs: Outputs) {
         self.fill_coil.told(outputs.duty_fill);

@@ -30,7 +30,7 @@ pub struct EcuDevice<F, M> {
     cause: ResetCause,
     source: SettingsSource,
     in_effect: CheckedSettings,
-    /// Values that the host writes; none of them is in effect.
+    /// Shadow copy that the host writes; none of its values is in effect.
     shadow: SettingValues,
     store: SettingsStore<F>,
     black_box: BlackBox<M>,
@@ -278,7 +278,7 @@ const fn unknown_signal(id: u16) -> Refusal {
     }
 }
 
-/// Returns whether a coil is driven or a pressure is asked for.
+/// Returns whether a coil is driven or a pressure is requested.
 fn is_in_use(last: Snapshot) -> bool {
     let asked_for = last
         .inputs

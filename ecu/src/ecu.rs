@@ -41,7 +41,7 @@ struct EcuState {
     told: Told,
     /// Last plausible pressure.
     pressure: Pressure,
-    /// Last reference that the controller got.
+    /// Last reference that was passed to the controller.
     reference: Pressure,
     u: ControlSignal,
     /// Whether the controller was active in the last sample; otherwise it takes over.
@@ -96,7 +96,7 @@ impl Ecu {
         self.state.supervisor.mode()
     }
 
-    /// Returns the faults that are confirmed, or were since running last began.
+    /// Returns the faults that are confirmed, or were confirmed since the last entry into [`Mode::Running`].
     pub const fn faults(&self) -> FaultSet {
         self.state.supervisor.latched()
     }
@@ -118,16 +118,16 @@ impl Ecu {
     }
 
     /// Releases [`Mode::Locked`] into [`Mode::Waiting`], on request of a person who knows the cause. The faults are
-    /// cleared when running begins.
+    /// cleared on entry into [`Mode::Running`].
     ///
     /// # Errors
-    /// Returns the missing condition: no fault and the reference at zero, each for ten samples. After damaged memory
-    /// only a reset helps.
+    /// Returns the missing condition: no fault and the reference at zero, each for ten samples. After
+    /// [`Fault::MemoryDamaged`](crate::Fault::MemoryDamaged) only a reset releases the lock.
     pub fn release(&mut self) -> Result<(), ReleaseRefused> {
         self.state.supervisor.release()
     }
 
-    /// Damages the ECU, for a test that has to detect it.
+    /// Damages the ECU, so that a test can check that the damage is detected.
     #[cfg(any(test, feature = "fault-seeding"))]
     pub fn damage(&mut self, damage: Damage) {
         match damage {
@@ -146,7 +146,7 @@ impl Ecu {
         }
     }
 
-    /// Applies other settings, all at once, from the next sample on; the controller continues without a bump.
+    /// Applies other settings, all at once, from the next sample on; the change is bumpless.
     pub fn retune(&mut self, config: EcuConfig) {
         let input = Input {
             reference: self.state.reference,
@@ -207,7 +207,7 @@ impl EcuState {
         opening
     }
 
-    /// Returns the valve openings that the controller asks for.
+    /// Returns the valve openings that the controller requests.
     #[inline(always)]
     fn controlled(&mut self, config: &EcuConfig, reference: Pressure, takes_over: bool) -> Output {
         self.reference = self.supervisor.reference(reference, self.pressure);
@@ -230,7 +230,7 @@ impl EcuState {
         output
     }
 
-    /// Stores the duty cycles that the coils got.
+    /// Stores the duty cycles that were applied to the coils.
     #[inline(always)]
     fn remember(&mut self, config: &EcuConfig, outputs: Outputs) {
         self.detectors.told(outputs);
@@ -239,13 +239,13 @@ impl EcuState {
     }
 }
 
-/// Output that a healthy controller never gives unless its settings allow it.
+/// Both valves fully open: a healthy controller gives this output only if its settings allow it.
 const BOTH: Output = Output {
     duty_fill: Duty::FULL,
     duty_vent: Duty::FULL,
 };
 
-/// Returns the duty cycles of the coils that open the valves by this much.
+/// Returns the duty cycles of the coils for these valve openings.
 #[inline(always)]
 fn coils(opening: Output, vent_valve: VentValve) -> Outputs {
     Outputs {
@@ -257,7 +257,7 @@ fn coils(opening: Output, vent_valve: VentValve) -> Outputs {
     }
 }
 
-/// Returns the valve openings that coils with these duty cycles give.
+/// Returns the valve openings for these duty cycles of the coils.
 #[inline(always)]
 fn opening(outputs: Outputs, vent_valve: VentValve) -> Output {
     Output {

@@ -48,7 +48,7 @@ pub enum Fault {
     BatteryLow = 17,
     /// The supply voltage is too high for the coils.
     BatteryHigh = 18,
-    /// Samples come too early or too late.
+    /// Samples run too early or too late.
     SampleTime = 19,
     /// No valid message with a reference.
     ReferenceLost = 20,

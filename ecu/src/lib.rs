@@ -6,8 +6,7 @@ compile_error!(
     "`fault-seeding` takes safety mechanisms away, for tests on a host: no image is built with it"
 );
 
-// The supervisor's tests use the same bench inside the crate, where mechanisms can be removed, and outside, where they
-// cannot.
+// The tests of the supervisor use the same bench inside the crate, where mechanisms can be removed, and outside of it.
 #[cfg(test)]
 use crate as api;
 #[cfg(test)]

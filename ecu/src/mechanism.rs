@@ -15,7 +15,7 @@ pub enum Mechanism {
     ShutOnDoubt = 1,
     /// No sample without a reference opens the fill valve further.
     NoIncreaseWithoutReference = 2,
-    /// Nothing is filled after a reset until the reference was zero.
+    /// The chamber is not filled after a reset until the reference was zero.
     NeutralInterlock = 3,
     /// Holding has a time limit, after which the ECU goes to the safe state.
     HoldLimit = 4,

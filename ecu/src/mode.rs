@@ -32,7 +32,7 @@
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Mode {
-    /// Nothing is filled until the reference was zero; the vent valve follows the reference downwards.
+    /// The chamber is not filled until the reference was zero; the vent valve follows the reference downwards.
     Waiting = 0,
     /// The controller drives both valves.
     Running = 1,

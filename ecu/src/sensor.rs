@@ -1,10 +1,10 @@
-//! Pressure sensor and ADC, and the conversion of the code into a pressure.
+//! Pressure sensor with ADC, and the conversion of its code into a pressure.
 //!
-//! The sensor measures 0.06 to 2.1 MPa absolute (section 2.4.4). Its electrical side is assumed, because nothing is
-//! printed about it: ratiometric, 0.5 V to 4.5 V of a 5 V supply. The bench logs show a pressure in steps of 5.1 mbar,
-//! which is 20.4 bar / 4000: one step per millivolt. Twelve bits over 5 V would give steps of 6.2 mbar. Therefore the
-//! ECU's input stage is assumed to map the sensor's span to codes 48 to 4048 of 4095. A broken or shorted wire is then
-//! beyond the span, at code 0 or 4095.
+//! The sensor measures 0.06 to 2.1 MPa absolute (section 2.4.4). Its electrical side is assumed, because the thesis
+//! does not describe it: ratiometric, 0.5 V to 4.5 V of a 5 V supply. The bench logs show a pressure in steps of 5.1
+//! mbar, which is 20.4 bar / 4000: one step per millivolt. Twelve bits over 5 V would give steps of 6.2 mbar. Therefore
+//! the ECU's input stage is assumed to map the sensor's span to codes 48 to 4048 of 4095. A broken or shorted wire is
+//! then beyond the span, at code 0 or 4095.
 
 use controller::Pressure;
 

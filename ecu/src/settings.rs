@@ -40,12 +40,12 @@ pub struct Supervision {
     pub fill_rate_per_s: I16F16,
     /// Rate of the open vent valve (1/s), 0.1 ..= 50: the same, for the absolute chamber pressure.
     pub vent_rate_per_s: I16F16,
-    /// Duty cycle from which on the fill valve is open for sure (%), 1 ..= 100.
+    /// Lowest duty cycle at which the fill valve is certainly open (%), 1 ..= 100.
     pub open_duty_fill_pct: I16F16,
-    /// Duty cycle from which on the vent valve is open for sure (%), 1 ..= 100.
+    /// Lowest duty cycle at which the vent valve is certainly open (%), 1 ..= 100.
     pub open_duty_vent_pct: I16F16,
-    /// Time from a command until the valve follows it for sure (ms): command delay, PWM period, coil and armature; 1
-    /// ..= 1000, and at most 32 samples.
+    /// Time from a command until the valve has certainly followed it (ms): command delay, PWM period, coil and
+    /// armature; 1 ..= 1000, and at most 32 samples.
     pub valve_settling_ms: I16F16,
     /// Rate at which the reference is ramped down to zero in a fault, and up again after it (bar/s), 0.1 ..= 100.
     pub ramp_bar_per_s: I16F16,

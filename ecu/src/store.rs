@@ -19,7 +19,7 @@ use crate::calibration::{CheckedSettings, SettingValues};
 pub use ram_flash::{RamFlash, RamFlashError};
 use record::{Found, RECORD_BYTES, Record};
 
-/// The two copies, in a flash memory of their own or in an assigned part of one.
+/// Store of the two copies, in a separate flash memory or in an assigned part of one.
 #[derive(Clone, Debug)]
 pub struct SettingsStore<F> {
     flash: F,

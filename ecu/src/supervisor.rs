@@ -17,11 +17,11 @@ pub use way::Way;
 
 /// Highest reference that counts as zero: 0.05 bar gauge, 2⁻¹⁶. It is less than any deadband in use.
 pub(crate) const ZERO_MAX: i32 = 3277;
-/// N (samples) with the reference at zero before anything is filled.
+/// N (samples) with the reference at zero before the chamber is filled.
 pub(crate) const ZERO_N: u8 = 10;
 /// N (samples) without a confirmed fault before it counts as gone.
 pub(crate) const RECOVERY_N: u8 = 10;
-/// N (samples) in which a fault may pass while both valves are shut.
+/// N (samples) for which both valves are shut while a fault may pass.
 pub(crate) const HOLD_N: u16 = 50;
 /// N (samples) with the vent valve fully open: 2 s empty the largest chamber through the smallest orifice.
 pub(crate) const VENT_N: u16 = 200;
@@ -31,7 +31,7 @@ pub(crate) const RELEASE_N: u16 = VENT_N * PULSE_PERIOD / PULSE_N;
 pub(crate) const PULSE_N: u16 = 4;
 /// Period of the pulses (samples); a power of two.
 pub(crate) const PULSE_PERIOD: u16 = 16;
-/// Number of faults after which the ECU still recovers, if the loop does not run healthily in between.
+/// Maximum number of faults from which the ECU recovers without a healthy interval in between.
 pub(crate) const RETRIES: u8 = 3;
 /// N (samples) of running without a fault, 60 s, after which the number of faults is reset.
 pub(crate) const HEALTHY_N: u16 = 6000;
@@ -56,7 +56,7 @@ pub(crate) struct Supervisor {
     clear_for: u8,
     zero_for: u8,
     healthy_for: u16,
-    /// Upper limit of the reference; it leads the ramp down, and up again after a fault.
+    /// Upper limit of the reference; it follows the ramp down, and up again after a fault.
     ceiling: Pressure,
 }
 
@@ -84,7 +84,7 @@ impl Supervisor {
         self.mode
     }
 
-    /// Returns the faults since running last began.
+    /// Returns the faults since the last entry into [`Mode::Running`].
     pub(crate) const fn latched(&self) -> FaultSet {
         self.latched
     }
@@ -137,7 +137,8 @@ impl Supervisor {
         if self.mode == Mode::Running {
             led
         } else {
-            // Never above the pressure: nothing must be filled, and nothing summed by the integrator.
+            // The reference is never above the pressure, so that the chamber is not filled and the integral part does
+            // not grow.
             led.min(pressure)
         }
     }
@@ -244,7 +245,7 @@ impl Supervisor {
         }
     }
 
-    /// Chooses between pulses and full venting: full once a fault asks for it, and after a ramp, when little pressure
+    /// Chooses between pulses and full venting: full once a fault requires it, and after a ramp, when little pressure
     /// is left.
     #[inline(always)]
     fn settle_venting(&mut self, way: Option<Way>, before: Mode, is_over: bool) {

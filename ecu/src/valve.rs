@@ -7,9 +7,8 @@ use crate::history::{History, Window};
 
 /// Command history of a valve.
 ///
-/// The valve is shut for sure after the settling time without a command, and open for sure after the settling time at
+/// The valve is certainly shut after the settling time without a command, and certainly open after the settling time at
 /// its open duty cycle or more. In between its state is unknown.
-/// for as long. Between the two it may be anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Valve {
     shut: History,
@@ -23,7 +22,7 @@ impl Valve {
         open: History::UNKNOWN,
     };
 
-    /// Takes the duty cycle that was just commanded; `open` is the valve's open duty cycle (%), 2⁻¹⁶.
+    /// Records the duty cycle that was just commanded; `open` is the valve's open duty cycle (%), 2⁻¹⁶.
     #[inline(always)]
     fn told(&mut self, opening: Duty, open: i32) {
         self.shut.push(opening.is_off());
@@ -54,7 +53,7 @@ impl Valves {
         vent: Valve::UNKNOWN,
     };
 
-    /// Takes the commands that the valves just got.
+    /// Records the commands that were just given to the valves.
     #[inline(always)]
     pub(crate) fn told(&mut self, limits: &Limits, opening: Output) {
         self.fill.told(opening.duty_fill, limits.open_fill);

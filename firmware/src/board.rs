@@ -44,7 +44,7 @@ pub trait Board {
     /// Feeds the watchdog, which resets the machine if it is not fed again in time.
     fn feed_watchdog(&mut self, pace: Pace);
 
-    /// Does a little work in each turn of the main loop, for peripherals without interrupt and buffer; does not wait.
+    /// Serves peripherals without interrupt and buffer in each turn of the main loop; does not wait.
     fn background(&mut self) {}
 
     /// Returns whether the inputs of this machine may come from the link now: always in an emulator, on a real board

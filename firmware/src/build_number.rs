@@ -13,7 +13,7 @@ pub(crate) fn build_number() -> u32 {
     }
     let start = &raw const __stext;
     let length = (&raw const __erodata).addr().saturating_sub(start.addr());
-    // SAFETY: the linker script of cortex-m-rt puts `.text` and `.rodata` one after the other into flash, between these two
-    // symbols; nobody writes there.
+    // SAFETY: the linker script of cortex-m-rt puts `.text` and `.rodata` one after the other into flash, between these
+    // two symbols; no code writes there.
     crc32::digest(unsafe { slice::from_raw_parts(start, length) })
 }

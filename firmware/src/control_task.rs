@@ -17,8 +17,8 @@ use crate::pace::Pace;
 use crate::punctuality::{FIRST_SIGNAL, LAST_SIGNAL, PERIOD_US, Punctuality};
 use crate::retained::Farewell;
 
-/// Duration at the end of each period (µs) in which no request is begun, so that none is in work when the tick comes.
-/// The longest request applies settings: 20 500 instructions, 0.8 ms on the slowest board.
+/// Duration at the end of each period (µs) in which no request is begun, so that none is in progress at the tick. The
+/// longest request applies settings: 20 500 instructions, 0.8 ms on the slowest board.
 const QUIET_US: u32 = 1_000;
 
 /// Number of turns of the main loop between two reads of the clock while a host sets the pace: about a millisecond.
@@ -37,12 +37,12 @@ const SILENCE_MAX_US: u32 = 1_000_000;
 ///                    Hello without
 /// ```
 /// At each change of the pace the ECU's logic restarts: measured values from before the change are not used after it. A
-/// host that only observes, without lock step, disturbs nothing.
+/// host that only observes, without lock step, has no influence.
 pub(crate) struct ControlTask<B, F, M> {
     pub(crate) board: B,
     ecu: EcuDevice<F, M>,
     pace: Pace,
-    /// Whether a host asked for a reset.
+    /// Whether a host requested a reset.
     pub(crate) ends: bool,
     /// Number of the next sample by the timer.
     sample: u32,
@@ -75,12 +75,12 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         }
     }
 
-    /// Returns whether the next tick is so near that a request begun now might still be in work then.
+    /// Returns whether the next tick is so near that a request begun now might still be in progress at the tick.
     pub(crate) fn is_quiet_time(&self) -> bool {
         self.pace == Pace::Timer && self.board.since_tick_us() >= PERIOD_US - QUIET_US
     }
 
-    /// Runs a sample if it is due. Returns the signals that a host measures of it, if it measures any.
+    /// Runs a sample if it is due. Returns the signals of it that a host measures, if any.
     pub(crate) fn turn(&mut self) -> Option<Reply> {
         match self.pace {
             Pace::Timer => self.tick(),
@@ -111,7 +111,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         if missed > 0 {
             self.board.log(Event::TicksMissed { sample, missed });
         }
-        // Fed only here: a task that hangs anywhere in a sample is reset.
+        // The watchdog is fed only here, so that a task that hangs anywhere in a sample is reset.
         self.board.feed_watchdog(Pace::Timer);
         self.measured(sample)
     }
@@ -131,7 +131,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         })
     }
 
-    /// Feeds the watchdog from time to time, and switches the coils off if the host is silent.
+    /// Feeds the watchdog periodically, and switches the coils off if the host is silent.
     fn watch_the_host(&mut self) {
         self.turns = self.turns.wrapping_add(1);
         if !self.turns.is_multiple_of(TURNS_PER_LOOK) {

@@ -9,8 +9,8 @@ use firmware::Farewell;
 use crate::boards::board;
 use crate::kept;
 
-/// Ends the run: switches the coils off, stores the reason for the next start, and resets. It is the only way to end
-/// it.
+/// Ends the run: switches the coils off, stores the reason for the next start, and resets. Every end of a run calls
+/// this function.
 pub(crate) fn end(farewell: Farewell) -> ! {
     board::coils_off();
     kept::retained().say(farewell);
@@ -36,7 +36,7 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     unsafe { this_image_can_panic() }
 }
 
-/// Panics in code that certainly runs.
+/// Panics; called from code that certainly runs.
 #[cfg(feature = "panic-canary")]
 pub(crate) fn sing() {
     use core::hint::black_box;

@@ -16,7 +16,7 @@ use crate::event::Event;
 pub enum Life {
     /// The main loop continues.
     GoesOn,
-    /// A host asked for a reset, and the answer is sent: the coils are off, reset the machine.
+    /// A host requested a reset, and the answer is sent: the coils are off, reset the machine.
     Ends,
 }
 
@@ -79,7 +79,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         if self.task.ends {
             return self.last_turn();
         }
-        // Evaluated before the tick is checked: a tick after that is at least a whole quiet time away.
+        // Evaluated before the tick is checked: a tick after the evaluation is at least a whole quiet time away.
         let is_quiet_time = self.task.is_quiet_time();
         self.task.board.background();
         if let Some(reply) = self.task.turn()

@@ -6,9 +6,9 @@ use firmware::{BLACK_BOX_WORDS, RETAINED_WORDS, Retained};
 
 use crate::boards::board::BLACK_BOX_ROOM;
 
-// SAFETY: the linker puts each symbol at the start of a region of RAM of its own (`board.x`), which is aligned, larger than
-// the type, and touched by nobody in the image but through these names; any bits are a value of the types. Words that an
-// earlier life wrote as well are atomic, and the black box is reached once.
+// SAFETY: the linker puts each symbol at the start of a region of RAM of its own (`board.x`), which is aligned, larger
+// than the type, and accessed by the image only through these names; any bits are a value of the types. Words that an
+// earlier run also wrote are atomic, and the reference to the black box is created once.
 unsafe extern "C" {
     #[link_name = "retained"]
     safe static RETAINED: [AtomicU32; RETAINED_WORDS];
@@ -24,7 +24,7 @@ pub(crate) fn black_box() -> Option<&'static mut [u32; BLACK_BOX_WORDS]> {
     if TAKEN.swap(true, Ordering::Relaxed) {
         return None;
     }
-    // SAFETY: as above, and this is reached once.
+    // SAFETY: as above; this line runs at most once.
     unsafe { (&raw mut BLACK_BOX).as_mut() }
 }
 

@@ -18,8 +18,8 @@ struct Log {
 
 struct Shared(UnsafeCell<Log>);
 
-// SAFETY: `with` is the one way to the log. It runs with interrupts off on the only core, and what it is given does not
-// call it again; defmt holds the log between `acquire` and `release`, with interrupts off as well.
+// SAFETY: the log is accessed only in `with` and between `acquire` and `release`. Both run with interrupts off on the
+// only core, and the closure of `with` does not call the log.
 unsafe impl Sync for Shared {}
 
 static LOG: Shared = Shared(UnsafeCell::new(Log {
@@ -36,7 +36,7 @@ unsafe impl Logger for IntoRing {
     fn acquire() {
         // SAFETY: released in `release`, which defmt calls after each `acquire`, without nesting.
         let restore = unsafe { critical_section::acquire() };
-        // SAFETY: interrupts are off, nobody else has the log.
+        // SAFETY: interrupts are off, and no other reference to the log exists.
         let log = unsafe { &mut *LOG.0.get() };
         log.restore = restore;
         log.ring.start_frame();

@@ -6,12 +6,12 @@
 /// reader that missed some frames therefore resumes with a whole one.
 pub struct LogRing<const N: usize> {
     bytes: [u8; N],
-    /// Numbers of bytes ever written and ever taken; the ring contains the bytes in between.
+    /// Total numbers of bytes written and taken; the ring contains the bytes in between.
     put: u32,
     taken: u32,
-    /// Position at which the frame in work began.
+    /// Position at which the current frame began.
     frame_start: u32,
-    /// Whether the frame in work is longer than the whole ring.
+    /// Whether the current frame is longer than the whole ring.
     overlong: bool,
     /// Number of bytes lost since the start.
     lost: u32,
@@ -98,7 +98,7 @@ impl<const N: usize> LogRing<N> {
         dropped
     }
 
-    /// Removes the frame in work, which alone is longer than the ring.
+    /// Removes the current frame, which alone is longer than the ring.
     fn give_up(&mut self) {
         let begun = self.put.wrapping_sub(self.frame_start);
         self.lost = self.lost.saturating_add(begun);

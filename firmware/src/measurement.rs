@@ -39,7 +39,7 @@ impl Measurement {
     pub(crate) fn of_the_ecu(&self) -> SignalIds {
         let mut ids = SignalIds::new();
         for &id in self.ids.iter().filter(|&&id| id < FIRST_SIGNAL) {
-            // It is no longer than the list it is taken from.
+            // The new list is at most as long as the given one.
             let _ = ids.push(id);
         }
         ids

@@ -68,7 +68,7 @@ impl Punctuality {
         }
     }
 
-    /// Records the begin of a sample, its latency after the tick, and the number of ticks without a sample.
+    /// Records the beginning of a sample, its latency after the tick, and the number of ticks without a sample.
     pub(crate) fn begin(&mut self, now_us: u32, latency_us: u32, missed: u32) {
         self.note::<START>(latency_us);
         if let Some(before_us) = self.begun_us.replace(now_us) {

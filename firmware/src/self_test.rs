@@ -155,7 +155,7 @@ mod tests {
         }
     }
 
-    /// A choice without any effect on the digest would not really be compared.
+    /// A choice without any effect on the digest would not be compared.
     #[test]
     fn no_two_configurations_end_with_the_same_digest() {
         let lines = lines(|_, _| 0);

@@ -17,8 +17,8 @@ pub(crate) fn used_of_reserved() -> (u32, u32) {
     let mut lowest = &raw const _stack_end;
     let bytes = |from: *const u32| top.addr().saturating_sub(from.addr()) as u32;
     let reserved = bytes(lowest);
-    // SAFETY: between the two symbols lies the stack (linker script of cortex-m-rt), aligned and readable; what is in use of it
-    // may change meanwhile, which a volatile read allows.
+    // SAFETY: the stack lies between the two symbols (linker script of cortex-m-rt), aligned and readable; its used
+    // part may change meanwhile, which a volatile read allows.
     while lowest < top && unsafe { ptr::read_volatile(lowest) } == PAINT {
         lowest = lowest.wrapping_add(1);
     }

@@ -2,7 +2,8 @@
 
 use hil_harness::controller_file;
 
-// Any text is refused with a message or read; what is read is written and read again to the same settings.
+// Any text is read or refused with a message. Settings that were read are the same after they are written and read
+// again.
 libfuzzer_sys::fuzz_target!(|text: &str| {
     match controller_file::read(text, "fuzz.toml") {
         Ok(settings) => {

@@ -2,7 +2,7 @@
 
 use plant_sim::PlantParameters;
 
-// Any text is refused with a message or read; what is read is written and read again to the same values.
+// Any text is read or refused with a message. Values that were read are the same after they are written and read again.
 libfuzzer_sys::fuzz_target!(|text: &str| {
     match PlantParameters::from_toml(text, "fuzz.toml") {
         Ok(plant) => {

@@ -49,7 +49,7 @@ pub fn set(link: &mut (impl Link + ?Sized), settings: &SettingValues) -> Result<
     carry_out(link, &Request::Apply { digest })
 }
 
-/// Sends a request whose only answer is its completion.
+/// Sends a request whose reply is only a confirmation.
 ///
 /// # Errors
 /// Returns an error if the device cannot be reached or refuses.

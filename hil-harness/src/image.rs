@@ -81,7 +81,7 @@ impl Image {
         &self.path
     }
 
-    /// Returns its file's name and checksum, for the record of a run.
+    /// Returns name and checksum of the file, for the record of a run.
     pub fn name(&self) -> String {
         let name = self.path.file_name().unwrap_or(self.path.as_os_str());
         format!("{} (CRC-32 {:08x})", name.to_string_lossy(), self.crc)

@@ -1,4 +1,4 @@
-//! Many scattered rigs of one kind: no two valves are alike.
+//! Rigs of one kind with scattered parameters.
 
 use plant_sim::{ParameterError, PlantParameters};
 use schemars::JsonSchema;
@@ -75,7 +75,7 @@ pub fn scattered(
     Ok(rig)
 }
 
-/// One rig of a batch.
+/// Result of one rig of a batch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigVerdict {
@@ -83,7 +83,7 @@ pub struct RigVerdict {
     pub rig: u32,
     /// Seed of its scenario: [`scattered`] gives the rig, and the same scenario with this seed repeats the run.
     pub seed: u64,
-    /// How the loop stood.
+    /// Verdict on the loop.
     pub verdict: Verdict,
 }
 

@@ -467,7 +467,7 @@ mod tests {
         assert!(references.contains(&low) && references.contains(&high));
     }
 
-    /// A profile of 30 s once ran for 60 s on a plant that samples every 20 ms.
+    /// Found in use: a profile of 30 s ran for 60 s on a plant that samples every 20 ms.
     #[test]
     fn a_scenario_lasts_as_long_whatever_the_sample_time() {
         for built_in in BUILT_IN {
@@ -485,7 +485,7 @@ mod tests {
                 );
                 let lead_in_s = f64::from(there.lead_in().samples()) * sample_time_s;
                 assert!(there.start_pressure_bar == 0.0 || lead_in_s >= 2.0);
-                // Nothing is lost there and back.
+                // The conversion back restores the duration.
                 let back = there.on_rig(scenario.plant.clone());
                 assert!(back.duration_samples.abs_diff(scenario.duration_samples) <= 10);
             }

@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 use crate::checks::Verdict;
 use crate::rigs::RigVerdict;
 
-/// Settling times of the steps to references that the retarder uses. A rig's verdict is about its slowest step, so the
-/// slowest of each rig is a distribution too.
+/// Settling times of the steps to references of the operating range. The verdict on a rig depends on its slowest step,
+/// so the slowest steps of the rigs are a distribution as well.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SettlingTimes {
-    /// In ascending order \[samples\].
+    /// Settling times in ascending order (samples).
     pub samples: Vec<u32>,
-    /// Steps that never settled while their reference was held.
+    /// Number of steps that never settled while their reference was constant.
     pub never: usize,
 }
 

@@ -30,8 +30,8 @@ fn outcome(injection: &Injection, target: &mut InProcessTarget) -> Outcome {
     run(injection, target).expect("an ECU in this process always answers")
 }
 
-/// Every class of fault at random instants, on scattered rigs: first safe, then live. The example runs any number of
-/// them.
+/// Every class of fault at random instants, on scattered rigs: safety first, then recovery. The example runs any number
+/// of them.
 #[test]
 fn no_promise_is_broken_in_two_thousand_runs_with_a_fault() {
     let mut target = whole();
@@ -58,7 +58,7 @@ fn a_line_repeats_its_run_bit_for_bit() {
 }
 
 /// The battery voltage rose again while the pressure still recovered from the previous fault. The effect of 41 V in the
-/// nine samples before that is confirmed is no bump of the recovery.
+/// nine samples before its confirmation is not a bump of the recovery.
 #[test]
 fn a_comeback_is_judged_until_the_next_fault_begins() {
     let line = "ecu/battery-high onset=150 duration=30 times=3 severity=0.50 rig=0 seed=0x0";

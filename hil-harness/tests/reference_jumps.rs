@@ -1,4 +1,4 @@
-//! Reference that is lowered and raised again while the pressure is still above it.
+//! Reference that is lowered and then raised while the pressure is still above it.
 
 use hil_harness::scenario::{FIGURE_ORIFICE_M, with_orifices};
 use hil_harness::wire::{bar, measured_bar};

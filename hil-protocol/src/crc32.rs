@@ -1,4 +1,4 @@
-//! CRC-32 as in Ethernet and zlib (ISO-HDLC), which every tool can compute.
+//! CRC-32 of Ethernet and zlib (ISO-HDLC), which common tools compute as well.
 //!
 //! It is implemented here because the usual crate contains panics when overflow is checked. The tests compare it with
 //! that crate.

@@ -210,7 +210,7 @@ pub enum Reply {
         /// Value of the first one, and values of those that follow.
         values: Values,
     },
-    /// Confirmation that the request was carried out.
+    /// Confirmation of the request.
     Done,
     /// Answer to [`Request::BlackBox`].
     BlackBox(BlackBoxPage),
@@ -395,7 +395,7 @@ pub enum Refusal {
         /// Largest allowed value.
         max: i64,
     },
-    /// Flash must not be written while a valve is in use: erasing can stop the processor for many samples.
+    /// A valve is in use, so flash must not be written: erasing can stop the processor for many samples.
     #[error("settings are saved only while both coils are off and nothing is asked for")]
     ValvesInUse,
     /// The storage reported a fault.
@@ -437,7 +437,7 @@ pub struct BlackBoxPage {
 pub enum BlackBoxStatus {
     /// Recording; no fault occurred.
     Recording,
-    /// Recording a little longer after the first fault.
+    /// Recording continues for a limited time after the first fault.
     Triggered {
         /// Number of the record with the first fault.
         number: u32,

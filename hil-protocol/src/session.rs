@@ -32,7 +32,7 @@ impl Place {
 }
 
 /// Returns the number of a session: the sum of the host's part, which differs from session to session, and the device's
-/// part, which differs from boot to boot. Therefore a device that was reset never takes part in the previous session.
+/// part, which differs from boot to boot. Therefore a device that was reset never continues the previous session.
 const fn session_number(nonce: u32, boot: u32) -> u32 {
     nonce.wrapping_add(boot)
 }

@@ -1,4 +1,4 @@
-//! Compares the nominal plant with a log and prints what matters:
+//! Compares the nominal plant with a log and prints the main results:
 //! `cargo run --release -p model-lab --example compare_log -- data/synthetic/practice-01-id.csv`
 
 use std::error::Error;

@@ -1,7 +1,7 @@
-//! Not in the library? Turn the missing flow into an effect of your own.
+//! Example of an effect that is not in the library, made from the missing flow.
 //!
-//! A rig whose relief valve weeps above 3 bar: no leak of the library does that. The model sees the missing flow, a table
-//! is made of it, the table becomes an effect, and the error falls.
+//! The relief valve of a rig weeps above 3 bar; no leak of the library has this law. The diagnosis finds the missing flow and makes a table
+//! of it. The table becomes an effect, and the error falls.
 
 use std::sync::OnceLock;
 
@@ -15,7 +15,7 @@ use plant_sim::{PlantParameters, Tolerance};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
 // ---------------------------------------------------------------------------------------------------------------
-/// The table that the log gave.
+/// Table from the log.
 static TABLE: OnceLock<MissingFlow> = OnceLock::new();
 static SHARE: ParameterSpec = ParameterSpec::of_effect(
     "effects.missing_flow",
@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A log of the plant with a relief valve that weeps above 3 bar gauge; the sensor's steps are 5 mbar.
+/// Returns a log of the plant with a relief valve that weeps above 3 bar gauge; the sensor's resolution is 5 mbar.
 fn rig_that_weeps(plant: &PlantParameters) -> Result<Recording, Box<dyn std::error::Error>> {
     const INTERVAL_S: f64 = 0.01;
     let mut duties = [Vec::new(), Vec::new()];

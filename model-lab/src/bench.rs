@@ -1,4 +1,4 @@
-//! A made-up bench for tests: a plant of its own, a log of commands, noise and resolution, all from one seed.
+//! Synthetic bench for tests: a plant, a log of commands, noise and resolution, all from one seed.
 
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::{CurrentSampling, Replay, ReplayInput, replay};
@@ -8,7 +8,7 @@ use recording::{Provenance, Recording, TimeBase, Unit};
 use crate::commands::Commands;
 use crate::noise::Noise;
 
-/// The nearest multiple of `step`; 0 leaves the value.
+/// Returns the nearest multiple of `step`; a `step` of 0 returns `value` unchanged.
 pub(crate) fn quantise(value: f64, step: f64) -> f64 {
     if step > 0.0 {
         (value / step).round() * step
@@ -17,7 +17,7 @@ pub(crate) fn quantise(value: f64, step: f64) -> f64 {
     }
 }
 
-/// `log` without these rows: a pause of the logger.
+/// Returns `log` without these rows, as after a pause of the logger.
 pub(crate) fn without_rows(log: &Recording, rows: std::ops::Range<usize>) -> Recording {
     let kept = |values: &[f64]| [&values[..rows.start], &values[rows.end..]].concat();
     let mut paused = Recording::new(log.provenance().clone());
@@ -32,7 +32,7 @@ pub(crate) fn without_rows(log: &Recording, rows: std::ops::Range<usize>) -> Rec
     paused
 }
 
-/// The log without its currents.
+/// Returns the log without its currents.
 pub(crate) fn pressure_alone(log: &Recording) -> Recording {
     let mut other = Recording::new(log.provenance().clone());
     let id = other.add_time_base(log.time_bases().next().unwrap().1.clone());
@@ -49,7 +49,7 @@ pub(crate) fn pressure_alone(log: &Recording) -> Recording {
     other
 }
 
-/// A log of `count` samples in which nothing is commanded.
+/// Returns a log of `count` samples in which nothing is commanded.
 pub(crate) fn shut_for(count: usize, interval_s: f64) -> Commands {
     let mut log = Recording::new(Provenance::from_source("shut"));
     let id = log.add_time_base(TimeBase::uniform(0.0, interval_s, count).unwrap());
@@ -60,10 +60,10 @@ pub(crate) fn shut_for(count: usize, interval_s: f64) -> Commands {
     Commands::new(&PlantParameters::nominal(), &log).unwrap()
 }
 
-/// Noise of the logger: pressure (bar), currents (mA).
+/// Standard deviation of the logger's noise: pressure (bar), currents (mA).
 const NOISE: [f64; 3] = [2e-3, 0.7, 0.7];
 
-/// Returns the log that a logger with `clock` makes of `plant`, with a row every `interval_s`: fills, holds and vents.
+/// Returns the log that a logger with `clock` records of `plant`, with a row every `interval_s`: fills, holds and vents.
 pub(crate) fn logged(
     plant: &PlantParameters,
     clock: LoggerClock,
@@ -73,7 +73,7 @@ pub(crate) fn logged(
     logged_through(plant, (clock, interval_s), seed, &Bench::default().phases)
 }
 
-/// The same of other commands: seconds with the duty cycles (%) of fill and vent valve.
+/// Returns the same as `logged`, with other commands: duration (s) with the duty cycles (%) of fill and vent valve.
 pub(crate) fn logged_through(
     plant: &PlantParameters,
     (clock, interval_s): (LoggerClock, f64),
@@ -107,7 +107,7 @@ pub(crate) fn logged_through(
         let log_ns = (row as f64 * interval_s * 1e9).round() as u64;
         let time_ns = clock.ecu_time_ns(log_ns);
         let sample = time_ns / sample_time_ns;
-        // The ECU gives commands that no row shows. The mean of a current begins anew there.
+        // The ECU also gives commands between two rows. The mean of a current restarts there.
         for unseen in next..sample {
             replay.row(given(unseen * sample_time_ns, unseen));
         }
@@ -137,29 +137,29 @@ pub(crate) fn logged_through(
     log
 }
 
-/// A rig: change the plant, then measure.
+/// Rig whose plant a test changes before it measures.
 pub(crate) struct Bench {
-    /// The plant on the rig.
+    /// Plant on the rig.
     pub(crate) plant: PlantParameters,
-    /// Phases of commands: seconds, duty of fill and of vent valve [%].
+    /// Phases of commands: duration (s), duty cycles of fill and of vent valve (%).
     pub(crate) phases: Vec<(f64, f64, f64)>,
-    /// Sample interval [s].
+    /// Sample interval (s).
     pub(crate) interval_s: f64,
-    /// Noise [bar rms] and resolution [bar] of the pressure.
+    /// Noise (bar rms) and resolution (bar) of the pressure.
     pub(crate) pressure_noise: (f64, f64),
-    /// Noise [mA rms] and resolution [mA] of the currents.
+    /// Noise (mA rms) and resolution (mA) of the currents.
     pub(crate) current_noise: (f64, f64),
-    /// Pressure to begin with [bar gauge].
+    /// Initial pressure (bar gauge).
     pub(crate) initial_bar: f64,
-    /// Supply pressure over time [bar gauge over s], which is logged; none is that of the plant, which is not.
+    /// Logged supply pressure over time (bar gauge over s); none uses the plant's, which is not logged.
     pub(crate) supply_bar: Option<fn(f64) -> f64>,
-    /// Share of the gauge pressure that leaks per second.
+    /// Share of the gauge pressure that leaks per second (1/s).
     pub(crate) leak_per_s: f64,
     pub(crate) seed: u64,
 }
 
 impl Default for Bench {
-    /// The nominal plant, fills and vents with holds between them, sensors as in the bundled logs.
+    /// Returns the nominal plant with fills and vents separated by holds, and sensors as in the bundled logs.
     fn default() -> Self {
         let mut phases = vec![(1.0, 0.0, 0.0)];
         for duty in [100.0, 60.0, 45.0, 80.0] {
@@ -189,7 +189,7 @@ impl Default for Bench {
 }
 
 impl Bench {
-    /// The log of a run on this rig.
+    /// Returns the log of a run on this rig.
     pub(crate) fn measure(&self) -> Recording {
         let mut log = self.commands();
         let mut pressures_bar = Vec::new();
@@ -214,7 +214,7 @@ impl Bench {
             let sampled = sampled.collect();
             log.add_signal(name, unit, id, sampled).unwrap();
         };
-        // What the plant leaves out has no sensor.
+        // A part that the plant lacks has no sensor.
         if simulated.signal("p_ch").is_some() {
             add("p_ch", Unit::BarGauge, &pressures_bar, self.pressure_noise);
         }

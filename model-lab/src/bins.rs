@@ -1,9 +1,9 @@
-//! A small number for each of millions of samples, in as little memory as its runs allow.
+//! Compact storage of one small number per sample, for millions of samples.
 
 use std::sync::Arc;
 
-/// The bin of each sample. Samples that follow each other mostly lie in one bin, so runs are kept where these are shorter.
-/// A clone shares them.
+/// Bin of each sample. Consecutive samples mostly share a bin, so the bins are stored as runs where that takes less memory. A clone shares
+/// the storage.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
     len: usize,
@@ -26,7 +26,7 @@ impl Default for Store {
 
 /// Bytes of a run: its length and its bin.
 const RUN_BYTES: usize = 6;
-/// Number of runs that are kept, however short they are.
+/// Number of runs that are stored as runs regardless of their length.
 const FEW_RUNS: usize = 1024;
 
 impl Bins {
@@ -35,12 +35,12 @@ impl Bins {
         self.len
     }
 
-    /// Whether there is no sample.
+    /// Returns whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Returns the bytes that the bins take.
+    /// Returns the number of bytes that the bins take.
     pub fn bytes(&self) -> usize {
         match &*self.store {
             Store::Runs(lengths, _) => lengths.len() * RUN_BYTES,
@@ -82,7 +82,7 @@ impl FromIterator<u16> for Bins {
     }
 }
 
-/// Bins that come one after the other.
+/// Builder that takes one bin after the other.
 #[derive(Debug)]
 pub(crate) struct BinsBuilder {
     len: usize,
@@ -91,7 +91,7 @@ pub(crate) struct BinsBuilder {
 }
 
 impl BinsBuilder {
-    /// Makes room for about `expected` samples, as soon as runs are no longer shorter.
+    /// Creates a builder that reserves memory for about `expected` samples once runs no longer save memory.
     pub(crate) fn for_about(expected: usize) -> Self {
         Self {
             len: 0,

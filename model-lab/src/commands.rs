@@ -1,4 +1,4 @@
-//! What the log commanded, and from when on it acts.
+//! Commands of the log, and the time from which each is in force.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -14,30 +14,30 @@ use crate::gaps::Gaps;
 
 /// Name of the time from a command to its effect in a plant file.
 pub(crate) const COMMAND_DELAY: &str = "ecu.command_delay_s";
-/// Names of the commands, fill and vent.
+/// Signal names of the commands, fill and vent.
 pub(crate) const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
 
-/// The commanded duty cycles on the instants of the log; a missing command holds the last one.
+/// Commanded duty cycles at the instants of the log; where a command is missing, the last one stays in force.
 #[derive(Debug, Clone)]
 pub(crate) struct Commands {
-    /// Instants since the start of the log [s].
+    /// Instants since the start of the log (s).
     pub(crate) times_s: Arc<Vec<f64>>,
-    /// Duty cycles of fill and vent valve [%].
+    /// Duty cycles of fill and vent valve (%).
     pub(crate) duty_pct: [Arc<Vec<f64>>; 2],
-    /// Duty cycle that leaves each valve shut [%]; NaN for an orifice that nothing shuts.
+    /// Duty cycle that leaves each valve shut (%); NaN for an orifice without a valve.
     shut_pct: [f64; 2],
-    /// Time from a command to its effect [s].
+    /// Time from a command to its effect (s).
     delay_s: f64,
-    /// The same, at least and at most [s].
+    /// Least and largest time from a command to its effect (s).
     delay_range_s: (f64, f64),
-    /// Time for which a command may still be in force after the next one took over [s].
+    /// Time for which a command may remain in force after the next one took effect (s).
     pub(crate) pwm_period_s: f64,
-    /// Where the log does not say what was commanded.
+    /// Gaps: times at which the log does not contain the command.
     pub(crate) gaps: Gaps,
 }
 
-/// The least and the longest time from a command to its effect [s], as far as the plant file knows it. Where it says nothing,
-/// a command may act a fifth earlier.
+/// Returns the least and the largest time from a command to its effect (s) according to the plant file. Without a range there, a command
+/// may act a fifth earlier.
 fn delay_range_s(parameters: &PlantParameters) -> (f64, f64) {
     let delay_s = parameters.ecu.command_delay_s;
     let spec = ParameterSpec::by_name(COMMAND_DELAY);
@@ -47,8 +47,8 @@ fn delay_range_s(parameters: &PlantParameters) -> (f64, f64) {
     }
 }
 
-/// Returns what somebody else has, where it is `values` bit for bit, and `values` otherwise: an hour at 1 kHz takes 29 MB
-/// for each column that is kept twice.
+/// Returns `other` where it equals `values` bit for bit, and `values` otherwise. Sharing saves memory: an hour at 1 kHz takes 29 MB per
+/// column.
 pub(crate) fn shared(other: Option<Arc<Vec<f64>>>, values: Vec<f64>) -> Arc<Vec<f64>> {
     let is_same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
     let is_these = |other: &Arc<Vec<f64>>| {
@@ -104,7 +104,7 @@ impl Commands {
         })
     }
 
-    /// The same at some of the instants, which contain the rows of every gap up to the last of them.
+    /// Returns the commands at some of the instants, which contain the rows of every gap up to the last of them.
     pub(crate) fn at_rows(&self, rows: &[usize]) -> Self {
         let at = |values: &[f64]| Arc::new(rows.iter().map(|&row| values[row]).collect());
         Self {
@@ -119,18 +119,18 @@ impl Commands {
         self.times_s.len()
     }
 
-    /// Whether the command of a row opens `valve`.
+    /// Returns whether the command of a row opens `valve`.
     pub(crate) fn opens(&self, valve: usize, row: usize) -> bool {
         self.duty_pct[valve][row] != self.shut_pct[valve]
     }
 
-    /// Stretches of samples at which both valves are shut, `settle_s` after the last command acted.
+    /// Returns the intervals of samples in which both valves are shut, from `settle_s` after the last command acted.
     pub(crate) fn holds(&self, settle_s: f64) -> Vec<Range<usize>> {
         let acts = |row: usize| self.opens(FILL, row) || self.opens(VENT, row);
         self.stretches_without(acts, settle_s)
     }
 
-    /// Stretches of samples at which the coil of `valve` is dead, `settle_s` after its last command acted.
+    /// Returns the intervals of samples in which the coil of `valve` carries no current, from `settle_s` after its last command acted.
     pub(crate) fn dead_coil(&self, valve: usize, settle_s: f64) -> Vec<Range<usize>> {
         self.stretches_without(|row| self.duty_pct[valve][row] != 0.0, settle_s)
     }
@@ -158,14 +158,14 @@ impl Commands {
         stretches
     }
 
-    /// Row of the command in force at `time_s`; none before the first one acts.
+    /// Returns the row of the command in force at `time_s`; none before the first one acts.
     pub(crate) fn row_in_force(&self, time_s: f64) -> Option<usize> {
         self.times_s
             .partition_point(|&commanded_s| commanded_s + self.delay_s <= time_s)
             .checked_sub(1)
     }
 
-    /// Number of samples before anything can have moved.
+    /// Returns the number of samples before anything can have moved.
     pub(crate) fn rows_before_first_action(&self) -> usize {
         self.holds(0.0)
             .first()

@@ -1,4 +1,4 @@
-//! The comparison, put together.
+//! Assembly of the comparison.
 
 use std::sync::Arc;
 
@@ -25,17 +25,18 @@ use crate::summary::summary;
 use crate::warning::{misaligned, warnings};
 use crate::whiteness::Input;
 
-/// The time offset is taken from this many samples at most, which bounds memory on long logs.
+/// Number of samples from which the time offset is determined, at most; it bounds memory on long logs.
 const OFFSET_ROWS: usize = 12_000;
 
-/// Compares the model with `parameters` with `log`, which was made under `conditions`: simulates from the logged commands and tells,
-/// signal by signal, how large the error is beside the noise of the measurement, and where it is.
+/// Compares the model with `parameters` with `log`, which was made under `conditions`. Simulates from the logged commands and determines,
+/// for each signal, the error relative to the noise of the measurement and the regime of the error.
 ///
-/// Nothing is resampled and no missing sample is filled in. `goes_on` is told every few milliseconds which share of the work is done, 0 to
-/// 1, and ends it by saying false.
+/// Nothing is resampled and no missing sample is filled in. Calls `goes_on` every few milliseconds with the share of the work that is done
+/// (0 to 1); a return value of false stops the comparison.
 ///
 /// # Errors
-/// [`CompareError`]: the log cannot drive the model, has no signal of the model, an option is out of range, or `goes_on` ended it.
+/// [`CompareError`]: the log cannot drive the model, has no signal of the model, an option is out of range, or `goes_on` stopped the
+/// comparison.
 pub fn compare_under(
     parameters: &PlantParameters,
     (log, conditions): (&Recording, &LogConditions),
@@ -62,7 +63,7 @@ pub fn compare_under(
     } else {
         0.0
     };
-    // What happened within this many samples still shows.
+    // An event within this many samples still affects the error.
     let memory = match pressure {
         Some(_) => (1.0 / gain).ceil() as usize,
         None => 1,
@@ -101,7 +102,7 @@ pub fn compare_under(
         let short = short.filter(|_| predictor.is_some());
         let (mut compared, placed) = lab.compare_signal(signal, free, short);
         if let Some(warning) = misaligned(parameters, &compared).filter(|_| !is_swapped) {
-            // Where such an error is says nothing of the plant.
+            // The regime of such an error says nothing about the plant.
             compared.finding = Finding {
                 regime: None,
                 excess_share: None,
@@ -160,7 +161,7 @@ pub fn compare_under(
     })
 }
 
-/// The measured signals in the units of the model.
+/// Returns the measured signals in the units of the model.
 fn recorded(
     measured: &[Measured],
     source: &str,
@@ -175,8 +176,8 @@ fn recorded(
     Ok(recording)
 }
 
-/// The free run with what drove it, as far as the log has it: a command that was missing is the one that was held. Where
-/// nothing was missing, it is the log's.
+/// Returns the free-run simulation together with its inputs, as far as the log has them. A missing command is replaced by the last one,
+/// which was in force. Without missing commands, the columns are those of the log.
 fn with_inputs(
     mut run: Recording,
     (log, setup): (&Recording, &Setup),
@@ -202,15 +203,15 @@ fn with_inputs(
     Ok(run)
 }
 
-/// Name of the supply voltage.
+/// Signal name of the supply voltage.
 const SUPPLY: &str = "u_bat";
 
-/// What the comparison of each signal needs.
+/// Data that the comparison of each signal needs.
 struct Lab<'a> {
     options: &'a CompareOptions,
     commands: &'a Commands,
     setup: &'a Setup<'a>,
-    /// The duty cycles.
+    /// Duty cycles.
     inputs: [Input<'a>; 2],
     states: &'a States,
     predictor: Option<&'a Predictor>,

@@ -1,4 +1,4 @@
-//! Conditions of one log that are no parameters of the plant: the clock of its logger and the state in which it begins.
+//! Conditions of one log that are not parameters of the plant: the clock of its logger and the state in which it begins.
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -9,12 +9,12 @@ use crate::result::{ClockSource, FoundClock, FoundStart};
 /// Conditions of one log.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Conditions {
-    /// Clock of the logger; none where each row is an instant of the ECU's own clock at which it gave the row's command.
+    /// Clock of the logger; none where each row is the instant of the ECU's own clock at which it gave the row's command.
     pub(crate) clock: Option<LoggerClock>,
     /// Gas in the chamber at the first row.
     pub(crate) start_gas: StartGas,
-    /// Time (ns) from the begin of a PWM period under the command delay to the ECU sample from which the clock counts: 0 where a sample
-    /// time is a whole number of PWM periods.
+    /// Time (ns) from the beginning of a PWM period, shifted by the command delay, to the ECU sample from which the clock counts: 0 where a
+    /// sample time is a whole number of PWM periods.
     pub(crate) pwm_lead_ns: u64,
 }
 
@@ -25,8 +25,8 @@ impl Conditions {
         self.pwm_lead_ns + of_clock
     }
 
-    /// Returns `input`, whose row lies `log_ns` after the first one by the clock of the logger, in the time of the ECU. Its command was
-    /// given at `issued_ns` of that time. Without a clock, the row is an instant of the ECU.
+    /// Converts `input` to the time of the ECU. Its row lies `log_ns` after the first one by the clock of the logger, and its command was
+    /// given at `issued_ns` in the time of the ECU. Without a clock, the row is an instant of the ECU.
     pub(crate) fn on_ecu_time(
         &self,
         input: ReplayInput,
@@ -36,7 +36,7 @@ impl Conditions {
         let (time_ns, issued_ns) = match self.clock.zip(issued_ns) {
             None => (input.time_ns, input.issued_ns),
             Some((clock, issued_ns)) => {
-                // What was taken out of pauses before the row.
+                // Time that was removed from pauses before the row.
                 let taken_ns = log_ns - input.time_ns;
                 let time_ns = clock.ecu_time_ns(log_ns).saturating_sub(taken_ns);
                 (time_ns, issued_ns.saturating_sub(taken_ns).min(time_ns))
@@ -50,32 +50,40 @@ impl Conditions {
     }
 }
 
-/// Conditions under which a log was made, as they were found: how its rows lie in the time of the ECU, how its currents are meant,
-/// and how warm the gas was when it began.
+/// Conditions under which a log was made, as found: clock of the rows relative to the ECU, meaning of the currents, and temperature of the
+/// gas at the beginning.
 ///
 /// The default is a log of the ECU itself that begins at rest: each row is an instant at which the ECU gave the row's command.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LogConditions {
     pub(crate) conditions: Conditions,
     pub(crate) clock_source: ClockSource,
-    /// Least and largest drift of the clock (ppm) that the logged commands admit, where the plant was not fitted and they leave it open.
+    /// Least and largest drift of the clock (ppm) that the logged commands admit; set where the plant was not fitted and the commands do
+    /// not determine the drift.
     pub(crate) admitted_drifts_ppm: Option<(f64, f64)>,
     /// Whether the log begins with a filled chamber.
     pub(crate) begins_filled: bool,
-    /// Of the first rows, the instant (ns, ECU time) at which their command was given; the clock alone tells that of others.
+    /// Instants (ns, ECU time) at which the commands of the first rows were given; those of later rows follow from the clock alone.
     pub(crate) issued_ns: Vec<u64>,
     /// Median time from row to row (ns) and sample time of the ECU (ns).
     pub(crate) interval_ns: u64,
     pub(crate) sample_time_ns: u64,
-    /// Whether the currents are means or values of the instant; none if the time from row to row decides.
+    /// Meaning of the currents, means or instantaneous values; none if the time from row to row decides.
     pub(crate) sampling: Option<CurrentSampling>,
 }
 
 impl LogConditions {
-    /// Rows of a log that are looked at, which bounds memory and time on long ones.
-    pub const ROWS_MAX: usize = 40_000;
+    /// Number of rows, and time from the first one (s), of the beginning of a log from which its conditions are found; the longer one
+    /// counts. It limits memory and time on long logs.
+    const BEGINNING: (usize, f64) = (40_000, 60.0);
 
-    /// Returns `input`, row `index` of the log, in the time of the ECU; the row lies `log_ns` after the first one by the clock of the
+    /// Returns whether a row belongs to the beginning of a log: the row at `index`, `time_s` after the first one.
+    pub fn is_in_beginning(index: usize, time_s: f64) -> bool {
+        let (rows, duration_s) = Self::BEGINNING;
+        index < rows || time_s <= duration_s
+    }
+
+    /// Converts `input`, row `index` of the log, to the time of the ECU; the row lies `log_ns` after the first one by the clock of the
     /// logger.
     pub fn on_ecu_time(&self, index: usize, input: ReplayInput, log_ns: u64) -> ReplayInput {
         let issued_ns = self.conditions.clock.map(|clock| {
@@ -88,7 +96,7 @@ impl LogConditions {
         self.conditions.on_ecu_time(input, log_ns, issued_ns)
     }
 
-    /// Returns how the currents of a log with rows `interval_s` apart are meant.
+    /// Returns the meaning of the currents of a log with rows `interval_s` apart: means or instantaneous values.
     pub fn sampling(&self, interval_s: f64, parameters: &PlantParameters) -> CurrentSampling {
         let usual = || CurrentSampling::of_interval(interval_s, parameters);
         self.sampling.unwrap_or_else(usual)
@@ -114,10 +122,10 @@ impl LogConditions {
     }
 }
 
-/// Gas that is warmer than the chamber's wall when a log begins, as after a fast filling, and takes the temperature of the wall.
+/// Gas that is warmer than the chamber's wall when a log begins, as after a fast filling, and approaches the temperature of the wall.
 ///
-/// At constant mass the pressure goes with the temperature, and the difference of temperatures with exp(-t / cooling time): the
-/// energy balance E52 with a constant conductance to a wall of constant temperature.
+/// At constant mass the pressure is proportional to the temperature, and the difference of temperatures falls with exp(-t / cooling time):
+/// the energy balance E52 with a constant conductance to a wall of constant temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StartGas {
     /// Temperature above that of the wall (K).
@@ -132,19 +140,20 @@ const USUAL_COOLING_S: f64 = 0.3;
 /// Prior knowledge of the gas in a filled chamber.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UsualGas {
-    /// Temperature above that of the wall (K): standard deviation about 0, and least and most.
+    /// Temperature above that of the wall (K): standard deviation about 0, least and largest value.
     pub(crate) excess_sd_k: f64,
     pub(crate) excess_k: (f64, f64),
-    /// Time in which it cools: usual, least and most (s).
+    /// Cooling time (s): usual, least and largest value.
     pub(crate) usual_s: f64,
     pub(crate) least_s: f64,
     pub(crate) most_s: f64,
-    /// Standard deviation of its logarithm.
+    /// Standard deviation of the logarithm of the cooling time.
     pub(crate) ln_sd: f64,
 }
 
 impl UsualGas {
-    /// In a chamber between valves with coils, which fill it within a fraction of a second; adiabatic filling ends 120 K above the supply.
+    /// Gas in a chamber between valves with coils, which fill it within a fraction of a second; adiabatic filling ends 120 K above the
+    /// supply.
     pub(crate) const BETWEEN_VALVES: Self = Self {
         excess_sd_k: 40.0,
         excess_k: (-100.0, 150.0),
@@ -157,9 +166,10 @@ impl UsualGas {
     /// leak.
     const REACH: f64 = 3.0;
 
-    /// In a vessel that no valve with a coil fills, the chamber of `parameters`, with gas at `pressure` (Pa abs): its heat capacity m c_v over the
-    /// conductance of a wall that grows with the square of the vessel's size. It is filled and shut by hand, so that half of what
-    /// adiabatic filling would leave is gone; gas is colder than the wall only after a part was let out.
+    /// Returns the gas in a vessel that no valve with a coil fills: the chamber of `parameters`, with gas at `pressure` (Pa abs). Its
+    /// cooling time is its heat capacity m c_v over the conductance of a wall that grows with the square of the vessel's size. It is filled
+    /// and shut by hand, so that half of the temperature rise of adiabatic filling is gone; gas is colder than the wall only after a part
+    /// was let out.
     pub(crate) fn of_vessel(parameters: &PlantParameters, pressure: f64) -> Self {
         let gas = &parameters.gas;
         let volume = parameters.chamber.volume_m3;
@@ -180,7 +190,7 @@ impl UsualGas {
     }
 }
 
-/// Heat that a chamber of 75 cm3 exchanges with its gas (W/K), and that volume (m3): the effect `gas_temperature` at its typical size.
+/// Heat that a chamber of 75 cm³ exchanges with its gas (W/K), and its volume (m³): the effect `gas_temperature` at its typical size.
 const USUAL_CONDUCTANCE: (f64, f64) = (0.1, 75e-6);
 
 impl Default for StartGas {
@@ -193,7 +203,7 @@ impl Default for StartGas {
 }
 
 impl StartGas {
-    /// Returns the pressure over what it is once the gas has the temperature of the wall, `wall_k`, at `time_s` since the first row.
+    /// Returns the pressure over that of gas at the temperature of the wall, `wall_k`, at `time_s` since the first row.
     pub(crate) fn pressure_ratio(&self, wall_k: f64, time_s: f64) -> f64 {
         1.0 + self.excess_k / wall_k * (-time_s / self.cooling_s).exp()
     }

@@ -1,4 +1,4 @@
-//! What a log lacks, as a result tells it.
+//! Defects of a log as a result reports them.
 
 use plant_sim::parameters::PA_PER_BAR;
 use recording::Recording;
@@ -7,16 +7,16 @@ use crate::commands::Commands;
 use crate::measured::{Measured, Restart};
 use crate::result::{LogDefects, LogGap, MissingCells};
 
-/// Gaps that have a sentence each.
+/// Number of gaps that get a sentence each.
 const TOLD_MAX: usize = 5;
 
 impl LogDefects {
-    /// Whether there is none.
+    /// Returns whether there are no defects.
     pub fn is_empty(&self) -> bool {
         self.sentences.is_empty()
     }
 
-    /// The defects of `log`, whose chamber pressure is `pressure`.
+    /// Returns the defects of `log`, whose chamber pressure is `pressure`.
     pub(crate) fn of(log: &Recording, commands: &Commands, pressure: Option<&Measured>) -> Self {
         let defects = log.defects();
         let restart_bar = |row: usize| {

@@ -1,4 +1,4 @@
-//! The comparison of a log under the conditions that the log itself and the model tell.
+//! Comparison of a log under the conditions found from the log and the model.
 
 use plant_sim::PlantParameters;
 use recording::Recording;
@@ -10,17 +10,17 @@ use crate::error::CompareError;
 use crate::options::CompareOptions;
 use crate::result::Comparison;
 
-/// Finds the conditions under which `log` was made, with `plant` as it is: the clock of its logger, the instants at which commands were
-/// given, and the temperature of the gas when it begins with a filled chamber. Of a long log, the first
-/// [`LogConditions::ROWS_MAX`] rows are looked at.
+/// Finds the conditions under which `log` was made, with an unchanged `plant`: the clock of its logger, the instants at which commands were
+/// given, and the temperature of the gas when the log begins with a filled chamber. Of a long log, the
+/// [beginning](LogConditions::is_in_beginning) is searched.
 ///
-/// A log that cannot be compared is taken for one of the ECU itself; so is one whose clock does not show.
+/// A log that cannot be compared, or whose clock cannot be determined, counts as recorded by the ECU itself.
 #[must_use]
 pub fn find_conditions(plant: &PlantParameters, log: &Recording) -> LogConditions {
     conditions_of(plant, log, &|| true).unwrap_or_default()
 }
 
-/// Compares the model with `parameters` with `log`: as [`compare_under`] the conditions that [`find_conditions`] finds.
+/// Compares the model with `parameters` with `log`, as [`compare_under`] the conditions that [`find_conditions`] finds.
 ///
 /// # Errors
 /// [`CompareError`]: the log cannot drive the model, has no signal of the model, or an option is out of range.
@@ -32,8 +32,8 @@ pub fn compare(
     compare_watched(parameters, log, options, &|_| true)
 }
 
-/// As [`compare`], for somebody who waits: `goes_on` is told every few milliseconds which share of the work is done,
-/// 0 to 1, and ends it by saying false. Before that it is asked a few times while conditions are sought.
+/// Compares as [`compare`] does, with progress: calls `goes_on` every few milliseconds with the share of the work that is done (0 to 1); a
+/// return value of false stops the comparison. While the conditions are sought, it is called a few times with 0.
 ///
 /// # Errors
 /// Those of [`compare`], and [`CompareError::Stopped`].

@@ -1,4 +1,4 @@
-//! One run of the model on a log and the size of its error: for somebody who turns a parameter and wants to see at once.
+//! One simulation of a log and the size of its error, for immediate feedback while a user changes a parameter.
 
 use plant_sim::replay::Surroundings;
 use plant_sim::{PlantParameters, Tolerance};
@@ -11,19 +11,19 @@ use crate::measured::{PRESSURE, measured_signals, start};
 use crate::metrics::{residual, rms};
 use crate::run::Setup;
 
-/// The model driven by the commands of a log alone.
+/// Result of the model driven by the commands of a log alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeRun {
-    /// The model's signals, at the instants of the log.
+    /// Signals of the model at the instants of the log.
     pub model: Recording,
-    /// How far it is off, for each signal that is on both sides.
+    /// Size of the error for each signal that log and model have in common.
     pub errors: Vec<SignalError>,
 }
 
-/// How far the model is off in one signal.
+/// Size of the error of the model in one signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignalError {
-    /// The signal.
+    /// Name of the signal.
     pub name: &'static str,
     /// Unit of the error.
     pub unit: &'static str,
@@ -33,11 +33,11 @@ pub struct SignalError {
     pub noise_floor: Option<f64>,
 }
 
-/// The free run of [`compare_under`](crate::compare_under()) these conditions, bit for bit, at the cost of one simulation and in a bounded number of
-/// steps, whatever the parameters are.
+/// Runs the free-run simulation of [`compare_under`](crate::compare_under()) under these conditions, bit for bit, at the cost of one
+/// simulation and in a bounded number of steps, whatever the parameters are.
 ///
 /// # Errors
-/// [`CompareError`]: the log cannot drive the model or has no signal of it, or the simulation was given up.
+/// [`CompareError`]: the log cannot drive the model or has no signal of it, or the simulation was aborted.
 pub fn free_run(
     parameters: &PlantParameters,
     log: &Recording,

@@ -1,8 +1,8 @@
-//! Gaps of a log: where it does not say what drove the plant. The model begins again at the measured pressure behind a
-//! gap, and nothing of the gap is in an error.
+//! Gaps of a log: times at which the command is unknown. The model restarts at the measured pressure after a gap, and nothing of the gap
+//! counts in an error.
 //!
-//! A gap ends with the first row behind it, but what the valves do there was commanded before it. Rows count again once
-//! the commands of that row are in force and have settled: a delay, a PWM period and 50 ms later.
+//! A gap ends with the first row after it, but the valves there still follow earlier, unknown commands. Rows count again once the commands
+//! of that row are in force and have settled: a delay, a PWM period and 50 ms later.
 
 use std::ops::Range;
 
@@ -11,48 +11,49 @@ use plant_sim::parameters::Part;
 use plant_sim::replay::{Inputs, ReplayInput};
 use recording::TimeBase;
 
-/// A pause longer than this many median steps is a gap, and so are more rows than this without a command; ...
+/// Number of median steps above which a pause is a gap, and number of consecutive rows without a command above which they form one; ...
 const GAP_SAMPLES: f64 = 10.0;
-/// ... so is, of a slow logger, a pause longer than as many samples of the ECU and this many median steps: commands may change in it.
+/// ... for a slow logger, a pause is also a gap if it exceeds `GAP_SAMPLES` samples of the ECU and this many median steps: commands may
+/// change in it.
 const GAP_STEPS: f64 = 2.5;
-/// From a command in force to a valve that has moved and a current that no longer knows the one before (s).
+/// Time from a command in force until the valve has moved and the current no longer depends on the previous command (s).
 const SETTLE_S: f64 = 0.05;
-/// A gap is simulated with the last command for this long and less than a second more (ns).
+/// Time for which a gap is simulated with the last command, plus less than a second (ns).
 const SIMULATED_NS: u64 = 1_000_000_000;
-/// Whole seconds are taken out of longer ones (ns): samples and PWM periods keep their phase.
+/// Unit of time that is removed from longer gaps (ns): whole seconds, so that samples and PWM periods keep their phase.
 const WHOLE_NS: u64 = 1_000_000_000;
 
-/// The gaps of a log in order of time.
+/// Gaps of a log in order of time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Gaps {
-    /// None within another one.
+    /// Gaps, none within another one.
     list: Vec<Gap>,
-    /// A longer step is a pause (s).
+    /// Duration above which a step is a pause (s).
     pause_s: f64,
 }
 
-/// A gap and the rows that it takes out.
+/// Gap and the rows that it removes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Gap {
-    /// Rows that count in no error: those without a command, and those behind the gap where it is still open what the
-    /// valves do. The model begins again at the last of them.
+    /// Rows that count in no error: those without a command, and those after the gap where the state of the valves is still unknown. The
+    /// model restarts at the last of them.
     pub(crate) rows: Range<usize>,
-    /// Last instant before the gap and first one behind it, in the time of the log (s).
+    /// Last instant before the gap and first one after it, in the time of the log (s).
     pub(crate) start_s: f64,
     pub(crate) end_s: f64,
-    /// Whether the rows are there, but no command in them.
+    /// Whether the rows exist, but without commands.
     pub(crate) is_without_commands: bool,
 }
 
 impl Gaps {
-    /// The gaps of a log with these rows.
+    /// Returns the gaps of a log with these rows.
     pub(crate) fn of(parameters: &PlantParameters, inputs: &Inputs) -> Self {
         Self::at(parameters, inputs.base(), |row| {
             inputs.row(row).command.is_some()
         })
     }
 
-    /// The gaps of a log on `base` of which it is known whether a row has a command.
+    /// Returns the gaps of a log on `base`, given for each row whether it has a command.
     fn at(
         parameters: &PlantParameters,
         base: &TimeBase,
@@ -72,7 +73,7 @@ impl Gaps {
             false => f64::INFINITY,
         };
         let pause_s = unseen_s.min(GAP_SAMPLES * step_s);
-        // A row whose command is known, behind a gap that began after row `before`.
+        // A row with a known command, after a gap that began after row `before`.
         let gap = |before: usize, known: usize, is_without_commands: bool| {
             let open =
                 times_s[known..].partition_point(|&time_s| time_s <= times_s[known] + settled_s);
@@ -88,7 +89,7 @@ impl Gaps {
             }
         };
         let mut gaps: Vec<Gap> = Vec::new();
-        // The last row whose command is known.
+        // The last row with a known command.
         let mut known = None;
         for row in 0..base.len() {
             if row > 0 && times_s[row] - times_s[row - 1] > pause_s {
@@ -104,7 +105,7 @@ impl Gaps {
             }
             known = Some(row);
         }
-        // A log that ends without commands has nothing to compare there.
+        // The rows after the last command have nothing to compare.
         if let Some(last) = known.filter(|&last| (base.len() - last) as f64 > GAP_SAMPLES + 1.0) {
             gaps.push(Gap {
                 rows: last + 1..base.len(),
@@ -126,7 +127,7 @@ impl Gaps {
         }
     }
 
-    /// The same gaps where only `rows` are left, which contain those of every gap up to the last of them.
+    /// Returns the gaps where only `rows` are left, which contain those of every gap up to the last of them.
     pub(crate) fn at_rows(&self, rows: &[usize]) -> Self {
         let place = |row: usize| rows.partition_point(|&kept| kept < row);
         let moved = |gap: &Gap| Gap {
@@ -149,14 +150,14 @@ impl Gaps {
         self.list.iter()
     }
 
-    /// Makes `values` missing that count in no error.
+    /// Marks `values` that count in no error as missing.
     pub(crate) fn blank(&self, values: &mut [f64]) {
         for gap in &self.list {
             values[gap.rows.clone()].fill(f64::NAN);
         }
     }
 
-    /// The parts of a stretch of rows that are between gaps.
+    /// Returns the parts of an interval of rows that lie between gaps.
     pub(crate) fn between(&self, stretch: Range<usize>) -> Vec<Range<usize>> {
         let mut parts = Vec::new();
         let mut begin = stretch.start;
@@ -175,14 +176,13 @@ impl Gaps {
         parts
     }
 
-    /// The longest part of the first `rows` rows without a gap.
+    /// Returns the longest part of the first `rows` rows without a gap.
     pub(crate) fn longest(&self, rows: usize) -> Range<usize> {
         let parts = self.between(0..rows).into_iter();
         parts.rev().max_by_key(|part| part.len()).unwrap_or(0..0)
     }
 
-    /// Takes time out of long pauses, so that they cost no more than short ones: the plant sees the rows behind a pause
-    /// earlier.
+    /// Removes time from long pauses, so that they cost no more than short ones: the plant receives the rows after a pause earlier.
     pub(crate) fn shorten(&self, inputs: &mut [ReplayInput]) {
         let mut shortened = self.shortening();
         for input in inputs {
@@ -190,7 +190,7 @@ impl Gaps {
         }
     }
 
-    /// As [`Gaps::shorten`], for whoever takes one row after the other.
+    /// Returns a function that does the same as [`Gaps::shorten`] for one row after the other.
     pub(crate) fn shortening(&self) -> impl FnMut(ReplayInput) -> ReplayInput + use<> {
         let pause_ns = self.pause_s * 1e9;
         let mut taken_ns = 0;
@@ -224,7 +224,7 @@ mod tests {
         base.times_s().iter().enumerate().map(input).collect()
     }
 
-    /// 100 Hz with a pause of `pause` samples behind row 49.
+    /// Returns a time base of 100 Hz with a pause of `pause` samples after row 49.
     fn paused(pause: u32) -> TimeBase {
         let times = (0..100).map(|row| f64::from(row + if row < 50 { 0 } else { pause }) * 0.01);
         TimeBase::new(times.collect()).unwrap()
@@ -241,7 +241,7 @@ mod tests {
     fn a_pause_of_more_than_ten_samples_is_a_gap_until_the_next_command_is_in_force() {
         assert!(gaps(&paused(9), 0..0).list.is_empty());
         let found = gaps(&paused(11), 0..0);
-        // 15 ms of delay, 10 ms of period and 50 ms behind row 50: rows 50 to 57.
+        // 15 ms of delay, 10 ms of period and 50 ms after row 50: rows 50 to 57.
         let [gap] = &found.list[..] else {
             panic!("{found:?}")
         };
@@ -259,7 +259,7 @@ mod tests {
         assert!(gaps(&whole, 50..60).list.is_empty());
         assert_eq!(gaps(&whole, 50..61).list[0].rows, 50..69);
         assert_eq!(gaps(&whole, 50..100).list[0].rows, 50..100);
-        // Nothing was ever commanded: the plant is at rest.
+        // Nothing was commanded at all: the plant is at rest.
         assert!(gaps(&whole, 0..100).list.is_empty());
     }
 
@@ -268,7 +268,7 @@ mod tests {
         let base = paused(500);
         let mut inputs = inputs(&base, 0..0);
         gaps(&base, 0..0).shorten(&mut inputs);
-        // 5.01 s of pause, 4 s of it taken out.
+        // 5.01 s of pause, 4 s of it removed.
         assert_eq!(inputs[50].time_ns, 490_000_000 + 1_010_000_000);
         assert_eq!(inputs[50].issued_ns, inputs[50].time_ns);
         assert_eq!(inputs[99].time_ns, inputs[50].time_ns + 490_000_000);

@@ -1,4 +1,4 @@
-//! Where the model of a log begins, and where it begins again behind a gap.
+//! State in which the model of a log starts, and in which it restarts after a gap.
 
 use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row};
@@ -7,33 +7,33 @@ use plant_sim::{Command, PlantParameters, Tolerance};
 use crate::conditions::{Conditions, UsualGas};
 use crate::measured::{Measured, PRESSURE, Restart};
 
-/// A chamber this much above ambient pressure, over it, is filled.
+/// Relative pressure above ambient from which on a chamber counts as filled.
 const FILLED: f64 = 0.1;
 
-/// State of a plant at the first row of a log, and behind its gaps.
+/// State of a plant at the first row of a log, and after its gaps.
 #[derive(Debug, Clone)]
 pub(crate) struct LogStart {
-    /// Chamber pressure to begin with (Pa abs); none starts at rest.
+    /// Initial chamber pressure (Pa abs); none starts at rest.
     pub(crate) pressure: Option<f64>,
     /// Whether the chamber was filled before, so that its gas may still be warm.
     pub(crate) is_filled: bool,
-    /// What is known of that gas.
+    /// Prior knowledge of that gas.
     pub(crate) usual_gas: UsualGas,
     /// First supply pressure that its gauge showed (Pa abs), where the log drives the supply.
     pub(crate) supply_pressure: Option<f64>,
     /// Command of the first row.
     command: Option<Command>,
-    /// Where the model begins again, in order of time.
+    /// Rows at which the model restarts, in order of time.
     pub(crate) restarts: Vec<Restart>,
     /// Ambient pressure (bar abs) and temperature of the chamber's wall (K).
     ambient_bar: f64,
     wall_k: f64,
-    /// Place of the chamber pressure in a row.
+    /// Index of the chamber pressure in a row.
     pressure_place: usize,
 }
 
 impl LogStart {
-    /// The start of a log without a chamber pressure.
+    /// Returns the start of a log without a chamber pressure.
     pub(crate) fn at_rest(parameters: &PlantParameters) -> Self {
         let pressure_place = ROW_SIGNALS.iter().position(|(name, _)| *name == PRESSURE);
         Self {
@@ -49,8 +49,8 @@ impl LogStart {
         }
     }
 
-    /// The start of a log whose chamber pressure is `pressure`, `level` (Pa abs) at first where that is away from ambient. `command` is
-    /// that of the first row.
+    /// Returns the start of a log whose chamber pressure is `pressure`. The pressure begins at `level` (Pa abs) where that is away from
+    /// ambient. `command` is that of the first row.
     pub(crate) fn at(
         parameters: &PlantParameters,
         pressure: Option<&Measured>,
@@ -72,7 +72,7 @@ impl LogStart {
         }
     }
 
-    /// The same from another `pressure` (Pa abs).
+    /// Returns the start at another `pressure` (Pa abs).
     pub(crate) fn moved(self, parameters: &PlantParameters, pressure: f64) -> Self {
         let Self {
             command,
@@ -82,7 +82,7 @@ impl LogStart {
         Self::at(parameters, None, Some(pressure), command).supplied(supply_pressure)
     }
 
-    /// The same with the first `supply_pressure` that its gauge showed (Pa abs); none where the log does not drive the supply.
+    /// Returns the start with the first `supply_pressure` that its gauge showed (Pa abs); none where the log does not drive the supply.
     pub(crate) fn supplied(self, supply_pressure: Option<f64>) -> Self {
         Self {
             supply_pressure,
@@ -90,7 +90,7 @@ impl LogStart {
         }
     }
 
-    /// Begins a replay of the log.
+    /// Starts a replay of the log.
     pub(crate) fn begin(
         &self,
         parameters: &PlantParameters,
@@ -101,13 +101,13 @@ impl LogStart {
         if let Some(shown) = self.supply_pressure {
             replay.begin_supplied(shown);
         }
-        // Whoever filled the chamber had commanded before the log began.
+        // The chamber was filled by commands before the log began.
         let command = self
             .command
             .filter(|&command| command != Command::default());
         if let Some(command) = command.filter(|_| self.is_filled) {
             replay.begin_under(command);
-            // An open valve moves air on the way to the first row.
+            // An open valve moves air before the first row.
             replay.advance_to_ns(conditions.first_row_ns());
         }
         if let Some(pressure) = self.pressure {
@@ -115,7 +115,7 @@ impl LogStart {
             replay.begin_showing(pressure / ratio);
             let excess_k = conditions.start_gas.excess_k;
             if excess_k != 0.0 {
-                // Where the temperature is no state, the warmth of each row stands for it.
+                // Where the temperature is not a state, a pressure ratio in each row accounts for the warm gas.
                 let kelvin = parameters.gas.temperature_k + excess_k;
                 replay.simulator().set_gas_temperature(kelvin);
             }
@@ -123,8 +123,8 @@ impl LogStart {
         replay
     }
 
-    /// Returns the pressure over what `replay` has, whose gas is at the temperature of the wall, at `time_s` since the first row. 1 where
-    /// the gas temperature is a state of the plant: that began warm itself.
+    /// Returns the true pressure over that of `replay`, whose gas has the temperature of the wall, at `time_s` since the first row. 1 where
+    /// the gas temperature is a state of the plant, because that state already began warm.
     pub(crate) fn warmth(&self, replay: &mut Replay, conditions: &Conditions, time_s: f64) -> f64 {
         match replay.simulator().has_gas_temperature() {
             true => 1.0,
@@ -132,8 +132,8 @@ impl LogStart {
         }
     }
 
-    /// Advances `replay` to `input`, which is in the time of the ECU, where the pressure is `warmth` times what it is once the gas has
-    /// the temperature of the wall. None if the simulation was aborted.
+    /// Advances `replay` to `input`, which is in the time of the ECU, where the pressure is `warmth` times that of gas at the temperature
+    /// of the wall. None if the simulation was aborted.
     pub(crate) fn row(&self, replay: &mut Replay, input: ReplayInput, warmth: f64) -> Option<Row> {
         let mut row = replay.row(input);
         if replay.simulator().is_given_up() {
@@ -146,7 +146,7 @@ impl LogStart {
         Some(row)
     }
 
-    /// Begins again at the measured pressure where row `index` is the last one of a gap.
+    /// Restarts at the measured pressure where row `index` is the last one of a gap.
     pub(crate) fn restart(&self, replay: &mut Replay, index: usize) {
         if let Some(restart) = Restart::at(&self.restarts, index) {
             replay.begin_showing(restart.pressure);

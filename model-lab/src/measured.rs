@@ -1,4 +1,4 @@
-//! The log as the comparison sees it: signals in the unit of the model, with their noise, and where the run begins.
+//! Measured signals of the comparison in the unit of the model, with their noise and the start of the simulation.
 
 use std::sync::Arc;
 
@@ -15,14 +15,14 @@ use crate::metrics::{mean, present};
 use crate::noise_floor::{Floor, Quiet, noise_floor};
 use crate::result::{NotCompared, Start, StartFrom, error_unit};
 
-/// The measured signal that corrects the predictor.
+/// Measured signal that corrects the predictor.
 pub(crate) const PRESSURE: &str = "p_ch";
-/// Signals of a log that the diagnosis weighs; armature positions are the model's own.
+/// Signals of a log that the diagnosis uses; armature positions exist only in the model.
 pub(crate) const WEIGHED: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
-/// The gas temperature, which it weighs where the plant has one that changes.
+/// Gas temperature, which the diagnosis uses where the plant has a variable one.
 pub(crate) const GAS_TEMPERATURE: &str = "t_gas";
 
-/// Returns whether the diagnosis weighs the signal `name` with a plant like `parameters`.
+/// Returns whether the diagnosis uses the signal `name` with a plant like `parameters`.
 pub(crate) fn is_weighed(parameters: &PlantParameters, name: &str) -> bool {
     let has_temperature = || {
         let effect = parameters.effect("gas_temperature");
@@ -35,49 +35,50 @@ pub(crate) fn is_weighed(parameters: &PlantParameters, name: &str) -> bool {
 pub(crate) fn is_current(name: &str) -> bool {
     name.starts_with("i_")
 }
-/// What drives the model is no result of it.
+/// Inputs of the model, which are no results of it.
 const INPUTS: [&str; 3] = [DUTIES[FILL], DUTIES[VENT], "u_bat"];
-/// A first pressure this close to ambient [bar] is a start at rest ...
+/// Largest difference of a first pressure from ambient (bar) that counts as a start at rest ...
 const REST_BAR: f64 = 0.05;
-/// ... and so is one within this many noise sigmas.
+/// ... and the same in noise standard deviations.
 const REST_SIGMAS: f64 = 5.0;
-/// The initial pressure is the mean of this long at most [s].
+/// Time over which the initial pressure is averaged, at most (s).
 const START_S: f64 = 1.0;
-/// Values bend if they scatter about a line by more than this many noise sigmas; fewer values than these are not asked.
+/// Scatter about a line, in noise standard deviations, above which values count as curved; fewer than twice `FEWEST_OF_LINE` values are not
+/// tested.
 const BENT_SIGMAS: f64 = 1.5;
 const FEWEST_OF_LINE: usize = 4;
 
-/// A signal of the log in the unit of the model.
+/// Signal of the log in the unit of the model.
 pub(crate) struct Measured {
     pub(crate) name: &'static str,
     /// Unit of the values.
     pub(crate) unit: Unit,
     /// Unit of the errors.
     pub(crate) error_unit: Unit,
-    /// NaN where missing.
+    /// Values, NaN where missing.
     pub(crate) values: Arc<Vec<f64>>,
     pub(crate) floor: Floor,
     /// Ambient pressure of the plant (Pa abs).
     pub(crate) ambient: f64,
-    /// Samples below vacuum at the ambient pressure of the plant: they are missing.
+    /// Number of samples below vacuum at the ambient pressure of the plant: they count as missing.
     pub(crate) below_vacuum: usize,
-    /// Of the chamber pressure, where the model begins again behind a gap.
+    /// Rows at which the model restarts after a gap; of the chamber pressure only.
     pub(crate) restarts: Vec<Restart>,
 }
 
-/// Where the model begins again.
+/// Row at which the model restarts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Restart {
-    /// The last row that counts in no error.
+    /// Last row that counts in no error.
     pub(crate) row: usize,
     /// Measured chamber pressure there (Pa abs).
     pub(crate) pressure: f64,
-    /// Its variance over that of the noise.
+    /// Variance of that pressure over that of the noise.
     pub(crate) variance: f64,
 }
 
 impl Restart {
-    /// The one at `row`, of some that are in order of their rows.
+    /// Returns the restart at `row` from a list in order of rows.
     pub(crate) fn at(restarts: &[Self], row: usize) -> Option<&Self> {
         let place = restarts.binary_search_by_key(&row, |restart| restart.row);
         place.ok().map(|place| &restarts[place])
@@ -85,7 +86,7 @@ impl Restart {
 }
 
 impl Measured {
-    /// The coil that the signal belongs to; none for a pressure.
+    /// Returns the coil that the signal belongs to; none for a pressure.
     pub(crate) fn coil(&self) -> Option<usize> {
         match self.name {
             "i_fill" | "x_fill" => Some(FILL),
@@ -95,7 +96,7 @@ impl Measured {
     }
 }
 
-/// Every signal of the log that the model has, and those which have the name but cannot be compared.
+/// Returns every signal of the log that the model has, and those which have the name but cannot be compared.
 pub(crate) fn measured_signals(
     parameters: &PlantParameters,
     (log, base): (&Recording, &TimeBase),
@@ -195,21 +196,20 @@ pub(crate) fn measured_signals(
     Ok((measured, not_compared))
 }
 
-/// The least chamber pressure (Pa abs) that a model begins at.
+/// Returns the least chamber pressure (Pa abs) at which a model can start.
 fn least_pressure() -> f64 {
     Bounds::of(Quantity::Pressure).least * PA_PER_BAR
 }
 
-/// Makes pressures [bar gauge] missing that are below vacuum where the ambient pressure is `ambient` (Pa abs), and
-/// returns their number.
+/// Marks pressures (bar gauge) as missing that are below vacuum where the ambient pressure is `ambient` (Pa abs), and returns their number.
 fn take_out_vacuum(values: &mut [f64], ambient: f64) -> usize {
     let is_below = |value: &&mut f64| **value * PA_PER_BAR + ambient < least_pressure();
     let below = values.iter_mut().filter(is_below);
     below.map(|value| *value = f64::NAN).count()
 }
 
-/// Where the model begins again behind each gap, from the pressures [bar gauge] that were measured, also within gaps: at every row
-/// from the first one with a command to the last one that counts in no error, so that a slow sensor follows the pressure that is there.
+/// Returns the rows at which the model restarts after each gap, from the measured pressures (bar gauge), also within gaps: every row from
+/// the first one with a command to the last one that counts in no error, so that a slow sensor follows the actual pressure.
 fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) -> Vec<Restart> {
     let holds = commands.holds(0.0);
     let restart = |gap: &Gap| {
@@ -244,15 +244,15 @@ fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) ->
     commands.gaps.iter().filter_map(restart).flatten().collect()
 }
 
-/// As [`first_level`], but no line that leads below vacuum.
+/// Returns the same as [`first_level`], but rejects a line that leads below vacuum.
 fn level_above_vacuum(still: (&[f64], &[f64]), sigma: f64, ambient: f64) -> Option<f64> {
     let is_above = |level: &f64| *level * PA_PER_BAR + ambient >= least_pressure();
     let level = first_level(still, sigma).filter(is_above);
     level.or_else(|| present(still.1).next())
 }
 
-/// What the values show at the first instant: their mean, or where they drift by more than noise [sigma], the line through them.
-/// Of values that bend, as those of gas that cools, only as many are taken as are on a line.
+/// Returns the value at the first instant: the mean of the values, or the line through them where they drift by more than `sigma`. Of
+/// values on a curve, as those of gas that cools, only as many are used as lie on a line.
 fn first_level((times_s, values): (&[f64], &[f64]), sigma: f64) -> Option<f64> {
     let line = Line::through((times_s, values))?;
     let half = values.len() / 2;
@@ -266,11 +266,11 @@ fn first_level((times_s, values): (&[f64], &[f64]), sigma: f64) -> Option<f64> {
     })
 }
 
-/// A straight line through values.
+/// Straight line through values.
 struct Line {
     mean_s: f64,
     mean: f64,
-    /// Per second.
+    /// Slope per second (1/s).
     slope: f64,
     /// Root of the sum of the squared times about their mean (s).
     spread_s: f64,
@@ -279,7 +279,7 @@ struct Line {
 }
 
 impl Line {
-    /// The line with the least squares; none through no values. NaN is missing.
+    /// Returns the least-squares line; none through no values. NaN is missing.
     fn through((times_s, values): (&[f64], &[f64])) -> Option<Self> {
         let mean = mean(values)?;
         let shown = || {
@@ -304,7 +304,7 @@ impl Line {
     }
 }
 
-/// Where the model begins: at rest, or at the measured pressure [Pa abs] if that is away from ambient.
+/// Returns the start of the model: at rest, or at the measured pressure (Pa abs) if that is away from ambient.
 pub(crate) fn start(
     parameters: &PlantParameters,
     pressure: Option<&Measured>,
@@ -354,7 +354,7 @@ pub(crate) fn start(
 mod tests {
     use super::first_level;
 
-    /// Gas that was filled fast loses half a bar while it cools; a line through a second of that began a quarter of a bar too low.
+    /// Gas after a fast filling loses half a bar while it cools. A line through a second of it began a quarter of a bar too low.
     #[test]
     fn the_first_level_of_cooling_gas_is_that_of_the_first_rows() {
         let times_s: Vec<f64> = (0..100).map(|row| f64::from(row) * 0.01).collect();

@@ -1,17 +1,17 @@
-//! Sizes of an error. Missing samples are NaN and are left out.
+//! Measures of an error. Missing samples are NaN and are left out.
 
-/// The samples that are there.
+/// Returns the samples that are not missing.
 pub(crate) fn present(values: &[f64]) -> impl Iterator<Item = f64> + '_ {
     values.iter().copied().filter(|value| !value.is_nan())
 }
 
-/// Mean; none without samples.
+/// Returns the mean; none without samples.
 pub(crate) fn mean(values: &[f64]) -> Option<f64> {
     let (count, sum) = present(values).fold((0_usize, 0.0), |(n, sum), value| (n + 1, sum + value));
     (count > 0).then(|| sum / count as f64)
 }
 
-/// Root mean square; none without samples.
+/// Returns the root mean square; none without samples.
 pub(crate) fn rms(values: &[f64]) -> Option<f64> {
     let (count, sum) = present(values).fold((0_usize, 0.0), |(n, sum), value| {
         (n + 1, sum + value * value)
@@ -19,7 +19,7 @@ pub(crate) fn rms(values: &[f64]) -> Option<f64> {
     (count > 0).then(|| (sum / count as f64).sqrt())
 }
 
-/// Index and value of the error of largest magnitude, the first of equals; none without samples.
+/// Returns index and value of the error of largest magnitude, the first of equals; none without samples.
 pub(crate) fn worst(residual: &[f64]) -> Option<(usize, f64)> {
     residual
         .iter()
@@ -32,7 +32,7 @@ pub(crate) fn worst(residual: &[f64]) -> Option<(usize, f64)> {
         })
 }
 
-/// 100 (1 - |residual| / |measured - mean|) [%]; none where the measurement is constant.
+/// Returns 100 (1 - |residual| / |measured - mean|) (%); none where the measurement is constant.
 pub(crate) fn fit_pct(measured: &[f64], residual: &[f64]) -> Option<f64> {
     let mean = mean(measured)?;
     let scatter: f64 = present(measured).map(|value| (value - mean).powi(2)).sum();
@@ -40,7 +40,7 @@ pub(crate) fn fit_pct(measured: &[f64], residual: &[f64]) -> Option<f64> {
     (scatter > 0.0).then(|| 100.0 * (1.0 - (error / scatter).sqrt()))
 }
 
-/// Measured minus modelled, NaN where the measurement is missing.
+/// Returns measured minus modelled, NaN where the measurement is missing.
 pub(crate) fn residual(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
     measured
         .iter()

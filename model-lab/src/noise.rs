@@ -1,6 +1,6 @@
-//! Chance from a seed.
+//! Random numbers from a seed.
 
-/// Normal noise from a seed (SplitMix64, Box and Muller).
+/// Source of normal noise from a seed (SplitMix64, Box and Muller).
 pub(crate) struct Noise(u64);
 
 impl Noise {
@@ -8,7 +8,7 @@ impl Noise {
         Self(seed)
     }
 
-    /// Uniform in (0, 1].
+    /// Returns a uniform number in (0, 1].
     pub(crate) fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -17,7 +17,7 @@ impl Noise {
         (((z ^ (z >> 31)) >> 11) + 1) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Mean 0, standard deviation 1.
+    /// Returns a normal number with mean 0 and standard deviation 1.
     pub(crate) fn normal(&mut self) -> f64 {
         (-2.0 * self.uniform().ln()).sqrt() * (core::f64::consts::TAU * self.uniform()).cos()
     }

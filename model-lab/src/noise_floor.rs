@@ -1,9 +1,9 @@
-//! What a measurement scatters by itself, estimated without the model.
+//! Noise floor of a measurement, estimated without the model.
 //!
-//! While nothing can change a signal, all that is left of it after taking out a slow trend is noise. The variance of
-//! each quiet piece is taken after a straight line is removed; the median over the pieces ignores the few in which
-//! something did move, such as gas that still cools. Noise below the resolution hides in it: how much each level of a
-//! resting signal scatters then tells the noise, and the floor has the variance of the quantisation as well.
+//! While nothing can change a signal, its scatter about a slow trend is noise. The variance of each quiet piece is taken after a straight
+//! line is removed. The median over the pieces ignores the few in which something did move, such as gas that still cools. Resolution can
+//! hide smaller noise: the scatter at each level of a resting signal then determines the noise, and the floor also contains the variance of
+//! the quantisation.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -15,26 +15,26 @@ use crate::commands::Commands;
 use crate::metrics::present;
 use crate::result::NoiseFloor;
 
-/// A valve closes and a current dies within this time after the output is low [s].
+/// Time after which a valve has closed and a current has decayed once the output is low (s).
 const SETTLE_S: f64 = 0.05;
-/// A pressure hold counts from this length on [s].
+/// Shortest pressure hold that counts (s).
 const SHORTEST_HOLD_S: f64 = 0.3;
-/// A piece is at most this long [s], so that a straight line follows any drift in it ...
+/// Longest piece (s), so that a straight line follows any drift in it ...
 const LONGEST_PIECE_S: f64 = 0.5;
 /// ... unless that would leave fewer samples than this.
 const FEWEST_SAMPLES: usize = 10;
 
-/// Noise whose variance in a piece is below this share of a squared step hides in the resolution: where it does not, the level within a
-/// step makes no difference.
+/// Share of a squared step below which the variance in a piece counts as hidden in the resolution. Above it, the level within a step makes
+/// no difference.
 const HIDDEN: f64 = 0.25;
-/// A signal rests if its trend over a piece is less than this share of a step.
+/// Share of a step below which the trend over a piece counts as rest.
 const RESTS: f64 = 0.5;
-/// Harmonics of the error of quantisation.
+/// Number of harmonics of the quantisation error.
 const HARMONICS: usize = 1000;
-/// Halvings of the interval that contains a deviation.
+/// Number of bisections of the interval that contains a deviation.
 const HALVINGS: usize = 40;
 
-/// A noise floor with what its accuracy depends on.
+/// Noise floor with its standard deviation and degrees of freedom.
 #[derive(Debug, Clone)]
 pub(crate) struct Floor {
     pub(crate) summary: NoiseFloor,
@@ -44,17 +44,17 @@ pub(crate) struct Floor {
     pub(crate) freedom: f64,
 }
 
-/// Where a signal is quiet.
+/// Condition under which a signal is quiet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quiet {
-    /// While both valves are shut.
+    /// Both valves are shut.
     Hold,
-    /// While the coil of this valve is dead.
+    /// The coil of this valve carries no current.
     DeadCoil(usize),
 }
 
 impl Quiet {
-    /// Currents and armatures rest with their coil; everything else with the chamber.
+    /// Returns the condition for the signal `name`: currents and armatures rest with their coil, everything else with the chamber.
     pub(crate) fn of_signal(name: &str) -> Self {
         match name {
             "i_fill" | "x_fill" => Self::DeadCoil(FILL),
@@ -85,7 +85,7 @@ impl Quiet {
     }
 }
 
-/// The noise floor of `values`, sampled at the instants of `commands`.
+/// Returns the noise floor of `values`, sampled at the instants of `commands`.
 pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &Commands) -> Floor {
     let pieces: Vec<Piece> = pieces(&quiet.stretches(commands), &commands.times_s)
         .into_iter()
@@ -139,13 +139,13 @@ pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &C
     }
 }
 
-/// Three significant digits, for people.
+/// Returns `value` with three significant digits, for people.
 fn significant(value: f64) -> String {
     let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.decimals$}")
 }
 
-/// Cuts stretches into pieces of equal length.
+/// Cuts intervals into pieces of equal length.
 fn pieces(stretches: &[Range<usize>], times_s: &[f64]) -> Vec<Range<usize>> {
     let mut pieces = Vec::new();
     for stretch in stretches {
@@ -158,7 +158,7 @@ fn pieces(stretches: &[Range<usize>], times_s: &[f64]) -> Vec<Range<usize>> {
     pieces
 }
 
-/// Piece of a quiet stretch.
+/// Piece of a quiet interval.
 struct Piece {
     /// Variance about a straight line.
     variance: f64,
@@ -171,7 +171,7 @@ struct Piece {
 }
 
 impl Piece {
-    /// None for fewer samples than [`FEWEST_SAMPLES`].
+    /// Returns the piece; none for fewer samples than [`FEWEST_SAMPLES`].
     fn of(times_s: &[f64], values: &[f64]) -> Option<Self> {
         let pairs = || {
             times_s
@@ -204,8 +204,8 @@ impl Piece {
     }
 }
 
-/// Standard deviation of noise and quantisation together, of noise that hides in steps of `step`, from how much each level of the resting
-/// signal scatters.
+/// Returns the standard deviation of noise and quantisation together, for noise that hides in steps of `step`, from the scatter at each
+/// level of the resting signal.
 fn sigma_in_steps(pieces: &[Piece], step: f64) -> f64 {
     let mut by_level: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
     let rests = |piece: &&Piece| piece.rise.abs() < RESTS * step && piece.variance < step * step;
@@ -221,8 +221,8 @@ fn sigma_in_steps(pieces: &[Piece], step: f64) -> f64 {
     step * (deviation_that_scatters(scatter).powi(2) + 1.0 / 12.0).sqrt()
 }
 
-/// The standard deviation of noise, in steps, with which readings of a level scatter with the variance `scatter`, mean of all levels
-/// within a step; 1 at most.
+/// Returns the standard deviation of noise (steps, at most 1) for which readings of a level scatter with the variance `scatter`, on average
+/// over all levels within a step.
 fn deviation_that_scatters(scatter: f64) -> f64 {
     let (mut least, mut most) = (0.0, 1.0);
     for _ in 0..HALVINGS {
@@ -236,8 +236,8 @@ fn deviation_that_scatters(scatter: f64) -> f64 {
     least
 }
 
-/// Variance of the readings of a level, mean of all levels within a step, for noise of this standard deviation, all in steps: that of
-/// noise and quantisation without what is a bias at each level.
+/// Returns the variance of the readings of a level for noise of this standard deviation (both in steps), on average over all levels within
+/// a step: that of noise and quantisation without the bias at each level.
 fn scatter_of(deviation: f64) -> f64 {
     let harmonic = |k: usize| {
         let there = 2.0 * PI * PI * (k * k) as f64;
@@ -247,8 +247,8 @@ fn scatter_of(deviation: f64) -> f64 {
     deviation * deviation + 1.0 / 12.0 - bias
 }
 
-/// Median of the variances, each first divided by where the median of its chi-squared distribution lies
-/// (Wilson and Hilferty); none without pieces.
+/// Returns the median of the variances, each first divided by the median of its chi-squared distribution (Wilson and Hilferty); none
+/// without pieces.
 fn median_variance(pieces: &[Piece]) -> Option<f64> {
     let unbiased = |piece: &Piece| piece.variance / (1.0 - 2.0 / (9.0 * piece.freedom())).powi(3);
     let mut sorted: Vec<f64> = pieces.iter().map(unbiased).collect();
@@ -261,12 +261,12 @@ fn median_variance(pieces: &[Piece]) -> Option<f64> {
     }
 }
 
-/// Distance of neighbouring values of the log: a low quantile of the distances that occur, since some levels are
-/// never visited and printing rounds. None for fewer than two different values.
+/// Returns the distance of neighbouring values of the log: a low quantile of the distances that occur, since some levels are never visited
+/// and printing rounds. None for fewer than two different values.
 fn quantisation_step(values: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = present(values).collect();
     steps.sort_unstable_by(f64::total_cmp);
-    // In place: an hour at 1 kHz has millions.
+    // In place: an hour at 1 kHz has millions of values.
     for index in 1..steps.len() {
         steps[index - 1] = steps[index] - steps[index - 1];
     }
@@ -326,7 +326,8 @@ mod tests {
         assert!((found / step - 1.0).abs() < 1e-6, "{found}");
     }
 
-    /// Defect seen: noise of a fifth of a step showed at few levels only, and the floor was that of the quantisation alone, 19 % too low.
+    /// Defect seen: noise of a fifth of a step was visible at few levels only, and the floor was that of the quantisation alone, 19 % too
+    /// low.
     #[test]
     fn noise_that_hides_in_the_resolution_is_in_the_floor() {
         let step = 11.7e-3;
@@ -342,7 +343,7 @@ mod tests {
         }
     }
 
-    /// A wide normal distribution scatters as it is; a narrow one only at the edge of a step, as its mean difference says: 1/√π.
+    /// A wide normal distribution keeps its variance. A narrow one scatters only at the edge of a step, by its mean difference: 1/√π.
     #[test]
     fn readings_scatter_as_noise_and_level_say() {
         assert!((scatter_of(0.8) - (0.64 + 1.0 / 12.0)).abs() < 1e-5);

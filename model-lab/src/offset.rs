@@ -1,39 +1,39 @@
-//! By how much a measurement lags the model.
+//! Time offset of a measurement behind the model.
 //!
-//! Compared are changes over a short span, not values: a model that drifts away still changes at the right moment.
-//! Their correlation does not care for the size of the changes either, so that a wrong discharge coefficient is not
-//! taken for a delay. The model is known on a fine grid, so it can be shifted by less than a sample.
+//! The comparison uses changes over a short span, not values, because a model that drifts away still changes at the right moment. Their
+//! correlation does not depend on the size of the changes, so a wrong discharge coefficient is not mistaken for a delay. The model is known
+//! on a fine grid, so it can be shifted by less than a sample.
 
 use crate::result::TimeOffset;
 
-/// Changes are taken over this span [s], at least one sample.
+/// Span over which changes are taken (s), at least one sample.
 const SPAN_S: f64 = 0.05;
-/// Searched on either side: this many samples, at least [`REACH_MIN_S`].
+/// Range of lags searched on either side (samples), at least [`REACH_MIN_S`].
 const REACH_SAMPLES: f64 = 3.0;
 const REACH_MIN_S: f64 = 5e-3;
-/// Distance of the shifts that are tried [s], before a parabola refines the best.
+/// Distance of the tried shifts (s), before a parabola refines the best one.
 const SHIFT_S: f64 = 1e-3;
-/// Shifts that are tried on either side, at most; slow logs are searched in wider steps.
+/// Number of shifts tried on either side, at most; slow logs are searched in wider steps.
 const SHIFTS_MAX: usize = 300;
-/// A smaller lag [s] is not worth a word.
+/// Smallest lag that is reported (s).
 const WORTH_MENTIONING_S: f64 = 0.5e-3;
-/// A shift that takes away less of the mismatch only mends what another error did.
+/// Smallest share of the mismatch that a genuine lag removes; a shift that removes less only compensates another error.
 const CLEAR: f64 = 0.2;
-/// A signal whose changes correlate less than this tells nothing about a lag.
+/// Smallest correlation of the changes at which a signal determines a lag.
 const LEAST_CORRELATION: f64 = 0.5;
 
-/// The model between the samples of the log.
+/// Model between the samples of the log.
 pub(crate) enum FineCourse<'a> {
-    /// Values of the instants.
+    /// Instantaneous values.
     Instants {
-        /// Instants [s].
+        /// Instants (s).
         times_s: &'a [f64],
-        /// Values at them.
+        /// Values at the instants.
         values: &'a [f64],
     },
     /// Integral of a signal that is logged as the mean over the interval that ends at the sample.
     Integral {
-        /// Instants [s].
+        /// Instants (s).
         times_s: &'a [f64],
         /// Integral from the first instant to each.
         integral: Vec<f64>,
@@ -45,7 +45,7 @@ impl<'a> FineCourse<'a> {
         Self::Instants { times_s, values }
     }
 
-    /// `means` refer to the grid intervals that end at `times_s`.
+    /// Returns the integral of `means`, which refer to the grid intervals that end at `times_s`.
     pub(crate) fn of_means(times_s: &'a [f64], means: &[f64]) -> Self {
         let mut sum = 0.0;
         let integral = (0..times_s.len())
@@ -61,7 +61,7 @@ impl<'a> FineCourse<'a> {
         Self::Integral { times_s, integral }
     }
 
-    /// What a log would show at `sample_s`, late by `lag_s`.
+    /// Returns the values that a log would contain at `sample_s`, delayed by `lag_s`.
     fn sample(&self, sample_s: &[f64], lag_s: f64) -> Vec<f64> {
         match self {
             Self::Instants { times_s, values } => interpolate(times_s, values, sample_s, lag_s),
@@ -77,7 +77,7 @@ impl<'a> FineCourse<'a> {
     }
 }
 
-/// Straight between the grid points, constant beyond the ends.
+/// Interpolates linearly between the grid points; constant beyond the ends.
 fn interpolate(times_s: &[f64], values: &[f64], sample_s: &[f64], lag_s: f64) -> Vec<f64> {
     let mut right = 0;
     let at = |&sample_s: &f64| {
@@ -94,7 +94,8 @@ fn interpolate(times_s: &[f64], values: &[f64], sample_s: &[f64], lag_s: f64) ->
     sample_s.iter().map(at).collect()
 }
 
-/// The lag of `measured` at `times_s` behind `model`; none where the measurement never changes along with it.
+/// Returns the lag of `measured` at `times_s` behind `model`; none where the changes of the measurement do not correlate with those of the
+/// model.
 pub(crate) fn time_offset(
     times_s: &[f64],
     measured: &[f64],
@@ -158,7 +159,7 @@ fn statement(name: &str, lag_s: f64, mismatch_explained: f64, at_search_limit: b
     )
 }
 
-/// Correlation of the changes over `span` samples; none where either does not change.
+/// Returns the correlation of the changes over `span` samples; none where either does not change.
 fn change_correlation(a: &[f64], b: &[f64], span: usize) -> Option<f64> {
     let changes = (span..a.len()).map(|n| (a[n] - a[n - span], b[n] - b[n - span]));
     let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
@@ -170,7 +171,7 @@ fn change_correlation(a: &[f64], b: &[f64], span: usize) -> Option<f64> {
     (aa > 0.0 && bb > 0.0).then(|| ab / (aa * bb).sqrt())
 }
 
-/// Where the parabola through three equally spaced points is highest, in steps from the middle.
+/// Returns the position of the maximum of the parabola through three equally spaced points, in steps from the middle.
 fn vertex(points: &[f64]) -> f64 {
     let bend = points[0] - 2.0 * points[1] + points[2];
     if bend < 0.0 {
@@ -185,7 +186,7 @@ mod tests {
     use super::*;
     use crate::noise::Noise;
 
-    /// A course with ramps, late by `lag_s`, with noise and a gain error.
+    /// Returns the lag found for a trace with ramps, delayed by `lag_s`, with noise and a gain error.
     fn found_lag_ms(lag_s: f64, gain: f64, drift: f64) -> f64 {
         let course = |t: f64| (2.0 * t).sin() + 0.3 * (17.0 * t).sin();
         let mut noise = Noise::new(7);

@@ -5,22 +5,22 @@ use plant_sim::Tolerance;
 use crate::error::CompareError;
 use crate::measured::Measured;
 
-/// How to compare.
+/// Options of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CompareOptions {
-    /// A signal holds if its free-run rms is at most this many times its noise floor; positive.
+    /// Largest free-run rms over the noise floor that is within tolerance; positive.
     pub allowed_noise_multiples: f64,
-    /// Free-run rms that holds for a signal, instead of the multiple of its noise floor: name and value in the unit of
-    /// its errors (bar, mA, mm); positive.
+    /// Largest free-run rms that is within tolerance for a signal, instead of the multiple of its noise floor: name and value in the unit
+    /// of its errors (bar, mA, mm); positive.
     pub tolerances: BTreeMap<String, f64>,
-    /// Gain L of the short-horizon predictor, above 0 up to 1: it looks about 1/L samples ahead.
+    /// Gain L of the one-step-ahead predictor, above 0 up to 1: its memory is about 1/L samples.
     pub predictor_gain: f64,
     /// Accuracy of the simulation.
     pub tolerance: Tolerance,
 }
 
 impl Default for CompareOptions {
-    /// 1.5 noise floors, no tolerances, gain 0.3.
+    /// Returns 1.5 noise floors, no tolerances and gain 0.3.
     fn default() -> Self {
         Self {
             allowed_noise_multiples: 1.5,

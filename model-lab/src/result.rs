@@ -1,4 +1,4 @@
-//! What a comparison says, as it stands in its JSON.
+//! Result of a comparison, as in its JSON.
 
 use plant_sim::logger_clock::LoggerClock;
 use recording::{Recording, Unit};
@@ -10,10 +10,10 @@ use crate::bins::Bins;
 /// Name and version of the JSON format.
 pub const COMPARISON_SCHEMA: &str = "retarder.comparison/1";
 
-/// The one sign convention of every residual, bias and worst error.
+/// Sign convention of every residual, bias and worst error.
 pub const RESIDUAL_SIGN: &str = "residual = measured - modelled";
 
-/// Model against measurement.
+/// Comparison of a model with a measurement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Comparison {
@@ -23,45 +23,45 @@ pub struct Comparison {
     pub log: String,
     /// Sign of every residual, bias and worst error: measured minus modelled.
     pub sign: String,
-    /// Instants of the log.
+    /// Number of instants of the log.
     pub samples: usize,
-    /// From the first to the last instant in s.
+    /// Time from the first to the last instant (s).
     pub duration_s: f64,
-    /// Median distance of two instants in s; null for a single one.
+    /// Median distance of two instants (s); null for a single one.
     pub sample_interval_s: Option<f64>,
-    /// How the logged currents are meant.
+    /// Meaning of the logged currents.
     pub current_sampling: CurrentMeaning,
-    /// Instants at which a command was missing and the last one was held.
+    /// Number of instants at which a command was missing and the last one stayed in force.
     pub held_commands: usize,
-    /// Where the model began.
+    /// Start of the simulation.
     pub start: Start,
     /// Clock of the logger; absent where the rows are samples of the ECU.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clock: Option<FoundClock>,
-    /// Temperature of the gas when the log begins; absent where the chamber is empty or the gas as warm as its wall.
+    /// Temperature of the gas when the log begins; absent where the chamber is empty or the gas has the temperature of its wall.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_gas: Option<FoundStart>,
-    /// How the short-horizon error was made; null where no chamber pressure was logged.
+    /// Predictor of the one-step-ahead prediction; null where no chamber pressure was logged.
     pub predictor: Option<Predictor>,
-    /// Every signal that both sides have, chamber pressure first.
+    /// Every signal that log and model have in common, chamber pressure first.
     pub signals: Vec<SignalComparison>,
     /// Signals with a name that the model knows, which could not be compared.
     pub not_compared: Vec<NotCompared>,
     /// Gaps and missing cells of the log; absent where it has none.
     #[serde(default, skip_serializing_if = "LogDefects::is_empty")]
     pub defects: LogDefects,
-    /// What in the log probably is not what it is declared to be.
+    /// Properties of the log that probably differ from their declaration.
     #[serde(default)]
     pub warnings: Vec<Warning>,
-    /// Whether the model holds.
+    /// Verdict: whether the model is within tolerance.
     pub verdict: Verdict,
-    /// Courses for plots; not part of the JSON.
+    /// Time series for plots; not part of the JSON.
     #[serde(skip)]
     pub traces: Traces,
 }
 
 impl Comparison {
-    /// The JSON Schema of a comparison.
+    /// Returns the JSON Schema of a comparison.
     pub fn json_schema() -> Schema {
         schemars::schema_for!(Self)
     }
@@ -70,25 +70,25 @@ impl Comparison {
 /// Time series of the compared signals on the instants of the log.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Traces {
-    /// The measurement in the units of the model, NaN where it is missing or in a gap. A signal of the log that is this
-    /// already is shared with it.
+    /// Measurement in the units of the model, NaN where it is missing or in a gap. A signal that the log already has in this form is shared
+    /// with it.
     pub measured: Recording,
-    /// The model driven by the commands alone.
+    /// Free-run simulation: the model driven by the commands alone.
     pub free_run: Recording,
-    /// The model corrected by the measured pressure; empty where none was logged.
+    /// One-step-ahead prediction: the model corrected by the measured pressure; empty where none was logged.
     pub short_horizon: Recording,
-    /// The bin of each instant, for each compared signal and each way to sort.
+    /// Bin of each instant, for each compared signal and each dimension.
     pub placements: Vec<Placement>,
 }
 
 impl Traces {
-    /// Returns measured minus free run of the signal `name`; none where it is not compared.
+    /// Returns measured minus free-run simulation of the signal `name`; none where it is not compared.
     pub fn free_run_residual(&self, name: &str) -> Option<Residual<'_>> {
         self.residual(&self.free_run, name)
     }
 
-    /// Returns measured minus short-horizon prediction of the signal `name`: the innovations. None where it is not
-    /// compared, or where no pressure was logged.
+    /// Returns measured minus one-step-ahead prediction of the signal `name`: the innovations. None where it is not compared, or where no
+    /// pressure was logged.
     pub fn short_horizon_residual(&self, name: &str) -> Option<Residual<'_>> {
         self.residual(&self.short_horizon, name)
     }
@@ -107,7 +107,7 @@ impl Traces {
     }
 }
 
-/// The unit of the difference of two values in a unit of the model.
+/// Returns the unit of the difference of two values in a unit of the model.
 pub(crate) fn error_unit(unit: Unit) -> Unit {
     match unit {
         Unit::BarGauge => Unit::BarDifference,
@@ -115,7 +115,7 @@ pub(crate) fn error_unit(unit: Unit) -> Unit {
     }
 }
 
-/// Measured minus modelled, sample by sample: computed where it is read, since it would take as much memory as either.
+/// Measured minus modelled, sample by sample. It is computed when read, since a copy would take as much memory as either signal.
 #[derive(Debug, Clone, Copy)]
 pub struct Residual<'a> {
     measured: &'a [f64],
@@ -123,7 +123,7 @@ pub struct Residual<'a> {
 }
 
 impl<'a> Residual<'a> {
-    /// Both have one value for each instant.
+    /// Returns the residual of two signals with one value for each instant.
     pub(crate) fn new(measured: &'a [f64], modelled: &'a [f64]) -> Self {
         Self { measured, modelled }
     }
@@ -133,7 +133,7 @@ impl<'a> Residual<'a> {
         self.measured.len().min(self.modelled.len())
     }
 
-    /// Whether there is no sample.
+    /// Returns whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -164,10 +164,10 @@ impl<'a> Residual<'a> {
 /// Dimension of the [`Placement`] into the cells of [`ErrorMap`]; labels are `duty band, pressure band`.
 pub const ERROR_MAP: &str = "error_map";
 
-/// The bin of each instant in one dimension.
+/// Bin of each instant in one dimension.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Placement {
-    /// The compared signal.
+    /// Compared signal.
     pub signal: String,
     /// Stable name, as in [`RegimeShares`], or [`ERROR_MAP`].
     pub dimension: String,
@@ -177,25 +177,25 @@ pub struct Placement {
     pub bin_of: Bins,
 }
 
-/// How a current sample is meant.
+/// Meaning of a current sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CurrentMeaning {
     /// Mean over the interval that ends at the sample.
     MeanOfInterval,
-    /// Value of the instant.
+    /// Instantaneous value.
     Instant,
 }
 
-/// Where the model began.
+/// Start of the simulation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Start {
-    /// At rest or at the measured pressure.
+    /// Origin of the initial chamber pressure.
     pub from: StartFrom,
-    /// Chamber pressure at the first instant in bar gauge.
+    /// Chamber pressure at the first instant (bar gauge).
     pub pressure_bar_gauge: f64,
-    /// The same in words.
+    /// Origin of the initial pressure in words.
     pub statement: String,
 }
 
@@ -203,13 +203,13 @@ pub struct Start {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StartFrom {
-    /// Ambient pressure: the measurement begins there, or says nothing.
+    /// Ambient pressure: the measurement begins there, or is not available.
     Rest,
     /// The measured pressure, because it is away from ambient.
     Measurement,
 }
 
-/// The clock of a logger, as it was found.
+/// Clock of a logger, as found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FoundClock {
@@ -217,32 +217,33 @@ pub struct FoundClock {
     pub log: String,
     /// Time from the ECU sample before the first row to that row (s).
     pub phase_s: f64,
-    /// Time that the ECU counts beyond the logger's, per logged time (ppm).
+    /// Drift (ppm): time that the ECU counts beyond the logger's, per logged time.
     pub drift_ppm: f64,
-    /// What it was found from.
+    /// Origin of the clock.
     #[serde(default)]
     pub source: ClockSource,
-    /// Least and largest drift (ppm) that the logged commands admit, where the plant was not fitted and they leave it open.
+    /// Least and largest drift (ppm) that the logged commands admit; present where the plant was not fitted and the commands do not
+    /// determine the drift.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub admitted_drifts_ppm: Option<(f64, f64)>,
-    /// All of it in words, without a full stop.
+    /// The clock in words, without a full stop.
     #[serde(default)]
     pub statement: String,
 }
 
-/// What the clock of a logger was found from.
+/// Origin of the found clock of a logger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ClockSource {
     /// The instants at which the logged commands change.
     Commands,
-    /// The model: this clock leaves the least error.
+    /// The model: this clock leaves the smallest error.
     #[default]
     Model,
 }
 
 impl FoundClock {
-    /// The `clock` of the logger of `log`, beside an ECU that samples every `sample_time_s`.
+    /// Returns the `clock` of the logger of `log`, relative to an ECU that samples every `sample_time_s`.
     pub(crate) fn new(
         log: &str,
         clock: LoggerClock,
@@ -291,16 +292,17 @@ pub struct FoundStart {
     pub excess_k: f64,
     /// Time constant with which the gas takes the temperature of the wall (s).
     pub cooling_s: f64,
-    /// All of it in words, without a full stop.
+    /// The state of the gas in words, without a full stop.
     #[serde(default)]
     pub statement: String,
 }
 
-/// Temperatures of the gas that differ less than this from the wall's are not worth a sentence (K).
+/// Temperature difference of gas and wall below which the gas is not reported (K).
 const WARM_K: f64 = 1.0;
 
 impl FoundStart {
-    /// The gas in the chamber when `log` begins: `excess_k` warmer than the wall, whose temperature it takes within `cooling_s`.
+    /// Returns the state of the gas in the chamber when `log` begins: `excess_k` warmer than the wall, whose temperature it approaches
+    /// within `cooling_s`.
     pub(crate) fn new(log: &str, excess_k: f64, cooling_s: f64) -> Self {
         Self {
             log: log.to_owned(),
@@ -314,58 +316,58 @@ impl FoundStart {
         }
     }
 
-    /// Whether the temperature differs so much from the wall's that it is worth a sentence.
+    /// Returns whether the temperature differs enough from the wall's to be reported.
     #[must_use]
     pub fn is_warm(&self) -> bool {
         self.excess_k.abs() > WARM_K
     }
 }
 
-/// The short-horizon predictor: after each sample, pressure += gain * (measured - predicted).
+/// One-step-ahead predictor: after each sample, pressure += gain * (measured - predicted).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Predictor {
-    /// The corrected signal.
+    /// Corrected signal.
     pub signal: String,
-    /// Gain L, 0 to 1; the prediction looks about 1/L samples ahead.
+    /// Gain L, 0 to 1; the memory of the predictor is about 1/L samples.
     pub gain: f64,
     /// Rms of the innovations of a perfect model over the noise floor: sqrt(2 / (2 - L)).
     pub innovation_floor_ratio: f64,
 }
 
-/// A signal that stays out of the comparison.
+/// Signal that is excluded from the comparison.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NotCompared {
     /// Its name.
     pub name: String,
-    /// Why, and what to do.
+    /// Reason, and what to do.
     pub reason: String,
 }
 
-/// What a log lacks: pauses, cells without a value, and where the model began again.
+/// Defects of a log: pauses, cells without a value, and restarts of the model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LogDefects {
-    /// Times for which the log does not say what was commanded, in order; they are in no error.
+    /// Times at which the commands are unknown, in order; excluded from every error.
     pub gaps: Vec<LogGap>,
-    /// Signals with missing cells; these are in no error.
+    /// Signals with missing cells; these are excluded from every error.
     pub missing: Vec<MissingCells>,
-    /// All of it in words, one sentence without a full stop for each.
+    /// The defects in words, one sentence without a full stop for each.
     pub sentences: Vec<String>,
 }
 
-/// A time for which the log does not say what was commanded.
+/// Time for which the commands are unknown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LogGap {
-    /// Last instant before it in s, in the time of the log.
+    /// Last instant before the gap (s), in the time of the log.
     pub start_s: f64,
-    /// First instant behind it in s.
+    /// First instant after the gap (s).
     pub end_s: f64,
-    /// Samples in it and behind it that are in no error: commands need a delay, a PWM period and 50 ms to be in force.
+    /// Samples within and after the gap that are excluded from every error: commands need a delay, a PWM period and 50 ms to be in force.
     pub samples: usize,
-    /// Pressure in bar gauge at which the model began again behind it; null where none was measured.
+    /// Pressure at which the model restarted after the gap (bar gauge); null where none was measured.
     pub restart_bar_gauge: Option<f64>,
 }
 
@@ -373,25 +375,25 @@ pub struct LogGap {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MissingCells {
-    /// The signal.
+    /// Name of the signal.
     pub signal: String,
     /// Number of such cells.
     pub cells: usize,
-    /// How many of them held a value outside the hard bounds of the quantity.
+    /// Number of these cells that contained a value outside the hard bounds of the quantity.
     pub out_of_bounds: u64,
 }
 
-/// A reason to doubt a log before its model.
+/// Reason to doubt a log before its model.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Warning {
-    /// What is doubted.
+    /// Kind of the doubt.
     pub kind: WarningKind,
-    /// What was seen, what it may be and what to do, in one sentence.
+    /// Observation, possible cause and what to do, in one sentence.
     pub statement: String,
 }
 
-/// What a warning doubts.
+/// Kind of a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WarningKind {
@@ -399,7 +401,7 @@ pub enum WarningKind {
     SwappedValves,
     /// A pressure declared as gauge begins where an absolute one does at rest.
     AbsolutePressure,
-    /// The pressure is further above the supply than any sensor is wrong.
+    /// The pressure exceeds the supply by more than any sensor error.
     PressureAboveSupply,
     /// A signal has a name that the model does not know, and may be one that the log lacks.
     UnknownSignal,
@@ -417,27 +419,27 @@ pub struct SignalComparison {
     pub unit: String,
     /// Instants with a measured value.
     pub compared: usize,
-    /// Instants without; they are left out, not filled in.
+    /// Instants without a measured value; they are left out, not filled in.
     pub missing: usize,
-    /// What the measurement itself scatters.
+    /// Noise floor of the measurement.
     pub noise_floor: NoiseFloor,
-    /// Error of the model driven by the commands alone.
+    /// Error of the free-run simulation, driven by the commands alone.
     pub free_run: ErrorSummary,
-    /// Error of the prediction a few samples ahead; null where no pressure was logged.
+    /// Error of the one-step-ahead prediction; null where no pressure was logged.
     pub short_horizon: Option<ErrorSummary>,
-    /// By how much the measurement lags the model; null where nothing changes. A hint only.
+    /// Lag of the measurement behind the model; null where nothing changes. A hint only.
     pub time_offset: Option<TimeOffset>,
-    /// Largest free-run rms that holds; null where neither noise floor nor tolerance is known.
+    /// Largest free-run rms that is within tolerance; null where neither noise floor nor tolerance is known.
     pub limit: Option<f64>,
-    /// Where the limit comes from.
+    /// Origin of the limit.
     pub limit_from: LimitFrom,
     /// Whether the free-run rms is within the limit; null where there is no limit.
     pub holds: Option<bool>,
     /// Shares of the excess error, one dimension at a time.
     pub regimes: Vec<RegimeShares>,
-    /// The error over duty cycle and pressure.
+    /// Error over duty cycle and pressure.
     pub error_map: ErrorMap,
-    /// Where most of the excess is, in one sentence.
+    /// Location of most of the excess, in one sentence.
     pub finding: Finding,
 }
 
@@ -445,11 +447,11 @@ pub struct SignalComparison {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LimitFrom {
-    /// Allowed multiples of the noise floor.
+    /// Allowed multiple of the noise floor.
     NoiseFloor,
-    /// A tolerance given for this signal.
+    /// Tolerance given for this signal.
     Tolerance,
-    /// Nowhere.
+    /// No limit is known.
     Unknown,
 }
 
@@ -459,51 +461,51 @@ pub enum LimitFrom {
 pub struct NoiseFloor {
     /// Standard deviation in the unit of the signal; null where it is unknown.
     pub value: Option<f64>,
-    /// Step between neighbouring values of the log; null where none is seen.
+    /// Step between neighbouring values of the log; null where none is visible.
     pub quantisation_step: Option<f64>,
-    /// Quiet pieces of the log that were used.
+    /// Number of quiet pieces of the log that were used.
     pub pieces: usize,
-    /// Samples in them.
+    /// Number of samples in the pieces.
     pub samples: usize,
-    /// How it was estimated, or what to do.
+    /// Method of the estimation, or what to do.
     pub statement: String,
 }
 
-/// An error over the whole log.
+/// Error over the whole log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorSummary {
     /// Root mean square.
     pub rms: f64,
-    /// Rms a perfect model would have here; null where the noise floor is unknown.
+    /// Rms of a perfect model; null where the noise floor is unknown.
     pub expected_rms: Option<f64>,
     /// Rms over the noise floor.
     pub rms_in_noise: Option<f64>,
-    /// The error of largest magnitude.
+    /// Error of largest magnitude.
     pub worst: f64,
     /// Its magnitude over the noise floor.
     pub worst_in_noise: Option<f64>,
-    /// Its instant in s.
+    /// Its instant (s).
     pub worst_time_s: f64,
     /// Mean error.
     pub bias: f64,
-    /// 100 (1 - |measured - modelled| / |measured - mean|) in %; null for a constant measurement.
+    /// 100 (1 - |measured - modelled| / |measured - mean|) (%); null for a constant measurement.
     pub fit_pct: Option<f64>,
-    /// Samples over which the error remembers: 1 for white noise.
+    /// Autocorrelation time of the error (samples): 1 for white noise.
     pub autocorrelation_time_samples: Option<f64>,
-    /// Test for whiteness; free run only, since the innovations of a perfect model are not white.
+    /// Test for whiteness; free-run simulation only, since the innovations of a perfect model are not white.
     pub whiteness: Option<LjungBox>,
     /// Correlation with each commanded duty cycle.
     pub input_correlation: Vec<InputCorrelation>,
 }
 
-/// Ljung-Box test: is the residual white?
+/// Ljung-Box test for whiteness of the residual.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LjungBox {
-    /// Lags in the sum.
+    /// Number of lags in the sum.
     pub lags: usize,
-    /// Q, chi-squared with as many degrees of freedom for white noise.
+    /// Statistic Q; for white noise chi-squared with `lags` degrees of freedom.
     pub q: f64,
     /// Probability of a Q at least as large for white noise.
     pub p_value: f64,
@@ -517,7 +519,7 @@ pub struct InputCorrelation {
     pub input: String,
     /// Correlation coefficient of largest magnitude.
     pub rho: f64,
-    /// By how many samples the input is earlier than the residual.
+    /// Number of samples by which the input is earlier than the residual.
     pub lag_samples: usize,
     /// Magnitude that the largest of all lags exceeds by chance in 1 % of the cases.
     pub bound_99: f64,
@@ -527,18 +529,17 @@ pub struct InputCorrelation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeOffset {
-    /// Lag in ms; positive where the measurement is late.
+    /// Lag (ms); positive where the measurement is late.
     pub lag_ms: f64,
-    /// Correlation of the changes as they are.
+    /// Correlation of the changes without shift.
     pub correlation_unshifted: f64,
-    /// Correlation of the changes with the model late by `lag_ms`.
+    /// Correlation of the changes with the model delayed by `lag_ms`.
     pub correlation_shifted: f64,
-    /// Share of the mismatch of the changes, 1 - correlation², that the shift takes away; near 0 the lag is an
-    /// artefact of another error.
+    /// Share of the mismatch of the changes, 1 - correlation², that the shift removes; near 0 the lag is an artefact of another error.
     pub mismatch_explained: f64,
-    /// True if the best lag is the end of the searched range.
+    /// Whether the best lag is the end of the searched range.
     pub at_search_limit: bool,
-    /// The same in words.
+    /// The time offset in words.
     pub statement: String,
 }
 
@@ -548,33 +549,33 @@ pub struct TimeOffset {
 pub struct RegimeShares {
     /// Stable name, such as `valve_state`.
     pub dimension: String,
-    /// What it is, for people.
+    /// Title for people.
     pub title: String,
     /// Bins that have samples, in their natural order.
     pub bins: Vec<RegimeBin>,
 }
 
-/// One bin.
+/// One bin of a dimension.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegimeBin {
-    /// What the bin holds.
+    /// Label of the bin.
     pub label: String,
-    /// Compared samples.
+    /// Number of compared samples in the bin.
     pub samples: usize,
     /// Their share of all compared samples, 0 to 1.
     pub sample_share: f64,
-    /// Short-horizon error: local, does not carry history into innocent regimes.
+    /// Error of the one-step-ahead prediction: local, carries no history into other regimes.
     pub short_horizon: Option<BinError>,
-    /// Free-run error: carries history.
+    /// Error of the free-run simulation: carries history.
     pub free_run: BinError,
 }
 
-/// The error in a bin.
+/// Error in a bin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BinError {
-    /// Share of the excess, sum of e² - floor² over that of all samples; scatters below 0 in an innocent bin.
+    /// Share of the excess, sum of e² - floor² over that of all samples; scatters below 0 in a bin without excess.
     /// Null where the whole excess is within chance.
     pub excess_share: Option<f64>,
     /// Mean error.
@@ -583,21 +584,21 @@ pub struct BinError {
     pub rms: f64,
 }
 
-/// The error over duty cycle of the acting valve and chamber pressure.
+/// Error over duty cycle of the acting valve and chamber pressure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorMap {
-    /// Which error is mapped.
+    /// Mapped error.
     pub horizon: Horizon,
     /// Labels of the rows: full venting first, both shut in the middle, full filling last.
     pub duty_bands: Vec<String>,
-    /// Labels of the columns, rising pressure.
+    /// Labels of the columns, by rising pressure.
     pub pressure_bands: Vec<String>,
     /// Cells that have samples.
     pub cells: Vec<MapCell>,
 }
 
-/// One cell of the error map.
+/// Cell of the error map.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapCell {
@@ -605,29 +606,29 @@ pub struct MapCell {
     pub duty_band: usize,
     /// Column: index into the pressure bands.
     pub pressure_band: usize,
-    /// Compared samples.
+    /// Number of compared samples.
     pub samples: usize,
-    /// The error there.
+    /// Error in the cell.
     pub error: BinError,
 }
 
-/// How far ahead the model looks.
+/// Prediction horizon of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Horizon {
-    /// From the commands alone.
+    /// Free-run simulation, from the commands alone.
     FreeRun,
-    /// A few samples, corrected by the measured pressure.
+    /// One-step-ahead prediction, corrected by the measured pressure.
     ShortHorizon,
 }
 
-/// Where most of the excess is.
+/// Location of most of the excess.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Finding {
-    /// Which error was searched.
+    /// Searched error.
     pub horizon: Horizon,
-    /// The regime in words; null where there is no excess to place.
+    /// Regime in words; null where there is no excess to place.
     pub regime: Option<String>,
     /// Share of the excess in it.
     pub excess_share: Option<f64>,
@@ -635,20 +636,20 @@ pub struct Finding {
     pub sample_share: Option<f64>,
     /// Mean error in it.
     pub bias: Option<f64>,
-    /// All of it in one sentence.
+    /// The finding in one sentence.
     pub sentence: String,
 }
 
-/// Whether the model holds.
+/// Verdict of a comparison: whether the model is within tolerance.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Verdict {
-    /// True if every compared signal is within its limit.
+    /// Whether every compared signal is within its limit.
     pub holds: bool,
     /// Signals beyond their limit.
     pub failing: Vec<String>,
-    /// Signals without a limit: if none fails, the verdict is open.
+    /// Signals without a limit: if no other fails, the verdict is open.
     pub undecided: Vec<String>,
-    /// The rule in words.
+    /// Rule of the verdict in words.
     pub rule: String,
 }

@@ -1,4 +1,4 @@
-//! The model on the instants of a log: free run, short-horizon prediction, and a fine course for time shifts.
+//! Runs of the model at the instants of a log: free-run simulation, one-step-ahead prediction, and a fine run for time shifts.
 
 use std::cell::Cell;
 
@@ -17,51 +17,51 @@ use crate::log_start::LogStart;
 use crate::measured::Measured;
 use crate::metrics::present;
 
-/// Within a sample interval the valves are looked at this often [ns].
+/// Interval at which the valves are sampled within a sample interval (ns).
 const LOOK_NS: u64 = 1_000_000;
 
-/// Looks within a row, at most: a row is at most this many [`LOOK_NS`], or is looked at less often.
+/// Number of samples of the valves within a row, at most. A longer row than this many [`LOOK_NS`] is sampled less often.
 const LOOKS_MAX: u64 = 1_000;
-/// Points of a fine run, at most: 20 min at 100 Hz, whatever the interval.
+/// Number of points of a fine run, at most: 20 min at 100 Hz, whatever the interval.
 const FINE_POINTS_MAX: usize = 1_200_000;
 
-/// What every run of one comparison shares.
+/// Data that all runs of one comparison share.
 pub(crate) struct Setup<'a> {
     pub(crate) parameters: &'a PlantParameters,
     pub(crate) base: &'a TimeBase,
     pub(crate) inputs: Inputs<'a>,
     gaps: Gaps,
-    /// Signals of the model that its runs keep: names, units and places in a row.
+    /// Signals of the model that its runs keep: names, units and indices in a row.
     signals: Vec<(&'static str, Unit, usize)>,
     pub(crate) sampling: CurrentSampling,
     pub(crate) tolerance: Tolerance,
-    /// How the log was made.
+    /// Conditions under which the log was made.
     conditions: &'a LogConditions,
-    /// Where it begins, and begins again behind a gap.
+    /// Start of the simulation, and its restarts after gaps.
     pub(crate) start: LogStart,
     watch: Option<Watch<'a>>,
 }
 
-/// A row of the log as the model meets it.
+/// Row of the log as the model receives it.
 struct TimedRow {
     index: usize,
-    /// In the time of the ECU, pauses shortened.
+    /// Input in the time of the ECU, pauses shortened.
     input: ReplayInput,
     /// Time since the first row by the clock of the logger (ns), and the same with pauses shortened.
     log_ns: u64,
     shortened_ns: u64,
-    /// The same (s).
+    /// Time since the first row by the clock of the logger (s).
     time_s: f64,
 }
 
-/// Somebody who is told now and then which share of all rows is done, and says whether to go on.
+/// Progress observer: receives the share of all rows that is done, and returns whether to go on.
 struct Watch<'a> {
     goes_on: &'a dyn Fn(f64) -> bool,
     done: Cell<usize>,
     all: usize,
 }
 
-/// Rows between two looks of a [`Watch`]: some milliseconds.
+/// Number of rows between two calls of a [`Watch`]: some milliseconds.
 const ROWS_UNWATCHED: usize = 64;
 
 impl Watch<'_> {
@@ -76,22 +76,22 @@ impl Watch<'_> {
     }
 }
 
-/// The model's signals, one column per name.
+/// Signals of the model, one column per name.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Columns {
     pub(crate) signals: Vec<(&'static str, Unit, Vec<f64>)>,
-    /// Place of each in a row of the model.
+    /// Index of each in a row of the model.
     places: Vec<usize>,
 }
 
-/// What the model did between two samples; decides the regime of the later one.
+/// Activity of the model between two samples; it determines the regime of the later one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Activity {
     /// Whether the fill and the vent valve were open at any time in the interval.
     pub(crate) open: [bool; 2],
-    /// Chamber pressure at the sample [Pa abs], before a correction.
+    /// Chamber pressure at the sample (Pa abs), before a correction.
     pub(crate) pressure: f64,
-    /// Change of the chamber pressure in the interval [Pa/s].
+    /// Change of the chamber pressure in the interval (Pa/s).
     pub(crate) pressure_rate: f64,
 }
 
@@ -124,7 +124,7 @@ impl<'a> Setup<'a> {
         })
     }
 
-    /// Lets `goes_on` watch a free run, a prediction and a fine run over `fine_rows` rows.
+    /// Lets `goes_on` observe a free-run simulation, a prediction and a fine run over `fine_rows` rows.
     pub(crate) fn watched(mut self, goes_on: &'a dyn Fn(f64) -> bool, fine_rows: usize) -> Self {
         let rows = self.inputs.len();
         self.watch = Some(Watch {
@@ -135,20 +135,20 @@ impl<'a> Setup<'a> {
         self
     }
 
-    /// Keeps of each run what `is_kept` says of its name: an hour at 1 kHz takes 29 MB for each signal.
+    /// Keeps only the signals of each run for whose name `is_kept` returns true: an hour at 1 kHz takes 29 MB for each signal.
     pub(crate) fn keeping(mut self, is_kept: impl Fn(&str) -> bool) -> Self {
         self.signals.retain(|(name, ..)| is_kept(name));
         self
     }
 
-    /// Begins where the measured `pressure` does, `level` (Pa abs) where that is away from ambient.
+    /// Starts where the measured `pressure` starts, at `level` (Pa abs) where that is away from ambient.
     pub(crate) fn begin_at(&mut self, pressure: Option<&Measured>, level: Option<f64>) {
         let command = self.inputs.row(0).command;
         self.start = LogStart::at(self.parameters, pressure, level, command)
             .supplied(self.inputs.first_supply_pressure());
     }
 
-    /// The rows of the log, pauses shortened.
+    /// Returns the rows of the log, pauses shortened.
     fn rows(&self) -> impl Iterator<Item = TimedRow> + '_ {
         let mut shortened = self.gaps.shortening();
         self.inputs.iter().enumerate().map(move |(index, input)| {
@@ -175,20 +175,20 @@ impl<'a> Setup<'a> {
             .begin(self.parameters, &self.conditions.conditions, accuracy)
     }
 
-    /// Pressure at `row` over what the model has, whose gas is at the temperature of the wall.
+    /// Returns the pressure at `row` over that of the model, whose gas has the temperature of the wall.
     fn warmth(&self, row: &TimedRow, replay: &mut Replay) -> f64 {
         let conditions = &self.conditions.conditions;
         self.start.warmth(replay, conditions, row.time_s)
     }
 
-    /// The model at the instant of `row`.
+    /// Returns the model's row at the instant of `row`.
     fn row(&self, row: &TimedRow, replay: &mut Replay) -> Result<Row, CompareError> {
         let warmth = self.warmth(row, replay);
         let values = self.start.row(replay, row.input, warmth);
         values.ok_or_else(|| ReplayError::given_up(row.shortened_ns).into())
     }
 
-    /// The model driven by the commands alone.
+    /// Runs the free-run simulation: the model driven by the commands alone.
     pub(crate) fn free_run(&self) -> Result<Columns, CompareError> {
         let mut replay = self.begin();
         let mut columns = Columns::of(self, self.inputs.len());
@@ -200,8 +200,9 @@ impl<'a> Setup<'a> {
         Ok(columns)
     }
 
-    /// The model corrected after each sample by `gain` times (measured - predicted) pressure, measured in bar gauge,
-    /// NaN where missing. Without a measurement, or with gain 0, it is the free run. `watch` sees what it does.
+    /// Runs the one-step-ahead prediction: after each sample, corrects the pressure of the model by `gain` times (measured - predicted),
+    /// measured in bar gauge, NaN where missing. Without a measurement, or with gain 0, it is the free-run simulation. Calls `watch` with
+    /// the activity at each sample.
     pub(crate) fn predict(
         &self,
         measured_bar: Option<&[f64]>,
@@ -236,7 +237,7 @@ impl<'a> Setup<'a> {
             let measured_bar =
                 measured_bar.map_or(f64::NAN, |measured_bar| measured_bar[row.index]);
             let measured = measured_bar * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa;
-            // The model holds the gas at the temperature of the wall.
+            // The model keeps the gas at the temperature of the wall.
             let error = measured / self.warmth(&row, &mut replay) - pressure;
             if gain > 0.0 && error.is_finite() {
                 let corrected = pressure + gain * error;
@@ -246,8 +247,8 @@ impl<'a> Setup<'a> {
         Ok(columns)
     }
 
-    /// The free run on a grid of at most 1 ms over the first `rows` instants, or fewer where these are far apart: times
-    /// \[s\] and columns. A current that is a mean refers to the grid interval that ends at its time.
+    /// Runs the free-run simulation on a grid of at most 1 ms over the first `rows` instants, or fewer where these are far apart. Returns
+    /// times (s) and columns. A current that is a mean refers to the grid interval that ends at its time.
     pub(crate) fn fine_run(&self, rows: usize) -> Result<FineRun, CompareError> {
         let mut replay = self.begin();
         let mut fine = FineRun {
@@ -262,7 +263,7 @@ impl<'a> Setup<'a> {
                 break;
             }
             let (log_ns, input) = (row.log_ns as i64, row.input);
-            // What the clocks differ by, and gaps were shortened by.
+            // Difference of the clocks and the shortening of the gaps.
             let later_ns = log_ns - input.time_ns as i64;
             let begin_ns = last_ns.unwrap_or(input.time_ns);
             let warmth = self.warmth(&row, &mut replay);
@@ -292,17 +293,17 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// A free run on a grid that is finer than the log.
+/// Free-run simulation on a grid that is finer than the log.
 pub(crate) struct FineRun {
-    /// Rows of the log that it covers, from the first one on.
+    /// Number of rows of the log that it covers, from the first one on.
     pub(crate) rows: usize,
-    /// Instants since the start of the log [s].
+    /// Instants since the start of the log (s).
     pub(crate) times_s: Vec<f64>,
     pub(crate) columns: Columns,
 }
 
 impl Columns {
-    /// Columns for about so many rows of the signals that `setup` keeps.
+    /// Returns columns for about `rows` rows of the signals that `setup` keeps.
     fn of(setup: &Setup, rows: usize) -> Self {
         let signals = setup.signals.iter();
         let column = |&(name, unit, _): &(_, _, _)| (name, unit, Vec::with_capacity(rows));
@@ -318,7 +319,7 @@ impl Columns {
         }
     }
 
-    /// The column `name`.
+    /// Returns the column `name`.
     pub(crate) fn get(&self, name: &str) -> Option<&[f64]> {
         self.signals
             .iter()
@@ -326,7 +327,7 @@ impl Columns {
             .map(|signal| &signal.2[..])
     }
 
-    /// The columns as a recording on `base`, but for those of parts that the plant has not.
+    /// Returns the columns as a recording on `base`, without those of parts that the plant lacks.
     pub(crate) fn into_recording(
         self,
         source: String,
@@ -345,7 +346,7 @@ impl Columns {
     }
 }
 
-/// Equally spaced instants in (begin, end], [`LOOK_NS`] apart at most or [`LOOKS_MAX`] of them, `end` last.
+/// Returns equally spaced instants in (begin, end], [`LOOK_NS`] apart at most or [`LOOKS_MAX`] of them, `end` last.
 fn instants_between(begin_ns: u64, end_ns: u64) -> impl Iterator<Item = u64> {
     let span = end_ns.saturating_sub(begin_ns);
     let count = span.div_ceil(LOOK_NS).min(LOOKS_MAX);

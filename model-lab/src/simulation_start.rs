@@ -1,4 +1,4 @@
-//! State in which the simulation of a log begins: the one that the log shows, or a given one.
+//! State in which the simulation of a log begins: the state in the log, or a given one.
 
 use plant_sim::parameters::{PA_PER_BAR, ParameterSpec, Part};
 use plant_sim::replay::{CurrentSampling, Inputs, Replay, ReplayInput, Row};
@@ -11,29 +11,29 @@ use crate::error::CompareError;
 use crate::log_start::LogStart;
 use crate::measured::{PRESSURE, measured_signals, start};
 
-/// State in which a simulation begins. Currents and armatures rest: under the first command of the log where it begins with a filled
-/// chamber, else without current.
+/// State in which a simulation begins. Currents and armatures are at rest: under the first command of the log where it begins with a filled
+/// chamber, otherwise without current.
 #[derive(Debug, Clone)]
 pub struct SimulationStart {
     start: LogStart,
-    /// Whether pressure or gas temperature are given, so that the gas is not the one that the log began with.
+    /// Whether pressure or gas temperature are given, so that the gas is not the one with which the log began.
     is_given: bool,
     /// Given gas temperature (K).
     gas_k: Option<f64>,
-    /// Where the pressure comes from, in words, without a full stop.
+    /// Origin of the pressure in words, without a full stop.
     statement: String,
     pressure_bar_gauge: f64,
 }
 
-/// Why a simulation cannot begin in a given state.
+/// Reason why a simulation cannot begin in a given state.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StartError {
-    /// A signal that is no state of a plant.
+    /// The signal is not a state of a plant.
     #[error(
         "`{name}` cannot be given at the start: give p_ch in bar gauge or t_gas in K, as in p_ch=5.2"
     )]
     UnknownState {
-        /// The name.
+        /// Name of the signal.
         name: String,
     },
     /// The plant has no chamber.
@@ -41,49 +41,49 @@ pub enum StartError {
         "`{name}` is given at the start, but the plant has no chamber: take a plant file with [chamber]"
     )]
     NoChamber {
-        /// The name.
+        /// Name of the state.
         name: String,
     },
-    /// The gas keeps its temperature.
+    /// The gas keeps a constant temperature.
     #[error(
         "t_gas is given at the start, but the gas of this plant keeps gas.temperature_k: add the effect gas_temperature to the plant file"
     )]
     NoGasTemperature,
-    /// No plant begins there.
+    /// The value is impossible for any plant.
     #[error(
         "{name} = {value} {unit} at the start is impossible (allowed {least} to {most}): correct it"
     )]
     OutOfRange {
-        /// The name.
+        /// Name of the state.
         name: String,
-        /// The value.
+        /// Given value.
         value: f64,
-        /// Its unit.
+        /// Unit of the value.
         unit: &'static str,
-        /// The least value.
+        /// Least allowed value.
         least: f64,
-        /// The largest value.
+        /// Largest allowed value.
         most: f64,
     },
 }
 
 impl SimulationStart {
-    /// The start of a simulation of `log`: at its first measured pressure where that is away from ambient, as a comparison begins, else
-    /// at rest and ambient pressure.
+    /// Returns the start of a simulation of `log`: its first measured pressure where that is away from ambient, as in a comparison,
+    /// otherwise at rest and ambient pressure.
     ///
     /// # Errors
     /// [`CompareError`]: the log cannot drive the model.
     pub fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, CompareError> {
         let inputs = Inputs::of(parameters, log)?;
         let commands = Commands::new(parameters, log)?;
-        // A log without measured signals is one of commands alone.
+        // A log without measured signals contains commands alone.
         let measured = measured_signals(parameters, (log, inputs.base()), &commands);
         let (measured, _) = measured.unwrap_or_default();
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let (found, level) = start(parameters, pressure, &commands);
         let mut start = LogStart::at(parameters, pressure, level, inputs.row(0).command)
             .supplied(inputs.first_supply_pressure());
-        // A simulation has no measurement to begin again at.
+        // A simulation has no measurement at which to restart.
         start.restarts.clear();
         Ok(Self {
             start,
@@ -94,10 +94,10 @@ impl SimulationStart {
         })
     }
 
-    /// The same with `value` given for the state `name`: `p_ch` in bar gauge or `t_gas` in K.
+    /// Returns the start with `value` given for the state `name`: `p_ch` in bar gauge or `t_gas` in K.
     ///
     /// # Errors
-    /// [`StartError`]: another name, a state that the plant has not, or a value that it cannot have.
+    /// [`StartError`]: another name, a state that the plant lacks, or a value that is impossible.
     pub fn given(
         mut self,
         parameters: &PlantParameters,
@@ -148,17 +148,17 @@ impl SimulationStart {
         }
     }
 
-    /// Where the initial pressure comes from, in words, without a full stop.
+    /// Returns the origin of the initial pressure in words, without a full stop.
     pub fn statement(&self) -> &str {
         &self.statement
     }
 
-    /// The initial chamber pressure (bar gauge); 0 for a plant without chamber.
+    /// Returns the initial chamber pressure (bar gauge); 0 for a plant without chamber.
     pub fn pressure_bar_gauge(&self) -> f64 {
         self.pressure_bar_gauge
     }
 
-    /// Begins a replay of the log, which was made under `conditions`.
+    /// Starts a replay of the log, which was made under `conditions`.
     pub fn begin(
         &self,
         parameters: &PlantParameters,
@@ -191,7 +191,7 @@ impl SimulationStart {
         self.is_given
     }
 
-    /// The `conditions` of the log, but for gas that the simulation does not begin with.
+    /// Returns the `conditions` of the log; a given start replaces its gas.
     fn conditions(&self, conditions: &LogConditions) -> Conditions {
         let mut conditions = conditions.conditions;
         if self.is_given {

@@ -2,8 +2,7 @@ use crate::metrics::{fit_pct, mean, rms, worst};
 use crate::result::{ErrorSummary, Horizon};
 use crate::whiteness::{Input, Whiteness};
 
-/// Everything that is said of one residual. `floors` are the noise floor and the rms of a perfect model, 0 where
-/// unknown.
+/// Returns all measures of one residual. `floors` are the noise floor and the rms of a perfect model, 0 where unknown.
 pub(crate) fn summary(
     residual: &[f64],
     measured: &[f64],

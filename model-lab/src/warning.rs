@@ -1,4 +1,4 @@
-//! Warnings: what in a log probably is not what it is declared to be, so that no model could fit it.
+//! Warnings: properties of a log that probably differ from their declaration, so that no model could fit it.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
@@ -12,7 +12,7 @@ use crate::measured::{Measured, PRESSURE};
 use crate::metrics::present;
 use crate::result::{SignalComparison, Warning, WarningKind};
 
-/// Returns what is odd about `log`, whose signals are `measured`.
+/// Returns the warnings about `log`, whose signals are `measured`.
 pub(crate) fn warnings(
     parameters: &PlantParameters,
     log: &Recording,
@@ -34,9 +34,9 @@ pub(crate) fn warnings(
         .collect()
 }
 
-/// Changes that noise and drift do not make add up to this much at least (bar).
+/// Smallest sum of changes beyond noise and drift (bar).
 const CHANGE_BAR: f64 = 0.3;
-/// Share of all change that goes the wrong way where two valves are swapped; a leak or noise leaves it below a half.
+/// Share of all change in the wrong direction from which on two valves count as swapped; with a leak or noise it is below a half.
 const WRONG_SHARE: f64 = 0.9;
 
 fn swapped_valves(commands: &Commands, pressure: &[f64]) -> Option<Warning> {
@@ -62,7 +62,7 @@ fn swapped_valves(commands: &Commands, pressure: &[f64]) -> Option<Warning> {
     })
 }
 
-/// Changes of the pressure over intervals of one command (bar).
+/// Sums of pressure changes over intervals of one command (bar).
 #[derive(Default)]
 struct Change {
     rise: f64,
@@ -70,7 +70,7 @@ struct Change {
 }
 
 impl Change {
-    /// Sums over the intervals in which a command that `is_meant` is in force.
+    /// Returns the sums over the intervals in which a command is in force for which `is_meant` returns true.
     fn while_only(commands: &Commands, pressure: &[f64], is_meant: impl Fn(usize) -> bool) -> Self {
         let mut change = Self::default();
         // Pressure at the beginning of an interval and at its last sample so far.
@@ -102,7 +102,7 @@ impl Change {
     }
 }
 
-/// A rig at rest shows the atmosphere; the weather and the height of the place change it by this much (bar).
+/// Pressures that a rig at rest can show (bar abs): the atmosphere at any weather and altitude of the place.
 const ATMOSPHERE_BAR: std::ops::RangeInclusive<f64> = 0.9..=1.06;
 
 fn is_gauge(log: &Recording) -> bool {
@@ -128,14 +128,14 @@ fn absolute(parameters: &PlantParameters, log: &Recording, pressure: &[f64]) -> 
     })
 }
 
-/// No sensor is wrong by this factor.
+/// Factor to the supply pressure that exceeds any sensor error.
 const ABOVE_SUPPLY: f64 = 1.5;
-/// More samples than this share are no fault of a logger.
+/// Share of samples above which they are no glitch of a logger.
 const NO_GLITCH: f64 = 0.1;
-/// Sizes of units of pressure that are taken for one another (bar), largest first.
+/// Sizes of pressure units that are confused with one another (bar), largest first.
 const UNITS_BAR: [(&str, f64); 3] = [("psi", 0.068_947_57), ("kPa", 0.01), ("mbar", 0.001)];
 
-/// The highest supply pressure (bar gauge) of `log`: the logged one where it drives the model, else that of the plant.
+/// Returns the highest supply pressure (bar gauge) of `log`: the logged one where it drives the model, otherwise that of the plant.
 fn supply_bar(parameters: &PlantParameters, log: &Recording) -> f64 {
     let is_logged = drives_supply(parameters, log).unwrap_or(false);
     let logged = log.signal(SUPPLY_PRESSURE).filter(|_| is_logged);
@@ -147,14 +147,14 @@ fn supply_bar(parameters: &PlantParameters, log: &Recording) -> f64 {
     }
 }
 
-/// The highest pressure (bar gauge) that a sensor of the plant can show; none without a supply.
+/// Returns the highest pressure (bar gauge) that a sensor of the plant can show; none without a supply.
 fn highest_bar(parameters: &PlantParameters, log: &Recording) -> Option<f64> {
     let supply = supply_bar(parameters, log);
     let has_supply = parameters.functions[FILL] != ValveFunction::Absent;
     (has_supply && supply > 0.0).then_some(ABOVE_SUPPLY * supply)
 }
 
-/// Says that `pressure` (bar gauge) is one that the plant cannot have, for more than a glitch: no fit makes anything of it.
+/// Returns the message that `pressure` (bar gauge) is impossible for the plant, for longer than a glitch, so that no fit can succeed.
 pub(crate) fn out_of_reach(
     parameters: &PlantParameters,
     log: &Recording,
@@ -213,16 +213,17 @@ fn unknown_signal(unknown: UnknownSignal) -> Warning {
     }
 }
 
-/// A current is far off from this error on, over the variation of what was measured: no plant file that fits any rig leaves so much.
+/// Error over the variation of the measurement from which on a current is far off: no plant file that fits any rig leaves as large an
+/// error.
 const FAR_OFF: f64 = 0.3;
-/// A lag below this (s) is no reason, ...
+/// Smallest lag that counts as the cause (s), ...
 const LAG_MIN_S: f64 = 0.5e-3;
-/// ... nor is one of this many samples of the ECU or more.
+/// ... and the number of samples of the ECU from which on it no longer does.
 const LAG_MAX_SAMPLES: f64 = 2.0;
-/// A lag is the reason if it accounts for this share of the mismatch of the changes, and if that is this share of the error: changes of
-/// another size correlate as well.
+/// Share of the mismatch of the changes that a lag must remove to count as the cause; the removed part must also be this share of the
+/// error, since changes of another size correlate as well.
 const ACCOUNTS_FOR: f64 = 0.5;
-/// Returns that rows and commands do not line up in time, for a current of which the error is so.
+/// Returns the warning that rows and commands do not line up in time, for a current with such an error.
 pub(crate) fn misaligned(
     parameters: &PlantParameters,
     signal: &SignalComparison,
@@ -264,7 +265,7 @@ mod tests {
     use crate::bench::Bench;
     use crate::{CompareOptions, compare};
 
-    /// What is said of a log.
+    /// Returns the kinds of the warnings about a log.
     fn kinds(log: &Recording) -> Vec<WarningKind> {
         let plant = PlantParameters::nominal();
         let comparison = compare(&plant, log, &CompareOptions::default()).unwrap();
@@ -272,7 +273,7 @@ mod tests {
         warnings.map(|warning| warning.kind).collect()
     }
 
-    /// The log with each signal as `change` says: its name, and its values.
+    /// Returns the log with each signal changed by `change`: its name, and its values.
     fn changed(log: &Recording, change: impl Fn(&str, f64) -> (&'static str, f64)) -> Recording {
         let mut other = Recording::new(Provenance::from_source("changed"));
         let (_, base) = log.time_bases().next().unwrap();
@@ -315,7 +316,7 @@ mod tests {
         assert_eq!(kinds(&swapped), [WarningKind::SwappedValves]);
     }
 
-    /// A delay that is wrong by most of a PWM period was told as the regime in which the error is.
+    /// A delay that is wrong by most of a PWM period was reported as the regime of the error.
     #[test]
     fn a_current_that_is_late_is_told_to_be_so_and_not_placed() {
         let pulses = [
@@ -343,7 +344,7 @@ mod tests {
         for signal in comparison.signals.iter().filter(|one| one.name != "p_ch") {
             assert_eq!(signal.finding.regime, None, "{:?}", signal.finding);
         }
-        // A coil of another resistance is physics.
+        // Another resistance of a coil is physics.
         let mut hot = bench.plant.clone();
         hot.coil.resistance_20c_ohm *= 1.8;
         assert_eq!(of(&bench.measure(), &hot).warnings, []);
@@ -357,7 +358,7 @@ mod tests {
             other => (named(other), value),
         });
         assert_eq!(kinds(&absolute), [WarningKind::AbsolutePressure]);
-        // One that begins there and is vented to the atmosphere is gauge indeed.
+        // A pressure that begins there and is vented to the atmosphere is gauge.
         let charged = Bench {
             initial_bar: 1.0,
             ..Bench::default()

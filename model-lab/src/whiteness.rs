@@ -1,4 +1,4 @@
-//! Is a residual white, and does an input explain it?
+//! Tests of a residual for whiteness and for correlation with an input.
 
 use std::ops::Range;
 
@@ -7,16 +7,16 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use crate::metrics::{mean, present};
 use crate::result::{InputCorrelation, LjungBox};
 
-/// Lags of the Ljung-Box sum: 0.2 s at 100 Hz.
+/// Number of lags of the Ljung-Box sum: 0.2 s at 100 Hz.
 const LJUNG_BOX_LAGS: usize = 20;
-/// Inputs are searched up to this many samples before the residual.
+/// Number of samples before the residual up to which inputs are searched.
 const INPUT_LAGS: usize = 50;
-/// Autocorrelations are not summed beyond this lag: what remembers longer is no noise anyway.
+/// Longest lag of the sum of autocorrelations: a longer memory is not noise.
 const LONGEST_LAG: usize = 500;
-/// The sum of autocorrelations ends at this many autocorrelation times (Sokal's window).
+/// Number of autocorrelation times at which the sum of autocorrelations ends (Sokal's window).
 const WINDOW: f64 = 5.0;
 
-/// A sequence without its mean; missing samples count as zero, so that they add to no product.
+/// Sequence without its mean; missing samples count as zero, so that they add to no product.
 pub(crate) struct Centred<'a> {
     values: &'a [f64],
     mean: f64,
@@ -25,7 +25,7 @@ pub(crate) struct Centred<'a> {
 }
 
 impl<'a> Centred<'a> {
-    /// None for a sequence that does not vary.
+    /// Returns the centred sequence; none if it does not vary.
     pub(crate) fn new(values: &'a [f64]) -> Option<Self> {
         let mean = mean(values)?;
         let count = present(values).count();
@@ -41,7 +41,7 @@ impl<'a> Centred<'a> {
         })
     }
 
-    /// Writes the values from `first` on without their mean, as far as there are, and returns their number.
+    /// Writes the values from `first` on without their mean, as many as exist, and returns their number.
     fn fill(&self, first: usize, block: &mut [f64]) -> usize {
         let values = self.values.get(first..).unwrap_or_default();
         for (centred, &value) in block.iter_mut().zip(values) {
@@ -54,12 +54,12 @@ impl<'a> Centred<'a> {
         values.len().min(block.len())
     }
 
-    /// Autocorrelation coefficients at `lags`.
+    /// Returns the autocorrelation coefficients at `lags`.
     fn autocorrelations(&self, lags: Range<usize>) -> impl Iterator<Item = f64> + '_ {
         self.correlations(self, lags)
     }
 
-    /// Correlations of this with `earlier` by each of `lags` samples.
+    /// Returns the correlations of this sequence with `earlier` delayed by each of `lags` samples.
     fn correlations(&self, earlier: &Centred<'_>, lags: Range<usize>) -> impl Iterator<Item = f64> {
         let scale =
             (self.variance * earlier.variance).sqrt() * self.count.min(earlier.count) as f64;
@@ -74,21 +74,21 @@ impl<'a> Centred<'a> {
         (self.count / 4).min(LONGEST_LAG)
     }
 
-    /// Autocorrelations at the lags from 1 to the longest.
+    /// Returns the autocorrelations at the lags from 1 to the longest.
     fn memory(&self) -> Vec<f64> {
         self.autocorrelations(1..self.longest_lag() + 1).collect()
     }
 }
 
-/// Lags that are summed at one time: the additions of one lag wait for each other, those of several do not.
+/// Number of lags that are summed at one time: the additions of one lag depend on each other, those of several do not.
 const LANES: usize = 16;
 
-/// Samples that are centred at one time: they stay in the nearest cache, and take no memory worth a word.
+/// Number of samples that are centred at one time: they fit into the nearest cache and take little memory.
 const BLOCK: usize = 1024;
 
-/// Sums of `late` times `early` at the lags from `first` on, each added up in the order of the samples; 0 beyond the end.
+/// Returns the sums of `late` times `early` at the lags from `first` on, each added up in the order of the samples; 0 beyond the end.
 fn sums_of_products(late: &Centred, early: &Centred, first: usize) -> [f64; LANES] {
-    // The neutral element of floating-point addition, as `Iterator::sum` has it.
+    // The neutral element of floating-point addition, as in `Iterator::sum`.
     let mut sums = [-0.0; LANES];
     let (mut late_block, mut early_block) = ([0.0; BLOCK + LANES - 1], [0.0; BLOCK]);
     for begin in (0..early.values.len()).step_by(BLOCK) {
@@ -120,9 +120,9 @@ fn sums_of_products(late: &Centred, early: &Centred, first: usize) -> [f64; LANE
     sums
 }
 
-/// What is said of the memory of a residual.
+/// Whiteness tests of a residual.
 pub(crate) struct Whiteness<'a> {
-    /// None for a residual that does not vary.
+    /// Centred residual with its autocorrelations; none for a residual that does not vary.
     residual: Option<(Centred<'a>, Vec<f64>)>,
 }
 
@@ -136,7 +136,7 @@ impl<'a> Whiteness<'a> {
         }
     }
 
-    /// Ljung-Box test over 20 lags; none for fewer than 80 samples or a constant.
+    /// Returns the Ljung-Box test over 20 lags; none for fewer than 80 samples or a constant.
     pub(crate) fn ljung_box(&self) -> Option<LjungBox> {
         let (residual, memory) = self.residual.as_ref()?;
         if residual.longest_lag() < LJUNG_BOX_LAGS {
@@ -156,15 +156,15 @@ impl<'a> Whiteness<'a> {
         })
     }
 
-    /// Integrated autocorrelation time 1 + 2 Σ ρ [samples]; none for a constant.
+    /// Returns the integrated autocorrelation time 1 + 2 Σ ρ (samples); none for a constant.
     pub(crate) fn autocorrelation_time_samples(&self) -> Option<f64> {
         let (_, memory) = self.residual.as_ref()?;
         let summed = memory.len().saturating_sub(1);
         Some(summed_within_window(memory[..summed].iter().copied()))
     }
 
-    /// The largest correlation with each of `inputs` at the same instant or earlier; none of an input that is constant,
-    /// or of a constant residual.
+    /// Returns the largest correlation with each of `inputs` at the same instant or earlier; none for a constant input or a constant
+    /// residual.
     ///
     /// Later inputs are left out: under closed-loop control the residual causes them.
     pub(crate) fn input_correlations(&self, inputs: &[Input]) -> Vec<InputCorrelation> {
@@ -195,10 +195,10 @@ impl<'a> Whiteness<'a> {
     }
 }
 
-/// An input with what is needed of it for each residual.
+/// Input with the statistics that each residual needs.
 pub(crate) struct Input<'a> {
     name: &'a str,
-    /// None for one that is constant.
+    /// Centred input with its autocorrelations; none for one that is constant.
     varying: Option<(Centred<'a>, Vec<f64>)>,
 }
 
@@ -214,7 +214,7 @@ impl<'a> Input<'a> {
     }
 }
 
-/// Integrated autocorrelation time 1 + 2 Σ ρ [samples]; none for a constant. No more lags are summed than it takes.
+/// Returns the integrated autocorrelation time 1 + 2 Σ ρ (samples); none for a constant. It sums no more lags than necessary.
 pub(crate) fn autocorrelation_time_samples(residual: &[f64]) -> Option<f64> {
     let residual = Centred::new(residual)?;
     Some(summed_within_window(
@@ -233,8 +233,8 @@ fn summed_within_window(autocorrelations: impl Iterator<Item = f64>) -> f64 {
     time
 }
 
-/// Bartlett: two independent sequences correlate with variance Σ ρ_a ρ_b / n, more than 1 / n where both have a
-/// memory. The level is shared among the lags that are searched.
+/// Returns the magnitude that a chance correlation rarely exceeds (Bartlett): two independent sequences correlate with variance Σ ρ_a ρ_b /
+/// n, more than 1 / n where both are autocorrelated. The significance level is divided among the lags that are searched.
 fn chance_bound(
     (a, memory_of_a): (&Centred, &[f64]),
     (b, memory_of_b): (&Centred, &[f64]),
@@ -270,8 +270,8 @@ mod tests {
         Whiteness::of(residual).ljung_box()
     }
 
-    /// Goal: an hour at 1 kHz once took three minutes, of which the sums of one lag after the other took nearly all. Several
-    /// lags at one time give the same bits.
+    /// Goal: the sums of an hour at 1 kHz once took nearly all of three minutes, one lag after the other. Several lags at one time give the
+    /// same bits.
     #[test]
     fn lags_that_are_summed_together_are_those_summed_alone() {
         for count in [3, 8, 9, 16, 17, 200, 1023, 1024, 1040, 3000] {

@@ -1,5 +1,5 @@
-//! Whatever a log holds within the hard bounds of its quantities, it is compared or refused: no panic, no hang, no memory
-//! beyond what its length asks for.
+//! Any log within the hard bounds of its quantities is compared or refused: no panic, no hang, and no memory beyond that required by its
+//! length.
 
 use model_lab::{CompareError, CompareOptions, Comparison, compare, find_conditions, free_run};
 use plant_sim::PlantParameters;
@@ -8,7 +8,7 @@ use recording::{Bounds, Provenance, Recording, TimeBase, Unit};
 
 const ROWS: usize = 120;
 
-/// Signals of a log with the unit that they have there.
+/// Signals of a log with their units.
 const SIGNALS: [(&str, Unit); 4] = [
     ("p_ch", Unit::BarGauge),
     ("i_fill", Unit::Milliampere),
@@ -45,7 +45,7 @@ fn compared(log: &Recording) -> Result<Comparison, CompareError> {
         free.err()
     );
     let whole = whole?;
-    // Every figure is a number: JSON has no other, and writes null.
+    // Every value is a number: JSON has no NaN, and writes null.
     let json = serde_json::to_value(&whole).unwrap();
     for signal in json["signals"].as_array().unwrap() {
         for figure in ["rms", "worst", "bias"] {
@@ -59,7 +59,7 @@ fn uniform() -> Vec<f64> {
     (0..ROWS).map(|row| row as f64 * 0.01).collect()
 }
 
-/// 20 rows at rest, 40 filling, 20 at rest, 20 venting, the rest still.
+/// Returns duty cycles of 20 rows at rest, 40 filling, 20 at rest, 20 venting, the rest still.
 fn usual_duties() -> Vec<(f64, f64)> {
     let duty = |row: usize| match row {
         20..60 => (60.0, 0.0),
@@ -75,7 +75,7 @@ fn with_pressure(pressure: impl Fn(usize) -> f64) -> Recording {
     log(&usual_duties(), signals, uniform())
 }
 
-/// An unplugged sensor shows vacuum: that was a panic.
+/// Defect seen: an unplugged sensor shows vacuum, which caused a panic.
 #[test]
 fn a_pressure_near_vacuum_is_compared() {
     for rows in [0..ROWS, 0..50, 30..80, 70..ROWS] {
@@ -87,7 +87,7 @@ fn a_pressure_near_vacuum_is_compared() {
     }
 }
 
-/// Half a second unplugged, then half a second of rest: the line through both began below vacuum, which was the panic.
+/// Defect seen: half a second unplugged, then half a second of rest. The line through both began below vacuum, which caused the panic.
 #[test]
 fn a_sensor_that_is_plugged_in_late_is_compared() {
     let rows = 250;
@@ -112,7 +112,7 @@ fn a_sensor_that_is_plugged_in_late_is_compared() {
         let found = compared(&log(&duties, signals(unplugged), times())).unwrap();
         assert!(found.start.pressure_bar_gauge > -1.013, "{:?}", found.start);
     }
-    // Gauge values that are below vacuum where the plant stands.
+    // Gauge values that are below vacuum at the ambient pressure of the plant.
     let mut high = PlantParameters::nominal();
     high.set("gas.ambient_pressure_pa", 7e4, "test").unwrap();
     let found = compare(
@@ -140,7 +140,7 @@ fn a_pressure_that_rises_from_vacuum_is_compared() {
     compared(&with_pressure(|row| if row < 10 { -1.01 } else { 900.0 })).unwrap();
 }
 
-/// A value of the bounds, often one of their ends.
+/// Returns a value within the bounds, often one of their ends.
 fn value(unit: Unit) -> impl Strategy<Value = f64> {
     let range = Bounds::of(unit.quantity()).in_unit(unit);
     let (least, most) = (*range.start(), *range.end());
@@ -152,7 +152,7 @@ fn value(unit: Unit) -> impl Strategy<Value = f64> {
     ]
 }
 
-/// A column: usual but for some cells, or a part of it, or all of it.
+/// Returns a column: usual values except for some cells, a part, or all of it.
 fn column(index: usize) -> impl Strategy<Value = Vec<f64>> {
     let (usual, unit) = (USUAL[index], SIGNALS[index].1);
     let cells = prop::collection::vec((0..ROWS, value(unit)), 0..6);
@@ -176,7 +176,7 @@ fn duties() -> impl Strategy<Value = Vec<(f64, f64)>> {
         .prop_map(|phases| phases.iter().flat_map(|duty| [*duty; 10]).collect())
 }
 
-/// Rows that are hours apart, and supplies of any size: the steps follow the rows, not the values.
+/// Rows that are hours apart, and supplies of any size: the steps depend on the rows, not on the values.
 #[test]
 fn steps_are_counted_by_rows_and_not_by_values() {
     const MOST_PER_ROW: u64 = 400 * 100;
@@ -214,7 +214,7 @@ fn steps_are_counted_by_rows_and_not_by_values() {
             replayed.is_ok(),
             "{supply} V, {step_s} s"
         );
-        // What a supply may be leaves the plant one that can be simulated.
+        // Any allowed supply leaves a plant that can be simulated.
         assert!(
             is_given_up == (step_s == 3600.0),
             "{supply} V, {step_s} s: {work} steps"
@@ -231,7 +231,7 @@ proptest! {
         columns in (column(0), column(1), column(2), column(3)),
     ) {
         let (pressure, fill, vent, supply) = columns;
-        // A log without a single value of a signal is one without the signal.
+        // A log without a value of a signal is one without the signal.
         let _ = compared(&log(&duties, [pressure, fill, vent, supply], uniform()));
     }
 }

@@ -1,4 +1,4 @@
-//! From a file to a comparison: the seeds of the fuzz targets keep the promise that the targets test.
+//! From a file to a comparison: the seeds of the fuzz targets satisfy the requirement that the targets test.
 
 mod promise;
 
@@ -39,7 +39,7 @@ fn the_seeds_of_the_fuzzer_are_compared_or_refused() {
     }
 }
 
-/// A sensor that shows thousandfold pressures, most of them beyond the bounds: that was a panic, or memory for each bar.
+/// Defect seen: a sensor with thousandfold pressures, most of them beyond the bounds, caused a panic, or an allocation for each bar.
 #[test]
 fn the_mapping_that_stays_within_half_is_compared_and_says_what_is_missing() {
     let folder =
@@ -67,7 +67,7 @@ fn the_mapping_that_stays_within_half_is_compared_and_says_what_is_missing() {
     );
 }
 
-/// Damaged copies of the log: cells replaced, rows cut out.
+/// Damaged copies of the log: cells replaced, rows removed.
 #[test]
 fn damaged_logs_are_compared_or_refused() {
     let folder =

@@ -1,4 +1,4 @@
-//! What a comparison takes from the heap, counted by the allocator.
+//! Heap use of a comparison, counted by the allocator.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use recording::{Provenance, Recording, TimeBase, Unit};
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// A log at 1 kHz: both duty cycles, the pressure and the current of the fill coil.
+/// Returns a log at 1 kHz: both duty cycles, the pressure and the current of the fill coil.
 fn log(rows: usize) -> Recording {
     let mut log = Recording::new(Provenance::from_source("bench"));
     let base = log.add_time_base(TimeBase::uniform(0.0, 1e-3, rows).unwrap());
@@ -42,7 +42,7 @@ fn log(rows: usize) -> Recording {
     log
 }
 
-/// Bytes by which the heap grows at most while a log of so many rows is compared, and with the result.
+/// Returns the largest growth of the heap (bytes) while a log with this number of rows is compared, and that with the result.
 fn taken(rows: usize) -> (usize, usize) {
     let log = log(rows);
     HEAP.reset_peak_usage();
@@ -59,7 +59,7 @@ fn taken(rows: usize) -> (usize, usize) {
     (taken[0], taken[1])
 }
 
-/// A signal of the log that is in the unit of the model is in the result without a copy.
+/// Asserts that a signal of the log in the unit of the model is in the result without a copy.
 fn shares_the_log(log: &Recording, compared: &Comparison) {
     let measured = &compared.traces.measured;
     for name in ["p_ch", "i_fill"] {
@@ -73,16 +73,16 @@ fn shares_the_log(log: &Recording, compared: &Comparison) {
     ));
 }
 
-/// Goal: an hour at 1 kHz in four channels is compared within 400 MB; the log itself takes 144 MB of them, so that 71 bytes
-/// are left for each row. Method: the bytes by which two lengths differ, so that nothing fixed counts. It was 400 bytes a
-/// row when every signal of the model, both residuals and every command were kept as columns of their own.
+/// Goal: an hour at 1 kHz in four channels is compared within 400 MB. The log itself takes 144 MB of them, so that 71 bytes are left for
+/// each row. Method: the difference in bytes between two lengths, so that nothing fixed counts. It was 400 bytes a row when every signal of
+/// the model, both residuals and every command were stored as separate columns.
 #[test]
 fn a_comparison_takes_two_columns_for_each_signal_and_a_few_bytes() {
-    // The conditions of a log are found in its first 40 000 rows, which takes as much as to compare some 120 000.
+    // The conditions of a log are found in its first 40 000 rows, which takes as much memory as a comparison of some 120 000.
     let [short, long] = [200_000, 280_000].map(taken);
     let per_row = |long: usize, short: usize| (long - short) as f64 / 80_000.0;
     let (peak, kept) = (per_row(long.0, short.0), per_row(long.1, short.1));
-    // Free run and short-horizon prediction of two signals are 32 bytes.
+    // Free-run simulation and one-step-ahead prediction of two signals are 32 bytes.
     assert!(
         peak < 60.0,
         "{peak} bytes for each row while it is compared"

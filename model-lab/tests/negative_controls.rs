@@ -1,4 +1,4 @@
-//! What the diagnosis must not say.
+//! Negative controls: answers that the diagnosis must not give.
 
 mod practice;
 
@@ -13,7 +13,7 @@ use recording::{Provenance, Recording, Unit};
 
 const WATCH: fn(model_lab::diagnosis::Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 
-/// The first seconds are enough for what is asked here.
+/// Number of seconds of a log that suffices here.
 const SECONDS: usize = 20;
 
 fn beginning(name: &str) -> Recording {
@@ -44,7 +44,7 @@ fn rebuilt(log: &Recording, replace: impl Fn(&str, Vec<f64>) -> Vec<f64>) -> Rec
     new
 }
 
-/// Without the effect that it hides, no rig gets a wrong name.
+/// With a library that lacks the hidden effect, no rig gets a wrong name.
 #[test]
 fn a_library_without_the_effect_names_no_other() {
     for (hides, id) in [(1, "chamber_leak"), (5, "gas_temperature")] {
@@ -58,7 +58,7 @@ fn a_library_without_the_effect_names_no_other() {
     }
 }
 
-/// Effects that no rig has, with parameters that bend them: a leak that follows a clock, and a hum on a coil.
+/// Effects that no rig has, with parameters that make them flexible: a leak that follows a clock, and a hum on a coil.
 mod nonsense {
     use plant_sim::PlantParameters;
     use plant_sim::effects::{About, Effect, EffectSetting, EntryPoint, Variant};
@@ -127,7 +127,7 @@ mod nonsense {
     }
 }
 
-/// Effects that are nonsense are never picked: not where nothing is missing, not beside the one that is, and not for want of it.
+/// Nonsensical effects are never named: neither where nothing is missing, nor together with the missing effect, nor instead of it.
 #[test]
 fn nonsense_is_never_named() {
     let with_nonsense = |mut library: Vec<&'static dyn Effect>| {
@@ -158,7 +158,7 @@ fn nonsense_is_never_named() {
     }
 }
 
-/// Commands that belong to another time explain nothing, and neither does any effect.
+/// Commands from another time explain nothing, and neither does any effect.
 #[test]
 fn duty_cycles_of_another_time_give_no_name() {
     let shifted = |log: &Recording| {
@@ -182,7 +182,7 @@ fn duty_cycles_of_another_time_give_no_name() {
     assert!(diagnosis.effects.is_empty());
 }
 
-/// The model's own data with noise: every effect that it was made with is named, at its size.
+/// Data of the model itself with noise: every effect that was simulated is named, at its size.
 #[test]
 fn the_models_own_data_is_answered_perfectly() {
     for (id, key) in [
@@ -220,7 +220,7 @@ fn the_models_own_data_is_answered_perfectly() {
             "{id}: {}",
             diagnosis.sentence
         );
-        // A warm coil and a long lead are the same to every signal that is logged.
+        // A warm coil and a long lead are identical in every logged signal.
         let stands_for =
             |named: &String| diagnosis.equivalents[named].iter().any(|same| same == id);
         assert_eq!(diagnosis.effects.len(), 1, "{id}: {}", diagnosis.sentence);
@@ -247,7 +247,7 @@ fn the_models_own_data_is_answered_perfectly() {
     }
 }
 
-/// Standard normal numbers by index: a hash of the index, and the central limit of twelve even ones.
+/// Returns standard normal numbers by index: a hash of the index, and the central limit of twelve uniform ones.
 fn noise(seed: u64) -> impl Fn(usize) -> f64 {
     move |index| {
         let even = |part: u64| {
@@ -273,7 +273,7 @@ fn who_watches_may_stop_it() {
     assert_eq!(none.unwrap_err(), DiagnoseError::NoLog);
 }
 
-/// Without pressure and currents there is nothing to weigh.
+/// Without pressure and currents there is no signal to compare.
 #[test]
 fn a_log_that_shows_nothing_is_refused() {
     let log = practice::log("practice-01-id.csv");

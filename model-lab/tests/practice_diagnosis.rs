@@ -1,4 +1,4 @@
-//! The bundled rigs (data/README.md) with their answers, as docs/evidence.md has them.
+//! Diagnosis of the bundled rigs (data/README.md), with the results of docs/evidence.md.
 
 mod practice;
 
@@ -9,7 +9,8 @@ use model_lab::diagnosis::{diagnose, diagnose_with};
 use plant_sim::PlantParameters;
 use plant_sim::effects::by_id;
 
-/// The first half of a log shows what it hides, in half the time; but a coil warms over a minute.
+/// Returns the length of the used part of a log (s). The first half shows the hidden effect in half the time, except for a coil, which
+/// warms over a minute.
 fn seconds(rig: u8) -> usize {
     match rig {
         2 | 7 => 60,
@@ -46,8 +47,8 @@ fn fitted<'a>(diagnosis: &'a Diagnosis, effect: &str, key: &str) -> &'a FittedPa
     parameters.find(|parameter| parameter.key == key).unwrap()
 }
 
-/// What the issue promises of every rig that hides effects of the library: found, named alone, and the error at the
-/// floor.
+/// Asserts the requirement on every rig with hidden effects of the library: the effects are found, only they are named, and the error is at
+/// the noise floor.
 fn assert_found(diagnosis: &Diagnosis, effects: &[&str]) {
     assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
     assert_eq!(diagnosis.effects, effects);
@@ -56,7 +57,8 @@ fn assert_found(diagnosis: &Diagnosis, effects: &[&str]) {
         assert_eq!(diagnosis.equivalents[*effect], [*effect]);
     }
     for candidate in &diagnosis.candidates {
-        // A form of one parameter once stood above the two of the form beside the other effect.
+        // Defect seen: a form with one parameter was listed with the two parameters of the form that was fitted together with the other
+        // effect.
         let about = by_id(&candidate.effect).unwrap().about();
         let form = about.variant(&candidate.variant).unwrap();
         let keys: Vec<&str> = form.parameters.iter().map(|spec| spec.key).collect();
@@ -79,7 +81,7 @@ fn assert_contains(parameter: &FittedParameter, truth: f64) {
         parameter.low,
         parameter.high
     );
-    // An interval that contains everything says nothing.
+    // An interval that contains everything is no information.
     assert!(parameter.high / parameter.low < 1.5, "{parameter:?}");
 }
 
@@ -129,7 +131,7 @@ fn rig_4_has_a_narrow_supply_line() {
     let of = |key| fitted(&diagnosis, "supply_line_droop", key);
     assert_contains(of("restriction_area_m2"), 3.25e-6);
     assert_contains(of("line_volume_m3"), 7e-5);
-    // Without the effect, the parameters that may scatter were bent out of shape.
+    // Without the effect, the ordinary parameters were distorted.
     let bent = |name: &str| {
         let mut nuisance = diagnosis.nuisance.iter();
         nuisance.any(|nuisance| nuisance.name == name && nuisance.alarm.is_some())
@@ -173,7 +175,7 @@ fn rig_8_lacks_something_that_the_library_has_not() {
     assert!(diagnosis.effects.is_empty() && diagnosis.unexplained);
 }
 
-/// The supply of rig 8 swings at 0.45 Hz. The whole log has enough periods to show it; half of it has not.
+/// The supply of rig 8 oscillates at 0.45 Hz. The whole log has enough periods to show it; half of it does not.
 #[test]
 fn rig_8_swings_at_a_line_of_its_own() {
     let read = |kind: &str| [practice::log(&format!("practice-08-{kind}.csv"))];

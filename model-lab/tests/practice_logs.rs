@@ -1,4 +1,4 @@
-//! The bundled bench logs, whose noise is known: data/README.md.
+//! Bundled bench logs with known noise (data/README.md).
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use recording::csv;
 
 fn compared(log: &str, parameters: &PlantParameters) -> Comparison {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../data/synthetic");
-    // Adds the command that the scope logs lack, and nothing to the others.
+    // Adds the command that the scope logs lack; the other logs are unchanged.
     let options = csv::Options {
         mapping: csv::Mapping::read_file(folder.join("scope.toml")).unwrap(),
         ..csv::Options::default()
@@ -26,7 +26,7 @@ fn signal<'a>(comparison: &'a Comparison, name: &str) -> &'a SignalComparison {
         .unwrap()
 }
 
-/// Whatever the rig hides (leaks, hot coils, lagging sensors), the floor is the sensor's.
+/// The floor is that of the sensor, whatever effect the rig hides (leaks, hot coils, lagging sensors).
 #[test]
 fn noise_floors_are_those_of_the_sensors_on_every_rig() {
     let with_resolution = |sigma: f64, step: f64| f64::hypot(sigma, step / 12_f64.sqrt());
@@ -51,7 +51,7 @@ fn noise_floors_are_those_of_the_sensors_on_every_rig() {
     }
 }
 
-/// Rig 0 hides no effect, but its supply pressure, orifices and delay are off the nominal plant.
+/// Rig 0 hides no effect, but its supply pressure, orifices and delay differ from the nominal plant.
 #[test]
 fn scatter_of_the_rig_is_placed_where_it_acts() {
     let comparison = compared("practice-00-id.csv", &PlantParameters::nominal());
@@ -82,7 +82,7 @@ fn a_shut_valve_pair_leaves_no_excess_on_the_rig_without_leak() {
     assert!(share.abs() < 0.01 && shut.sample_share > 0.3, "{shut:?}");
 }
 
-/// The rig's command delay is all that its current differs by.
+/// The current differs only by the rig's command delay.
 #[test]
 fn a_scope_log_is_compared_in_current_alone() {
     let mut parameters = PlantParameters::nominal();

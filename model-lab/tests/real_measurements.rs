@@ -1,5 +1,5 @@
-//! Measurements made by others: which physics explains them, and how much is left. The models and their fits are those
-//! of the example of this name; the figures are those of `docs/real-measurements.md`.
+//! Measurements made by others: the physics that explains them, and the remaining error. The models and their fits are those of the example
+//! of this name; the figures are those of `docs/real-measurements.md`.
 
 #[path = "../examples/real_measurements/fit.rs"]
 mod fit;
@@ -25,8 +25,7 @@ fn rms(outcomes: &[Outcome], model: &str, signal: &str) -> f64 {
     found.expect("a measured signal").1
 }
 
-/// An orifice leaks too much at high pressure if it leaks right at low pressure; printed walls leak between laminar and
-/// turbulent.
+/// An orifice that has the right leak at low pressure leaks too much at high pressure; printed walls leak between laminar and turbulent.
 #[test]
 fn a_printed_chamber_leaks_neither_like_an_orifice_nor_like_a_laminar_gap() {
     let outcomes = rig("leakdown-015").outcomes();
@@ -41,7 +40,7 @@ fn a_printed_chamber_leaks_neither_like_an_orifice_nor_like_a_laminar_gap() {
     assert!(left("power law") < 0.012, "{}", left("power law"));
 }
 
-/// The chamber of coarser layers ends at 33 mbar, not at 0: no leak explains that, the sensor's offset does.
+/// The pressure of the chamber of coarser layers ends at 33 mbar, not at 0: no leak explains that, the sensor's offset does.
 #[test]
 fn the_coarser_chamber_needs_the_offset_of_its_sensor_as_well() {
     let outcomes = rig("leakdown-020").outcomes();
@@ -55,8 +54,8 @@ fn the_coarser_chamber_needs_the_offset_of_its_sensor_as_well() {
     assert!((0.025..0.04).contains(&offset_bar), "{offset_bar}");
 }
 
-/// The leak takes nearly all of the error, but what is left is ten times the noise, so that its size is open within a factor
-/// of hundreds. Once nothing was tried beside it, and the answer was that the library has nothing.
+/// The leak explains nearly all of the error, but the rest is ten times the noise, so that its size is uncertain by a factor of hundreds.
+/// Defect seen: nothing was tried in addition, and the answer was that no effect of the library explains it.
 #[test]
 fn the_diagnosis_finds_leak_and_offset_of_the_coarser_chamber() {
     let ids = ["chamber_leak", "sensor_offset", "sensor_lag", "dead_volume"];
@@ -73,7 +72,7 @@ fn the_diagnosis_finds_leak_and_offset_of_the_coarser_chamber() {
     );
 }
 
-/// 30 mbar in 150 s tell that there is a leak and not its law: both leave the resolution of the sensor.
+/// A fall by 30 mbar in 150 s shows that there is a leak, but not its law: both laws leave the resolution of the sensor.
 #[test]
 fn an_almost_tight_chamber_does_not_tell_the_law_of_its_leak() {
     let outcomes = rig("leakdown-aluminium").outcomes();
@@ -84,8 +83,8 @@ fn an_almost_tight_chamber_does_not_tell_the_law_of_its_leak() {
     assert!((orifice - laminar).abs() < 5e-5, "{orifice} {laminar}");
 }
 
-/// Pressure and gas temperature of one blow-down, one discharge coefficient for both. The isothermal gas misses both; a
-/// constant conductance cannot have both; natural convection has both once the thermometer sees the wall as well.
+/// Pressure and gas temperature of one blow-down, one discharge coefficient for both. Isothermal gas fits neither; a constant conductance
+/// cannot fit both. Natural convection fits both once the thermometer is also influenced by the wall.
 #[test]
 fn a_vessel_cools_by_natural_convection_while_it_blows_down() {
     let outcomes = rig("blowdown").outcomes();
@@ -106,7 +105,7 @@ fn a_vessel_cools_by_natural_convection_while_it_blows_down() {
     assert!((discharge / 0.84 - 1.0).abs() < 0.05, "{discharge}");
 }
 
-/// The dip of the back-EMF: a coil alone rises and stays, both logs fall to two thirds and rise again.
+/// The dip of the back-EMF: the current of a coil alone rises and stays, that of both logs falls to two thirds and rises again.
 #[test]
 fn the_inrush_of_both_valves_shows_an_armature_that_moves() {
     for (name, moves, alone, with) in [
@@ -125,8 +124,8 @@ fn the_inrush_of_both_valves_shows_an_armature_that_moves() {
     }
 }
 
-/// The blocked valve is the one that switches with a shorter way: magnet, spring and mass are its own, and flux and way
-/// end at the same share.
+/// The blocked valve is the switching valve with a shorter stroke: it has the same magnet, spring and mass, and flux and stroke end at the
+/// same share.
 #[test]
 fn the_blocked_armature_stops_after_a_third_of_its_way() {
     let [switching, blocked] = ["inrush-switching", "inrush-blocked"].map(|name| {
@@ -163,7 +162,7 @@ fn every_model_answers_at_every_instant_with_values_within_their_ranges() {
     }
 }
 
-/// The last model of a rig, as `retarder compare` holds it against the log.
+/// Compares the last model of a rig with its log, as `retarder compare` does.
 fn compared(name: &str, tolerances: &[(&str, f64)]) -> Comparison {
     let rig = rig(name);
     let plant = rig.outcomes().pop().unwrap().plant;
@@ -177,7 +176,7 @@ fn compared(name: &str, tolerances: &[(&str, f64)]) -> Comparison {
     compare(&plant, &rig.log(), &options).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A pressure that falls from the first row on begins where it was, not at the mean of its first second.
+/// A pressure that falls from the first row on begins there, not at the mean of its first second.
 #[test]
 fn a_comparison_of_a_leak_down_starts_at_the_first_row() {
     let comparison = compared("leakdown-015", &[("p_ch", 0.02)]);
@@ -186,7 +185,7 @@ fn a_comparison_of_a_leak_down_starts_at_the_first_row() {
     assert!(comparison.verdict.holds, "{:?}", comparison.verdict);
 }
 
-/// Through an orifice that nothing closes the pressure is never quiet: there is no noise to be had from it.
+/// Through an orifice that nothing closes the pressure is never quiet, so there is no noise floor.
 #[test]
 fn a_comparison_of_a_blow_down_has_no_noise_floor_and_two_signals() {
     let comparison = compared("blowdown", &[("p_ch", 0.03), ("t_gas", 0.7)]);

@@ -64,7 +64,7 @@ fn main() -> Result<(), plant_sim::ParameterError> {
     assert!((-0.3e5..-0.28e5).contains(&least), "{least}");
     assert!((0.28e5..0.3e5).contains(&largest), "{largest}");
 
-    // Switched off it is the plain plant, bit for bit.
+    // With the effect switched off, the results equal those of the plain plant bit for bit.
     let mut off = plant.clone();
     off.set("effects.supply_pulsation.swing_bar", 0.0, "off")?;
     assert!(off.effects[0].is_off());

@@ -21,8 +21,8 @@ pub struct Armature {
 }
 
 impl Armature {
-    /// Returns the static force without the magnet's (N), positive towards the stroke; `pressure_drop` is upstream
-    /// minus downstream pressure (Pa).
+    /// Returns the static force without the magnetic force (N), positive towards full stroke; `pressure_drop` is
+    /// upstream minus downstream pressure (Pa).
     #[inline]
     pub fn static_force(&self, x: f64, pressure_drop: f64) -> f64 {
         self.pressure_area * pressure_drop - self.preload - self.spring_rate * x

@@ -40,8 +40,8 @@ impl Coil {
         (voltage - (self.resistance + self.inductance_slope * v) * current) / self.inductance(x)
     }
 
-    /// Returns the exact current at rest in position `x`, from `current` on (equation 4.2 and its free-wheeling
-    /// counterpart).
+    /// Returns the exact current with the armature at rest at `x`, starting from `current` (equation 4.2 and its
+    /// freewheeling counterpart).
     #[inline]
     pub fn at_rest(&self, drive: Drive, current: f64, x: f64) -> RestingCurrent {
         match drive.voltage() {
@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    /// Motional term: with the flux λ = L(x) i, dλ/dt = u - R i must be true for any motion.
+    /// Motional term: with the flux λ = L(x) i, dλ/dt = u - R i for any motion.
     #[test]
     fn flux_balance_holds_while_the_armature_moves() {
         let coil = coil();

@@ -72,7 +72,7 @@ impl EcuOutput {
                 self.pending.pop_front();
             }
             self.high_until_ns = self.in_force.duty_pct().map(|duty_pct| {
-                // Half a nanosecond of a period of milliseconds, much less than any timer's tick.
+                // Rounding to a nanosecond is negligible: a tick of any timer is much longer.
                 let share = (duty_pct / 100.0).clamp(0.0, 1.0);
                 now_ns.saturating_add((share * self.period_ns as f64).round() as u64)
             });

@@ -41,7 +41,7 @@ impl ValveId {
 pub const DUTY_RESOLUTION_PCT: f64 = 0.05;
 /// Share of the stroke by which an armature must leave its seat before the bench detects it.
 ///
-/// Below it the armature trembles by micrometres: no pressure change that is visible in a log within a second.
+/// Below it the armature moves by micrometres, and a log shows no pressure change within a second.
 pub const NOTICEABLE_TRAVEL: f64 = 0.05;
 /// Time in which the PWM reaches its steady cycle (ns), and at least thirty periods.
 const SETTLING_NS: u64 = 300_000_000;
@@ -64,9 +64,9 @@ pub fn opening_duty_pct(
 }
 
 /// Returns the lowest duty cycle (%) that keeps the valve open (section 4.1), with no pressure across it: the armature
-/// no longer returns to its seat within a PWM period. The thesis found this limit by ear, and the sound ends when the
-/// seat is no longer struck. The armature rests at full stroke only from about 7 % duty cycle more on. Returns `None`
-/// if even 100 % does not keep it open, and for a normally open valve.
+/// no longer returns to its seat within a PWM period. The thesis found this limit by ear: the sound ends when the
+/// armature no longer strikes the seat. The armature rests at full stroke only at about 7 % more duty cycle. Returns
+/// `None` if even 100 % does not keep it open, and for a normally open valve.
 pub fn holding_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
     let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
     let start_ns = settled_ns(parameters);
@@ -150,7 +150,7 @@ pub struct PressureStep {
 
 /// Time grid on which pressures are read (ns).
 const GRID_NS: u64 = 50_000;
-/// Pressure change that a sensor would detect (Pa): one step of it.
+/// Pressure change that a sensor detects (Pa): one quantisation step.
 const NOTICEABLE_PA: f64 = 510.0;
 /// Maximum waiting time for a pressure (ns).
 const PATIENCE_NS: u64 = 20_000_000_000;

@@ -28,7 +28,7 @@ pub struct Now<'a> {
     pub own: &'a [f64],
 }
 
-/// Law: a number for every instant.
+/// Law that returns a number for every instant.
 #[derive(Clone)]
 pub struct Law(Arc<dyn Fn(&Now) -> f64 + Send + Sync>);
 

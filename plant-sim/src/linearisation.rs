@@ -5,7 +5,7 @@
 //!
 //! # Errors in the printed formulas
 //!
-//! - The coil rows: with L = L_off - x (L_off - L_on)/(x_on - x_off), ∂f1/∂x1 is -R/L. Printed is
+//! - The coil rows: with L = L_off - x (L_off - L_on)/(x_on - x_off), ∂f1/∂x1 is -R/L. The thesis prints
 //!   -R/(x (L_off - L_on)/(x_on - x_off) - L_off) = +R/L, an unstable coil; likewise ∂f5/∂x5. The entries of B
 //!   have the same wrong sign (printed -1/L).
 //! - ∂f1/∂x2 and ∂f5/∂x6 have the wrong sign for the same reason, and ∂f5/∂x6 is printed with u1 for u2; they vanish at
@@ -16,7 +16,7 @@
 //! - ∂f4/∂x4 is printed for a choked fill and a subsonic vent valve. With both valves open and orifices of one size the
 //!   balance is near 0.81 P_sup: the fill flow is subsonic and the vent flow choked. This module evaluates each flow in
 //!   its actual regime.
-//! - ∂f4/∂x2 and ∂f4/∂x6 are zero where the bore limits the flow (equation 3.21), which is so at full stroke.
+//! - ∂f4/∂x2 and ∂f4/∂x6 are zero where the bore limits the flow (equation 3.21), which is the case at full stroke.
 //! - C and D are printed as ∂f/∂x; they are ∂g/∂x and ∂g/∂u.
 
 use crate::coil::Drive;

@@ -14,7 +14,7 @@ const SAMPLES_OF_ROOM: f64 = 3.0;
 pub struct LoggerClock {
     /// ECU time of the first row (s), since the ECU sample at or before it: 0 to T_ECU.
     pub phase_s: f64,
-    /// Drift: time that the ECU counts beyond the logger's, per logged time (ppm).
+    /// Drift: excess of the ECU's time over the logger's time, per logged time (ppm).
     pub drift_ppm: f64,
 }
 
@@ -27,8 +27,8 @@ impl LoggerClock {
         }
     }
 
-    /// Returns the clock some whole samples of the ECU later, so that no row is before the beginning: a clock that is
-    /// fast may reach back before the first sample.
+    /// Returns the clock some whole samples of the ECU later, so that no row is before the first sample of the ECU, as
+    /// a row may be with a fast clock.
     pub fn later(self, sample_time_s: f64) -> Self {
         Self {
             phase_s: self.phase_s.rem_euclid(sample_time_s) + SAMPLES_OF_ROOM * sample_time_s,

@@ -6,8 +6,8 @@ use crate::solver::table::Table;
 
 /// Ratio of downstream to upstream pressure above which the flow is linear in the pressure drop.
 ///
-/// The isentropic law has an infinite slope at equal pressures, which is a problem for any solver and unphysical: the
-/// flow turns laminar there. At 9 bar the linear zone is 0.9 mbar wide.
+/// At equal pressures the slope of the isentropic law is infinite. This is a problem for any solver, and unphysical:
+/// the flow is laminar there. At 9 bar the linear zone is 0.9 mbar wide.
 pub const LAMINAR_RATIO: f64 = 0.9999;
 
 /// Number of intervals of the tabulated subsonic branch; the error is below 1e-9 of the choked flow.
@@ -47,8 +47,8 @@ impl NozzleLaw {
     ///
     /// `heat_capacity_ratio` k > 1, `gas_constant` (J/(kg K)), `temperature` (K), `critical_ratio` as in equation 3.22
     /// (0.528 for air). A real component has a smaller one. Its subsonic branch is the isentropic one stretched over
-    /// the remaining ratios, so that the flow falls smoothly from choked to none for any ratio. A ratio that equals
-    /// equation 3.22 rounded to three digits is replaced by that equation.
+    /// the remaining ratios, so that the flow falls smoothly from choked flow to zero for any ratio. A ratio that
+    /// equals equation 3.22 rounded to three digits is replaced by that equation.
     pub fn new(
         heat_capacity_ratio: f64,
         gas_constant: f64,
@@ -280,8 +280,8 @@ impl Orifice {
         self.discharge_coefficient * self.circumference * lift.clamp(0.0, self.saturation_lift)
     }
 
-    /// Returns the effective area (m²) by one part of the law, continued smoothly beyond its end: a solver's step that
-    /// passes the kink or a stop sees no kink, and ends there.
+    /// Returns the effective area (m²) by one part of the law, continued smoothly beyond its end. A step of the solver
+    /// that passes the kink or a stop thus sees a smooth law, and is then shortened to end there.
     #[inline]
     pub fn effective_area_by(&self, limit: Limit, lift: f64) -> f64 {
         let lift = match limit {
@@ -324,7 +324,7 @@ mod tests {
     #[test]
     fn flow_function_is_the_printed_formula() {
         let (k, r, t, _) = AIR;
-        // Every hundredth of the table's intervals and more, from nearly choked to nearly laminar.
+        // About a hundred points in each interval of the table, from nearly choked to nearly laminar.
         for step in 0..=20_000 {
             let ratio = 0.528_3 + (0.999_89 - 0.528_3) * f64::from(step) / 20_000.0;
             let printed = (2.0 * k / (k - 1.0)

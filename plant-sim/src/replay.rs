@@ -1,7 +1,7 @@
 //! Replay: the model driven by the commands of a measurement, from a duty log to a recording.
 //!
-//! A row of a log contains the knowledge of the ECU at one instant: the duty cycles that it commands from there on, and
-//! the sensor values sampled at that instant. Coil currents are means over the interval that ends there if rows are
+//! A row of a log contains data of the ECU at one instant: the duty cycles that it commands from this instant on, and
+//! the sensor values sampled at this instant. Coil currents are means over the interval that ends there if rows are
 //! slower than the PWM (an ECU log), and values of the instant if they are faster (a scope).
 
 mod error;
@@ -86,7 +86,7 @@ fn has_signal(parameters: &PlantParameters, name: &str) -> bool {
 
 /// Maximum number of steps of a replay at its beginning.
 const WORK_AT_START: u64 = 100_000;
-/// Maximum number of steps for each PWM period of a row, with at least one period.
+/// Maximum number of steps for each PWM period of a row; a row counts as at least one period.
 const WORK_PER_PERIOD: u64 = 400;
 /// Maximum number of PWM periods that count for a row: a log with an hour between its rows takes no longer than one
 /// with a second.
@@ -118,7 +118,7 @@ pub struct Replay {
 
 /// Lowest supply pressure (Pa abs).
 const LEAST_SUPPLY: f64 = 1.0;
-/// Time (s) after which a coil and an armature rest under a lasting command.
+/// Time (s) after which coil current and armature are at rest under a constant command.
 const LEAD_S: f64 = 0.2;
 
 impl Replay {
@@ -151,8 +151,8 @@ impl Replay {
         }
     }
 
-    /// Begins under a `command` that has been valid for long: currents and armatures are at rest. Call it once, before
-    /// the first row and before [`Self::begin_showing`].
+    /// Begins under a `command` that has been valid for a long time: currents and armatures are at rest. Call it once,
+    /// before the first row and before [`Self::begin_showing`].
     pub fn begin_under(&mut self, command: Command) {
         let periods = (LEAD_S * 1e9 / self.pwm_period_ns as f64).ceil() as u64;
         let lead_ns = periods * self.pwm_period_ns;
@@ -172,7 +172,7 @@ impl Replay {
     /// Begins with a supply whose gauge shows `shown` (Pa abs). Call it before [`Self::begin_under`] and the first row.
     pub fn begin_supplied(&mut self, shown: f64) {
         self.supply_pressure = Some(shown);
-        // No gauge shows less than zero, but its offset may give a lower value.
+        // The reading less the offset may be negative, but a pressure is not.
         let pressure = (shown - self.supply_gauge_offset).max(LEAST_SUPPLY);
         self.simulator.set_supply_pressure(pressure);
     }
@@ -199,8 +199,8 @@ impl Replay {
         self.simulator.time_ns().saturating_sub(self.lead_ns)
     }
 
-    /// Grants the simulator the steps of the row of `input`, and passes the command at the instant at which it was
-    /// given. It is for callers that advance to instants before the row.
+    /// Raises the simulator's step limit for the row of `input`, and passes the command at the instant at which it was
+    /// given. Callers that advance to instants before the row call it first.
     pub fn begin_row(&mut self, input: &ReplayInput) {
         let span_ns = input.time_ns.saturating_sub(self.time_ns());
         let periods = span_ns.div_ceil(self.pwm_period_ns.max(1));
@@ -275,7 +275,7 @@ impl Replay {
     }
 }
 
-/// Replayed log, with the work that it took.
+/// Replayed log, with the simulator's work.
 #[derive(Debug, Clone)]
 pub struct Replayed {
     /// Signals of the model on the time base of the log.

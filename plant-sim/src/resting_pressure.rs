@@ -10,7 +10,7 @@
 //! - **nearly equal** pressures, where the flow is linear in the pressure drop: an exponential in 1 - r (fill)
 //!   or (1 - r)/r (vent).
 //!
-//! Only simultaneous subsonic flow through both valves is left to the solver.
+//! The solver integrates the rest: flow through both valves unless both flows are choked, and reverse flow.
 
 use crate::orifice::LAMINAR_RATIO;
 use crate::plant::{FILL, Plant, VENT};
@@ -161,7 +161,8 @@ impl RestingPressure {
     }
 }
 
-/// Returns the time in which dp/dt = `rise` - `decay_rate` p leads from `pressure` to `level`; infinite if it does not.
+/// Returns the time in which the pressure goes from `pressure` to `level` by dp/dt = `rise` - `decay_rate` p; infinite
+/// if it does not reach it.
 fn time_to_level(pressure: f64, rise: f64, decay_rate: f64, level: f64) -> f64 {
     let (rate_now, rate_then) = (rise - decay_rate * pressure, rise - decay_rate * level);
     let ahead = (level - pressure) * rate_now;

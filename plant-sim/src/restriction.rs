@@ -74,7 +74,7 @@ pub fn in_series(
         let surplus = out * out - into * into;
         [surplus, 2.0 * (out * out_slope - into * into_slope)]
     };
-    // Were they linear, the drops would be as the squares of the areas.
+    // Start value: for a linear function, the pressure drops are inversely proportional to the squares of the areas.
     let start = downstream + (upstream - downstream) * share * share / (1.0 + share * share);
     let between = increasing_root(squares, [downstream, upstream], start);
     (nozzle.mass_flow(areas[1], between, downstream), between)

@@ -1,4 +1,4 @@
-//! Every effect at every size, with and without supply: a simulation ends in a bounded number of steps.
+//! Every effect at every size, with and without supply: the simulation ends in a bounded number of steps.
 
 use plant_sim::effects::{About, Effect, EffectSetting, EntryPoint, LIBRARY, Variant, by_id};
 use plant_sim::parameters::{PARAMETERS, ParameterSpec, Size};
@@ -99,9 +99,9 @@ fn every_effect_at_every_size_takes_a_bounded_number_of_steps() {
     assert!(complaints.is_empty(), "{complaints:#?}");
 }
 
-/// A vent valve that the smallest force moves, with friction, in a field that eddy currents end within a microsecond.
-/// It was once left to the explicit method at its limit of stability, whose noise let it break away and halt a hundred
-/// million times a second.
+/// A vent valve whose armature a minimal force moves, with friction, in a field that eddy currents end within a
+/// microsecond. Defect seen: the explicit method solved it at its limit of stability, and its noise let the armature
+/// break away and halt a hundred million times a second.
 #[test]
 fn an_armature_in_the_grip_of_friction_does_not_chatter() {
     let mut plant = PlantParameters::nominal();
@@ -320,8 +320,8 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// A nearly massless armature with friction, in a field that eddy currents end in nanoseconds, was once left to the
-    /// explicit method at its limit of stability: two million halts in 10 ms.
+    /// Defect seen: the explicit method solved a nearly massless armature with friction, in a field that eddy currents
+    /// end in nanoseconds, at its limit of stability: two million halts in 10 ms.
     #[test]
     fn any_plant_with_any_effects_takes_a_bounded_number_of_steps(
         plant in any_plants(),

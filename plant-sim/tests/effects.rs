@@ -333,7 +333,7 @@ fn every_effect_is_in_the_list_of_parameters() {
     }
 }
 
-/// All effects together meet the requirement on each: the state stays physical and the work bounded.
+/// The requirement on each effect also applies to all effects together: the state stays physical and the work bounded.
 #[test]
 fn all_effects_together_stay_in_bounds() {
     let plant = with_all(&PlantParameters::nominal());

@@ -94,7 +94,7 @@ fn the_regulating_valve_is_an_output_stage() {
         (last(&staged.recording, "x_plunger") - 15.0).abs() < 1e-9,
         "at its stop, mm"
     );
-    // It does not act back (section 3.4).
+    // The plunger does not change the chamber pressure (section 3.4).
     assert_eq!(
         last(&plain.recording, "p_ch"),
         last(&staged.recording, "p_ch")
@@ -190,8 +190,8 @@ fn pressure(samples: Vec<f64>) -> (&'static str, Unit, Vec<f64>) {
     ("p_ch", Unit::BarAbsolute, samples)
 }
 
-/// An orifice that is always open equals the open vent valve: compared with the nominal plant at 100 %, once that is
-/// open.
+/// An orifice that is always open equals the open vent valve: compared with the nominal plant at 100 %, as soon as its
+/// vent valve is open.
 #[test]
 fn a_vessel_blows_down_through_an_orifice_as_through_an_open_valve() {
     let vessel = without(&COIL_KEYS, "fill = \"absent\"\nvent = \"always_open\"");
@@ -298,7 +298,7 @@ fn a_command_to_a_coil_that_is_not_there_is_refused_and_zeros_are_not() {
     );
 }
 
-/// A misspelt column once counted as 0 %, and a diagnosis found a cause for it.
+/// Defect seen: a misspelt column counted as 0 %, and a diagnosis found a cause for the error.
 #[test]
 fn a_command_that_is_not_there_is_no_zero_and_the_column_that_may_be_it_is_named() {
     let nominal = PlantParameters::nominal();
@@ -349,7 +349,7 @@ fn a_name_that_the_model_does_not_know_is_told_with_what_it_may_be() {
     let pressure = [("p_ch", Unit::BarGauge, vec![1.0; 20])];
     assert_eq!(nearest("pressure", Unit::BarGauge, &[]), ["p_ch"]);
     assert_eq!(nearest("pressure", Unit::KilopascalAbsolute, &[]), ["p_ch"]);
-    // A second pressure is no unknown signal.
+    // A second pressure is not an unknown signal.
     assert_eq!(nearest("p_supply", Unit::BarGauge, &pressure), [""; 0]);
     assert_eq!(nearest("i_fil", Unit::Milliampere, &pressure), ["i_fill"]);
     assert_eq!(nearest("i_fil", Unit::Volt, &pressure), [""; 0]);

@@ -1,4 +1,4 @@
-//! Throughput of the CSV reader and writer on a log of our own format, the one-minute practice log.
+//! Throughput of the CSV reader and writer on a log in the format of this crate, the one-minute practice log.
 
 use std::io;
 

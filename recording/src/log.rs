@@ -1,4 +1,4 @@
-//! Logs of either format, recognised by their content and not by their name.
+//! Logs of both formats, recognised by their content and not by their name.
 
 use std::fs::File;
 use std::io::{Cursor, Read, Seek};

@@ -16,7 +16,7 @@ pub enum NameError {
     /// The name has control or bidirectional-override characters, which change what a terminal or a page shows.
     #[error("a name has no control characters, this one has U+{:04X}", *.0 as u32)]
     Control(char),
-    /// The name begins or ends with white space, which no reader would see.
+    /// The name begins or ends with white space, which is not visible.
     #[error("a name neither begins nor ends with white space")]
     OuterSpace,
 }

@@ -1,4 +1,4 @@
-//! Suggestion of the name that was probably meant.
+//! Suggestion of the probably intended name.
 
 use strsim::levenshtein;
 
@@ -17,7 +17,7 @@ pub fn nearest_name<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -
         .map(|(_, candidate)| candidate)
 }
 
-/// Returns those of `names` that `word` probably means: the nearest one, or otherwise those that contain it.
+/// Returns the probably intended `names`: the one nearest to `word`, or otherwise those that contain it.
 pub fn names_meant<'a>(word: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a str> {
     match nearest_name(word, names.clone()) {
         Some(name) => vec![name],

@@ -361,8 +361,7 @@ impl Watch {
             .into_iter()
             .filter(|&unit| unit != self.unit)
             .filter_map(|unit| {
-                // Values that are too small can only come from a larger unit; psi is not a larger unit that anyone
-                // confuses there.
+                // Values that are too small can only come from a larger unit; psi is not a likely confusion there.
                 if !large && matches!(unit, U::PsiGauge | U::PsiAbsolute) {
                     return None;
                 }
@@ -376,7 +375,7 @@ impl Watch {
                 let fits = CHARGED_BAR.contains(&max_bar) && min_bar >= lowest_bar;
                 fits.then_some((unit, (max_bar / USUAL_BAR).ln().abs()))
             })
-            // A value of 120 is rather a chamber at 8 bar in psi than one at 1.2 bar in kPa.
+            // A value of 120 more probably means a chamber at 8 bar in psi than one at 1.2 bar in kPa.
             .min_by(|one, other| one.1.total_cmp(&other.1))
             .map(|(unit, _)| unit)
     }

@@ -20,7 +20,7 @@ pub struct Recording {
 pub struct LeftOut {
     /// Name in the source.
     pub name: String,
-    /// Reason why it is no signal, and what to do about it.
+    /// Reason why it is no signal, and the next step.
     pub reason: String,
 }
 
@@ -119,14 +119,12 @@ impl Recording {
         &self.left_out
     }
 
-    /// Sets the error of the signal `name`, rms in the unit of the signal, up to which it is of no interest to the
-    /// user.
+    /// Sets the tolerated model error of the signal `name` (rms, in the unit of the signal).
     pub fn set_need(&mut self, name: impl Into<String>, need: f64) {
         self.needs.push((name.into(), need));
     }
 
-    /// Returns the error of the signal `name` that is of no interest to the user, rms in the unit of the signal; 0 if
-    /// it was not set.
+    /// Returns the tolerated model error of the signal `name` (rms, in the unit of the signal); 0 if it was not set.
     pub fn need(&self, name: &str) -> f64 {
         let needs = self.needs.iter().filter(|(signal, _)| signal == name);
         needs.map(|&(_, need)| need).fold(0.0, f64::max)
@@ -320,7 +318,7 @@ pub enum MissingSignal {
         source_name: String,
         /// Wanted name.
         name: String,
-        /// Reason, and what to do about it.
+        /// Reason, and the next step.
         reason: String,
     },
     /// The signal has another quantity.

@@ -21,7 +21,7 @@ pub struct StartTime {
 /// Clock of an absolute time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
-    /// Universal time. Local clocks at the place of the recording were ahead of it by this number of minutes, less than
+    /// Universal time. `ahead_min` is the local time at the place of the recording minus the universal time, less than
     /// a day; 0 also if unknown.
     Utc {
         /// Minutes to add for the local time.

@@ -1,4 +1,4 @@
-//! Small hand-made files, each wrong in one way or valid in an unusual way.
+//! Small hand-made files, each with one error or with one unusual but valid property.
 
 #[allow(dead_code, reason = "each test holds some of the promises")]
 mod promise;

@@ -1,4 +1,4 @@
-//! Hostile files that try to cause a panic or excessive memory or time: none succeeds.
+//! Hostile files cause no panic and no excessive use of memory or time.
 //!
 //! `memory.rs` counts the heap. The tests here count the bytes read of a refused input, and on Linux the growth of the
 //! process while a long input is streamed.
@@ -197,7 +197,7 @@ fn each_budget_holds_at_its_bound_and_refuses_one_beyond() {
     );
 }
 
-/// Endless rows of our own format, generated while they are read.
+/// Endless rows in the format of this crate, generated while they are read.
 struct Rows {
     next: u64,
     count: u64,

@@ -1,4 +1,5 @@
-//! MF4 round trip: written files are read back bit for bit, by our reader and by the Python package asammdf.
+//! MF4 round trip: written files are read back bit for bit, by the reader of this crate and by the Python package
+//! asammdf.
 
 use std::io::Cursor;
 use std::process::Command;

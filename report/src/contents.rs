@@ -15,7 +15,7 @@ pub struct Contents<'a> {
     pub title: &'a str,
     /// Opened logs, readable or not.
     pub logs: &'a [LogPart<'a>],
-    /// The plant that the logs are compared with.
+    /// Plant that the logs are compared with.
     pub plant: Option<PlantPart<'a>>,
     /// Model compared with measurement, one part per log.
     pub models: &'a [ModelPart<'a>],
@@ -23,9 +23,9 @@ pub struct Contents<'a> {
     pub diagnosis: Option<DiagnosisPart<'a>>,
     /// Refinement steps of the plant.
     pub history: Option<HistoryPart<'a>>,
-    /// The closed loop on the model, one part per scenario.
+    /// Closed loop on the model, one part per scenario.
     pub control: &'a [ControlPart<'a>],
-    /// The figures of the thesis.
+    /// Figures of the thesis, measured and simulated.
     pub thesis: Option<&'a ThesisTable>,
     /// Next steps to try, one sentence or command each.
     pub next_steps: &'a [String],
@@ -67,7 +67,7 @@ pub struct ModelPart<'a> {
 pub struct DiagnosisPart<'a> {
     /// Result.
     pub diagnosis: &'a Diagnosis,
-    /// The worst log with the plain and with the refined model.
+    /// Log with the largest error, with the plain and with the refined model.
     pub runs: Option<&'a BeforeAndAfter<'a>>,
     /// Command that adds the named effects.
     pub next_command: Option<&'a str>,
@@ -130,7 +130,7 @@ pub struct HistoryStep {
     pub what: String,
     /// Log of the errors; empty if there are none.
     pub log: String,
-    /// Error of each signal after the step, in the unit of the signal \[rms\], and the noise floor if known.
+    /// Error of each signal after the step, in the unit of the signal (rms), and the noise floor if known.
     pub errors: Vec<(String, f64, Option<f64>)>,
 }
 

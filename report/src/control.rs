@@ -32,15 +32,15 @@ pub(super) fn headline(parts: &[ControlPart<'_>]) -> String {
     let rigs: usize = parts.iter().map(|part| part.rigs.len()).sum();
     let on_rigs = match (rigs, parts.iter().map(failing_rigs).sum::<usize>()) {
         (0, _) => String::new(),
-        (_, 0) => format!(" So it is on each of {rigs} rigs."),
-        (_, failing) => format!(" On {failing} of {rigs} rigs something binding is not kept."),
+        (_, 0) => format!(" The same is true on each of {rigs} rigs."),
+        (_, failing) => format!(" {failing} of {rigs} rigs fail a binding requirement."),
     };
     match (broken.next(), broken.count()) {
         _ if parts.iter().any(|part| part.verdict.steps.is_empty()) => {
-            "No step of the reference was held long enough to be judged.".to_owned()
+            "No step of the reference lasts long enough to be checked.".to_owned()
         }
         (None, _) => format!(
-            "Every binding requirement is kept, over {steps} steps of the reference.{on_rigs}"
+            "Every binding requirement is met, over {steps} steps of the reference.{on_rigs}"
         ),
         (Some(first), others) => {
             let others = match others {
@@ -48,7 +48,7 @@ pub(super) fn headline(parts: &[ControlPart<'_>]) -> String {
                 count => format!(", and {count} more"),
             };
             format!(
-                "Not kept: {}; reached {}, limit {} {}{others}.{on_rigs}",
+                "Fails: {}; reached {}, limit {} {}{others}.{on_rigs}",
                 first.requirement,
                 reached(first),
                 first.limit,
@@ -63,8 +63,8 @@ pub(super) fn section(parts: &[ControlPart<'_>]) -> Markup {
         section #control {
             h2 { "Control loop " (standing(parts).badge()) }
             p.rule {
-                "The rule: every binding requirement is kept, and at least one step was judged. "
-                "What is not binding is shown and does not decide."
+                "The rule: every binding requirement is met, and at least one step is checked. "
+                "Other requirements are shown only."
             }
             @for part in parts { (run(part)) }
         }
@@ -106,7 +106,7 @@ fn rig_line(rigs: &[RigVerdict]) -> Markup {
     let failing: Vec<&RigVerdict> = rigs.iter().filter(|rig| !rig.verdict.holds).collect();
     html! {
         p {
-            "On scattered rigs: " (rigs.len() - failing.len()) " of " (rigs.len()) " keep every binding requirement."
+            "On scattered rigs: " (rigs.len() - failing.len()) " of " (rigs.len()) " meet every binding requirement."
             @if !failing.is_empty() {
                 " Not so rig"
                 @for rig in failing.iter().take(10) { " " (rig.rig) " (seed " (rig.seed) ")" }

@@ -12,7 +12,7 @@ use super::element::{figure, foreign};
 use super::number::{engineering, number, percent};
 use crate::plot::{self, SmallUnit, capitalised, pressure_first, signal_words, unit_of};
 
-/// Length of the excerpts \[s\].
+/// Length of the excerpts (s).
 const EXCERPT_S: f64 = 10.0;
 
 /// Returns the verdict in a few words.
@@ -37,7 +37,7 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
     html! {
         section #diagnosis {
             h2 { "Which effect is missing? " (badge(diagnosis)) }
-            p.rule { "Judged on " (foreign(&diagnosis.held_out)) "; " (foreign(&diagnosis.predictor)) "." }
+            p.rule { "Validated on " (foreign(&diagnosis.held_out)) "; " (foreign(&diagnosis.predictor)) "." }
             @for (log, warnings) in &diagnosis.warnings {
                 @for warning in warnings {
                     p.finding { strong { "Warning" } " about " (foreign(log)) ": " (foreign(&warning.statement)) "." }
@@ -45,7 +45,7 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
             }
             @for (log, signals) in &diagnosis.not_compared {
                 @for signal in signals {
-                    p.finding { strong { (foreign(&signal.name)) } " of " (foreign(log)) " was not weighed: " (foreign(&signal.reason)) "." }
+                    p.finding { strong { (foreign(&signal.name)) } " of " (foreign(log)) " is excluded from the fit: " (foreign(&signal.reason)) "." }
                 }
             }
             @for clock in &diagnosis.clocks { p.rule { (foreign(&clock.log)) ": " (foreign(&clock.statement)) "." } }
@@ -61,22 +61,22 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
                 p.finding { strong { (foreign(&title(&candidate.effect))) } ": " (foreign(&candidate.physics)) }
             }
             @if let Some(command) = part.next_command {
-                p.lead { "Put it into the plant file:" }
+                p.lead { "Add it to the plant file:" }
                 pre { code { (foreign(command)) } }
             }
             (figure(plot::ladder(&diagnosis.ladder)))
-            details { summary { "The same in numbers" } (ladder_table(&diagnosis.ladder)) }
+            details { summary { "In numbers" } (ladder_table(&diagnosis.ladder)) }
             (before_and_after(part))
             h3 { "The candidates" }
             (figure(plot::candidates(diagnosis)))
             (candidate_table(diagnosis))
             (neighbours(diagnosis))
-            h3 { "What differs from rig to rig" }
-            p { "Refitted within the tolerance of the datasheet, with every candidate. A value at the end of its tolerance says that physics is missing." }
+            h3 { "Ordinary parameters" }
+            p { "Refitted within the tolerance of the plant file, with every candidate. A value at its limit shows that physics is missing." }
             (nuisance_table(&diagnosis.nuisance))
             (location(diagnosis))
             @if !diagnosis.remaining.sentences.is_empty() {
-                h3 { "What remains" }
+                h3 { "Unexplained residual" }
                 ul { @for sentence in &diagnosis.remaining.sentences { li { (foreign(sentence)) } } }
                 @if !diagnosis.remaining.missing_flow.is_empty() { (figure(plot::missing_flow(&diagnosis.remaining.missing_flow))) }
             }
@@ -98,7 +98,7 @@ fn ladder_table(steps: &[Step]) -> Markup {
             table {
                 thead {
                     tr {
-                        th { "Step" } th { "Signal" } th { "Unit" } th.number { "Rms, fitted logs" } th.number { "Rms, held out" }
+                        th { "Step" } th { "Signal" } th { "Unit" } th.number { "Rms, training" } th.number { "Rms, validation" }
                         th.number { "Noise floor" } th.number { "Rms, free run" } th.number { "Explained" } th.number { "Fitted parameters" }
                     }
                 }
@@ -152,7 +152,7 @@ fn before_and_after(part: &DiagnosisPart<'_>) -> Markup {
                 h3 { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }
                 p.finding { (caption(signal, after)) }
                 @if let Some(excerpt_s) = excerpt_s {
-                    p.lead { "Where the plain model is furthest off:" }
+                    p.lead { "Where the error of the plain model is largest:" }
                     (figure(plot::before_and_after(runs.log, &both, signal, Some(excerpt_s))))
                     details {
                         summary { "The whole log" }
@@ -174,7 +174,7 @@ fn candidate_table(diagnosis: &Diagnosis) -> Markup {
                 thead {
                     tr {
                         th { "Effect" } th.number { "Explained" } th.number { "Evidence" } th { "Fitted, 95 % interval" } th { "Size" }
-                        th { "Would show at" }
+                        th { "Detection limit" }
                     }
                 }
                 tbody {

@@ -9,9 +9,9 @@ use crate::plot::{Figure, PlotError};
 pub(super) enum Standing {
     Holds,
     DoesNotHold,
-    /// Nothing failed, and something is unknown.
+    /// No check failed, but at least one result is unknown.
     Open,
-    /// Beyond a limit that does not decide.
+    /// Outside a limit that is not binding.
     Beyond,
 }
 
@@ -24,11 +24,11 @@ impl Standing {
         }
     }
 
-    /// Returns a badge with a mark besides the colour, for readers who cannot distinguish the colours.
+    /// Returns a badge with a mark in addition to the colour, for readers who cannot distinguish the colours.
     pub(super) fn badge(self) -> Markup {
         let (class, words) = match self {
-            Self::Holds => ("badge holds", "✓ holds"),
-            Self::DoesNotHold => ("badge fails", "✗ does not hold"),
+            Self::Holds => ("badge holds", "✓ pass"),
+            Self::DoesNotHold => ("badge fails", "✗ fail"),
             Self::Open => ("badge open", "? open"),
             Self::Beyond => ("badge open", "beyond, not binding"),
         };

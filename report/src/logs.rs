@@ -64,7 +64,7 @@ fn signals(recording: &Recording) -> Markup {
     }
 }
 
-/// Extent of the time base with most samples.
+/// Extent of the time base with the most samples.
 struct Extent {
     samples: usize,
     duration_s: f64,

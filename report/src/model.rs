@@ -9,7 +9,7 @@ use super::element::{Standing, figure, foreign};
 use super::number::{known, number, percent, signed};
 use crate::plot::{self, SmallUnit, capitalised, signal_words};
 
-/// Length of the excerpts \[s\].
+/// Length of the excerpts (s).
 const EXCERPT_S: f64 = 10.0;
 
 pub(super) fn standing(comparison: &Comparison) -> Standing {
@@ -45,8 +45,7 @@ pub(super) fn headline(comparison: &Comparison) -> String {
             signal_words(&signal.name),
             error(signal)
         ),
-        _ => "Nothing speaks against the model, but not every signal has a limit to be held to."
-            .to_owned(),
+        _ => "No signal is outside its limit, but not every signal has a limit.".to_owned(),
     }
 }
 
@@ -98,7 +97,7 @@ pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
     }
 }
 
-/// Returns the conditions under which the log was made, as far as it is not the log of an ECU that begins at rest.
+/// Returns the recording conditions that differ from the default, a log of the ECU itself that starts at rest.
 fn conditions(comparison: &Comparison) -> impl Iterator<Item = &str> {
     let clock = comparison.clock.iter().map(|clock| &*clock.statement);
     let start_gas = comparison.start_gas.iter();
@@ -178,7 +177,7 @@ fn signal_section(part: &ModelPart<'_>, signal: &SignalComparison) -> Markup {
             h3 { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }
             p.finding { (foreign(&signal.finding.sentence)) "." }
             @if let Some(excerpt_s) = excerpt_s {
-                p.lead { "The ten seconds in which the free run is furthest off:" }
+                p.lead { "The ten seconds with the largest free-run error:" }
                 (figure(plot::comparison(log, comparison, signal, Some(excerpt_s))))
                 p.lead { "The whole log:" }
             }
@@ -186,7 +185,7 @@ fn signal_section(part: &ModelPart<'_>, signal: &SignalComparison) -> Markup {
             p.lead {
                 "Where the error is, "
                 (match signal.error_map.horizon {
-                    Horizon::ShortHorizon => "on the short horizon",
+                    Horizon::ShortHorizon => "one step ahead",
                     Horizon::FreeRun => "in free run",
                 })
                 ". Each cell: share of the excess, and mean error."
@@ -194,7 +193,7 @@ fn signal_section(part: &ModelPart<'_>, signal: &SignalComparison) -> Markup {
             (figure(plot::error_map(signal)))
             div.panels { @for shares in &signal.regimes { (figure(plot::regime(shares))) } }
             details {
-                summary { "The same in numbers" }
+                summary { "In numbers" }
                 (details(signal))
                 @for shares in &signal.regimes { (regime_table(shares, &signal.unit)) }
             }
@@ -220,7 +219,7 @@ fn details(signal: &SignalComparison) -> Markup {
             @if let Some(offset) = &signal.time_offset { dt { "Time offset" } dd { (foreign(&offset.statement)) } }
             (error_lines("Free run", &signal.free_run, unit))
             @if let Some(short_horizon) = &signal.short_horizon {
-                (error_lines("Short horizon", short_horizon, unit))
+                (error_lines("One step ahead", short_horizon, unit))
             }
         }
     }
@@ -232,10 +231,10 @@ fn error_lines(run: &str, error: &ErrorSummary, unit: SmallUnit<'_>) -> Markup {
         dd {
             (number(error.rms * unit.per_unit)) " " (foreign(unit.symbol)) " rms"
             @if let Some(expected) = error.expected_rms {
-                "; a perfect model would have " (number(expected * unit.per_unit)) " " (foreign(unit.symbol))
+                "; a perfect model has " (number(expected * unit.per_unit)) " " (foreign(unit.symbol))
             }
             @if let Some(samples) = error.autocorrelation_time_samples {
-                "; the error remembers " (number(samples)) " samples (white noise: 1)"
+                "; correlation time " (number(samples)) " samples (white noise: 1)"
             }
             @if let Some(test) = &error.whiteness {
                 "; Ljung-Box Q = " (number(test.q)) " over " (test.lags) " lags, " (probability(test.p_value))

@@ -7,7 +7,7 @@ use super::element::{Standing, foreign, printable};
 use super::{control, diagnosis, history, logs, model, origin, plant, thesis};
 use crate::plot::palette::DARK;
 
-/// Nothing may be loaded and nothing may run; the style is part of the page.
+/// Content policy of the page: nothing may be loaded or run, and the style is inline.
 const SECURITY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 
 const STYLE: &str = include_str!("style.css");

@@ -15,7 +15,7 @@ pub(super) fn headline(table: &ThesisTable) -> String {
         .collect();
     let kept = held.iter().filter(|row| row.holds == Some(true)).count();
     format!(
-        "The model reaches {kept} of the {} printed figures that it is held to; {} more are shown.",
+        "The model reaches {kept} of the {} printed figures with a limit; {} more are shown.",
         held.len(),
         table.rows.len() - held.len()
     )
@@ -25,10 +25,10 @@ pub(super) fn section(table: &ThesisTable) -> Markup {
     html! {
         section #thesis {
             h2 { "The thesis' own figures " (Standing::of(table.holds).badge()) }
-            p.rule { "The rule: every figure with a limit is reached within it. The others say what the plain model lacks." }
+            p.rule { "The rule: every figure with a limit is within it. The others show what the plain model lacks." }
             (figure(plot::thesis(table)))
             details {
-                summary { "The same in numbers" }
+                summary { "In numbers" }
                 div.table {
                     table {
                         thead {

@@ -89,7 +89,7 @@ pub(crate) enum Command {
     Parameters(ParametersArgs),
     /// List the settings of a controller file: value and meaning
     Settings(SettingsArgs),
-    /// Serve all of it as a page in the browser, on localhost only
+    /// Serve the workbench as a page in the browser, on localhost only
     Serve(ServeArgs),
     /// Run the work of one browser tab; `serve` starts it
     #[command(hide = true)]

@@ -189,7 +189,7 @@ impl Failure {
         }
     }
 
-    /// Returns whether the reader closed the standard output, which is no failure.
+    /// Returns whether the reader closed the standard output, which is not a failure.
     pub(crate) fn is_broken_pipe(&self) -> bool {
         matches!(self, Self::Write { path: None, error: WriteError::Io(error) } if error.kind() == io::ErrorKind::BrokenPipe)
     }

@@ -40,7 +40,7 @@ struct Named {
     /// Name of the file in messages.
     label: String,
     path: PathBuf,
-    /// `None` if it is not a file, such as a terminal.
+    /// Identity of the file; `None` if it is not a file, such as a terminal.
     identity: Option<FileIdentity>,
 }
 

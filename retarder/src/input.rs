@@ -1,4 +1,4 @@
-//! Conversion of arguments into values: only here files are read and checked.
+//! Conversion of arguments into values: the only module that reads and checks files.
 
 use std::fs::File;
 use std::io::{self, Read};

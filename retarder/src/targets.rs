@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use recording::AtomicFile;
 
-/// Destinations of results besides the text; `-` is the standard output.
+/// Destinations of results other than the text; `-` is the standard output.
 #[derive(Debug, Default)]
 pub(crate) struct Targets {
     pub(crate) json: Option<PathBuf>,
@@ -19,10 +19,10 @@ pub(crate) struct Targets {
 /// Treatment of a file that has the name of an output.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum Existing {
-    /// Replaced; its mode, owner and hard links stay.
+    /// The file is replaced; its mode, owner and hard links stay.
     #[default]
     Replace,
-    /// Kept, and the output is refused.
+    /// The file is kept, and the output is refused.
     Keep,
 }
 

@@ -35,7 +35,7 @@ fn event_driven(parameters: &PlantParameters, inputs: &[ReplayInput], tolerance:
     }
 }
 
-/// Prints how long one effect takes, over the plain plant.
+/// Prints the simulation time with each effect, relative to the plain plant.
 fn print_costs_of_effects(seconds: impl Fn(&PlantParameters) -> f64, plain: &PlantParameters) {
     let of_plain = seconds(plain);
     let cost = |effect: &'static dyn Effect| {
@@ -61,7 +61,7 @@ fn general(parameters: &PlantParameters, inputs: &[ReplayInput], tolerance: f64)
     }
 }
 
-/// Returns the rms and the largest deviation [mbar].
+/// Returns the rms and the largest deviation (mbar).
 fn deviation_mbar(run: &[f64], reference: &[f64]) -> (f64, f64) {
     let error = || run.iter().zip(reference).map(|(a, b)| (a - b) / 100.0);
     let mean_square = error().map(|e| e * e).sum::<f64>() / run.len() as f64;

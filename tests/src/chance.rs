@@ -10,7 +10,7 @@ impl Chance {
         Self(seed)
     }
 
-    /// Creates the stream of one of many things that share a seed.
+    /// Creates the stream with the number `index` of a seed.
     pub fn of(seed: u64, index: u64) -> Self {
         Self(Self(seed).bits() ^ index.wrapping_mul(0xd134_2543_de82_ef95))
     }
@@ -43,7 +43,7 @@ impl Chance {
         self.share() < probability
     }
 
-    /// Returns one of these.
+    /// Returns a random element of `all`.
     pub fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.whole(0, all.len() - 1)]
     }

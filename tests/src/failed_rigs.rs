@@ -1,4 +1,4 @@
-//! Rigs like those on which the diagnosis once failed: the reference plant and the logs that a user makes of it.
+//! Rigs like those on which the diagnosis once failed: the reference plant and the logs that a user records of it.
 
 use plant_sim::PlantParameters;
 use plant_sim::plant::VENT;
@@ -51,7 +51,7 @@ impl FailedRig {
     /// Creates a rig whose ordinary values differ from those of `file` by up to half of the usual tolerance.
     ///
     /// # Panics
-    /// If the file lacks a value that the reference plant needs.
+    /// Panics if the file lacks a value that the reference plant needs.
     pub fn of(file: PlantParameters, seed: u64) -> Self {
         let mut chance = Chance::new(seed);
         let datasheet = toml::from_str(&file.to_toml())

@@ -1,10 +1,10 @@
 //! Linear least squares by the normal equations.
 
-/// Returns the weights of the columns whose sum is nearest to the target. `pull` draws each weight towards zero, in
-/// units of one squared residual per squared weight: a prior, or a ridge for columns that are nearly dependent.
+/// Returns the weights of the columns whose sum is nearest to the target. `pull` regularises each weight towards zero,
+/// in units of one squared residual per squared weight: a prior, or a ridge for columns that are nearly dependent.
 ///
 /// # Panics
-/// If there are not as many pulls as columns.
+/// Panics if there are not as many pulls as columns.
 pub fn weights<C: AsRef<[f64]>>(columns: &[C], target: &[f64], pull: &[f64]) -> Vec<f64> {
     assert_eq!(columns.len(), pull.len(), "one pull per column");
     let n = columns.len();

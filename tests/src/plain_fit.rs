@@ -21,16 +21,16 @@ type Scatter = [f64; SCATTERED.len()];
 /// Error of the plain model before and after the fit: rms in units of the noise, pressure and both currents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Misfit {
-    /// With the datasheet's values.
+    /// Error with the datasheet's values.
     pub nominal: [f64; 3],
-    /// With every scattered quantity fitted.
+    /// Error with every scattered quantity fitted.
     pub fitted: [f64; 3],
 }
 
 /// Fits the plain model to the readings for these commands (%), one pair per sample.
 ///
 /// # Panics
-/// If a fitted value is outside of the simulator's range.
+/// Panics if a fitted value is outside of the simulator's range.
 pub fn misfit(commands: &[[f64; 2]], readings: &[Reading]) -> Misfit {
     let truth: Vec<f64> = readings
         .iter()
@@ -49,8 +49,8 @@ pub fn misfit(commands: &[[f64; 2]], readings: &[Reading]) -> Misfit {
     let mut at = [0.0; SCATTERED.len()];
     let mut left = residuals(&at);
     let nominal = by_signal(&left);
-    // Levenberg and Marquardt: the pull grows after a step that did not help. Volume and discharge coefficients are
-    // nearly dependent; without a pull they would diverge together.
+    // Levenberg and Marquardt: the damping `pull` grows after a step that does not reduce the error. Volume and
+    // discharge coefficients are nearly dependent; without damping they would diverge together.
     let mut pull = 1.0;
     for _ in 0..ROUNDS {
         let columns: Vec<Vec<f64>> = (0..at.len())
@@ -114,7 +114,7 @@ fn simulated(plant: &PlantParameters, commands: &[[f64; 2]]) -> Vec<f64> {
     rows.collect()
 }
 
-/// Returns the nominal plant, moved by these half widths.
+/// Returns the nominal plant, with its scattered quantities moved by these numbers of half widths.
 fn plant(at: &Scatter) -> PlantParameters {
     let nominal = PlantParameters::nominal();
     let mut plant = nominal.clone();

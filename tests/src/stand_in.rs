@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// `calls`.
 ///
 /// # Panics
-/// If the folder cannot be written.
+/// Panics if the folder cannot be written.
 pub fn stand_in(folder: &Path, says: &str) -> PathBuf {
     let path = folder.join("stand-in");
     let script = format!(

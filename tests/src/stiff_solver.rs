@@ -130,7 +130,7 @@ fn release(plant: &Plant, mode: &mut Mode, state: &State) {
 /// Simulates `inputs` with local errors of `relative_tolerance` times the scale of each state.
 ///
 /// # Errors
-/// Errors of the solver.
+/// Returns the solver's errors.
 pub fn simulate(
     parameters: &PlantParameters,
     inputs: &[ReplayInput],

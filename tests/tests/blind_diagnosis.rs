@@ -122,12 +122,49 @@ fn warm_gas_and_a_warm_coil_are_both_named() {
     assert_eq!((both.count, both.of, wrong.count), (1, 1, 0));
 }
 
-/// Defect seen: a plunger with an undetermined volume was named. Half a minute of each log, since it tries every pair.
+/// Defect seen: a plunger with an undetermined volume was named. Only half a minute of each log is used, since the
+/// diagnosis tries every pair.
 #[test]
 fn a_bowed_sensor_gets_no_name() {
     const BOW: Hidden = ("sensor_bow", "parabola between 0 and 8 bar", 6.084, 0.730);
     let share = quality_of_part(hiding(59, Class::Beyond, &[BOW]), 3000).named_outside;
     assert_eq!((share.count, share.of), (0, 1));
+}
+
+/// Defect seen: a soft spring imitated the friction, left more than the friction, and the plant file was called wrong.
+#[test]
+fn friction_is_named_where_a_wrong_spring_explains_less() {
+    const FRICTION: Hidden = (
+        "static_friction",
+        "sliding friction with a surplus at low velocity",
+        2.135,
+        0.287,
+    );
+    let rig = KnownRig {
+        seed: 20_261_129,
+        ..hiding(61, Class::Matched, &[FRICTION])
+    };
+    let quality = quality_of(rig);
+    let (right, wrong) = (quality.right_names, quality.wrong_names);
+    assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
+}
+
+/// Defect seen: the fit of the side chamber begins far from its end, gained little in its first steps, and was not followed.
+#[test]
+fn a_side_chamber_is_named_though_its_fit_begins_far_away() {
+    const CHAMBER: Hidden = (
+        "dead_volume",
+        "throttled side chamber, sensor in the chamber",
+        5.970,
+        0.113,
+    );
+    let rig = KnownRig {
+        seed: 20_261_129,
+        ..hiding(100, Class::Variant, &[CHAMBER])
+    };
+    let quality = quality_of(rig);
+    let (right, wrong) = (quality.right_names, quality.wrong_names);
+    assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Rigs like those on which the diagnosis once failed, in five families: whatever is hidden, no wrong name.
+//! Rigs like those on which the diagnosis once failed, in five families: no hidden departure may lead to a wrong name.
 
 use core::ops::ControlFlow;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ use retarder_tests::chance::Chance;
 use retarder_tests::failed_rigs::{FailedRig, Interval, TestSignal, steps};
 use retarder_tests::reference_plant::Departures;
 
-/// Departure of a rig from its plant file that a test hides.
+/// Departure of a rig from its plant file, unknown to the diagnosis.
 struct Hidden {
     hide: fn(&mut Departures),
     /// Effects of the library that are right names for it.
@@ -231,7 +231,8 @@ fn wrong_orifice(noise_mbar: f64, has_currents: bool, change: fn(&mut FailedRig)
     rig
 }
 
-/// Returns two chambers of 300 cm³ at 6 bar, with a normally open vent valve and a critical ratio of 0.35, which the plant file knows.
+/// Returns two chambers of 300 cm³ at 6 bar, with a normally open vent valve and a critical ratio of 0.35, which the
+/// plant file contains.
 fn two_chambers() -> FailedRig {
     let mut rig = chambers_of_file(2.0, 20.0);
     let effect = by_id("critical_ratio").unwrap();

@@ -107,7 +107,7 @@ fn gaps_and_steps_of_a_log_are_those_of_its_answer() {
             let steps = row[3] / step;
             assert!((steps - steps.round()).abs() < 0.1, "{}", row[3]);
         }
-        // Differs only by the sensor's noise and the ECU's first samples.
+        // The values differ only by the sensor's noise and the ECU's first samples.
         let first = log.first_pressure_bar_gauge;
         assert!((rows[0][3] - first).abs() < 0.1, "{} {first}", rows[0][3]);
         assert_eq!(log.relaxation_s > 0.0, log.first_surplus_k > 1.0);

@@ -15,8 +15,8 @@ fn commands() -> Vec<[f64; 2]> {
 }
 
 /// A rig without effects and without noise: error of the simulator's plain model after a fit of its uncertain
-/// parameters. No error would mean that both are the same program; half the noise would mean that a plain rig is not
-/// plain.
+/// parameters. An error of zero would mean that both plants are the same program. An error of half the noise would mean
+/// that the equations of a plain rig differ too much.
 #[test]
 fn a_plain_rig_is_the_thesis_model_to_a_third_of_the_noise_and_no_better() {
     let scatter = Scatter([0.5, -0.3, 0.8, -0.6, 0.2, -0.9, 0.4, 0.1, -0.5, 0.7]);

@@ -106,7 +106,7 @@ fn modules_of_a_crate_use_each_other_one_way() {
     }
 }
 
-/// The same for the files of the diagnosis, which is as large as a crate.
+/// The files of the diagnosis, which is as large as a crate, also have no cycle.
 #[test]
 fn modules_of_the_diagnosis_use_each_other_one_way() {
     let source = repository().join("model-lab/src/diagnosis");

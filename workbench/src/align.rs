@@ -45,7 +45,7 @@ pub(crate) fn align(
             })
             .max_by(|one, other| one.correlation.total_cmp(&other.correlation))
     };
-    // If both logs begin at the same event, the offset between their begins is the middle of the search range.
+    // If both logs begin at the same event, the offset between their starts is the middle of the search range.
     let middle_s = fixed.times_s[0] - moved.times_s[0];
     let coarse = search(middle_s, step_s, COARSE);
     let fine = coarse.and_then(|coarse| search(coarse.offset_s, step_s / FINE as f64, FINE));
@@ -72,7 +72,8 @@ impl Course {
         let course = Self { times_s, values };
         if course.times_s.len() < 3 {
             return Err(Refusal::value(format!(
-                "{name} has too few samples to align two logs by it"
+                "{name} has {} samples (at least 3 to align two logs); choose another signal, or type the offset",
+                course.times_s.len()
             )));
         }
         Ok(course)

@@ -47,9 +47,11 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/ladder.js",
     "pages/logs.js",
     "pages/mapping.js",
+    "pages/planned.js",
     "pages/refine.js",
     "pages/refine/effects.js",
     "pages/refine/estimation.js",
+    "pages/refine/experiment.js",
     "pages/refine/plots.js",
     "pages/roles.js",
     "pages/work.js",
@@ -72,7 +74,7 @@ static PLOTLY: LazyLock<String> = LazyLock::new(|| {
     elements[begin..end].to_owned()
 });
 
-/// Returns the one document.
+/// Returns the only HTML document.
 pub(crate) async fn index() -> impl IntoResponse {
     ([(CONTENT_TYPE, HTML)], include_str!("web/index.html"))
 }

@@ -60,7 +60,7 @@ impl Calculated {
     fn known_unit(&self) -> Result<Unit, String> {
         Unit::parse(&self.unit).ok_or_else(|| {
             format!(
-                "{}: {:?} is no unit; write it as a header does, such as bar_gauge, mA or pct",
+                "{}: {:?} is not a unit; write it as in a header, such as bar_gauge, mA or pct",
                 self.name, self.unit
             )
         })
@@ -103,7 +103,7 @@ impl Calculated {
     }
 }
 
-/// Adds each channel to a log, in order, so that a channel may use those before it. A channel that cannot be added is
+/// Adds each channel to a log, in order, so that a channel may use previous ones. A channel that cannot be added is
 /// left out, with the reason.
 pub(crate) fn add_to(log: &mut Recording, channels: &[Calculated]) {
     for channel in channels {

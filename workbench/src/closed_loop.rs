@@ -110,7 +110,7 @@ impl Profile {
     fn reference(&self) -> Result<ReferenceProfile, Refusal> {
         if self.changes.len() > CHANGES_MAX {
             return Err(Refusal::value(format!(
-                "a profile of the page has at most {CHANGES_MAX} changes; {} are too many: cut it, or use `retarder control`",
+                "the profile has {} changes (at most {CHANGES_MAX} on this page); shorten it, or use `retarder control`",
                 self.changes.len()
             )));
         }
@@ -141,7 +141,7 @@ fn nanoseconds(what: &str, seconds: f64) -> Result<u64, Refusal> {
         Ok((seconds * 1e9).round() as u64)
     } else {
         Err(Refusal::value(format!(
-            "{what} lies between 0 and {most_s} s on this page; {seconds} s does not"
+            "{what} is {seconds} s (0 to {most_s} s on this page); enter a value in this range"
         )))
     }
 }
@@ -159,7 +159,7 @@ impl ClosedLoop {
         };
         if !(1..=RIGS_MAX).contains(&self.rigs) {
             return Err(Refusal::value(format!(
-                "a batch of the page has 1 to {RIGS_MAX} rigs; {} is out of range: `retarder control --rigs` takes more",
+                "the batch has {} rigs (1 to {RIGS_MAX} on this page); use `retarder control --rigs` for more",
                 self.rigs
             )));
         }

@@ -17,19 +17,19 @@ use tokio_io_timeout::TimeoutStream;
 
 use crate::lock::lock;
 
-/// Most simultaneous connections that sent the cookie of this start; a browser uses six.
+/// Maximum number of simultaneous connections that sent the cookie of this start; a browser uses six.
 const PROVED_MAX: usize = 448;
-/// Most simultaneous connections that did not send it yet. The oldest is closed for a new one.
+/// Maximum number of simultaneous connections that have not sent the cookie yet. The oldest is closed for a new one.
 const UNPROVED_MAX: usize = 64;
 /// Deadline for the headers of a request.
 const HEADERS_DEADLINE: Duration = Duration::from_secs(15);
-/// Longest time in which a client reads nothing of an answer.
+/// Longest time for which a client may read nothing of an answer.
 const WRITE_DEADLINE: Duration = Duration::from_secs(30);
 
 /// Places of all connections.
 pub(crate) struct Places {
     numbers: AtomicU64,
-    /// Oldest first.
+    /// Connections without a valid cookie, oldest first.
     unproved: Mutex<VecDeque<(u64, AbortHandle)>>,
     proved: Arc<Semaphore>,
 }
@@ -104,7 +104,7 @@ impl Drop for Held {
     }
 }
 
-/// Accepts the connections of one socket.
+/// Accepts the connections to one socket.
 pub(crate) async fn accept(listener: TcpListener, router: Router, places: Arc<Places>) {
     loop {
         let Ok((stream, _)) = listener.accept().await else {
@@ -196,7 +196,7 @@ mod tests {
         });
     }
 
-    /// Defect seen: a client that sent a request and never read kept its connection for ever.
+    /// Defect seen: a client that sent a request and never read kept its connection open forever.
     #[test]
     fn an_answer_that_nobody_reads_is_waited_for_until_the_deadline() {
         with_paused_clock(async {
@@ -224,7 +224,7 @@ mod tests {
         });
     }
 
-    /// Defect seen: 520 clients without a cookie blocked everybody else.
+    /// Defect seen: 520 clients without a cookie blocked all other clients.
     #[test]
     fn whoever_proves_nothing_makes_room_for_those_who_come() {
         with_paused_clock(async {

@@ -4,7 +4,7 @@ use plant_sim::effects::{About, EntryPoint, LIBRARY};
 use plant_sim::parameters::{ParameterSpec, Scale};
 use serde::Serialize;
 
-/// The page of equations; an effect shows its own equation.
+/// Document with all equations; the page shows the equation of each effect.
 const EQUATIONS: &str = include_str!("../../docs/equations.md");
 
 /// Description of an effect.
@@ -19,7 +19,7 @@ pub(crate) struct EffectView {
     equation: &'static str,
     source: &'static str,
     excited_by: &'static str,
-    /// Ids of effects that look alike in a log.
+    /// Ids of effects that look similar in a log.
     confused_with: &'static [&'static str],
     forms: Vec<FormView>,
 }

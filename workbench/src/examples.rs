@@ -1,4 +1,4 @@
-//! Bundled logs and plants: the practice rigs, and published measurements of others.
+//! Bundled logs and plants: the practice rigs, and published measurements of other authors.
 
 use std::collections::BTreeMap;
 
@@ -253,7 +253,7 @@ mod tests {
                     ..Options::default()
                 };
                 let recording = read(log.name, log.bytes, &options).unwrap();
-                // One practice rig represents all: they are alike, and each takes a second.
+                // One practice rig represents all: they are similar, and each takes a second.
                 if example.group == "Practice rigs" && example.id != "practice-00" {
                     continue;
                 }

@@ -72,7 +72,7 @@ impl Function {
 
 impl Formula {
     /// # Errors
-    /// [`FormulaError`]: the expected text and its position.
+    /// Returns a [`FormulaError`] with the expected text and its position.
     pub(crate) fn parse(text: &str) -> Result<Self, FormulaError> {
         check_size(text)?;
         let mut root = terminated(expression, eof.context(expected("an operator")))

@@ -2,7 +2,7 @@
 //!
 //! The checks, in this order: the target and the `Host` header (an attacker's host name that resolves to this machine
 //! differs from ours), the origin of the request (a page of another origin may send but not read), and the secret of
-//! this start (other users of the machine may send requests, too).
+//! this start (other users of the machine may also send requests).
 
 use std::sync::Arc;
 
@@ -83,7 +83,7 @@ impl Gate {
                 "Only the page of this server may ask this.\n",
             ));
         }
-        // Only GET counts: a HEAD request does not use the address up.
+        // Only GET counts: a HEAD request does not use up the token of the address.
         let token = (request.method() == Method::GET && request.uri().path() == "/")
             .then(|| token_of(request.uri().query().unwrap_or("")))
             .flatten();

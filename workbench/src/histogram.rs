@@ -19,7 +19,7 @@ pub(crate) struct Histogram {
 }
 
 impl Histogram {
-    /// Returns the histogram of the values that are not missing; `None` without any.
+    /// Returns the histogram of the values that are not missing; `None` if all are missing.
     pub(crate) fn of(values: &[f64]) -> Option<Self> {
         let present = || values.iter().copied().filter(|value| !value.is_nan());
         let samples = present().count();

@@ -58,7 +58,7 @@ pub(crate) struct StepEffect {
 pub(crate) struct StepParameter {
     pub(crate) key: String,
     pub(crate) unit: String,
-    /// `None` for an infinite value, with which some effects are off.
+    /// Value; `None` if it is infinite, with which some effects are off.
     pub(crate) value: Option<f64>,
     /// Result of the last fit.
     pub(crate) fitted: Option<Interval>,
@@ -171,7 +171,7 @@ impl History {
     pub(crate) fn go_to(&mut self, step: usize) -> Result<(), Refusal> {
         if step >= self.steps.len() {
             return Err(Refusal::value(format!(
-                "there are {} steps, counted from 0; {step} is none of them",
+                "step {step} does not exist (there are {} steps, from 0); reload the page",
                 self.steps.len()
             )));
         }

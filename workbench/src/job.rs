@@ -1,4 +1,5 @@
-//! Jobs that take longer than a request: one at a time for each session, with progress events, ended with its page.
+//! Jobs that take longer than a request: one at a time for each session, with progress events. A job ends with its
+//! page.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -73,7 +74,7 @@ impl Job {
             if running.await.is_err() {
                 let problem = Problem::new(
                     "E-WEB-INTERNAL",
-                    "this is a mistake of the program, not of the data; please report it with the log",
+                    "internal error of the program, not of the data; please report it with the log",
                 );
                 watched.end(Err(problem.into()));
             }
@@ -105,7 +106,8 @@ impl Job {
         !self.is_cancelled()
     }
 
-    /// Does the same for a diagnosis, which has stages and reports from several threads.
+    /// Reports the progress of a diagnosis, which has stages and reports from several threads, and returns whether to
+    /// continue.
     pub(crate) fn watch(&self, seen: diagnosis::Progress) -> ControlFlow<()> {
         self.tell(Some(seen.stage), seen.done);
         if self.is_cancelled() {

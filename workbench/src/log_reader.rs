@@ -14,12 +14,12 @@ use crate::store::{UPLOAD_BYTES_MAX, open_regular};
 /// no file can end the server.
 ///
 /// # Errors
-/// The first problem of the file or its mapping, with its line.
+/// Returns the first problem of the file or its mapping, with its line.
 pub(crate) fn read(name: &str, path: &Path, mapping: Option<&str>) -> Result<Recording, Problem> {
     catch_unwind(AssertUnwindSafe(|| read_any(name, path, mapping))).unwrap_or_else(|_| {
         Err(Problem::new(
             "E-WEB-READER",
-            "the file is damaged in a way that its reader does not know; export it again",
+            "the file is damaged, and the reader cannot find the place; export it again",
         ))
     })
 }
@@ -52,6 +52,6 @@ fn not_stored(error: &io::Error) -> Problem {
     let kind = error.kind();
     Problem::new(
         "E-WEB-DISK",
-        format!("the stored log cannot be read: {kind}; drop it again"),
+        format!("the stored log cannot be read: {kind}; open the file again"),
     )
 }

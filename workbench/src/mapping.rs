@@ -17,15 +17,15 @@ pub(crate) struct Form {
     /// Lines before the header.
     #[serde(default)]
     skip_lines: u32,
-    /// Whether the first line names the columns; `None` lets the reader decide.
+    /// Whether the first line names the columns; with `None`, the reader decides.
     header: Option<bool>,
-    /// `comma`, `semicolon` or `tab`.
+    /// Delimiter: `comma`, `semicolon` or `tab`.
     delimiter: Option<Word>,
-    /// `.` or `,`.
+    /// Decimal mark: `.` or `,`.
     decimal: Option<Word>,
 }
 
-/// Mapping of one column. A column without an entry keeps the meaning of its header.
+/// Mapping of one column. A column without an entry is read according to its header.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Column {
@@ -75,7 +75,7 @@ impl Form {
     /// Returns the mapping as TOML; `None` if the form is empty, so that the log is read without a mapping.
     ///
     /// # Errors
-    /// Number that TOML cannot express.
+    /// Returns an error for a number that TOML cannot express.
     pub(crate) fn toml(&self) -> Result<Option<String>, Refusal> {
         if let Some(toml) = &self.toml {
             return Ok(Some(toml.clone()).filter(|toml| !toml.trim().is_empty()));
@@ -133,7 +133,7 @@ impl Column {
             if let Some(value) = value {
                 if !value.is_finite() {
                     return Err(Refusal::value(format!(
-                        "the {key} of column {column} is no finite number"
+                        "the {key} of column {column} is not a finite number; correct it"
                     )));
                 }
                 let _ = writeln!(lines, "{key} = {value:?}");

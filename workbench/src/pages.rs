@@ -3,6 +3,7 @@
 pub(crate) mod compare;
 pub(crate) mod control;
 pub(crate) mod diagnose;
+mod experiment_limits;
 mod logs;
 pub(crate) mod refine;
 mod report;
@@ -60,7 +61,7 @@ pub(crate) async fn blocking<T: Send + 'static>(
         Err(Refusal::new(
             StatusCode::INTERNAL_SERVER_ERROR,
             "E-WEB-INTERNAL",
-            "this is a mistake of the program, not of the data; please report it with the log",
+            "internal error of the program, not of the data; please report it with the log",
         ))
     })
 }

@@ -85,14 +85,14 @@ impl Strictness {
         let is_positive = |value: f64| value > 0.0 && value.is_finite();
         if !is_positive(self.allowed_noise_multiples) {
             return Err(Refusal::value(format!(
-                "the allowed multiple of the noise floor is positive; {} is not",
+                "the allowed multiple of the noise floor is {}; enter a value above 0",
                 self.allowed_noise_multiples
             )));
         }
         let mut tolerances = self.tolerances.iter();
         if let Some((name, value)) = tolerances.find(|(_, value)| !is_positive(**value)) {
             return Err(Refusal::value(format!(
-                "the tolerance of {name} is positive; {value} is not"
+                "the rms limit of {name} is {value}; enter a value above 0"
             )));
         }
         let mut bands = self.bands.iter();

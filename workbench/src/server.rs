@@ -82,7 +82,7 @@ impl Server {
     /// Binds the port on the loopback interface only, and opens the project folder.
     ///
     /// # Errors
-    /// [`ServeError`]: the port is in use, or the folder cannot be used.
+    /// Returns a [`ServeError`] if the port is in use or the folder cannot be used.
     pub fn bind(options: &Options) -> Result<Self, ServeError> {
         let loopback = match options.port {
             Some(0) => Loopback::on_free_port()?,
@@ -125,7 +125,7 @@ impl Server {
     /// Serves until it is stopped.
     ///
     /// # Errors
-    /// The operating system refuses threads, or closes the socket.
+    /// Returns an error if the operating system refuses threads or closes the socket.
     pub fn run(self) -> Result<(), ServeError> {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .enable_all()

@@ -20,7 +20,7 @@ use crate::results::{Batch, Compared, Controlled, ErrorsOfPlants, Findings};
 use crate::shelf::{Room, Shelf, VALUES_MAX, values_of};
 use crate::store::{BeingRead, Store};
 
-/// Plants of which each log remembers the conditions.
+/// Maximum number of plants for which a log stores its conditions.
 const PLANTS_REMEMBERED: usize = 4;
 
 /// Process of a tab, for its routes.
@@ -91,9 +91,9 @@ pub(crate) type OpenLog = Result<LoadedLog, Problem>;
 pub(crate) struct LoadedLog {
     pub(crate) recording: Recording,
     pub(crate) summary: LogSummary,
-    /// One for each signal.
+    /// Pyramids, one for each signal.
     pub(crate) pyramids: Vec<Pyramid>,
-    /// Conditions under which it was made, by each plant that they were determined with.
+    /// Conditions under which the log was made, for each plant that they were determined with.
     conditions: Mutex<Vec<(PlantFile, LogConditions)>>,
 }
 
@@ -108,8 +108,8 @@ impl LoadedLog {
         }
     }
 
-    /// Returns the conditions under which it was made, determined with `base` once. `base` is the plant as opened or as
-    /// estimated: an effect that is added and a slider that is moved change no clock.
+    /// Returns the conditions under which the log was made, determined once for each `base`. `base` is the plant as
+    /// opened or as estimated: adding an effect or moving a slider does not change the clock.
     pub(crate) fn conditions(&self, base: &PlantFile) -> Result<LogConditions, Refusal> {
         let mut known = lock(&self.conditions);
         if let Some((_, conditions)) = known.iter().find(|(plant, _)| plant == base) {
@@ -238,8 +238,8 @@ impl Session {
         if self.unreadable.contains(&reading) {
             return Err(Problem::new(
                 "E-WEB-MEMORY",
-                "reading this log took more memory than a tab may have; choose its columns, scale and offset again, or \
-                 remove it",
+                "reading this log exceeded the memory limit of a tab; correct its columns, scale and offset, or remove \
+                 the log",
             ));
         }
         // If the process ends here, the next one finds the note.
@@ -279,7 +279,7 @@ impl Session {
         self.clear_comparisons();
     }
 
-    /// Does the same for a job that has changed the plant itself.
+    /// Drops all comparisons without ending the running job: for a job that has changed the plant itself.
     pub(crate) fn clear_comparisons(&self) {
         self.comparisons.clear();
     }

@@ -18,7 +18,7 @@ pub(crate) struct Room {
 
 #[derive(Default)]
 struct Entries {
-    /// Least recently used first.
+    /// Entries, the least recently used first.
     entries: Vec<Entry>,
     shelves: u64,
 }
@@ -68,7 +68,7 @@ impl<T: Send + Sync + 'static> Shelf<T> {
         thing.downcast().ok()
     }
 
-    /// Stores a result with this number of values. It stays at least until the next one comes, whatever its size.
+    /// Stores a result with this number of values. It stays at least until the next result is stored, for any size.
     pub(crate) fn put(&self, number: u32, values: usize, thing: Arc<T>) {
         self.remove(number);
         let entries = &mut lock(&self.room.entries).entries;

@@ -17,9 +17,9 @@ const STEP_SLACK: f64 = 1.5;
 /// Power spectral density.
 #[derive(Debug, PartialEq, Serialize)]
 pub(crate) struct Spectrum {
-    /// Without 0: the mean of each segment is removed.
+    /// Frequencies (Hz), without 0: the mean of each segment is removed.
     frequency_hz: Vec<f64>,
-    /// One-sided (unit²/Hz): its integral over frequency is the variance.
+    /// One-sided density (unit²/Hz); its integral over frequency is the variance.
     density: Vec<f64>,
     sample_rate_hz: f64,
     segments: usize,

@@ -43,7 +43,7 @@ pub(crate) struct Store {
     projects: PathBuf,
     /// Folder of files being written; each is renamed when it is complete.
     incoming: PathBuf,
-    /// Held by the first server that has the folder open: only that one removes files.
+    /// Right of the first server that has the folder open: only that server removes files.
     _tidying: Option<TidyingRight>,
 }
 
@@ -354,7 +354,7 @@ fn too_slow() -> Refusal {
         StatusCode::REQUEST_TIMEOUT,
         "E-WEB-SLOW",
         format!(
-            "nothing came for {} s; drop the file again",
+            "the upload sent nothing for {} s; drop the file again",
             SILENCE_MAX.as_secs()
         ),
     )

@@ -27,7 +27,7 @@ use crate::session::Opening;
 use crate::store::{Store, UPLOAD_BYTES_MAX};
 use process::Tab;
 
-/// Most simultaneous tabs; beyond them, the oldest is closed. Its project is kept.
+/// Maximum number of simultaneous tabs; beyond it, the oldest is closed. Its project is kept.
 const TABS_MAX: usize = 24;
 
 /// Simultaneous uploads of all tabs together.
@@ -41,7 +41,7 @@ pub(crate) const WINDOW_BYTES: u32 = 1 << 20;
 pub struct Worker {
     /// Program file.
     pub program: PathBuf,
-    /// Its first arguments.
+    /// First arguments of the program.
     pub arguments: Vec<String>,
     /// Memory limit of one tab (bytes).
     pub memory_bytes: u64,
@@ -147,7 +147,7 @@ async fn upload(State(tabs): State<Arc<Tabs>>, request: Request) -> Result<Respo
         Refusal::new(
             StatusCode::TOO_MANY_REQUESTS,
             "E-WEB-BUSY",
-            "two files are on their way already; wait for them",
+            "two files are being uploaded; try again when they are complete",
         )
     })?;
     hand_on(State(Arc::clone(&tabs)), request).await

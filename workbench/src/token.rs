@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Returns 128 random bits as 32 hexadecimal digits.
 ///
 /// # Errors
-/// The operating system has no random numbers.
+/// Returns an error if the operating system provides no random numbers.
 pub(crate) fn random_hex() -> Result<String, getrandom::Error> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes)?;
@@ -61,8 +61,7 @@ impl Secrets {
         &self.token
     }
 
-    /// Returns the cookie for the token, once only, so that an address that is read later by another person opens
-    /// nothing.
+    /// Returns the cookie for the token, once only, so that an address that another person reads later gives no access.
     pub(crate) fn exchange(&self, token: &str) -> Option<&str> {
         let is_first =
             is_equal(token, &self.token) && !self.is_exchanged.swap(true, Ordering::Relaxed);

@@ -17,10 +17,10 @@ const TIME_S_MAX: f64 = 60.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Tolerance {
-    /// In the unit of the residual.
+    /// Absolute tolerance, in the unit of the residual.
     #[serde(default)]
     pub(crate) absolute: f64,
-    /// Share of the measured value.
+    /// Relative tolerance, as a share of the measured value.
     #[serde(default)]
     pub(crate) relative: f64,
     #[serde(default)]
@@ -42,18 +42,18 @@ impl Tolerance {
         for (what, value, most) in bounds {
             if !(0.0..=most).contains(&value) {
                 let upper = if most < f64::MAX {
-                    format!(" and {most}")
+                    format!("to {most}")
                 } else {
-                    " and any finite number".to_owned()
+                    "or more".to_owned()
                 };
                 return Err(Refusal::value(format!(
-                    "the {what} of {name} lies between 0{upper}; {value} does not"
+                    "the {what} of {name} is {value} (0 {upper}); enter a value in this range"
                 )));
             }
         }
         if self.absolute == 0.0 && self.relative == 0.0 {
             return Err(Refusal::value(format!(
-                "the tolerance of {name} is absolute or relative, or both; give one of them"
+                "{name} has neither an absolute nor a relative tolerance; enter at least one"
             )));
         }
         Ok(())
@@ -139,7 +139,7 @@ mod tests {
         let times_s: Vec<f64> = (0..8).map(f64::from).collect();
         let measured = [0.0, 0.0, 0.0, 0.0, 10.0, 10.0, 10.0, 10.0];
         let [low, high] = tolerance(1.0, 0.0, 1.0).bounds(&times_s, &measured, 2..6);
-        // Before the step the model may already be high, after it still low.
+        // Before the step the model may already be high, and after the step it may still be low.
         assert_eq!(low, [-1.0, -11.0, -1.0, -1.0]);
         assert_eq!(high, [1.0, 1.0, 11.0, 1.0]);
     }

@@ -22,7 +22,7 @@ const HEADERS_BYTES_MAX: u32 = 1 << 20;
 /// An allocation beyond `memory_bytes` ends this process, and not the server.
 ///
 /// # Errors
-/// [`ServeError`]: the folder cannot be used, or the operating system gives no threads.
+/// Returns a [`ServeError`] if the folder cannot be used or the operating system provides no threads.
 pub fn work(project: &Path, memory_bytes: u64) -> Result<(), ServeError> {
     limit_memory(memory_bytes)?;
     let store = Store::join(project)?;
@@ -33,7 +33,7 @@ pub fn work(project: &Path, memory_bytes: u64) -> Result<(), ServeError> {
         .build()?;
     runtime.block_on(async {
         let stream = tokio::io::join(tokio::io::stdin(), tokio::io::stdout());
-        // It ends with the server, in whatever way that ended.
+        // The connection ends with the server, for any reason.
         let _ = http2::Builder::new(TokioExecutor::new())
             .initial_stream_window_size(WINDOW_BYTES)
             .initial_connection_window_size(4 * WINDOW_BYTES)
@@ -46,7 +46,7 @@ pub fn work(project: &Path, memory_bytes: u64) -> Result<(), ServeError> {
     Ok(())
 }
 
-/// Limits allocated data, not address space: threads reserve much of that.
+/// Limited resource: allocated data, not address space, of which threads reserve much.
 #[cfg(target_os = "linux")]
 const MEMORY: rustix::process::Resource = rustix::process::Resource::Data;
 #[cfg(all(unix, not(target_os = "linux")))]
@@ -60,12 +60,12 @@ fn limit_memory(bytes: u64) -> std::io::Result<()> {
         maximum: Some(bytes),
     };
     setrlimit(MEMORY, limit(bytes))?;
-    // A core dump would be of no use.
+    // A core dump would not be useful.
     setrlimit(Resource::Core, limit(0))?;
     Ok(())
 }
 
-/// On other systems, the operating system ends the largest process when memory is short, which is not the server.
+/// Sets no limit. If memory is short, the operating system ends the largest process, which is not the server.
 #[cfg(not(unix))]
 fn limit_memory(_bytes: u64) -> std::io::Result<()> {
     Ok(())

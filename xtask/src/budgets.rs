@@ -58,7 +58,8 @@ pub(crate) fn setup(report: &mut Report) {
     report.step(COMPILER, bench::compiler_ready);
 }
 
-/// Counts, proves, prints and judges; `json` is the file for the findings, if given.
+/// Counts instructions, derives bounds, prints them and compares them with the budgets; `json` is the file for the
+/// findings, if given.
 pub(crate) fn run(report: &mut Report, choice: Choice, json: Option<&Path>) {
     let toolchain = report.step(TOOLS, || {
         qemu::ready()?;

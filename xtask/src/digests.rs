@@ -9,7 +9,7 @@
 
 use std::fmt;
 
-/// Prefix of a line that only the ARM machine prints, and that is no result of the controller: its stack usage.
+/// Prefix of a line that only the ARM machine prints, and that is not a result of the controller: the stack usage.
 const STACK: &str = "stack ";
 
 /// Self-test of one machine.
@@ -60,9 +60,9 @@ pub(crate) enum Difference {
     /// Different bits.
     Bits {
         name: String,
-        /// The digests before this step are equal.
+        /// Step before which all digests are equal.
         from: u64,
-        /// The digests at this step differ.
+        /// Step at which the digests differ.
         until: u64,
         host: u64,
         arm: u64,

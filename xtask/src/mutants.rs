@@ -87,8 +87,8 @@ impl Subject {
         }
     }
 
-    /// Returns the tests that judge: those that end within a second or two. The long tests, random and against other
-    /// arithmetic, prove more about right code and little more about wrong code.
+    /// Returns the tests that each mutant runs: those that end within a second or two. The long tests, which are random
+    /// or compare with other arithmetic, find hardly any additional mutants.
     fn tests(self) -> &'static [&'static str] {
         match self {
             Self::Controller => &[
@@ -167,7 +167,7 @@ fn commit_number() -> Result<u32, Failure> {
     head.args(["rev-parse", "--short=7", "HEAD"])
         .current_dir(root());
     let said = process::capture(&mut head, Duration::from_secs(10))?;
-    // Without a commit, as in an unpacked archive, any part will do.
+    // Without a commit, as in an unpacked archive, the part does not matter.
     Ok(u32::from_str_radix(said.trim(), 16).unwrap_or(0))
 }
 
@@ -183,7 +183,7 @@ fn judge(subject: Subject, shard: Option<Shard>) -> Result<(), Failure> {
 fn run(subject: Subject, shard: Option<Shard>) -> Result<PathBuf, Failure> {
     let out = target_dir().join("mutants").join(subject.folder());
     let outcomes = out.join("mutants.out/outcomes.json");
-    // Outcomes of an earlier run are no findings of this one.
+    // Outcomes of an earlier run are not findings of this one.
     let _ = fs::remove_file(&outcomes);
     make_folder(&out)?;
     let mut mutants = Command::new(tool()?);

@@ -36,7 +36,7 @@ pub(crate) fn capture(command: &mut Command, deadline: Duration) -> Result<Strin
     };
     let stdout = text(stdout).map_err(watched)?;
     let stderr = text(stderr).map_err(watched)?;
-    // On failure the reason is mostly on the standard error; otherwise the end of the standard output helps.
+    // On failure the reason is usually on the standard error; otherwise the end of the standard output is used.
     let reason = if stderr.trim().is_empty() {
         &stdout
     } else {

@@ -12,7 +12,8 @@ use crate::{packages, process};
 
 const PROGRAM: &str = "qemu-system-arm";
 
-/// Timeout of one emulated run. The self-test takes a few seconds; a silent or endless image ends here.
+/// Timeout of one emulated run. The self-test takes a few seconds; a silent or endless image is stopped after this
+/// time.
 pub(crate) const DEADLINE: Duration = Duration::from_secs(180);
 
 /// Board that the image can be built for.
@@ -49,11 +50,11 @@ pub(crate) fn run(image: &Path) -> Result<String, Failure> {
     process::capture(&mut command(image), DEADLINE)
 }
 
-/// Request for the self-test: the word that the image looks for after a reset
-/// (`firmware/src/boards/mps2_an386/pins.rs`).
+/// Request for the self-test: the word that the image reads after a reset (`firmware/src/boards/mps2_an386/pins.rs`).
 const WISH: &str = "loader,addr=0x21001040,data=0x74657374,data-len=4";
 
-/// No window, no monitor and no serial line: the self-test prints and ends by semihosting.
+/// Creates the command of the machine, without window, monitor and serial line: the self-test prints and ends by
+/// semihosting.
 fn command(image: &Path) -> Command {
     let mut qemu = Command::new(PROGRAM);
     qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4"]);

@@ -59,7 +59,7 @@ impl Step {
         self.outcome.is_err() && !self.skipped()
     }
 
-    /// Returns whether the step was skipped; only a step with a tool that this machine cannot get may be.
+    /// Returns whether the step was skipped. Only a step that needs a tool that this machine cannot get may be skipped.
     fn skipped(&self) -> bool {
         matches!(self.outcome, Err(Failure::Skipped { .. }))
     }

@@ -13,7 +13,7 @@ use crate::workspace::{cargo, find_program};
 pub(crate) const FEATURES: &str =
     "hil-harness/image-in-the-loop,retarder/image-in-the-loop,workbench/browser";
 
-/// Timeout for build and run of one part. A cold build of everything takes ten minutes on two cores that have nothing else to do.
+/// Timeout for build and run of one part. A cold build of everything takes ten minutes on two idle cores.
 const DEADLINE: Duration = Duration::from_secs(3600);
 
 /// Selection of the workspace's tests.
@@ -27,7 +27,7 @@ pub(crate) enum Which<'a> {
     Image(&'a Path),
 }
 
-/// Runs some tests of the workspace; all of them, even if one fails.
+/// Runs some tests of the workspace; all of them run, even if one fails.
 pub(crate) fn run(which: Which<'_>) -> Result<(), Failure> {
     let runs = if find_program("cargo-nextest").is_some() {
         vec![by_nextest(which)]
@@ -59,7 +59,7 @@ fn by_nextest(which: Which<'_>) -> Command {
     tests
 }
 
-/// Returns the commands for cargo's own runner, which knows whole test programs only.
+/// Returns the commands for cargo's own runner, which can select whole test programs only.
 fn by_cargo(which: Which<'_>) -> Vec<Command> {
     let test = |arguments: &[&str]| {
         let mut tests = cargo();

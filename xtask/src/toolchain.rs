@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::workspace::{arm_target_dir, cargo, find_program};
 use crate::{packages, process};
 
-/// Processor of the ECU: a Cortex-M4F with hardware floating point, for other code on it.
+/// Target of the ECU: a Cortex-M4F with hardware floating point, which only code other than the controller uses.
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Timeout of rustup's download.

@@ -105,7 +105,7 @@ fn the_pressure_dependent_limits_meet_the_measured_opening_duties() {
     assert_limit(limit("3", "9.5"), 25.5);
 }
 
-/// Section 6.6's example: at 6.8 bar a fill valve with 25.5 % as lower limit does not open for an error of 0.2 bar.
+/// Example of section 6.6: at 6.8 bar a fill valve with 25.5 % as lower limit does not open for an error of 0.2 bar.
 #[test]
 fn with_pressure_dependent_limits_a_small_error_opens_the_fill_valve_at_high_pressure() {
     let opens = |duty_min| {

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use crate::support::{any_inputs, any_settings, mirrored};
 
-/// One sample as a checker sees it: input, state before and after, output.
+/// Sample of a run: input, state before and after, output.
 struct Sample {
     input: Input,
     before: State,

@@ -1,9 +1,8 @@
-//! Requirements on the controller, tested from outside. One binary; one module per kind of evidence:
-//! `invariants` checks any input and any settings, `mechanisms` and `distribution` check each mechanism of chapter 6 in
-//! a small scenario,
-//! `reference` compares with floating point, `settings` checks every bound, `names` checks displayed names,
-//! `fixed_config` fixes mechanisms,
-//! `state` saves and restores, `golden` freezes the bits.
+//! Requirements on the controller, tested from outside. One binary; one module per kind of evidence: `invariants`
+//! checks any input and any settings, `mechanisms` and `distribution` check each mechanism of chapter 6 in a small
+//! scenario, `reference` compares with floating point, `settings` checks every bound, `names` checks displayed names,
+//! `fixed_config` checks mechanisms fixed at compile time, `state` saves and restores the state, `golden` compares
+//! digests of the outputs.
 
 mod distribution;
 mod fixed_config;

@@ -71,7 +71,7 @@ fn a_sample_time_twice_as_long_halves_the_derivative_and_doubles_the_integral() 
     assert_close(slow.integral, percent(fast.integral) * 2.0);
 }
 
-// ---- tolerance, 6.3.1 ----
+// ---- deadband, 6.3.1 ----
 
 #[test]
 fn the_tolerance_is_strict() {
@@ -115,7 +115,8 @@ fn leaving_the_tolerance_gives_no_derivative_kick() {
     assert_close(samples[2].1.derivative, 7.5);
 }
 
-/// The pressure is 5 bar and is vented towards 0 bar; then 3 bar are asked for. Equation 6.2 would fill.
+/// The pressure is 5 bar and is vented towards 0 bar; then the reference becomes 3 bar. Equation 6.2 would open the
+/// fill valve.
 #[test]
 fn a_reference_that_jumps_towards_the_pressure_makes_the_derivative_part_fill_only_where_it_sees_the_jump()
  {
@@ -180,8 +181,8 @@ const PREDICTING: Settings = Settings {
     ..Settings::thesis()
 };
 
-/// Figure 6.8: an error that rises from -0.5 bar by 0.13 bar a sample is switched off before it is inside the tolerance, one
-/// sample earlier for each step of prediction.
+/// Figure 6.8: for an error that rises from -0.5 bar by 0.13 bar per sample the valves are switched off before the
+/// error is inside the deadband, one sample earlier for each step of prediction.
 #[test]
 fn the_valves_are_switched_off_one_sample_earlier_per_predicted_step() {
     let inputs = [
@@ -261,7 +262,7 @@ fn the_account_shows_the_error_and_where_it_is_predicted() {
     assert_eq!(off[0].1.error, bar("0.0625"));
 }
 
-/// An error that is predicted to pass the reference and to stop at the tolerance's far edge is not inside.
+/// A predicted error beyond the reference, exactly at the far edge of the deadband, is not inside.
 #[test]
 fn the_tolerance_is_strict_on_the_far_side_of_the_prediction_too() {
     let settings = Settings {
@@ -318,7 +319,7 @@ fn a_reference_jump_from_rest_switches_nothing_off() {
     }
 }
 
-/// 0.44 bar a sample, as an orifice of 1.9 mm fills 75 cm³: the predicted error jumps over the deadband.
+/// 0.44 bar per sample, as an orifice of 1.9 mm fills 75 cm³: the predicted error jumps over the deadband.
 #[test]
 fn a_pressure_that_is_predicted_past_the_tolerance_is_switched_off_only_beyond() {
     let inputs = [("3", "2.1"), ("3", "2.54")];
@@ -523,8 +524,8 @@ fn the_boost_does_not_run_while_the_control_signal_is_saturated() {
     assert_eq!(boosts(&[("8", "2"), ("8", "2")]), [0.0, 0.0]);
 }
 
-/// The case for which the boost exists: after an early switch-off the pressure stops outside the deadband, and the duty
-/// cycle is too small to open the valve.
+/// Purpose of the boost: after an early switch-off the pressure stops outside the deadband, and the duty cycle is too
+/// small to open the valve.
 #[test]
 fn the_boost_lifts_the_duty_cycle_until_the_valve_opens() {
     let config = config(&BOOSTING);

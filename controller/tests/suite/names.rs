@@ -1,4 +1,4 @@
-//! Displayed text of quantities, settings and coefficients, as a person reads it in a log or an error.
+//! Displayed text of quantities, settings and coefficients, as shown in logs and errors.
 
 use controller::fixed::types::I20F12;
 use controller::{Coefficient, ControlSignal, Duty, Field};
@@ -24,7 +24,7 @@ fn a_control_signal_is_held_at_100_percent_and_keeps_its_sign() {
     assert_eq!(signal("-100.001"), ControlSignal::MIN);
     assert_eq!(signal("0"), ControlSignal::ZERO);
     assert!(signal("99.999") < ControlSignal::MAX);
-    // The nearest of 2⁻²⁰ of 100 % and back, to the nearest of 2⁻¹² %: the same.
+    // Rounding to the nearest 2⁻²⁰ of 100 % and back to the nearest 2⁻¹² % gives the same value.
     for bits in [1, 12, 13, 4096, 123_456, 409_599] {
         let there_and_back =
             |bits: i32| ControlSignal::saturating_from_percent(I20F12::from_bits(bits)).to_bits();

@@ -2,7 +2,7 @@
 //!
 //! The reference implementation follows the equations of the thesis and the README's rules, not the code: no shift, no
 //! bound on an input, one `f64` per quantity. A decision may depend on a number that is closer to its threshold than
-//! the claimed bound for that number (u at ±100 %, u at 0). Then either answer is right: the reference takes the
+//! the claimed bound for that number (u at ±100 %, u at 0). Then both answers are correct: the reference takes the
 //! controller's, and such samples are counted.
 
 use std::fmt;
@@ -103,7 +103,7 @@ impl Reference<'_> {
         });
         let unsaturated = gain * error + derivative + integral + boost;
 
-        // Near 100 % either answer about the saturation of u is right.
+        // Near 100 % both answers about the saturation of u are correct.
         let at_its_end = (unsaturated.abs() - 100.0).abs() < BOUND_PCT;
         let cut = if at_its_end {
             seen.saturation != Saturation::None
@@ -124,7 +124,7 @@ impl Reference<'_> {
             }
         }
 
-        // Near u = 0 either answer about the driven valve, or none, is right.
+        // Near u = 0 each answer about the driven valve is correct: fill, vent or none.
         let tie = u.abs() < BOUND_PCT;
         let (fill, vent) = distributed(s, u, pressure);
         Expected { u, fill, vent, tie }

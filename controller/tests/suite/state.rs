@@ -1,4 +1,4 @@
-//! State: it can be saved, compared and restored, and a controller can start anywhere without a kick.
+//! State: saving, comparison, restoring, and a start at any pressure without a derivative kick.
 
 use controller::{ControlSignal, Pressure, State, StateError, step, step_traced};
 use proptest::prelude::*;

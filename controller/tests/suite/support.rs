@@ -1,4 +1,4 @@
-//! Shared parts of the tests: settings of every kind, inputs of every kind, a small random source.
+//! Shared parts of the tests: generators of settings and inputs, and random numbers.
 
 use controller::fixed::types::I16F16;
 use controller::{
@@ -66,8 +66,8 @@ pub(crate) fn assert_duties(output: &Output, expected: (&str, &str)) {
     );
 }
 
-/// Returns a P controller with nothing else: K 40 %/bar, Scheme 1. Each test switches on the mechanism that it is
-/// about.
+/// Returns a P controller without other mechanisms: K = 40 %/bar, Scheme 1. Each test switches on the mechanism under
+/// test.
 pub(crate) fn bare() -> Settings {
     Settings {
         integral_time_ms: None,
@@ -80,7 +80,7 @@ pub(crate) fn bare() -> Settings {
     }
 }
 
-/// Returns every configuration with evidence of its own, and its name.
+/// Returns name and settings of every configuration that has its own evidence.
 pub(crate) fn configurations() -> Vec<(&'static str, Settings)> {
     let thesis = Settings::thesis();
     let recommended = Settings::recommended();
@@ -172,7 +172,7 @@ pub(crate) fn mirrored(settings: &Settings) -> Settings {
     }
 }
 
-/// Generates any number of the range; its ends occur more often than by chance.
+/// Generates any number of the range; the ends have a higher probability.
 fn within(min: &str, max: &str) -> impl Strategy<Value = I16F16> {
     let (min, max) = (lit(min).to_bits(), lit(max).to_bits());
     prop_oneof![1 => Just(min), 1 => Just(max), 8 => min..=max].prop_map(I16F16::from_bits)
@@ -426,9 +426,9 @@ impl Random {
     }
 }
 
-/// Bench whose reference jumps and sometimes ramps, and whose pressure follows the valves roughly, with noise and a
-/// sensor's steps. It visits every regime of the controller. It uses integers only, so it is identical on every
-/// machine.
+/// Bench whose reference jumps and sometimes ramps, and whose pressure follows the valves roughly, with noise and the
+/// quantisation of a sensor. It reaches every regime of the controller. It uses integers only, so it is identical on
+/// every machine.
 pub(crate) struct Bench {
     random: Random,
     reference: i32,
@@ -451,7 +451,7 @@ impl Bench {
         match self.random.next() % 400 {
             0 => (self.reference, self.ramp) = ((self.random.next() % (8 << 16)) as i32, 0),
             1 => self.ramp = self.random.symmetric(400),
-            // Rarely any value, far outside of a sensor's range.
+            // Rarely, any value, far outside of a sensor's range.
             2 => self.pressure = self.random.next() as i32 >> 8,
             _ => {}
         }

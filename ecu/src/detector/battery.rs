@@ -4,7 +4,7 @@ use crate::config::Limits;
 use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
-/// N (samples).
+/// Debounce count N of the supply voltage (samples).
 pub(crate) const BATTERY_N: u8 = 10;
 
 /// Window check of the supply voltage; a voltage that is not measured is not checked.

@@ -7,7 +7,7 @@ use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 use crate::history::History;
 
-/// N (PWM periods), one in each sample.
+/// Debounce count N of a coil current (PWM periods, one in each sample).
 pub(crate) const COIL_N: u8 = 3;
 /// Lowest duty cycle at which a coil counts as energised: 20 %, 2⁻¹⁶. Below, the current may decay to zero within each
 /// period.
@@ -43,7 +43,7 @@ impl CoilDetector {
         self.short.update(takes_too_much || is_off && takes_some, n);
     }
 
-    /// Takes the duty cycle that the coil just got.
+    /// Records the duty cycle that was just applied to the coil.
     #[inline(always)]
     pub(crate) fn told(&mut self, duty: Duty) {
         self.energised.push(duty.to_bits() >= ENERGISED_MIN);

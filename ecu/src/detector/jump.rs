@@ -1,11 +1,11 @@
-//! Detector of a pressure that changed faster than any valve could change it.
+//! Detector of a pressure change that is faster than any valve can cause.
 
 use controller::Pressure;
 
 use crate::config::Limits;
 use crate::fault::Fault;
 
-/// Returns a fault if the pressure cannot follow the last plausible one within a sample.
+/// Returns a fault if the change from the last plausible pressure is impossible within a sample.
 #[inline(always)]
 pub(crate) fn jumped(
     limits: &Limits,

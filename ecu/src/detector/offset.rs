@@ -4,7 +4,8 @@ use crate::config::Limits;
 use crate::fault::{Fault, FaultSet};
 use crate::valve::Valves;
 
-/// N (samples) with the vent valve open for sure: 2 s empty the largest chamber through the smallest orifice.
+/// Count N of a pressure in a vented chamber (samples with the vent valve certainly open): 2 s empty the largest
+/// chamber through the smallest orifice.
 pub(crate) const OFFSET_N: u8 = 200;
 /// Highest pressure reading of an empty chamber: 0.2 bar gauge, 2⁻¹⁶. The highest ambient pressure is 0.07 bar above
 /// the standard one; the rest is the sensor's error and noise.
@@ -12,8 +13,7 @@ pub(crate) const EMPTY_MAX: i32 = 13_107;
 
 /// Detector of drift that is visible only in a vented chamber.
 ///
-/// While the vent valve is not open there is no evidence: N samples later the fault is over, so that the loop may try
-/// again.
+/// Without an open vent valve there is no evidence: N such samples end the fault, so that the loop may try again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct OffsetDetector {
     /// Number of samples counted towards the confirmation, or left until the fault is over: 0 to N.

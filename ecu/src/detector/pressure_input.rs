@@ -10,7 +10,7 @@ use crate::detector::stuck::StuckDetector;
 use crate::fault::{Fault, FaultSet};
 use crate::sensor::{PressureSensor, SensorCode};
 
-/// N (samples) with an implausible code, for any reason: a loose plug causes all of the reasons in turn.
+/// Debounce count N of an implausible code (samples), common to all reasons: a loose plug causes all of them in turn.
 pub(crate) const DOUBT_N: u8 = 5;
 
 /// Plausibility check of the pressure: missing codes, codes out of range, jumps, and stuck codes.

@@ -6,7 +6,7 @@ use crate::config::Limits;
 use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
-/// N (samples).
+/// Debounce count N of a lost reference (samples).
 pub(crate) const REFERENCE_N: u8 = 5;
 /// Lowest possible reference: vacuum, 2⁻¹⁶ bar gauge.
 pub(crate) const REFERENCE_MIN: i32 = -(1 << 16);

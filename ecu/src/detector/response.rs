@@ -5,27 +5,27 @@ use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 use crate::valve::Valves;
 
-/// N (samples) with more than [`EXCESS_MAX`].
+/// Debounce count N of a sum above [`EXCESS_MAX`] (samples).
 pub(crate) const RESPONSE_N: u8 = 3;
-/// Largest difference between the pressure and the range that the commands explain: 0.5 bar, 2⁻¹⁶. It is more than the
-/// peak-to-peak noise of a burst of ten times the sensor's noise.
+/// Largest difference between the pressure and the range that the commands explain: 0.5 bar, 2⁻¹⁶. It exceeds the
+/// peak-to-peak value of a noise burst of ten times the noise of the sensor.
 pub(crate) const EXCESS_MAX: i32 = 1 << 15;
-/// End of the sums, a little above the limit, so that an excess that is over soon decays.
+/// Upper bound of the sums, slightly above the limit, so that the sum decays soon after the excess has ended.
 const EXCESS_END: i32 = EXCESS_MAX + (EXCESS_MAX >> 3);
 /// Largest pressure change of a shut chamber in a sample: 5 mbar, 2⁻¹⁶. Causes are leaks, and gas that takes the walls'
 /// temperature after it was compressed: at most 15 % of a step within about two seconds.
 pub(crate) const CREEP: i32 = 328;
 
-/// Pressure drop in a sample beyond which the pressure really falls and the drop is not noise: 31 mbar, 2⁻¹⁶, five
-/// times the difference of two samples of the bench's noise.
+/// Pressure drop in a sample above which the drop is not noise: 31 mbar, 2⁻¹⁶, five times the difference of two samples
+/// of the bench's noise.
 pub(crate) const FALLING: i32 = 1 << 11;
 
 /// Two cumulative sums of the pressure change that no command explains (Page, Biometrika 41, 1954).
 ///
-/// The model gives bounds, not a pressure. A valve that is open for sure moves the pressure by at least half of its
-/// rate times the pressure difference across it; this is valid for choked and subsonic flow. A valve that is shut for
-/// sure moves it by the creep at most. A valve in between explains everything in its direction. Changes telescope in a
-/// sum, so noise contributes no more than its own amplitude.
+/// The model gives bounds, not a pressure. A certainly open valve moves the pressure by at least half of its rate times
+/// the pressure difference across it; this is valid for choked and subsonic flow. A certainly shut valve moves it by
+/// the creep at most. A valve in an unknown state explains any change in its direction. Changes telescope in a sum, so
+/// noise contributes no more than its own amplitude.
 ///
 /// ```text
 ///   change   │  too little: vent valve shut for sure      too much: fill valve shut for sure
@@ -39,7 +39,7 @@ pub(crate) struct ResponseDetector {
     too_much: Excess,
 }
 
-/// One of the sums (bar), 2⁻¹⁶, with the fault that it stood for when it became too large.
+/// One of the sums (bar), 2⁻¹⁶, with the fault that it indicates while it exceeds the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Excess {
     sum: i32,

@@ -1,13 +1,13 @@
-//! Detector of a control task that does not run in time.
+//! Detector of a control task that runs too early or too late.
 
 use crate::config::Limits;
 use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
-/// N (samples).
+/// Debounce count N of the sample time (samples).
 pub(crate) const SAMPLE_TIME_N: u8 = 3;
 
-/// Detector of a time between samples outside half to twice the sample time. Inside this range the loop works.
+/// Detector of a time between samples outside half to twice the sample time. The loop works within this range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct SampleTimeDetector(Debounce);
 

@@ -6,9 +6,9 @@ use crate::config::Limits;
 use crate::fault::{Fault, FaultSet};
 use crate::sensor::SensorCode;
 
-/// N (samples) in which a valve was driven.
+/// Count N of a stuck sensor (samples in which a valve was driven).
 pub(crate) const STUCK_N: u8 = 50;
-/// Pressure below which a vent valve has little to move: 0.5 bar gauge, 2⁻¹⁶.
+/// Pressure below which a vent valve hardly changes the pressure: 0.5 bar gauge, 2⁻¹⁶.
 pub(crate) const ROOM_TO_FALL: i32 = 1 << 15;
 
 /// Counter of driven samples without a single changed bit.

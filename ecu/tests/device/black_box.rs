@@ -1,4 +1,4 @@
-//! Black box.
+//! Black box: recording, trigger, resets, damaged memory.
 
 use ecu::black_box::{BlackBox, SAMPLES_AFTER, words};
 use hil_protocol::{BlackBoxRecord, BlackBoxStatus, RECORDS_MAX, Refusal, ResetCause};
@@ -251,7 +251,7 @@ fn a_reset_while_it_is_cleared_leaves_an_empty_one_or_the_old_one() {
     }
 }
 
-/// The image passes a reference, a controller in process passes an array. In too little memory there is no black box.
+/// The image passes a reference, a controller in process passes an array. With too little memory there is no black box.
 #[test]
 fn any_memory_will_do_and_too_little_keeps_nothing() {
     for length in 0..words(4) {

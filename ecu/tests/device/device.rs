@@ -1,4 +1,4 @@
-//! Device on its link, as seen by a host.
+//! Device at the end of its link, used by a host.
 
 use ecu::black_box::words;
 use ecu::calibration::{SETTING_COUNT, SETTINGS_DIGEST, SIGNALS_DIGEST, SettingId, SettingValues};
@@ -182,7 +182,7 @@ fn a_change_takes_effect_whole_with_the_sample_after_it_was_applied() {
     assert_eq!(bench.identity.settings_source, SettingsSource::Link);
 }
 
-/// Every incomplete change by a host.
+/// Every kind of incomplete change by a host is refused.
 #[test]
 fn a_torn_change_changes_nothing_and_says_so() {
     let built_in = SettingValues::of(defaults().settings());
@@ -275,7 +275,7 @@ fn settings_are_not_saved_while_a_valve_is_in_use() {
         bench.sample(sample);
         assert_eq!(bench.ask(Request::Save), Reply::Done, "sample {sample}");
     }
-    // From here 3 bar are asked for.
+    // From here the reference is 3 bar.
     for sample in 21..100 {
         bench.sample(sample);
         assert_eq!(

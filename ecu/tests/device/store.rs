@@ -91,7 +91,7 @@ fn a_copy_of_another_format_version_length_or_table_is_not_taken() {
             "byte {word}"
         );
     }
-    // The sequence number may have any value; the result shows that the checksum was corrected.
+    // The sequence number may have any value: the record is valid only because the checksum was corrected.
     let mut flash = saved(&[10]);
     flash.bytes[8] ^= 1;
     rechecked(&mut flash);

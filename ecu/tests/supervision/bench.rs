@@ -1,4 +1,4 @@
-//! ECU on a rig that is simple enough to be right without a simulator: a first-order chamber, valves with a dead time.
+//! ECU on a simple rig without a simulator: a first-order chamber, and valves with a dead time.
 
 use crate::api::controller::Pressure;
 use crate::api::{
@@ -22,7 +22,7 @@ pub(crate) struct Rig {
 const FILL_RATE: f64 = 0.0713;
 const VENT_RATE: f64 = 0.0728;
 
-/// More samples than any scenario takes.
+/// Limit of the samples of a scenario, above the need of any of them.
 const SAMPLES_MAX: u32 = 30_000;
 
 impl Rig {
@@ -114,7 +114,7 @@ impl Bench {
 
     /// Runs a sample with changed inputs.
     pub(crate) fn step_with(&mut self, change: impl FnOnce(&mut Inputs)) -> Outputs {
-        // A test that waits for an event that never comes ends here.
+        // Ends a test that waits for an event that never occurs.
         assert!(self.sample < SAMPLES_MAX, "{:?} for ever", self.ecu.mode());
         let mut inputs = self.inputs();
         change(&mut inputs);

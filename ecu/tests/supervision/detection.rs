@@ -1,4 +1,4 @@
-//! Detection of each fault that an input shows: confirmed and answered in its N-th sample, and not before.
+//! Detection of each fault that is visible in an input: confirmed and answered in its N-th sample, and not before.
 
 use ecu::{Fault, Inputs, Mode, SensorCode, Way};
 
@@ -164,7 +164,7 @@ fn one_sample_less_than_n_leaves_no_trace() {
     }
 }
 
-/// A broken valve shows only in the pressure, within a number of samples after a command that reveals it.
+/// A broken valve is visible only in the pressure, after a command that reveals it.
 #[test]
 fn a_broken_valve_or_supply_is_found_within_20_samples_of_the_command_that_shows_it() {
     type Case = (
@@ -228,7 +228,7 @@ fn a_broken_valve_or_supply_is_found_within_20_samples_of_the_command_that_shows
     }
 }
 
-/// The duty cycle stays too low for a valve to be open for sure, and the code does not change.
+/// The duty cycle stays too low for a certainly open valve, and the code does not change.
 #[test]
 fn a_sensor_that_is_stuck_is_found_when_a_valve_was_driven_for_n_samples() {
     let mut bench = Bench::at(3.0);

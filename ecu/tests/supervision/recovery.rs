@@ -1,4 +1,4 @@
-//! Recovery after a fault: how the loop comes back, how often, and how a lock is released.
+//! Recovery after a fault: return to control, number of retries, release of a lock.
 
 use ecu::{Fault, Inputs, Mode, ReleaseRefused};
 
@@ -119,7 +119,7 @@ fn after_the_safe_state_the_reference_has_to_be_at_zero_first() {
     assert!(bench.ecu.faults().is_empty());
 }
 
-/// The chamber was still full when the time for emptying it was over: the next attempt begins by itself.
+/// The chamber was still full when the time for emptying it was over: the next attempt begins automatically.
 #[test]
 fn a_vent_valve_that_comes_free_again_empties_the_chamber_after_all() {
     let mut bench = Bench::at(5.0);
@@ -175,7 +175,7 @@ fn three_faults_are_survived_and_the_fourth_locks() {
     assert!(bench.is_off());
 }
 
-/// The samples of running since the last fault, without the one in which running began.
+/// Counts the samples of running since the last fault, except the one in which running began.
 #[test]
 fn after_6000_healthy_samples_the_retries_begin_anew_and_not_before() {
     for (healthy, expected) in [(5999, Mode::Holding), (6000, Mode::Running)] {

@@ -1,4 +1,4 @@
-//! Resets: nothing is filled until the reference was zero.
+//! Resets: the chamber is not filled until the reference was zero.
 
 use ecu::{Ecu, EcuConfig, EcuSettings, Mode, ResetCause, VentValve};
 

@@ -37,7 +37,7 @@ fn other_settings_take_effect_with_the_next_sample_and_the_old_ones_again_leave_
     assert_ne!(others, as_before);
 }
 
-/// The pressure is constant, so that only the settings could move the control signal.
+/// The pressure is constant, so that only the settings can change the control signal.
 #[test]
 fn another_gain_does_not_move_the_control_signal() {
     let mut bench = Bench::at(3.0);

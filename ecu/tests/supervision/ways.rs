@@ -77,7 +77,7 @@ fn holding_shuts_both_valves_for_50_samples_then_the_chamber_is_released_in_puls
     assert!(before_bar > 4.8 && bench.rig.pressure_bar < 0.01);
 }
 
-/// A sudden loss of braking torque is a hazard: two seconds of pulses instead of a tenth of a second.
+/// A sudden loss of braking torque is a hazard: pulses empty the chamber more slowly than full venting.
 #[test]
 fn a_release_in_pulses_takes_longer_than_venting_at_once() {
     let half_life = |mut bench: Bench, wrong: &dyn Fn(&mut Inputs)| {

@@ -1,4 +1,4 @@
-//! Names, sets and messages.
+//! Names of modes, faults and settings, sets of faults, error messages.
 
 use ecu::calibration::SettingId;
 use ecu::controller::fixed::types::I16F16;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use firmware::self_test::{self, NotShown, Watcher};
 
 /// Environment variable with the place where the self-test flips one bit on purpose, as `CONFIGURATION:STEP`. A
-/// comparison of two machines must find it there. Only the host has it; the image cannot falsify its result.
+/// comparison of two machines must find it there. Only the host supports it; the image cannot falsify its result.
 const CANARY: &str = "FIRMWARE_CANARY";
 
 struct Terminal;
@@ -18,7 +18,7 @@ impl Watcher for Terminal {
     }
 }
 
-/// Runs the program, as the host's counterpart of reset.
+/// Runs the program: the host's counterpart of a reset.
 pub(crate) fn run() -> ExitCode {
     let canary = env::var(CANARY).unwrap_or_default();
     let place = canary.split_once(':');

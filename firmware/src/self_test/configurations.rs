@@ -1,4 +1,4 @@
-//! Compared controllers: the thesis' one, the recommended one, and each deviating choice at least once.
+//! Compared controllers: that of the thesis, the recommended one, and each other choice at least once.
 
 use controller::fixed::types::I16F16;
 use controller::{

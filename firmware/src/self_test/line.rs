@@ -1,5 +1,5 @@
 //! One line of text, built without the core library's formatter. The formatter calls through pointers and can panic;
-//! with it neither the image's stack could be bounded nor its panics excluded.
+//! with it the stack of the image could not be bounded, and panics could not be excluded.
 
 /// Line of at most [`Line::LENGTH_MAX`] bytes; longer text is cut off.
 pub(crate) struct Line {

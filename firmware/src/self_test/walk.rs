@@ -6,7 +6,7 @@ use controller::{Input, Pressure};
 
 use super::random::Random;
 
-/// Seed of each machine and each configuration, so that digests differ by configuration only.
+/// Seed, equal on each machine and for each configuration, so that digests differ by configuration only.
 const SEED: NonZeroU32 = NonZeroU32::new(0x6c07_8965).unwrap();
 /// Longest interval with one kind of motion (samples).
 const STRETCH_MAX: u32 = 200;

@@ -16,7 +16,7 @@ use hil_protocol::{
 /// T_ECU (µs).
 pub(crate) const PERIOD_US: u32 = 10_000;
 
-/// Calls of the board by the image, in order.
+/// Call of the board by the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Deed {
     CoilsOff,

@@ -1,4 +1,4 @@
-//! Starts and ends of the image, and the information that one run leaves to the next.
+//! Starts and ends of the image, and the information that one run stores for the next.
 
 use ecu::EcuSettings;
 use ecu::calibration::SettingValues;

@@ -48,7 +48,7 @@ fn a_missed_tick_is_logged_with_its_sample() {
     assert_eq!(machine.board().count(Deed::Measure), 6);
 }
 
-/// The longest request takes less than a millisecond: none is in work when the next tick comes.
+/// The longest request takes less than a millisecond: none is in progress at the next tick.
 #[test]
 fn a_request_in_the_last_millisecond_before_a_tick_is_answered_after_its_sample() {
     let mut memory = Memory::cold();

@@ -39,7 +39,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does the requested work, and returns the number of runs that violated a requirement.
+/// Carries out the requested work, and returns the number of runs that violated a requirement.
 fn work(options: &Options) -> Result<u32, String> {
     match &options.work {
         Work::Reproduce(injection) => {

@@ -1,7 +1,7 @@
 //! Bounds of the oracle: the table of faults and reactions of `docs/safety.md`, with consequences of it and of the
 //! plant's physics. They are defined here and not read from the ECU's code: if the two disagree, one of them is wrong.
 //!
-//! An ECU may meet a limit a little earlier or later because of its rounding. Such a limit is widened by the amount
+//! An ECU may meet a limit slightly earlier or later because of its rounding. Such a limit is widened by the amount
 //! given beside it, so that a fault that the oracle calls present is present for any ECU that follows the table.
 
 /// N of an implausible pressure (samples); the five kinds of doubt share one count.
@@ -27,14 +27,13 @@ pub const ELAPSED_MAX_US: u32 = 20_000;
 /// N of damaged memory (samples).
 pub const MEMORY_N: u32 = 1;
 
-/// Number of samples with the reference at zero before anything is filled after a reset or after the chamber was
-/// emptied.
+/// Number of samples with the reference at zero before the chamber is filled after a reset or after it was emptied.
 pub const ZERO_N: u32 = 10;
 /// Highest reference that counts as zero (2⁻¹⁶ bar gauge): 0.05 bar.
 pub const ZERO_MAX: i32 = 3276;
 /// Number of samples without a fault before it counts as gone.
 pub const RECOVERY_N: u32 = 10;
-/// Number of faults that the ECU forgives.
+/// Maximum number of faults from which the ECU recovers without a lock.
 pub const RETRIES: u32 = 3;
 
 /// Time for which both valves are shut while a fault may pass (samples).
@@ -49,7 +48,8 @@ pub const PULSE_PERIOD: u32 = 16;
 pub const RAMP_BAR_PER_SAMPLE: f64 = 0.05;
 /// Duration of a ramp from the highest pressure of a supply of 10 bar, and of the venting after it (samples).
 pub const RAMP_SAMPLES: u32 = 200 + VENT_SAMPLES;
-/// A mode begins in the sample after the one that ended the last mode: one sample for each of at most three changes.
+/// Delay by mode changes (samples): a mode begins in the sample after the one that ended the previous mode, at most
+/// three times.
 pub const CHANGES: u32 = 3;
 
 /// Time without any fault after which the target has certainly finished any reaction (samples): the longest one, and
@@ -101,7 +101,7 @@ pub const CODE_MIN: u16 = 32;
 /// Margin above the highest supply pressure beyond which a pressure is implausible (bar), and for the oracle 10 mbar
 /// more.
 pub const ABOVE_SUPPLY_BAR: f64 = 0.2;
-/// A jump is more than twice the change by the fastest valve in a sample; 20 mbar more for the oracle.
+/// Limit of a jump, as a multiple of the change by the fastest valve in a sample; 20 mbar more for the oracle.
 pub const JUMP_FACTOR: f64 = 2.0;
 /// Minimum response of an open valve, as a share of the rig's nominal response.
 pub const RESPONSE_FACTOR: f64 = 0.5;
@@ -109,7 +109,7 @@ pub const RESPONSE_FACTOR: f64 = 0.5;
 pub const CREEP_BAR: f64 = 0.005;
 /// Largest unexplained pressure (bar): 0.5, and for the oracle 0.1 more.
 pub const UNEXPLAINED_BAR: f64 = 0.6;
-/// Pressure below which a vent valve has little to move (bar gauge); 10 mbar more for the oracle.
+/// Pressure below which a vent valve hardly changes the pressure (bar gauge); 10 mbar more for the oracle.
 pub const ROOM_TO_FALL_BAR: f64 = 0.51;
 /// Lowest duty cycle of an energised coil (%).
 pub const ENERGISED_PCT: f64 = 20.0;

@@ -71,7 +71,7 @@ impl FaultClass {
     pub(super) fn leaves_venting(self) -> bool {
         match self {
             Self::Plant(fault) => !fault.hinders_venting(),
-            // Below its window a battery cannot open a valve for sure.
+            // Below its window a battery may be unable to open a valve.
             Self::Ecu(fault) => fault != EcuFault::BatteryLow,
             Self::Sensor(_) | Self::Link(_) | Self::Image(_) => true,
         }

@@ -20,7 +20,7 @@ pub(super) fn lead_in_samples() -> u32 {
     LeadIn::to(0.0, f64::from(SAMPLE_MS) * 1e-3).samples()
 }
 
-/// Time from the end of the fault until the level that the loop has to reach by itself (samples).
+/// Time from the end of the fault until the level that the loop has to reach without intervention (samples).
 const BACK_AFTER: u32 = 20;
 /// Duration of this level (samples): up the ramp from zero to the highest level, and T_req twice.
 const HELD: u32 = 300;
@@ -39,7 +39,7 @@ const SAMPLE_MS: u32 = 10;
 /// Instants of a run (samples).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
-    /// Whether the loop has to recover by itself.
+    /// Whether the loop has to recover without intervention.
     pub(super) resumes: bool,
     level_until: u32,
     zero_until: u32,
@@ -67,7 +67,7 @@ impl Drive {
         self.zero_until - RELEASE_BEFORE
     }
 
-    /// Returns whether the loop has to have recovered by itself in this sample.
+    /// Returns whether the loop must have recovered without intervention by this sample.
     pub(super) fn has_to_have_resumed(&self, sample: u32) -> bool {
         self.resumes && (self.level_until - JUDGED..self.level_until).contains(&sample)
     }
@@ -132,6 +132,6 @@ fn level(chance: f64) -> f64 {
 }
 
 fn ms(profile: &ReferenceProfile) -> u32 {
-    // A run is shorter than a day.
+    // A run is shorter than a day, so its length (ms) fits into 32 bits.
     (profile.end_ns() / 1_000_000) as u32
 }

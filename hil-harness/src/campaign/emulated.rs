@@ -60,7 +60,7 @@ struct Machine {
     device: EcuUnderTest<Framed<Shared>>,
 }
 
-/// Link of a machine whose sessions end.
+/// Link of a machine, shared by its consecutive sessions.
 #[derive(Clone, Debug)]
 struct Shared(Rc<RefCell<QemuLink>>);
 

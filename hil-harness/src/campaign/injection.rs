@@ -39,9 +39,9 @@ pub struct Injection {
 
 /// Time from the end of a fault to its next occurrence (samples): 1 s.
 const PAUSE: u32 = 100;
-/// Range of the first onset: the loop runs.
+/// Range of the first onset (samples), in which the loop runs.
 const ONSET: [u32; 2] = [40, 340];
-/// Latest early onset: the ECU still waits for the reference at zero.
+/// Latest early onset (samples), while the ECU still waits for the reference at zero.
 const ONSET_EARLY: u64 = 9;
 /// Longest duration: to the end of every reaction.
 const DURATION_MAX: u32 = 1000;
@@ -101,7 +101,7 @@ impl Injection {
     }
 }
 
-/// Returns whether the loop recovers by itself: a fault that is confirmed too often locks.
+/// Returns the expected behaviour of the loop; a fault that is confirmed too often locks the ECU.
 pub(super) fn survival(injection: &Injection) -> Survival {
     match injection.class.survival(injection.duration) {
         Survival::Held if injection.times > RETRIES => Survival::NotClaimed,

@@ -56,7 +56,7 @@ impl Injector for Broken {
                 Some(reference_bits(far))
             }
             LinkFault::Duplicate => self.earlier((age % 2) as usize),
-            // The second of each pair comes in its own period, the first in the one after.
+            // The second message of each pair arrives in its own period, the first in the next one.
             LinkFault::Reordered => self.earlier(if age % 2 == 1 { 0 } else { 2 }),
             LinkFault::Late => self.earlier(1 + (LATE_MAX * self.severity) as usize),
         };

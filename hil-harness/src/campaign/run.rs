@@ -27,7 +27,7 @@ pub struct Outcome {
     pub latency: Option<u32>,
     /// Length of the run (samples).
     pub samples: u32,
-    /// Number of restarts of the target by itself.
+    /// Number of restarts that the target initiated.
     pub resets: u32,
     /// Violated requirements, each at its first violation.
     pub violations: Vec<Violation>,

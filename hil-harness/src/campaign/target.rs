@@ -30,7 +30,7 @@ pub trait Target {
     /// Returns an error if the device did not come back.
     fn restart(&mut self) -> Result<(), DutError>;
 
-    /// Requests the release of a locked ECU, as a mechanic would. Returns whether it was granted.
+    /// Requests the release of a locked ECU, as a mechanic does. Returns whether it was granted.
     ///
     /// # Errors
     /// Returns an error if the device cannot be reached.

@@ -5,31 +5,31 @@ use core::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One requirement and what was reached.
+/// One requirement with the reached value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
-    /// Which check.
+    /// Identifier of the check.
     pub id: CheckId,
-    /// The requirement in words, with its source.
+    /// Requirement in words, with its source.
     pub requirement: String,
-    /// How `reached` is compared with `limit`.
+    /// Comparison of `reached` with `limit`.
     pub bound: Bound,
-    /// The limit, in `unit`.
+    /// Limit, in `unit`.
     pub limit: f64,
-    /// The worst that was reached, in `unit`; none if it was never reached.
+    /// Worst value, in `unit`; none if it was never reached.
     pub reached: Option<f64>,
     /// Unit of `limit` and `reached`.
     pub unit: String,
     /// Whether `reached` respects `limit`.
     pub holds: bool,
-    /// Whether the thesis requires it. What is not binding is shown and does not decide the verdict.
+    /// Whether the thesis requires it. A check that is not binding is shown and does not decide the verdict.
     pub binding: bool,
-    /// Where the worst occurred, or how much was looked at.
+    /// Place of the worst value, or number of evaluated cases.
     pub evidence: String,
 }
 
-/// Which check; stable names for files.
+/// Check, with a stable name for files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs, reason = "the requirement of each check says what it is")]
@@ -81,13 +81,13 @@ impl CheckId {
     }
 }
 
-/// How a value respects its limit.
+/// Comparison of a value with its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
     /// The limit itself is allowed.
     AtMost,
-    /// The limit itself is not.
+    /// The limit itself is not allowed.
     LessThan,
 }
 
@@ -104,8 +104,8 @@ impl Bound {
 impl fmt::Display for Check {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = match (self.holds, self.binding) {
-            (true, _) => "holds",
-            (false, true) => "FAILS",
+            (true, _) => "pass",
+            (false, true) => "FAIL",
             (false, false) => "beyond",
         };
         let relation = match self.bound {

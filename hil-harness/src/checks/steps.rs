@@ -7,33 +7,33 @@ use super::check::{Bound, Check, CheckId};
 use super::trajectory::Trajectory;
 use crate::requirement::Requirement;
 
-/// Answer to one step of the reference that was then held for at least T_req.
+/// Response to one step of the reference, which then stays constant for at least T_req.
 ///
-/// Samples count from the one that first shows the new reference: that is number 0.
+/// Samples count from 0, the sample that first shows the new reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepResponse {
-    /// Instant of the step \[s\].
+    /// Instant of the step (s).
     pub time_s: f64,
     /// Index of the step's sample in the recording.
     pub index: usize,
-    /// The reference before \[bar gauge\]; the pressure itself where the recording begins with the step.
+    /// Previous reference (bar gauge); the pressure itself if the recording begins with the step.
     pub previous_bar: f64,
-    /// Chamber pressure at the step [bar gauge].
+    /// Chamber pressure at the step (bar gauge).
     pub from_bar: f64,
-    /// The new reference [bar gauge].
+    /// New reference (bar gauge).
     pub to_bar: f64,
     /// Whether the retarder uses the new reference (section 6.4.2).
     pub in_operating_range: bool,
-    /// How long the reference was held \[samples\].
+    /// Duration for which the reference was constant (samples).
     pub held_samples: u32,
-    /// First sample within the tolerance; none if never.
+    /// First sample within P_tol of the reference; none if never.
     pub reached_samples: Option<u32>,
-    /// First sample from which on the pressure stayed within the tolerance; none if never.
+    /// First sample from which on the pressure stayed within P_tol of the reference; none if never.
     pub settled_samples: Option<u32>,
-    /// How far the pressure went beyond the reference \[bar\].
+    /// Overshoot: largest pressure beyond the reference (bar).
     pub overshoot_bar: f64,
-    /// Largest magnitude of the error from T_req on \[bar\].
+    /// Steady-state error: largest magnitude of the error from T_req on (bar).
     pub steady_error_bar: f64,
 }
 
@@ -127,7 +127,7 @@ fn settling<'a>(
     steps: impl Iterator<Item = &'a StepResponse> + Clone,
     requirement: &Requirement,
 ) -> Option<Check> {
-    // A step that never settled is slower than any number of samples.
+    // A step that never settled counts as the slowest one.
     let worst = steps
         .clone()
         .max_by_key(|step| step.settled_samples.unwrap_or(u32::MAX))?;

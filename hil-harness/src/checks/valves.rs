@@ -8,7 +8,7 @@ use super::steps::{StepResponse, place_of};
 use super::trajectory::Trajectory;
 use crate::requirement::Requirement;
 
-/// How often the valves moved in the whole recording.
+/// Numbers of valve actuations in the whole recording.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Actuations {
@@ -16,7 +16,7 @@ pub struct Actuations {
     pub fill: u32,
     /// Vent valve.
     pub vent: u32,
-    /// Both, per second of the recording (1/s).
+    /// Both valves, per second of the recording (1/s).
     pub per_s: f64,
 }
 

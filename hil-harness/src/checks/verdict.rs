@@ -1,4 +1,4 @@
-//! Verdict on a recording, for people and as JSON.
+//! Verdict on a recording, as text and as JSON.
 
 use core::fmt;
 
@@ -21,15 +21,15 @@ pub struct Verdict {
     pub schema: String,
     /// Source of the recording.
     pub source: String,
-    /// Whether every binding check holds, and at least one step was judged.
+    /// Whether every binding check passes, and at least one step was judged.
     pub holds: bool,
-    /// The checks that the recording gives occasion to.
+    /// Checks with at least one case in the recording.
     pub checks: Vec<Check>,
-    /// The checks that it gives none to; neither held nor broken.
+    /// Checks without a case in the recording: neither passed nor failed.
     pub not_exercised: Vec<CheckId>,
     /// Each judged step of the reference.
     pub steps: Vec<StepResponse>,
-    /// How often the valves moved; none where it was not logged.
+    /// Valve actuations; none if they were not logged.
     pub actuations: Option<Actuations>,
 }
 
@@ -44,7 +44,7 @@ impl Verdict {
         Self {
             schema: SCHEMA.to_owned(),
             source: recording.provenance().source.clone(),
-            // A recording without any step proves nothing.
+            // A recording without any step is no evidence.
             holds: !steps.is_empty() && checks.iter().all(|check| check.holds || !check.binding),
             not_exercised: CheckId::ALL
                 .into_iter()
@@ -68,7 +68,7 @@ impl fmt::Display for Verdict {
             f,
             "{}: {}",
             self.source,
-            if self.holds { "holds" } else { "does not hold" }
+            if self.holds { "pass" } else { "FAIL" }
         )?;
         self.checks
             .iter()

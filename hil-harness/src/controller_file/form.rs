@@ -4,7 +4,7 @@ use toml_edit::{DocumentMut, Item, Value};
 
 use super::keys::{KEYS, Key};
 
-/// Returns the text of each key, as a person types it: a number as in the file, a word without its quotes. Missing keys
+/// Returns the text of each key, as a user types it: a number as in the file, a word without its quotes. Missing keys
 /// are left out. The result of a file that is not TOML is empty.
 pub fn values(text: &str) -> Vec<(&'static Key, String)> {
     let document: DocumentMut = text.parse().unwrap_or_default();

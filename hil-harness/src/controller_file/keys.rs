@@ -9,7 +9,7 @@ pub struct Key {
     pub table: &'static str,
     /// TOML key, which ends in its unit.
     pub name: &'static str,
-    /// Description for people.
+    /// Description for the user.
     pub about: &'static str,
     /// Field of the controller, if the key is a number.
     pub(super) field: Option<Field>,

@@ -439,7 +439,8 @@ fn shown(text: &str) -> String {
         .collect()
 }
 
-/// Returns the known key with most words in common with an unknown one, such as the same number in another unit.
+/// Returns the known key that has the most words in common with an unknown one, such as the same number in another
+/// unit.
 fn nearest(table: &str, name: &str) -> Option<String> {
     let words = |text: &str| text.split('_').map(str::to_owned).collect::<Vec<_>>();
     let wanted = words(name);

@@ -257,7 +257,8 @@ impl<T: Transport> Framed<T> {
     }
 }
 
-/// Sends a frame. A device that accepts none counts as silent, like one that does not answer: it starts, or it hangs.
+/// Sends a frame. A device that does not accept it counts as silent, like one that does not answer: it starts, or it
+/// hangs.
 fn send(
     transport: &mut impl Transport,
     frame: &[u8],

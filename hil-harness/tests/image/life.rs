@@ -1,4 +1,4 @@
-//! Emulator and image as a process: they end, hang and are killed.
+//! Emulator and image as a process that ends, hangs or is killed.
 
 use std::process::Command;
 use std::time::Duration;
@@ -16,8 +16,7 @@ fn signal(signal: &str, process: u32) -> bool {
     status.is_ok_and(|status| status.success())
 }
 
-/// Stops the process and returns when each of its threads has stopped, which `kill` does not wait
-/// for.
+/// Stops the process and returns when each of its threads has stopped; `kill` does not wait for that.
 fn stop(process: u32) {
     assert!(signal("STOP", process));
     // The state follows the name in brackets: "8088 (qemu-system-arm) T ...".

@@ -39,7 +39,7 @@ pub struct Decoder {
     block: u8,
     /// Whether a zero follows between this block and the next.
     zero_follows: bool,
-    /// Whether a byte came since the last delimiter.
+    /// Whether a byte was received since the last delimiter.
     begun: bool,
     overflowed: bool,
 }

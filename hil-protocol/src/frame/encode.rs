@@ -18,7 +18,8 @@ pub struct TooLong {
 
 /// Encodes a message into a frame, including the delimiter, at the beginning of `buffer`.
 ///
-/// # Errors Returns an error if the buffer is too small; its content is then no frame.
+/// # Errors
+/// Returns an error if the buffer is too small; its content is then no frame.
 pub fn encode<'a, M: Serialize>(
     header: Header,
     message: &M,

@@ -224,7 +224,7 @@ impl Conversation {
         let header = to_host(request.session, request.sequence);
         self.answer_length = match frame::encode(header, reply, &mut self.answer) {
             Ok(frame) => frame.len(),
-            // No message is that long, as a test shows. The host would get no answer and report that.
+            // No message is too long, as a test shows. Without an answer the host would report an error.
             Err(_) => 0,
         };
         self.last_answer()

@@ -91,7 +91,8 @@ impl HostSession {
     /// Returns the frame that opens a session, in every state. `nonce` has to differ from session to session, for
     /// example a clock or a random number.
     ///
-    /// # Errors A Hello causes none.
+    /// # Errors
+    /// Returns no error: a Hello always fits into a frame.
     pub fn open(&mut self, nonce: u32, lock_step: bool) -> Result<&[u8], HostError> {
         let hello = Request::Hello {
             version: VERSION,
@@ -289,7 +290,7 @@ impl Conversation {
         reply: Reply,
     ) -> Result<Option<Event>, HostError> {
         match (reply, Place::of(sequence, self.sequence), self.phase) {
-            // This holds for any request: a device that does not know the session now will not know it later.
+            // This applies to any request: a device that does not know the session now will not know it later.
             (Reply::Refused(refusal @ Refusal::NoSession), ..) => Err(self.ended(refusal)),
             (reply @ Reply::Measured { .. }, ..) => Ok(Some(Event::Unasked(reply))),
             (

@@ -29,7 +29,7 @@ impl<'a> Script<'a> {
         Some(*first)
     }
 
-    /// Takes the number of bytes that the next byte says.
+    /// Takes as many bytes as the next byte specifies.
     fn bytes(&mut self) -> &'a [u8] {
         let length = usize::from(self.byte().unwrap_or(0)).min(self.0.len());
         let (bytes, rest) = self.0.split_at(length);
@@ -179,7 +179,7 @@ fn damaged(frame: &[u8], script: &mut Script<'_>) -> Vec<u8> {
     frame
 }
 
-/// Returns a frame with a right checksum and any content.
+/// Returns a frame with a correct checksum and any content.
 fn forged(payload: &[u8]) -> Vec<u8> {
     let mut payload = payload.to_vec();
     payload.extend(crc32::digest(&payload).to_le_bytes());

@@ -11,7 +11,7 @@ use crate::messages;
 /// Maximum length of a frame for which every pair of flipped bits is tried.
 const EXHAUSTIVE_MAX: usize = 48;
 
-/// Returns the payload as which these bytes are accepted on a wire that is quiet afterwards, if it is not `payload`.
+/// Returns the payload that a decoder accepts from these bytes and a final delimiter, if it differs from `payload`.
 /// Flips can create delimiters, so the bytes may even be several frames.
 fn taken_for_another(bytes: &[u8], payload: &[u8]) -> Option<Vec<u8>> {
     let mut decoder = Decoder::new();
@@ -91,8 +91,8 @@ fn changes_blocks(frame: &[u8], codes: &[bool], first: usize, second: usize) -> 
         .any(|byte| codes[byte] || frame[byte] == mask(first, byte) | mask(second, byte))
 }
 
-/// The checksum is linear: two flips pass it if they change it equally, or if one does not change it. No bit within the
-/// length of a frame does, so any two flips are detected.
+/// The checksum is linear: two flips are undetected only if both change it equally, or if none changes it. Neither
+/// occurs within the length of a frame, so any two flips are detected.
 #[test]
 fn no_two_bits_of_a_longest_frame_change_the_checksum_alike() {
     let mut bytes = [0; hil_protocol::FRAME_MAX];

@@ -42,7 +42,7 @@ fn a_frame_of_every_length_arrives_whole_once() {
     assert_eq!(device.receive(&mut buffer), None);
 }
 
-/// After power-on the memory has any content; a side that starts drops it.
+/// After power-on the memory has any content; a side drops it at its start.
 #[test]
 fn whatever_memory_holds_is_no_frame() {
     for word in [0, 1, 0xFFFF_FFFF, 0xCCCC_CCCC] {
@@ -70,7 +70,7 @@ fn an_impossible_length_is_an_empty_frame() {
     assert_eq!(device.receive(&mut buffer), Some(b"next".as_slice()));
 }
 
-/// Two threads with independent speed: every received frame was sent, whole and in order.
+/// Two threads with independent speeds: every received frame is complete and in order.
 #[test]
 fn two_sides_at_once_exchange_samples_bit_for_bit() {
     const SAMPLES: u32 = 10_000;

@@ -229,7 +229,7 @@ pub(crate) fn frames() -> Vec<Vec<u8>> {
     all
 }
 
-/// No kind is missing: the first byte of a message is the number of its variant, and each number occurs.
+/// Checks that no kind is missing: the first byte of a message is the number of its variant, and each number occurs.
 #[test]
 fn every_kind_of_message_is_among_them() {
     use std::collections::BTreeSet;

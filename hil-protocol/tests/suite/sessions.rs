@@ -1,4 +1,4 @@
-//! Sessions: every way in which a frame can be out of place, one by one.
+//! Sessions: each kind of misplaced frame, one at a time.
 
 use hil_protocol::frame::{Direction, Header, encode};
 use hil_protocol::{
@@ -104,7 +104,7 @@ fn a_request_that_comes_late_is_dropped() {
         (pair.device.steps, pair.device_session.counters().stale),
         (2, 1)
     );
-    // The same is true for an answer.
+    // The same applies to an answer.
     let waiting = pair.sample(2);
     assert_eq!(pair.at_host(&answer), Ok(None));
     assert_eq!(pair.host.counters().stale, 1);
@@ -147,7 +147,7 @@ fn a_missing_request_is_named() {
     let answer = pair.at_device(beyond).unwrap();
     assert_eq!(pair.device.steps, 0);
     assert_eq!(pair.device_session.counters().skipped, 1);
-    // It would end the session of a host that waits for this request; this host is not there yet.
+    // The refusal would end the session of a host that waits for this request; this host has not sent it yet.
     assert_eq!(pair.at_host(&answer), Ok(None));
     for _ in 0..2 {
         pair.exchange(&Request::Discard);

@@ -1,7 +1,7 @@
-//! Parameters of a plant fitted to a log by least squares (Levenberg and Marquardt).
+//! Fit of plant parameters to a log by least squares (Levenberg and Marquardt).
 //!
-//! Two or three parameters within bounds and no prior: too little for the diagnosis' own fit, which wants evidence of
-//! several logs. The crates of this name know no bounds.
+//! Two or three parameters within bounds and without prior need no evidence of several logs, as the diagnosis' own fit does. The public
+//! crates for this method have no bounds.
 
 use nalgebra::{DMatrix, DVector};
 use plant_sim::parameters::Scale;
@@ -11,24 +11,24 @@ use recording::Recording;
 
 /// Step of the differences, in units of a fitted unknown.
 const STEP: f64 = 1e-3;
-/// An unknown moves at most so far at once.
+/// Longest step of an unknown in one iteration.
 const LONGEST_STEP: f64 = 0.7;
-/// A gain of the sum of squares below this share ends the fit.
+/// Relative decrease of the sum of squares below which the fit ends.
 const SMALL_GAIN: f64 = 1e-6;
 
-/// A signal of the log in the unit of the model, and the error that counts as one.
+/// Signal of the log in the unit of the model, with the size of the error that counts as 1.
 #[derive(Debug)]
 pub(crate) struct Measured {
     /// Name, such as `p_ch`.
     pub(crate) name: &'static str,
-    /// Place in a row.
+    /// Index in a row.
     place: usize,
-    /// NaN where missing.
+    /// Values, NaN where missing.
     pub(crate) values: Vec<f64>,
     weight: f64,
 }
 
-/// The signals of `log` that the plant has, with a weight for each: an error of that size counts as one.
+/// Returns the signals of `log` that the plant has, with a weight for each: an error of that size counts as 1.
 pub(crate) fn measured(
     plant: &PlantParameters,
     log: &Recording,
@@ -49,7 +49,7 @@ pub(crate) fn measured(
     weights.iter().filter_map(one).collect()
 }
 
-/// The course of each measured signal on the instants of the log. The sensor shows the first logged pressure at the start.
+/// Returns the trace of each measured signal at the instants of the log. The sensor shows the first logged pressure at the start.
 pub(crate) fn simulate(
     plant: &PlantParameters,
     log: &Recording,
@@ -72,14 +72,14 @@ pub(crate) fn simulate(
     courses
 }
 
-/// Root mean square of measured minus modelled, missing samples left out.
+/// Returns the root mean square of measured minus modelled, missing samples left out.
 pub(crate) fn rms(measured: &Measured, course: &[f64]) -> f64 {
     let errors = measured.values.iter().zip(course).map(|(a, b)| a - b);
     let squares: Vec<f64> = errors.filter(|e| !e.is_nan()).map(|e| e * e).collect();
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-/// The plant with the parameters `names` fitted to the log.
+/// Returns the plant with the parameters `names` fitted to the log.
 pub(crate) fn fit(
     start: &PlantParameters,
     log: &Recording,
@@ -106,7 +106,7 @@ pub(crate) fn fit(
         let columns: Vec<Vec<f64>> = (0..names.len())
             .map(|k| {
                 let mut moved = unknowns.clone();
-                // Inwards, where there is no room.
+                // At the end of the range, the step goes inwards.
                 let step = if moved[k] + STEP > limits[k][1] {
                     -STEP
                 } else {
@@ -152,7 +152,7 @@ pub(crate) fn fit(
     plant
 }
 
-/// The unknown of a parameter: its logarithm, but for those that are spread evenly.
+/// Returns the unknown of a parameter: its logarithm, or the value itself for parameters on a linear scale.
 fn unknown_of(plant: &PlantParameters, name: &str) -> f64 {
     let value = plant.get(name).expect("the plant has what is fitted");
     if is_linear(plant, name) {
@@ -162,7 +162,7 @@ fn unknown_of(plant: &PlantParameters, name: &str) -> f64 {
     }
 }
 
-/// Between which values an unknown may be.
+/// Returns the range of an unknown.
 fn limits(plant: &PlantParameters, name: &str) -> [f64; 2] {
     let spec = plant.specs().find(|spec| spec.name() == name);
     let (least, most) = spec.expect("the plant has what is fitted").range;
@@ -185,7 +185,7 @@ fn with(plant: &PlantParameters, names: &[&str], unknowns: &[f64]) -> PlantParam
         };
         let spec = plant.specs().find(|spec| spec.name() == *name);
         let (least, most) = spec.expect("the plant has what is fitted").range;
-        // A logarithm and back may leave the range by a rounding.
+        // A logarithm and its inverse may leave the range by rounding.
         plant
             .set(name, value.clamp(least, most), "being fitted")
             .expect("a value within its range");
@@ -203,7 +203,7 @@ fn square(errors: &[f64]) -> f64 {
     errors.iter().map(|error| error * error).sum()
 }
 
-/// The damped step that the linearised errors ask for: (JᵀJ + λ diag JᵀJ) step = -Jᵀ errors.
+/// Returns the damped step of the linearised errors: (JᵀJ + λ diag JᵀJ) step = -Jᵀ errors.
 fn step(columns: &[Vec<f64>], errors: &[f64], damping: f64) -> Vec<f64> {
     let n = columns.len();
     let jacobian = DMatrix::from_iterator(errors.len(), n, columns.iter().flatten().copied());

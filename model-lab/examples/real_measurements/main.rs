@@ -1,8 +1,8 @@
-//! Measurements of others held against models of their rigs: which physics explains them, with which error before and
-//! after. `docs/real-measurements.md` tells what to see.
+//! Compares measurements by others with models of their rigs: which physics explains them, with the error before and after.
+//! `docs/real-measurements.md` describes the results.
 //!
-//! `cargo run --release -p model-lab --example real_measurements`; with `-- --write` the pictures and the fitted plant
-//! files of the repository are written anew.
+//! Run `cargo run --release -p model-lab --example real_measurements`; with `-- --write` it also writes the pictures and the fitted plant
+//! files of the repository.
 
 mod fit;
 mod picture;
@@ -74,7 +74,7 @@ fn write(rig: &Rig, first: &Outcome, last: &Outcome) {
     fs::write(repository(&path), last.plant.to_toml()).expect("the repository may be written");
 }
 
-/// Two significant digits.
+/// Returns a value with two significant digits.
 fn significant(value: f64) -> String {
     let decimals = (1.0 - value.log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.decimals$}")

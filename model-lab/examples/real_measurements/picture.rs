@@ -1,8 +1,8 @@
-//! Measured points and the courses of two models, as SVG.
+//! Picture of measured points and the traces of two models, as SVG.
 
 use core::fmt::Write as _;
 
-/// A picture of one signal.
+/// Picture of one signal.
 #[derive(Debug)]
 pub(crate) struct Picture<'a> {
     /// Headline.
@@ -11,19 +11,19 @@ pub(crate) struct Picture<'a> {
     pub(crate) axis: &'a str,
     /// Instants (s).
     pub(crate) times_s: &'a [f64],
-    /// NaN where missing.
+    /// Measured values, NaN where missing.
     pub(crate) measured: &'a [f64],
-    /// Name, colour and values of each model.
+    /// Name, colour and values of each model's trace.
     pub(crate) courses: Vec<(String, &'static str, &'a [f64])>,
 }
 
 const SIZE: [f64; 2] = [720.0, 380.0];
-/// Left, right, top, bottom.
+/// Margins: left, right, top, bottom.
 const MARGINS: [f64; 4] = [64.0, 16.0, 40.0, 48.0];
 const LINES: usize = 5;
 
 impl Picture<'_> {
-    /// The picture; equal contents give equal bytes.
+    /// Returns the picture as SVG; equal contents give equal bytes.
     pub(crate) fn svg(&self) -> String {
         let [width, height] = SIZE;
         let [left, right, top, bottom] = MARGINS;
@@ -80,7 +80,7 @@ impl Picture<'_> {
             .iter()
             .zip(self.measured)
             .filter(|(_, value)| !value.is_nan());
-        // Enough points to see the course.
+        // A number of points sufficient to show the trace.
         let every = (shown.clone().count() / 150).max(1);
         for (time_s, value) in shown.step_by(every) {
             let _ = writeln!(
@@ -118,7 +118,7 @@ impl Picture<'_> {
     }
 }
 
-/// A number of an axis that spans `span`.
+/// Returns a number of an axis that spans `span`.
 fn short(value: f64, span: f64) -> String {
     let decimals = (1.0 - span.log10().floor()).clamp(0.0, 4.0) as usize;
     format!("{value:.decimals$}")

@@ -1,4 +1,4 @@
-//! The measured rigs: plant file, log, and the models that are held against it.
+//! Measured rigs: plant file, log, and the models that are compared with it.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,10 @@ use recording::csv::{Mapping, Options, read_file};
 
 use crate::fit::{Measured, fit, measured, rms, simulate};
 
-/// A rig with its log.
+/// Rig with its log.
 #[derive(Debug)]
 pub(crate) struct Rig {
-    /// What it is, for people.
+    /// Description for people.
     pub(crate) title: &'static str,
     /// Name in file names.
     pub(crate) name: &'static str,
@@ -21,37 +21,37 @@ pub(crate) struct Rig {
     /// File under `data/real/`, without ending.
     log: &'static str,
     mapping: Option<&'static str>,
-    /// Signals, and the error that counts as one in the fit.
+    /// Signals, and the size of the error that counts as 1 in the fit.
     weights: &'static [(&'static str, f64)],
-    /// From the plainest to the one that explains most.
+    /// Models, from the plainest to the one that explains most.
     models: &'static [Model],
 }
 
-/// One model of a rig.
+/// Model of a rig.
 #[derive(Debug)]
 struct Model {
     name: &'static str,
-    /// Plant file, where it is not the rig's.
+    /// Plant file, where it differs from the rig's.
     plant: Option<&'static str>,
     /// Effects and their variants.
     effects: &'static [(&'static str, &'static str)],
-    /// Values to begin with.
+    /// Initial values.
     start: &'static [(&'static str, f64)],
     fitted: &'static [&'static str],
 }
 
-/// A model after its fit.
+/// Model after its fit.
 #[derive(Debug)]
 pub(crate) struct Outcome {
-    /// The model.
+    /// Name of the model.
     pub(crate) model: &'static str,
-    /// The plant with the fitted values.
+    /// Plant with the fitted values.
     pub(crate) plant: PlantParameters,
     /// Fitted parameters.
     pub(crate) fitted: &'static [&'static str],
-    /// Rms error of each signal, in its unit.
+    /// Rms error of each signal, in the unit of the signal.
     pub(crate) rms: Vec<(&'static str, f64)>,
-    /// The model's course of each signal.
+    /// Trace of each signal in the model.
     pub(crate) courses: Vec<Vec<f64>>,
 }
 
@@ -221,13 +221,13 @@ pub(crate) static RIGS: [Rig; 6] = [
     },
 ];
 
-/// A file of the repository.
+/// Returns the path of a file in the repository.
 pub(crate) fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
 }
 
 impl Rig {
-    /// The log, as its mapping reads it.
+    /// Reads the log through its mapping.
     pub(crate) fn log(&self) -> Recording {
         let mapping = self.mapping.map_or_else(Mapping::default, |name| {
             let path = repository(&format!("data/real/{name}.toml"));
@@ -241,12 +241,12 @@ impl Rig {
         read_file(path, &options).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// The signals of the log that count.
+    /// Returns the signals of the log that count in the fit.
     pub(crate) fn measured(&self, log: &Recording) -> Vec<Measured> {
         measured(&plant_file(self.plant), log, self.weights)
     }
 
-    /// Every model fitted to the log, in order.
+    /// Returns every model fitted to the log, in order.
     pub(crate) fn outcomes(&self) -> Vec<Outcome> {
         let log = self.log();
         let measured = self.measured(&log);

@@ -1,4 +1,4 @@
-//! Logs with gaps: what the model says of them, and that it says so.
+//! Logs with gaps: simulation, errors and report.
 
 use recording::{Recording, Unit};
 
@@ -19,7 +19,7 @@ fn venting_row(log: &Recording) -> usize {
     (150..duty.len()).find(|&row| duty[row] > 0.0).unwrap()
 }
 
-/// The logger pauses for 0.7 s while a valve is open. That was the largest error of the log, and nothing told of it.
+/// The logger pauses for 0.7 s while a valve is open. The pause caused the largest error of the log, and nothing reported it.
 #[test]
 fn a_gap_is_in_no_error_and_is_listed() {
     let whole = Bench::default().measure();
@@ -53,7 +53,7 @@ fn a_gap_is_in_no_error_and_is_listed() {
     );
 }
 
-/// Ten samples are jitter: the last command holds, and the pause is listed all the same.
+/// Ten samples are jitter: the last command stays in force, and the pause is listed all the same.
 #[test]
 fn a_short_pause_is_listed_and_simulated() {
     let whole = Bench::default().measure();

@@ -66,7 +66,7 @@ fn excess_share(bin: &RegimeBin) -> f64 {
     bin.short_horizon.as_ref().unwrap().excess_share.unwrap()
 }
 
-/// The same log with other signals: `change` gets name, unit and samples, and keeps what it returns.
+/// Returns the log with other signals: `change` gets name, unit and samples, and its result replaces them.
 fn changed(
     log: &Recording,
     change: impl Fn(&str, Unit, Vec<f64>) -> Option<(Unit, Vec<f64>)>,
@@ -128,7 +128,7 @@ fn innovations_of_the_true_model_have_the_rms_that_theory_gives() {
         let floor = signal(&comparison, "p_ch").noise_floor.value.unwrap();
         let theory = (2.0 / (2.0 - predictor_gain)).sqrt();
         assert!((short.expected_rms.unwrap() / floor - theory).abs() < 1e-12);
-        // Below theory, if anything: a venting chamber forgets a wrong pressure by itself.
+        // Slightly below theory: a venting chamber forgets a wrong pressure by itself.
         let ratio = short.rms / (sigma * theory);
         assert!((ratio - 1.0).abs() < 0.06, "gain {predictor_gain}: {ratio}");
     }
@@ -175,7 +175,7 @@ fn a_leak_leaves_most_of_the_excess_in_holds() {
     let shut = bin(pressure, "valve_state", "both valves shut");
     assert!(excess_share(shut) > 0.6, "{shut:?}");
     assert!(shut.short_horizon.as_ref().unwrap().bias < 0.0, "{shut:?}");
-    // The floor comes from the very same holds and must not see the leak.
+    // The floor comes from the same holds and must not contain the leak.
     assert!(
         (pressure.noise_floor.value.unwrap() / 4.26e-3 - 1.0).abs() < 0.1,
         "{:?}",
@@ -457,7 +457,8 @@ fn a_log_of_one_sample_is_compared_without_panic() {
     assert_eq!(comparison.signals[0].holds, None);
 }
 
-/// A command that is missing for a row is the one before; the page draws what drove the model beside what was logged.
+/// A command that is missing in a row is replaced by the one before; the page draws the command that drove the model next to the logged
+/// one.
 #[test]
 fn the_free_run_has_the_commands_that_drove_it() {
     let log = changed(&Bench::default().measure(), |name, unit, mut samples| {
@@ -495,8 +496,8 @@ fn json_returns_as_it_was_and_refuses_unknown_fields() {
     assert!(serde_json::from_str::<Comparison>(&unknown).is_err());
 }
 
-/// The whole JSON of a short comparison, rounded to four significant digits, is as blessed:
-/// `BLESS=1 cargo nextest run -p model-lab golden`, then read the difference before it is committed.
+/// The whole JSON of a short comparison, rounded to four significant digits, equals the golden file. To update it: `BLESS=1 cargo nextest
+/// run -p model-lab golden`, then read the difference before you commit it.
 #[test]
 fn golden_comparison_is_as_blessed() {
     let bench = Bench {
@@ -545,7 +546,7 @@ fn check_golden(name: &str, text: &str) {
     );
 }
 
-/// JSON with everything on one line that fits there.
+/// Returns the JSON with everything on one line that fits there.
 fn folded(value: &Value, depth: usize) -> String {
     let flat = value.to_string();
     let [indent, outdent] = [depth + 1, depth].map(|depth| "  ".repeat(depth));
@@ -566,7 +567,7 @@ fn folded(value: &Value, depth: usize) -> String {
     }
 }
 
-/// Four significant digits, so that another libm does not change the file.
+/// Rounds to four significant digits, so that another libm does not change the file.
 fn round(value: &mut Value) {
     match value {
         Value::Number(number) if number.is_f64() => {

@@ -12,8 +12,8 @@ use super::words::{significant, spaced};
 const NEAREST_LISTED: usize = 4;
 
 impl Diagnosis {
-    /// Returns one paragraph per named effect: the effects that are mistaken for it, those that explain nearly as much, and the
-    /// distances of the nearest ones.
+    /// Returns one paragraph per named effect: the effects that are mistaken for it, those that explain nearly as much, and the distances
+    /// of the nearest ones.
     pub fn alternatives(&self) -> Vec<String> {
         let of_effect = |(id, distances): (&String, &BTreeMap<String, f64>)| {
             let confused = self.confused_with(id, distances);
@@ -22,7 +22,7 @@ impl Diagnosis {
         self.distinguishability.iter().map(of_effect).collect()
     }
 
-    /// Returns which effects these logs do not tell from `id`, and what would.
+    /// Returns the effects that these logs cannot distinguish from `id`, and the excitation or sensor that can.
     fn confused_with(&self, id: &String, distances: &BTreeMap<String, f64>) -> String {
         let alike = self.equivalents.get(id).map_or(&[][..], Vec::as_slice);
         let others = alike.iter().filter(|other| *other != id);
@@ -59,7 +59,7 @@ impl Diagnosis {
     }
 }
 
-/// Returns what shows the effect `id`: an experiment, or a sensor that sees it alone.
+/// Returns the experiment that shows the effect `id`, or a sensor that shows it alone.
 fn shown_by(id: &str) -> Option<String> {
     let about = by_id(id)?.about();
     let sensor = match about.acts_on {
@@ -106,7 +106,7 @@ fn capital(text: &str) -> String {
 mod tests {
     use super::*;
 
-    /// The alternatives to a chamber leak where these effects are its equivalents, at these distances.
+    /// Returns the alternatives to a chamber leak where these effects are its equivalents, at these distances.
     fn alternatives(equivalents: &[&str], distances: &[(&str, f64)]) -> String {
         let example = include_str!("../../../docs/schema/diagnosis.example.json");
         let mut diagnosis: Diagnosis = serde_json::from_str(example).unwrap();
@@ -135,7 +135,7 @@ mod tests {
         );
     }
 
-    /// "Cannot tell A from B" stood beside a distance of 57.
+    /// Defect seen: "Cannot tell A from B" stood beside a distance of 57.
     #[test]
     fn an_effect_that_is_far_away_is_not_said_to_be_mistaken() {
         let said = alternatives(&["sensor_offset"], &[("sensor_offset", 57.0)]);

@@ -1,4 +1,4 @@
-//! Puts the findings into words and figures.
+//! Assembly of the findings into sentences and figures.
 
 use std::collections::BTreeMap;
 
@@ -14,8 +14,8 @@ use super::ladder::Ladder;
 use super::log::{Log, Run};
 use super::plausibility::{Practice, plausibility};
 use super::result::{
-    BySignal, Candidate, DetectionLimit, FittedParameter, NuisanceValue, OutsideValue, Regime,
-    Step, StepKind, Verdict,
+    BySignal, Candidate, DetectionLimit, Diagnosis, FittedParameter, NuisanceValue, OutsideValue,
+    Regime, Step, StepKind, Verdict,
 };
 use super::search::Tried;
 use super::trial::{Bench, Trial};
@@ -25,7 +25,7 @@ use super::words::spaced;
 use crate::compare::compare_under;
 use crate::options::CompareOptions;
 
-/// A size is open where its interval goes beyond this many times the value.
+/// Ratio of an interval's end to the value above which a size counts as undetermined.
 const LOOSEST: f64 = 10.0;
 /// Caution of an answer whose fit has not converged.
 const NOT_CONVERGED: &str = "; the fit has not converged, so its values and names are in doubt: estimate the plant first (refine), and diagnose that";
@@ -35,7 +35,7 @@ const OUTSIDE_LISTED: usize = 3;
 pub(crate) const OUTSIDE: &str =
     "lies outside of what the plant file admits: measure it, and correct the file";
 
-/// One row per step, the plant as it was given first.
+/// Returns one row per step, the plant as given first.
 pub(crate) fn ladder(bench: &Bench, ladder: &Ladder) -> Vec<Step> {
     let refitted = ladder.within.as_ref().unwrap_or(&ladder.steps[0]);
     let given = bench.as_given();
@@ -56,7 +56,7 @@ pub(crate) fn ladder(bench: &Bench, ladder: &Ladder) -> Vec<Step> {
         .collect()
 }
 
-/// The errors of one trial beside those of the `plain` one.
+/// Returns the errors of one trial, relative to those of the `plain` one.
 pub(crate) fn step(bench: &Bench, trial: &Trial, plain: &Trial, kind: StepKind) -> Step {
     let added = match kind {
         StepKind::EffectAdded => trial.effects.last(),
@@ -86,8 +86,8 @@ fn free_run(bench: &Bench, trial: &Trial) -> BySignal {
     })
 }
 
-/// Every effect alone; the limits are those on top of `last`, where the named effects are known. A named one has the form
-/// and the parameters that it has beside the others.
+/// Returns the result for one effect alone; its detection limit is that on top of `last`, where the named effects are known. A named effect
+/// has the form and the parameters of the final fit.
 pub(crate) fn candidate(bench: &Bench, plain: &Trial, last: &Trial, tried: &Tried) -> Candidate {
     let about = tried.setting.effect().about();
     let named = last.effects.iter().find(|named| named.id() == tried.id());
@@ -148,8 +148,8 @@ fn fitted_parameters(bench: &Bench, trial: &Trial, id: &str) -> Vec<FittedParame
     .collect()
 }
 
-/// Whether logs leave open how strong an effect is, of which this may be the size: by more than a factor of ten to one side, or with
-/// its sign.
+/// Returns whether the logs leave the strength of an effect, of which this may be the size, undetermined: by more than a factor of ten to
+/// one side, or in its sign.
 fn is_size_open(parameter: &FittedParameter) -> bool {
     let FittedParameter {
         value, low, high, ..
@@ -159,7 +159,7 @@ fn is_size_open(parameter: &FittedParameter) -> bool {
     parameter.typical.is_some() && (parameter.at_bound || !is_known)
 }
 
-/// What cannot be told from each named effect, and by how much everything else can.
+/// Returns the effects that cannot be distinguished from each named effect, and the distances of all others.
 #[expect(clippy::type_complexity, reason = "two maps of the JSON")]
 pub(crate) fn equivalents(
     ladder: &Ladder,
@@ -173,7 +173,7 @@ pub(crate) fn equivalents(
     let mut distances = BTreeMap::new();
     for (step, rivals) in ladder.steps[1..].iter().zip(&ladder.rivals) {
         let named = step.effects.last().expect("a step adds an effect").id();
-        // Without the named effect there is at least the excess of the next best.
+        // Without the named effect, at least the excess of the next best effect remains.
         let without = rivals
             .iter()
             .filter(|rival| rival.id() != named)
@@ -199,7 +199,7 @@ pub(crate) fn equivalents(
     (equivalents, distances)
 }
 
-/// The nuisance parameters, with the plain model and with the named effects.
+/// Returns the nuisance parameters, with the plain model and with the named effects.
 pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<NuisanceValue> {
     let widths = half_widths(bench.fitting, last);
     let list = last.unknowns.list().iter().enumerate();
@@ -243,7 +243,7 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
     .collect()
 }
 
-/// The ordinary parameters that lie outside of what the plant file admits, which is the range that they have in `within`.
+/// Returns the ordinary parameters outside the ranges of the plant file, which are their ranges in `within`.
 pub(crate) fn outside(within: &Trial, last: &Trial) -> Vec<OutsideValue> {
     let list = within.unknowns.list().iter().zip(&last.fit.z);
     list.filter_map(|(unknown, &z)| {
@@ -263,7 +263,7 @@ pub(crate) fn outside(within: &Trial, last: &Trial) -> Vec<OutsideValue> {
     .collect()
 }
 
-/// Returns the regime that has most of the excess of each signal; `seen` are the same logs with their conditions.
+/// Returns the regime with most of the excess of each signal; `seen` are the same logs with their conditions.
 pub(crate) fn regimes(
     plant: &PlantParameters,
     (logs, seen): (&[Recording], &[Log]),
@@ -322,14 +322,46 @@ fn farthest(outside: &[OutsideValue]) -> String {
     }
 }
 
-/// The answer in words.
-pub(crate) fn sentence(
-    verdict: Verdict,
-    steps: &[Step],
-    (candidates, outside, rivals): (&[Candidate], &[OutsideValue], &[String]),
-    equivalents: &BTreeMap<String, Vec<String>>,
-    is_converged: bool,
-) -> String {
+/// Parts of a diagnosis from which its answer in words is made.
+pub(crate) struct Answer<'a> {
+    pub(crate) verdict: Verdict,
+    /// Whether a material error is left.
+    pub(crate) is_unexplained: bool,
+    pub(crate) is_converged: bool,
+    pub(crate) steps: &'a [Step],
+    pub(crate) candidates: &'a [Candidate],
+    pub(crate) outside: &'a [OutsideValue],
+    pub(crate) rival_effects: &'a [String],
+    pub(crate) equivalents: &'a BTreeMap<String, Vec<String>>,
+}
+
+impl<'a> From<&'a Diagnosis> for Answer<'a> {
+    fn from(diagnosis: &'a Diagnosis) -> Self {
+        Self {
+            verdict: diagnosis.verdict,
+            is_unexplained: diagnosis.unexplained,
+            is_converged: diagnosis.is_converged,
+            steps: &diagnosis.ladder,
+            candidates: &diagnosis.candidates,
+            outside: &diagnosis.outside,
+            rival_effects: &diagnosis.rival_effects,
+            equivalents: &diagnosis.equivalents,
+        }
+    }
+}
+
+/// Returns the answer in words.
+pub(crate) fn sentence(answer: &Answer) -> String {
+    let &Answer {
+        verdict,
+        is_unexplained,
+        is_converged,
+        steps,
+        candidates,
+        outside,
+        rival_effects,
+        equivalents,
+    } = answer;
     let is_open = |id: &str| {
         let named = candidates.iter().find(|candidate| candidate.effect == id);
         named.is_some_and(|named| named.parameters.iter().any(is_size_open))
@@ -352,7 +384,14 @@ pub(crate) fn sentence(
     let share = steps
         .last()
         .map_or(0.0, |step| 100.0 * step.explained_share);
+    let floors = steps.last().map_or(1.0, Step::worst_in_noise);
+    let too_little = format!(
+        "what is left, {floors:.2} times the noise, is too little to say whether physics is missing"
+    );
     let answer = match verdict {
+        Verdict::Adequate if is_unexplained => {
+            format!("no effect of the library is missing; {too_little}")
+        }
         Verdict::Adequate => {
             let shown = candidates
                 .iter()
@@ -370,13 +409,17 @@ pub(crate) fn sentence(
                 1 => "this value",
                 _ => "these values",
             };
-            let wrong = format!(
-                "the plant file is wrong here: {values}; with {these} nothing detectable is missing"
-            );
-            if rivals.is_empty() {
+            let wrong = if is_unexplained {
+                format!("the plant file is wrong here: {values}; with {these}, {too_little}")
+            } else {
+                format!(
+                    "the plant file is wrong here: {values}; with {these} nothing detectable is missing"
+                )
+            };
+            if rival_effects.is_empty() {
                 wrong
             } else {
-                let rivals: Vec<String> = rivals.iter().map(|id| spaced(id)).collect();
+                let rivals: Vec<String> = rival_effects.iter().map(|id| spaced(id)).collect();
                 format!(
                     "{wrong}; or the file is right and {} is missing, which explains the error as well",
                     rivals.join(" and ")

@@ -1,4 +1,4 @@
-//! How large an effect would have to be to show in these logs.
+//! Detection limit: the smallest size at which an effect shows in these logs.
 
 use nalgebra::DVector;
 use plant_sim::effects::EffectSetting;
@@ -13,15 +13,15 @@ use super::unknowns::{Unknown, Unknowns};
 use super::vector::dot;
 use super::verdict::{DETECTABLE, WORTH_SHOWING};
 
-/// An effect that shows only beyond so many typical sizes is not excited.
+/// Number of typical sizes beyond which an effect counts as not excited.
 const LARGEST_SIZE: f64 = 10.0;
-/// The search begins below the typical size, where most effects are in proportion to it, ...
+/// First size of the search, below the typical one, where most effects are proportional to it, ...
 const FIRST_SIZE: f64 = 0.3;
-/// ... and is set right so often.
+/// ... and number of corrections of that size.
 const CORRECTIONS: usize = 2;
 
-/// The size of `effect` on top of `base` that would have been named: what the nuisance parameters cannot hide of it is
-/// beyond chance (non-centrality after W. E. Saris, A. Satorra, D. Sörbom 1987) and material.
+/// Returns the smallest size of `effect` on top of `base` that would have been named: the part that the nuisance parameters cannot absorb
+/// is beyond chance (non-centrality after W. E. Saris, A. Satorra, D. Sörbom 1987) and material.
 pub(crate) fn detection_limit(
     bench: &Bench,
     base: &Trial,
@@ -56,8 +56,8 @@ pub(crate) fn detection_limit(
     }
 }
 
-/// `limit` of an effect that explains `share` of the excess with `parameters`. What shows at a size is excited at that size, whatever the
-/// other effects leave of it.
+/// Returns `limit` of an effect that explains `share` of the excess with `parameters`. An effect that shows at a size is excited at that
+/// size, whatever the other effects leave of it.
 pub(crate) fn excited(
     limit: DetectionLimit,
     share: f64,
@@ -76,7 +76,7 @@ pub(crate) fn excited(
     }
 }
 
-/// By how much an effect of this size is above what shows; 1 at the limit, in proportion to the size.
+/// Returns the visibility of an effect of this size over the detection threshold; 1 at the limit, proportional to the size.
 fn visibility(bench: &Bench, base: &Trial, unknowns: &Unknowns, size: f64) -> Option<f64> {
     let fitter = Fitter::new(bench.fitting, unknowns);
     let own = &unknowns.list()[base.unknowns.len()..];
@@ -95,7 +95,7 @@ fn visibility(bench: &Bench, base: &Trial, unknowns: &Unknowns, size: f64) -> Op
     Some(chance.min(errors.over_material()))
 }
 
-/// Takes away what the parameters of `base` can imitate within their tolerances.
+/// Removes the part that the parameters of `base` can imitate within their tolerances.
 fn hide(bench: &Bench, base: &Trial, change: &mut [f64]) -> Option<()> {
     let fitter = Fitter::new(bench.fitting, &base.unknowns);
     let (hessian, _) = fitter.normal(&base.fit);
@@ -117,7 +117,7 @@ fn hide(bench: &Bench, base: &Trial, change: &mut [f64]) -> Option<()> {
 mod tests {
     use super::*;
 
-    /// A diagnosis called an effect not excited that cut the error fourfold.
+    /// Defect seen: a diagnosis called an effect not excited although it reduced the error fourfold.
     #[test]
     fn an_effect_that_explains_a_part_of_the_error_is_excited_at_its_fitted_size() {
         let unseen = || DetectionLimit::NotExcited {

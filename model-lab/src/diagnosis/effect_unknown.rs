@@ -1,17 +1,16 @@
-//! A parameter of an effect that a fit moves.
+//! Free parameter of an effect in a fit.
 
 use plant_sim::effects::by_id;
 use plant_sim::parameters::{Knowledge, ParameterSpec, Scale, Size};
 
-/// Standard deviation of a value that may be anywhere within bounds, over half their distance: 1/sqrt(3).
+/// Standard deviation of a uniform distribution, divided by half its width: 1/sqrt(3).
 pub(super) const EVEN_SD: f64 = 0.577;
-/// Standard deviation of a parameter of form, in its coordinate; all that data may leave open.
+/// Standard deviation of a parameter of form, in its coordinate; the widest uncertainty that data may leave.
 const FORM_SD: f64 = 2.0;
-/// So near to the end of its range in its coordinate, a strength ran to it.
+/// Distance to the end of its range, in its coordinate, within which a strength counts as at the end.
 const NEAR_END: f64 = 0.01;
 
-/// A parameter of an effect. Its coordinate is ln(value / typical) on a logarithmic scale, (value - off) / |typical - off| on a
-/// linear one.
+/// Parameter of an effect. Its coordinate is ln(value / typical) on a logarithmic scale, (value - off) / |typical - off| on a linear one.
 #[derive(Debug, Clone)]
 pub(crate) struct EffectUnknown {
     pub(crate) spec: &'static ParameterSpec,
@@ -29,7 +28,7 @@ struct Stated {
 }
 
 impl EffectUnknown {
-    /// The parameter `spec`, with the value and the statement of the plant file where it has one; none if the value is exact.
+    /// Returns the parameter `spec`, with the value and the statement of the plant file where it has one; none if the value is exact.
     pub(crate) fn new(
         spec: &'static ParameterSpec,
         stated: Option<(f64, Knowledge)>,
@@ -68,24 +67,24 @@ impl EffectUnknown {
         })
     }
 
-    /// Whether its coordinate is a logarithm.
+    /// Returns whether its coordinate is a logarithm.
     pub(crate) fn is_log(&self) -> bool {
         self.spec.size.is_some_and(|size| size.scale == Scale::Log)
     }
 
-    /// Whether it is the strength of the effect.
+    /// Returns whether it is the strength of the effect.
     pub(crate) fn is_strength(&self) -> bool {
         self.spec.size.is_some_and(|size| size.off.is_some())
     }
 
-    /// Whether it may be on either side of nothing.
+    /// Returns whether its value may have either sign.
     pub(crate) fn is_signed(&self) -> bool {
         let is_linear = |size: Size| size.off.is_some() && size.scale == Scale::Linear;
         let (least, most) = self.bounds();
         self.spec.size.is_some_and(is_linear) && least < 0.0 && most > 0.0
     }
 
-    /// Whether a strength at `z` cannot get stronger.
+    /// Returns whether a strength at `z` is at the strong end of its range.
     pub(crate) fn is_at_strong_end(&self, z: f64) -> bool {
         let (least, most) = self.range();
         let end = match self.spec.size.and_then(|size| size.off) {
@@ -97,7 +96,7 @@ impl EffectUnknown {
         (z - end).abs() < NEAR_END
     }
 
-    /// The coordinate at `size` times the typical strength; what is no strength stays typical.
+    /// Returns the coordinate at `size` times the typical strength; any other parameter stays typical.
     pub(crate) fn of_size(&self, size: f64) -> f64 {
         let typical = self.typical();
         let Some(off) = self.spec.size.and_then(|size| size.off) else {
@@ -130,7 +129,7 @@ impl EffectUnknown {
         }
     }
 
-    /// Least and largest coordinate of a fit: what the plant file states, or the physical range.
+    /// Returns the least and largest coordinate of a fit: the range of the plant file, or the physical range.
     pub(crate) fn bounds(&self) -> (f64, f64) {
         self.stated.map_or_else(
             || self.range(),
@@ -148,7 +147,7 @@ impl EffectUnknown {
         (self.coordinate_of(least), self.coordinate_of(most))
     }
 
-    /// Standard deviation that is believed before anything is measured; infinite for a strength of which nothing is stated.
+    /// Returns the standard deviation of the prior; infinite for a strength without a statement.
     pub(crate) fn prior_sd(&self) -> f64 {
         if self.stated.is_some() {
             let (least, most) = self.bounds();
@@ -203,7 +202,7 @@ mod tests {
         assert!((stated.value(most) / 3.6e-8 - 1.0).abs() < 1e-12);
         assert!((stated.value(stated.prior_mean()) / 3e-8 - 1.0).abs() < 1e-12);
         assert!(stated.prior_sd() < 0.12, "{}", stated.prior_sd());
-        // A stated limit is no end of the law.
+        // A stated limit is not an end of the law.
         assert!(!stated.is_at_strong_end(most));
     }
 }

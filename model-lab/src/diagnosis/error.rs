@@ -1,4 +1,4 @@
-//! Why a diagnosis cannot be made.
+//! Errors of a diagnosis.
 
 use plant_sim::parameters::{Part, effects_meant};
 
@@ -6,17 +6,17 @@ use super::knowledge::KnowledgeError;
 use crate::error::CompareError;
 use crate::measured::WEIGHED;
 
-/// Why a diagnosis cannot be made.
+/// Reason why a diagnosis cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DiagnoseError {
-    /// A log cannot be held against the model.
+    /// A log cannot be compared with the model.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// Nothing was given to fit.
+    /// No log was given to fit.
     #[error("no log to fit: give at least one, `--log A.csv`")]
     NoLog,
-    /// The same log again.
+    /// The same log was given twice.
     #[error(
         "{log} has the same bytes as {other}, which is given as well: {}",
         if *is_check {
@@ -28,12 +28,12 @@ pub enum DiagnoseError {
     LogTwice {
         /// Source of the log.
         log: String,
-        /// Source of the one that is the same.
+        /// Source of the identical log.
         other: String,
-        /// Whether it was to judge.
+        /// Whether it was given for validation.
         is_check: bool,
     },
-    /// No signal whose noise can be estimated.
+    /// No signal has a noise that can be estimated.
     #[error(
         "{log}: neither the chamber pressure nor a coil current changes, so that nothing can be weighed; \
          log p_ch, i_fill or i_vent with commands that move the valves"
@@ -42,7 +42,7 @@ pub enum DiagnoseError {
         /// Source of the log.
         log: String,
     },
-    /// The pressure is one that the plant cannot have.
+    /// The pressure is impossible for the plant.
     #[error("{log}: {statement}")]
     PressureOutOfReach {
         /// Source of the log.
@@ -58,23 +58,23 @@ pub enum DiagnoseError {
         /// Source of the first log.
         log: String,
     },
-    /// No such effect.
+    /// No effect has this id.
     #[error(
         "there is no effect `{id}`{}; `retarder parameters` lists the library",
         hint(id)
     )]
     NoSuchEffect {
-        /// What was asked for.
+        /// Requested id.
         id: String,
     },
-    /// The effect has no such form.
+    /// The effect has no form of this name.
     #[error("the effect `{id}` has no form `{variant}`; it has {forms}")]
     NoSuchVariant {
-        /// The effect.
+        /// Id of the effect.
         id: String,
-        /// What was asked for.
+        /// Requested form.
         variant: String,
-        /// What there is.
+        /// Existing forms.
         forms: String,
     },
     /// The effect cannot be fitted to the logs.
@@ -82,25 +82,25 @@ pub enum DiagnoseError {
         "`{id}` gains nothing on these logs at any size, so that there is nothing to tell it from; use `--for {id}`"
     )]
     NotFitted {
-        /// The effect.
+        /// Id of the effect.
         id: String,
     },
-    /// The plant leaves out what an experiment commands or watches.
+    /// The plant lacks a part that an experiment commands or measures.
     #[error(
         "the plant has no {part}, and an experiment is planned for both valves and the chamber; \
          describe the part in the plant file, or do by hand what the diagnosis says would show the effect"
     )]
     PartLeftOut {
-        /// What it lacks.
+        /// Missing part.
         part: Part,
     },
-    /// No manoeuvre can be simulated and seen by the rivals.
+    /// No excitation can be simulated for the rivals in a bounded number of steps.
     #[error(
         "none of the {manoeuvres} manoeuvres can be simulated in a bounded number of steps; \
          check the plant file with `retarder simulate`, or plan with other limits"
     )]
     NoManoeuvreSimulated {
-        /// How many were tried.
+        /// Number of excitations that were tried.
         manoeuvres: usize,
     },
     /// The logs lack the signals in which the rivals show.
@@ -117,7 +117,7 @@ pub enum DiagnoseError {
         /// Signals that the logs have.
         logged: Vec<String>,
     },
-    /// The limits leave nothing to do.
+    /// No excitation satisfies the limits.
     #[error(
         "no manoeuvre of at most {duration_s} s keeps below {max_bar} bar with duty cycles up to {max_duty_pct} %; allow more"
     )]
@@ -129,34 +129,34 @@ pub enum DiagnoseError {
         /// Highest duty cycle (%).
         max_duty_pct: f64,
     },
-    /// No parameter of this name.
+    /// No parameter has this name.
     #[error(transparent)]
     Knowledge(#[from] KnowledgeError),
-    /// A parameter that no fit moves.
+    /// The parameter is not free in any fit.
     #[error(
         "`{name}` = {value} {unit} counts as exact, so that no experiment determines it; say in the plant file how well it is \
          known, or free it with --free {name}"
     )]
     Exact {
-        /// Its name.
+        /// Name of the parameter.
         name: String,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
-        /// Its unit.
+        /// Unit of the parameter.
         unit: &'static str,
     },
-    /// Somebody stopped it.
+    /// The diagnosis was stopped.
     #[error("stopped; nothing was written")]
     Interrupted,
 }
 
-/// The signals of a diagnosis that no log has.
+/// Returns the signals of a diagnosis that no log has.
 fn unlogged(logged: &[String]) -> Vec<&'static str> {
     let is_absent = |signal: &&str| logged.iter().all(|one| one != signal);
     WEIGHED.into_iter().filter(is_absent).collect()
 }
 
-/// What may have been meant.
+/// Returns a suggestion of the id that may have been meant.
 fn hint(id: &str) -> String {
     match effects_meant(id).join("` or `") {
         meant if meant.is_empty() => meant,

@@ -1,4 +1,4 @@
-//! The errors of a model, signal by signal, beside the noise.
+//! Errors of a model, signal by signal, relative to the noise.
 
 use std::collections::BTreeMap;
 
@@ -12,16 +12,17 @@ use crate::measured::is_current;
 #[derive(Debug, Clone, Default)]
 struct Sums {
     count: f64,
-    /// Of the error, in its unit.
+    /// Sum of squares of the error, in its unit.
     square: f64,
-    /// Of what a perfect model has.
+    /// Sum of squares of the error of a perfect model.
     floor_square: f64,
-    /// Of the error over what a perfect model has.
+    /// Sum of squares of the error over that of a perfect model.
     normalised_square: f64,
 }
 
 impl Sums {
-    /// More excess than two correct programs have, and than chance gives so few samples.
+    /// Returns the excess above which an error is material: more than two correct programs differ by, and more than chance gives for this
+    /// number of samples.
     fn material_excess(&self) -> f64 {
         MATERIAL_EXCESS * MATERIAL_EXCESS + CHANCE * (2.0 / self.count).sqrt()
     }
@@ -54,56 +55,56 @@ impl Errors {
         Self(by_signal)
     }
 
-    /// Rms error in the unit of each signal.
+    /// Returns the rms error in the unit of each signal.
     pub(crate) fn rms(&self) -> BySignal {
         self.each(|sums| (sums.square / sums.count).sqrt())
     }
 
-    /// Rms of what a perfect model has.
+    /// Returns the rms error of a perfect model.
     pub(crate) fn floor(&self) -> BySignal {
         self.each(|sums| (sums.floor_square / sums.count).sqrt())
     }
 
-    /// Mean square over the noise's, less one, of each signal: 0 for a perfect model.
+    /// Returns the mean square over the noise's, minus one, of each signal: 0 for a perfect model.
     pub(crate) fn excess(&self) -> BySignal {
         self.each(|sums| (sums.normalised_square / sums.count - 1.0).max(0.0))
     }
 
-    /// The excess of all signals together.
+    /// Returns the excess of all signals together.
     pub(crate) fn total_excess(&self) -> f64 {
         self.excess().values().sum()
     }
 
-    /// Whether a signal has more excess than a correct model may have, and more than chance gives so few samples.
+    /// Returns whether a signal has more excess than a correct model may have, and more than chance gives for this number of samples.
     pub(crate) fn is_material(&self) -> bool {
         self.0.values().any(Sums::is_material)
     }
 
-    /// The same of a current.
+    /// Returns whether a current has a material excess.
     pub(crate) fn is_current_material(&self) -> bool {
         let mut currents = self.0.iter().filter(|(signal, _)| is_current(signal));
         currents.any(|(_, sums)| sums.is_material())
     }
 
-    /// The size of these errors over the size at which they would be material beside the noise, of the signal that has most.
+    /// Returns the ratio of these errors to the size at which they are material, of the signal with the largest ratio.
     pub(crate) fn over_material(&self) -> f64 {
         let each =
             self.each(|sums| (sums.normalised_square / sums.count / sums.material_excess()).sqrt());
         each.into_values().fold(0.0, f64::max)
     }
 
-    /// Rms error over what a perfect model has, of the signal that has most.
+    /// Returns the rms error over that of a perfect model, of the signal with the largest ratio.
     pub(crate) fn most_floors(&self) -> f64 {
         let each = self.each(|sums| (sums.normalised_square / sums.count).sqrt());
         each.into_values().fold(0.0, f64::max)
     }
 
-    /// Samples of all signals.
+    /// Returns the number of samples of all signals.
     pub(crate) fn count(&self) -> f64 {
         self.0.values().map(|sums| sums.count).sum()
     }
 
-    /// Sum of squares in noise sigmas.
+    /// Returns the sum of squares in noise standard deviations.
     pub(crate) fn square(&self) -> f64 {
         self.0.values().map(|sums| sums.normalised_square).sum()
     }

@@ -1,4 +1,4 @@
-//! All logs together: how long they are, how far a model is from them, and what that costs.
+//! All logs together: their duration, the residuals of a model, and the computing time.
 
 use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
@@ -10,10 +10,10 @@ use super::log::{Channel, Log, Residuals, Run};
 use super::unknowns::Unknowns;
 use crate::conditions::Conditions;
 
-/// All logs of one kind: for fitting, or for checking.
+/// All logs of one kind: for training or for validation.
 pub(crate) struct Evidence {
     pub(crate) logs: Vec<Log>,
-    /// Whether it is the rest of the logs that are fitted, so that their conditions are the fitted ones.
+    /// Whether it is the held-out part of the training logs, so that their conditions are the fitted ones.
     pub(crate) is_rest_of_fitted: bool,
     simulations: AtomicUsize,
     computing_ns: AtomicU64,
@@ -33,22 +33,22 @@ impl Evidence {
         self.logs.iter().map(|log| log.source.clone()).collect()
     }
 
-    /// Logged time of all logs (s).
+    /// Returns the logged time of all logs (s).
     pub(crate) fn duration_s(&self) -> f64 {
         self.logs.iter().map(Log::duration_s).sum()
     }
 
-    /// How often all logs were simulated.
+    /// Returns the number of simulations of all logs.
     pub(crate) fn simulations(&self) -> usize {
         self.simulations.load(Ordering::Relaxed)
     }
 
-    /// Computing time of it (s).
+    /// Returns the computing time of the simulations (s).
     pub(crate) fn computing_s(&self) -> f64 {
         self.computing_ns.load(Ordering::Relaxed) as f64 * 1e-9
     }
 
-    /// Number of samples of all channels that count.
+    /// Returns the number of samples of all channels that count.
     pub(crate) fn counted_samples(&self) -> f64 {
         let samples = self.logs.iter().map(Log::counted_samples).sum::<usize>();
         samples as f64
@@ -58,7 +58,7 @@ impl Evidence {
         self.logs.iter().any(|log| log.pressure().is_some())
     }
 
-    /// Every channel with the range of its residuals.
+    /// Returns every channel with the range of its residuals.
     pub(crate) fn channels(
         &self,
     ) -> impl Iterator<Item = (&Log, &Channel, core::ops::Range<usize>)> {
@@ -73,12 +73,12 @@ impl Evidence {
             })
     }
 
-    /// The residuals of `parameters`; none where the simulation was given up.
+    /// Returns the residuals of `parameters`; none where the simulation was aborted.
     pub(crate) fn residuals(&self, parameters: &PlantParameters, run: Run) -> Option<Residuals> {
         self.residuals_within(parameters, run, Tolerance::default())
     }
 
-    /// As [`Self::residuals`], simulated as accurately as told.
+    /// Returns the same as [`Self::residuals`], with a given accuracy of the simulation.
     pub(crate) fn residuals_within(
         &self,
         parameters: &PlantParameters,
@@ -88,18 +88,18 @@ impl Evidence {
         self.residuals_on(parameters, &self.conditions(), run, tolerance)
     }
 
-    /// The conditions, log after log.
+    /// Returns the conditions, log after log.
     pub(crate) fn conditions(&self) -> Vec<Conditions> {
         self.logs.iter().map(|log| log.conditions).collect()
     }
 
-    /// Drifts of the loggers' clocks that are known (ppm).
+    /// Returns the known drifts of the loggers' clocks (ppm).
     pub(crate) fn drifts_ppm(&self) -> Vec<f64> {
         let clocks = self.logs.iter().filter_map(|log| log.conditions.clock);
         clocks.map(|clock| clock.drift_ppm).collect()
     }
 
-    /// Takes these conditions for those of the logs, and assigns the commands by their clocks.
+    /// Sets these conditions of the logs, and assigns the commands by their clocks.
     pub(crate) fn set_conditions(&mut self, conditions: &[Conditions], plant: &PlantParameters) {
         for (log, conditions) in self.logs.iter_mut().zip(conditions) {
             log.conditions = *conditions;
@@ -109,21 +109,21 @@ impl Evidence {
         }
     }
 
-    /// Takes the conditions at the coordinates `z` of `unknowns` for those of the logs; the commands stay assigned as they are.
+    /// Sets the conditions of the logs to those at the coordinates `z` of `unknowns`; the assignment of the commands is unchanged.
     pub(crate) fn take_conditions(&mut self, unknowns: &Unknowns, z: &[f64]) {
         let mut conditions = self.conditions();
         unknowns.conditions(z, &mut conditions);
         self.replace_conditions(&conditions);
     }
 
-    /// Takes these conditions for those of the logs; the commands stay assigned as they are.
+    /// Sets these conditions of the logs; the assignment of the commands is unchanged.
     pub(crate) fn replace_conditions(&mut self, conditions: &[Conditions]) {
         for (log, conditions) in self.logs.iter_mut().zip(conditions) {
             log.conditions = *conditions;
         }
     }
 
-    /// Moves the clocks that no commands tell by `shift_s`; the commands stay assigned as they are.
+    /// Shifts the clocks that the commands do not determine by `shift_s`; the assignment of the commands is unchanged.
     pub(crate) fn shift_clocks(&mut self, shift_s: f64) {
         for log in self.logs.iter_mut().filter(|log| log.is_clock_open()) {
             if let Some(clock) = &mut log.conditions.clock {
@@ -132,13 +132,13 @@ impl Evidence {
         }
     }
 
-    /// Takes the currents of each log that leaves it open for `sampling`; returns whether there is such a log.
+    /// Sets the current sampling of each log that leaves it open to `sampling`; returns whether there is such a log.
     pub(crate) fn set_open_sampling(&mut self, sampling: CurrentSampling) -> bool {
         let open = self.logs.iter_mut().filter(|log| log.is_sampling_open());
         open.map(|log| log.sampling = sampling).count() > 0
     }
 
-    /// Takes the currents of each log that leaves it open the other way; returns whether there is such a log.
+    /// Switches the current sampling of each log that leaves it open; returns whether there is such a log.
     pub(crate) fn take_other_sampling(&mut self) -> bool {
         let open = self.logs.iter().find(|log| log.is_sampling_open());
         let other = match open.map(|log| log.sampling) {
@@ -149,7 +149,7 @@ impl Evidence {
         self.set_open_sampling(other)
     }
 
-    /// As [`Self::residuals_within`], under these conditions, log after log.
+    /// Returns the same as [`Self::residuals_within`], under these conditions, log after log.
     pub(crate) fn residuals_on(
         &self,
         parameters: &PlantParameters,

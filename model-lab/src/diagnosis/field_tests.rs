@@ -12,7 +12,7 @@ use super::result::Verdict;
 use super::{Diagnosis, diagnose_with};
 use crate::bench::{Bench, logged, pressure_alone};
 
-/// A diagnosis with these effects as the library.
+/// Returns a diagnosis with these effects as the library.
 fn diagnosed(plant: &PlantParameters, library: &[&str], logs: &[Recording; 2]) -> Diagnosis {
     let library: Vec<&'static dyn Effect> = library.iter().map(|id| by_id(id).unwrap()).collect();
     let [fitted, check] = logs;
@@ -22,8 +22,8 @@ fn diagnosed(plant: &PlantParameters, library: &[&str], logs: &[Recording; 2]) -
     diagnose_with(&library, plant, fitted, check, &goes_on).unwrap()
 }
 
-/// Each of the three leaves so much of the others that its size alone is open, and the supply line alone fits best in a form that is
-/// not its own.
+/// Each of the three effects leaves a large error of the others: alone, its size is undetermined, and the supply line fits best in a wrong
+/// form.
 #[test]
 fn three_effects_are_named_together() {
     let effects = [
@@ -62,13 +62,13 @@ fn three_effects_are_named_together() {
     );
 }
 
-/// Rows as far apart as the samples of the ECU say of the clock what the model tells alone, and a sensor's lag is hidden in a clock
-/// that was found without it.
+/// Rows as far apart as the samples of the ECU show the clock only through the model. A clock that was found without the sensor's lag
+/// absorbs it.
 #[test]
 fn a_sensor_lag_is_told_from_the_clock_of_a_slow_logger() {
     let lag = EffectSetting::typical(by_id("sensor_lag").unwrap());
     let mut given = PlantParameters::nominal();
-    // A delay that makes up for the lag, as a fit without it finds.
+    // A delay that compensates for the lag, as a fit without the lag finds.
     given.ecu.command_delay_s += 4e-3;
     let stated = Knowledge::Range(7e-3, 23e-3);
     let plant = PlantParameters::nominal().with_effect(lag.with("time_constant_s", 0.01));
@@ -89,8 +89,8 @@ fn a_sensor_lag_is_told_from_the_clock_of_a_slow_logger() {
     assert!(clocks.all(|clock| !clock.statement.contains("currents")));
 }
 
-/// Means over a row of 1.7 ms look like values of an instant half a row earlier, and so does the jump of a current that eddy currents make:
-/// without them values of an instant fit better, and with that choice no effect is found.
+/// Means over a row of 1.7 ms look like instantaneous values half a row earlier, and so does the jump of a current that eddy currents
+/// cause. Without eddy currents, instantaneous values fit better, and with that choice no effect is found.
 #[test]
 fn eddy_currents_are_told_from_currents_of_an_instant() {
     let eddy = EffectSetting::typical(by_id("eddy_currents").unwrap());

@@ -1,9 +1,8 @@
-//! Least squares within bounds, with what is believed of the nuisance parameters: Gauss-Newton steps, damped after
-//! Marquardt, on an active set of bounds.
+//! Least squares within bounds, with a prior of the nuisance parameters: Gauss-Newton steps, damped after Marquardt, on an active set of
+//! bounds.
 //!
-//! A general library is not used, because three things matter here that none offers together: bounds, Jacobian
-//! columns that are known already (those of the nuisance parameters hardly change from one candidate to the next),
-//! and an end as soon as a candidate has no chance.
+//! A general library is not used, because none offers all three requirements: bounds, reuse of known Jacobian columns (those of the
+//! nuisance parameters hardly change from one candidate to the next), and an early end for a candidate without a chance.
 
 use core::ops::Range;
 
@@ -17,51 +16,51 @@ use super::unknowns::{Unknown, Unknowns};
 use super::vector::{dot, square};
 use crate::measured::is_current;
 
-/// Iterations at most, of a fit that is only begun and of a whole one.
+/// Largest number of iterations of a fit that is only begun, and of a whole one.
 const FIRST_ITERATIONS: usize = 5;
 const ITERATIONS: usize = 30;
 /// Tolerance of simulations for intervals, over the default one, ...
 const ACCURATE: f64 = 0.02;
-/// ... and their differences, over those of a forward difference.
+/// ... and their difference steps, over those of a forward difference.
 const FINE: f64 = 0.25;
-/// An expected or reached decrease of the cost below this is none, nor is one below this share of the cost.
+/// Smallest expected or reached decrease of the cost that counts, absolute and as a share of this cost.
 const CONVERGED: f64 = 0.5;
 const CONVERGED_SHARE: f64 = 1e-4;
-/// In a search, a decrease below this share of what the noise does not explain is none.
+/// Smallest decrease that counts in a search, as a share of the cost that the noise does not explain.
 const CONVERGED_EXCESS_SHARE: f64 = 5e-3;
-/// A fit has not converged if a further step, damped by one of these, gains this share of what the noise does not explain.
+/// Share of the cost unexplained by the noise; a fit has not converged if a further step, damped by one of these factors, gains this share.
 const UNCONVERGED_EXCESS_SHARE: f64 = 0.1;
 const STEP_DAMPINGS: [f64; 3] = [0.0, 1e-2, 1.0];
-/// A step is at most this long in each coordinate, ...
+/// Longest step in each coordinate, ...
 const LONGEST_STEP: f64 = 1.5;
-/// ... and this long where large errors are forgiven: the way is long, and the model hardly linear.
+/// ... and the same with a robust loss: the distance is long, and the model far from linear.
 const LONGEST_FORGIVING_STEP: f64 = 0.75;
-/// A decrease of the cost that is off by this share of what was expected, to either side, makes the Jacobian stale: with
-/// one that is too large the steps are short for ever.
+/// Relative difference between the actual and the expected decrease of the cost, to either side, that makes the Jacobian stale: with a
+/// Jacobian that is too large, all steps stay short.
 const STALE: f64 = 0.3;
-/// So does a step that promises more than this share of what the last one did.
+/// Share of the last expected decrease above which the next one also makes the Jacobian stale.
 const SLOW: f64 = 0.3;
-/// So many steps correct a Jacobian before it is taken anew for being stale.
+/// Number of steps that correct a Jacobian before it is recomputed for being stale.
 const SECANTS: usize = 3;
-/// What a shorter step shows is the solver's error, which would pass for information.
+/// Shortest step that corrects a Jacobian: the solver's error dominates a shorter one and would be mistaken for information.
 const SHORTEST_SECANT: f64 = 0.1;
-/// Rows whose products are summed at a time: their columns stay in a core's cache.
+/// Number of rows whose products are summed at a time: their columns stay in a core's cache.
 const BLOCK: usize = 512;
 
-/// A point of the unknowns with its residuals.
+/// Point of the unknowns with its residuals.
 #[derive(Debug, Clone)]
 pub(crate) struct Fit {
     pub(crate) z: Vec<f64>,
     /// Sum of squared residuals plus that of the prior.
     pub(crate) cost: f64,
     pub(crate) residuals: Residuals,
-    /// One column per unknown: d residual / d z.
+    /// Jacobian with one column per unknown: d residual / d z.
     pub(crate) jacobian: Vec<Residuals>,
 }
 
 impl Fit {
-    /// The point `next` with this Jacobian, corrected in the direction of the step by what the step showed, if it was
-    /// long enough to show anything.
+    /// Returns the point `next` with this Jacobian, corrected in the direction of the step by the observed change of the residuals, if the
+    /// step was long enough.
     ///
     /// C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Mathematics of Computation 19 (1965).
     fn moved_to(self, mut next: Self) -> Self {
@@ -98,25 +97,25 @@ impl Fit {
     }
 }
 
-/// How a Jacobian is taken.
+/// Type of the differences for a Jacobian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Difference {
-    /// To one side: good enough to go down.
+    /// One-sided: sufficient for descent.
     Forward,
-    /// To both sides: what curvature adds cancels.
+    /// Two-sided: the contribution of the curvature cancels.
     Central,
-    /// The same so close that pulses at the threshold of opening answer in proportion as well: directions which the logs
-    /// leave open stay open. Only for a fitter that simulates accurately.
+    /// Two-sided with a small step, so that pulses at the threshold of opening respond in proportion: directions that the logs leave
+    /// undetermined stay undetermined. Only for a fitter that simulates accurately.
     Fine,
 }
 
-/// How far a fit goes.
+/// Extent of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Descent {
-    /// A few steps. Columns of the Jacobian that are there before are taken anew only once the cost is below `renews_below`: a fit that
-    /// gains nothing is not worth them.
+    /// A few steps. Existing columns of the Jacobian are recomputed only once the cost is below `renews_below`: a fit that gains nothing
+    /// does not justify the computing time.
     Begun { renews_below: f64 },
-    /// To the least cost, where a Jacobian of its own promises nothing more.
+    /// Descent to the least cost, where a freshly computed Jacobian predicts no further decrease.
     Whole,
 }
 
@@ -129,7 +128,7 @@ impl Descent {
     }
 }
 
-/// Evaluates and goes down.
+/// Evaluation and descent.
 pub(crate) struct Fitter<'a> {
     pub(crate) evidence: &'a Evidence,
     pub(crate) unknowns: &'a Unknowns,
@@ -137,9 +136,9 @@ pub(crate) struct Fitter<'a> {
     pub(crate) run: Run,
     /// Steps of forward differences, over the usual ones.
     pub(crate) step_scale: f64,
-    /// A decrease below this share of the cost is none, ...
+    /// Smallest decrease that counts, as a share of the cost, ...
     pub(crate) converged_share: f64,
-    /// ... nor is one below this share of the cost that the noise does not make.
+    /// ... and as a share of the cost that the noise does not explain.
     pub(crate) converged_excess_share: f64,
     /// Loss of the residuals.
     pub(crate) loss: Loss,
@@ -149,12 +148,12 @@ pub(crate) struct Fitter<'a> {
     fixed: Option<usize>,
 }
 
-/// Part of the plant that a fit is about.
+/// Part of the plant that a fit covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scope {
     /// All unknowns, fitted to all signals.
     Whole,
-    /// Coils, delay and clocks, fitted to the currents: these show them however wrong the rest of the plant is.
+    /// Coils, delay and clocks, fitted to the currents: the currents determine them however wrong the rest of the plant is.
     Coils,
 }
 
@@ -171,9 +170,9 @@ impl Scope {
 /// Loss of the residuals of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Loss {
-    /// With their square.
+    /// Square of the residual.
     Square,
-    /// Pseudo-Huber: with their square up to about this size, and in proportion beyond it.
+    /// Pseudo-Huber: quadratic up to about this size, and linear beyond it.
     ///
     /// A. Charbonnier, L. Blanc-Féraud, G. Aubert, M. Barlaud, Deterministic edge-preserving regularization in computed imaging,
     /// IEEE Transactions on Image Processing 6 (1997).
@@ -198,8 +197,8 @@ impl Loss {
         }
     }
 
-    /// Returns the weights with which squares touch the loss from above: a step by them never overshoots a linear model.
-    /// None where all are 1.
+    /// Returns the weights with which squares touch the loss from above: a step with them never overshoots a linear model. None where all
+    /// are 1.
     fn weights(self, residuals: &[f64]) -> Option<Vec<f64>> {
         let Self::Forgiving(scale) = self else {
             return None;
@@ -225,7 +224,7 @@ impl<'a> Fitter<'a> {
         }
     }
 
-    /// One for a search, where a fit that stays far from the noise need not be fitted to the last digit.
+    /// Returns a fitter for a search, where a fit that stays far above the noise need not be accurate.
     pub(crate) fn for_search(evidence: &'a Evidence, unknowns: &'a Unknowns) -> Self {
         Self {
             converged_excess_share: CONVERGED_EXCESS_SHARE,
@@ -233,7 +232,7 @@ impl<'a> Fitter<'a> {
         }
     }
 
-    /// One that simulates so accurately that the solver's error is nothing beside a difference.
+    /// Returns a fitter that simulates so accurately that the solver's error is negligible against a difference.
     pub(crate) fn accurate(evidence: &'a Evidence, unknowns: &'a Unknowns) -> Self {
         Self {
             tolerance: Tolerance::scaled(ACCURATE),
@@ -241,7 +240,7 @@ impl<'a> Fitter<'a> {
         }
     }
 
-    /// An accurate one that moves every unknown but `n`.
+    /// Returns an accurate fitter that moves every unknown but `n`.
     pub(crate) fn accurate_but_for(
         evidence: &'a Evidence,
         unknowns: &'a Unknowns,
@@ -281,7 +280,7 @@ impl<'a> Fitter<'a> {
             .sum()
     }
 
-    /// The point at `z`, without its Jacobian.
+    /// Returns the point at `z`, without its Jacobian.
     pub(crate) fn at(&self, z: Vec<f64>) -> Option<Fit> {
         let residuals = self.residuals(&z)?;
         Some(Fit {
@@ -292,7 +291,7 @@ impl<'a> Fitter<'a> {
         })
     }
 
-    /// The column of the Jacobian for unknown `n` at `fit`; away from the end of a range.
+    /// Returns the column of the Jacobian for unknown `n` at `fit`; away from the end of a range.
     fn column(&self, fit: &Fit, n: usize, difference: Difference) -> Option<Residuals> {
         let unknown = &self.unknowns.list()[n];
         if !self.scope.moves(unknown) {
@@ -329,7 +328,7 @@ impl<'a> Fitter<'a> {
         away(first).or_else(|| away(-first))
     }
 
-    /// Fills in the columns from `first` on, each by simulations of its own.
+    /// Fills in the columns from `first` on, each by its own simulations.
     pub(crate) fn differentiate(
         &self,
         fit: &mut Fit,
@@ -346,7 +345,7 @@ impl<'a> Fitter<'a> {
         Some(())
     }
 
-    /// Goes down from `fit`, whose Jacobian may be of another point and lack the last columns; none where nothing could be simulated.
+    /// Descends from `fit`, whose Jacobian may be of another point and lack the last columns; none where the simulation was aborted.
     pub(crate) fn descend(&self, mut fit: Fit, descent: Descent) -> Option<Fit> {
         let known = fit.jacobian.len();
         let mut fresh = known == 0;
@@ -403,13 +402,13 @@ impl<'a> Fitter<'a> {
             .max(self.converged_excess_share * self.excess(cost))
     }
 
-    /// What the noise does not explain of a cost.
+    /// Returns the part of a cost that the noise does not explain.
     fn excess(&self, cost: f64) -> f64 {
         (cost - self.evidence.counted_samples()).max(0.0)
     }
 
-    /// Whether a further step from `fit`, which has its own Jacobian, gains little beside what is left. Where the model is not smooth, a
-    /// step may promise much and gain nothing.
+    /// Returns whether a further step from `fit`, which has its own Jacobian, gains little compared with the remaining excess. Where the
+    /// model is not smooth, the expected gain of a step may be large and its actual gain zero.
     pub(crate) fn is_converged(&self, fit: &Fit) -> bool {
         let cost = self.cost(&fit.z, &fit.residuals);
         let share = UNCONVERGED_EXCESS_SHARE * self.excess(cost);
@@ -420,10 +419,10 @@ impl<'a> Fitter<'a> {
         })
     }
 
-    /// The damped step from `fit` within the bounds, and by how much a linear model's cost falls.
+    /// Returns the damped step from `fit` within the bounds, and the decrease of a linear model's cost.
     pub(crate) fn step(&self, fit: &Fit, damping: f64) -> (Vec<f64>, f64) {
         let (hessian, gradient) = self.normal(fit);
-        // Unknowns without a column stay where they are.
+        // Unknowns without a column do not move.
         let count = fit.jacobian.len();
         let bounds: Vec<_> = self
             .unknowns
@@ -436,7 +435,7 @@ impl<'a> Fitter<'a> {
             .filter(|&n| self.scope.moves(&list[n]) && self.fixed != Some(n))
             .collect();
         let mut step = vec![0.0; count];
-        // Each pass fixes what would leave its bounds; the rest is solved again.
+        // Each pass fixes the unknowns that would leave their bounds and solves for the rest again.
         for _ in 0..=count {
             let moved = |n: usize| !free.contains(&n);
             let size = free.len();
@@ -463,7 +462,7 @@ impl<'a> Fitter<'a> {
             for (a, &n) in free.iter().enumerate() {
                 let (least, most) = bounds[n];
                 let longest = self.loss.longest_step();
-                // A fit may begin outside of the bounds: it steps towards them.
+                // A fit may begin outside the bounds: it steps towards them.
                 let low = (least - fit.z[n]).clamp(-longest, longest);
                 let high = (most - fit.z[n]).clamp(-longest, longest);
                 step[n] = solution[a].clamp(low, high);
@@ -486,7 +485,7 @@ impl<'a> Fitter<'a> {
         (z, expected)
     }
 
-    /// JᵀJ and Jᵀr with the prior.
+    /// Returns JᵀJ and Jᵀr with the prior.
     pub(crate) fn normal(&self, fit: &Fit) -> (DMatrix<f64>, DVector<f64>) {
         let columns = &fit.jacobian;
         let list = self.unknowns.list();
@@ -615,7 +614,7 @@ mod tests {
         assert_eq!(from.clone().moved_to(to).jacobian, from.jacobian);
     }
 
-    /// A log that began filled left such a point, and the step from it panicked.
+    /// Defect seen: a log that began filled left such a point, and the step from it panicked.
     #[test]
     fn a_fit_that_begins_outside_of_its_bounds_steps_towards_them() {
         let plant = plant_sim::PlantParameters::nominal();

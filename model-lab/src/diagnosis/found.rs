@@ -1,9 +1,9 @@
 //! From the logs to the answer: the plant refitted within what its file admits, with wider ranges, and with effects.
 //!
 //! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise,
-//! the plant file is wrong and no physics is missing. An effect may fit as well within the ranges: a warm coil and one with more turns
-//! are the same to every signal, and so are a narrow fitting and a narrower orifice. Then the values are the answer if a first plant
-//! file may be as wrong as that, and the effect is the alternative; else it is the other way round. Where widening leaves an error,
+//! the plant file is wrong and no physics is missing, unless effects within the ranges fit clearly better. An effect may fit as well: a
+//! warm coil and one with more turns are the same to every signal, and so are a narrow fitting and a narrower orifice. Then the values
+//! are the answer if a first plant file may be as wrong as that, and the effect is the alternative; else it is the other way round. Where widening leaves an error,
 //! effects are looked for within the file's ranges.
 
 use plant_sim::PlantParameters;
@@ -13,7 +13,10 @@ use super::assemble;
 use super::error::DiagnoseError;
 use super::known::may_be_beside_first_file;
 use super::ladder::{self, Ladder};
-use super::search::{Effort, Tried, Watch, best_forms, report, shows_in_currents, try_all};
+use super::result::Verdict;
+use super::search::{
+    Effort, Tried, Watch, best_forms, finish_begun, report, shows_in_currents, try_all,
+};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::verdict::CLEARLY_LESS;
@@ -27,9 +30,9 @@ pub(crate) fn find(
     watch: Watch,
 ) -> Result<Ladder, DiagnoseError> {
     let wide = widened(&split.bench(plant, library), &plain, watch)?;
-    let adequate = wide.filter(|wide| !wide.is_material());
+    let adequate = wide.filter(Trial::leaves_little);
     let found = climb_from(split, plant, library, plain.clone(), watch)?;
-    if let Some(wide) = adequate {
+    if let Some(wide) = adequate.filter(|wide| !found.is_better_than(wide)) {
         let outside = assemble::outside(&plain, &wide);
         let mut values = outside.iter().map(|value| (&value.name, value.value));
         let may_be = values.all(|(name, value)| may_be_beside_first_file(plant, name, value));
@@ -81,7 +84,16 @@ fn climb_from(
     {
         (plain, singles) = other;
     }
-    ladder::climb(&split.bench(plant, library), plain, singles, watch)
+    let bench = split.bench(plant, library);
+    let found = ladder::climb(&bench, plain, singles, watch)?;
+    if found.verdict() != Verdict::NotInLibrary {
+        return Ok(found);
+    }
+    let plain = &found.steps[0];
+    match finish_begun(&bench, plain, &found.singles, watch)? {
+        Some(singles) => ladder::climb(&bench, plain.clone(), singles, watch),
+        None => Ok(found),
+    }
 }
 
 /// Whether neither `plain` nor an effect alone explains the currents.

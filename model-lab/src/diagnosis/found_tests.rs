@@ -6,11 +6,12 @@ use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::logger_clock::LoggerClock;
 use recording::Recording;
 
+use super::assemble::{self, Answer};
 use super::result::{Diagnosis, OutsideValue, StepKind, Verdict};
-use super::{assemble, diagnose, diagnose_with, fix};
+use super::{diagnose, diagnose_with, fix};
 use crate::bench::{Bench, logged};
 
-/// A bench whose plant has been changed.
+/// Returns a bench whose plant was changed.
 fn bench(change: impl FnOnce(&mut PlantParameters)) -> Bench {
     let mut bench = Bench::default();
     change(&mut bench.plant);
@@ -30,7 +31,39 @@ fn kinds(diagnosis: &Diagnosis) -> Vec<StepKind> {
     diagnosis.ladder.iter().map(|step| step.kind).collect()
 }
 
-/// An orifice 30 % smaller than in the plant file was named a restriction, or nothing was named.
+/// Defect seen: a spring a third too soft imitated friction, left more than the friction, and was named in its place.
+#[test]
+fn an_effect_that_explains_clearly_more_than_a_wrong_value_is_named() {
+    let friction = EffectSetting::typical(by_id("static_friction").unwrap());
+    let rig = bench(|plant| *plant = plant.clone().with_effect(friction));
+    let diagnosis = diagnosed(&PlantParameters::nominal(), rig.measure());
+    let said = &diagnosis.sentence;
+    assert_eq!(diagnosis.effects, ["static_friction"], "{said}");
+    assert!(diagnosis.outside.is_empty(), "{said}");
+}
+
+/// Defect seen: 1.10 times the noise was left of a rig without an effect, and something was said to be missing.
+#[test]
+fn an_error_near_the_noise_does_not_show_that_physics_is_missing() {
+    let rig = Bench {
+        leak_per_s: 0.0,
+        ..Bench::default()
+    };
+    let plant = PlantParameters::nominal();
+    let mut diagnosis = diagnosed(&plant, rig.measure());
+    diagnosis.unexplained = true;
+    let signal = &mut diagnosis.ladder.last_mut().unwrap().check_rms;
+    for rms in signal.values_mut() {
+        *rms *= 1.1;
+    }
+    let said = assemble::sentence(&Answer::from(&diagnosis));
+    assert!(
+        said.starts_with("no effect of the library is missing; what is left, 1.1"),
+        "{said}"
+    );
+}
+
+/// Defect seen: an orifice 30 % smaller than in the plant file was named a restriction, or nothing was named.
 #[test]
 fn a_plant_file_that_is_wrong_is_told_and_no_effect_is_named() {
     let rig = bench(|plant| plant.flow.discharge_fill *= 0.7);
@@ -59,7 +92,8 @@ fn a_plant_file_that_is_wrong_is_told_and_no_effect_is_named() {
     assert!(errors[1] > errors[2], "{errors:?}");
 }
 
-/// Values of a first file lay so far off that iron saturation was named beside the leak, which makes up for a wrong force.
+/// Defect seen: values of a first plant file were so wrong that iron saturation, which compensates for a wrong force, was named beside the
+/// leak.
 #[test]
 fn a_leak_is_told_beside_a_first_file_that_is_far_off() {
     let mut plant = PlantParameters::nominal();
@@ -88,7 +122,7 @@ fn a_leak_is_told_beside_a_first_file_that_is_far_off() {
     assert!(!far("coil.resistance_20c_ohm"), "{:?}", diagnosis.outside);
 }
 
-/// A value that is known exactly is not widened: physics has to explain what it does not.
+/// A value that is known exactly is not widened: the remaining error is attributed to physics.
 #[test]
 fn an_exact_value_is_not_doubted() {
     let rig = bench(|plant| plant.flow.discharge_fill *= 0.7);
@@ -102,7 +136,7 @@ fn an_exact_value_is_not_doubted() {
     assert!(!doubted, "{}", diagnosis.sentence);
 }
 
-/// The refit is a step of its own, so that an effect is credited with what it does alone.
+/// The refit is a separate step, so that an effect is credited only with its own contribution.
 #[test]
 fn the_steps_begin_with_the_plant_as_given() {
     let diagnosis = diagnosed(&PlantParameters::nominal(), leaking().measure());
@@ -115,7 +149,7 @@ fn the_steps_begin_with_the_plant_as_given() {
     assert_eq!(kinds(&diagnosis), steps);
 }
 
-/// Less noise once made the error of the model look like physics, and its intervals so wide that a rule vetoed the name.
+/// Defect seen: with less noise, the error of the model looked like physics, and its intervals were so wide that a rule vetoed the name.
 #[test]
 fn a_better_sensor_costs_no_name() {
     for share in [1.0, 1.0 / 3.0, 1.0 / 10.0, 1.0 / 30.0] {
@@ -128,7 +162,7 @@ fn a_better_sensor_costs_no_name() {
     }
 }
 
-/// What is of no interest to the user is no missing physics.
+/// An error that the user does not care about is not missing physics.
 #[test]
 fn an_error_that_is_not_needed_counts_as_noise() {
     let mut log = leaking().measure();
@@ -142,7 +176,7 @@ fn an_error_that_is_not_needed_counts_as_noise() {
     );
 }
 
-/// A narrow fitting and a narrower orifice look alike: the value is the answer, and the fitting is told.
+/// A narrow fitting and a narrower orifice look alike: the answer is the value, and the fitting is reported.
 #[test]
 fn what_explains_as_much_as_a_wrong_value_is_told() {
     let outside = OutsideValue {
@@ -152,10 +186,17 @@ fn what_explains_as_much_as_a_wrong_value_is_told() {
         least: 0.855,
         most: 1.04,
     };
-    let said = |rivals: &[String]| {
-        let about = (&[][..], &[outside.clone()][..], rivals);
-        let none = BTreeMap::new();
-        assemble::sentence(Verdict::PlantFileWrong, &[], about, &none, true)
+    let said = |rival_effects: &[String]| {
+        assemble::sentence(&Answer {
+            verdict: Verdict::PlantFileWrong,
+            is_unexplained: false,
+            is_converged: true,
+            steps: &[],
+            candidates: &[],
+            outside: &[outside.clone()],
+            rival_effects,
+            equivalents: &BTreeMap::new(),
+        })
     };
     let alone = said(&[]);
     assert!(

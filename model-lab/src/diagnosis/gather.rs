@@ -1,4 +1,4 @@
-//! Logs become evidence: the noise of a sensor is told by all of them, and a supply that was shut off is found.
+//! Conversion of logs to evidence: the noise of a sensor is estimated from all of them, and a supply that was shut off is found.
 
 use plant_sim::PlantParameters;
 use recording::Recording;
@@ -11,7 +11,7 @@ use super::read_log::Read;
 use super::sensor_noise::SensorNoise;
 use super::supply::find_supply;
 
-/// The evidence of `logs`.
+/// Returns the evidence of `logs`.
 pub(super) fn gather<'a>(
     parameters: &PlantParameters,
     logs: impl IntoIterator<Item = &'a Recording>,

@@ -1,4 +1,4 @@
-//! How well a fit knows its parameters.
+//! Confidence intervals of fitted parameters.
 
 use nalgebra::DMatrix;
 
@@ -6,20 +6,20 @@ use super::evidence::Evidence;
 use super::fit::Fitter;
 use super::trial::Trial;
 
-/// Samples of a block within which errors may hang together.
+/// Number of samples of a block within which errors may be correlated.
 const BLOCK: usize = 100;
-/// Curvature that everything has: a standard deviation of a thousand typical sizes.
+/// Least curvature of every parameter: a standard deviation of a thousand typical sizes.
 const UNSEEN: f64 = 1e-6;
-/// Half width of a 95 % interval in standard deviations.
+/// Half width of a 95 % interval (standard deviations).
 const NORMAL_95: f64 = 1.96;
-/// Standard deviation, as a share of its value, of a parameter between two correct programs of one plant: the simulator and
-/// the reference plant of the blind benchmark (docs/blind-benchmark.md, "Intervals").
+/// Standard deviation, as a share of its value, of a parameter between two correct programs of one plant: the simulator and the reference
+/// plant of the blind benchmark (docs/blind-benchmark.md, "Intervals").
 const BETWEEN_PROGRAMS: f64 = 0.025;
 
-/// Half widths of the 95 % intervals in the coordinates of the fit; infinite where nothing is known.
+/// Returns the half widths of the 95 % intervals in the coordinates of the fit; infinite where nothing is known.
 ///
-/// The larger of two estimates: that of the curvature with the error's own size and memory, and the sandwich of the
-/// gradient's scatter over blocks (P. J. Huber 1967), which sees errors that are neither equal nor independent.
+/// The larger of two estimates: that of the curvature with the size and autocorrelation of the error, and the sandwich of the gradient's
+/// scatter over blocks (P. J. Huber 1967), which also covers errors that are neither equal nor independent.
 pub(crate) fn half_widths(evidence: &Evidence, trial: &Trial) -> Vec<f64> {
     let count = trial.unknowns.len();
     let Some(inverse) = inverse_curvature(evidence, trial) else {
@@ -36,7 +36,7 @@ pub(crate) fn half_widths(evidence: &Evidence, trial: &Trial) -> Vec<f64> {
         .collect()
 }
 
-/// The same if nothing but the noise were left: what the logs could tell once something else explains the rest.
+/// Returns the half widths if only the noise were left: the accuracy that the logs allow once other effects explain the rest.
 pub(crate) fn half_widths_of_noise(evidence: &Evidence, trial: &Trial) -> Vec<f64> {
     let count = trial.unknowns.len();
     let Some(inverse) = inverse_curvature(evidence, trial) else {
@@ -47,7 +47,7 @@ pub(crate) fn half_widths_of_noise(evidence: &Evidence, trial: &Trial) -> Vec<f6
         .collect()
 }
 
-/// Covariance of the coordinates if nothing but the noise is left.
+/// Returns the covariance of the coordinates if only the noise is left.
 pub(crate) fn covariance(evidence: &Evidence, trial: &Trial) -> Option<DMatrix<f64>> {
     inverse_curvature(evidence, trial)
 }
@@ -56,14 +56,14 @@ fn inverse_curvature(evidence: &Evidence, trial: &Trial) -> Option<DMatrix<f64>>
     let fitter = Fitter::new(evidence, &trial.unknowns);
     let (mut hessian, _) = fitter.normal(&trial.fit);
     for n in 0..trial.unknowns.len() {
-        // What the logs do not show at all must not hide what they show of the rest.
+        // A direction that the logs do not show at all must not hide those that they show.
         hessian[(n, n)] += UNSEEN;
     }
     hessian.try_inverse()
 }
 
-/// The 95 % interval of `value` of which the noise leaves open what is between `low` and `high`: wider by what correct
-/// programs differ by, which is independent of the noise (JCGM 100:2008, 5.1.2).
+/// Returns the 95 % interval of `value`. `low` and `high` are its ends due to noise; they are widened by the difference between correct
+/// programs, which is independent of the noise (JCGM 100:2008, 5.1.2).
 pub(crate) fn with_model_error(value: f64, [low, high]: [f64; 2]) -> [f64; 2] {
     let model_error = NORMAL_95 * BETWEEN_PROGRAMS * value.abs();
     [

@@ -1,4 +1,4 @@
-//! Frees and fixes parameters of a plant for a fit.
+//! Freeing and fixing of the parameters of a plant for a fit.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::{Knowledge, ParameterSpec};
@@ -12,7 +12,7 @@ const ALL: &str = "all";
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KnowledgeError {
-    /// No parameter, and no table, of this name.
+    /// No parameter and no table has this name.
     #[error(
         "the plant has no parameter or table `{name}`; write a key such as `{example}`, a table such as `coil`, or `all`; \
          `retarder parameters` lists the keys"
@@ -23,7 +23,7 @@ pub enum KnowledgeError {
         /// Name that exists.
         example: &'static str,
     },
-    /// A range for more than one parameter.
+    /// A range is given for more than one parameter.
     #[error("a range needs one parameter, not `{name}`; write `section.key={low}..{high}`")]
     RangeOfMany {
         /// Name that was given.
@@ -33,7 +33,7 @@ pub enum KnowledgeError {
         /// Upper end of the range.
         high: f64,
     },
-    /// A range that is empty or outside of what the parameter may be.
+    /// The range is empty or exceeds the possible values of the parameter.
     #[error(
         "`{name}` = {low}..{high} is no range of it: the lower end comes first, and both lie in {least} to {most} {unit}"
     )]
@@ -48,17 +48,17 @@ pub enum KnowledgeError {
         least: f64,
         /// Largest possible value.
         most: f64,
-        /// Its unit.
+        /// Unit of the parameter.
         unit: &'static str,
     },
 }
 
-/// Lets fits move `what`: a parameter `section.key`, the ordinary parameters of a table such as `coil`, or `all` ordinary
-/// parameters. They may move within `range`, and without it as far as a first plant file may be off; a parameter that is no
-/// ordinary one anywhere in its physical range.
+/// Frees `what` in fits: a parameter `section.key`, the ordinary parameters of a table such as `coil`, or `all` ordinary parameters. They
+/// may move within `range`. Without a range, an ordinary parameter may move as far as a first plant file may be wrong, and any other one
+/// within its physical range.
 ///
 /// # Errors
-/// [`KnowledgeError`]; the plant is unchanged then.
+/// [`KnowledgeError`]; the plant is then unchanged.
 pub fn free(
     plant: &mut PlantParameters,
     what: &str,
@@ -81,7 +81,7 @@ pub fn free(
     Ok(())
 }
 
-/// States of every ordinary parameter of which `plant` says nothing that it may be as far off as in a first plant file.
+/// States for every ordinary parameter without a statement in `plant` that it may be as wrong as in a first plant file.
 pub(super) fn state_first_file(plant: &mut PlantParameters) {
     for name in ordinary_names() {
         let Some(value) = plant
@@ -124,7 +124,7 @@ fn free_within(
     Ok(())
 }
 
-/// Keeps fits from moving `what`, named as for [`free`].
+/// Fixes `what`, named as for [`free`], in fits.
 ///
 /// # Errors
 /// [`KnowledgeError::Unknown`].
@@ -135,7 +135,7 @@ pub fn fix(plant: &mut PlantParameters, what: &str) -> Result<(), KnowledgeError
     Ok(())
 }
 
-/// The parameters that `what` names: one, the ordinary ones of a table, or all ordinary ones.
+/// Returns the parameters that `what` names: one, the ordinary ones of a table, or all ordinary ones.
 ///
 /// # Errors
 /// [`KnowledgeError::Unknown`].

@@ -9,7 +9,7 @@ use super::search::{Effort, PROSPECT, Tried, Watch, best_form, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
     ALIKE_EXCESS, ALIKE_SHARE, CLEARLY_LESS, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE,
-    FURTHER_SHARE, NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
+    FURTHER_SHARE, LITTLE_FLOORS, NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
 };
 
 /// So many first effects are tried with every second one, ...
@@ -155,6 +155,13 @@ impl Ladder {
         self
     }
 
+    /// Whether the named effects explain the error clearly better than `wide`, the plant with wider ranges: two laws of the same physics
+    /// differ by less.
+    pub(crate) fn is_better_than(&self, wide: &Trial) -> bool {
+        let last = self.last();
+        !last.is_material() && last.evidence_over(wide) > FURTHER_EVIDENCE
+    }
+
     /// Whether one effect explains the error, and `wide`, the plant with wider ranges, no better.
     pub(crate) fn is_as_good_as(&self, wide: &Trial) -> bool {
         let last = self.last();
@@ -169,9 +176,9 @@ impl Ladder {
 
     pub(crate) fn verdict(&self) -> Verdict {
         match self.steps.len() {
-            1 if !self.plain().is_material() && self.within.is_some() => Verdict::PlantFileWrong,
-            1 if !self.plain().is_material() => Verdict::Adequate,
-            1 => Verdict::NotInLibrary,
+            1 if !self.plain().leaves_little() => Verdict::NotInLibrary,
+            1 if self.within.is_some() => Verdict::PlantFileWrong,
+            1 => Verdict::Adequate,
             _ if self.is_unexplained() => Verdict::FormWrong,
             _ => Verdict::Found,
         }
@@ -445,6 +452,12 @@ impl Trial {
     /// Whether a material error remains, on the fitted logs or on what was held out.
     pub(crate) fn is_material(&self) -> bool {
         self.sets().into_iter().any(Errors::is_material)
+    }
+
+    /// Whether it leaves nothing material, or too little to say whether physics is missing.
+    pub(crate) fn leaves_little(&self) -> bool {
+        let floors = self.sets().map(Errors::most_floors);
+        !self.is_material() || floors.into_iter().all(|floors| floors <= LITTLE_FLOORS)
     }
 
     /// Whether too little remains for another effect to show.

@@ -1,4 +1,4 @@
-//! A log as the diagnosis sees it: what drives the model, and what it has to answer.
+//! Log as the diagnosis uses it: inputs of the model and the signals to explain.
 
 mod assignment;
 mod part;
@@ -24,14 +24,14 @@ use crate::measured::{
 };
 use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
 
-/// Rows closer than this (s) show a current of an instant; those further apart may show means.
+/// Interval of rows (s) below which a current is an instantaneous value; with a longer one it may be a mean.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
-/// Rows further apart than this many samples of the ECU leave open at which of them a command was given.
+/// Interval of rows, in samples of the ECU, above which the sample at which a command was given is undetermined.
 const SLOWER: f64 = 0.75;
-/// A correction leaves at least this pressure (Pa abs).
+/// Least pressure after a correction (Pa abs).
 const LEAST_PRESSURE: f64 = 1e3;
 
-/// A log, ready to be simulated again and again.
+/// Log that is prepared for repeated simulation.
 #[derive(Clone)]
 pub(crate) struct Log {
     pub(crate) source: String,
@@ -48,23 +48,23 @@ pub(crate) struct Log {
     has_coil: bool,
     pub(crate) conditions: Conditions,
     pub(crate) known_clock: KnownClock,
-    /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
+    /// Instant (ns, ECU time) at which the command of each row was given; empty without a clock.
     issued_ns: Vec<u64>,
-    /// Surroundings that were measured with it.
+    /// Surroundings measured with the log.
     surroundings: Surroundings,
     /// State of the model at the first row and after gaps.
     start: LogStart,
     pub(crate) predictor: Predictor,
     pub(crate) channels: Vec<Channel>,
-    /// Signals that would have been weighed, and why they are not.
+    /// Signals of the diagnosis that are excluded, and the reasons.
     pub(super) not_compared: Vec<NotCompared>,
     /// Gaps and missing cells.
     pub(super) defects: LogDefects,
-    /// What in the log probably is not what it is declared to be.
+    /// Properties of the log that probably differ from their declaration.
     pub(super) warnings: Vec<Warning>,
     /// Rows that count.
     pub(crate) counted: Vec<bool>,
-    /// Whether the supply was shut off: nothing in the log tells, and it explains the currents better.
+    /// Whether the supply was shut off: assumed where the log does not show it and it explains the currents better.
     pub(crate) is_without_supply: bool,
 }
 
@@ -72,10 +72,10 @@ pub(crate) struct Log {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum KnownClock {
     Nothing,
-    /// Its phase in the middle of the log.
+    /// Phase of the clock in the middle of the log.
     Middle(KnownPhase),
-    /// Its phases at the first and the last change of a command. A drift moves one against the other, so that what is admitted of both
-    /// together is admitted of each.
+    /// Phases of the clock at the first and the last change of a command. A drift moves one against the other, so that the range of both
+    /// together applies to each.
     Ends([KnownPhase; 2]),
 }
 
@@ -87,34 +87,34 @@ pub(crate) struct KnownPhase {
     /// Phase there (s) with its standard deviation.
     pub(crate) value_s: f64,
     pub(crate) sd_s: f64,
-    /// Largest distance of a fitted phase from it (s).
+    /// Largest distance of a fitted phase from the known one (s).
     pub(crate) reach_s: f64,
 }
 
-/// One signal of a log.
+/// Signal of a log.
 #[derive(Clone)]
 pub(crate) struct Channel {
     pub(crate) signal: &'static str,
-    /// Where it stands in a row of the model.
+    /// Index in a row of the model.
     pub(super) column: usize,
-    /// In the unit of the model; NaN where missing.
+    /// Values in the unit of the model; NaN where missing.
     pub(crate) values: Arc<Vec<f64>>,
-    /// Standard deviation of the measurement noise, or where that is less, the error that a correct model may have: a
-    /// better sensor does not make the model better.
+    /// Standard deviation of the measurement noise, or where that is less, the error that a correct model may have: a better sensor does
+    /// not make the model better.
     pub(crate) sigma: f64,
 }
 
-/// Which error of the model is looked at.
+/// Type of a simulation and its error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Run {
-    /// Corrected by the measured pressure.
+    /// Prediction, corrected by the measured pressure.
     Predicted,
-    /// Driven by the commands alone.
+    /// Free-run simulation, driven by the commands alone.
     Free,
 }
 
-/// Errors of a model over what a perfect model has, (measured - modelled) / floor; 0 where the measurement is missing
-/// or does not count: channel after channel in the order of [`Evidence::channels`].
+/// Errors of a model over those of a perfect model, (measured - modelled) / floor; 0 where the measurement is missing or does not count.
+/// Channel after channel in the order of [`Evidence::channels`].
 pub(crate) type Residuals = Vec<f64>;
 
 impl Log {
@@ -213,7 +213,7 @@ impl Log {
         Ok(log)
     }
 
-    /// Of each row, the instant (ns, ECU time) at which its command was given; empty without a clock.
+    /// Returns the instant (ns, ECU time) at which the command of each row was given; empty without a clock.
     pub(crate) fn issued_ns(&self) -> &[u64] {
         &self.issued_ns
     }
@@ -222,12 +222,12 @@ impl Log {
         &self.inputs
     }
 
-    /// Time of a row since the first one (ns), by the clock of the logger.
+    /// Returns the time of a row since the first one (ns), by the clock of the logger.
     fn log_ns(&self, row: usize) -> u64 {
         (self.commands.times_s[row] * 1e9).round() as u64
     }
 
-    /// The residuals of `parameters` with `clock`, by which the commands are assigned anew.
+    /// Returns the residuals of `parameters` with `clock`, by which the commands are reassigned.
     pub(super) fn residuals_assigned(
         &self,
         parameters: &PlantParameters,
@@ -250,7 +250,7 @@ impl Log {
         Some(residuals)
     }
 
-    /// Everything that was found of how it was made.
+    /// Returns the found conditions under which the log was made.
     pub(crate) fn found(&self) -> LogConditions {
         LogConditions {
             conditions: self.conditions,
@@ -271,7 +271,7 @@ impl Log {
         }
     }
 
-    /// The clock of the logger, and how the currents are taken where the log leaves it open.
+    /// Returns the clock of the logger, and the meaning of the currents where the log leaves it open.
     pub(super) fn found_clock(&self) -> Option<FoundClock> {
         let mut clock = self.found().clock(&self.source)?;
         if self.is_sampling_open() {
@@ -289,47 +289,48 @@ impl Log {
         self.found().start(&self.source)
     }
 
-    /// Time from the first row to the last (s).
+    /// Returns the time from the first row to the last (s).
     pub(crate) fn duration_s(&self) -> f64 {
         self.commands.times_s.last().copied().unwrap_or(0.0)
     }
 
-    /// Whether the commands show the clock without the model.
+    /// Returns whether the commands determine the clock without the model.
     pub(crate) fn is_clock_told(&self) -> bool {
         matches!(self.known_clock, KnownClock::Ends(_))
     }
 
-    /// Whether a model alone can tell the clock of the logger: it has coils that are commanded, and the commands do not tell it.
+    /// Returns whether only a model can determine the clock of the logger: the log has commanded coils, and the commands do not determine
+    /// it.
     pub(crate) fn is_clock_open(&self) -> bool {
         self.has_coil && !self.is_clock_told() && self.duration_s() > self.interval_s
     }
 
-    /// Whether it begins with a chamber that was filled, whose gas may still be warm.
+    /// Returns whether it begins with a filled chamber, whose gas may still be warm.
     pub(crate) fn begins_filled(&self) -> bool {
         self.start.is_filled && self.pressure().is_some()
     }
 
-    /// What is known of the gas that it begins with.
+    /// Returns the prior knowledge of the gas with which it begins.
     pub(crate) fn usual_gas(&self) -> UsualGas {
         self.start.usual_gas
     }
 
-    /// Whether its supply pressure was logged and drives the model.
+    /// Returns whether its supply pressure was logged and drives the model.
     pub(crate) fn drives_supply(&self) -> bool {
         self.start.supply_pressure.is_some()
     }
 
-    /// Whether its rows leave open at which sample of the ECU a command was given.
+    /// Returns whether its rows do not determine the sample of the ECU at which a command was given.
     pub(crate) fn is_slow(&self) -> bool {
         self.interval_s > SLOWER * self.sample_time_s
     }
 
-    /// The middle of the log since its first row (s): there a phase does not depend on the drift.
+    /// Returns the middle of the log since its first row (s): there a phase does not depend on the drift.
     pub(crate) fn middle_s(&self) -> f64 {
         0.5 * self.duration_s()
     }
 
-    /// Samples of all channels that count.
+    /// Returns the number of samples of all channels that count.
     pub(crate) fn counted_samples(&self) -> usize {
         let counts = |channel: &Channel| {
             let samples = channel.values.iter().zip(&self.counted);
@@ -340,7 +341,7 @@ impl Log {
         self.channels.iter().map(counts).sum()
     }
 
-    /// Whether its currents may be means since the row before as well as values of the instant: a logger between an ECU, which
+    /// Returns whether its currents may be either means since the row before or instantaneous values: the logger is between an ECU, which
     /// averages, and an oscilloscope, which does not.
     pub(crate) fn is_sampling_open(&self) -> bool {
         self.has_current() && self.interval_s >= SCOPE_INTERVAL_S && self.resolves_pwm
@@ -379,7 +380,7 @@ impl Log {
                 let span_s = self.commands.times_s[row] - last_s;
                 let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
                 largest = largest.max((values[column] - last).abs() / periods);
-                // Behind a gap the model begins elsewhere: that is no change.
+                // After a gap the model restarts elsewhere: that is no change.
                 last = match Restart::at(&self.start.restarts, row) {
                     Some(_) => f64::NAN,
                     None => values[column],
@@ -397,7 +398,7 @@ impl Log {
         );
     }
 
-    /// Runs the model; `row` sees index, values and simulator. None if the simulation was aborted.
+    /// Runs the model; `row` receives index, values and simulator. None if the simulation was aborted.
     fn run(
         &self,
         parameters: &PlantParameters,
@@ -432,8 +433,8 @@ impl Log {
             .begin(&around, conditions, (self.sampling, tolerance))
     }
 
-    /// Advances to row `index`, whose command was given at an instant of the ECU if the logger has a clock of its own, and corrects the
-    /// model there; none where the simulation was aborted.
+    /// Advances to row `index`, whose command was given at an instant of the ECU if the logger has its own clock, and corrects the model
+    /// there; none where the simulation was aborted.
     fn step(
         &self,
         replay: &mut Replay,
@@ -458,7 +459,7 @@ impl Log {
         Some(row)
     }
 
-    /// The rows of the model, corrected by the measured pressure; none where the simulation was given up.
+    /// Returns the rows of the model, corrected by the measured pressure; none where the simulation was aborted.
     pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
         let mut rows = Vec::with_capacity(self.inputs.len());
         let run = (Run::Predicted, Tolerance::default());
@@ -471,7 +472,7 @@ impl Log {
         Some(rows)
     }
 
-    /// Appends the residuals of `parameters`; none where the simulation was given up.
+    /// Appends the residuals of `parameters`; none where the simulation was aborted.
     pub(super) fn residuals_into(
         &self,
         parameters: &PlantParameters,
@@ -497,7 +498,7 @@ impl Log {
         )
     }
 
-    /// What a perfect model has there, in the unit of the channel.
+    /// Returns the error of a perfect model at this row, in the unit of the channel.
     pub(super) fn floor(&self, channel: &Channel, run: Run, row: usize) -> f64 {
         if channel.signal == PRESSURE && run == Run::Predicted {
             channel.sigma * self.predictor.floors[row]
@@ -507,7 +508,8 @@ impl Log {
     }
 }
 
-/// The pressure of the supply (bar), the temperature of the gas (K) or the current of a coil that stays on (mA); nothing without valves that switch.
+/// Returns the pressure of the supply (bar), the temperature of the gas (K) or the current of a coil that stays on (mA); 0 without
+/// switching valves.
 fn full_scale(parameters: &PlantParameters, signal: &str) -> f64 {
     if !Part::Coil.is_in(parameters) {
         0.0
@@ -520,7 +522,7 @@ fn full_scale(parameters: &PlantParameters, signal: &str) -> f64 {
     }
 }
 
-/// A signal that shows no noise by which its error could be weighed.
+/// Returns the exclusion of a signal without noise, for which the error cannot be normalised.
 fn without_noise(signal: &str) -> NotCompared {
     NotCompared {
         name: signal.to_owned(),
@@ -528,15 +530,15 @@ fn without_noise(signal: &str) -> NotCompared {
     }
 }
 
-/// The plant with its supply at ambient pressure.
+/// Returns the plant with its supply at ambient pressure.
 fn shut_off(parameters: &PlantParameters) -> PlantParameters {
     let mut plant = parameters.clone();
     plant.gas.supply_pressure_bar_gauge = 0.0;
     plant
 }
 
-/// Returns the standard deviation of the noise of a signal without a quiet interval. A coarse signal that is constant most of the time
-/// has that of its resolution; one that never changes has 0.
+/// Returns the standard deviation of the noise of a signal without a quiet interval. For a coarse signal that is constant most of the time,
+/// it is that of the resolution; for one that never changes, 0.
 fn scatter_or_resolution(signal: &Measured) -> f64 {
     let scatter = scatter(&signal.values);
     if scatter > 0.0 {
@@ -546,8 +548,8 @@ fn scatter_or_resolution(signal: &Measured) -> f64 {
     step.map_or(0.0, |step| step / 12_f64.sqrt())
 }
 
-/// Returns the standard deviation of the noise from second differences, in which a slow signal leaves nothing. Their median is not moved
-/// by the few samples at a switching valve.
+/// Returns the standard deviation of the noise from second differences, which remove a slow signal. Their median is insensitive to the few
+/// samples at a switching valve.
 fn scatter(values: &[f64]) -> f64 {
     let mut curvatures: Vec<f64> = values
         .windows(3)
@@ -571,7 +573,7 @@ mod tests {
     use crate::bench::{Bench, quantise, without_rows};
     use crate::metrics::rms;
 
-    /// Rms of the errors of `plant` over the noise, of each channel.
+    /// Returns the rms of the errors of `plant` over the noise, of each channel.
     fn errors(plant: &PlantParameters, log: &Recording, run: Run) -> Vec<f64> {
         let evidence = gather(plant, [log]).unwrap();
         let residuals = evidence.residuals(plant, run).unwrap();
@@ -586,7 +588,7 @@ mod tests {
         evidence.channels().map(|(_, _, range)| of(range)).collect()
     }
 
-    /// A logger that pauses for 0.7 s while a valve is open: what happens meanwhile was an error of the model.
+    /// Defect seen: a logger paused for 0.7 s while a valve was open, and the change meanwhile counted as an error of the model.
     #[test]
     fn a_pause_of_the_logger_is_no_error_of_the_model() {
         let plant = &PlantParameters::nominal();
@@ -607,7 +609,8 @@ mod tests {
         }
     }
 
-    /// "Neither the chamber pressure nor a coil current changes" was said of a log in which it rises by bars, in coarse steps.
+    /// Defect seen: "Neither the chamber pressure nor a coil current changes" was reported for a log in which it rises by bars, in coarse
+    /// steps.
     #[test]
     fn a_coarse_pressure_that_mostly_stands_still_is_weighed_by_its_resolution() {
         let bench = Bench {
@@ -645,7 +648,7 @@ mod tests {
         );
     }
 
-    /// A sensor that is slow still showed the pressure before the gap when the model began again behind it.
+    /// Defect seen: a slow sensor still showed the pressure before the gap when the model restarted after it.
     #[test]
     fn behind_a_pause_a_slow_sensor_follows_the_pressure_that_is_there() {
         let lag = EffectSetting::typical(by_id("sensor_lag").unwrap());
@@ -663,7 +666,7 @@ mod tests {
             ..Bench::default()
         };
         let whole = bench.measure();
-        // It ends while the chamber is being vented.
+        // The pause ends while the chamber is being vented.
         let paused = without_rows(&whole, 150..215);
         let [error, of_whole] = [&paused, &whole].map(|log| errors(&plant, log, Run::Predicted)[0]);
         assert!(error < 1.3 * of_whole, "{error} {of_whole}");

@@ -5,20 +5,20 @@ use plant_sim::logger_clock::LoggerClock;
 use super::log::{KnownClock, KnownPhase, Log};
 use crate::conditions::Conditions;
 
-/// Units of the clocks' coordinates, ...
+/// Units of the clocks' coordinates (s and ppm), ...
 const PHASE_UNIT_S: f64 = 1e-3;
 const DRIFT_UNIT_PPM: f64 = 20.0;
-/// ... and how far a drift that only the model shows may move from where it was begun (ppm).
+/// ... and the range of a drift that only the model shows, around its initial value (ppm).
 const DRIFT_REACH_PPM: f64 = 300.0;
 
-/// A condition of one log that is fitted.
+/// Fitted condition of one log.
 #[derive(Debug, Clone)]
 pub(crate) struct LogUnknown {
     /// Index of the log.
     log: usize,
     figure: LogFigure,
     pub(crate) start: f64,
-    /// Value and standard deviation that are known without the model; the deviation is infinite where nothing is.
+    /// Value and standard deviation that are known without the model; the deviation is infinite where nothing is known.
     pub(crate) known: (f64, f64),
     /// One unit of its coordinate.
     pub(crate) unit: f64,
@@ -26,14 +26,14 @@ pub(crate) struct LogUnknown {
     pub(crate) range: (f64, f64),
 }
 
-/// Quantity that is fitted.
+/// Fitted quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum LogFigure {
-    /// [`LoggerClock::phase_at_s`] one instant; the drift stays.
+    /// [`LoggerClock::phase_at_s`] one instant; the drift is unchanged.
     PhaseS { at_s: f64 },
-    /// [`LoggerClock::drift_ppm`]; the phase at an instant stays.
+    /// [`LoggerClock::drift_ppm`]; the phase at an instant is unchanged.
     DriftPpm { at_s: f64 },
-    /// [`LoggerClock::phase_at_s`] one end of the log; the phase at the other end stays.
+    /// [`LoggerClock::phase_at_s`] one end of the log; the phase at the other end is unchanged.
     EndPhaseS { at_s: f64, other_s: f64 },
     /// [`StartGas::excess_k`](crate::conditions::StartGas::excess_k).
     StartExcessK,
@@ -42,7 +42,7 @@ enum LogFigure {
 }
 
 impl LogUnknown {
-    /// Returns those of log `index`: the clock if it has one, and the gas if it begins with a filled chamber.
+    /// Returns the fitted conditions of log `index`: the clock if it has one, and the gas if the log begins with a filled chamber.
     pub(crate) fn of(index: usize, log: &Log) -> Vec<Self> {
         let clock = log.conditions.clock;
         let of_clock = clock.map_or_else(Vec::new, |clock| Self::of_clock(index, log, clock));
@@ -116,7 +116,7 @@ impl LogUnknown {
         [excess, cooling]
     }
 
-    /// Puts `value` into the conditions of the logs.
+    /// Sets `value` in the conditions of the logs.
     pub(crate) fn put(&self, conditions: &mut [Conditions], value: f64) {
         let there = &mut conditions[self.log];
         let clock = there.clock.unwrap_or_default();
@@ -138,7 +138,7 @@ impl LogUnknown {
         }
     }
 
-    /// The condition, for people.
+    /// Returns the name of the condition, for people.
     pub(crate) fn name(&self) -> &'static str {
         match self.is_of_clock() {
             true => "clock of the logger",

@@ -1,5 +1,5 @@
-//! The supply pressure of a plant whose logs have it. It drives the model as a signal (E60); the value of the plant file is then
-//! that of whatever has no log: a closed loop, an experiment to come, the size of a leak.
+//! Supply pressure of a plant whose logs contain it. It drives the model as a signal (E60). The value of the plant file is then used where
+//! there is no log: a closed loop, a planned experiment, the size of a leak.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::{Knowledge, Part};
@@ -10,13 +10,13 @@ use crate::metrics::{mean, present};
 /// Name of the supply pressure, as a signal and in a plant file.
 const SIGNAL: &str = "p_sup";
 const PARAMETER: &str = "gas.supply_pressure_bar_gauge";
-/// How far a pressure gauge may be off (bar): 0.5 % of 10 bar.
+/// Possible error of a pressure gauge (bar): 0.5 % of 10 bar.
 const GAUGE_BAR: f64 = 0.05;
-/// Logs of one supply pressure agree within this (bar).
+/// Largest difference of the logged supply pressures that counts as equal (bar).
 const AGREES_BAR: f64 = 0.05;
 
-/// Returns `plant` with the supply pressure that all of `logs` show, known as well as a gauge knows it. Unchanged where a log does
-/// not show it, where they differ, and where the plant file says how well it is known.
+/// Returns `plant` with the supply pressure that all of `logs` show, with the accuracy of a gauge. Unchanged where a log does not show it,
+/// where they differ, and where the plant file states its accuracy.
 pub(super) fn with_logged_supply<'a>(
     plant: &PlantParameters,
     logs: impl IntoIterator<Item = &'a Recording>,
@@ -38,7 +38,7 @@ pub(super) fn with_logged_supply<'a>(
     plant
 }
 
-/// Mean supply pressure of `log` (bar gauge); none if it was not logged.
+/// Returns the mean supply pressure of `log` (bar gauge); none if it was not logged.
 fn level_bar(plant: &PlantParameters, log: &Recording) -> Option<f64> {
     let signal = log.require(SIGNAL, Quantity::Pressure).ok()?;
     let ambient = plant.gas.ambient_pressure_pa;
@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(supply(&plant, &[log(8.1)]), (there, Some(exact)));
     }
 
-    /// A compressor that is too small: the supply sinks by a bar within ten seconds.
+    /// Returns the supply pressure of a compressor that is too small: it falls by a bar within ten seconds.
     fn sinking(time_s: f64) -> f64 {
         8.4 - 0.1 * time_s
     }
@@ -117,7 +117,7 @@ mod tests {
         bench.measure()
     }
 
-    /// Rms of the pressure's errors over the noise, driven by the commands alone.
+    /// Returns the rms of the pressure's errors over the noise, driven by the commands alone.
     fn error(log: &Recording) -> f64 {
         let plant = PlantParameters::nominal();
         let evidence = gather(&plant, [log]).unwrap();
@@ -142,7 +142,7 @@ mod tests {
         assert_eq!(diagnosis.unwrap().verdict, Verdict::Adequate);
     }
 
-    /// The level of the supply is free where no log has it, the offset of its gauge where one has.
+    /// The level of the supply is free where no log has it, and the offset of its gauge where one has.
     #[test]
     fn a_fit_moves_the_gauge_and_not_the_supply_that_it_shows() {
         let logged = sinking_supply();

@@ -1,4 +1,4 @@
-//! Which physical effect is missing?
+//! Search for the missing physical effect.
 //!
 //! ```text
 //! logs ─► evidence (errors over the noise, seen through a predictor) ─► fit (nuisance parameters within their
@@ -79,10 +79,10 @@ use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
 use split::Split;
 use trial::Bench;
 
-/// Which effects of the library does `plant` lack to explain `logs`? What is held out judges: `check`, or without it,
-/// blocks of the logs.
+/// Finds the effects of the library that `plant` lacks to explain `logs`. Validation uses `check`, or without it, held-out blocks of the
+/// logs.
 ///
-/// `watch` sees the progress and may stop the search.
+/// `watch` receives the progress and may stop the search.
 ///
 /// # Errors
 /// [`DiagnoseError`]: a log cannot be used, or `watch` stopped it.
@@ -95,7 +95,7 @@ pub fn diagnose(
     diagnose_with(&LIBRARY, plant, logs, check, watch)
 }
 
-/// As [`diagnose`], with a library of your own: more effects than ours, or fewer.
+/// Diagnoses as [`diagnose`] does, with another library: more effects than the built-in one, or fewer.
 ///
 /// # Errors
 /// As [`diagnose`].
@@ -136,16 +136,16 @@ pub fn diagnose_with(
     })
 }
 
-/// A diagnosis within what the plant file admits, and what a second look needs.
+/// Diagnosis within the ranges of the plant file, and the inputs of a second look.
 struct Answer {
     diagnosis: Diagnosis,
-    /// The named effects, as they were fitted.
+    /// Named effects with their fitted parameters.
     found: Vec<EffectSetting>,
-    /// Whether something is left, and ordinary parameters came to the end of their ranges.
+    /// Whether an error remains and ordinary parameters reached the ends of their ranges.
     is_held_back: bool,
 }
 
-/// The same within what `plant` admits of its ordinary parameters.
+/// Diagnoses within the ranges that `plant` states for its ordinary parameters.
 fn diagnose_within(
     library: &[&'static dyn Effect],
     plant: &PlantParameters,
@@ -160,7 +160,7 @@ fn diagnose_within(
     search::report(watch, "the plain model", 0.0)?;
     let plant = &with_logged_supply(plant, logs.iter().chain(check));
     let (mut split, plain) = Split::that_shows(plant, logs, check)?;
-    // An effect of a part that the plant leaves out has no form.
+    // An effect of a part that the plant lacks has no form.
     let library: Vec<&'static dyn Effect> = library
         .iter()
         .copied()
@@ -203,7 +203,7 @@ fn diagnose_within(
         .collect();
     let remaining = remaining::remaining(&last.plant(), &logs_seen, last.is_material());
     let is_held_back = last.is_material() && last.unknowns.widened(&last.fit.z).is_some();
-    let diagnosis = Diagnosis {
+    let mut diagnosis = Diagnosis {
         schema: DIAGNOSIS_SCHEMA.to_owned(),
         logs: split.fitting.sources(),
         check: split.check_sources(),
@@ -215,13 +215,7 @@ fn diagnose_within(
         held_out: split.held_out().to_owned(),
         predictor: predictor::STATEMENT.to_owned(),
         verdict: found.verdict(),
-        sentence: assemble::sentence(
-            found.verdict(),
-            &ladder,
-            (&candidates, &outside, &found.rival_effects()),
-            &equivalents,
-            is_converged,
-        ),
+        sentence: String::new(),
         is_converged,
         rival_effects: found.rival_effects(),
         effects: ladder
@@ -243,6 +237,7 @@ fn diagnose_within(
         remaining,
         cost: split.cost(begin),
     };
+    diagnosis.sentence = assemble::sentence(&assemble::Answer::from(&diagnosis));
     let found = last.plant().effects;
     let is_found = |effect: &EffectSetting| diagnosis.effects.iter().any(|id| id == effect.id());
     Ok(Answer {
@@ -252,8 +247,8 @@ fn diagnose_within(
     })
 }
 
-/// What remains of the errors of `plant` on `logs` when its nuisance parameters and the effects that it has are fitted,
-/// without a search for missing effects.
+/// Returns the unexplained residual of `plant` on `logs` after its nuisance parameters and its effects are fitted, without a search for
+/// missing effects.
 ///
 /// # Errors
 /// [`DiagnoseError`]: a log cannot be used.

@@ -1,30 +1,30 @@
-//! Ordinary parameters: what differs from rig to rig without any physics missing.
+//! Ordinary parameters: those that differ from rig to rig without missing physics.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::ParameterSpec;
 
-/// An ordinary parameter in the list of those that a fit moves.
+/// Ordinary parameter in the list of those that a fit moves.
 #[derive(Debug)]
 struct Ordinary {
     /// Name in a plant file.
     name: &'static str,
-    /// Parameters that move in proportion with it, unless the plant file frees them by themselves.
+    /// Parameters that move in proportion to it, unless the plant file frees them individually.
     together_with: &'static [&'static str],
     /// Usual tolerance of the part; none if a datasheet value counts as exact.
     usual: Option<Spread>,
-    /// How far a first plant file may be off.
+    /// Possible error of the value in a first plant file.
     first_file: Spread,
     /// Signals that show it.
     shown_by: Shown,
-    /// What would determine it, for people.
+    /// Excitation or measurement that determines it, for people.
     determined_by: &'static str,
     /// Standard deviation between two correct programs of one plant.
     between_programs: Spread,
-    /// The same where no current is logged; none where that makes no difference.
+    /// Standard deviation between two correct programs where no current is logged; none where that makes no difference.
     without_current: Option<Spread>,
 }
 
-/// Distance from a value on which a parameter is centred.
+/// Distance from the central value of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Spread {
     /// Share of the value.
@@ -34,7 +34,7 @@ enum Spread {
 }
 
 impl Spread {
-    /// The distance from `value`, in the unit of the parameter.
+    /// Returns the distance from `value`, in the unit of the parameter.
     fn around(self, value: f64) -> f64 {
         match self {
             Self::Relative(share) => share * value.abs(),
@@ -43,19 +43,19 @@ impl Spread {
     }
 }
 
-/// What has to be logged for a parameter to matter.
+/// Signals that must be logged for a parameter to matter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Shown {
     Always,
-    /// By the chamber pressure alone.
+    /// Chamber pressure.
     InPressure,
-    /// By the chamber pressure of a log without a supply pressure of its own.
+    /// Chamber pressure of a log without its own supply pressure.
     WithoutLoggedSupply,
-    /// By the chamber pressure of a log whose supply pressure drives the model.
+    /// Chamber pressure of a log whose supply pressure drives the model.
     WithLoggedSupply,
 }
 
-/// What logs show, as far as it decides which parameters matter.
+/// Signals in the logs, as far as they decide which parameters matter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Shows {
     /// Whether a log has a coil current.
@@ -69,7 +69,7 @@ pub(crate) struct Shows {
 }
 
 impl Shows {
-    /// Whatever logs may show.
+    /// All signals.
     pub(crate) const EVERYTHING: Self = Self {
         current: true,
         pressure: true,
@@ -105,13 +105,14 @@ const fn relative(
     }
 }
 
-/// A coil with resistance and inductances larger by a factor, and a force constant larger by its square, moves the armature alike but for
-/// the drop of the freewheeling diode: pressures show these parameters together.
+/// Spread of the coil's parameters where no current is logged. A coil with resistance and inductances larger by a factor, and a force
+/// constant larger by its square, moves the armature alike except for the drop of the freewheeling diode: pressures show only these
+/// parameters together.
 const COIL_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.05));
 const FORCE_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.1));
 
-/// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume
-/// 4 %, magnetic circuits 8 %; the delay of an output stage, and a pressure regulator with its gauge.
+/// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume 4 %, magnetic circuits 8
+/// %; the delay of an output stage, and a pressure regulator with its gauge.
 static ORDINARY: [Ordinary; 14] = [
     relative(
         "flow.discharge_fill",
@@ -142,7 +143,7 @@ static ORDINARY: [Ordinary; 14] = [
             "fill until the pressure no longer rises",
         )
     },
-    // A gauge of 10 bar and class 0.5. Left out, its offset would be a wrong end of each filling, which effects imitate.
+    // A gauge of 10 bar and class 0.5. Without its offset, each filling would end at a wrong pressure, which effects imitate.
     Ordinary {
         between_programs: Spread::Absolute(4.5e-3),
         usual: Some(Spread::Absolute(0.05)),
@@ -240,24 +241,24 @@ static ORDINARY: [Ordinary; 14] = [
     },
 ];
 
-/// Names of the ordinary parameters.
+/// Returns the names of the ordinary parameters.
 pub(crate) fn ordinary_names() -> impl Iterator<Item = &'static str> {
     ORDINARY.iter().map(|ordinary| ordinary.name)
 }
 
-/// Whether `name` is that of an ordinary parameter.
+/// Returns whether `name` is that of an ordinary parameter.
 pub(crate) fn is_ordinary(name: &str) -> bool {
     ordinary_names().any(|ordinary| ordinary == name)
 }
 
-/// The usual tolerance of the part around the value of an ordinary parameter, in its unit; none for other parameters, and where a
+/// Returns the usual tolerance of the part around the value of an ordinary parameter, in its unit; none for other parameters, and where a
 /// datasheet value counts as exact.
 pub(crate) fn usual_spread(name: &str, value: f64) -> Option<f64> {
     let ordinary = ORDINARY.iter().find(|ordinary| ordinary.name == name)?;
     Some(ordinary.usual?.around(value))
 }
 
-/// The ordinary parameter in proportion with which `name` moves, if the plant file says nothing of it.
+/// Returns the ordinary parameter in proportion to which `name` moves, if the plant file states nothing about `name`.
 pub(crate) fn leader_of(name: &str) -> Option<&'static str> {
     let leader = ORDINARY
         .iter()
@@ -265,18 +266,18 @@ pub(crate) fn leader_of(name: &str) -> Option<&'static str> {
     Some(leader.name)
 }
 
-/// How far the value of an ordinary parameter may be off in a first plant file, in its unit; none for other parameters.
+/// Returns the possible error of the value of an ordinary parameter in a first plant file, in its unit; none for other parameters.
 pub(crate) fn first_file_spread(name: &str, value: f64) -> Option<f64> {
     let ordinary = ORDINARY.iter().find(|ordinary| ordinary.name == name)?;
     Some(ordinary.first_file.around(value))
 }
 
-/// A parameter that a fit moves, with where it may be.
+/// Free parameter of a fit, with its range.
 #[derive(Debug, Clone)]
 pub(crate) struct Nuisance {
     pub(crate) spec: &'static ParameterSpec,
     together_with: Vec<&'static ParameterSpec>,
-    /// What would determine it, for people.
+    /// Excitation or measurement that determines it, for people.
     pub(crate) determined_by: &'static str,
     /// Standard deviation of the value between two correct programs of one plant, in the unit of the parameter.
     pub(crate) between_programs: f64,
@@ -284,13 +285,13 @@ pub(crate) struct Nuisance {
     pub(crate) usual: Option<f64>,
     /// Value of the plant file.
     pub(crate) datasheet: f64,
-    /// One unit of its coordinate, in the unit of the parameter.
+    /// Unit of its coordinate, in the unit of the parameter.
     pub(crate) tolerance: f64,
     /// Least and largest coordinate, (value - datasheet) / tolerance, of a fit.
     pub(crate) bounds: (f64, f64),
 }
 
-/// The parameters of `plant` that a fit moves, as far as logs show them.
+/// Returns the parameters of `plant` that a fit moves, as far as logs show them.
 pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> {
     let ordinary = |name: &str| ORDINARY.iter().find(|ordinary| ordinary.name == name);
     let listed = ORDINARY
@@ -299,7 +300,7 @@ pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> 
     let asked = plant.knowledge.keys();
     let asked = asked.filter(|name| ordinary(name).is_none());
     let asked = asked.filter_map(|name| ParameterSpec::by_name(name));
-    // What is stated of an effect bounds its size, which is fitted anyway.
+    // A statement about an effect limits its size, which is fitted anyway.
     let asked = asked.filter(|spec| spec.effect_id().is_none());
     listed
         .chain(asked)
@@ -355,7 +356,7 @@ pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> 
 }
 
 impl Nuisance {
-    /// Sets it to `value`, and what moves with it in proportion.
+    /// Sets it to `value`, and with it the parameters that move in proportion.
     pub(crate) fn set(&self, plant: &mut PlantParameters, datasheet: &PlantParameters, value: f64) {
         self.spec.put(plant, value);
         for other in &self.together_with {
@@ -365,7 +366,7 @@ impl Nuisance {
         }
     }
 
-    /// Names of the parameters that move in proportion with it.
+    /// Returns the names of the parameters that move in proportion to it.
     pub(crate) fn together_with(&self) -> impl Iterator<Item = String> {
         self.together_with.iter().map(|spec| spec.name())
     }

@@ -1,4 +1,4 @@
-//! Whether a fitted size is one that is met in practice: a leak beside the volume that it empties, the error of a sensor beside the
+//! Plausibility of a fitted size in practice: a leak relative to the volume that it empties, the error of a sensor relative to the
 //! pressures that it shows.
 
 use plant_sim::PlantParameters;
@@ -8,10 +8,10 @@ use super::evidence::Evidence;
 use super::result::FittedParameter;
 use super::words::significant;
 
-/// A size this many times above or below the typical one is not met in practice.
+/// Factor above or below the typical size beyond which a size does not occur in practice.
 const IMPLAUSIBLE: f64 = 20.0;
 
-/// A rig beside the nominal one, for which the typical sizes of the library hold.
+/// Size of a rig relative to the nominal one, for which the typical sizes of the library apply.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Practice {
     /// Volume of the chamber over the nominal one.
@@ -32,7 +32,7 @@ impl Practice {
         }
     }
 
-    /// Returns the typical value of a parameter on this rig; none where it is no size of an effect.
+    /// Returns the typical value of a parameter on this rig; none where it is not the size of an effect.
     pub(crate) fn typical(&self, spec: &ParameterSpec) -> Option<f64> {
         let typical = spec.size?.typical;
         Some(match (spec.effect_id(), spec.unit) {
@@ -49,7 +49,7 @@ fn in_two_digits(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
 }
 
-/// Returns whether the fitted `parameters` of the effect `id` are plausible, in words. A strength may be as small as it likes.
+/// Returns the plausibility of the fitted `parameters` of the effect `id`, in words. A strength may be arbitrarily small.
 pub(crate) fn plausibility(id: &str, parameters: &[FittedParameter]) -> String {
     if parameters.is_empty() {
         return "explains nothing at any size that was tried".to_owned();
@@ -123,7 +123,7 @@ mod tests {
         assert!(told(&on_a_rig(75e-6), area, 1e-11).starts_with("plausible"));
     }
 
-    /// A drift of 14 % of the reading was called plausible.
+    /// Defect seen: a drift of 14 % of the reading was called plausible.
     #[test]
     fn the_drift_of_a_sensor_is_plausible_beside_what_it_shows() {
         let practice = on_a_rig(75e-6);

@@ -1,40 +1,40 @@
-//! How much of each pressure error the model takes on: the gain of a Kalman filter whose model is trusted, but for
-//! the air that each pulse of a valve moves.
+//! Share of each pressure error by which the model is corrected: the gain of a Kalman filter that trusts its model except for the air that
+//! each pulse of a valve moves.
 //!
-//! Driven by the commands alone, a model carries the error of every pulse to the end of the log, and a per mille of
-//! the flow looks like missing physics. Corrected at a constant gain, it forgets a slow leak. Here the gain is high
-//! while a valve is switching and falls with the length of a hold, so that a hold is seen whole.
+//! Driven by the commands alone, a model carries the error of every pulse to the end of the log, and a per mille of the flow looks like
+//! missing physics. Corrected at a constant gain, it forgets a slow leak. Here the gain is high while a valve is switching and falls with
+//! the length of a hold, so that the whole hold shows in the error.
 //!
-//! R. E. Kalman 1960. The gain depends on the commands alone; every model is held against the same filter.
+//! R. E. Kalman 1960. The gain depends on the commands alone, so that every model is compared with the same filter.
 
 use plant_sim::PlantParameters;
 
 use crate::commands::Commands;
 use crate::measured::Restart;
 
-/// A pulse moves air that is known to this share of what a fully open valve moves in a PWM period: 0.1 ms of 10 ms, the
-/// scatter of a valve's switching times.
+/// Uncertainty of the air that a pulse moves, over the air through a fully open valve in a PWM period: 0.1 ms of 10 ms, the scatter of a
+/// valve's switching times.
 const PULSE_SCATTER: f64 = 0.01;
-/// Of an initial pressure that was measured, the variance over that of the noise.
+/// Variance of a measured initial pressure over that of the noise.
 const START_VARIANCE: f64 = 0.1;
 
-/// What it does, for people.
+/// Description for people.
 pub(crate) const STATEMENT: &str = "errors are those of a prediction: after each sample the model takes on a part of \
     the pressure error, more while a valve switches (a pulse's air is known to 1 % of a period's), less the longer it holds; \
     the floor is what a perfect model would leave of it. Beside it stands the free run, driven by the commands alone";
 
-/// The gains and what a perfect model would leave.
+/// Gains, and the errors of a perfect model.
 #[derive(Debug, Clone)]
 pub(crate) struct Predictor {
-    /// After each sample, pressure += gain × (measured - predicted).
+    /// Gains: after each sample, pressure += gain × (measured - predicted).
     pub(crate) gains: Vec<f64>,
     /// Standard deviation of the prediction error of a perfect model over that of the measurement noise.
     pub(crate) floors: Vec<f64>,
 }
 
 impl Predictor {
-    /// For pressures `measured` (NaN where missing) with noise `sigma_bar`. `largest_bar` is the largest change in a
-    /// PWM period. At each of `restarts` the model begins again at a measured pressure.
+    /// Returns the predictor for pressures `measured` (NaN where missing) with noise `sigma_bar`. `largest_bar` is the largest change in a
+    /// PWM period. At each of `restarts` the model restarts at a measured pressure.
     pub(crate) fn new(
         parameters: &PlantParameters,
         commands: &Commands,
@@ -46,7 +46,7 @@ impl Predictor {
         let switching = switching(parameters, commands);
         let pulse = (PULSE_SCATTER * largest_bar / sigma_bar).powi(2);
         let start = if starts_measured { START_VARIANCE } else { 0.0 };
-        // Variances over that of the noise: what the filter believes, and what a perfect model has.
+        // Variances over that of the noise: the filter's estimate, and that of a perfect model.
         let (mut believed, mut perfect) = (start, start);
         let mut gains = Vec::with_capacity(measured.len());
         let mut floors = Vec::with_capacity(measured.len());
@@ -72,7 +72,7 @@ impl Predictor {
         Self { gains, floors }
     }
 
-    /// The model driven by the commands alone.
+    /// Returns the predictor of a model driven by the commands alone, with gain 0.
     pub(crate) fn free_run(samples: usize) -> Self {
         Self {
             gains: vec![0.0; samples],
@@ -81,7 +81,7 @@ impl Predictor {
     }
 }
 
-/// Samples before which a coil may have switched.
+/// Returns for each sample whether a coil may have switched before it.
 fn switching(parameters: &PlantParameters, commands: &Commands) -> Vec<bool> {
     let mut switching = vec![false; commands.len()];
     for valve in (0..2).filter(|&valve| parameters.functions[valve].has_coil()) {

@@ -1,4 +1,4 @@
-//! What a log says, before it is known how its sensors scatter.
+//! Content of a log before the noise of its sensors is known.
 
 use plant_sim::PlantParameters;
 use plant_sim::replay::{ReplayInput, SUPPLY_PRESSURE, Surroundings, inputs};
@@ -12,7 +12,7 @@ use crate::measured::{GAS_TEMPERATURE, Measured, PRESSURE, WEIGHED, is_weighed, 
 use crate::result::{NotCompared, Warning};
 use crate::warning::{out_of_reach, warnings};
 
-/// What is read from a log before it is known how its sensors scatter.
+/// Content of a log before the noise of its sensors is known.
 pub(super) struct Read {
     pub(super) commands: Commands,
     pub(super) inputs: Vec<ReplayInput>,
@@ -62,7 +62,7 @@ impl Read {
         })
     }
 
-    /// Tells how the sensors scatter in this log.
+    /// Reports the noise of the sensors in this log to `noise`.
     pub(super) fn tell(&self, noise: &mut SensorNoise) {
         noise.hear(&self.measured, self.interval_s);
     }

@@ -1,4 +1,4 @@
-//! Puts chosen effects into a plant, with the values that the logs say.
+//! Adds chosen effects to a plant, with values fitted to the logs.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -24,78 +24,78 @@ use crate::result::{LogDefects, NotCompared, Warning};
 /// Name and version of the JSON format.
 pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/1";
 
-/// A fitted plant, and what the fit is worth.
+/// Fitted plant with the result of the fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refined {
-    /// The plant as given, with the effects and the fitted values, each with its provenance.
+    /// Plant as given, with the effects and the fitted values, each with its provenance.
     pub plant: PlantParameters,
-    /// What the fit says.
+    /// Result of the fit.
     pub refinement: Refinement,
 }
 
-/// How the error fell when effects were added.
+/// Decrease of the error with added effects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
     /// Name and version of this format, `retarder.refinement/1`.
     pub schema: String,
-    /// Sources of the logs that were fitted.
+    /// Sources of the training logs.
     pub logs: Vec<String>,
-    /// Sources of the logs that judged; empty where blocks of the fitted logs were held out.
+    /// Sources of the validation logs; empty where validation uses held-out blocks of the training logs.
     pub check: Vec<String>,
-    /// From the source of a log to its signals that could not be weighed, and why.
+    /// From the source of a log to its signals that were excluded, with the reasons.
     #[serde(default)]
     pub not_compared: BTreeMap<String, Vec<NotCompared>>,
     /// From the source of a log to its gaps and missing cells; absent where no log has any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub defects: BTreeMap<String, LogDefects>,
-    /// From the source of a log to what in it probably is not what it is declared to be.
+    /// From the source of a log to the properties that probably differ from their declaration.
     #[serde(default)]
     pub warnings: BTreeMap<String, Vec<Warning>>,
-    /// What judged, in words.
+    /// Validation data, in words.
     pub held_out: String,
     /// The result in words.
     pub sentence: String,
-    /// The error, from the plant without the asked effects on; one row per added effect.
+    /// Error steps, beginning with the plant without the requested effects; one row per added effect.
     pub ladder: Vec<Step>,
     /// Every effect of the refined plant.
     pub effects: Vec<FittedEffect>,
-    /// What may differ from rig to rig without any physics missing.
+    /// Parameters that may differ from rig to rig without missing physics.
     pub nuisance: Vec<NuisanceValue>,
-    /// What the answer cost.
+    /// Cost of the answer.
     pub cost: Cost,
 }
 
 impl Refinement {
-    /// The JSON Schema of a refinement.
+    /// Returns the JSON Schema of a refinement.
     pub fn json_schema() -> Schema {
         schemars::schema_for!(Self)
     }
 }
 
-/// An effect of the refined plant.
+/// Effect of the refined plant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FittedEffect {
     /// Its id.
     pub effect: String,
-    /// The form of its law.
+    /// Form of its law.
     pub variant: String,
     /// Its parameters.
     pub parameters: Vec<FittedParameter>,
-    /// Whether the fitted size is one that is met in practice, in words.
+    /// Plausibility of the fitted size in practice, in words.
     pub plausibility: String,
     /// One sentence for the workshop.
     pub physics: String,
 }
 
-/// `plant` with the effects of `add` (id, and the form of the law or none for the one that fits best), fitted to
-/// `logs` together with the nuisance parameters. What is held out judges: `check`, or without it, blocks of the logs.
+/// Adds the effects of `add` (id, and the form of the law or none for the one that fits best) to `plant` and fits them to `logs` together
+/// with the nuisance parameters. Validation uses `check`, or without it, held-out blocks of the logs.
 ///
-/// An effect that the plant has already is fitted anew.
+/// An effect that the plant already has is fitted again.
 ///
 /// # Errors
-/// [`DiagnoseError`]: an effect or a form that there is not, a log that cannot be used, or `watch` stopped it.
+/// [`DiagnoseError`]: an effect or a form does not exist, a log cannot be used, or `watch` stopped the fit.
 pub fn refine(
     plant: &PlantParameters,
     logs: &[Recording],
@@ -168,7 +168,7 @@ pub fn refine(
     })
 }
 
-/// The fitted plant `plain`, and one trial per effect, each in the best of its `forms` on top of those before it.
+/// Returns the fitted plant `plain`, and one trial per effect, each in the best of its `forms` on top of those before it.
 fn with_effects(
     split: &Split,
     (plant, plain): (&PlantParameters, Trial),
@@ -188,7 +188,7 @@ fn with_effects(
     Ok(steps)
 }
 
-/// The effect `id` in its form `variant`, or in all of its forms that `plant` may have.
+/// Returns the effect `id` in its form `variant`, or in all of its forms that `plant` admits.
 fn forms(
     plant: &PlantParameters,
     id: &str,
@@ -219,6 +219,7 @@ fn fitted_effect(
     let tried = Tried {
         setting: setting.clone(),
         trial: None,
+        is_finished: true,
     };
     let candidate = assemble::candidate(bench, plain, last, &tried);
     FittedEffect {
@@ -244,7 +245,7 @@ fn sentence(ladder: &[Step]) -> String {
     )
 }
 
-/// The fitted plant; each fitted value says which logs it comes from.
+/// Returns the fitted plant; the provenance of each fitted value names the logs.
 pub(super) fn with_provenance(trial: &Trial, logs: &[String]) -> PlantParameters {
     let mut plant = trial.plant();
     let origin = format!("fitted by retarder refine to {}", logs.join(", "));
@@ -265,15 +266,15 @@ pub(super) fn with_provenance(trial: &Trial, logs: &[String]) -> PlantParameters
     plant
 }
 
-/// More digits than any log can show, fewer than a file should have.
+/// Number of significant digits in a file: more than any log can show.
 const DIGITS: usize = 7;
 
-/// A value as a file should have it.
+/// Returns a value rounded for a file.
 pub(super) fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
 }
 
-/// Rounds a value to what a file should have, and says where it comes from.
+/// Rounds a value for a file, and states its origin.
 fn say(plant: &mut PlantParameters, name: &str, origin: &str) {
     let (Some(spec), Some(value)) = (ParameterSpec::by_name(name), plant.get(name)) else {
         return;
@@ -305,7 +306,7 @@ mod tests {
         assert!(refused("chamber_leak", Some("square")).contains("orifice, laminar, mixed, power"));
     }
 
-    /// Goal: the file says what was fitted, to what, and what stood there before. Method: a leak on a made-up rig.
+    /// Goal: the file states the fitted value, the logs, and the previous value. Method: a leak on a synthetic rig.
     #[test]
     fn fitted_values_carry_their_provenance_and_are_near_the_truth() {
         let leak = EffectSetting::typical(by_id("chamber_leak").unwrap()).with("area_m2", 3e-8);

@@ -1,4 +1,4 @@
-//! What a diagnosis says, as it stands in its JSON.
+//! Result of a diagnosis, as in its JSON.
 
 use core::fmt;
 use std::collections::BTreeMap;
@@ -13,39 +13,39 @@ use crate::result::{LogDefects, NotCompared, Warning};
 /// Name and version of the JSON format.
 pub const DIAGNOSIS_SCHEMA: &str = "retarder.diagnosis/1";
 
-/// A figure per signal, such as `p_ch` in bar and `i_fill` in mA.
+/// Value per signal, such as `p_ch` in bar and `i_fill` in mA.
 pub type BySignal = BTreeMap<String, f64>;
 
-/// Which physical effect is missing, and how the error falls when it is added.
+/// Diagnosis: the missing physical effects, and the decrease of the error when they are added.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Diagnosis {
     /// Name and version of this format, `retarder.diagnosis/1`.
     pub schema: String,
-    /// Sources of the logs that were fitted.
+    /// Sources of the training logs.
     pub logs: Vec<String>,
-    /// Sources of the logs that judged; empty where blocks of the fitted logs were held out.
+    /// Sources of the validation logs; empty where validation uses held-out blocks of the training logs.
     pub check: Vec<String>,
-    /// From the source of a log to its signals that could not be weighed, and why: what only they show was not looked for.
+    /// From the source of a log to its signals that were excluded, with the reasons; effects that only they show were not searched.
     #[serde(default)]
     pub not_compared: BTreeMap<String, Vec<NotCompared>>,
     /// From the source of a log to its gaps and missing cells; absent where no log has any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub defects: BTreeMap<String, LogDefects>,
-    /// From the source of a log to what in it probably is not what it is declared to be.
+    /// From the source of a log to the properties that probably differ from their declaration.
     #[serde(default)]
     pub warnings: BTreeMap<String, Vec<Warning>>,
-    /// Clocks of the loggers, where they are not that of the ECU.
+    /// Clocks of the loggers, where they differ from that of the ECU.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub clocks: Vec<FoundClock>,
     /// Temperatures of the gas where logs begin with a filled chamber.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub starts: Vec<FoundStart>,
-    /// What judged, in words.
+    /// Validation data, in words.
     pub held_out: String,
-    /// How the errors were made and what they are weighed against, in words.
+    /// Prediction that gives the errors, and their reference, in words.
     pub predictor: String,
-    /// One of five answers.
+    /// Verdict, one of five.
     pub verdict: Verdict,
     /// The answer in words.
     pub sentence: String,
@@ -55,50 +55,50 @@ pub struct Diagnosis {
     pub effects: Vec<String>,
     /// Whether a material part of the excess error remains after them.
     pub unexplained: bool,
-    /// From each named effect to the effects that these logs cannot tell from it, itself included.
+    /// From each named effect to the effects that these logs cannot distinguish from it, including itself.
     pub equivalents: BTreeMap<String, Vec<String>>,
-    /// From each named effect to every other effect that explains something: by how many standard deviations of the
-    /// noise these logs tell it from the named one. Below 3.3 they are swapped in more than one of twenty logs.
+    /// From each named effect to every other effect that explains something: the distance of the two in these logs, in standard
+    /// deviations of the noise. Below 3.3 they are confused in more than one of twenty logs.
     pub distinguishability: BTreeMap<String, BTreeMap<String, f64>>,
-    /// The error, step by step: the plant as given, its ordinary parameters refitted, their ranges widened where that was tried,
+    /// Error steps: the plant as given, its ordinary parameters refitted, their ranges widened where that was tried,
     /// and one row per added effect.
     pub ladder: Vec<Step>,
-    /// Ordinary parameters whose values lie outside of what the plant file admits: together these values explain the error, beside
-    /// the named effects where the ladder has a row of widened ranges, in their place where it has none.
+    /// Ordinary parameters with values outside the range of the plant file; together these values explain the error: in addition to
+    /// the named effects where the error steps have a row of widened ranges, instead of them where they have none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<OutsideValue>,
-    /// Effects that explain the error as well if the values of `outside` are those of the plant file.
+    /// Effects that explain the error as well if the parameters of `outside` have the values of the plant file.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rival_effects: Vec<String>,
-    /// Every effect of the library that acts on a part of the plant, the one that explains most first.
+    /// Every effect of the library that acts on a part of the plant, by falling explained share.
     pub candidates: Vec<Candidate>,
-    /// What may differ from rig to rig without any physics missing, as fitted with the named effects.
+    /// Parameters that may differ from rig to rig without missing physics, as fitted with the named effects.
     pub nuisance: Vec<NuisanceValue>,
-    /// Where the excess error is.
+    /// Location of the excess error.
     #[serde(rename = "where")]
     pub location: Location,
-    /// What the residual looks like after the named effects.
+    /// Unexplained residual after the named effects.
     pub remaining: Remaining,
-    /// What the answer cost.
+    /// Cost of the answer.
     pub cost: Cost,
 }
 
 impl Diagnosis {
-    /// The JSON Schema of a diagnosis.
+    /// Returns the JSON Schema of a diagnosis.
     pub fn json_schema() -> Schema {
         schemars::schema_for!(Self)
     }
 }
 
-/// The answers.
+/// Verdict of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Nothing detectable is missing.
+    /// Nothing detectable is missing, or too little is left to say so.
     Adequate,
-    /// No physics is missing: ordinary parameters lie outside of what the plant file admits.
+    /// No physics is missing: ordinary parameters lie outside the range of the plant file.
     PlantFileWrong,
-    /// These effects, and nothing material remains.
+    /// The named effects explain the error; nothing material remains.
     Found,
     /// The dominant effect is named, but something remains: its law differs, or another effect is missing as well.
     FormWrong,
@@ -106,7 +106,7 @@ pub enum Verdict {
     NotInLibrary,
 }
 
-/// An ordinary parameter outside of what the plant file admits.
+/// Ordinary parameter outside the range of the plant file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutsideValue {
@@ -116,14 +116,14 @@ pub struct OutsideValue {
     pub unit: String,
     /// Fitted value.
     pub value: f64,
-    /// Least value that the plant file admits.
+    /// Lower end of the range of the plant file.
     pub least: f64,
-    /// Largest value that the plant file admits.
+    /// Upper end of the range of the plant file.
     pub most: f64,
 }
 
 impl OutsideValue {
-    /// How far it lies from what the plant file admits, over that.
+    /// Returns the distance from the nearest end of the plant file's range, relative to that end.
     pub(crate) fn distance(&self) -> f64 {
         let nearest = self.value.clamp(self.least, self.most);
         (self.value - nearest).abs() / nearest.abs().max(f64::MIN_POSITIVE)
@@ -148,22 +148,22 @@ impl fmt::Display for OutsideValue {
     }
 }
 
-/// What a step changes.
+/// Kind of an error step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StepKind {
-    /// Nothing: the plant as it was given, with the loggers' clocks found.
+    /// Plant as given, with the loggers' clocks found.
     PlantAsGiven,
-    /// The ordinary parameters are fitted within what the plant file admits.
+    /// Fit of the ordinary parameters within the ranges of the plant file.
     ParametersRefitted,
-    /// The same beyond the ends at which they stopped.
+    /// Fit of the ordinary parameters beyond the ends at which they stopped.
     RangesWidened,
-    /// An effect is added, and everything is fitted again.
+    /// Addition of an effect, and a new fit of all parameters.
     EffectAdded,
 }
 
 impl StepKind {
-    /// The step in words.
+    /// Returns the step in words.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -175,33 +175,33 @@ impl StepKind {
     }
 }
 
-/// One row of the ladder.
+/// Error step: one row of the ladder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
-    /// What it changes.
+    /// Kind of the step.
     pub kind: StepKind,
     /// Id of the effect that this row adds; null for the others.
     pub added: Option<String>,
     /// Form of its law; null for the others.
     pub variant: Option<String>,
-    /// Rms error on the fitted logs.
+    /// Rms error on the training data.
     pub fit_rms: BySignal,
-    /// Rms error on what was held out.
+    /// Rms error on the validation data.
     pub check_rms: BySignal,
-    /// What a perfect model would have there: the noise of the measurement, seen through the predictor.
+    /// Rms error of a perfect model on the validation data: the noise of the measurement, after the predictor.
     pub noise_floor: BySignal,
-    /// Rms error on what was held out of the model driven by the commands alone.
+    /// Rms error of the free-run simulation, driven by the commands alone, on the validation data.
     pub free_run_check_rms: BySignal,
     /// Share of the excess error of the plant with refitted parameters that is explained, at most 1; below 0 where the error is
-    /// larger. The less of two shares: that of the fitted logs and that of what was held out, as far as the excess shows there.
+    /// larger. The smaller of two shares, on training and on validation data, as far as the excess shows there.
     pub explained_share: f64,
     /// Number of fitted parameters.
     pub free_parameters: usize,
 }
 
 impl Step {
-    /// What it is, in words: the effect that it adds with the form of its law, or what it does to the parameters.
+    /// Returns the step in words: the added effect with the form of its law, or the change of the parameters.
     #[must_use]
     pub fn name(&self) -> String {
         match (&self.added, &self.variant) {
@@ -210,13 +210,13 @@ impl Step {
         }
     }
 
-    /// Rms error on what was held out, in noise floors; the signal is one of the step's.
+    /// Returns the rms error on the validation data, in noise floors; `signal` is one of the step's.
     #[must_use]
     pub fn in_noise(&self, signal: &str) -> f64 {
         self.check_rms[signal] / self.noise_floor[signal]
     }
 
-    /// The same of the signal in which it is largest; 0 without signals.
+    /// Returns the largest rms error of any signal, in noise floors; 0 without signals.
     #[must_use]
     pub fn worst_in_noise(&self) -> f64 {
         let signals = self.check_rms.keys();
@@ -226,62 +226,62 @@ impl Step {
     }
 }
 
-/// The plain model with one effect, refitted.
+/// Plain model with one effect, refitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Candidate {
-    /// Its id.
+    /// Id of the effect.
     pub effect: String,
-    /// The form of its law that explains most.
+    /// Form of its law that explains most.
     pub variant: String,
-    /// Rms error on the fitted logs.
+    /// Rms error on the training data.
     pub fit_rms: BySignal,
-    /// Rms error on what was held out.
+    /// Rms error on the validation data.
     pub check_rms: BySignal,
-    /// Share of the plain model's excess error that it explains by itself, as in the ladder.
+    /// Share of the plain model's excess error that it explains alone, as in the error steps.
     pub explained_share: f64,
-    /// Evidence for it against the plain model: difference of the information criterion of Schwarz, corrected for
+    /// Evidence for the effect against the plain model: difference of the information criterion of Schwarz, corrected for
     /// correlated errors. Above 10 it is strong, below 0 it speaks against the effect.
     pub evidence: f64,
     /// Number of fitted parameters.
     pub free_parameters: usize,
-    /// The effect's own parameters; of a named effect, those fitted together with all named ones.
+    /// Parameters of the effect; of a named effect, those fitted together with all named ones.
     pub parameters: Vec<FittedParameter>,
-    /// Whether the fitted size is one that is met in practice, in words.
+    /// Plausibility of the fitted size in practice, in words.
     pub plausibility: String,
-    /// What size these logs would have shown.
+    /// Size from which on these logs would have shown the effect.
     pub detection_limit: DetectionLimit,
-    /// One sentence for the workshop.
+    /// Description in one sentence for the workshop.
     pub physics: String,
     /// Number in `docs/equations.md`, and the source.
     pub source: String,
 }
 
-/// A fitted parameter of an effect.
+/// Fitted parameter of an effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FittedParameter {
-    /// Its key in the plant file.
+    /// Key in the plant file.
     pub key: String,
-    /// Its unit; empty for a pure number.
+    /// Unit; empty for a pure number.
     pub unit: String,
     /// Best value.
     pub value: f64,
-    /// Lower end of the 95 % interval: noise, and what correct programs of one plant differ by.
+    /// Lower end of the 95 % interval: noise, and the difference between correct programs of one plant.
     pub low: f64,
     /// Upper end of the 95 % interval.
     pub high: f64,
-    /// A size that is met in practice, on a rig of this volume and of these pressures; null where none is known.
+    /// Size that occurs in practice, on a rig of this volume and of these pressures; null where none is known.
     pub typical: Option<f64>,
-    /// Whether it ran to the end of its range: physics is missing, or the logs do not show it.
+    /// Whether it reached the end of its range: physics is missing, or the logs do not show it.
     pub at_bound: bool,
 }
 
-/// The size of an effect that these logs would have shown.
+/// Detection limit of an effect in these logs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DetectionLimit {
-    /// At this size and above it would have been named.
+    /// An effect of this size or above would have been named.
     Size {
         /// Key of the parameter in the plant file.
         key: String,
@@ -290,14 +290,14 @@ pub enum DetectionLimit {
         /// Its unit.
         unit: String,
     },
-    /// No size that is met in practice shows in these logs.
+    /// No size that occurs in practice shows in these logs.
     NotExcited {
-        /// What would show it.
+        /// Excitation that would show the effect.
         manoeuvre: String,
     },
 }
 
-/// A nuisance parameter.
+/// Nuisance parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NuisanceValue {
@@ -307,7 +307,7 @@ pub struct NuisanceValue {
     pub unit: String,
     /// Value of the plant file.
     pub datasheet: f64,
-    /// Allowed distance from it.
+    /// Allowed distance from the value of the plant file.
     pub tolerance: f64,
     /// Value fitted to the plain model.
     pub plain: f64,
@@ -317,29 +317,29 @@ pub struct NuisanceValue {
     pub low: f64,
     /// Upper end of the 95 % interval.
     pub high: f64,
-    /// Set where it ran to the end of its tolerance, in the plain model or with the named effects: physics may be missing.
+    /// Set where the value reached the end of its tolerance, in the plain model or with the named effects: physics may be missing.
     pub alarm: Option<String>,
 }
 
-/// Where the excess error is.
+/// Location of the excess error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Location {
-    /// Why `compare`, which judges the plant as given, places the error elsewhere; empty where it does not.
+    /// Reason why `compare`, which uses the plant as given, places the error elsewhere; empty where it does not.
     pub of_compare: Vec<String>,
-    /// With the plain model.
+    /// Regimes with the plain model.
     pub before: Vec<Regime>,
-    /// With the named effects; the same as `before` where none is named.
+    /// Regimes with the named effects; the same as `before` where none is named.
     pub after: Vec<Regime>,
 }
 
-/// The regime that holds most of the excess error of one signal.
+/// Regime with most of the excess error of one signal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Regime {
     /// Source of the log.
     pub log: String,
-    /// The signal.
+    /// Name of the signal.
     pub signal: String,
     /// The regime in words; null where there is no excess to place.
     pub regime: Option<String>,
@@ -347,73 +347,73 @@ pub struct Regime {
     pub excess_share: Option<f64>,
     /// Its share of the samples.
     pub sample_share: Option<f64>,
-    /// All of it in one sentence.
+    /// The regime and its shares in one sentence.
     pub sentence: String,
 }
 
-/// What the residual looks like.
+/// Unexplained residual.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Remaining {
-    /// The leading shapes in words, the most telling first; empty where nothing material remains.
+    /// The leading shapes in words, the most informative first; empty where nothing material remains.
     pub sentences: Vec<String>,
-    /// The flow that is missing, against what it may depend on; positive fills the chamber.
+    /// Missing flow as a function of quantities on which it may depend; positive fills the chamber.
     pub missing_flow: Vec<FlowCurve>,
     /// Sharp lines in the spectrum of a residual.
     pub spectral_lines: Vec<SpectralLine>,
-    /// Single instants at which far more or less air came than a pulse delivers.
+    /// Single instants at which much more or less air entered than a pulse delivers.
     pub lost_pulses: Vec<LostPulse>,
 }
 
-/// Missing flow against one quantity.
+/// Missing flow as a function of one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FlowCurve {
-    /// The quantity, such as `p_ch`.
+    /// Quantity on the abscissa, such as `p_ch`.
     pub against: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: String,
-    /// When it was looked at: `both valves shut`, `filling`, `venting`.
+    /// Condition of the samples: `both valves shut`, `filling`, `venting`.
     pub condition: String,
     /// Share of the missing flow's variance that the curve explains, 0 to 1.
     pub explained_share: f64,
-    /// The curve, rising in its quantity.
+    /// Points of the curve, by rising quantity.
     pub points: Vec<FlowPoint>,
 }
 
-/// One point of a missing flow.
+/// Point of a missing flow.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FlowPoint {
-    /// The quantity.
+    /// Value of the quantity.
     pub at: f64,
-    /// Mean rate at which the pressure is missing (bar/s).
+    /// Mean missing rate of the pressure (bar/s).
     pub bar_per_s: f64,
-    /// Standard error of it (bar/s).
+    /// Standard error of the rate (bar/s).
     pub standard_error: f64,
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
 }
 
-/// A line in a spectrum.
+/// Line in a spectrum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpectralLine {
-    /// The signal.
+    /// Name of the signal.
     pub signal: String,
-    /// When it was looked at: `filling`, `venting`, `both valves shut`, `always`.
+    /// Condition of the samples: `filling`, `venting`, `both valves shut`, `always`.
     pub condition: String,
-    /// Its frequency (Hz).
+    /// Frequency (Hz).
     pub frequency_hz: f64,
-    /// Amplitude of what would have to swing to make it, about.
+    /// Approximate amplitude of the oscillation that would cause it.
     pub amplitude: f64,
-    /// What that is: `bar of supply pressure`, `of the flow`, `bar/s` of missing flow, `mA` of a coil current.
+    /// Oscillating quantity: `bar of supply pressure`, `of the flow`, `bar/s` of missing flow, `mA` of a coil current.
     pub unit: String,
-    /// Probability of such a line in noise.
+    /// Probability of as strong a line in noise.
     pub p_value: f64,
 }
 
-/// One instant at which the residual jumped.
+/// Instant at which the residual jumped.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LostPulse {
@@ -421,21 +421,21 @@ pub struct LostPulse {
     pub log: String,
     /// Instant (s).
     pub time_s: f64,
-    /// By how much the measured pressure jumped beside the model (bar).
+    /// Jump of the measured pressure relative to the model (bar).
     pub jump_bar: f64,
-    /// The same in standard deviations of what is usual there.
+    /// The jump in standard deviations of the usual scatter there.
     pub in_noise: f64,
 }
 
-/// What an answer cost.
+/// Cost of an answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cost {
-    /// Simulations of all logs.
+    /// Number of simulations of all logs.
     pub simulations: usize,
     /// Logged time that one simulation covers (s).
     pub log_s: f64,
-    /// Wall time that it took, with several simulations at once on as many cores (s).
+    /// Wall time (s), with several simulations in parallel on all cores.
     pub elapsed_s: f64,
     /// Computing time of one simulation (ms).
     pub per_simulation_ms: f64,

@@ -1,4 +1,4 @@
-//! Tries every effect of the library on top of a fitted plant.
+//! Trial of every effect of the library on top of a fitted plant.
 
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicUsize, Ordering};
@@ -10,47 +10,47 @@ use super::error::DiagnoseError;
 use super::trial::{Bench, Opened, Prospect, Trial};
 use super::verdict::FURTHER_EVIDENCE;
 
-/// A fit is begun where it promises this share of what the best one promises, ...
+/// Share of the best candidate's expected gain from which on a fit is begun, ...
 const BEGIN_PROSPECT: f64 = 0.05;
-/// ... or of what a named effect gains where it may stand in its place, ...
+/// ... of the best expected gain or a named effect's gain, whichever is larger, where the candidate may replace that effect, ...
 const BEGIN_RIVAL_PROSPECT: f64 = 0.1;
-/// ... and this share of the evidence that a further effect needs.
+/// ... and of the evidence that a further effect needs.
 const WEAK_PROSPECT: f64 = 0.2;
-/// A fit is followed to its end where its first steps gained this share of what the best one gained, ...
+/// Share of the best fit's gain that the first steps of a fit must gain for it to be completed, ...
 pub(crate) const PROSPECT: f64 = 0.25;
-/// ... and this share of what a named effect gains where it may stand in its place.
+/// ... and of the gain of a named effect where the candidate may replace it.
 const RIVAL_PROSPECT: f64 = 0.8;
 
-/// Of the forms of one effect, those are followed whose first steps gained this share of what the best of them gained.
+/// Share of the best form's gain that the first steps of another form of the same effect must gain for it to be completed.
 const FORM_PROSPECT: f64 = 0.7;
 /// Share of the work that is done when the fits are begun.
 const BEGUN: f64 = 0.6;
 
-/// What a search reports.
+/// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// What is done, for people.
+    /// Current stage, for people.
     pub stage: &'static str,
     /// Share of the stage that is done, 0 to 1.
     pub done: f64,
 }
 
-/// Sees the progress of long work from several threads and may stop it.
+/// Observer of the progress of long work, called from several threads, which may stop it.
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
-/// How much work a search is worth.
+/// Extent of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Effort {
-    /// A few steps of each effect in the first form of its law: nothing is missing.
+    /// A few steps of each effect in the first form of its law, where nothing seems to be missing.
     Glance,
-    /// Every form that promises something, followed to the end where it gains.
+    /// Every form with a sufficient expected gain, completed where it gains.
     Search,
-    /// What may stand in the place of the named effect `of`, which gains so much.
+    /// Effects that may replace the named effect `of`, which has the given gain.
     Rival { of: &'static str, gain: f64 },
 }
 
 impl Effort {
-    /// The gain from which on a fit is followed to its end, where the best one gained `most`.
+    /// Returns the gain from which on a fit is completed, where the best one gained `most`.
     fn least_gain(self, most: f64) -> f64 {
         match self {
             Self::Glance => f64::INFINITY,
@@ -59,12 +59,12 @@ impl Effort {
         }
     }
 
-    /// The promise from which on a fit on top of `base` is begun, where the best one promises `most`.
+    /// Returns the expected gain from which on a fit on top of `base` is begun, where the best expected gain is `most`.
     fn least_promise(self, base: &Trial, most: f64) -> f64 {
         let weak = || WEAK_PROSPECT * FURTHER_EVIDENCE * base.correlation_samples;
         match self {
             Self::Rival { gain, .. } => BEGIN_RIVAL_PROSPECT * most.max(gain),
-            // Near the noise an effect is weak and a promise holds.
+            // Near the noise an effect is weak and its expected gain is accurate.
             Self::Search if !base.is_material() => weak(),
             Self::Search => weak().max(BEGIN_PROSPECT * most),
             Self::Glance => BEGIN_PROSPECT * most,
@@ -76,12 +76,14 @@ impl Effort {
     }
 }
 
-/// An effect on top of a plant, in the form of its law that fits best.
+/// Effect on top of a plant, in the form of its law that fits best.
 #[derive(Debug, Clone)]
 pub(crate) struct Tried {
     pub(crate) setting: EffectSetting,
-    /// None where it gains nothing over the plant without it.
+    /// Fitted plant; none where the effect gains nothing over the plant without it.
     pub(crate) trial: Option<Trial>,
+    /// Whether its fit was followed to the end.
+    pub(crate) is_finished: bool,
 }
 
 /// Tries all effects that `base` does not have.
@@ -147,21 +149,59 @@ pub(crate) fn try_all(
             Ok(Tried {
                 setting: begun.setting,
                 trial,
+                is_finished: is_followed,
             })
         })
         .collect::<Result<Vec<_>, DiagnoseError>>()?;
     let unseen = unseen.into_iter().map(|effect| Tried {
         setting: EffectSetting::typical(effect),
         trial: None,
+        is_finished: true,
     });
     Ok(best_forms(tried.into_iter().chain(unseen).collect()))
 }
 
-/// An effect whose fit was begun.
+/// Follows the fits of `tried`, effects on top of `base`, to their end that were only begun, where an effect gains enough compared
+/// with the best one: a fit that begins far from its end gains little in its first steps. None if there is no such effect.
+pub(crate) fn finish_begun(
+    bench: &Bench,
+    base: &Trial,
+    tried: &[Tried],
+    watch: Watch,
+) -> Result<Option<Vec<Tried>>, DiagnoseError> {
+    let gain = |tried: &Tried| {
+        let trial = tried.trial.as_ref();
+        trial.map_or(0.0, |trial| base.fit.cost - trial.fit.cost)
+    };
+    let least = BEGIN_PROSPECT * tried.iter().map(gain).fold(0.0, f64::max);
+    let is_worth = |tried: &&Tried| !tried.is_finished && gain(tried) > least;
+    let total = tried.iter().filter(is_worth).count();
+    if total == 0 {
+        return Ok(None);
+    }
+    let done = AtomicUsize::new(0);
+    let finished = tried.par_iter().map(|tried| {
+        if !is_worth(&tried) {
+            return Ok(tried.clone());
+        }
+        let trial = tried.trial.clone().and_then(|trial| bench.follow(trial));
+        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+        report(watch, "single effects", count as f64 / total as f64)?;
+        Ok(Tried {
+            trial,
+            is_finished: true,
+            setting: tried.setting.clone(),
+        })
+    });
+    let finished = finished.collect::<Result<Vec<_>, DiagnoseError>>()?;
+    Ok(Some(best_forms(finished)))
+}
+
+/// Effect whose fit was begun.
 struct Begun {
     setting: EffectSetting,
     opened: Option<Opened>,
-    /// Cost without it.
+    /// Cost without the effect.
     before: f64,
 }
 
@@ -173,7 +213,7 @@ impl Begun {
     }
 }
 
-/// Begins the fits of those of `settings` that promise enough.
+/// Begins the fits of those of `settings` whose expected gain is sufficient.
 fn open_promising(
     bench: &Bench,
     base: &Trial,
@@ -211,7 +251,7 @@ fn open_promising(
         .collect()
 }
 
-/// Whether coil currents show an effect without the pressure.
+/// Returns whether coil currents show an effect without the pressure.
 pub(crate) fn shows_in_currents(effect: &dyn Effect) -> bool {
     matches!(
         effect.about().acts_on,
@@ -219,7 +259,7 @@ pub(crate) fn shows_in_currents(effect: &dyn Effect) -> bool {
     )
 }
 
-/// Tells `watch` how far it is.
+/// Reports the progress to `watch`.
 pub(crate) fn report(watch: Watch, stage: &'static str, done: f64) -> Result<(), DiagnoseError> {
     match watch(Progress { stage, done }) {
         ControlFlow::Continue(()) => Ok(()),
@@ -227,7 +267,7 @@ pub(crate) fn report(watch: Watch, stage: &'static str, done: f64) -> Result<(),
     }
 }
 
-/// One effect in several forms, fitted to the end: the form that the logs prefer; none where no form can be simulated.
+/// Fits one effect in several forms to the end and returns the form that the logs prefer; none where no form can be simulated.
 pub(crate) fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) -> Option<Trial> {
     forms
         .into_par_iter()
@@ -235,7 +275,7 @@ pub(crate) fn best_form(bench: &Bench, base: &Trial, forms: Vec<EffectSetting>) 
         .reduce_with(|a, b| if b.is_preferred_to(&a) { b } else { a })
 }
 
-/// Of each effect the form that the logs prefer, the effect that fits best first.
+/// Returns the form of each effect that the logs prefer, the effect that fits best first.
 pub(crate) fn best_forms(tried: Vec<Tried>) -> Vec<Tried> {
     let mut best: Vec<Tried> = Vec::new();
     for tried in tried {
@@ -253,7 +293,7 @@ pub(crate) fn best_forms(tried: Vec<Tried>) -> Vec<Tried> {
 }
 
 impl Tried {
-    /// Sum of squares on the fitted and the held-out logs.
+    /// Returns the sum of squares on training and validation data.
     pub(crate) fn cost(&self) -> f64 {
         self.trial
             .as_ref()

@@ -1,28 +1,28 @@
-//! The second look at logs that are not explained within what the plant file admits.
+//! Second look at logs that are not explained within the ranges of the plant file.
 //!
-//! Where ordinary parameters came to the end of their ranges, the file may be a first one, whose values are 30 % off: they are
-//! estimated as such beside the effects found so far, and effects are looked for anew beside the estimated values. What the file
-//! states of a value still holds.
+//! Where ordinary parameters reached the ends of their ranges, the file may be a first one, with values that are 30 % wrong. They are
+//! estimated accordingly, together with the effects found so far, and the search for effects is repeated with the estimated values.
+//! Statements of the file about a value still apply.
 
 use plant_sim::PlantParameters;
 
-use super::assemble;
+use super::assemble::{self, Answer};
 use super::estimation::Estimation;
 use super::known::{Known, known};
 use super::result::{Diagnosis, NuisanceValue, OutsideValue, Step, StepKind, Verdict};
 
-/// Estimated values are another file's if they leave at most this share of what the given one leaves over the noise.
+/// Largest ratio of the remaining excess, estimated over given values, at which the estimated values justify a second search.
 const MUCH_NEARER: f64 = 0.5;
 
-/// Whether the `estimated` values, with the effects that `first` names, are so much nearer to the logs than those within the plant
-/// file's ranges that they are worth a search of their own.
+/// Returns whether the `estimated` values, with the effects that `first` names, explain the logs so much better than those within the plant
+/// file's ranges that they justify a second search.
 pub(super) fn is_nearer(estimated: &Estimation, first: &Diagnosis) -> bool {
     let pair = first.ladder.last().zip(estimated.steps.last());
     pair.is_some_and(|(first, estimated)| excess(estimated) <= MUCH_NEARER * excess(first))
 }
 
-/// Mean square of the errors over their noise, beyond 1, all signals together, on the fitted logs and on what was held out: two
-/// diagnoses may have shared them out otherwise.
+/// Returns the mean square of the errors over their noise, minus 1, of all signals together, on training and validation data: two diagnoses
+/// may have split the data differently.
 fn excess(step: &Step) -> f64 {
     let of_signal = |(signal, rms): (&String, &f64)| {
         let floor = step.noise_floor.get(signal)?;
@@ -54,17 +54,11 @@ pub(super) fn relative_to_file(
     };
     second.ladder = steps(first, &second);
     second.outside = outside;
-    second.sentence = assemble::sentence(
-        second.verdict,
-        &second.ladder,
-        (&second.candidates, &second.outside, &second.rival_effects),
-        &second.equivalents,
-        second.is_converged,
-    );
+    second.sentence = assemble::sentence(&Answer::from(&second));
     for value in &mut second.nuisance {
         let of_file = first.nuisance.iter().find(|there| there.name == value.name);
         let given = plant.get(&value.name).unwrap_or(value.datasheet);
-        // What the first search took as exact stayed as given.
+        // Values that the first search treated as exact stayed as given.
         (value.datasheet, value.tolerance, value.plain) = of_file
             .map_or((given, 0.0, given), |there| {
                 (there.datasheet, there.tolerance, there.plain)
@@ -79,7 +73,7 @@ pub(super) fn relative_to_file(
     Some(second)
 }
 
-/// The error steps: those of the file as given, the estimated parameters, and each effect beside them.
+/// Returns the error steps: those of the file as given, the estimated parameters, and each effect with them.
 fn steps(first: &Diagnosis, second: &Diagnosis) -> Vec<Step> {
     let of_file = |step: &&Step| {
         matches!(
@@ -100,7 +94,7 @@ fn steps(first: &Diagnosis, second: &Diagnosis) -> Vec<Step> {
     of_file.chain(beyond).collect()
 }
 
-/// The values of which the whole interval lies outside of what `plant` admits.
+/// Returns the values whose whole interval lies outside the range of `plant`.
 fn outside(plant: &PlantParameters, values: &[NuisanceValue]) -> Vec<OutsideValue> {
     let outside = |value: &NuisanceValue| {
         let (least, most) = match known(plant, &value.name)? {
@@ -108,7 +102,7 @@ fn outside(plant: &PlantParameters, values: &[NuisanceValue]) -> Vec<OutsideValu
             Known::Bare {
                 usual: Some(usual), ..
             } => usual,
-            // It goes with another one.
+            // The value is coupled to another one.
             Known::Bare {
                 together_with: Some(_),
                 ..
@@ -140,7 +134,7 @@ mod tests {
     use crate::bench::Bench;
     use crate::diagnosis::{diagnose_with, diagnose_within};
 
-    /// Defect seen: an answer that the second look did not change left out what the second look cost, more than half of the time.
+    /// Defect seen: an answer that the second look did not change omitted the cost of the second look, more than half of the time.
     #[test]
     fn the_cost_contains_a_second_look_that_changes_nothing() {
         let plant = PlantParameters::nominal();

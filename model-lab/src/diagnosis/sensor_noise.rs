@@ -1,16 +1,16 @@
-//! The noise of each sensor, from all logs in which it was sampled alike: few quiet samples of one log say little.
+//! Noise of each sensor, from all logs with the same sampling interval: the few quiet samples of one log are not sufficient.
 
 use core::f64::consts::FRAC_PI_2;
 
 use crate::measured::Measured;
 use crate::noise_floor::Floor;
 
-/// Sampling intervals are alike within this share.
+/// Relative difference of sampling intervals that count as equal.
 const ALIKE_INTERVAL: f64 = 0.01;
-/// Two logs are of one sensor unless their noises differ by more than so many standard deviations of the estimates.
+/// Largest difference of the noises of two logs, in standard deviations of the estimates, at which they count as from one sensor.
 const AGREES: f64 = 3.0;
 
-/// What each log tells of each of its sensors.
+/// Noise estimates of each sensor in each log.
 #[derive(Debug, Default)]
 pub(super) struct SensorNoise(Vec<Told>);
 
@@ -23,7 +23,7 @@ struct Told {
 }
 
 impl Told {
-    /// Variance of ln sigma: of a median of variances, π/2 times that of their mean.
+    /// Returns the variance of ln sigma: of a median of variances, π/2 times that of their mean.
     fn uncertainty(&self) -> f64 {
         FRAC_PI_2 / (2.0 * self.freedom)
     }
@@ -35,13 +35,13 @@ impl Told {
 }
 
 impl SensorNoise {
-    /// Hears of a log.
+    /// Adds the noise estimates of a log.
     pub(super) fn hear(&mut self, measured: &[Measured], interval_s: f64) {
         let told = |signal: &Measured| told(signal.name, &signal.floor, interval_s);
         self.0.extend(measured.iter().filter_map(told));
     }
 
-    /// Standard deviation of the noise of a signal that has the floor `own` in its own log; none where no log tells.
+    /// Returns the standard deviation of the noise of a signal with the floor `own` in its own log; none where no log has an estimate.
     pub(super) fn of(&self, signal: &'static str, own: &Floor, interval_s: f64) -> Option<f64> {
         let own = told(signal, own, interval_s);
         let alike = |told: &&Told| {

@@ -1,10 +1,10 @@
-//! Whether a fit found an effect, or only bent a law until it fits.
+//! Test whether a fit found an effect, or only distorted a law until it fits.
 
 use super::interval::{half_widths, half_widths_of_noise};
 use super::trial::{Bench, Trial, Widths};
 use super::verdict::LOOSEST_STRENGTH;
 
-/// None where the plant beside the fit cannot be simulated.
+/// Returns the half widths of the intervals; none where the plant near the fit cannot be simulated.
 fn widths_of(trial: &Trial, bench: &Bench) -> Option<Widths> {
     let mut sharp = trial.clone();
     sharp.sharpen(bench)?;
@@ -15,14 +15,14 @@ fn widths_of(trial: &Trial, bench: &Bench) -> Option<Widths> {
 }
 
 impl Trial {
-    /// Whether the logs determine how strong each effect is that it adds to `base`, and none ran to the strong end of
-    /// its range: such a law stands for another one.
+    /// Returns whether the logs determine the strength of each effect that it adds to `base`, and none reached the strong end of its range:
+    /// such a law stands for another one.
     pub(crate) fn is_sound(&self, bench: &Bench, base: &Self) -> bool {
         self.is_known_within(|widths| &widths.of_what_is_left, bench, base)
     }
 
-    /// The same if something else explained what they leave. A large rest makes any interval wide, however much of the
-    /// error an effect takes.
+    /// Returns the same under the assumption that other effects explain the rest of the error. A large rest makes any interval wide,
+    /// however large the explained part is.
     pub(crate) fn is_sound_but_for_the_rest(&self, bench: &Bench, base: &Self) -> bool {
         self.is_known_within(|widths| &widths.of_noise, bench, base)
     }

@@ -1,4 +1,4 @@
-//! Which logs are fitted, and which judge.
+//! Split of the logs into training and validation data.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -19,22 +19,22 @@ use super::result::{Cost, FoundClock, FoundStart};
 use super::trial::{Bench, Trial};
 use crate::result::{LogDefects, NotCompared, Warning};
 
-/// Blocks of a log, of which every third is held out.
+/// Number of blocks of a log, of which every third is held out.
 const BLOCKS: usize = 12;
 
-/// The logs, shared out between fitting and judging.
+/// Logs, split into training and validation data.
 pub(super) struct Split {
     pub(super) fitting: Evidence,
     pub(super) checking: Evidence,
     held_out: HeldOut,
 }
 
-/// What judges.
+/// Validation data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum HeldOut {
-    /// The logs that were given for it.
+    /// Logs given for validation.
     CheckLogs,
-    /// Every third block of the logs that were given for fitting, for there are no others.
+    /// Every third block of the training logs, because there are no others.
     Blocks,
     /// The other blocks.
     OtherBlocks,
@@ -43,7 +43,7 @@ enum HeldOut {
 }
 
 impl Split {
-    /// Fits `logs`; `check` judges, or without it, blocks of the logs.
+    /// Uses `logs` for training, and `check` for validation, or without it, blocks of the logs.
     pub(super) fn as_given(
         plant: &PlantParameters,
         logs: &[Recording],
@@ -62,10 +62,10 @@ impl Split {
         })
     }
 
-    /// The logs shared out such that `plant`, fitted to some of them, fails on these, if it fails on any; with that fit.
+    /// Returns a split of the logs whose training data show an error of the fitted `plant`, if any part does; with that fit.
     ///
-    /// A fit to the logs for fitting that fails on those for checking was bent, or left open what the others need or what they alone
-    /// show: then all of them are fitted together.
+    /// Where a fit to the training logs has no material error there, but has one on the validation logs, it was overfitted, or the training
+    /// logs leave parameters or effects undetermined: then all logs are fitted together.
     pub(super) fn that_shows(
         plant: &PlantParameters,
         logs: &[Recording],
@@ -107,7 +107,7 @@ impl Split {
         })
     }
 
-    /// Fits the conditions of all logs with `plant` as it is.
+    /// Fits the conditions of all logs with an unchanged `plant`.
     fn fit_conditions(&mut self, plant: &PlantParameters) {
         fit_conditions(plant, &mut self.fitting);
         if self.checking.is_rest_of_fitted {
@@ -118,13 +118,13 @@ impl Split {
         }
     }
 
-    /// Takes the conditions that were fitted with `last` for those of the logs.
+    /// Sets the conditions of the logs to those fitted with `last`.
     pub(super) fn take_conditions(&mut self, last: &Trial) {
         self.fitting.take_conditions(&last.unknowns, &last.fit.z);
         self.checking.replace_conditions(&last.checked_conditions);
     }
 
-    /// Fits the blocks that judged, and judges by those that were fitted.
+    /// Swaps the blocks: trains with those for validation, and validates with those for training.
     fn with_other_blocks(self) -> Self {
         Self {
             fitting: self.checking,
@@ -133,8 +133,8 @@ impl Split {
         }
     }
 
-    /// Looks for the clocks of the logs that judge with `best`, a fitted plant, which says of them what a plant that fits worse cannot.
-    /// Returns whether `best` is nearer to these logs then; else they stay as they were.
+    /// Searches the clocks of the validation logs with `best`, a fitted plant, which determines them better than a plant that fits worse.
+    /// Returns whether `best` then fits these logs better; otherwise they are unchanged.
     pub(super) fn find_checked_clocks(
         &mut self,
         plant: &PlantParameters,
@@ -151,7 +151,8 @@ impl Split {
             return Ok(true);
         }
         self.checking.logs.clone_from(&before);
-        // The fitted delay may be wrong by what the clocks of the fitted logs make up for; at which sample a command was given tells.
+        // The fitted delay may be wrong by an amount that the clocks of the training logs compensate; the sample at which a command was
+        // given resolves it.
         let there_s = fitted.ecu.command_delay_s;
         let reach_s = 0.5 * fitted.ecu.sample_time_s;
         let delays_s = ((there_s - reach_s).max(0.0), there_s + reach_s);
@@ -166,14 +167,14 @@ impl Split {
         Ok(false)
     }
 
-    /// Whether the fit of `best` is nearer to the logs that judge, under the conditions that they have now, than it was.
+    /// Returns whether the fit of `best` is nearer to the validation logs, under their present conditions, than before.
     fn is_nearer(&self, plant: &PlantParameters, best: &Trial) -> Result<bool, DiagnoseError> {
         let judged = self.bench(plant, &[]).judged_anew(best);
         let judged = judged.ok_or_else(|| self.not_simulated())?;
         Ok(judged.checked.total_excess() < best.checked.total_excess())
     }
 
-    /// What trials on these logs are held against.
+    /// Returns the data with which trials on these logs are compared.
     pub(super) fn bench<'a>(
         &'a self,
         plant: &'a PlantParameters,
@@ -187,13 +188,13 @@ impl Split {
         }
     }
 
-    /// The fitted plain plant.
+    /// Returns the fitted plain plant.
     fn plain(&self, plant: &PlantParameters) -> Result<Trial, DiagnoseError> {
         let plain = self.bench(plant, &[]).plain();
         plain.ok_or_else(|| self.not_simulated())
     }
 
-    /// The fitted plain plant, whose fit begins at the nuisance parameters of `there`.
+    /// Returns the fitted plain plant, whose fit begins at the nuisance parameters of `there`.
     pub(super) fn plain_from(
         &self,
         plant: &PlantParameters,
@@ -203,8 +204,8 @@ impl Split {
         plain.ok_or_else(|| self.not_simulated())
     }
 
-    /// Takes the currents of all logs that leave it open for `sampling`, as [`take_sampling`]; returns whether one of those that are fitted
-    /// does.
+    /// Sets the current sampling of all logs that leave it open to `sampling`, as [`take_sampling`]; returns whether one of the training
+    /// logs does.
     pub(super) fn take_sampling(
         &mut self,
         plant: &PlantParameters,
@@ -214,9 +215,9 @@ impl Split {
         take_sampling(plant, &mut self.fitting, sampling, Delay::Searched)
     }
 
-    /// What `attempt` makes of these logs with their currents taken the other way, as means or as values of an instant; none, and the logs
-    /// as they were, where no log leaves it open or the attempt gives none. It is given the plant as `fitted`, though it does not fit
-    /// then: what lacks an effect of a coil comes nearest to the truth with the wrong choice, and a fit with the right one leads away.
+    /// Returns the result of `attempt` on these logs with the other current sampling, means or instantaneous values; none, with unchanged
+    /// logs, where no log leaves the sampling open or the attempt returns none. The attempt gets the plant as `fitted`, although it does
+    /// not fit then: without an effect of a coil, the wrong choice comes nearest to the truth, and a fit with the right one leads away.
     pub(super) fn with_other_sampling<T>(
         &mut self,
         plant: &PlantParameters,
@@ -241,9 +242,9 @@ impl Split {
         Ok(attempted)
     }
 
-    /// Finds the clocks of logs that leave open at which sample of the ECU a command was given, and assigns their commands, by `best`:
-    /// what a wrong plant assigned hides what is missing. Returns the plant with the delay that goes with the clocks; none where
-    /// there is no such log, or no clocks that suit `best` better.
+    /// Finds the clocks of logs that leave open at which sample of the ECU a command was given, and assigns their commands, with `best`:
+    /// the assignment by a wrong plant hides the missing effect. Returns the plant with the delay that goes with the clocks; none where
+    /// there is no such log, or where no other clocks suit `best` better.
     pub(super) fn assign_by(&mut self, best: &Trial) -> Option<PlantParameters> {
         let is_open = |log: &Log| log.is_slow() && log.is_clock_open();
         if !self.fitting.logs.iter().any(is_open) {
@@ -271,7 +272,7 @@ impl Split {
         Some(plant)
     }
 
-    /// That the plant cannot be simulated on these logs.
+    /// Returns the error that the plant cannot be simulated on these logs.
     pub(super) fn not_simulated(&self) -> DiagnoseError {
         let log = self.fitting.sources().into_iter().next();
         DiagnoseError::NotSimulated {
@@ -279,7 +280,7 @@ impl Split {
         }
     }
 
-    /// The logs that judge, without those that are fitted in part.
+    /// Returns the validation logs, without those that are partly used for training.
     pub(super) fn check_logs(&self) -> &[Log] {
         if self.held_out == HeldOut::CheckLogs {
             &self.checking.logs
@@ -288,7 +289,7 @@ impl Split {
         }
     }
 
-    /// Where those logs are from.
+    /// Returns the sources of those logs.
     pub(super) fn check_sources(&self) -> Vec<String> {
         self.check_logs()
             .iter()
@@ -296,7 +297,7 @@ impl Split {
             .collect()
     }
 
-    /// What of each log could not be weighed.
+    /// Returns the excluded signals of each log.
     pub(super) fn not_compared(&self) -> BTreeMap<String, Vec<NotCompared>> {
         let mut all: BTreeMap<_, Vec<_>> = BTreeMap::new();
         let logs = self.fitting.logs.iter().chain(self.check_logs());
@@ -307,7 +308,7 @@ impl Split {
         all
     }
 
-    /// Gaps and missing cells of each log that has any.
+    /// Returns the gaps and missing cells of each log that has any.
     pub(super) fn defects(&self) -> BTreeMap<String, LogDefects> {
         let logs = self.fitting.logs.iter().chain(self.check_logs());
         logs.filter(|log| !log.defects.is_empty())
@@ -315,7 +316,7 @@ impl Split {
             .collect()
     }
 
-    /// What of each log is doubted.
+    /// Returns the warnings about each log.
     pub(super) fn warnings(&self) -> BTreeMap<String, Vec<Warning>> {
         let logs = self.fitting.logs.iter().chain(self.check_logs());
         let doubted = logs.filter(|log| !log.warnings.is_empty());
@@ -324,19 +325,19 @@ impl Split {
             .collect()
     }
 
-    /// The clocks that were found of the loggers, log after log.
+    /// Returns the found clocks of the loggers, log after log.
     pub(super) fn clocks(&self) -> Vec<FoundClock> {
         let logs = self.fitting.logs.iter().chain(self.check_logs());
         logs.filter_map(Log::found_clock).collect()
     }
 
-    /// The state in which logs with a filled chamber begin, log after log.
+    /// Returns the initial states of logs with a filled chamber, log after log.
     pub(super) fn starts(&self) -> Vec<FoundStart> {
         let logs = self.fitting.logs.iter().chain(self.check_logs());
         logs.filter_map(Log::found_start).collect()
     }
 
-    /// What was simulated since `begin`.
+    /// Returns the cost of all simulations since `begin`.
     pub(super) fn cost(&self, begin: Instant) -> Cost {
         let fitted = &self.fitting;
         Cost {
@@ -347,7 +348,7 @@ impl Split {
         }
     }
 
-    /// What judges, for people.
+    /// Returns the validation data in words, for people.
     pub(super) fn held_out(&self) -> &'static str {
         match self.held_out {
             HeldOut::CheckLogs => "the logs given for checking, which were not fitted",
@@ -362,8 +363,7 @@ impl Split {
     }
 }
 
-/// Refuses a log that is given twice, under whatever name: fitted twice it narrows every interval, and it cannot judge a
-/// fit to itself.
+/// Refuses a log that is given twice, under whatever name: fitted twice, it narrows every interval, and it cannot validate a fit to itself.
 fn refuse_repeated(logs: &[Recording], check: &[Recording]) -> Result<(), DiagnoseError> {
     let all: Vec<&Recording> = logs.iter().chain(check).collect();
     let is_same = |one: &Recording, other: &Recording| {
@@ -388,7 +388,7 @@ fn refuse_repeated(logs: &[Recording], check: &[Recording]) -> Result<(), Diagno
     Ok(())
 }
 
-/// Of two copies of the same logs, one counts the blocks that the other does not.
+/// Marks the samples of two copies of the same logs: each copy counts the blocks that the other does not.
 fn hold_out(fitting: &mut Evidence, checking: &mut Evidence) {
     (fitting.is_rest_of_fitted, checking.is_rest_of_fitted) = (true, true);
     for (kept, out) in fitting.logs.iter_mut().zip(&mut checking.logs) {

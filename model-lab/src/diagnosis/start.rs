@@ -1,4 +1,4 @@
-//! Where the fit of an effect begins.
+//! Start of the fit of an effect.
 
 use core::ops::RangeInclusive;
 
@@ -8,56 +8,56 @@ use super::fit::{Fit, Fitter};
 use super::unknowns::Unknown;
 use super::vector::{dot, square};
 
-/// Sizes at which an effect is looked at first, over the typical one; other shapes at the typical one alone.
+/// Sizes at which an effect is evaluated first, over the typical one; other shapes are evaluated at the typical size alone.
 const SIZES: [f64; 2] = [0.15, 1.0];
-/// Sizes that are looked at where the first ones say so.
+/// Sizes that are evaluated where the first ones indicate them.
 const WEAKER_SIZE: f64 = 0.02;
 const STRONGER_SIZES: [f64; 2] = [5.0, 30.0];
-/// The best share of what a size adds asks for a weaker one if it is below this, ...
+/// Best share of the contribution of a size below which a weaker size is evaluated, ...
 const WEAK: f64 = 0.3;
-/// ... and for a stronger one if it is above this.
+/// ... and above which a stronger one is.
 const STRONG: f64 = 0.7;
-/// Sizes of an effect with a sign: at the first ones it shows whether it promises anything.
+/// Sizes of an effect with a sign: the first ones show whether a gain is expected.
 const SIGNED_SIZES: [f64; 2] = [-0.15, 0.15];
 const FURTHER_SIGNED_SIZES: [f64; 2] = [-1.0, 1.0];
-/// Standard deviations by which a parameter of form is moved from its typical value, to see what its law is like
-/// elsewhere: a fit that begins in the wrong valley stays there.
+/// Displacements of a parameter of form from its typical value, in standard deviations, for a look at its law elsewhere: a fit that begins
+/// in the wrong valley stays there.
 const SHAPES: [f64; 3] = [0.0, -0.6, 0.6];
-/// So many starts are looked at where they promise to lead.
+/// Number of starts that are fitted, at most.
 const BEST: usize = 3;
-/// A shape that is not typical promises this much more: the data of a poor log leave the shape open.
+/// Additional cost of a shape that is not typical: the data of a poor log leave the shape undetermined.
 const UNTYPICAL: f64 = 10.0;
-/// What an effect adds is made smaller by these shares: what is nearer to 1 a fit reaches by itself.
+/// Shares to which the contribution of an effect is reduced: a fit reaches those nearer to 1 by itself.
 const WEAKENED: RangeInclusive<f64> = 1e-3..=0.5;
-/// A neighbouring size, to see with which power of its size an effect grows, ...
+/// Ratio of a neighbouring size, from which the power follows with which an effect grows with its size, ...
 const NEIGHBOUR: f64 = 0.8;
 /// ... within these powers.
 const POWERS: [f64; 2] = [0.5, 10.0];
 
-/// An effect on top of a fitted plant, before anything of it is fitted.
+/// Effect on top of a fitted plant, before any of its parameters is fitted.
 #[derive(Clone)]
 pub(crate) struct Start {
     size: f64,
     /// Displacements of the parameters of form, in their standard deviations.
     shape: Vec<f64>,
-    /// With the nuisance parameters of the plant without it; no Jacobian.
+    /// Point with the nuisance parameters of the plant without the effect; no Jacobian.
     pub(crate) fit: Fit,
-    /// Where the nuisance parameters have made room for it, ...
+    /// Coordinates after the nuisance parameters adapted to the effect, ...
     pub(crate) moved: Vec<f64>,
-    /// ... and the cost that a linear model promises there.
+    /// ... and the cost there according to a linear model.
     pub(crate) promised: f64,
-    /// The share of what it adds that is best, as if the residuals were linear in it.
+    /// Best share of its contribution, as if the residuals were linear in it.
     best: Option<BestShare>,
 }
 
-/// An effect in its typical shape on top of a fitted plant.
+/// Effect in its typical shape on top of a fitted plant.
 pub(crate) struct Prospect {
     starts: Vec<Start>,
-    /// By how much more the cost is expected to fall with the effect than without it; none if no size can be simulated.
+    /// Expected decrease of the cost with the effect beyond that without it; none if no size can be simulated.
     pub(crate) gain: Option<f64>,
 }
 
-/// Looks at a few sizes of the effect whose unknowns are the last ones, on top of `base`.
+/// Evaluates a few sizes of the effect whose unknowns are the last ones, on top of `base`.
 pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let typical = vec![0.0; own.len()];
@@ -79,10 +79,11 @@ pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
     }
 }
 
-/// Starts at the first sizes, and at those to which what they add points; `without` is the cost that is expected without the effect.
+/// Returns starts at the first sizes, and at those that their best shares indicate; `without` is the cost that is expected without the
+/// effect.
 fn starts_of_sizes(without: f64, begin: impl Fn(f64) -> Option<Start>) -> Vec<Start> {
     let mut starts: Vec<Start> = SIZES.into_iter().filter_map(&begin).collect();
-    // Where the least size leaves more than none, the effect is not linear up to there: it may empty a tank.
+    // Where the least size increases the cost beyond that of no effect, the effect is not linear up to there: it may empty a tank.
     let asks_for_weaker = |start: &Start| {
         let is_much = |best: BestShare| (0.0..WEAK).contains(&best.share);
         start.best.is_some_and(is_much) || start.promised > without
@@ -106,10 +107,10 @@ fn starts_of_sizes(without: f64, begin: impl Fn(f64) -> Option<Start>) -> Vec<St
     starts
 }
 
-/// The most promising starts of the effect whose unknowns are the last ones, on top of `base`.
+/// Returns the most promising starts of the effect whose unknowns are the last ones, on top of `base`.
 ///
-/// An effect may be far weaker than is typical and still show. So each size also says how much of what it adds would be
-/// best, and where that promises more than the sizes themselves, one of that strength is tried as well.
+/// An effect may be far weaker than the typical one and still show. Each size therefore also gives the best share of its contribution.
+/// Where the expected cost of that share is below that of the sizes themselves, a size of that strength is tried as well.
 pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) -> Vec<Start> {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
@@ -155,7 +156,7 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) ->
     starts
 }
 
-/// Displacements of the unknowns of an effect: every combination of its parameters of form but the typical one.
+/// Returns the displacements of the unknowns of an effect: every combination of its parameters of form except the typical one.
 fn shapes(own: &[Unknown]) -> Vec<Vec<f64>> {
     let all = own.iter().fold(vec![Vec::new()], |begun, unknown| {
         let choices: &[f64] = if unknown.is_strength() {
@@ -176,17 +177,17 @@ fn shapes(own: &[Unknown]) -> Vec<Vec<f64>> {
     all.into_iter().filter(|shape| !is_typical(shape)).collect()
 }
 
-/// The share of what a start adds that is best, and the cost that it promises.
+/// Best share of a start's contribution, and the expected cost.
 #[derive(Debug, Clone, Copy)]
 struct BestShare {
     share: f64,
     cost: f64,
 }
 
-/// A fitted plant whose nuisance parameters make room for an effect.
+/// Fitted plant whose nuisance parameters adapt to an effect.
 struct Room<'a> {
     base: &'a Fit,
-    /// Of its curvature; none where that is singular.
+    /// Cholesky factor of the curvature; none where the curvature is singular.
     curvature: Option<Cholesky<f64, Dyn>>,
     gradient: DVector<f64>,
     /// Expected cost after a further step without the effect. Where the model is not smooth, the step may not reach it.
@@ -205,7 +206,7 @@ impl<'a> Room<'a> {
         }
     }
 
-    /// As if the residuals were linear in what is `added` to them and in the nuisance parameters, whose part is taken out first.
+    /// Returns the best share as if the residuals were linear in `added` and in the nuisance parameters, whose part is removed first.
     fn best_share(&self, added: &[f64]) -> Option<BestShare> {
         let columns = self.base.jacobian.iter();
         let shared = DVector::from_iterator(
@@ -223,7 +224,7 @@ impl<'a> Room<'a> {
 }
 
 impl Start {
-    /// The strengths of the effect at `size`, the rest of it typical but for `shape`.
+    /// Returns the start with the strengths of the effect at `size`, its other parameters typical except for `shape`.
     fn new(
         fitter: &Fitter,
         room: &Room,
@@ -256,7 +257,7 @@ impl Start {
         })
     }
 
-    /// The power of its size with which the effect grows.
+    /// Returns the power of its size with which the effect grows.
     fn power(&self, fitter: &Fitter, room: &Room, own: &[Unknown]) -> Option<f64> {
         let near = Self::new(fitter, room, own, NEIGHBOUR * self.size, &self.shape)?;
         let [here, there] = [self, &near].map(|start| square(&added(&start.fit, room.base)).sqrt());
@@ -265,7 +266,7 @@ impl Start {
     }
 }
 
-/// What an effect adds to the residuals of `base`.
+/// Returns the contribution of an effect to the residuals of `base`.
 fn added(with: &Fit, base: &Fit) -> Vec<f64> {
     let pairs = with.residuals.iter().zip(&base.residuals);
     pairs.map(|(with, without)| with - without).collect()
@@ -282,8 +283,8 @@ mod tests {
     use crate::diagnosis::gather::gather;
     use crate::diagnosis::unknowns::Unknowns;
 
-    /// Defect seen: on a fit that was not at its end, every effect promised what a further step without it would have gained, and thirty
-    /// fits of effects that were not there were begun.
+    /// Defect seen: on a fit that was not at its end, the expected gain of every effect included that of a further step without it. Thirty
+    /// fits of effects that did not exist were begun.
     #[test]
     fn an_effect_does_not_promise_what_the_plant_gains_without_it() {
         let plant = PlantParameters::nominal();

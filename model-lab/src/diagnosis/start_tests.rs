@@ -1,4 +1,4 @@
-//! Logs that begin in another state than at rest, in surroundings of their own, and with a thermometer in the gas.
+//! Logs that begin in another state than at rest, with other surroundings, and with a thermometer in the gas.
 
 use core::ops::ControlFlow;
 
@@ -18,12 +18,12 @@ use crate::metrics::rms;
 use crate::noise::Noise;
 use crate::{CompareOptions, compare};
 
-/// A vessel of 1 l without valves.
+/// Returns a vessel of 1 l without valves.
 fn vessel() -> PlantParameters {
     let mut plant = PlantParameters::nominal();
     plant.functions = [ValveFunction::Absent; 2];
     plant.chamber.volume_m3 = 1e-3;
-    // As a plant file of such a vessel is read.
+    // As read from a plant file of such a vessel.
     PlantParameters::from_toml(&plant.to_toml(), "vessel.toml").unwrap()
 }
 
@@ -32,7 +32,7 @@ fn gas_temperature(conductance: f64) -> EffectSetting {
     EffectSetting::typical(effect).with("wall_heat_transfer_w_per_k", conductance)
 }
 
-/// A minute of a vessel that was filled to 7 bar gauge: pressure with 2 mbar of noise, and the gas temperature with 0.1 K where it
+/// Returns a minute of a vessel that was filled to 7 bar gauge: pressure with 2 mbar of noise, and the gas temperature with 0.1 K where it
 /// changes.
 fn after_filling(plant: &PlantParameters, gas_k: f64) -> Recording {
     let mut noise = Noise::new(7);
@@ -73,8 +73,8 @@ fn without_thermometer(log: &Recording) -> Recording {
     bare
 }
 
-/// Goal: a hold after filling is no sensor drift. Method: a sealed vessel whose gas begins 40 K warm and cools with m c_v / (h A) =
-/// 801325 Pa 1 l / (0.4 · 333.15 K · 0.5 W/K) = 12.03 s, once at constant mass.
+/// Goal: a hold after filling is not sensor drift. Method: a sealed vessel whose gas begins 40 K warm and cools with m c_v / (h A) = 801325
+/// Pa 1 l / (0.4 · 333.15 K · 0.5 W/K) = 12.03 s, once at constant mass.
 #[test]
 fn a_vessel_that_begins_warm_lacks_nothing() {
     let plant = vessel();
@@ -94,8 +94,8 @@ fn a_vessel_that_begins_warm_lacks_nothing() {
     assert!((start.cooling_s / 12.03 - 1.0).abs() < 0.02, "{start:?}");
 }
 
-/// A vessel that leaks and begins warm: the leak is named, and nothing beside it. A power law with somewhat warmer gas leaves the noise
-/// as the orifice does, so that the size is left open by a tenth.
+/// A vessel that leaks and begins warm: only the leak is named. A power law with slightly warmer gas fits to the noise as well as the
+/// orifice, so that the size is uncertain by a tenth.
 #[test]
 fn a_leak_is_found_beside_gas_that_cools() {
     let leak = EffectSetting::typical(by_id("chamber_leak").unwrap()).with("area_m2", 2e-8);
@@ -115,7 +115,7 @@ fn a_leak_is_found_beside_gas_that_cools() {
     assert!((area / 2e-8 - 1.0).abs() < 0.2, "{area}");
 }
 
-/// The comparison of a leaking vessel with a model of a tight one does not take the leak for gas that cools.
+/// The comparison of a leaking vessel with a model of a tight one does not mistake the leak for gas that cools.
 #[test]
 fn a_comparison_does_not_take_a_leak_for_warm_gas() {
     let leak = EffectSetting::typical(by_id("chamber_leak").unwrap());
@@ -150,7 +150,7 @@ fn a_thermometer_is_weighed_where_the_gas_has_a_temperature() {
     );
 }
 
-/// Where the gas has a temperature, a log that begins warm begins with warm gas, and the thermometer says how warm.
+/// Where the gas has a temperature, a log that begins warm begins with warm gas, and the thermometer determines its temperature.
 #[test]
 fn the_thermometer_tells_how_warm_the_gas_begins() {
     let warm = vessel().with_effect(gas_temperature(0.5));
@@ -166,7 +166,7 @@ fn the_thermometer_tells_how_warm_the_gas_begins() {
     }
 }
 
-/// A bench at 1900 m: the plant file says sea level, the log says what it was.
+/// A bench at 1900 m: the plant file states sea level, the log the actual surroundings.
 #[test]
 fn a_log_says_where_it_was_made() {
     let mut bench = Bench::default();

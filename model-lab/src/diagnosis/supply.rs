@@ -1,4 +1,4 @@
-//! Was the supply shut off while a log was made?
+//! Test whether the supply was shut off while a log was made.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, LIBRARY};
@@ -7,11 +7,11 @@ use super::evidence::Evidence;
 use super::search::shows_in_currents;
 use super::trial::Bench;
 
-/// A log of this length at most (s) is worth a search over the effects of the coils for each answer.
+/// Longest log (s) that justifies a search over the effects of the coils for each hypothesis.
 const SHORT_S: f64 = 5.0;
 
-/// Coil currents are often recorded with the supply shut off, and no column tells. Of the one log in `evidence`, if it
-/// has no chamber pressure: takes the answer with which the model, its scatter fitted, comes nearer.
+/// Determines whether the supply was shut off: coil currents are often recorded that way, and no column shows it. For the one log in
+/// `evidence`, if it has no chamber pressure, the hypothesis with the smaller cost of the fitted model is taken.
 pub(crate) fn find_supply(plant: &PlantParameters, evidence: &mut Evidence) {
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
     if evidence.has_pressure() || !has_coil {
@@ -22,7 +22,7 @@ pub(crate) fn find_supply(plant: &PlantParameters, evidence: &mut Evidence) {
     evidence.logs[0].is_without_supply = least_cost(plant, evidence) < with_supply;
 }
 
-/// Of the plain plant, and in a short log, with any effect that shows in currents.
+/// Returns the least cost of the plain plant, and in a short log, of the plant with any effect that shows in currents.
 fn least_cost(plant: &PlantParameters, evidence: &Evidence) -> f64 {
     let bench = Bench {
         plant,

@@ -25,8 +25,8 @@ fn with(id: &str, variant: &str, values: &[(&str, f64)]) -> PlantParameters {
     PlantParameters::nominal().with_effect(setting)
 }
 
-/// Once such a signal was dropped without a word, and a manoeuvre that only it could have shown was asked for. A position
-/// is never weighed: that it cannot be compared is no news.
+/// Defect seen: such a signal was dropped silently, and an excitation was requested that only this signal could have shown. A position is
+/// never used in the fit, so its exclusion is not reported.
 #[test]
 fn a_signal_that_could_not_be_weighed_is_named_with_its_reason() {
     let measured = Bench::default().measure();
@@ -64,7 +64,7 @@ fn a_signal_that_could_not_be_weighed_is_named_with_its_reason() {
     assert!(not_compared(measured).is_empty());
 }
 
-/// A valve that is mistaken by 30 %: from there a step promises nearly everything, from the end of the fit nothing.
+/// A valve flow that is wrong by 30 %: at the start, a step is expected to remove nearly all of the error, at the end of the fit nothing.
 #[test]
 fn a_fit_has_converged_at_its_end_and_not_on_its_way() {
     let mut plant = PlantParameters::nominal();
@@ -84,7 +84,7 @@ fn a_fit_has_converged_at_its_end_and_not_on_its_way() {
     assert!(fitter.is_converged(&end));
 }
 
-/// The fitted log never fills the chamber, so that a leak shows only in the log for checking.
+/// The training log never fills the chamber, so that a leak shows only in the validation log.
 #[test]
 fn what_only_the_check_log_shows_is_fitted_with_the_others() {
     let leaking = Bench {
@@ -113,8 +113,8 @@ fn what_only_the_check_log_shows_is_fitted_with_the_others() {
     );
 }
 
-/// A rig within its tolerances, of which one log shows the one orifice and the other log the other one. A fit to either
-/// fails on the other; once that was taken for missing physics.
+/// A rig within its tolerances; each log shows only one of the two orifices. A fit to either fails on the other, which was once mistaken
+/// for missing physics.
 #[test]
 fn what_each_log_leaves_open_is_fitted_to_both() {
     let nominal = PlantParameters::nominal();
@@ -155,8 +155,8 @@ fn what_each_log_leaves_open_is_fitted_to_both() {
     );
 }
 
-/// Beside a sensor offset, the form of the law that fits far better leaves an error with a longer memory. Once the orifice
-/// without a volume was taken for it, which no second effect could mend.
+/// With a sensor offset, the form of the law that fits far better leaves an error with a longer autocorrelation. Once the orifice without a
+/// volume was preferred to it, which no second effect could correct.
 #[test]
 fn a_supply_line_and_a_sensor_offset_are_both_found() {
     let line = with(
@@ -184,7 +184,7 @@ fn a_supply_line_and_a_sensor_offset_are_both_found() {
     assert_eq!(added.next(), Some("line_volume"));
 }
 
-/// A plunger that begins at once and is swept soon: from its typical shape the fit ends at its typical shape.
+/// A plunger that moves at once and soon reaches its stop: from the typical shape alone, the fit would stay there.
 #[test]
 fn a_law_far_from_its_typical_shape_is_found() {
     let variant = "frictionless";
@@ -223,8 +223,8 @@ fn a_law_far_from_its_typical_shape_is_found() {
     }
 }
 
-/// A warm coil and one of more turns are the same to every signal: only the tolerance of its resistance bounds the
-/// temperature, to 5 % / 3 / 0.39 % per kelvin, whatever differences at the threshold of opening seem to tell.
+/// A warm coil and one with more turns are identical in every signal: only the tolerance of its resistance limits the temperature, to 5 % /
+/// 3 / 0.39 % per kelvin, whatever differences at the threshold of opening seem to show.
 #[test]
 fn an_interval_is_as_wide_as_what_the_logs_leave_open() {
     let warm = Bench {
@@ -248,8 +248,8 @@ fn an_interval_is_as_wide_as_what_the_logs_leave_open() {
     assert!(high - low > 20.0 && high - low < 50.0, "{low} to {high}");
 }
 
-/// A coil alone, switched by an output without a delay. A delay of nothing once made the plant one of NaN, of which the
-/// diagnosis said that it cannot be simulated.
+/// A coil alone, switched by an output without a delay. A delay of zero once made the plant NaN, and the diagnosis reported that it cannot
+/// be simulated.
 #[test]
 fn a_coil_alone_without_a_delay_gets_its_resistance() {
     let coil = |resistance_ohm: f64| {
@@ -300,7 +300,7 @@ fn a_coil_alone_without_a_delay_gets_its_resistance() {
     );
 }
 
-/// The place of an error was sought with rows taken for samples of the ECU, whatever clock the fit had found.
+/// Defect seen: the location of an error was sought with rows taken for samples of the ECU, whatever clock the fit had found.
 #[test]
 fn the_place_of_an_error_is_sought_with_the_clock_that_was_found() {
     let plant = PlantParameters::nominal();

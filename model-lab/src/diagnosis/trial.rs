@@ -1,4 +1,4 @@
-//! The plant with some effects, fitted and judged.
+//! Trial: the plant with some effects, fitted and validated.
 
 use std::sync::OnceLock;
 
@@ -16,7 +16,7 @@ use super::verdict::WIDENINGS;
 use crate::conditions::Conditions;
 use crate::whiteness::autocorrelation_time_samples;
 
-/// An effect on top of a fitted plant, looked at in a few sizes.
+/// Effect on top of a fitted plant, evaluated at a few sizes.
 pub(crate) struct Prospect {
     pub(crate) setting: EffectSetting,
     unknowns: Unknowns,
@@ -24,25 +24,25 @@ pub(crate) struct Prospect {
 }
 
 impl Prospect {
-    /// By how much more the cost is expected to fall with the effect than without it; none if no size of it can be simulated.
+    /// Returns the expected decrease of the cost with the effect beyond that without it; none if no size of it can be simulated.
     pub(crate) fn gain(&self) -> Option<f64> {
         self.starts.gain
     }
 }
 
-/// An effect on top of a fitted plant, where its fit would begin.
+/// Effect on top of a fitted plant, at the starts of its fit.
 pub(crate) struct Sketch {
     effects: Vec<EffectSetting>,
     unknowns: Unknowns,
     /// Jacobian of the plant without the effect.
     known: Vec<Residuals>,
-    /// The most promising first.
+    /// Starts, the most promising first.
     starts: Vec<Start>,
     /// Cost of the plant without the effect.
     before: f64,
 }
 
-/// A fit that was begun.
+/// Fit that was begun.
 #[derive(Debug, Clone)]
 pub(crate) struct Opened {
     effects: Vec<EffectSetting>,
@@ -53,44 +53,44 @@ pub(crate) struct Opened {
 /// Largest number of descents of a last fit that has not converged.
 const POLISHES: usize = 3;
 
-/// What every trial is held against.
+/// Plant, library and logs that every trial shares.
 pub(crate) struct Bench<'a> {
     pub(crate) plant: &'a PlantParameters,
-    /// The effects that are tried.
+    /// Effects that are tried.
     pub(crate) library: &'a [&'static dyn Effect],
     pub(crate) fitting: &'a Evidence,
     pub(crate) checking: &'a Evidence,
 }
 
-/// A fitted plant.
+/// Fitted plant.
 #[derive(Debug, Clone)]
 pub(crate) struct Trial {
-    /// The effects in the order added.
+    /// Effects in the order added.
     pub(crate) effects: Vec<EffectSetting>,
     pub(crate) unknowns: Unknowns,
     pub(crate) fit: Fit,
-    /// Errors on the fitted logs and on what was held out.
+    /// Errors on training and validation data.
     pub(crate) fitted: Errors,
     pub(crate) checked: Errors,
-    /// Conditions of the logs that judge, log after log.
+    /// Conditions of the validation logs, log after log.
     pub(crate) checked_conditions: Vec<Conditions>,
-    /// Samples over which the error remembers; at least 1.
+    /// Autocorrelation time of the error (samples); at least 1.
     pub(crate) correlation_samples: f64,
-    /// How well the fit knows its coordinates, once somebody asked.
+    /// Half widths of the intervals of the fit, computed on first use.
     pub(crate) widths: OnceLock<Option<Widths>>,
 }
 
-/// Half widths of the 95 % intervals of the coordinates of a fit, from a Jacobian in which what the logs leave open is open.
+/// Half widths of the 95 % intervals of the coordinates of a fit, from a Jacobian that keeps undetermined directions undetermined.
 #[derive(Debug, Clone)]
 pub(crate) struct Widths {
-    /// With what the model leaves as error.
+    /// Half widths from the remaining error of the model.
     pub(crate) of_what_is_left: Vec<f64>,
-    /// With the noise alone.
+    /// Half widths from the noise alone.
     pub(crate) of_noise: Vec<f64>,
 }
 
 impl Bench<'_> {
-    /// The plant as given, without any fit but of the loggers' clocks.
+    /// Returns the plant as given, with only the loggers' clocks fitted.
     pub(crate) fn as_given(&self) -> Option<Trial> {
         let effects = self.plant.effects.clone();
         let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
@@ -98,12 +98,12 @@ impl Bench<'_> {
         self.judge(effects, unknowns, fit)
     }
 
-    /// The plant as given, with its nuisance parameters and those of its effects fitted.
+    /// Returns the plant as given, with its nuisance parameters and those of its effects fitted.
     pub(crate) fn plain(&self) -> Option<Trial> {
         self.plain_from(self.plant)
     }
 
-    /// The same, with a fit that begins at the nuisance parameters of `there`.
+    /// Returns the same as `plain`, with a fit that begins at the nuisance parameters of `there`.
     pub(crate) fn plain_from(&self, there: &PlantParameters) -> Option<Trial> {
         let effects = self.plant.effects.clone();
         let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
@@ -115,7 +115,7 @@ impl Bench<'_> {
         Some(trial)
     }
 
-    /// `plain` fitted on with wider ranges of the ordinary parameters that came to the end of theirs; none where none did.
+    /// Continues the fit of `plain` with wider ranges of the ordinary parameters that reached their ends; none where no parameter did.
     pub(crate) fn widened(&self, plain: &Trial) -> Option<Trial> {
         let mut wide: Option<Trial> = None;
         for _ in 0..WIDENINGS {
@@ -132,7 +132,7 @@ impl Bench<'_> {
         wide
     }
 
-    /// `setting` on top of `base` in its typical shape.
+    /// Returns `setting` on top of `base` in its typical shape.
     pub(crate) fn prospect(&self, base: &Trial, setting: EffectSetting) -> Prospect {
         let unknowns = base.unknowns.clone().with_effect(&setting);
         let starts = start::prospect(&Fitter::for_search(self.fitting, &unknowns), &base.fit);
@@ -143,7 +143,7 @@ impl Bench<'_> {
         }
     }
 
-    /// The most promising of several sizes and shapes of an effect on top of `base`.
+    /// Returns the most promising of several sizes and shapes of an effect on top of `base`.
     pub(crate) fn sketch(&self, base: &Trial, prospect: Prospect) -> Sketch {
         let Prospect {
             setting,
@@ -163,12 +163,12 @@ impl Bench<'_> {
         }
     }
 
-    /// The fit of `setting` on top of `base`, begun; none where nothing of it can be simulated.
+    /// Begins the fit of `setting` on top of `base`; none where it cannot be simulated.
     pub(crate) fn begin(&self, base: &Trial, setting: EffectSetting) -> Option<Opened> {
         self.open(self.sketch(base, self.prospect(base, setting)))
     }
 
-    /// A few steps of the fit of what was sketched, from where the least is left; none where nothing of it can be simulated.
+    /// Makes a few steps of the fit of a sketch, from the start with the least cost; none where it cannot be simulated.
     pub(crate) fn open(&self, sketch: Sketch) -> Option<Opened> {
         let Sketch {
             effects,
@@ -194,14 +194,23 @@ impl Bench<'_> {
         })
     }
 
-    /// Fits what was begun as far as a search needs it, and judges it.
+    /// Completes a begun fit with the accuracy that a search needs, and validates it.
     pub(crate) fn finish(&self, opened: Opened) -> Option<Trial> {
         let fitter = Fitter::for_search(self.fitting, &opened.unknowns);
         let fit = fitter.descend(opened.fit, Descent::Whole)?;
         self.judge(opened.effects, opened.unknowns, fit)
     }
 
-    /// The plant of `trial` without the effect `id`, fitted anew, with a Jacobian of its own.
+    /// Follows a fit that was begun to its end.
+    pub(crate) fn follow(&self, begun: Trial) -> Option<Trial> {
+        self.finish(Opened {
+            effects: begun.effects,
+            unknowns: begun.unknowns,
+            fit: begun.fit,
+        })
+    }
+
+    /// Refits the plant of `trial` without the effect `id`, with a new Jacobian.
     pub(crate) fn without(&self, trial: &Trial, id: &str) -> Option<Trial> {
         let effects: Vec<EffectSetting> = trial
             .effects
@@ -218,7 +227,8 @@ impl Bench<'_> {
         Some(without)
     }
 
-    /// Judges what was begun on top of `base` as it is, by logs under the conditions that were fitted with `base`.
+    /// Validates a fit that was begun on top of `base` without completing it, under the conditions of the logs that were fitted with
+    /// `base`.
     pub(crate) fn leave(&self, base: &Trial, opened: Opened) -> Option<Trial> {
         let Opened {
             effects,
@@ -243,7 +253,7 @@ impl Bench<'_> {
         self.judge_under(conditions, (effects, unknowns, fit))
     }
 
-    /// Judges a fit by logs under these `conditions`.
+    /// Validates a fit on the logs under these `conditions`.
     fn judge_under(
         &self,
         conditions: Vec<Conditions>,
@@ -266,7 +276,7 @@ impl Bench<'_> {
         })
     }
 
-    /// A trial as it is, judged by the logs as they are now.
+    /// Validates an unchanged trial on the logs in their present state.
     pub(crate) fn judged_anew(&self, trial: &Trial) -> Option<Trial> {
         let Trial {
             effects,
@@ -277,7 +287,7 @@ impl Bench<'_> {
         self.judge(effects, unknowns, fit)
     }
 
-    /// The plant of `trial` on the logs as they are now, not fitted to them.
+    /// Evaluates the plant of `trial` on the logs in their present state, without a fit.
     pub(crate) fn at_the_place_of(&self, trial: &Trial) -> Option<Trial> {
         let fit = Fitter::new(self.fitting, &trial.unknowns).at(trial.fit.z.clone())?;
         let mut there = self.judge(trial.effects.clone(), trial.unknowns.clone(), fit)?;
@@ -285,7 +295,7 @@ impl Bench<'_> {
         Some(there)
     }
 
-    /// The conditions of the logs that judge: those that were fitted, where they are blocks of the same logs, or those that suit the
+    /// Returns the conditions of the validation logs: the fitted ones, where they are blocks of the same logs, or those that suit the
     /// fitted plant best.
     fn checked_conditions(&self, unknowns: &Unknowns, z: &[f64]) -> Vec<Conditions> {
         if self.checking.is_rest_of_fitted {
@@ -299,12 +309,12 @@ impl Bench<'_> {
 }
 
 impl Trial {
-    /// The fitted plant.
+    /// Returns the fitted plant.
     pub(crate) fn plant(&self) -> PlantParameters {
         self.unknowns.plant(&self.fit.z)
     }
 
-    /// Drifts of the clocks (ppm) that were fitted to the logs in `fitting`.
+    /// Returns the drifts of the clocks (ppm) that were fitted to the logs in `fitting`.
     pub(crate) fn fitted_drifts_ppm(&self, fitting: &Evidence) -> Vec<f64> {
         let mut conditions = fitting.conditions();
         self.unknowns.conditions(&self.fit.z, &mut conditions);
@@ -312,7 +322,7 @@ impl Trial {
         clocks.map(|clock| clock.drift_ppm).collect()
     }
 
-    /// Fits on from where it is with a Jacobian of its own, which is then that at the fit: intervals need it.
+    /// Continues the fit with a new Jacobian, which is then recomputed at the fit: intervals need it.
     pub(crate) fn polish(&mut self, bench: &Bench) -> Option<()> {
         for _ in 0..POLISHES {
             self.refresh(bench)?;
@@ -327,13 +337,13 @@ impl Trial {
         Some(())
     }
 
-    /// Whether its fit, which is sharp, is at its end, or leaves nothing material.
+    /// Returns whether its fit, with an accurate Jacobian, has converged, or leaves nothing material.
     pub(crate) fn is_converged(&self, bench: &Bench) -> bool {
         let fitter = || Fitter::accurate(bench.fitting, &self.unknowns);
         !self.fitted.is_material() || fitter().is_converged(&self.fit)
     }
 
-    /// Takes the Jacobian at the fit so accurately that directions which the logs leave open stay open.
+    /// Recomputes the Jacobian at the fit accurately enough that undetermined directions stay undetermined.
     pub(crate) fn sharpen(&mut self, bench: &Bench) -> Option<()> {
         let fitter = Fitter::accurate(bench.fitting, &self.unknowns);
         let mut accurate = fitter.at(self.fit.z.clone())?;
@@ -342,27 +352,27 @@ impl Trial {
         Some(())
     }
 
-    /// Takes the Jacobian anew, at the fit.
+    /// Recomputes the Jacobian at the fit.
     pub(crate) fn refresh(&mut self, bench: &Bench) -> Option<()> {
         let fitter = Fitter::new(bench.fitting, &self.unknowns);
         fitter.differentiate(&mut self.fit, 0, Difference::Central)?;
         Some(())
     }
 
-    /// Difference of Schwarz's criterion to `base`, with as many independent samples as the autocorrelation of the error
-    /// leaves.
+    /// Returns the difference of Schwarz's criterion to `base`, with the number of independent samples that follows from the
+    /// autocorrelation of the error.
     pub(crate) fn evidence_over(&self, base: &Self) -> f64 {
         self.evidence_with_memory(base, self.correlation_samples)
     }
 
-    /// The same if an error is remembered for `memory` samples.
+    /// Returns the same as `evidence_over`, for an autocorrelation time of `memory` samples.
     fn evidence_with_memory(&self, base: &Self, memory: f64) -> f64 {
         let unknowns = [base.unknowns.len(), self.unknowns.len()];
         let gained = (base.fit.cost - self.fit.cost) / memory;
         schwarz_difference(gained, unknowns, self.fitted.count() / memory)
     }
 
-    /// Whether a strength ran to the end of its range: a law bent until it fits, in the place of another one.
+    /// Returns whether a strength reached the end of its range: a distorted law in the place of another one.
     fn is_bent(&self) -> bool {
         let coordinates = self.unknowns.list().iter().zip(self.fit.z.iter());
         coordinates
@@ -370,9 +380,9 @@ impl Trial {
             .any(|(unknown, &z)| unknown.is_at_strong_end(z))
     }
 
-    /// Whether it is the better form of one effect than `other`. A bent form is never named, so it must not stand in the
-    /// way of one that can be. Else by Schwarz's criterion, both with the longer memory of the two errors: what another
-    /// effect leaves is the more correlated the better this one fits, and must not count against it.
+    /// Returns whether it is the better form of one effect than `other`. A distorted form is never named, so it must not exclude one that
+    /// can be. Otherwise Schwarz's criterion decides, with the longer autocorrelation time of the two errors for both: the better a form
+    /// fits, the more correlated is the error that other effects leave, and this must not count against it.
     pub(crate) fn is_preferred_to(&self, other: &Self) -> bool {
         if self.is_bent() != other.is_bent() {
             return other.is_bent();
@@ -381,12 +391,12 @@ impl Trial {
         self.evidence_with_memory(other, memory) > 0.0
     }
 
-    /// Whether it leaves an error of a current, on the fitted logs or on what was held out.
+    /// Returns whether it leaves a material error of a current, on training or validation data.
     pub(crate) fn leaves_currents(&self) -> bool {
         self.fitted.is_current_material() || self.checked.is_current_material()
     }
 
-    /// The excess over the noise, mean of the fitted logs and of what was held out.
+    /// Returns the excess over the noise, mean of training and validation data.
     pub(crate) fn mean_excess(&self) -> f64 {
         0.5 * (self.fitted.total_excess() + self.checked.total_excess())
     }
@@ -395,19 +405,19 @@ impl Trial {
         self.effects.iter().any(|effect| effect.id() == id)
     }
 
-    /// What is left over the noise, held-out and fitted logs together.
+    /// Returns the sum of squares over the noise, of training and validation data together.
     pub(crate) fn total_square(&self) -> f64 {
         self.fit.cost + self.checked.square()
     }
 }
 
-/// Difference of Schwarz's criterion where so much of the cost is `gained` from one number of unknowns to another one. The
-/// other one may be less: an effect may have more parameters alone than beside another one, in another form.
+/// Returns the difference of Schwarz's criterion where the cost falls by `gained` between two numbers of unknowns. The second number may be
+/// smaller: an effect may have more parameters alone than together with another one, in another form.
 fn schwarz_difference(gained: f64, [from, to]: [usize; 2], independent_samples: f64) -> f64 {
     gained - (to as f64 - from as f64) * independent_samples.ln()
 }
 
-/// The longest autocorrelation time of any signal.
+/// Returns the longest autocorrelation time of any signal (samples).
 fn correlation_samples(evidence: &Evidence, residuals: &[f64]) -> f64 {
     evidence
         .channels()
@@ -423,8 +433,8 @@ mod tests {
     use super::*;
     use crate::bench::Bench as Rig;
 
-    /// Winding and body, bent to the ends of their ranges, fitted better than the one body that warms, and kept it from
-    /// being tried beside another effect.
+    /// Defect seen: a winding with a body, distorted to the ends of their ranges, fitted better than the one body that warms, and kept it
+    /// from being tried together with another effect.
     #[test]
     fn a_bent_form_stands_in_no_other_ones_way() {
         let plant = PlantParameters::nominal();
@@ -456,7 +466,7 @@ mod tests {
         assert!(bent.is_preferred_to(&worse) && !worse.is_preferred_to(&bent));
     }
 
-    /// The coordinates of a trial were taken for displacements from conditions that the logs were given later.
+    /// Defect seen: the coordinates of a trial were taken relative to conditions that the logs were given later.
     #[test]
     fn an_effect_on_top_of_a_trial_keeps_the_conditions_of_the_trial() {
         let rig = Rig {
@@ -489,7 +499,7 @@ mod tests {
         assert_eq!(conditions(&prospect.unknowns, &plain.fit.z), fitted);
     }
 
-    /// Fewer unknowns once were so many more that no gain was enough.
+    /// Defect seen: fewer unknowns underflowed to a number so large that no gain was sufficient.
     #[test]
     fn fewer_unknowns_speak_for_a_model_as_more_speak_against_it() {
         let price = 1000_f64.ln();

@@ -1,4 +1,4 @@
-//! What a fit may move, in coordinates in which one unit is one tolerance or one typical size.
+//! Free parameters of a fit, in coordinates whose unit is one tolerance or one typical size.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::EffectSetting;
@@ -10,15 +10,15 @@ use super::nuisance::{Nuisance, Shows, nuisances};
 use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
 
-/// Finite differences: this many tolerances, ...
+/// Step of finite differences: this number of tolerances, ...
 const NUISANCE_STEP: f64 = 0.04;
 /// ... or this change of an effect's coordinate. Both are far above the solver's error.
 const EFFECT_STEP: f64 = 0.04;
 
-/// Within this coordinate of a bound a parameter has run to it.
+/// Distance from a bound, in coordinates, within which a parameter counts as at the bound.
 pub(crate) const AT_BOUND: f64 = 1e-6;
 
-/// A plant with the list of what may be moved in it.
+/// Plant with the list of its free parameters.
 #[derive(Debug, Clone)]
 pub(crate) struct Unknowns {
     datasheet: PlantParameters,
@@ -28,15 +28,15 @@ pub(crate) struct Unknowns {
 /// One coordinate.
 #[derive(Debug, Clone)]
 pub(crate) enum Unknown {
-    /// (value - datasheet) / tolerance.
+    /// Nuisance parameter: (value - datasheet) / tolerance.
     Nuisance(Nuisance),
-    /// A condition of one of the logs: (value - start) / unit.
+    /// Condition of one of the logs: (value - start) / unit.
     Log(LogUnknown),
-    /// A parameter of an effect.
+    /// Parameter of an effect.
     Effect(EffectUnknown),
 }
 
-/// What `logs` show together.
+/// Returns the signals that `logs` show together.
 fn shown_by(logs: &[Log]) -> Shows {
     let with_pressure = || logs.iter().filter(|log| log.pressure().is_some());
     Shows {
@@ -48,9 +48,9 @@ fn shown_by(logs: &[Log]) -> Shows {
 }
 
 impl Unknowns {
-    /// The nuisance parameters of `datasheet`, as far as `logs` can show them, then the conditions of the logs, and then the
-    /// parameters of the effects in `fitted`, so that a further effect comes last. Of the effects that `datasheet` has itself,
-    /// its statements bound the values; exact ones stay, and so does an effect that is off.
+    /// Returns the nuisance parameters of `datasheet`, as far as `logs` can show them, then the conditions of the logs, and then the
+    /// parameters of the effects in `fitted`, so that a further effect comes last. The values of effects that `datasheet` itself has are
+    /// bounded by its statements; exact ones are fixed, and so is an effect that is off.
     pub(crate) fn new(datasheet: &PlantParameters, fitted: &[EffectSetting], logs: &[Log]) -> Self {
         let nuisances = nuisances(datasheet, shown_by(logs));
         let mut unknowns = Self {
@@ -64,9 +64,9 @@ impl Unknowns {
         unknowns
     }
 
-    /// The same, and then the parameters of `setting`. All coordinates stay what they are.
+    /// Appends the parameters of `setting`. All coordinates are unchanged.
     pub(crate) fn with_effect(mut self, setting: &EffectSetting) -> Self {
-        // What the plant says of its own effects goes with them.
+        // The statements of the plant about its own effects are retained.
         if self.datasheet.effect(setting.id()) != Some(setting) {
             self.datasheet = self.datasheet.with_effect(setting.clone());
         }
@@ -82,15 +82,15 @@ impl Unknowns {
         self
     }
 
-    /// The same without the effect `id`, and the places in the list of those that stay.
+    /// Returns the unknowns without the effect `id`, and the indices of those that remain.
     pub(crate) fn without_effect(&self, id: &str) -> (Self, Vec<usize>) {
         let (mut kept, places) = self.only(|unknown| unknown.effect_id() != Some(id));
         kept.datasheet = kept.datasheet.without_effect(id);
         (kept, places)
     }
 
-    /// The same with wider ranges of the ordinary parameters which at `z` have come to the end of theirs; none where none has. Their
-    /// coordinates stay what they are, and with them what is believed of the values.
+    /// Returns the unknowns with wider ranges of the ordinary parameters that reached the ends of theirs at `z`; none where no parameter
+    /// did. Their coordinates and priors are unchanged.
     pub(crate) fn widened(&self, z: &[f64]) -> Option<Self> {
         let mut wide = self.clone();
         let mut is_wider = false;
@@ -119,7 +119,7 @@ impl Unknowns {
         self.list.len()
     }
 
-    /// The coordinates of the datasheet and of the effects as they were given.
+    /// Returns the coordinates of the datasheet and of the effects as given.
     pub(crate) fn start(&self) -> Vec<f64> {
         self.list
             .iter()
@@ -127,7 +127,7 @@ impl Unknowns {
             .collect()
     }
 
-    /// The coordinates of the nuisance parameters of `plant`; those of the rest as they were given.
+    /// Returns the coordinates of the nuisance parameters of `plant`, and those of the rest as given.
     pub(crate) fn at(&self, plant: &PlantParameters) -> Vec<f64> {
         let coordinate = |unknown: &Unknown| match unknown {
             Unknown::Nuisance(nuisance) => {
@@ -141,12 +141,12 @@ impl Unknowns {
         self.list.iter().map(coordinate).collect()
     }
 
-    /// The same without the conditions of the logs, and the places in the list of those that stay.
+    /// Returns the unknowns without the conditions of the logs, and the indices of those that remain.
     pub(crate) fn without_logs(&self) -> (Self, Vec<usize>) {
         self.only(|unknown| !matches!(unknown, Unknown::Log(_)))
     }
 
-    /// The unknowns that are wanted, and their places in the list.
+    /// Returns the wanted unknowns, and their indices.
     fn only(&self, is_wanted: impl Fn(&Unknown) -> bool) -> (Self, Vec<usize>) {
         let is_kept = |&n: &usize| is_wanted(&self.list[n]);
         let kept: Vec<usize> = (0..self.len()).filter(is_kept).collect();
@@ -155,7 +155,7 @@ impl Unknowns {
         (Self { datasheet, list }, kept)
     }
 
-    /// The conditions of the logs alone.
+    /// Returns the conditions of the logs alone.
     pub(crate) fn of_logs(plant: &PlantParameters, logs: &[Log]) -> Self {
         let of_plant = Self {
             datasheet: plant.clone(),
@@ -164,7 +164,7 @@ impl Unknowns {
         of_plant.with_conditions(logs)
     }
 
-    /// Adds the conditions of `logs` to what is fitted.
+    /// Adds the conditions of `logs` to the unknowns.
     fn with_conditions(mut self, logs: &[Log]) -> Self {
         let of_logs = logs.iter().enumerate();
         let fitted = of_logs.flat_map(|(index, log)| LogUnknown::of(index, log));
@@ -172,7 +172,7 @@ impl Unknowns {
         self
     }
 
-    /// The conditions at the coordinates `z`: those of the logs in `conditions`, but for what is fitted.
+    /// Sets `conditions` to those at the coordinates `z`; conditions that are not fitted are unchanged.
     pub(crate) fn conditions(&self, z: &[f64], conditions: &mut [Conditions]) {
         for (unknown, &z) in self.list.iter().zip(z) {
             let Unknown::Log(fitted) = unknown else {
@@ -182,7 +182,7 @@ impl Unknowns {
         }
     }
 
-    /// The plant at the coordinates `z`.
+    /// Returns the plant at the coordinates `z`.
     pub(crate) fn plant(&self, z: &[f64]) -> PlantParameters {
         let mut plant = self.datasheet.clone();
         for (unknown, &z) in self.list.iter().zip(z) {
@@ -193,12 +193,12 @@ impl Unknowns {
 }
 
 impl Unknown {
-    /// Whether it is the delay of the commands.
+    /// Returns whether it is the delay of the commands.
     pub(crate) fn is_delay(&self) -> bool {
         matches!(self, Self::Nuisance(nuisance) if nuisance.spec.name() == COMMAND_DELAY)
     }
 
-    /// Whether currents show it by themselves, however wrong the rest of the plant is.
+    /// Returns whether the currents determine it by themselves, however wrong the rest of the plant is.
     pub(crate) fn is_shown_by_currents(&self) -> bool {
         match self {
             Self::Nuisance(nuisance) => nuisance.spec.section == "coil" || self.is_delay(),
@@ -207,7 +207,7 @@ impl Unknown {
         }
     }
 
-    /// The effect that it is a parameter of.
+    /// Returns the effect to which the parameter belongs.
     pub(crate) fn effect_id(&self) -> Option<&'static str> {
         match self {
             Self::Effect(effect) => effect.spec.effect_id(),
@@ -215,7 +215,7 @@ impl Unknown {
         }
     }
 
-    /// Its name in the plant file; of a condition of a log, in words.
+    /// Returns its name in the plant file; of a condition of a log, a description.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Nuisance(nuisance) => nuisance.spec.name(),
@@ -224,7 +224,7 @@ impl Unknown {
         }
     }
 
-    /// Unit of its value in a plant file; empty for a pure number and for a condition of a log.
+    /// Returns the unit of its value in a plant file; empty for a pure number and for a condition of a log.
     pub(crate) fn unit(&self) -> &'static str {
         match self {
             Self::Nuisance(nuisance) => nuisance.spec.unit,
@@ -233,7 +233,7 @@ impl Unknown {
         }
     }
 
-    /// Standard deviation of its coordinate between two correct programs of one plant.
+    /// Returns the standard deviation of its coordinate between two correct programs of one plant.
     pub(crate) fn between_programs(&self) -> f64 {
         match self {
             Self::Nuisance(nuisance) => nuisance.between_programs / nuisance.tolerance,
@@ -250,23 +250,22 @@ impl Unknown {
         }
     }
 
-    /// Whether it is the strength of an effect.
+    /// Returns whether it is the strength of an effect.
     pub(crate) fn is_strength(&self) -> bool {
         matches!(self, Self::Effect(effect) if effect.is_strength())
     }
 
-    /// Whether its coordinate is a logarithm.
+    /// Returns whether its coordinate is a logarithm.
     pub(crate) fn is_logarithmic(&self) -> bool {
         matches!(self, Self::Effect(effect) if effect.is_log())
     }
 
-    /// Whether a strength at `z` cannot get stronger.
+    /// Returns whether a strength at `z` is at the strong end of its range.
     pub(crate) fn is_at_strong_end(&self, z: f64) -> bool {
         matches!(self, Self::Effect(effect) if effect.is_at_strong_end(z))
     }
 
-    /// The coordinate at `size` times the typical strength: the larger, the stronger the effect. What is no strength
-    /// stays typical.
+    /// Returns the coordinate at `size` times the typical strength: the larger, the stronger the effect. Any other parameter stays typical.
     pub(crate) fn of_size(&self, size: f64) -> f64 {
         match self {
             Self::Effect(effect) => effect.of_size(size),
@@ -274,7 +273,7 @@ impl Unknown {
         }
     }
 
-    /// Whether it may be on either side of nothing.
+    /// Returns whether its value may have either sign.
     pub(crate) fn is_signed(&self) -> bool {
         matches!(self, Self::Effect(effect) if effect.is_signed())
     }
@@ -316,7 +315,7 @@ impl Unknown {
         }
     }
 
-    /// Least and largest coordinate of a fit: a nuisance parameter ends at its tolerance.
+    /// Returns the least and largest coordinate of a fit: a nuisance parameter ends at its tolerance.
     pub(crate) fn bounds(&self) -> (f64, f64) {
         match self {
             Self::Nuisance(Nuisance { bounds, .. }) => *bounds,
@@ -325,7 +324,7 @@ impl Unknown {
         }
     }
 
-    /// Least and largest coordinate that a plant may have: a difference may look beyond a tolerance.
+    /// Returns the least and largest coordinate that a plant may have: a difference may exceed a tolerance.
     pub(crate) fn range(&self) -> (f64, f64) {
         match self {
             Self::Nuisance(Nuisance { spec, .. }) | Self::Effect(EffectUnknown { spec, .. }) => (
@@ -339,7 +338,7 @@ impl Unknown {
         }
     }
 
-    /// Standard deviation that is believed before anything is measured; infinite for a strength.
+    /// Returns the standard deviation of the prior; infinite for a strength.
     pub(crate) fn prior_sd(&self) -> f64 {
         match self {
             Self::Nuisance(_) => EVEN_SD,
@@ -348,7 +347,7 @@ impl Unknown {
         }
     }
 
-    /// The same; of a strength, which may be anything, one unit of its coordinate.
+    /// Returns the standard deviation of the prior; for a strength, which has none, one unit of its coordinate.
     pub(crate) fn believed_sd(&self) -> f64 {
         let sd = self.prior_sd();
         if sd.is_finite() { sd } else { 1.0 }
@@ -363,7 +362,7 @@ impl Unknown {
         }
     }
 
-    /// Step of a difference to both sides, which takes no harm from curvature, but would from the solver's error.
+    /// Returns the step of a two-sided difference, which is insensitive to curvature, but sensitive to the solver's error.
     pub(crate) fn wide_step(&self) -> f64 {
         match self {
             Self::Nuisance(_) => 5.0 * NUISANCE_STEP,

@@ -4,7 +4,7 @@ pub(crate) fn square(residuals: &[f64]) -> f64 {
     dot(residuals, residuals)
 }
 
-/// Sums of every eighth product first: a processor adds them side by side.
+/// Returns the scalar product. It sums every eighth product first: a processor adds them in parallel.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let (a, a_rest) = a.as_chunks::<LANES>();
@@ -19,7 +19,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// The median; none of nothing.
+/// Returns the median; none without values.
 pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)

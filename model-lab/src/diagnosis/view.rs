@@ -1,4 +1,4 @@
-//! What readers of a diagnosis ask it for.
+//! Queries of a diagnosis for its readers.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
@@ -8,12 +8,12 @@ use super::nuisance::{Nuisance, Shows, nuisances};
 use super::result::{Candidate, DetectionLimit, Diagnosis};
 use super::verdict::WORTH_SHOWING;
 
-/// So many candidates are contenders in any case.
+/// Number of candidates that are always contenders.
 const FEWEST: usize = 3;
 
 impl Diagnosis {
-    /// The plants behind the first and the last row of the ladder: `plant` with its nuisance parameters refitted, and the
-    /// same with the named effects. `plant` is the one that was diagnosed.
+    /// Returns the plants of the first and the last error step: `plant` with its nuisance parameters refitted, and the same with the named
+    /// effects. `plant` is the one that was diagnosed.
     pub fn plain_and_refined(&self, plant: &PlantParameters) -> [PlantParameters; 2] {
         let [mut plain, mut refined] = [plant.clone(), plant.clone()];
         let nuisances = nuisances(plant, Shows::EVERYTHING);
@@ -49,7 +49,7 @@ impl Diagnosis {
         [plain, refined]
     }
 
-    /// The candidates that explain something, the named ones among them, and the best ones in any case.
+    /// Returns the candidates that explain something, including the named ones, and always the best ones.
     pub fn contenders(&self) -> impl Iterator<Item = &Candidate> {
         let candidates = self.candidates.iter().enumerate();
         let counts = |(index, candidate): &(usize, &Candidate)| {
@@ -62,8 +62,7 @@ impl Diagnosis {
 }
 
 impl Candidate {
-    /// Whether the effect is the stronger, the smaller the parameter of its detection limit is, as the area of a narrow
-    /// place.
+    /// Returns whether a smaller parameter of its detection limit means a stronger effect, as with the area of a restriction.
     pub fn is_stronger_below(&self) -> bool {
         let DetectionLimit::Size { key, value, .. } = &self.detection_limit else {
             return false;

@@ -1,11 +1,11 @@
 //! Ids and figures in sentences.
 
-/// An id as a person writes it: `chamber leak`.
+/// Returns an id in natural language: `chamber leak`.
 pub(crate) fn spaced(id: &str) -> String {
     id.replace('_', " ")
 }
 
-/// A value with `digits` significant digits, and with an exponent where a plant file has one.
+/// Returns a value with `digits` significant digits, and with an exponent where a plant file has one.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits - 1);
     let rounded = rounded.parse().unwrap_or(value);

@@ -1,40 +1,40 @@
-//! The dimensions along which an error is placed; each sample falls into one bin of each.
+//! Dimensions along which an error is placed; each sample falls into one bin of each.
 
 use super::features::{FLOWS, Features, States, VALVE_STATES};
 use crate::bins::Bins;
 
-/// One way to sort the samples.
+/// One dimension by which the samples are sorted.
 pub(crate) struct Dimension {
     /// Stable name.
     pub(crate) id: &'static str,
-    /// For people.
+    /// Title for people.
     pub(crate) title: &'static str,
     pub(crate) bins: Vec<Bin>,
-    /// Bin of each sample: some hundred bins at most.
+    /// Bin of each sample; at most some hundred bins.
     pub(crate) bin_of: Bins,
-    /// Whether the finder combines it with valve state and pressure; those that follow from these do not help it.
+    /// Whether the finder combines it with valve state and pressure; a dimension that follows from these adds nothing.
     pub(crate) combines: bool,
 }
 
 /// One bin of a dimension.
 pub(crate) struct Bin {
-    /// In a table under the title.
+    /// Label in a table under the title.
     pub(crate) label: String,
-    /// In a sentence.
+    /// Phrase in a sentence.
     pub(crate) phrase: String,
 }
 
-/// Upper ends of the bands of duty cycle [%]; the first band is exactly 0.
+/// Upper ends of the bands of duty cycle (%); the first band is exactly 0.
 const DUTY_PCT: [f64; 4] = [30.0, 50.0, 70.0, 90.0];
-/// Upper ends of the bands of the time since the last switch [s].
+/// Upper ends of the bands of the time since the last switch (s).
 const SINCE_SWITCH_S: [f64; 6] = [0.03, 0.06, 0.1, 0.2, 0.5, 1.0];
-/// Upper ends of the bands of the time under current [s].
+/// Upper ends of the bands of the time under current (s).
 const ENERGISED_S: [f64; 5] = [1.0, 3.0, 6.0, 12.0, 24.0];
-/// A pressure that changes less counts as steady [bar/s].
+/// Rate of change below which a pressure counts as steady (bar/s).
 const STEADY_BAR_PER_S: f64 = 0.05;
 
 impl Features<'_> {
-    /// Every dimension.
+    /// Returns every dimension.
     pub(crate) fn dimensions(&self) -> Vec<Dimension> {
         let states = self.states;
         let trends = ["rising", "falling", "steady"];
@@ -147,7 +147,7 @@ impl Features<'_> {
 }
 
 impl States {
-    /// Whole bars up to the highest pressure.
+    /// Returns the labels of the whole bars up to the highest pressure.
     pub(crate) fn pressure_band_labels(&self) -> Vec<String> {
         (0..=pressure_band(self.highest_bar))
             .map(|bar| format!("{bar} to {} bar", bar + 1))
@@ -171,15 +171,15 @@ impl Dimension {
     }
 }
 
-/// Bands of pressure, at most.
+/// Number of bands of pressure, at most.
 const PRESSURE_BANDS_MAX: usize = 1000;
 
-/// Band of a pressure [bar gauge]; below ambient counts to the lowest.
+/// Returns the band of a pressure (bar gauge); a pressure below ambient counts to the lowest.
 pub(crate) fn pressure_band(pressure_bar: f64) -> usize {
     (pressure_bar.max(0.0) as usize).min(PRESSURE_BANDS_MAX - 1)
 }
 
-/// Bin of a mean rate of change of the pressure [bar/s]: rising, falling or steady.
+/// Returns the bin of a mean rate of change of the pressure (bar/s): rising, falling or steady.
 pub(crate) fn trend(rate_bar_per_s: f64) -> u16 {
     match rate_bar_per_s {
         rate if rate > STEADY_BAR_PER_S => 0,
@@ -188,20 +188,20 @@ pub(crate) fn trend(rate_bar_per_s: f64) -> u16 {
     }
 }
 
-/// Bin of a time since the last switch [s]; the last one is before any.
+/// Returns the bin of a time since the last switch (s); the last bin is before any switch.
 pub(crate) fn since_switch_band(since_s: Option<f64>) -> u16 {
     since_s.map_or(SINCE_SWITCH_S.len() + 1, |since_s| {
         band(&SINCE_SWITCH_S, since_s)
     }) as u16
 }
 
-/// Bin of a time under current [s].
+/// Returns the bin of a time under current (s).
 pub(crate) fn energised_band(time_s: f64) -> u16 {
     band(&ENERGISED_S, time_s) as u16
 }
 
-/// Bin of a duty cycle with its valve [%]: negative is the vent valve's. It is [`SHUT`], more by the band of the fill valve,
-/// less by that of the vent valve.
+/// Returns the bin of a duty cycle with its valve (%): positive the fill valve's, negative the vent valve's. It is [`SHUT`], plus the band
+/// of the fill valve, or minus that of the vent valve.
 pub(crate) fn acting_band(duty_pct: f64) -> u16 {
     if duty_pct < 0.0 {
         SHUT - duty_band(-duty_pct) as u16
@@ -210,10 +210,10 @@ pub(crate) fn acting_band(duty_pct: f64) -> u16 {
     }
 }
 
-/// What [`acting_band`] is at 0 %: below lie as many bands as the vent valve has.
+/// Value of [`acting_band`] at 0 %: the vent valve has this number of bands below it.
 pub(crate) const SHUT: u16 = DUTY_PCT.len() as u16 + 1;
 
-/// Labels of the duty bands.
+/// Returns the labels of the duty bands.
 pub(crate) fn duty_band_labels() -> Vec<String> {
     let mut labels = vec!["0 %".to_owned()];
     labels.extend(
@@ -224,7 +224,7 @@ pub(crate) fn duty_band_labels() -> Vec<String> {
     labels
 }
 
-/// Band of a duty cycle [%].
+/// Returns the band of a duty cycle (%).
 pub(crate) fn duty_band(duty_pct: f64) -> usize {
     if duty_pct == 0.0 {
         0

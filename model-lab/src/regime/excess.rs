@@ -1,20 +1,20 @@
 use crate::bins::Bins;
 use crate::result::{BinError, Residual};
 
-/// Standard deviations by which the excess must stand out of chance before it is shared out.
+/// Standard deviations by which the excess must exceed chance before it is attributed to regimes.
 const SIGNIFICANT: f64 = 3.0;
 
-/// An error of up to this many noise floors is said to be within the noise, as in the verdict of a comparison.
+/// Largest error in noise floors that counts as within the noise, as in the verdict of a comparison.
 const WITHIN_NOISE: f64 = 1.5;
 
-/// A residual with the noise that a perfect model would leave in it.
+/// Residual with the noise that a perfect model would leave in it.
 pub(crate) struct Excess<'a> {
-    /// NaN where the measurement is missing.
+    /// Residual, NaN where the measurement is missing.
     pub(crate) residual: Residual<'a>,
     variance: f64,
     /// Σ (e² - variance); none where it is within chance.
     total: Option<f64>,
-    /// The rms error over the noise; NaN where both are 0.
+    /// Rms error over the noise; NaN where both are 0.
     in_noise: f64,
 }
 
@@ -59,8 +59,8 @@ impl Sums {
 }
 
 impl<'a> Excess<'a> {
-    /// `sigma` is the rms of a perfect model, known with `freedom` degrees of freedom; 0 where unknown, which makes
-    /// every error excess.
+    /// Returns the excess of `residual`. `sigma` is the rms of a perfect model, known with `freedom` degrees of freedom; 0 where unknown,
+    /// which makes every error excess.
     pub(crate) fn new(residual: Residual<'a>, sigma: f64, freedom: f64) -> Self {
         let mut all = Sums::default();
         residual
@@ -88,12 +88,12 @@ impl<'a> Excess<'a> {
         }
     }
 
-    /// Whether there is anything to share out.
+    /// Returns whether there is an excess to attribute to regimes.
     pub(crate) fn is_significant(&self) -> bool {
         self.total.is_some()
     }
 
-    /// Why there is nothing to share out.
+    /// Returns the reason why there is no excess to attribute to regimes.
     pub(crate) fn in_words(&self) -> String {
         let is_above = self.in_noise > WITHIN_NOISE;
         if !is_above {
@@ -105,7 +105,7 @@ impl<'a> Excess<'a> {
         )
     }
 
-    /// Sums over the compared samples of each of `bins` bins.
+    /// Returns the sums over the compared samples of each of `bins` bins.
     pub(crate) fn sums(&self, bin_of: &Bins, bins: usize) -> Vec<Sums> {
         let mut sums = vec![Sums::default(); bins];
         for (error, bin) in self
@@ -119,7 +119,7 @@ impl<'a> Excess<'a> {
         sums
     }
 
-    /// The share of these sums; none where the whole is within chance.
+    /// Returns the share of these sums in the excess; none where the whole is within chance.
     pub(crate) fn share(&self, sums: &Sums) -> Option<f64> {
         self.total
             .map(|total| (sums.square - sums.count as f64 * self.variance) / total)
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
     use crate::noise::Noise;
 
-    /// The residual of a model that is zero.
+    /// Returns the residual of a model that is zero.
     fn residual(values: &[f64]) -> Residual<'_> {
         Residual::new(values, &[0.0; 4000][..values.len()])
     }

@@ -1,4 +1,4 @@
-//! What was going on at each sample.
+//! Features of the plant's state at each sample.
 
 use std::collections::VecDeque;
 
@@ -23,31 +23,31 @@ pub(crate) const FLOWS: [&str; 6] = [
     "both valves open",
 ];
 
-/// What the plant did at each sample, which is the same for every signal.
+/// State of the plant at each sample, the same for every signal.
 #[derive(Clone)]
 pub(crate) struct States {
     /// Index into [`VALVE_STATES`].
     pub(crate) valve_state: Bins,
     /// Index into [`FLOWS`].
     pub(crate) flow: Bins,
-    /// Whether the pressure of the model rises, falls or is steady.
+    /// Bin of the change of the model's pressure: rising, falling or steady.
     pub(crate) trend: Bins,
     /// Chamber pressure of the model, in cells of [`States::cell_bar`].
     pub(crate) pressure_cell: Bins,
-    /// The same, in whole bars.
+    /// Chamber pressure of the model, in whole bars.
     pub(crate) pressure_band: Bins,
     /// Tenth of the log.
     pub(crate) tenth: Bins,
-    /// Width of a cell of pressure \[bar\].
+    /// Width of a cell of pressure (bar).
     pub(crate) cell_bar: f64,
-    /// Highest pressure \[bar gauge\].
+    /// Highest pressure (bar gauge).
     pub(crate) highest_bar: f64,
-    /// Last instant \[s\].
+    /// Last instant (s).
     pub(crate) end_s: f64,
 }
 
 impl States {
-    /// Sorts what the plant did: valve states, flows and trends, and the pressures \[bar gauge\] at `times_s`.
+    /// Sorts the samples by valve state, flow, trend and pressure (bar gauge) at `times_s`.
     pub(crate) fn new(
         [valve_state, flow, trend]: [Bins; 3],
         pressure_bar: &[f64],
@@ -73,10 +73,10 @@ impl States {
     }
 }
 
-/// [`States`] of a run that is under way.
+/// Collector of [`States`] during a run.
 pub(crate) struct Watched<'a> {
     parameters: &'a PlantParameters,
-    /// What happened lately, in order of time, and the number of samples that count as this.
+    /// Recent activity, in order of time, and the number of samples that count as recent.
     lately: VecDeque<Activity>,
     memory: usize,
     bins: [BinsBuilder; 3],
@@ -84,7 +84,8 @@ pub(crate) struct Watched<'a> {
 }
 
 impl<'a> Watched<'a> {
-    /// `memory` is the number of samples over which the predictor remembers: what happened that lately still shows.
+    /// Creates the collector. `memory` is the number of samples over which the predictor remembers: activity within it still affects the
+    /// error.
     pub(crate) fn new(parameters: &'a PlantParameters, rows: usize, memory: usize) -> Self {
         Self {
             parameters,
@@ -134,19 +135,19 @@ impl<'a> Watched<'a> {
     }
 }
 
-/// What was going on at each sample, as one signal sees it: a current has its own coil, a pressure both valves.
+/// Features of each sample for one signal: a current depends on its own coil, a pressure on both valves.
 pub(crate) struct Features<'a> {
     pub(crate) states: &'a States,
     /// Band of the duty cycle in force, the larger of the two valves; see [`acting_band`].
     pub(crate) acting: Bins,
-    /// Band of the time since a command last went to zero or left it.
+    /// Band of the time since a command last became zero or left it.
     pub(crate) since_switch: Bins,
-    /// Band of the time for which the output was commanded high, on-times added up; of the coil that has more in the end.
+    /// Band of the accumulated time for which the output was commanded high; of the coil with the larger total.
     pub(crate) energised: Bins,
 }
 
 impl<'a> Features<'a> {
-    /// With `coil`, only the commands of that valve count.
+    /// Returns the features; with `coil`, only the commands of that valve count.
     pub(crate) fn new(states: &'a States, commands: &Commands, coil: Option<usize>) -> Self {
         let valves: Vec<usize> = coil.map_or(vec![FILL, VENT], |coil| vec![coil]);
         let duty_pct = (0..commands.len()).map(|row| duty_in_force(commands, &valves, row));
@@ -164,8 +165,7 @@ impl<'a> Features<'a> {
         )
     }
 
-    /// Sorts duty cycles in force \[%\], negative where it is the vent valve's, times since a switch and times under
-    /// current \[s\].
+    /// Sorts duty cycles in force (%; negative for the vent valve), times since a switch (s) and times under current (s).
     pub(crate) fn sorted(
         states: &'a States,
         duty_pct: impl Iterator<Item = f64>,
@@ -181,7 +181,7 @@ impl<'a> Features<'a> {
     }
 }
 
-/// What moved the plant until the sample of `row` was in force an interval ago.
+/// Returns the duty cycle (%) that moved the plant during the interval before the sample of `row`.
 fn duty_in_force(commands: &Commands, valves: &[usize], row: usize) -> f64 {
     let Some(commanded) = commands.row_in_force(commands.times_s[row.saturating_sub(1)]) else {
         return 0.0;
@@ -203,7 +203,7 @@ fn since_switch_s(
     let mut state = [false; 2];
     let mut switched_s = None;
     (0..commands.len()).map(move |row| {
-        // A command given now cannot show in the sample of now.
+        // A command given now cannot affect the sample of the same instant.
         let since = switched_s.map(|switched_s| commands.times_s[row] - switched_s);
         let now = [FILL, VENT]
             .map(|valve| valves.contains(&valve) && commands.duty_pct[valve][row] > 0.0);

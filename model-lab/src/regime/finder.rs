@@ -1,24 +1,24 @@
-//! The one sentence: the smallest regime with the most of the excess.
+//! Search for the smallest regime with the largest share of the excess, reported in one sentence.
 
 use super::dimension::Dimension;
 use super::excess::{Excess, Sums};
 use super::features::{Features, States, VALVE_STATES};
 use crate::result::{Finding, Horizon};
 
-/// Thresholds of pressure are tried this far apart [bar] ...
+/// Distance of the tried thresholds of pressure (bar) ...
 const CELL_BAR: f64 = 0.1;
-/// ... or farther, so that there are no more cells than these: up to 50 bar have the distance above.
+/// ... or a larger one, so that there are at most this many cells: up to 50 bar have the distance above.
 const CELLS_MAX: f64 = 500.0;
-/// What each further condition must gain.
+/// Excess share that each further condition must gain.
 const CONDITION_COST: f64 = 0.02;
-/// A regime must hold this much more of the excess than of the samples.
+/// Least difference of the shares of excess and samples of a regime.
 const LEAST_GAIN: f64 = 0.15;
-/// Fewer samples make no regime.
+/// Smallest number of samples of a regime.
 const FEWEST_SAMPLES: usize = 10;
-/// Share of the rms in the bias from which on the error has a sign.
+/// Share of the bias in the rms from which on the error has a sign.
 const SIGNED: f64 = 0.4;
 
-/// A box in the space of regimes.
+/// Box in the space of regimes.
 #[derive(Debug, Clone, Copy)]
 struct Regime {
     /// Index into [`VALVE_STATES`].
@@ -114,15 +114,15 @@ pub(crate) fn find(
     }
 }
 
-/// Any valve state, or one of the four.
+/// Number of choices for the valve state: any, or one of the four.
 const STATES: usize = VALVE_STATES.len() + 1;
 
-/// The distance of two thresholds [bar], where the highest pressure is this [bar].
+/// Returns the distance of two thresholds (bar) for this highest pressure (bar).
 pub(crate) fn cell_bar(highest_bar: f64) -> f64 {
     CELL_BAR.max(highest_bar / CELLS_MAX)
 }
 
-/// Sums over cells of pressure for each combination of (any or one phrase) and (any or one valve state).
+/// Returns sums over cells of pressure for each combination of (any or one phrase) and (any or one valve state).
 fn histograms(
     combined: &[&Dimension],
     phrases: usize,
@@ -168,7 +168,7 @@ fn histograms(
     histograms
 }
 
-/// The whole histogram, and what lies below and above each of its thresholds.
+/// Returns the sums of the whole histogram, and of its parts below and above each threshold.
 fn thresholds(histogram: &[Sums]) -> Vec<(Pressure, Sums)> {
     let all = histogram
         .iter()
@@ -236,7 +236,7 @@ mod tests {
     const FILLING: u16 = 1;
     const VENTING: u16 = 2;
 
-    /// What was going on at some samples, unsorted.
+    /// State at some samples, unsorted.
     struct Spread {
         valve_state: Vec<u16>,
         pressure_bar: Vec<f64>,
@@ -246,7 +246,7 @@ mod tests {
         times_s: Vec<f64>,
     }
 
-    /// 6000 samples: every third one shut, filling or venting, pressures spread over 0 to 8 bar, duties over 0 to 100 %.
+    /// Returns 6000 samples: every third one shut, filling or venting, pressures spread over 0 to 8 bar, duty cycles over 0 to 100 %.
     fn spread() -> Spread {
         let count = 6000;
         let spread = |step: usize| (0..count).map(move |n| (n * step % 1000) as f64 / 1000.0);
@@ -284,7 +284,7 @@ mod tests {
         }
     }
 
-    /// What is found where `error` (of feature and index) is added to white noise.
+    /// Returns the finding where `error` (of feature and index) is added to white noise.
     fn found(error: impl Fn(&Spread, usize) -> f64) -> Finding {
         let spread = spread();
         let mut noise = Noise::new(1);
@@ -382,7 +382,7 @@ mod tests {
         );
     }
 
-    /// A pressure of 4e9 bar, from a mapping with a wrong offset, asked for 103 GB.
+    /// A pressure of 4e9 bar, from a mapping with a wrong offset, requested 103 GB.
     #[test]
     fn cells_are_counted_by_no_value() {
         for highest in [8.0, 49.0, 1e3, 1e9, 1e300] {

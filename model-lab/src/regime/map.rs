@@ -4,7 +4,7 @@ use super::features::Features;
 use crate::bins::Bins;
 use crate::result::{ERROR_MAP, ErrorMap, Horizon, MapCell, Placement};
 
-/// The error over duty cycle of the acting valve (rows) and pressure (columns), and the cell of each sample.
+/// Returns the error over duty cycle of the acting valve (rows) and pressure (columns), and the cell of each sample.
 pub(crate) fn error_map(
     features: &Features,
     excess: &Excess,

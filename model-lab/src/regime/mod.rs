@@ -1,8 +1,8 @@
-//! Where is the error? Shares of the excess by regime.
+//! Location of the error: shares of the excess by regime.
 //!
-//! The excess is what is left of the squared error after the noise is taken off: Σ (e² - floor²). A regime's share of
-//! it, beside its share of the samples, says where the model fails. Shares are taken of the short-horizon error, which
-//! forgets within a few samples; a free run would carry a wrong pressure into regimes that did nothing wrong.
+//! The excess is the squared error after the noise is subtracted: Σ (e² - floor²). A regime's share of the excess, compared with its share
+//! of the samples, shows where the model is wrong. Shares refer to the one-step-ahead prediction error, whose memory is a few samples; a
+//! free-run simulation would carry a wrong pressure into regimes that are modelled correctly.
 
 mod dimension;
 mod excess;
@@ -18,7 +18,7 @@ pub(crate) use map::error_map;
 
 use crate::result::{Placement, RegimeBin, RegimeShares};
 
-/// The shares in each bin of `dimension`.
+/// Returns the shares in each bin of `dimension`.
 pub(crate) fn shares(
     dimension: &Dimension,
     short_horizon: Option<&Excess>,
@@ -50,7 +50,7 @@ pub(crate) fn shares(
     }
 }
 
-/// The bin of each sample in `dimension`, for the signal of this name.
+/// Returns the bin of each sample in `dimension`, for the signal of this name.
 pub(crate) fn placement(signal: &str, dimension: &Dimension) -> Placement {
     Placement {
         signal: signal.to_owned(),

@@ -1,8 +1,8 @@
-//! Which effects bring the full filling times of the large orifices in (table 4.4)?
+//! Search for effects that explain the full filling times of the large orifices (table 4.4).
 //!
-//! The plain model fills the 1.9 mm rigs to the supply pressure in less than half of the measured time, though it
-//! reaches 0.26 P_sup in time. What is missing must therefore hardly act at first and brake later. Candidates are fitted to
-//! the four filling times of the two 1.9 mm rigs and judged on the four of the rigs with inserted orifices.
+//! The plain model fills the 1.9 mm rigs to the supply pressure in less than half of the measured time, although it reaches 0.26 P_sup in
+//! time. The missing effect must therefore act weakly at first and brake later. Candidates are fitted to the four filling times of the two
+//! 1.9 mm rigs (training) and validated on the four of the rigs with inserted orifices.
 
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::parameters::{PA_PER_BAR, ParameterSpec};
@@ -15,30 +15,30 @@ use super::explanation::{
 use super::measurements::{FillingAndVenting, Measurements};
 use super::table::{VALVE_BORE_MM, rig_name, rig_parameters};
 
-/// What the thesis and its bench suggest.
+/// Effects that the thesis and its bench suggest.
 const SUSPECTS: [&str; 3] = ["series_restriction", "supply_line_droop", "critical_ratio"];
-/// Forms that act on venting, which explain no filling time, or on both with a parameter more.
+/// Forms that act on venting, which explain no filling time, or on both with one more parameter.
 const OF_VENTING: [&str; 2] = ["vent", "both"];
-/// A time is brought in within so many samples: the end of a filling is read off a figure.
+/// Largest error of an explained time (samples): the end of a filling is read off a figure.
 const BROUGHT_IN_SAMPLES: f64 = 2.5;
-/// Explanations within this of the best one (rms samples) are as good: the resolution of the times.
+/// Difference from the best explanation within which others count as equal (rms samples): the resolution of the times.
 const AS_GOOD_SAMPLES: f64 = 1.0;
-/// A filling is given up after this (T_req), ...
+/// Time after which the simulation of a filling is aborted (T_req), ...
 const PATIENCE_T_REQ: f64 = 4.0;
-/// ... and has then this error (samples).
+/// ... and the error that it then counts with (samples).
 const NEVER_SAMPLES: f64 = 200.0;
-/// Pressures are read on this grid (s), and between by a straight line.
+/// Grid on which pressures are sampled (s); linear interpolation between.
 const GRID_S: f64 = 0.5e-3;
-/// A change of pressure that a sensor would notice (Pa): one step of it.
+/// Smallest change of pressure that a sensor shows (Pa): one step of it.
 const NOTICEABLE_PA: f64 = 510.0;
-/// The discharge coefficient may move by this share, as in any fit.
+/// Relative range of the discharge coefficient, as in any fit.
 const DISCHARGE_TOLERANCE: f64 = 0.10;
 /// Sizes over the typical one at which a search begins.
 const STARTS: [f64; 2] = [0.3, 1.5];
 /// First and last step of the search, in logarithms of the parameters.
 const STEPS: [f64; 2] = [0.5, 5e-3];
 
-/// Fits every suspect to the filling times, and every two of them where no single one brings the times in.
+/// Fits every suspect to the filling times, and every pair of suspects where no single one explains the times.
 pub fn explain(parameters: &PlantParameters, measurements: &Measurements) -> Explanation {
     let fillings = fillings(measurements);
     let plain = explained(
@@ -76,13 +76,13 @@ pub fn explain(parameters: &PlantParameters, measurements: &Measurements) -> Exp
     }
 }
 
-/// The measured filling times of a rig.
+/// Measured filling times of a rig.
 struct Filling<'a> {
     rig: &'a FillingAndVenting,
-    /// To 0.26 P_sup and to P_sup (T_req).
+    /// Times to 0.26 P_sup and to P_sup (T_req).
     measured_t_req: [f64; 2],
     samples_per_t_req: f64,
-    /// What counts as P_sup (bar below it).
+    /// Distance below P_sup that counts as P_sup (bar).
     tolerance_bar: f64,
     is_fitted: bool,
 }
@@ -101,7 +101,7 @@ fn fillings(measurements: &Measurements) -> Vec<Filling<'_>> {
 }
 
 impl Filling<'_> {
-    /// Both times by the model (T_req), from the first rise of the pressure on; none where it takes too long.
+    /// Simulates both times (T_req), from the first rise of the pressure on; none where it takes too long.
     fn simulated_t_req(&self, parameters: &PlantParameters) -> [Option<f64>; 2] {
         let plant = rig_parameters(parameters, self.rig);
         let supply_bar = plant.gas.supply_pressure_bar_gauge;
@@ -138,7 +138,7 @@ impl Filling<'_> {
         ends.map(|end| Some((end? - begin?) / t_req_s))
     }
 
-    /// Simulated minus measured (samples).
+    /// Returns simulated minus measured (samples).
     fn errors_samples(&self, simulated_t_req: [Option<f64>; 2]) -> [f64; 2] {
         let pairs = [0, 1].map(|n| (simulated_t_req[n], self.measured_t_req[n]));
         pairs.map(|(simulated, measured)| {
@@ -149,7 +149,7 @@ impl Filling<'_> {
     }
 }
 
-/// Every form of every suspect that acts on filling alone.
+/// Returns every form of every suspect that acts on filling alone.
 fn forms() -> Vec<EffectSetting> {
     let suspects = SUSPECTS.iter().filter_map(|id| by_id(id));
     suspects
@@ -161,7 +161,7 @@ fn forms() -> Vec<EffectSetting> {
         .collect()
 }
 
-/// Every two forms of different suspects.
+/// Returns every pair of forms of different suspects.
 fn pairs(forms: &[EffectSetting]) -> Vec<Vec<EffectSetting>> {
     let mut pairs = Vec::new();
     for (n, first) in forms.iter().enumerate() {
@@ -173,7 +173,7 @@ fn pairs(forms: &[EffectSetting]) -> Vec<Vec<EffectSetting>> {
     pairs
 }
 
-/// A plant with effects, and what may be moved in it: the discharge coefficient first.
+/// Plant with effects, and its free parameters: the discharge coefficient first.
 struct Candidate {
     plant: PlantParameters,
     effects: Vec<EffectSetting>,
@@ -195,7 +195,7 @@ impl Candidate {
         }
     }
 
-    /// Least and largest value of each coordinate: logarithms, of the discharge coefficient over its own.
+    /// Returns the least and largest value of each coordinate: logarithms, of the discharge coefficient over its own.
     fn bounds(&self) -> Vec<[f64; 2]> {
         let effects = self
             .moved
@@ -226,7 +226,7 @@ impl Candidate {
             .sum()
     }
 
-    /// Compass search (R. Hooke, T. A. Jeeves 1961): the times are read on a grid, which no derivative likes.
+    /// Fits by compass search (R. Hooke, T. A. Jeeves 1961): the times are read on a grid, so derivatives are useless.
     fn fit(&self, fillings: &[Filling<'_>]) -> Vec<f64> {
         let bounds = self.bounds();
         let typical =
@@ -366,9 +366,9 @@ fn sentence(rows: &[Explained]) -> String {
 mod tests {
     use super::*;
 
-    /// The thesis' own riddle: the large orifices reach 0.26 P_sup in time and P_sup much too late. A supply does that whose
-    /// pressure sinks after a while, be it a line that stores air behind a narrow place or a slow regulator; a smaller
-    /// orifice or another flow law does not.
+    /// The open question of the thesis: the large orifices reach 0.26 P_sup in time and P_sup much too late. A supply pressure that droops
+    /// after a while explains it: a line that stores air upstream of a restriction, or a slow regulator. A smaller orifice or another flow
+    /// law does not.
     #[test]
     fn a_supply_that_gives_way_late_brings_the_filling_times_in() {
         let explanation = explain(&PlantParameters::nominal(), &Measurements::bundled());

@@ -1,4 +1,4 @@
-//! What an explanation of the filling times says, as it stands in its JSON.
+//! Explanation of the filling times, as in its JSON.
 
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -6,51 +6,51 @@ use serde::{Deserialize, Serialize};
 /// Schema of [`Explanation`] as JSON.
 pub const EXPLANATION_SCHEMA: &str = "retarder.thesis-explanation/1";
 
-/// How each suspect explains the filling times.
+/// Result of the search for an explanation of the filling times.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Explanation {
     /// [`EXPLANATION_SCHEMA`].
     pub schema: String,
-    /// What was fitted, what judges, and when a time counts as brought in.
+    /// Training figures, validation figures, and the largest error of an explained time.
     pub rule: String,
-    /// The plain model first, then the candidates, the one that leaves least first.
+    /// The plain model first, then the candidates, smallest remaining error first.
     pub rows: Vec<Explained>,
     /// The answer in words.
     pub sentence: String,
 }
 
 impl Explanation {
-    /// Whether some effect brings the times in.
+    /// Returns whether some effect explains the times.
     pub fn brings_in(&self) -> bool {
         self.rows.iter().any(|row| row.brings_in)
     }
 
-    /// The JSON Schema of an explanation.
+    /// Returns the JSON Schema of an explanation.
     pub fn json_schema() -> Schema {
         schemars::schema_for!(Self)
     }
 }
 
-/// The filling times with some effects.
+/// Filling times with some effects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Explained {
     /// Ids with the form of the law, `supply_line_droop:line_volume`; none for the plain model.
     pub effects: Vec<String>,
-    /// What was fitted.
+    /// Fitted parameters.
     pub parameters: Vec<ExplainedParameter>,
     /// Every filling time.
     pub figures: Vec<ExplainedFigure>,
-    /// Rms error of the fitted figures, those of the large orifices (samples).
+    /// Rms error of the training figures, those of the large orifices (samples).
     pub fit_rms_samples: f64,
-    /// Rms error of the others, those of the inserted orifices (samples).
+    /// Rms error of the validation figures, those of the inserted orifices (samples).
     pub check_rms_samples: f64,
-    /// Whether every fitted figure is brought in.
+    /// Whether every training figure is explained.
     pub brings_in: bool,
 }
 
-/// A fitted parameter.
+/// Fitted parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExplainedParameter {
@@ -58,26 +58,26 @@ pub struct ExplainedParameter {
     pub name: String,
     /// Best value.
     pub value: f64,
-    /// Whether it ran to the end of its range.
+    /// Whether it reached the end of its range.
     pub at_bound: bool,
 }
 
-/// A filling time.
+/// Filling time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExplainedFigure {
     /// Table of the thesis.
     pub source: String,
-    /// The rig.
+    /// Name of the rig.
     pub rig: String,
-    /// What was measured.
+    /// Measured quantity.
     pub quantity: String,
-    /// As printed (T_req).
+    /// Value as printed (T_req).
     pub measured: f64,
-    /// By the model (T_req); null where the model never gets there.
+    /// Simulated value (T_req); null where the model never reaches the pressure.
     pub simulated: Option<f64>,
     /// Simulated minus measured (samples).
     pub error_samples: f64,
-    /// Whether it was fitted.
+    /// Whether it is a training figure.
     pub is_fitted: bool,
 }

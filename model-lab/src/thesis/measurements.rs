@@ -1,8 +1,8 @@
-//! The figures printed in the thesis, as they stand in `measurements.toml`.
+//! Figures printed in the thesis, as in `measurements.toml`.
 
 use serde::Deserialize;
 
-/// The bundled figures.
+/// Bundled figures.
 const BUNDLED: &str = include_str!("../../data/measurements.toml");
 
 /// All figures.
@@ -19,11 +19,11 @@ pub struct Measurements {
     pub filling_and_venting: Vec<FillingAndVenting>,
 }
 
-/// What the loop must do (section 1.4) and what times are counted in.
+/// Requirement on the loop (section 1.4), and the unit in which times are counted.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Requirement {
-    /// T_req in ECU samples.
+    /// T_req (ECU samples).
     pub t_req_samples: u32,
     /// Longest time to fill from ambient to 0.26 P_sup (T_req).
     pub fill_0_to_026_psup_max_t_req: f64,
@@ -31,9 +31,9 @@ pub struct Requirement {
     pub vent_088_to_071_psup_max_t_req: f64,
     /// Range of references in operation (P_sup).
     pub operating_range_psup: [f64; 2],
-    /// Tolerance (bar).
+    /// Deadband of the controller (bar).
     pub p_tol_bar: f64,
-    /// Samples that the error prediction looks ahead.
+    /// Prediction horizon of the error prediction (samples).
     pub prediction_samples: u32,
     /// Longest time from a command to the valve's response (T_req).
     pub worst_valve_delay_t_req: f64,
@@ -64,11 +64,11 @@ pub struct DutyLimits {
 #[serde(deny_unknown_fields)]
 #[allow(non_snake_case, reason = "the file's keys end in the unit mA")]
 pub struct CoilMeasurements {
-    /// Steady current at 100 %, cold.
+    /// Steady current at 100 %, cold (mA).
     pub current_at_100_percent_mA: f64,
-    /// Current after 60 s at 100 %.
+    /// Current after 60 s at 100 % (mA).
     pub current_after_60_s_at_100_percent_mA: f64,
-    /// Least current of the thesis' model in the steady cycle at 40 %.
+    /// Least current of the thesis' model in the steady cycle at 40 % (mA).
     pub modelled_minimum_current_at_40_percent_mA: f64,
 }
 
@@ -94,7 +94,7 @@ pub struct FillingAndVenting {
     pub vent_full_t_req: f64,
 }
 
-/// The measurement file cannot be used.
+/// Error of a measurement file that cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{file}: {message}")]
 pub struct MeasurementsError {
@@ -103,13 +103,13 @@ pub struct MeasurementsError {
 }
 
 impl Measurements {
-    /// The figures printed in the thesis.
+    /// Returns the figures printed in the thesis.
     pub fn bundled() -> Self {
         Self::from_toml(BUNDLED, "measurements.toml")
             .expect("the bundled file is checked by a test")
     }
 
-    /// Reads a measurement file of the same form; `name` is what errors call it.
+    /// Reads a measurement file of the same form; errors call it `name`.
     pub fn from_toml(text: &str, name: &str) -> Result<Self, MeasurementsError> {
         toml::from_str(text).map_err(|error| MeasurementsError {
             file: name.to_owned(),

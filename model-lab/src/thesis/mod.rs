@@ -1,7 +1,7 @@
 //! The thesis' own figures as a test of the model: each measured number beside the simulated one.
 //!
-//! Where the plain model cannot reach a figure, the row says so and by how much: that is the starting point
-//! for a missing effect.
+//! Where the plain model cannot reach a figure, the row reports it with the deviation: the starting point for the search of a missing
+//! effect.
 
 mod explain;
 mod explanation;

@@ -1,4 +1,4 @@
-//! Measured beside simulated.
+//! Table of measured and simulated figures.
 
 use plant_sim::PlantParameters;
 use plant_sim::experiment::{self, ValveId};
@@ -10,13 +10,13 @@ use super::measurements::{FillingAndVenting, Measurements};
 /// Schema of [`ThesisTable`] as JSON.
 pub const THESIS_SCHEMA: &str = "retarder.thesis/1";
 
-/// A duty limit holds within this (% duty).
+/// Allowed deviation of a duty limit (% duty).
 const DUTY_LIMIT_PCT: f64 = 1.5;
-/// A time holds within this (samples): the resolution of the measurement.
+/// Allowed deviation of a time (samples): the resolution of the measurement.
 const TIME_LIMIT_SAMPLES: f64 = 1.0;
-/// A current holds within this (%).
+/// Allowed deviation of a current (%).
 const CURRENT_LIMIT_PCT: f64 = 1.0;
-/// The bore of the valve itself (mm); smaller orifices were inserted into the housing before it.
+/// Bore of the valve itself (mm); smaller orifices were inserted into the housing upstream of it.
 pub(super) const VALVE_BORE_MM: f64 = 1.9;
 
 /// All rows.
@@ -25,13 +25,13 @@ pub(super) const VALVE_BORE_MM: f64 = 1.9;
 pub struct ThesisTable {
     /// [`THESIS_SCHEMA`].
     pub schema: String,
-    /// In the order of the thesis.
+    /// Figures in the order of the thesis.
     pub rows: Vec<Row>,
-    /// Whether every row with a limit holds.
+    /// Whether every row with a limit is within it.
     pub holds: bool,
 }
 
-/// One figure.
+/// Row with one figure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
@@ -39,25 +39,25 @@ pub struct Row {
     pub source: String,
     /// Rig, where the figure belongs to one.
     pub rig: Option<String>,
-    /// What was measured.
+    /// Measured quantity.
     pub quantity: String,
     /// Unit of `measured` and `simulated`.
     pub unit: String,
-    /// As printed.
+    /// Value as printed.
     pub measured: f64,
-    /// By the model; none where the model never gets there.
+    /// Simulated value; none where the model never reaches the figure.
     pub simulated: Option<f64>,
     /// Simulated minus measured.
     pub deviation: Option<Deviation>,
-    /// What the plain model is held to, in the unit of the deviation; none where the figure is for information.
+    /// Allowed deviation of the plain model, in the unit of the deviation; none where the figure is for information.
     pub limit: Option<f64>,
     /// Whether the deviation is within the limit; none without a limit.
     pub holds: Option<bool>,
-    /// What a reader should know.
+    /// Remark for the reader.
     pub note: Option<String>,
 }
 
-/// How far the model is off.
+/// Deviation of the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Deviation {
@@ -272,7 +272,7 @@ pub(super) fn rig_name(rig: &FillingAndVenting) -> String {
     )
 }
 
-/// The plant as it stood on the bench for tables 4.3 and 4.4.
+/// Returns the plant as it was on the bench for tables 4.3 and 4.4.
 pub(super) fn rig_parameters(
     parameters: &PlantParameters,
     rig: &FillingAndVenting,
@@ -306,8 +306,8 @@ impl Row {
 mod tests {
     use super::*;
 
-    /// The promise of the nominal parameters: duty limits within 1.5 % duty, currents within 1 %, and the short
-    /// filling and venting times of the 1.9 mm rigs within one sample.
+    /// The requirement on the nominal parameters: duty limits within 1.5 % duty, currents within 1 %, and the short filling and venting
+    /// times of the 1.9 mm rigs within one sample.
     #[test]
     fn the_nominal_plant_reaches_every_figure_that_it_is_held_to() {
         let table = compare_with_model(&PlantParameters::nominal(), &Measurements::bundled());
@@ -323,7 +323,7 @@ mod tests {
         );
     }
 
-    /// The plain model is known to fill the large orifices too fast in the end; the table must say so.
+    /// The plain model is known to fill the large orifices too fast in the end; the table must report it.
     #[test]
     fn full_filling_of_the_large_orifice_is_shown_to_be_off() {
         let table = compare_with_model(&PlantParameters::nominal(), &Measurements::bundled());

@@ -11,7 +11,7 @@ pub(crate) fn log(name: &str) -> Recording {
     csv::read_file(path, &csv::Options::default()).unwrap()
 }
 
-/// The first seconds of a log of 100 rows per second, or all of a shorter one.
+/// Returns the first seconds of a log of 100 rows per second, or all of a shorter one.
 pub(crate) fn beginning(name: &str, seconds: usize) -> Recording {
     let log = log(name);
     let mut new = Recording::new(Provenance::from_source("beginning"));

@@ -1,5 +1,5 @@
-//! What the way from a file to a comparison promises for any input. Stated once: the fuzz targets and the tests of this
-//! crate both test it.
+//! Requirement on the path from a file to a comparison for any input, stated once: the fuzz targets and the tests of this crate both test
+//! it.
 
 use std::io::Cursor;
 
@@ -8,12 +8,12 @@ use plant_sim::PlantParameters;
 use recording::csv::{self, Mapping, read};
 use recording::{Recording, mf4};
 
-/// A log of 119 rows that a mapping may explain.
+/// Log of 119 rows that a mapping may explain.
 const LOG: &str = include_str!("../../../recording/tests/corpus/out-of-bounds/log.csv");
-/// Longer logs take longer and tell no more.
+/// Largest number of rows: longer logs take longer and show nothing more.
 const ROWS_MAX: usize = 1_000;
 
-/// Any mapping reads a good log and compares it, or is refused on the way.
+/// Asserts that any mapping reads a good log and compares it, or is refused.
 pub(crate) fn mapping_to_comparison(text: &str) {
     if let Ok(mapping) = Mapping::parse("any.toml", text) {
         let options = csv::Options {
@@ -26,14 +26,14 @@ pub(crate) fn mapping_to_comparison(text: &str) {
     }
 }
 
-/// Any bytes that are a CSV log are compared or refused.
+/// Asserts that any bytes that are a CSV log are compared or refused.
 pub(crate) fn csv_to_comparison(bytes: &[u8]) {
     if let Ok(recording) = read("any.csv", bytes, &csv::Options::default()) {
         compared(&recording);
     }
 }
 
-/// Any bytes that are an MF4 log are compared or refused.
+/// Asserts that any bytes that are an MF4 log are compared or refused.
 pub(crate) fn mf4_to_comparison(bytes: &[u8]) {
     let options = mf4::Options {
         limits: mf4::Limits {
@@ -48,8 +48,8 @@ pub(crate) fn mf4_to_comparison(bytes: &[u8]) {
     }
 }
 
-/// A log is compared with the nominal plant or refused in one line; every figure of a comparison is a number, and the
-/// free run alone gives the same.
+/// Asserts that a log is compared with the nominal plant or refused in one line; every value of a comparison is a number, and the free-run
+/// simulation alone gives the same.
 pub(crate) fn compared(log: &Recording) {
     if log.time_bases().any(|(_, base)| base.len() > ROWS_MAX) {
         return;

@@ -59,7 +59,7 @@ impl HeatStore {
 }
 
 impl Heating {
-    /// Returns the temperature of a coil before it had any current.
+    /// Returns the temperature of a coil before its first current.
     pub(crate) fn start(&self) -> CoilTemperature {
         CoilTemperature {
             winding: self.ambient,

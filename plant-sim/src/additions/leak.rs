@@ -39,7 +39,8 @@ impl Leak {
         (self.law == LeakLaw::Orifice).then_some(self.area)
     }
 
-    /// Returns the mass flow (kg/s) between the pressures `upstream` and `downstream` (Pa abs); negative if `downstream` is the larger one.
+    /// Returns the mass flow (kg/s) from the pressure `upstream` to `downstream` (Pa abs); negative if `downstream` is
+    /// larger.
     pub(crate) fn mass_flow(&self, nozzle: &NozzleLaw, upstream: f64, downstream: f64) -> f64 {
         if upstream < downstream {
             return -self.mass_flow(nozzle, downstream, upstream);

@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use crate::PlantParameters;
 
-    /// In the steady state a yielding line has lost its resistance times the flow, in either direction.
+    /// In the steady state, the pressure drop of a yielding line is its resistance times the flow, in either direction.
     #[test]
     fn a_yielding_line_rests_where_the_flow_leaves_it() {
         let nozzle = PlantParameters::nominal().plant().nozzle;

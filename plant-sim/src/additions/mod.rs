@@ -58,7 +58,7 @@ pub struct Additions {
     pub supply_resistance: f64,
     /// Voltage loss of the battery under a lasting current.
     pub polarisation: Option<Polarisation>,
-    /// Resistance in the free-wheeling loop only (Ω).
+    /// Resistance in the freewheeling loop only (Ω).
     pub free_wheel_resistance: f64,
     /// Warming of the coils or their surroundings.
     pub heating: Option<Heating>,
@@ -125,6 +125,6 @@ pub struct Friction {
 
 /// Velocity (m/s) below which an armature stays at the stop it meets: its flight would be a micrometre.
 pub(crate) const SLOWEST_BOUNCE: f64 = 0.02;
-/// Time (s) between two impacts below which an armature stays as well: bounces under a constant force get shorter and
-/// shorter, infinitely many in a finite time.
+/// Time (s) between two impacts below which an armature stays at the stop as well: under a constant force, infinitely
+/// many ever shorter bounces happen in a finite time.
 pub(crate) const SHORTEST_FLIGHT: f64 = 1e-6;

@@ -5,7 +5,7 @@
 pub struct Plunger {
     /// Total swept volume (m³).
     pub(crate) swept: f64,
-    /// Pressure at which it leaves its stop (Pa abs).
+    /// Pressure at which the plunger leaves its stop (Pa abs).
     pub(crate) begin: f64,
     /// Pressure difference over the travel (Pa).
     pub(crate) travel: f64,
@@ -32,8 +32,8 @@ impl Plunger {
         ((pressure - self.begin) / self.travel).clamp(0.0, 1.0)
     }
 
-    /// Returns the share of the travel (-) at `pressure` (Pa abs) after it was `last`: only pressure beyond the
-    /// friction moves it.
+    /// Returns the share of the travel (-) at `pressure` (Pa abs), given the previous share `last`: only a pressure
+    /// beyond the friction moves the plunger.
     pub(crate) fn share(&self, last: f64, pressure: f64) -> f64 {
         // No clamp: in a stage of a step that is too long the pressure may be negative.
         last.max(self.free(pressure - self.friction))
@@ -46,7 +46,8 @@ impl Plunger {
         self.damping.map_or(0.0, |damping| pulled / damping)
     }
 
-    /// Returns the share after the pressure, and the plunger with it, was moved from `before` to `pressure` (Pa abs).
+    /// Returns the share after a correction that moves the pressure, and the plunger with it, from `before` to
+    /// `pressure` (Pa abs).
     pub(crate) fn shifted(&self, share: f64, before: f64, pressure: f64) -> f64 {
         if self.damping.is_some() {
             (share + self.free(pressure) - self.free(before)).clamp(0.0, 1.0)
@@ -55,7 +56,7 @@ impl Plunger {
         }
     }
 
-    /// Returns the swept volume for a share of the travel of `last`, while the pressure rises or falls.
+    /// Returns the swept volume while the pressure rises or falls, given the previous share `last` of the travel.
     pub(crate) fn volume(&self, last: f64, pressure: f64, rises: bool) -> Volume {
         if self.damping.is_some() {
             return Volume {

@@ -5,7 +5,7 @@ use super::Volume;
 /// Heat transfer from the wall to the gas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallHeat {
-    /// Conductance between gas and wall (W/K); with natural convection the one at the reference.
+    /// Conductance between gas and wall (W/K); with natural convection, its value at the reference.
     pub conductance: f64,
     /// Gas constant times density (Pa/K) at which natural convection has that conductance; `None` for a constant
     /// conductance.

@@ -7,7 +7,7 @@ use super::spec::ParameterSpec;
 pub struct About {
     /// Stable name in files, commands and JSON.
     pub id: &'static str,
-    /// One sentence for the workshop.
+    /// Description in one sentence, in the words of a workshop.
     pub sentence: &'static str,
     /// Number in `docs/equations.md`, and the source.
     pub source: &'static str,
@@ -17,7 +17,7 @@ pub struct About {
     pub variants: &'static [Variant],
     /// Excitation that reveals it.
     pub excited_by: &'static str,
-    /// Effects of the library that look alike in a log.
+    /// Effects of the library that look similar in a log.
     pub confused_with: &'static [&'static str],
 }
 
@@ -28,7 +28,7 @@ pub struct Variant {
     pub name: &'static str,
     /// Special property of this form.
     pub about: &'static str,
-    /// Its parameters, in the order of [`EffectSetting::values`](super::EffectSetting::values).
+    /// Parameters of the form, in the order of [`EffectSetting::values`](super::EffectSetting::values).
     pub parameters: &'static [&'static ParameterSpec],
 }
 
@@ -49,7 +49,7 @@ pub enum EntryPoint {
 }
 
 impl Variant {
-    /// Creates the single form of a law that has no other.
+    /// Creates the only form of a law.
     pub const fn only(parameters: &'static [&'static ParameterSpec]) -> Self {
         Self {
             name: "only",

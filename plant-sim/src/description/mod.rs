@@ -1,5 +1,5 @@
-//! Description of a plant: its parameters with their meaning, and its effects. Effects are written against this module;
-//! the library that contains all of them is above it.
+//! Description of a plant: its parameters with their meaning, and its effects. Each effect depends on this module; the
+//! library of all effects depends on the effects.
 
 mod about;
 mod knowledge;

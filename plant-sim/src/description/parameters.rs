@@ -24,13 +24,13 @@ pub struct PlantParameters {
     pub coil: CoilParameters,
     /// `[magnet]`, of both valves.
     pub magnet: MagnetParameters,
-    /// `[armature]`, of both valves but for the preloads.
+    /// `[armature]`, of both valves except for the preloads.
     pub armature: ArmatureParameters,
     /// `[flow]`
     pub flow: FlowParameters,
     /// `[gas]`
     pub gas: GasParameters,
-    /// `[chamber]`; a volume of 0 is none.
+    /// `[chamber]`; a volume of 0 means no chamber.
     pub chamber: ChamberParameters,
     /// `[valves]`: function of the valve between supply and chamber (fill), and of the valve between chamber and drain
     /// (vent).
@@ -50,8 +50,8 @@ pub trait Effect: Debug + Sync {
     /// Returns the description of the effect, for people and for a diagnosis.
     fn about(&self) -> &'static About;
 
-    /// Adds the effect to a plant that was prepared from `parameters`. It is called once per simulation, and not at all
-    /// if `setting` is off.
+    /// Adds the effect to a plant that was prepared from `parameters`. The method is called once per simulation, and
+    /// not at all if `setting` is off.
     fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant);
 }
 
@@ -172,7 +172,7 @@ impl PartialEq for EffectSetting {
 
 /// Pressure (bar gauge) to which sizes refer in a plant without supply: the rated pressure of pneumatic components.
 pub(crate) const REFERENCE_BAR_GAUGE: f64 = 6.3;
-/// Smallest gauge pressure (Pa) to which a size refers: a supply that is shut off has none.
+/// Smallest gauge pressure (Pa) to which a size refers, because a supply that is shut off has none.
 const LEAST_REFERENCE: f64 = PA_PER_BAR;
 
 impl PlantParameters {

@@ -99,7 +99,7 @@ mod tests {
         assert!((0.270..0.276).contains(&current), "{current}");
     }
 
-    /// In the steady state R i² leaves through the surface.
+    /// In the steady state, the heat R i² is dissipated through the surface.
     #[test]
     fn a_cooled_coil_reaches_its_steady_temperature() {
         let variant = ABOUT.variant("cooled").unwrap();

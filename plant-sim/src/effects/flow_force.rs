@@ -60,13 +60,14 @@ mod tests {
     use crate::experiment::{ValveId, opening_duty_pct};
     use crate::{Command, Simulator};
 
-    /// On the seat the whole force acts, so the valve opens at the same duty cycle. Open, it has less force to stay
-    /// open.
+    /// On the seat the full pressure force acts, so the valve opens at the same duty cycle. An open valve has less
+    /// force that keeps it open.
     #[test]
     fn the_valve_opens_as_before_and_closes_earlier() {
         let plain = PlantParameters::nominal();
         let lossy = plain.with_effect(EffectSetting::typical(&FlowForce).with("lost_share", 1.0));
-        // It leaves its seat at the same duty cycle, but may not get far: observed at a duty cycle well above.
+        // The armature leaves its seat at the same duty cycle but may not travel far, so the detected opening duty may
+        // be up to 10 % higher.
         let duty = |plant: &PlantParameters| opening_duty_pct(plant, ValveId::Fill, true).unwrap();
         assert!(duty(&lossy) >= duty(&plain) && duty(&lossy) < duty(&plain) + 10.0);
         let lift = |plant: &PlantParameters| {
@@ -116,7 +117,8 @@ mod tests {
         assert!(net.abs() < 1e-3, "{net} N at {x}");
     }
 
-    /// By hand: at ξ = 0.1 with ρ = 0.1, (1 + 0.1) 0.1/0.2 = 0.55; at full lift the share itself; far knees are linear.
+    /// By hand: at ξ = 0.1 with ρ = 0.1, (1 + 0.1) 0.1/0.2 = 0.55; at full lift the share itself; large knees are
+    /// linear.
     #[test]
     fn a_steep_loss_comes_near_the_seat_and_ends_at_the_same_share() {
         let steep = |knee: f64| additions::FlowForce {

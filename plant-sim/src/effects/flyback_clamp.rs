@@ -1,4 +1,4 @@
-//! Effect: the free-wheeling current passes more than a diode.
+//! Effect: the freewheeling current passes through more than a diode.
 
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,

@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(conductance(full, 0.0), 0.0);
     }
 
-    /// Heat lost by the gas equals the heat of wall and surroundings: a wall of little capacity keeps the gas warm.
+    /// Heat lost by the gas equals the heat of wall and surroundings: a wall of small heat capacity keeps the gas warm.
     #[test]
     fn a_wall_that_warms_up_holds_the_gas_warm_for_longer() {
         let temperature = |variant| {

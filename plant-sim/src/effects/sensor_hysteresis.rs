@@ -1,4 +1,4 @@
-//! Effect: the reading of the pressure sensor depends on where the pressure came from.
+//! Effect: the reading of the pressure sensor depends on the previous direction of the pressure.
 
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PA_PER_BAR, PlantParameters, Variant,
@@ -40,8 +40,8 @@ mod tests {
     use super::*;
     use crate::{Command, Simulator};
 
-    /// The reading is half of the hysteresis behind a pressure that moves by more than it, and stands still behind one that turns back
-    /// by less.
+    /// The reading follows a pressure that moves by more than the hysteresis at a distance of half of it. If the
+    /// pressure turns back by less than the hysteresis, the reading does not change.
     #[test]
     fn the_reading_follows_at_half_the_hysteresis() {
         let hysteresis_bar = 1.0;

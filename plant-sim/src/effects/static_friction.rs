@@ -72,7 +72,7 @@ mod tests {
         assert!((stuck - preloaded).abs() < 0.5, "{stuck} {preloaded}");
     }
 
-    /// A released spring-mass system comes to rest within the band |net force| ≤ F_s, not at its balance.
+    /// A released spring-mass system comes to rest within the band |net force| ≤ F_s, not at its equilibrium.
     #[test]
     fn the_armature_rests_off_its_balance() {
         let mut plant = with(0.2);

@@ -131,7 +131,7 @@ mod tests {
         );
     }
 
-    /// A line without volume is the limit of a small one.
+    /// A line without volume is the limit of a line with a small volume.
     #[test]
     fn a_small_line_volume_is_the_static_law() {
         let small = EffectSetting::typical(&SupplyLineDroop).with("line_volume_m3", 1e-7);

@@ -1,4 +1,4 @@
-//! Names of a plant file that are no parameters, and special tables.
+//! Names in a plant file that are not parameters, and special tables.
 
 use crate::valve::ValveFunction;
 

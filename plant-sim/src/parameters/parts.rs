@@ -27,7 +27,7 @@ pub enum Part {
     FlowThrough(usize),
     /// Chamber with its gas.
     Chamber,
-    /// Part that no plant omits, or that only the author of a user-defined effect knows.
+    /// Part that every plant has, or unknown part of a user-defined effect.
     Any,
 }
 

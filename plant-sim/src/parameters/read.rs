@@ -115,7 +115,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Notes missing keys that the parts of the plant need.
+    /// Records missing keys that the parts of the plant need.
     fn missing(&mut self, present: &[Present]) {
         let regulating = self.parameters.regulating_valve.is_some();
         for &spec in PARAMETERS.iter() {
@@ -129,7 +129,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Notes keys that describe omitted parts.
+    /// Records keys that describe omitted parts.
     fn superfluous(&mut self, present: &[Present]) {
         for &(spec, line) in present {
             if !Part::of_parameter(spec).is_in(&self.parameters) {

@@ -57,7 +57,7 @@ pub(super) fn in_other_unit<'a>(
     })
 }
 
-/// Returns `value` times `factor` without the digits that only the binary product has: 30 cm3 are 3e-5 m3.
+/// Returns `value` times `factor` without the rounding error of the binary product: 30 cm3 are 3e-5 m3.
 pub(super) fn converted(value: f64, factor: f64) -> f64 {
     let product = value * factor;
     format!("{product:.14e}").parse().unwrap_or(product)

@@ -4,7 +4,8 @@ use recording::{AddSignalError, ConversionError, MissingSignal};
 
 use super::LONGEST_GAP_S;
 
-/// Returns the existing signals in place of a missing command, and the next step.
+/// Returns the part of the message that lists the signals that the log has instead of a missing command, and the next
+/// step.
 fn about_missing_command(name: &str, present: &[String], meant: &[String]) -> String {
     let instead = match (meant, present) {
         ([], []) => ".".to_owned(),
@@ -53,7 +54,7 @@ pub enum ReplayError {
         name: &'static str,
         /// Signals of the log.
         present: Vec<String>,
-        /// Signals and left-out channels that may be the command.
+        /// Signals and omitted channels that may be the command.
         meant: Vec<String>,
     },
     /// The log has a command without any value.
@@ -68,7 +69,7 @@ pub enum ReplayError {
     /// A signal cannot be converted.
     #[error(transparent)]
     Conversion(#[from] ConversionError),
-    /// The simulated signals give no recording.
+    /// The simulated signals do not form a valid recording.
     #[error(transparent)]
     Recording(#[from] AddSignalError),
     /// The log has a gap that is too long.

@@ -25,8 +25,8 @@ pub struct ReplayInput {
     pub supply_pressure: Option<f64>,
 }
 
-/// Longest time between two rows that is replayed (s): an hour of open valves takes seconds, a wrong clock would take
-/// forever.
+/// Longest time between two rows that is replayed (s): an hour of open valves takes seconds to simulate, but the gap of
+/// a wrong clock may be much longer.
 pub const LONGEST_GAP_S: f64 = 3600.0;
 
 /// Names of the commands, fill and vent.
@@ -200,11 +200,11 @@ pub fn inputs_of_part<'a>(
     Ok((inputs.base(), inputs.iter().collect()))
 }
 
-/// Returns the initial chamber pressure (Pa abs), if the log alone determines it: the first one of a plant without
-/// coils, which nothing can have filled. `None` if the plant begins at rest.
+/// Returns the initial chamber pressure (Pa abs), if the log alone determines it: the first logged pressure, for a
+/// plant without coils, in which no command can have changed the pressure before. `None` if the plant begins at rest.
 ///
 /// # Errors
-/// Returns an error if `p_ch` is no pressure.
+/// Returns an error if `p_ch` is not a pressure.
 pub fn initial_pressure(
     parameters: &PlantParameters,
     log: &Recording,

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::parameters::PlantParameters;
 
-/// Signals that a replay uses and a model does not have.
+/// Signals that a replay uses and that are not signals of the model.
 const KNOWN: [&str; 4] = [
     SUPPLY_PRESSURE,
     AMBIENT_PRESSURE,
@@ -53,7 +53,7 @@ fn nearest(signal: &Signal, lacking: &[(&'static str, Unit)]) -> Vec<&'static st
     let names: Vec<&'static str> = alike.map(|(name, _)| *name).collect();
     match nearest_name(signal.name(), names.iter().copied()) {
         Some(name) => vec![name],
-        // A rig has many voltages and temperatures, but hardly a pressure or a duty cycle that is none of these.
+        // A rig has many other voltages and temperatures, but hardly any other pressures or duty cycles.
         None if matches!(
             quantity,
             Quantity::Pressure | Quantity::Ratio | Quantity::DutyCycle

@@ -156,7 +156,8 @@ impl<P: Physics> Solver<P> {
 }
 
 /// Returns the time at which a moving armature passes a bound, if it does. `beyond` is positive outside, `retreat` is
-/// the velocity away from the bound, and `turns` says that it turns from negative to positive within the step.
+/// the velocity away from the bound, and `turns` is true if `retreat` changes from negative to positive within the
+/// step.
 fn passage(
     beyond: impl Fn(f64) -> f64,
     retreat: impl Fn(f64) -> f64,
@@ -171,7 +172,7 @@ fn passage(
     if beyond(deepest) <= 0.0 {
         return None;
     }
-    // It may have just left this bound: then the search begins where it is inside.
+    // The armature may have just left this bound; the search then begins at an instant at which it is inside.
     let halvings = (1..=6).map(|halvings| deepest / f64::from(1 << halvings));
     let inside = core::iter::once(0.0)
         .chain(halvings)
@@ -184,7 +185,8 @@ mod tests {
     use super::*;
     use crate::solver::hermite::Quintic;
 
-    /// x = v t - d t²: up and back through the seat within one step. A random plant showed that this event was missed.
+    /// x = v t - d t²: up and back through the seat within one step. Defect seen on a random plant: this event was
+    /// missed.
     #[test]
     fn an_armature_that_rises_and_falls_back_within_a_step_arrives() {
         let x = Quintic::new(1.0, [0.1, 1.0, -4.0], [-0.9, -3.0, -4.0]);
@@ -204,7 +206,8 @@ mod tests {
         assert_eq!(arrives(0.1), None, "it turns before the seat");
     }
 
-    /// A hundredth of the step inside the bound: treated as no distance, this caused an error of 0.003 mbar per pulse.
+    /// A hundredth of the step inside the bound. Defect seen: it was treated as a distance of zero, an error of 0.003
+    /// mbar per pulse.
     #[test]
     fn an_armature_that_starts_just_inside_a_bound_arrives_in_its_time() {
         let x = Quintic::new(1.0, [0.01, -1.0, 0.0], [-0.99, -1.0, 0.0]);
@@ -212,7 +215,7 @@ mod tests {
         assert!((time - 0.01).abs() < 1e-9, "{time}");
     }
 
-    /// Just left the stop (x = 0, v = 0): the start itself is no arrival.
+    /// Just left the stop (x = 0, v = 0): the start itself is not an arrival.
     #[test]
     fn an_armature_that_leaves_and_returns_arrives_once() {
         let x = Quintic::new(1.0, [0.0, 0.0, 1.0], [-0.5, -2.0, -5.0]);

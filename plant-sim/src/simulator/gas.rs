@@ -61,7 +61,7 @@ fn through_valve(
         let flow = plant.nozzle.mass_flow(open, upstream, downstream);
         (flow, upstream - downstream)
     } else if open < 0.0 {
-        // Beyond the seat within a step: the law continues smoothly, like the area.
+        // Beyond the seat within a step, the law is continued smoothly, like the area.
         let (flow, drop) = through_orifices(plant, (index, -open), upstream, downstream);
         (-flow, drop)
     } else {
@@ -69,7 +69,7 @@ fn through_valve(
     }
 }
 
-/// The same of a valve whose flow other orifices limit as well.
+/// Returns mass flow and pressure drop of a valve whose flow other orifices limit as well.
 fn through_orifices(
     plant: &Plant,
     (index, open): (usize, f64),
@@ -179,7 +179,7 @@ fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> Volume {
     }
 }
 
-/// Returns the rate of the pressure where no effect changes its law but for leaks.
+/// Returns the rate of the pressure where no effect other than leaks changes its law.
 #[inline]
 pub(super) fn plain_rates(plant: &Plant, areas: [f64; 2], pressure: f64) -> GasNow {
     let leaks = plant.additions.leaks;
@@ -235,7 +235,7 @@ pub(super) fn rates(
         _ => 0.0,
     };
 
-    // Warm gas is thin: the outflow of the chamber is reduced by the root of its temperature.
+    // Warm gas has a low density: the outflow is inversely proportional to the square root of the gas temperature.
     let thin = match (&additions.wall_heat, layout.temperature) {
         (Some(heat), Some(temperature)) => (heat.surroundings / extra[temperature]).sqrt(),
         _ => 1.0,

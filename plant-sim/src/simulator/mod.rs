@@ -8,9 +8,10 @@
 //! - the curtain of an orifice reaches the bore (equation 3.21), a kink in the flow;
 //! - the current of a moving valve has decayed to zero and the freewheeling diode blocks.
 //!
-//! Quantities with a closed form are not integrated: the current of a resting coil is an exponential, and so is the
-//! pressure of a chamber that is closed or whose flows are choked. The rest is smooth and not stiff, so an explicit
-//! pair of order 5(4) solves it, with dimension 1 (flow only), 4 (one armature moves) or 7.
+//! Quantities with a closed form are not integrated: the current of a resting coil is an exponential, and the pressure
+//! of a chamber has a formula if its flows are choked or one valve is closed (see `resting_pressure`). The rest is
+//! smooth and not stiff, so an explicit pair of order 5(4) solves it, with dimension 1 (flow only), 4 (one armature
+//! moves) or 7.
 //!
 //! Effects override parts of the physics, integrate quantities that have lost their closed form, and add states. The
 //! plain plant is compiled separately, without any code of the effects.

@@ -8,7 +8,7 @@ use crate::hooks::{self, Now};
 pub(super) struct Sensor {
     /// Outputs of the stages of its lag (Pa abs).
     lagged: [f64; 2],
-    /// Pressure behind lag and hysteresis (Pa abs).
+    /// Pressure after lag and hysteresis (Pa abs).
     held: f64,
 }
 

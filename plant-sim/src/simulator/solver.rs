@@ -13,14 +13,14 @@ use crate::valve::{Motion, ValveState};
 /// Longest step while a valve is live (s): a third of the nominal travel time, so that an armature turns at most once
 /// in a step, and the current is as accurate as its effects require.
 const LONGEST_MOTION_STEP: f64 = 0.8e-3;
-/// Largest ratio of the first step after an event to the time from the step's begin to the event.
+/// Largest first step after an event, relative to the time from the start of the previous step to the event.
 const EVENTS_AHEAD: f64 = 10.0;
-/// Lower limit of this shortening (s).
+/// Lower limit (s) of a step shortened by [`EVENTS_AHEAD`].
 const SHORTEST_STEP_AFTER_EVENT: f64 = 1e-6;
 /// Longest step of the method for stiff plants (s), whose state within a step is interpolated by a straight line.
 const LONGEST_STIFF_STEP: f64 = 0.2e-3;
-/// Longest such step if no valve is live and the previous step shows that the line deviates by less than the tolerance
-/// (s).
+/// Longest stiff step (s) if no valve is live and the previous step shows that the line deviates by less than the
+/// tolerance.
 const LONGEST_STRAIGHT_STEP: f64 = 2e-3;
 /// Ratio of a step to the inverse of the fastest rate beyond which the explicit method is near its limit of stability,
 /// 3.3.
@@ -33,13 +33,13 @@ const NEAR_INSTABILITY: f64 = 2.5;
 const NEAR_INSTABILITY_AT_REST: f64 = 0.5;
 /// Lengths (s) of explicit steps below which the method for stiff plants takes fewer: without and with live valves.
 const SHORT_STEPS: [f64; 2] = [0.25 * LONGEST_STRAIGHT_STEP, 0.5 * LONGEST_STIFF_STEP];
-/// Excess of steps at the stability limit over steps below it from which on the plant counts as stiff.
+/// Minimum excess of steps at the stability limit over steps below it for the plant to count as stiff.
 const STIFF: u32 = 15;
-/// Number of steps after an event that decide anew whether the plant is stiff. An interval with fewer steps does not
-/// reset the decision: otherwise events in quick succession would leave a stiff plant to the explicit method, whose
-/// noise causes more of them.
+/// Minimum number of steps between two events for a new decision whether the plant is stiff. After fewer steps the
+/// decision stays: otherwise events in quick succession would leave a stiff plant to the explicit method, whose noise
+/// causes more events.
 const RECONSIDERED: u32 = 3;
-/// Step (s) below which an infinite or NaN rate stays so at any shorter step.
+/// Shortest step (s): a rate that is infinite or NaN at this step is so at any shorter one.
 const SHORTEST_STEP: f64 = 1e-15;
 /// Minimum time (s) that passes with every located event; it lets a chattering armature make progress.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
@@ -51,7 +51,7 @@ pub struct Statistics {
     pub steps: u64,
     /// Steps repeated with a smaller size.
     pub rejected_steps: u64,
-    /// Intervals passed by formula alone: nothing moved, and flows were choked or absent.
+    /// Intervals passed by formula alone: nothing moved, and the pressure had a closed form.
     pub exact_intervals: u64,
     /// Located events.
     pub events: u64,
@@ -77,7 +77,7 @@ pub(super) struct Solver<P> {
     weights: Weights,
     /// Size of the next step to try (s): flow only, and with motion.
     proposal: [f64; 2],
-    /// Number of steps at the limit of stability, less those below it.
+    /// Number of steps at the limit of stability, minus those below it.
     stiffness: u32,
     /// Number of integrated steps since the last event.
     stretch: u32,
@@ -161,8 +161,8 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    /// Advances while both armatures rest: by formula if the chamber is closed or its flows are choked, otherwise only
-    /// the pressure is integrated.
+    /// Advances while both armatures rest: by formula if the pressure has a closed form, otherwise only the pressure is
+    /// integrated.
     fn advance_resting(&mut self, remaining: f64) -> f64 {
         let areas = self.effective_areas();
         let course = self.physics.resting_pressure(areas, self.state.pressure);
@@ -246,7 +246,7 @@ impl<P: Physics> Solver<P> {
                 self.commit(&smooth, &span, &span.at(time), time, &currents);
                 self.statistics.events += 1;
                 self.apply(event);
-                // Only here: the end of a segment does not make a stiff plant less stiff.
+                // Reset only after an event: the end of a segment does not make a stiff plant less stiff.
                 if core::mem::take(&mut self.stretch) >= RECONSIDERED {
                     self.stiffness = self.stiffness.min(STIFF - RECONSIDERED);
                 }
@@ -319,7 +319,7 @@ impl<P: Physics> Solver<P> {
             // The fourth root in place of the fifth: cheaper, and more careful after a large error.
             let factor = (0.9 / error.sqrt().sqrt()).clamp(0.2, 4.0);
             if error <= 1.0 {
-                // A step cut short by the segment's end is no evidence against the longer one.
+                // A step cut short by the segment's end is not evidence against the longer one.
                 let cut_short = h < self.proposal[kind];
                 let floor = if cut_short { self.proposal[kind] } else { 0.0 };
                 self.proposal[kind] = (h * factor).max(floor).min(longest);

@@ -39,7 +39,7 @@ pub(crate) fn first_positive(g: impl Fn(f64) -> f64, lo: f64, h: f64) -> f64 {
 
 /// Largest number of steps of [`increasing_root`].
 const NEWTON_STEPS: usize = 60;
-/// The last Newton step is this share of the distance from either end at most: its square is the error that is left.
+/// Largest last Newton step, as a share of the distance from the nearer end; the remaining error is about its square.
 const LAST_STEP: f64 = 1e-5;
 
 /// Returns the root between `low` and `high` of a function that increases from a negative to a positive value there.

@@ -1,4 +1,4 @@
-//! CSV: a reader for the files that people have, and a writer of one clean form.
+//! CSV: a reader for the files of common loggers, and a writer of one defined form.
 //!
 //! [`read_file`] creates a [`Recording`](crate::Recording); [`Reader`] returns one row after the other in bounded
 //! memory; [`Writer`] writes rows. A [`Mapping`] describes files that do not describe themselves.

@@ -222,7 +222,7 @@ impl RowParser {
     }
 }
 
-/// Refuses a time whose steps are much too long for a log of a brake.
+/// Refuses a time whose steps are too long for a log of a brake.
 fn judge_time(plan: &Plan, first_s: f64, last_s: f64, rows: u64) -> Result<(), Problem> {
     let mean_step_s = (last_s - first_s) / (rows.max(2) - 1) as f64;
     if !plan.time.check_scale || rows < 3 || mean_step_s < STEP_MAX_S {

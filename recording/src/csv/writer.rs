@@ -232,7 +232,7 @@ fn one_line(text: &str) -> String {
         .collect()
 }
 
-/// Returns what to do about an output that could not be written.
+/// Returns the next step for an output that could not be written.
 fn next_step(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::NotFound => "create its folder, or name another one",

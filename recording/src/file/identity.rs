@@ -30,7 +30,7 @@ type Key = PathBuf;
 impl FileIdentity {
     /// Returns the identity of the file at `path`, or of the one that would be there.
     ///
-    /// Nothing is opened: an input may be a pipe, which would wait for its writer.
+    /// No file is opened: an input may be a pipe, which would wait for its writer.
     #[must_use]
     pub fn of(path: impl AsRef<Path>) -> Self {
         let path = path.as_ref();

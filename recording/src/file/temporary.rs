@@ -1,6 +1,6 @@
 //! Temporary files: their creation, and the removal of those left by killed processes.
 //!
-//! A process keeps a lock on its temporary file while it lives, and the system releases the lock at any end of the
+//! A process keeps a lock on its temporary file while it runs, and the system releases the lock at any end of the
 //! process. A process number in the name would be wrong in a folder shared by containers or hosts.
 
 use std::ffi::OsStr;
@@ -10,11 +10,12 @@ use std::path::Path;
 
 use tempfile::NamedTempFile;
 
-/// Prefix of all our temporary files.
+/// Prefix of all temporary files of this crate.
 const PREFIX: &str = ".retarder-unfinished-";
 /// Number of letters and digits after the prefix.
 const RANDOM_CHARACTERS: usize = 8;
-/// Maximum number of tries: a cleaning process can remove a file between its creation and its lock, but hardly twice.
+/// Maximum number of tries: a cleaning process can remove a file between its creation and its lock, but this hardly
+/// occurs twice.
 const TRIES: usize = 16;
 
 /// Creates a locked temporary file in `folder`.

@@ -1,4 +1,4 @@
-//! MF4 (ASAM MDF 4): a reader for the files that loggers write, and a writer of one clean form.
+//! MF4 (ASAM MDF 4): a reader for the files of common loggers, and a writer of one defined form.
 //!
 //! [`read_file`] creates a [`Recording`](crate::Recording) with one time base for each rate; [`list_file`] lists the
 //! channels to choose from. [`write()`] and [`Writer`] write sorted files of 64-bit floats.

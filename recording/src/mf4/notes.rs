@@ -16,7 +16,7 @@ pub(super) fn provenance(source_name: &str, file: &File) -> Provenance {
     let mut provenance = Provenance::from_source(source_name);
     provenance.producer = file.producer.clone();
     provenance.start = file.start;
-    // Our files have the source as comment, for display in other programs.
+    // Files of this crate have the source as comment, for display in other programs.
     let is_repeated = |note: &Note| note.value == file.comment;
     if !file.comment.is_empty() && !file.properties.iter().any(is_repeated) {
         provenance.notes.push(Note {

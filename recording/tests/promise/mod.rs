@@ -5,7 +5,8 @@ use std::io::Cursor;
 use recording::csv::{Decimals, Mapping, Options, read, write};
 use recording::{Recording, mf4};
 
-/// Checks that any bytes give a recording or a typed error, and that a recording survives writing and reading.
+/// Checks that any bytes give a recording or a typed error, and that a recording is unchanged after writing and
+/// reading.
 pub(crate) fn csv_reader(bytes: &[u8]) {
     match read("any.csv", bytes, &Options::default()) {
         Ok(recording) => survives_a_round_trip(&recording),
@@ -31,8 +32,8 @@ pub(crate) fn mapping_toml(text: &str) {
     }
 }
 
-/// Checks that any bytes give a recording or a typed error, and so does their listing; a recording survives writing and
-/// reading.
+/// Checks that any bytes give a recording or a typed error, and so does their listing; a recording is unchanged after
+/// writing and reading.
 pub(crate) fn mf4_reader(bytes: &[u8]) {
     // A small file may claim many samples: this limits them.
     let limits = mf4::Limits {

@@ -17,18 +17,18 @@ use super::quantity::tick;
 const CHARACTER_EM: f64 = 0.57;
 /// Divisor that the backend applies to font sizes.
 const BACKEND_FONT_SIZE: f64 = 1.24;
-/// Size of ordinary text \[px\].
+/// Size of ordinary text (px).
 const TEXT_PX: f64 = 12.5;
-/// Size of titles \[px\].
+/// Size of titles (px).
 const TITLE_PX: f64 = 15.0;
 
-/// Space left of a panel for its labels \[px\].
+/// Space left of a panel for its labels (px).
 pub(super) const LABELS_PX: i32 = 52;
-/// Width of a figure across the page \[px\].
+/// Width of a figure across the page (px).
 pub(super) const WIDTH_PX: i32 = 960;
-/// Left edge of titles and captions \[px\].
+/// Left edge of titles and captions (px).
 const LEFT_PX: i32 = 8;
-/// Space right of a panel, so that the last label of its axis is not cut \[px\].
+/// Space right of a panel, so that the last label of its axis is not cut (px).
 pub(super) const RIGHT_PX: i32 = 16;
 
 type Backend<'a> = SVGBackend<'a>;
@@ -77,7 +77,7 @@ pub(super) struct Sheet<'a> {
     area: DrawingArea<Backend<'a>, Shift>,
 }
 
-/// Position \[px\].
+/// Position (px).
 pub(super) type Pixel = (i32, i32);
 
 impl<'a> Sheet<'a> {
@@ -144,7 +144,7 @@ impl<'a> Sheet<'a> {
             .draw(&PathElement::new(ends, stroke(colour, width_px)))?)
     }
 
-    /// Draws a dot with a radius \[px\].
+    /// Draws a dot with a radius (px).
     pub(super) fn dot(
         &self,
         at: Pixel,
@@ -226,9 +226,9 @@ impl<'a> Sheet<'a> {
 
 /// Axes to draw.
 pub(super) struct Panel<'t> {
-    /// Upper left corner of the plot area \[px\].
+    /// Upper left corner of the plot area (px).
     pub(super) corner: Pixel,
-    /// Width and height of the plot area \[px\].
+    /// Width and height of the plot area (px).
     pub(super) size: Pixel,
     pub(super) x: Range<f64>,
     pub(super) y: Range<f64>,
@@ -318,7 +318,7 @@ pub(super) fn stroke(colour: RGBColor, width_px: f64) -> ShapeStyle {
     colour.stroke_width((width_px * f64::from(SCALE)) as u32)
 }
 
-/// Returns the approximate width of a line of text \[px\].
+/// Returns the approximate width of a line of text (px).
 pub(super) fn width_of(text: &str) -> i32 {
     (text.chars().count() as f64 * TEXT_PX * CHARACTER_EM) as i32
 }

@@ -13,11 +13,11 @@ use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::{SmallUnit, capitalised, signal_words};
 
-/// Width of the plot area \[px\].
+/// Width of the plot area (px).
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const OVERLAY_PX: i32 = 210;
 const RESIDUAL_PX: i32 = 110;
-/// Space between two panels, for the caption of the lower one \[px\].
+/// Space between two panels, for the caption of the lower one (px).
 const BETWEEN_PX: i32 = 44;
 const FIRST_TOP_PX: i32 = 62;
 
@@ -25,7 +25,7 @@ const FIRST_TOP_PX: i32 = 62;
 /// is an excerpt; without it the whole log is drawn.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn comparison(
     log: &Recording,
     comparison: &Comparison,
@@ -132,7 +132,7 @@ pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Opt
     Some(start_s..start_s + length_s)
 }
 
-/// Height of the strip of duty cycles \[px\].
+/// Height of the strip of duty cycles (px).
 pub(super) const DUTIES_PX: i32 = 70;
 
 /// Draws the duty cycles of both valves, with the time axis below.

@@ -19,14 +19,14 @@ const PRESSURE_PX: i32 = 250;
 const LIFTS_PX: i32 = 70;
 const BETWEEN_PX: i32 = 44;
 const FIRST_TOP_PX: i32 = 62;
-/// Time shown before and after a step \[s\], so that its beginning and its end are visible.
+/// Time shown before and after a step (s), so that its beginning and its end are visible.
 const AROUND_STEP_S: [f64; 2] = [0.05, 0.85];
 
 /// Draws reference, pressure with the tolerance around the reference, lifts of the armatures if recorded, and duty
 /// cycles. `window_s` is an excerpt; without it the whole run is drawn.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn control(
     recording: &Recording,
     requirement: &Requirement,

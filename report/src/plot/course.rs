@@ -5,7 +5,7 @@ use std::ops::Range;
 use model_lab::result::Traces;
 use recording::{Recording, Sampling, Unit};
 
-/// Instant \[s\] and value.
+/// Instant (s) and value.
 pub(super) type Point = (f64, f64);
 
 /// Values over time; NaN is a missing sample.
@@ -13,7 +13,7 @@ pub(super) type Point = (f64, f64);
 pub(super) struct Course<'a> {
     times_s: &'a [f64],
     values: Vec<f64>,
-    /// Median sample interval \[s\].
+    /// Median sample interval (s).
     step_s: f64,
 }
 
@@ -68,14 +68,14 @@ impl<'a> Course<'a> {
         self
     }
 
-    /// Returns the range from the first instant to the end of the last sample \[s\].
+    /// Returns the range from the first instant to the end of the last sample (s).
     pub(super) fn window_s(&self) -> Range<f64> {
         let start_s = self.times_s.first().copied().unwrap_or(0.0);
         let end_s = self.times_s.last().copied().unwrap_or(0.0);
         start_s..end_s + self.step_s
     }
 
-    /// Returns the median sample interval \[s\].
+    /// Returns the median sample interval (s).
     pub(super) fn step_s(&self) -> f64 {
         self.step_s
     }
@@ -112,7 +112,7 @@ impl<'a> Course<'a> {
             .collect()
     }
 
-    /// Returns stairs: a value applies until the next sample, as a command does.
+    /// Returns a step line: a value applies until the next sample, like a command.
     pub(super) fn stairs(&self, window_s: &Range<f64>, columns: usize) -> Vec<Vec<Point>> {
         let begins_inside = |row: &usize| self.times_s[*row] < window_s.end;
         let stair = |row: usize, end: usize| {

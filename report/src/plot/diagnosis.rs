@@ -19,23 +19,23 @@ use super::quantity::{SmallUnit, capitalised, pressure_first, short, signal_word
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const OVERLAY_PX: i32 = 210;
 const RESIDUAL_PX: i32 = 130;
-/// Space between two panels, for the caption of the lower one \[px\].
+/// Space between two panels, for the caption of the lower one (px).
 const BETWEEN_PX: i32 = 44;
 const FIRST_TOP_PX: i32 = 62;
 
-/// Width of the names left of the bars \[px\].
+/// Width of the names left of the bars (px).
 const NAMES_PX: i32 = 236;
-/// Width of the numbers right of the bars \[px\].
+/// Width of the numbers right of the bars (px).
 const FIGURES_PX: i32 = 190;
 const BARS_PX: i32 = WIDTH_PX - NAMES_PX - FIGURES_PX;
 const TOP_PX: i32 = 54;
 const ROW_PX: i32 = 22;
 const GROUP_PX: i32 = 14;
 
-/// Draws the error of each signal over its noise floor, from the plain model to the last added effect.
+/// Draws the error of each signal divided by its noise floor, from the plain model to the last added effect.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
     let longest = steps.iter().map(Step::worst_in_noise).fold(1.0, f64::max);
     let rows: i32 = steps.iter().map(|step| step.check_rms.len() as i32).sum();
@@ -95,7 +95,7 @@ pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
 /// Draws the share of the excess error that each effect explains by itself.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn candidates(diagnosis: &Diagnosis) -> Result<Figure, PlotError> {
     let bottom = TOP_PX + diagnosis.candidates.len() as i32 * ROW_PX;
     let title = "What each effect explains by itself, everything refitted [% of the excess error]";
@@ -132,7 +132,7 @@ pub(crate) fn candidates(diagnosis: &Diagnosis) -> Result<Figure, PlotError> {
 /// residuals. `models` begins with the plain one.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn before_and_after(
     log: &Recording,
     models: &[&Comparison],

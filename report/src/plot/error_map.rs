@@ -13,13 +13,13 @@ use super::quantity::{SmallUnit, capitalised, short, signal_words};
 const ROW_LABELS_PX: i32 = 150;
 const TOP_PX: i32 = 84;
 const ROW_PX: i32 = 34;
-/// Smaller shares have no number, so that the large ones stand out.
+/// Smallest share that is labelled with a number (-), so that the large ones stand out.
 const SHARE_SHOWN: f64 = 0.005;
 
 /// Draws the share of the excess in each cell, coloured by the sign of its mean error.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn error_map(signal: &SignalComparison) -> Result<Figure, PlotError> {
     let map = &signal.error_map;
     let grid = Grid::new(map);
@@ -56,7 +56,7 @@ fn legend(sheet: &Sheet<'_>) -> Result<(), PlotError> {
 
 struct Grid<'a> {
     map: &'a ErrorMap,
-    /// From the first to the last duty band with samples.
+    /// Duty bands from the first to the last one with samples.
     rows: Range<usize>,
     column_px: i32,
 }

@@ -1,8 +1,8 @@
 //! Figure as SVG text.
 
-/// Units of drawing per pixel: the backend uses integers, and a screen shows less than a pixel.
+/// Drawing units per pixel: the backend uses integers, and a screen resolves fractions of a pixel.
 pub(super) const SCALE: i32 = 4;
-/// The reader's own font; no file is loaded.
+/// Font of the reader's system; no file is loaded.
 pub(super) const FONT: &str =
     "system-ui, -apple-system, Segoe UI, Roboto, Helvetica, Arial, sans-serif";
 
@@ -32,7 +32,7 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// Takes the backend's output, without its outermost element and with the font stated once.
+    /// Creates the figure from the backend's output, without its outermost element and with the font stated once.
     pub(super) fn from_backend(
         (width_px, height_px): (i32, i32),
         description: String,

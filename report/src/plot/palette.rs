@@ -5,9 +5,9 @@ use plotters::style::RGBColor;
 /// Colour on white and its counterpart on a dark background, both as `#RRGGBB`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Counterpart {
-    /// As drawn, on white.
+    /// Colour on white, as drawn.
     pub(crate) on_white: &'static str,
-    /// On a dark background.
+    /// Colour on a dark background.
     pub(crate) on_dark: &'static str,
 }
 

@@ -12,10 +12,10 @@ const TOP_PX: i32 = 50;
 const ROW_PX: i32 = 26;
 const BARS_PX: i32 = WIDTH_PX - LABELS_PX - 52;
 
-/// Draws for each bin of the dimension the share of the excess beside the share of the samples.
+/// Draws the share of the excess and the share of the samples for each bin of the dimension.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn regime(shares: &RegimeShares) -> Result<Figure, PlotError> {
     let height_px = TOP_PX + shares.bins.len() as i32 * ROW_PX + 30;
     let description = format!("Share of the excess error by {}", shares.title);

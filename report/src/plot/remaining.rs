@@ -9,18 +9,18 @@ use super::figure::{Figure, PlotError};
 use super::palette;
 
 const COLUMNS: usize = 2;
-/// Size of a panel with its labels \[px\].
+/// Size of a panel with its labels (px).
 const CELL_PX: (i32, i32) = (WIDTH_PX / COLUMNS as i32, 236);
-/// Size of the plot area \[px\].
+/// Size of the plot area (px).
 const PLOT_PX: (i32, i32) = (CELL_PX.0 - LABELS_PX - RIGHT_PX, 140);
 const TOP_PX: i32 = 62;
 /// Number of caption characters that fit over a panel.
 const CAPTION: usize = 60;
 
-/// Draws the missing flow over each quantity that it depends on, with two standard errors on either side.
+/// Draws the missing flow against each quantity that it depends on, with two standard errors on either side.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn missing_flow(curves: &[FlowCurve]) -> Result<Figure, PlotError> {
     let rows = curves.len().div_ceil(COLUMNS) as i32;
     let title = "The flow that is missing; above zero air comes in [bar/s]";

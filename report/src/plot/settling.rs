@@ -12,11 +12,11 @@ const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const HEIGHT_PX: i32 = 200;
 const TOP_PX: i32 = 62;
 
-/// Draws the settling time of every step over its new reference, with T_req. A ring marks a reference outside the
+/// Draws the settling time of every step against its new reference, with T_req. A ring marks a reference outside the
 /// operating range; a step that never settled is drawn at the upper edge.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn settling(verdict: &Verdict, requirement: &Requirement) -> Result<Figure, PlotError> {
     let limit = f64::from(requirement.t_req_samples);
     let slowest = verdict
@@ -73,11 +73,11 @@ fn colour(step: &StepResponse) -> plotters::style::RGBColor {
     }
 }
 
-/// Draws the share of the steps, and of the rigs by their slowest step, that has settled by each time. A curve that
+/// Draws the share of the steps, and of the rigs by their slowest step, that have settled by each time. A curve that
 /// ends below 100 % has steps that never settled.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn settling_on_rigs(
     rigs: &[RigVerdict],
     requirement: &Requirement,

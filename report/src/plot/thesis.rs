@@ -18,7 +18,7 @@ const DOTS_PX: i32 = WIDTH_PX - LABELS_PX - 130;
 /// logarithmic axis, so that equal distances are equal ratios.
 ///
 /// # Errors
-/// The drawing itself fails.
+/// Returns an error if the drawing fails.
 pub(crate) fn thesis(table: &ThesisTable) -> Result<Figure, PlotError> {
     let mut groups: Vec<Vec<&Row>> = Vec::new();
     for row in &table.rows {
@@ -161,7 +161,7 @@ impl LogAxis {
         };
         (-6..6)
             .flat_map(|exponent| digits.iter().map(move |&digit| (digit, exponent)))
-            // Through decimal text: 0.2 is 0.2 and not 2 * 0.1.
+            // Parsed from decimal text, so that no tick has the rounding error of a product.
             .filter_map(|(digit, exponent)| format!("{digit}e{exponent}").parse().ok())
             .filter(|tick| (self.from..=self.to).contains(tick))
             .collect()

@@ -20,7 +20,7 @@ pub(super) struct Chart<'a> {
     pub(super) height: usize,
     /// First and last instant (s).
     pub(super) span_s: [f64; 2],
-    /// Values that the axis includes at least.
+    /// Values that the axis must include.
     pub(super) at_least: Option<[f64; 2]>,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Course<'a> {
     /// Character that draws the series without colours; `None` draws a line.
     pub(super) mark: Option<char>,
     pub(super) times_s: &'a [f64],
-    /// NaN if missing.
+    /// Values; NaN if missing.
     pub(super) values: &'a [f64],
 }
 

@@ -46,7 +46,7 @@ pub(super) fn comparison(compared: &Compared, terminal: &Terminal) -> String {
 pub(super) fn head(compared: &Compared, terminal: &Terminal) -> String {
     let comparison = &compared.comparison;
     let mut text = title(
-        &format!("{} against {}", compared.plant.name, comparison.log),
+        &format!("{} compared with {}", compared.plant.name, comparison.log),
         terminal,
     );
     let mut facts = format!(
@@ -89,7 +89,7 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
             ("worst", Align::Right),
             ("at s", Align::Right),
             ("fit %", Align::Right),
-            ("short", Align::Right),
+            ("one step", Align::Right),
             ("", Align::Left),
         ],
         terminal,
@@ -116,7 +116,7 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
     let horizon = match &compared.comparison.predictor {
         None => String::new(),
         Some(predictor) => format!(
-            " short: with the measured {} correcting the model after each sample.",
+            " one step: one-step-ahead prediction, the model corrected by the measured {} after each sample.",
             predictor.signal
         ),
     };
@@ -146,7 +146,8 @@ pub(super) fn finding(signal: &SignalComparison, terminal: &Terminal) -> String 
     paragraph(&sentence, terminal)
 }
 
-/// Returns whether the time offset is worth a sentence: half a millisecond that explains a fifth of the mismatch.
+/// Returns whether the time offset is reported: at least half a millisecond, and it explains at least a fifth of the
+/// mismatch.
 fn is_clear(offset: &TimeOffset) -> bool {
     offset.lag_ms.abs() >= 0.5 && offset.mismatch_explained >= 0.2
 }
@@ -291,8 +292,8 @@ pub(super) fn regimes(
     let mut text = table.to_string();
     let which = match signal.finding.horizon {
         Horizon::ShortHorizon => {
-            "excess: share of the error beyond the noise, on the short horizon, where an error stays where it arises. \
-             free: the same in free run, where it is carried on."
+            "excess: share of the error beyond the noise, one step ahead, where an error does not accumulate. \
+             free: the same in free run, where it does."
         }
         Horizon::FreeRun => "excess: share of the error beyond the noise.",
     };
@@ -308,11 +309,11 @@ fn local(bin: &RegimeBin) -> &model_lab::result::BinError {
 pub(super) fn answer(compared: &Compared, terminal: &Terminal) -> String {
     let verdict = &compared.comparison.verdict;
     let (colour, sentence) = match compared.answer() {
-        Answer::Holds => (Colour::Good, format!("The model holds: {}.", verdict.rule)),
+        Answer::Holds => (Colour::Good, format!("Pass: {}.", verdict.rule)),
         Answer::DoesNotHold | Answer::PlantFileWrong => (
             Colour::Bad,
             format!(
-                "The model does not hold for {}. The rule: {}.",
+                "Outside tolerance: {}. The rule: {}.",
                 verdict.failing.join(", "),
                 verdict.rule
             ),

@@ -214,8 +214,8 @@ fn limit(check: &Check) -> String {
 
 fn word(check: &Check) -> Entry {
     match (check.holds, check.binding) {
-        (true, _) => painted(Colour::Good, "holds"),
-        (false, true) => painted(Colour::Bad, "FAILS"),
+        (true, _) => painted(Colour::Good, "pass"),
+        (false, true) => painted(Colour::Bad, "FAIL"),
         (false, false) => painted(Colour::Notice, "beyond"),
     }
 }
@@ -231,7 +231,7 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
             ("90 %", Align::Right),
             ("all", Align::Right),
             ("limit", Align::Left),
-            ("hold", Align::Right),
+            ("pass", Align::Right),
         ],
         terminal,
     );
@@ -291,7 +291,7 @@ pub(super) fn answer(controlled: &Controlled, name: Option<&str>, terminal: &Ter
         name.map(|name| format!("{name}: ")).unwrap_or_default() + &sentence(&controlled.verdict);
     if !controlled.rigs.is_empty() {
         sentence += &format!(
-            " On {} of {} rigs every binding requirement holds.",
+            " {} of {} rigs meet every binding requirement.",
             controlled.rigs_that_hold(),
             controlled.rigs.len()
         );
@@ -312,10 +312,11 @@ fn sentence(verdict: &Verdict) -> String {
         .map(|check| in_short(check.id))
         .collect();
     if verdict.holds {
-        "The loop keeps every binding requirement.".to_owned()
+        "The loop meets every binding requirement.".to_owned()
     } else if verdict.steps.is_empty() {
-        "No verdict: no step of the reference is held for T_req, so nothing was proved.".to_owned()
+        "No verdict: no step of the reference lasts T_req, so no requirement was checked."
+            .to_owned()
     } else {
-        format!("The loop does not hold: {}.", failing.join(", "))
+        format!("The loop fails: {}.", failing.join(", "))
     }
 }

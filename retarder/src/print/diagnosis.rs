@@ -1,4 +1,4 @@
-//! Text of the diagnosis: the missing physical effect, and how the error falls with it.
+//! Text of the diagnosis: the missing physical effect, and the decrease of the error with it.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
         terminal,
     );
     text += &doubted(&found.warnings, terminal);
-    text += &not_weighed(&found.not_compared, terminal);
+    text += &excluded(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     text += &conditions(&found.clocks, &found.starts, terminal);
     for candidate in named(found) {
@@ -49,7 +49,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
     text += &nuisance(&found.nuisance, terminal);
     text += &location(found, terminal);
     for sentence in &found.remaining.sentences {
-        text += &paragraph(&format!("Remaining: {sentence}."), terminal);
+        text += &paragraph(&format!("Unexplained residual: {sentence}."), terminal);
     }
     text += "\n";
     text += &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal);
@@ -66,7 +66,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
     text += &paragraph(&(capital(&found.sentence) + "."), terminal);
     text += &doubted(&found.warnings, terminal);
-    text += &not_weighed(&found.not_compared, terminal);
+    text += &excluded(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     text += "\n";
     text += &ladder(&found.ladder, terminal);
@@ -139,7 +139,7 @@ fn doubted(of_logs: &BTreeMap<String, Vec<Warning>>, terminal: &Terminal) -> Str
 }
 
 /// Returns the data that the fit excluded, with the reason.
-pub(super) fn not_weighed(
+pub(super) fn excluded(
     of_logs: &BTreeMap<String, Vec<NotCompared>>,
     terminal: &Terminal,
 ) -> String {
@@ -147,7 +147,7 @@ pub(super) fn not_weighed(
         .iter()
         .flat_map(|(log, signals)| signals.iter().map(move |signal| (log, signal)));
     all.map(|(log, NotCompared { name, reason })| {
-        let sentence = format!("{name} of {log} was not weighed: {reason}.");
+        let sentence = format!("{name} of {log} is excluded from the fit: {reason}.");
         painted_paragraph(Colour::Notice, &sentence, terminal)
     })
     .collect()
@@ -155,11 +155,14 @@ pub(super) fn not_weighed(
 
 pub(super) fn headline(plant: &str, logs: &[String], check: &[String]) -> String {
     let judged = if check.is_empty() {
-        "blocks of the log, held out".to_owned()
+        "blocks of the log".to_owned()
     } else {
         check.join(", ")
     };
-    format!("{plant} against {}; judged on {judged}", logs.join(", "))
+    format!(
+        "{plant} compared with {}; validation: {judged}",
+        logs.join(", ")
+    )
 }
 
 fn colour_of(verdict: Verdict) -> Colour {
@@ -215,8 +218,8 @@ fn ladder(steps: &[Step], terminal: &Terminal) -> String {
             ]);
         }
     }
-    let explanation = "On what was held out. ×noise: the error over what a perfect model would leave, so 1 is the \
-        best that a model can reach. rms: predicted from sample to sample; free run: driven by the commands alone.";
+    let explanation = "On the validation data. ×noise: error divided by the noise floor; 1.0 is a perfect model. rms: one-step-ahead \
+        prediction; free run: driven by the commands alone.";
     table.to_string() + &painted_paragraph(Colour::Faint, explanation, terminal)
 }
 
@@ -269,7 +272,7 @@ fn candidates(found: &Diagnosis, terminal: &Terminal) -> String {
 fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
     let mut table = Table::new(
         [
-            ("would have shown", Align::Left),
+            ("detection limit", Align::Left),
             ("at", Align::Right),
             ("", Align::Left),
         ],
@@ -290,7 +293,7 @@ fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
     }
     let mut text = table.to_string();
     if !not_excited.is_empty() && !found.not_compared.is_empty() {
-        let caution = "What follows may be in a log already: a signal that was not weighed (above) shows nothing.";
+        let caution = "A log may contain the following already: a signal that is excluded from the fit (above) shows nothing.";
         text += &painted_paragraph(Colour::Notice, caution, terminal);
     }
     for (id, manoeuvre) in not_excited {
@@ -300,7 +303,7 @@ fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
     text
 }
 
-/// Returns the sign that tells on which side of its detection limit an effect is detected.
+/// Returns the relation sign: an effect is detected on this side of its detection limit.
 fn beyond(candidate: &Candidate) -> char {
     if candidate.is_stronger_below() {
         '≤'
@@ -328,13 +331,13 @@ fn interval(parameter: &FittedParameter) -> String {
 
 fn bound(parameter: &FittedParameter) -> Entry {
     if parameter.at_bound {
-        painted(Colour::Notice, "at the end of its range")
+        painted(Colour::Notice, "at its limit")
     } else {
         String::new().into()
     }
 }
 
-/// Returns the first word of the plausibility; the JSON and the report have the rest.
+/// Returns the first word of the plausibility; the JSON and the report have the full text.
 fn plausibility(candidate: &Candidate) -> Entry {
     let word = candidate.plausibility.split(':').next().unwrap_or_default();
     let colour = match word {
@@ -358,7 +361,7 @@ fn nuisance(values: &[NuisanceValue], terminal: &Terminal) -> String {
         .collect();
     if alarms.is_empty() {
         let sentence = format!(
-            "{} parameters that differ from rig to rig were refitted; all stayed within their tolerances.",
+            "{} ordinary parameters were refitted; all are within their tolerances.",
             values.len()
         );
         return paragraph(&sentence, terminal);
@@ -400,9 +403,9 @@ fn location(found: &Diagnosis, terminal: &Terminal) -> String {
         let after = placed(&found.location.after);
         if after.is_empty() {
             let left = if found.unexplained {
-                "what is left is in no regime in particular"
+                "the unexplained residual is in no particular regime"
             } else {
-                "no excess error is left to place"
+                "no excess error is left"
             };
             text += &paragraph(&format!("With the named effects: {left}."), terminal);
         }

@@ -2,7 +2,7 @@
 
 use model_lab::diagnosis::{Determination, EstimatedParameter};
 
-use super::diagnosis::{conditions, cost, defects, headline, not_weighed};
+use super::diagnosis::{conditions, cost, defects, excluded, headline};
 use super::number::significant;
 use super::table::{Align, Table, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
@@ -19,7 +19,7 @@ pub(super) fn estimation(
     let plant = &estimated.task.plant.name;
     let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
     text += &paragraph(&(report::capitalised(&found.sentence) + "."), terminal);
-    text += &not_weighed(&found.not_compared, terminal);
+    text += &excluded(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     text += &conditions(&found.clocks, &found.starts, terminal);
     text += "\n";

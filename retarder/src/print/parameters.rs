@@ -48,7 +48,7 @@ fn parameter(spec: &ParameterSpec, plant: &NamedPlant, terminal: &Terminal) -> S
     text
 }
 
-/// Returns how well the value is known; `None` if it is exact.
+/// Returns the uncertainty of the value in words; `None` if it is exact.
 fn knowledge(spec: &ParameterSpec, plant: &PlantParameters) -> Option<String> {
     match known(plant, &spec.name())? {
         Known::Exact => None,

@@ -4,7 +4,7 @@ use super::{Colour, Terminal, comparison, control, painted_paragraph, paragraph,
 use crate::run::Answer;
 use crate::run::session::Reported;
 
-/// Returns each part with its answer; the file has the rest.
+/// Returns each part with its answer; the file has the details.
 pub(super) fn report(reported: &Reported, terminal: &Terminal) -> String {
     let mut text = String::new();
     for compared in &reported.compared {

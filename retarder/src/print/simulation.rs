@@ -5,7 +5,7 @@ use super::number::significant;
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::simulate::Simulation;
 
-/// Returns what was simulated, and at which speed.
+/// Returns plant, log, speed, steps and defects of the simulation.
 pub(crate) fn simulation(simulation: &Simulation, terminal: &Terminal) -> String {
     let mut text = title(
         &format!("{} driven by {}", simulation.plant, simulation.log),

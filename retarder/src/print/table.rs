@@ -124,8 +124,8 @@ pub(super) fn painted(colour: Colour, text: impl ToString) -> Entry {
 /// Creates a cell with the verdict in a word.
 pub(super) fn verdict(holds: Option<bool>) -> Entry {
     match holds {
-        Some(true) => painted(Colour::Good, "holds"),
-        Some(false) => painted(Colour::Bad, "FAILS"),
+        Some(true) => painted(Colour::Good, "pass"),
+        Some(false) => painted(Colour::Bad, "FAIL"),
         None => painted(Colour::Faint, "-"),
     }
 }

@@ -71,7 +71,7 @@ pub(super) fn thesis(figures: &Figures, terminal: &Terminal) -> String {
         Colour::Bad
     };
     let sentence = format!(
-        "{reached} of the {} figures that the plain model is held to are reached.",
+        "The plain model reaches {reached} of the {} figures with a limit.",
         held.len()
     );
     text + &terminal.paint(colour, &sentence) + "\n"

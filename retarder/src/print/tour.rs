@@ -19,7 +19,7 @@ pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> Strin
     let focus = tour.compared.focus();
     let mut text = step(
         1,
-        "Does the model describe the bench? A log of 60 s against the thesis' model",
+        "Does the model describe the bench? A log of 60 s and the model of the thesis",
         terminal,
     );
     text += &comparison::head(&tour.compared, terminal);
@@ -36,7 +36,7 @@ pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> Strin
     }
     text += &comparison::answer(&tour.compared, terminal);
     text += &paragraph(
-        "That is as it should be: behind this log is a rig with physics that the plain model lacks.",
+        "This is expected: the rig of this log has an effect that the plain model lacks.",
         terminal,
     );
     text += "\n";
@@ -45,7 +45,7 @@ pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> Strin
     text += &step(3, "What now?", terminal);
     if let Some(path) = &targets.html {
         let path = terminal.paint(Colour::Good, &path.display().to_string());
-        text += &format!("All plots are in {path}: open it in a browser.\n");
+        text += &format!("All plots are in {path}; open it in a browser.\n");
     }
     text + &next_steps(terminal)
 }
@@ -53,7 +53,7 @@ pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> Strin
 fn closed_loop(tour: &Tour, terminal: &Terminal) -> String {
     let mut text = step(
         2,
-        "Does the loop keep its promises? The controller on the model",
+        "Does the loop meet its requirements? The controller on the model",
         terminal,
     );
     let loops: Vec<&Controlled> = tour.loops.iter().collect();
@@ -80,7 +80,7 @@ fn closed_loop(tour: &Tour, terminal: &Terminal) -> String {
     text += "\n";
     text += &painted_paragraph(
         Colour::Faint,
-        "T_req is 50 samples of 10 ms, p_sup is 8.4 bar. What is beyond a limit that the thesis does not set decides nothing.",
+        "T_req is 50 samples of 10 ms, p_sup is 8.4 bar. A limit that the thesis does not set is not binding.",
         terminal,
     );
     for run in &loops {

@@ -14,37 +14,37 @@ use crate::failure::Failure;
 /// Name and version of the JSON form of [`BlackBox`].
 pub(crate) const SCHEMA: &str = "retarder.black-box/1";
 
-/// What a device recorded.
+/// Records of a device's black box.
 #[derive(Debug, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BlackBox {
     /// Name and version of this format.
     pub(crate) schema: &'static str,
-    /// What the device is.
+    /// Identity of the device.
     pub(crate) device: String,
-    /// What the box is doing.
+    /// State of the box.
     pub(crate) status: Status,
     /// Number of the record with the first fault; null if there is none.
     pub(crate) first_fault_in: Option<u32>,
-    /// The faults in that record.
+    /// Faults in that record.
     pub(crate) first_faults: Vec<String>,
-    /// Records that a reset tore; they are left out.
+    /// Number of records that a reset damaged; they are left out.
     pub(crate) torn: u32,
-    /// One for each sample, oldest first.
+    /// Records, one for each sample, oldest first.
     pub(crate) records: Vec<Record>,
 }
 
-/// What a black box is doing.
+/// State of a black box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Status {
-    /// It records; nothing happened.
+    /// Recording; no fault occurred.
     Recording,
-    /// A first fault came; it records a little longer.
+    /// Recording for a short time after the first fault.
     Triggered,
-    /// It keeps what it has until it is cleared.
+    /// Stopped after the first fault; the records are kept until the box is cleared.
     Frozen,
-    /// It was recording when the device was reset, and keeps what it has until it is cleared.
+    /// Stopped by a reset of the device; the records are kept until the box is cleared.
     FrozenByReset,
 }
 
@@ -52,17 +52,17 @@ pub(crate) enum Status {
 #[derive(Debug, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Record {
-    /// Counts the records since the box was cleared.
+    /// Number of the record, counted since the box was cleared.
     pub(crate) number: u32,
-    /// Reference [bar gauge]; null: no valid message.
+    /// Reference (bar gauge); null if there was no valid message.
     pub(crate) reference_bar: Option<f64>,
-    /// Pressure [bar gauge]; null: the converter did not answer.
+    /// Pressure (bar gauge); null if the converter did not answer.
     pub(crate) pressure_bar: Option<f64>,
-    /// Duty cycle of the fill valve's coil \[%\].
+    /// Duty cycle of the fill valve's coil (%).
     pub(crate) duty_fill_pct: f64,
-    /// Duty cycle of the vent valve's coil \[%\].
+    /// Duty cycle of the vent valve's coil (%).
     pub(crate) duty_vent_pct: f64,
-    /// Control signal \[%\].
+    /// Control signal (%).
     pub(crate) u_pct: f64,
     /// Mode of the supervisor.
     pub(crate) mode: String,

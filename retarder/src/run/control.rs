@@ -59,7 +59,7 @@ fn until_interrupted(
 }
 
 impl Controlled {
-    /// Returns whether every binding check passes on every rig, and a device does what the ECU in process does.
+    /// Returns whether every binding check passes on every rig, and a device answers like the ECU in process.
     pub(crate) fn holds(&self) -> bool {
         self.verdict.holds
             && self.rigs.iter().all(|rig| rig.verdict.holds)
@@ -73,7 +73,7 @@ impl Controlled {
 /// Name and version of the JSON form of [`Rigs`].
 pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/1";
 
-/// The loop on many rigs.
+/// Closed loop on many rigs.
 #[derive(Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Rigs<'a> {
@@ -81,15 +81,15 @@ pub(crate) struct Rigs<'a> {
     pub(crate) schema: &'static str,
     /// Name of the scenario.
     pub(crate) scenario: &'a str,
-    /// The plant that the rigs are scattered about.
+    /// Plant that the rigs are scattered about.
     pub(crate) plant: &'a str,
     /// The controller.
     pub(crate) controller: &'a str,
     /// Seed of sensor noise and rigs.
     pub(crate) seed: u64,
-    /// Whether every binding check holds on the plant and on every rig.
+    /// Whether every binding check passes on the plant and on every rig.
     pub(crate) holds: bool,
-    /// Rigs on which every binding check holds.
+    /// Number of rigs on which every binding check passes.
     pub(crate) rigs_that_hold: usize,
     /// The verdict on the plant itself.
     pub(crate) verdict: &'a Verdict,
@@ -103,9 +103,9 @@ pub(crate) struct Rigs<'a> {
 pub(crate) struct Rig<'a> {
     /// Number of the rig, from 0.
     pub(crate) rig: u32,
-    /// Its seed.
+    /// Seed of the rig.
     pub(crate) seed: u64,
-    /// How the loop stood on it.
+    /// Verdict on the loop with this rig.
     pub(crate) verdict: &'a Verdict,
 }
 

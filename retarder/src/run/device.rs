@@ -64,13 +64,13 @@ pub(crate) fn run(task: Task, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Cont
 /// Name and version of the JSON form of [`Device`].
 pub(crate) const DEVICE_SCHEMA: &str = "retarder.device/1";
 
-/// The loop on a device.
+/// Closed loop on a device.
 #[derive(Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Device<'a> {
     /// Name and version of this format.
     pub(crate) schema: &'static str,
-    /// What the device is: kind, version, and over what it was reached.
+    /// Identity of the device: kind, version and connection.
     pub(crate) device: &'a str,
     /// Name of the scenario.
     pub(crate) scenario: &'a str,
@@ -80,15 +80,15 @@ pub(crate) struct Device<'a> {
     pub(crate) controller: &'a str,
     /// Seed of the sensor noise.
     pub(crate) seed: u64,
-    /// Whether every binding check holds and the device answered as the ECU in process does.
+    /// Whether every binding check passes and all bits of the device equal those of the ECU in process.
     pub(crate) holds: bool,
-    /// Samples that crossed the wire, with those before time 0.
+    /// Number of samples that crossed the wire, including those before time 0.
     pub(crate) samples: usize,
-    /// The first sample in which the ECU in process answers otherwise; null if all bits are equal.
+    /// First sample in which the ECU in process answers differently; null if all bits are equal.
     pub(crate) first_different_sample: Option<u32>,
-    /// What the device logged, oldest line first.
+    /// Log of the device, oldest line first.
     pub(crate) log: &'a [String],
-    /// How the loop stands.
+    /// Verdict on the loop.
     pub(crate) verdict: &'a Verdict,
 }
 

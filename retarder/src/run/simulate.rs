@@ -45,7 +45,7 @@ pub(crate) struct Task {
 /// Name and version of the JSON form of a [`Simulation`].
 pub(crate) const SIMULATION_SCHEMA: &str = "retarder.simulation/1";
 
-/// A simulation and the work that it took.
+/// Simulation and the work of its solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Simulation {
@@ -53,49 +53,49 @@ pub(crate) struct Simulation {
     pub(crate) schema: String,
     /// Name of the log.
     pub(crate) log: String,
-    /// The plant: its file, and what was changed on the command line.
+    /// Plant file, with the changes on the command line.
     pub(crate) plant: String,
-    /// The file that was written; null for the standard output.
+    /// Written file; null for the standard output.
     pub(crate) recording: Option<String>,
-    /// Rows read and written.
+    /// Number of rows that were read and written.
     pub(crate) rows: u64,
-    /// From the first to the last row, s.
+    /// Time from the first to the last row, s.
     pub(crate) duration_s: f64,
-    /// Rows in which a command was missing and the last one was held.
+    /// Number of rows without a command, in which the last one stayed valid.
     pub(crate) held_commands: u64,
-    /// What the log lacks.
+    /// Gaps and missing cells of the log.
     pub(crate) defects: SimulatedDefects,
-    /// Clock of the logger, by which the model is simulated; absent where rows are samples of the ECU or the log has no measured signal.
+    /// Clock of the logger for the simulation; absent if rows are ECU samples or the log has no measured signal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) clock: Option<FoundClock>,
-    /// Where the initial pressure comes from, in words.
+    /// Source of the initial pressure, in words.
     #[serde(default)]
     pub(crate) start: String,
     /// Initial chamber pressure, bar gauge; 0 for a plant without chamber.
     #[serde(default)]
     pub(crate) start_pressure_bar_gauge: f64,
-    /// Gas in the chamber at the first row; absent where it has the temperature of the wall.
+    /// Gas in the chamber at the first row; absent if it has the temperature of the wall.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) start_gas: Option<FoundStart>,
-    /// How the currents are meant: means of the interval before the row, or values of the instant.
+    /// Whether currents are means over the interval before the row, and not values of the instant.
     pub(crate) currents_are_means: bool,
     /// Accepted integration steps.
     pub(crate) steps: u64,
     /// Steps repeated with a smaller size.
     pub(crate) rejected_steps: u64,
-    /// Intervals that were passed by formula alone.
+    /// Intervals passed by formula alone.
     pub(crate) exact_intervals: u64,
-    /// Events that were located: end stops, extinct currents, kinks.
+    /// Located events: end stops, currents that decayed to zero, kinks.
     pub(crate) events: u64,
     /// Accepted and rejected steps per PWM period; null for a log without duration.
     pub(crate) steps_per_pwm_period: Option<f64>,
-    /// Time that simulation, reading and writing took together, s.
+    /// Elapsed time of simulation, reading and writing together, s.
     pub(crate) elapsed_s: f64,
-    /// Duration over elapsed time.
+    /// Duration divided by elapsed time.
     pub(crate) times_real_time: f64,
 }
 
-/// Gaps and missing cells of the log: over both, the last command is held.
+/// Gaps and missing cells of the log: in both, the last command stays valid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SimulatedDefects {
@@ -105,17 +105,17 @@ pub(crate) struct SimulatedDefects {
     pub(crate) gap_count: usize,
     /// Signals with missing cells.
     pub(crate) missing: Vec<MissingCells>,
-    /// All of it in words, one sentence without a full stop for each.
+    /// All defects in words, each as one sentence without a full stop.
     pub(crate) sentences: Vec<String>,
 }
 
-/// A time without rows.
+/// Interval without rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SimulatedGap {
-    /// Instant of the last row before it, s.
+    /// Instant of the last row before the gap, s.
     pub(crate) start_s: f64,
-    /// Instant of the first row after it, s.
+    /// Instant of the first row after the gap, s.
     pub(crate) end_s: f64,
 }
 
@@ -356,7 +356,7 @@ struct Chunk {
 }
 
 impl Chunk {
-    /// Takes the rows of a recording, so that the library reads and refuses signals as in a whole log.
+    /// Creates the chunk from the rows of a recording, so that the library reads and refuses signals as in a whole log.
     fn of(
         recording: &Recording,
         (parameters, log): (&PlantParameters, &str),

@@ -16,7 +16,7 @@ const SCENARIOS: [&str; 3] = ["figure-6.5", "fill-requirement", "vent-requiremen
 /// Results of the demo.
 pub(crate) struct Tour {
     pub(crate) compared: Compared,
-    /// In the order of [`SCENARIOS`].
+    /// Closed loops, in the order of [`SCENARIOS`].
     pub(crate) loops: Vec<Controlled>,
     pub(crate) figures: Figures,
 }

@@ -12,12 +12,12 @@ fn a_log_of_another_rig_does_not_hold_and_one_that_is_allowed_more_does() {
     let out = bench.run(&["compare", "--log", &log]).ended_with(1);
     assert_contains(
         &out,
-        &["FAILS", "Where the error of p_ch is", "time in the log"],
+        &["FAIL", "Where the error of p_ch is", "time in the log"],
     );
     let out = bench
         .run(&["compare", "--log", &log, "--allow", "100"])
         .ended_with(0);
-    assert_contains(&out, &["holds", "at most 100 times its noise floor"]);
+    assert_contains(&out, &["Pass", "at most 100 times its noise floor"]);
 }
 
 /// The rig of practice-01 draws less current: with a higher resistance the modelled current fits better. The tolerance

@@ -14,7 +14,7 @@ fn the_recommended_controller_holds_on_the_profile_of_the_figures() {
             "reference",
             "vent (downwards)",
             "≤ 50 samples",
-            "holds",
+            "pass",
         ],
     );
 }
@@ -78,10 +78,7 @@ fn a_controller_that_cannot_settle_does_not_hold() {
     let out = bench
         .run(&["control", "--controller", "weak.toml", "--scenario", "hold"])
         .ended_with(1);
-    assert_contains(
-        &out,
-        &["The loop does not hold: reach 0.18 to 0.71 p_sup, stay"],
-    );
+    assert_contains(&out, &["The loop fails: reach 0.18 to 0.71 p_sup, stay"]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use retarder_tests::kills;
 
 const RETARDER: &str = env!("CARGO_BIN_EXE_retarder");
 
-/// Goal: whatever a file contains, the program ends with an answer or a reason. Method: 300 damaged inputs of the cheap
+/// Goal: the program ends with an answer or a reason for any content of a file. Method: 300 damaged inputs of the cheap
 /// commands. Takes half a minute of computing.
 #[test]
 fn no_damaged_file_ends_a_command_without_an_answer_or_a_reason() {

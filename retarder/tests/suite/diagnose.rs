@@ -102,7 +102,7 @@ fn a_leak_is_named_and_added_and_then_nothing_is_missing() {
     let again = bench.run(&["diagnose", "--plant", "refined.toml", "--log", "bench.csv"]);
     assert_contains(
         &again.ended_with(0),
-        &["Nothing detectable is missing", "would have shown"],
+        &["Nothing detectable is missing", "detection limit"],
     );
     for command in [
         &[
@@ -247,7 +247,7 @@ fn a_need_that_cannot_be_meant_is_refused_before_any_work() {
     }
 }
 
-/// With a need of one bar, an error of a bar counts as noise.
+/// With `--need` of one bar, an error of one bar counts as noise.
 #[test]
 fn what_is_below_the_need_is_not_missing() {
     let bench = Bench::new();
@@ -306,7 +306,7 @@ fn a_signal_at_another_rate_is_named_beside_what_is_not_excited() {
     two_rates(&bench);
     let log = ["--log", "rates.mf4", "--json", "d.json"];
     let diagnosed = bench.run(&[&["diagnose"][..], &log].concat());
-    let reason = "p_ch of rates.mf4 was not weighed: it has another time base";
+    let reason = "p_ch of rates.mf4 is excluded from the fit: it has another time base";
     let advice = diagnosed.out.split("may be in a log already").nth(1);
     assert_contains(&diagnosed.out, &[reason]);
     assert_contains(

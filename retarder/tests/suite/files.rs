@@ -1,4 +1,5 @@
-//! Protection of files: outputs that are inputs or each other, files of other programs, remains of a kill.
+//! Protection of files: outputs that are inputs or each other, files of other programs, temporary files that a kill
+//! leaves.
 
 use std::fs;
 

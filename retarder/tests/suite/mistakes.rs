@@ -95,7 +95,7 @@ fn files_that_are_not_there_or_no_text() {
     );
 }
 
-/// The log has no pressure, which only the work itself would find.
+/// The log has no pressure, an error that only the work itself would find.
 #[test]
 fn results_that_cannot_be_written_are_told_before_the_work() {
     let bench = bench();
@@ -355,7 +355,7 @@ fn a_constant_is_added_where_the_log_does_not_have_it() {
     assert_eq!(duties(&bench.read("m.csv")), 0);
 }
 
-/// Training data cannot validate a fit, under whatever name.
+/// Training data cannot validate a fit, under any name.
 #[test]
 fn the_same_log_twice() {
     let bench = bench();

@@ -26,8 +26,8 @@ fn a_report_has_comparison_diagnosis_and_the_loop_on_both_plants() {
     assert_contains(
         &out,
         &[
-            "against bench.csv",
-            "The model does not hold",
+            "compared with bench.csv",
+            "Outside tolerance",
             "Missing: chamber leak",
             "nominal plant with chamber_leak: ",
             "Written: report.html",

@@ -28,7 +28,7 @@ fn published(result: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/schema/{result}.json"))
 }
 
-/// `BLESS=1 cargo test -p retarder` writes them again.
+/// Compares the published schemas with those of the types; `BLESS=1 cargo test -p retarder` writes them again.
 #[test]
 fn the_published_schemas_are_those_of_the_types() {
     let bench = Bench::new();

@@ -27,7 +27,7 @@ fn a_wrong_plant_does_not() {
     let out = bench
         .run(&["thesis", "--set", "armature.preload_fill_n=4.5"])
         .ended_with(1);
-    assert_contains(&out, &["FAILS", "preload_fill_n = 4.5"]);
+    assert_contains(&out, &["FAIL", "preload_fill_n = 4.5"]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ fn the_tour_shows_comparison_loop_and_next_steps_and_writes_a_report_that_loads_
             "p_ch [bar]",
             "valves",
             "measured - modelled [bar]",
-            "The model does not hold",
+            "Outside tolerance",
             "That is as it should be",
             "Required by the thesis",
             "vent 0.88 to 0.71 p_sup",

@@ -69,7 +69,7 @@ fn progress(done_what: &str) -> impl Fn(Progress) + Sync {
     }
 }
 
-/// Ends the line of progress, and prints where the reasons of missing findings are.
+/// Ends the line of progress, and prints the folder with the reasons of missing findings.
 fn tell(stage: &Stage, missing: usize) -> usize {
     eprintln!();
     if missing > 0 {

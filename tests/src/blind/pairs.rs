@@ -37,7 +37,7 @@ pub enum PairsError {
 /// finished fits, and of all.
 ///
 /// # Errors
-/// If answers cannot be read, or the command cannot fit one of them.
+/// Returns an error if answers cannot be read, or the command cannot fit one of them.
 pub fn run(
     folders: &Folders,
     command: &Released,

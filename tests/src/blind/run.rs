@@ -94,8 +94,7 @@ pub struct Progress {
 /// file with the command's output instead of a finding; the next run tries it again. Returns the number of those.
 ///
 /// # Errors
-/// If files cannot be read or written, or the command does not start.
-/// If files cannot be read or written, or the command does not start.
+/// Returns an error if files cannot be read or written, or the command does not start.
 pub fn run(
     folders: &Folders,
     command: &Released,
@@ -117,8 +116,7 @@ pub fn run(
 /// file with the command's output; the next run tries it again. Returns the number of those.
 ///
 /// # Errors
-/// If files cannot be read or written, or the command does not start.
-/// If files cannot be read or written, or the command does not start.
+/// Returns an error if files cannot be read or written, or the command does not start.
 pub(super) fn run_each(
     stage: &Stage,
     rigs: &[String],

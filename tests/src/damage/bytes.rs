@@ -6,7 +6,7 @@ use crate::chance::Chance;
 /// Kind of damage: its name, and the function that makes it.
 pub type Way = (&'static str, fn(&mut Vec<u8>, &mut Chance));
 
-/// Kinds for files of any format.
+/// Kinds of damage for files of any format.
 pub const ANY: [Way; 14] = [
     ("bits flipped", |bytes, chance| flip_bits(bytes, chance)),
     ("byte set", |bytes, chance| set_byte(bytes, chance)),
@@ -26,7 +26,7 @@ pub const ANY: [Way; 14] = [
     ("UTF-16", utf_16),
 ];
 
-/// Kinds for MF4, whose links and counts are integers of 64 bits at multiples of 8.
+/// Kinds of damage for MF4, whose links and counts are integers of 64 bits at multiples of 8.
 pub const MF4: [Way; 6] = [
     ("integer set to a bound", |bytes, chance| {
         let value = chance.one_of(&INTEGERS);

@@ -65,7 +65,7 @@ impl Campaign {
     /// case, and the failure if there was one.
     ///
     /// # Errors
-    /// If the program does not start or its files cannot be written.
+    /// Returns an error if the program does not start or its files cannot be written.
     pub fn run(
         &self,
         is_interrupted: &AtomicBool,

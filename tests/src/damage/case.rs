@@ -27,7 +27,7 @@ pub struct Case {
 
 /// Share of the cases without damage: these must also run.
 const UNDAMAGED: f64 = 0.01;
-/// Share of the project folders, each of which takes a server and a second.
+/// Share of the cases with a project folder, each of which needs a server and takes a second.
 const SERVED: f64 = 0.005;
 
 impl Case {
@@ -67,7 +67,7 @@ impl Case {
     /// Writes the files into a folder.
     ///
     /// # Errors
-    /// If one cannot be written.
+    /// Returns an error if one cannot be written.
     pub fn write(&self, folder: &Path) -> io::Result<()> {
         for file in &self.files {
             let path = folder.join(&file.path);
@@ -96,9 +96,9 @@ impl Case {
     }
 }
 
-/// Damages a file in a way that fits its format.
+/// Damages a file with a kind of damage that fits its format.
 fn damage(file: &mut File, chance: &mut Chance) -> &'static str {
-    // Most damage leaves a readable file, so that the code behind the reader is tested, too.
+    // Most damage leaves a readable file, so that the code after the reader is also tested.
     let fitting: &[(&[Way], usize)] = match file.role {
         Role::Log | Role::Reference => &[
             (&text::TABLE, 6),

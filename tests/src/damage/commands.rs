@@ -34,7 +34,7 @@ impl Name {
         (Self::Refine, 1.5),
         (Self::NextExperiment, 1.5),
         (Self::Diagnose, 1.5),
-        // Drawn with its bench, the project folder.
+        // Not drawn here: it is drawn together with its bench, the project folder.
         (Self::Serve, 0.0),
     ];
 

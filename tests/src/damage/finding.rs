@@ -8,21 +8,21 @@ use super::limits::{Ended, Limits};
 /// Violation of a requirement by a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Finding {
-    /// The program or one of its threads panicked.
+    /// Panic of the program or of one of its threads.
     Panic,
-    /// A signal ended it.
+    /// End by a signal.
     Abort,
-    /// It took longer than the limit.
+    /// Time above the limit.
     Hang,
-    /// It used more memory than the limit.
+    /// Memory use above the limit.
     Memory,
-    /// Its exit status is none of 0, 1, 2 and 3.
+    /// Exit status other than 0, 1, 2 and 3.
     Status,
-    /// It could not run or decide, and gave no message.
+    /// No message, although the program could not run or decide.
     Silent,
-    /// It changed a file that it reads, or left a temporary one.
+    /// Change of an input file, or a temporary file that remains.
     Files,
-    /// It wrote NaN or an infinite number.
+    /// NaN or an infinite number in a result.
     NotANumber,
 }
 

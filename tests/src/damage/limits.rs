@@ -53,7 +53,7 @@ pub struct Ended {
 /// Runs `command` to its end, and kills it at the time limit.
 ///
 /// # Errors
-/// If the program cannot be started, watched or limited.
+/// Returns an error if the program cannot be started, watched or limited.
 pub fn run(command: &mut Command, limits: &Limits) -> io::Result<Ended> {
     run_and(command, limits, |_| ())
 }

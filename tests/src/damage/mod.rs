@@ -1,4 +1,4 @@
-//! Damaged files: whatever a file contains, the program ends with an answer or with a reason.
+//! Damaged files: the program ends with an answer or with a reason for any content of a file.
 //!
 //! ```text
 //! originals ──► case: files, damages, command ──► run under limits ──► finding ──► table, folder of failures

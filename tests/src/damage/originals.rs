@@ -198,7 +198,7 @@ const PROFILE: &str =
 /// Creates all benches.
 ///
 /// # Errors
-/// If the bundled data differs from its expected form.
+/// Returns an error if the bundled data differs from its expected form.
 pub fn benches() -> Result<Vec<Bench>, OriginalsError> {
     let nominal = File::new(Role::Plant, read("data/nominal-plant.toml")?);
     let recommended = controller("recommended")?;
@@ -366,7 +366,7 @@ fn with_every_effect() -> String {
 /// Creates a project folder as the program leaves it: two logs, one of them shifted, a comparison and a diagnosis.
 ///
 /// # Errors
-/// If the server does not run, or the bundled data differs from its expected form.
+/// Returns an error if the server does not run, or the bundled data differs from its expected form.
 pub fn project(retarder: &Path) -> Result<Bench, OriginalsError> {
     let logs = [rows(PRACTICE, 180, 60)?, rows(PRACTICE, 380, 60)?];
     let files = kept_files(retarder, &logs).map_err(OriginalsError::Server)?;

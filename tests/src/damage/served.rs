@@ -9,7 +9,8 @@ use serde_json::json;
 use super::case::Case;
 use crate::served::{Client, address};
 
-/// Talks to a server whose standard output is piped, and ends it as Ctrl-C does. Refusals of the server are allowed.
+/// Sends requests to a server whose standard output is piped, and ends it like Ctrl-C. Refusals of the server are
+/// allowed.
 pub(super) fn talk(server: &mut Child, case: &Case) {
     let _ = look_around(server, case);
     // Fails only if the server has already ended.

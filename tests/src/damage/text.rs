@@ -6,7 +6,7 @@ use super::bytes::{Way, place};
 use super::values::{MAPPED_UNITS, NUMBERS, STRUCTURES, UNITS, WORDS};
 use crate::chance::Chance;
 
-/// Kinds for the numbers of any text.
+/// Kinds of damage for the numbers of any text.
 pub const NUMBER: [Way; 5] = [
     ("number nudged", |text, chance| {
         set_number(text, chance, |number, chance| {
@@ -34,7 +34,7 @@ pub const NUMBER: [Way; 5] = [
     }),
 ];
 
-/// Kinds for any text.
+/// Kinds of damage for any text.
 pub const ANY: [Way; 10] = [
     ("line dropped", |text, chance| {
         lines(text, chance, |lines, at, _| drop(lines.remove(at)))
@@ -80,7 +80,7 @@ pub const ANY: [Way; 10] = [
     }),
 ];
 
-/// Kinds for tables: rows of cells between separators, below a header.
+/// Kinds of damage for tables: rows of cells between separators, below a header.
 pub const TABLE: [Way; 12] = [
     ("column set to a bound", |text, chance| {
         let value = any_value(chance);
@@ -184,7 +184,7 @@ pub const TABLE: [Way; 12] = [
     }),
 ];
 
-/// Kinds for keys and values, TOML and JSON.
+/// Kinds of damage for keys and values, TOML and JSON.
 pub const KEYS: [Way; 6] = [
     ("value set to a bound", |text, chance| {
         let value = chance.one_of(&NUMBERS).to_owned();

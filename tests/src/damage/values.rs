@@ -158,7 +158,7 @@ pub(super) const TEXTS: [&str; 16] = [
     "\u{200d}",
 ];
 
-/// Suffixes of header names: units that the reader knows, and some that it does not.
+/// Suffixes of header names: units that the reader accepts, and some that it does not accept.
 pub(super) const UNITS: [&str; 34] = [
     "_s",
     "_ms",

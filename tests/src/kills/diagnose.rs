@@ -1,4 +1,4 @@
-//! `retarder diagnose --json --html` in place of the files of an earlier run.
+//! Kills of `retarder diagnose --json --html` while it replaces the files of an earlier run.
 
 use std::fs;
 use std::io;
@@ -30,7 +30,7 @@ const ROWS: usize = 150;
 /// at most three times as many.
 ///
 /// # Errors
-/// At the first loss.
+/// Returns the first loss.
 pub fn kill(retarder: &Path, seed: u64, kills: u64) -> Result<Kills, Loss> {
     let at = |kill| move |source| Loss::Run { kill, source };
     let undisturbed = Scene::new(retarder).map_err(at(0))?;

@@ -1,4 +1,4 @@
-//! `kill -9` at any moment: existing files of the user stay complete.
+//! Tests with `kill -9` at any moment: existing files of the user stay complete.
 //!
 //! [`diagnose`] kills a command that writes two files; [`serve`] kills the server of the page while it receives logs
 //! and computes. The moments are drawn from a seed; the requirements apply at every moment.

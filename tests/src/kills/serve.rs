@@ -22,7 +22,7 @@ const LOGS: usize = 24;
 /// come too late are repeated, at most three times as many.
 ///
 /// # Errors
-/// At the first loss.
+/// Returns the first loss.
 pub fn kill(retarder: &Path, seed: u64, kills: u64) -> Result<Kills, Loss> {
     let mut counted = Kills::default();
     for kill in 0..4 * kills {
@@ -126,7 +126,8 @@ fn work(client: &Client, session: &str, logs: &[String]) -> io::Result<Told> {
             Err(_) => break,
         }
     }
-    // Whether the loop was completed or aborted: in both cases the last request may have been the last one accepted.
+    // The server may also have been killed after the last request of a completed loop; then it does not answer any
+    // more.
     told.is_broken_off = told.logs < logs.len() || client.get("/api/examples").is_err();
     Ok(told)
 }

@@ -89,7 +89,7 @@ impl Datasheet {
     /// Reads the bundled file.
     ///
     /// # Panics
-    /// If the file lacks a value that this plant needs; a test reads it.
+    /// Panics if the file lacks a value that this plant needs; a test reads it.
     pub fn bundled() -> Self {
         toml::from_str(include_str!("../../../data/nominal-plant.toml"))
             .expect("the bundled datasheet has every key of this plant")

@@ -55,7 +55,7 @@ pub(super) struct GasPath {
     /// Stroke of the armatures (m), and whether the vent valve is open without current.
     stroke: f64,
     is_vent_normally_open: bool,
-    /// Time constant of the gas cooling by the wall after a warm begin of the log (s); 0 is immediate.
+    /// Time constant of the cooling of initially warm gas by the wall (s); 0 is immediate.
     relaxation: f64,
     departures: Departures,
 }

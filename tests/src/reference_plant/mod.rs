@@ -14,7 +14,7 @@
 //! | sensor | anti-alias filter | none |
 //! | solution | Runge-Kutta of order 4, fixed steps, restarted at PWM edges | event-driven, adaptive, closed forms |
 //!
-//! [`Departures`] has everything that a rig may have beyond that; all zero is the plain plant. [`catalogue`] names its
+//! [`Departures`] contains all departures of a rig; if all are zero, it is the plain plant. [`catalogue`] names its
 //! physical effects by the ids of the library, in laws of its own, and further effects outside any library.
 
 pub mod catalogue;

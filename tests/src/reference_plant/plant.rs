@@ -36,10 +36,10 @@ pub struct ReferencePlant {
     is_fixed: bool,
     sample_ns: u64,
     now_ns: u64,
-    /// Begin of the interval of the mean currents (ns).
+    /// Start of the interval of the mean currents (ns).
     means_since_ns: u64,
     state: State,
-    /// Pressure behind the play of the sensor (Pa gauge).
+    /// Pressure after the play of the sensor (Pa gauge).
     played: f64,
 }
 
@@ -135,7 +135,8 @@ impl ReferencePlant {
         }
     }
 
-    /// Lets holds be solved in steps of 0.1 ms, with the armatures fixed in their seats: for logs that are mostly holds.
+    /// Solves holds in steps of 0.1 ms from now on, with the armatures fixed in their seats: for logs that are mostly
+    /// holds.
     pub fn hold_in_long_steps(&mut self) {
         self.has_long_steps = true;
     }
@@ -152,7 +153,7 @@ impl ReferencePlant {
         (self.state[MASS], self.state[ENERGY])
     }
 
-    /// Returns the chamber pressure itself (Pa abs).
+    /// Returns the true chamber pressure (Pa abs).
     pub fn chamber_pressure(&self) -> f64 {
         self.gas.pressures(self.time(), &self.state).chamber
     }

@@ -5,7 +5,7 @@ use super::state::*;
 
 /// Time constant of the anti-alias filter (s).
 const ANTI_ALIAS: f64 = 5e-5;
-/// Gauge pressure with the largest deviation of a bow (Pa).
+/// Gauge pressure with the largest deviation from a straight line (Pa).
 const BOW_PRESSURE: f64 = 4e5;
 
 /// Reading of one sample without noise.
@@ -41,7 +41,8 @@ pub(super) fn shown(sensor: &SensorDepartures) -> usize {
     }
 }
 
-/// Returns where the reading (Pa gauge) goes from `before` with the pressure `gauge`: nowhere within its play.
+/// Returns the reading (Pa gauge) at the pressure `gauge` after the reading `before`: unchanged while the pressure is
+/// within the play.
 pub(super) fn played(sensor: &SensorDepartures, before: f64, gauge: f64) -> f64 {
     let half = 0.5 * sensor.play_pa;
     before.clamp(gauge - half, gauge + half)

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// Longest wait for an answer. It ends a run that hangs; no result depends on it.
+/// Longest wait for an answer. It only ends a run that hangs; no result depends on it.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Browser with the cookie.

@@ -42,7 +42,7 @@ impl Server {
         Client::open(&self.address)
     }
 
-    /// Ends the server as Ctrl-C does, and waits.
+    /// Ends the server like Ctrl-C, and waits for its end.
     pub(crate) fn end(mut self) -> io::Result<()> {
         kill_process(Pid::from_child(&self.running), Signal::TERM)?;
         self.running.wait().map(drop)

@@ -201,7 +201,7 @@ async fn export_csv(
     Ok((headers, csv))
 }
 
-/// Exports the same as MF4.
+/// Exports the same data as MF4.
 async fn export_mf4(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,

@@ -58,7 +58,7 @@ async fn show(
 #[derive(Deserialize)]
 struct Wish {
     scenario: String,
-    /// `None` takes the profile of the scenario.
+    /// Reference profile; `None` takes that of the scenario.
     profile: Option<Profile>,
     seed: u64,
     rigs: u32,

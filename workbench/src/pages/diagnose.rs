@@ -1,4 +1,4 @@
-//! Page "Diagnose": the missing physical effect, and the experiment that would tell more.
+//! Page "Diagnose": the missing physical effect, and the experiment that would provide more information.
 
 use std::sync::Arc;
 
@@ -7,11 +7,11 @@ use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use axum::{Json, Router};
-use model_lab::diagnosis::next_experiment::{Limits, NextExperiment, Question, next_experiment};
+use model_lab::diagnosis::next_experiment::{NextExperiment, Question, next_experiment};
 use model_lab::diagnosis::{Diagnosis, diagnose};
-use plant_sim::PlantParameters;
 use serde::{Deserialize, Serialize};
 
+use super::experiment_limits::WishedLimits;
 use super::{Begun, Shared, begin_job, session};
 use crate::refusal::Refusal;
 use crate::results::{Chosen, Diagnosed};
@@ -114,31 +114,8 @@ async fn export_json(
 struct Wish {
     /// One effect to detect, or several to distinguish.
     effects: Vec<String>,
-    duration_s: f64,
-    /// Highest chamber pressure (bar gauge); `None` stays below 90 % of the supply pressure.
-    max_bar: Option<f64>,
-    max_duty_pct: f64,
-}
-
-impl Wish {
-    fn limits(&self, plant: &PlantParameters) -> Result<Limits, Refusal> {
-        let within = |what: &str, value: f64, most: f64, unit: &str| {
-            if value > 0.0 && value <= most {
-                Ok(value)
-            } else {
-                Err(Refusal::value(format!(
-                    "{what} is above 0 and at most {most} {unit}; {value} is not"
-                )))
-            }
-        };
-        let max_bar = self.max_bar.unwrap_or(Limits::usual_max_bar(plant));
-        let longest_s = Limits::LONGEST_S;
-        Ok(Limits {
-            duration_s: within("the time of an experiment", self.duration_s, longest_s, "s")?,
-            max_bar: within("the highest pressure", max_bar, Limits::HIGHEST_BAR, "bar")?,
-            max_duty_pct: within("the highest duty cycle", self.max_duty_pct, 100.0, "%")?,
-        })
-    }
+    #[serde(flatten)]
+    limits: WishedLimits,
 }
 
 /// Begins to plan an experiment for the plant and the logs of the diagnosis.
@@ -150,10 +127,10 @@ async fn plan(
     let session = session(&sessions, id)?;
     let found = diagnosed(&session)?;
     let parameters = found.plant.parameters()?;
-    let limits = wish.limits(&parameters)?;
+    let limits = wish.limits.of(&parameters)?;
     if wish.effects.is_empty() {
         return Err(Refusal::value(
-            "an experiment shows one effect, or tells two or more apart; name at least one",
+            "no effect is selected; select one to detect, or two or more to distinguish",
         ));
     }
     Ok(begin_job(&session, move |session, job| {
@@ -204,28 +181,4 @@ async fn export_csv(
         ),
     ];
     Ok((headers, next(&session)?.csv()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_experiment_keeps_below_the_supply_and_within_its_bounds() {
-        let plant = PlantParameters::nominal();
-        let limits = |duration_s, max_bar| {
-            let wish = Wish {
-                effects: Vec::new(),
-                duration_s,
-                max_bar,
-                max_duty_pct: 100.0,
-            };
-            wish.limits(&plant).ok()
-        };
-        let usual = limits(600.0, None).unwrap();
-        assert!(usual.max_bar < plant.gas.supply_pressure_bar_gauge);
-        assert_eq!(limits(20.0, Some(40.0)).unwrap().max_bar, 40.0);
-        assert_eq!(limits(20.0, Some(40.1)), None);
-        assert_eq!(limits(600.1, None), None);
-    }
 }

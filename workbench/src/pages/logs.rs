@@ -261,7 +261,7 @@ async fn shift_log(
     // One day: logs with a larger offset are unrelated.
     if !(-86_400.0..=86_400.0).contains(&offset_s) {
         return Err(Refusal::value(format!(
-            "a time offset lies between -86400 s and 86400 s; {offset_s} does not"
+            "the time offset is {offset_s} s (-86400 s to 86400 s); enter a value in this range"
         )));
     }
     session.change(|project| {

@@ -1,7 +1,8 @@
-//! Page "Refine": effects are added, adjusted, fitted, judged and undone.
+//! Page "Refine": effects are added, adjusted, fitted, evaluated and undone.
 
 mod change;
 mod estimate;
+mod experiment;
 mod simulation;
 
 use std::sync::Arc;
@@ -32,6 +33,14 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route(
             "/sessions/{session}/refine/estimate",
             post(estimate::estimate),
+        )
+        .route(
+            "/sessions/{session}/refine/experiment",
+            get(experiment::planned).post(experiment::plan),
+        )
+        .route(
+            "/sessions/{session}/refine/experiment/csv",
+            get(experiment::export_csv),
         )
         .route("/sessions/{session}/refine/plant", get(plant_file))
 }
@@ -241,7 +250,7 @@ fn add_fitted(session: &Session, job: &Job, now: &Step, step: Step) -> Result<()
     Ok(())
 }
 
-/// Returns the ids of effects that the plant had in the step `base` and no longer has.
+/// Returns the ids of effects that the plant had in the step `base` and does not have any more.
 fn now_gone<'a>(effects: &'a [StepEffect], base: &'a Step) -> impl Iterator<Item = &'a str> {
     base.effects
         .iter()

@@ -10,7 +10,7 @@ use crate::shelf::values_of;
 pub(crate) struct Compared {
     pub(crate) comparison: Comparison,
     pub(crate) parameters: PlantParameters,
-    /// For each compared signal, in the order of the comparison.
+    /// Pyramids of each compared signal, in the order of the comparison.
     pub(crate) pyramids: Vec<Pyramids>,
 }
 

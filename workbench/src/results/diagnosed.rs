@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use model_lab::diagnosis::Diagnosis;
-use model_lab::diagnosis::next_experiment::NextExperiment;
+use model_lab::diagnosis::next_experiment::{DeterminingExperiment, NextExperiment};
 use serde::{Deserialize, Serialize};
 
 use crate::plant_file::PlantFile;
@@ -18,12 +18,22 @@ pub(crate) struct Diagnosed {
     pub(crate) chosen: Chosen,
 }
 
+/// Experiment that determines parameters, with the plant that it was planned for.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Determining {
+    pub(crate) next: DeterminingExperiment,
+    pub(crate) plant: PlantFile,
+}
+
 /// Results that take a minute and little memory: they are stored with their project.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Findings {
     pub(crate) diagnosed: Option<Arc<Diagnosed>>,
     /// Last experiment that was planned after the diagnosis.
     pub(crate) next: Option<Arc<NextExperiment>>,
+    /// Last experiment that was planned after an estimation.
+    #[serde(default)]
+    pub(crate) determining: Option<Arc<Determining>>,
 }
 
 /// Numbers of the training logs and of the validation logs.
@@ -38,7 +48,7 @@ impl Chosen {
     pub(crate) fn check(&self, project: &Project) -> Result<(), Refusal> {
         if self.logs.is_empty() {
             return Err(Refusal::value(
-                "no log is chosen for fitting; choose at least one",
+                "no training log is selected; select at least one",
             ));
         }
         for number in self.logs.iter().chain(&self.check) {
@@ -46,7 +56,7 @@ impl Chosen {
         }
         match self.logs.iter().find(|log| self.check.contains(log)) {
             Some(number) => Err(Refusal::value(format!(
-                "log {number} is chosen for fitting and for checking; choose one of the two"
+                "log {number} is selected for training and for validation; select one of the two"
             ))),
             None => Ok(()),
         }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 pub(crate) use compared::Compared;
 pub(crate) use controlled::{Batch, Controlled, Judged};
-pub(crate) use diagnosed::{Chosen, Diagnosed, Findings};
+pub(crate) use diagnosed::{Chosen, Determining, Diagnosed, Findings};
 
 use crate::history::StepError;
 

@@ -12,7 +12,7 @@ const MARKER_TEXT: &str = "This folder belongs to `retarder serve`. It keeps log
 /// Reason why a folder cannot be the project folder.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// Files of others.
+    /// The folder contains files of other programs.
     #[error(
         "{}: the folder is not empty and has no file `{MARKER}`, so its files are not ours to tidy. Choose a new or an \
          empty folder with --project; if an earlier version of `retarder serve` made this one, create an empty file \
@@ -20,7 +20,7 @@ pub enum FolderError {
         .0.display()
     )]
     NotOurs(PathBuf),
-    /// A link, folder or device in the place of a file or folder of the project.
+    /// A link, folder or device has the place of a file or folder of the project.
     #[error(
         "{}: not a regular {expected} (links are not followed). Move it away, or choose another folder with --project",
         path.display()
@@ -86,7 +86,7 @@ impl Folder {
         let file = open_lock(&self.path.join("lock"))?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => Ok(None),
-            // On a file system without locks, nobody else can have the right either.
+            // On a file system without locks, no other server can have the right either.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(TidyingRight(file))),
         }
     }

@@ -76,7 +76,7 @@ impl Tab {
         Ok(has_logs)
     }
 
-    /// Ends the process, whatever it is doing.
+    /// Ends the process in any state.
     pub(super) fn close(self: &Arc<Self>) {
         self.is_closed.store(true, Ordering::Relaxed);
         let tab = Arc::clone(self);
@@ -198,7 +198,7 @@ impl Tab {
             return Refusal::not_found("session");
         }
         let message = format!(
-            "the work took more memory than a tab may have ({} MiB), or broke off; projects and logs are as before. Check \
+            "the process of this tab exceeded its memory limit ({} MiB) or crashed; projects and logs are unchanged. Check \
              scale and offset of the columns and the values of the plant, or cut the log",
             self.worker.memory_bytes >> 20
         );

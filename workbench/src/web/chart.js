@@ -7,7 +7,7 @@ import { colour } from "./theme.js";
 globalThis.trustedTypes?.createPolicy("default", {
   createHTML: (text) => {
     if (/^(&#?\w+;)?$/.test(text)) return text;
-    throw new TypeError("text is not to become markup");
+    throw new TypeError("markup in a label is not allowed");
   },
 });
 
@@ -15,7 +15,7 @@ const loaded = new Promise((resolve, reject) => {
   if (globalThis.Plotly) { resolve(); return; }
   const script = document.getElementById("plotly");
   script.addEventListener("load", resolve);
-  script.addEventListener("error", () => reject(new Error("the charting library did not come")));
+  script.addEventListener("error", () => reject(new Error("the charting library was not loaded; reload the page")));
 });
 
 /** Returns the library as soon as it is loaded. */

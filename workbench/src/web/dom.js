@@ -25,9 +25,8 @@ export function fill(parent, ...children) {
 }
 
 /** Creates a table of rows; the first cell of each row is its header. */
-export function table(head, rows, caption) {
-  return element("table", {},
-    caption && element("caption", {}, caption),
+export function table(head, rows, classes) {
+  return element("table", { class: classes },
     element("thead", {}, element("tr", {}, head.map((cell) => element("th", { scope: "col" }, cell)))),
     element("tbody", {}, rows.map((row) => element("tr", {},
       row.map((cell, index) => index === 0 ? element("th", { scope: "row" }, cell) : element("td", {}, cell))))));

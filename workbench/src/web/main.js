@@ -1,4 +1,4 @@
-// Opens the session, shows the page in the address, and ends the session's work with the page.
+// Opens the session, shows the page given in the address, and closes the session when the page closes.
 
 import * as api from "./api.js";
 import { element, fill, forgetProblems, tell } from "./dom.js";
@@ -35,7 +35,7 @@ async function show() {
   }
 }
 
-/** Shows that nothing can be displayed. */
+/** Shows an error in place of the page. */
 function tellEnd(error) {
   fill(place, element("p", { class: "message problem" }, String(error.message ?? error)));
 }
@@ -60,12 +60,12 @@ async function begin() {
   const { session: project, is_copy: isCopy } = await api.open(view.text("project") ?? sessionStorage.getItem(KEY));
   sessionStorage.setItem(KEY, project);
   view.set({ project });
-  if (isCopy) tell("This tab begins with a copy of what was open before. What you change here stays here.", "lasting");
+  if (isCopy) tell("This tab works on a copy of the project that was open last. Other tabs do not change.", "lasting");
 }
 
 document.getElementById("link").addEventListener("click", async () => {
   await navigator.clipboard.writeText(view.link());
-  tell("The link to this view is in the clipboard. It opens in a browser that this server knows.");
+  tell("Link copied. It works in a browser that has opened the address printed by `retarder serve`.");
 });
 theme.begin(document.getElementById("theme"), () => shown?.redraw?.());
 addEventListener("pagehide", () => api.close());

@@ -1,4 +1,4 @@
-// Plots one below the other on one time axis; tools, keys, wheel and pointer change the visible range.
+// Stacked plots on one time axis; tools, keys, wheel and pointer change the visible range.
 
 import { axis, clear, draw, label, layout, plotly } from "./chart.js";
 import { button, element, tellProblems } from "./dom.js";
@@ -7,18 +7,18 @@ import * as view from "./view.js";
 
 const MARGIN = { l: 64, r: 14, t: 28, b: 44 };
 const GAP = 29;
-/** Pause of the user (ms) after which the plots are fetched again; until then only the axes follow. */
+/** Idle time (ms) after an input before the traces are fetched again; until then only the axes follow. */
 const REST = 120;
 
 /**
- * Base class of the views over time. A subclass implements `refresh`, which fetches the time series of the visible
- * range, and `paint`, which draws them with `drawStack`.
+ * Base class of the views over time. A subclass implements `refresh`, which fetches the traces of the visible range,
+ * and `paint`, which draws them with `drawStack`.
  */
 export class TimeView {
-  /** Creates a view; `keys` describes its own keys, in addition to those that move it. */
+  /** Creates a view; `keys` describes the additional keys of a subclass. */
   constructor(id, keys = "") {
     this.courses = null;
-    this.chart = element("div", { class: "chart", id, tabIndex: 0, role: "application", "aria-label": `Courses over time. Plus and minus zoom, arrows move, Home shows all${keys}.` });
+    this.chart = element("div", { class: "chart", id, tabIndex: 0, role: "application", "aria-label": `Traces over time. Plus and minus zoom, arrows pan, Home shows all${keys}.` });
     this.pointer = element("div", { class: "pointer", hidden: true });
     this.over = element("div", { class: "over" }, this.chart, this.pointer);
     this.ending = new AbortController();
@@ -71,7 +71,7 @@ export class TimeView {
     if (from !== null) {
       const [begin, end] = this.courses.whole_s;
       to = Math.max(to, from + 1e-6 * (end - begin));
-      // There is nothing to see beyond twice the whole range.
+      // A range more than twice as long as the log shows the whole log.
       if (to - from > 2 * (end - begin)) [from, to] = [null, null];
     }
     view.set({ from, to });
@@ -80,7 +80,7 @@ export class TimeView {
     this.waiting = setTimeout(() => this.refresh().catch((error) => tellProblems(error, "View")), REST);
   }
 
-  /** Moves the axes at once, with the present points. */
+  /** Moves the axes immediately, with the points that are loaded. */
   async showRange() {
     if (!this.chart.layout) return;
     const { from, to } = this.range();
@@ -98,7 +98,7 @@ export class TimeView {
     this.look(from + share * (to - from), to + share * (to - from));
   }
 
-  /** Shows the surroundings of a time, and scrolls to the plots. */
+  /** Shows a time range, and scrolls to the plots. */
   goTo(from, to) {
     this.look(from, to);
     this.element.scrollIntoView({ behavior: "smooth", block: "start" });
@@ -134,16 +134,16 @@ export class TimeView {
     this.watchLibrary();
   }
 
-  /** Returns a time series as a line. */
-  line(course, yaxis, role, more = {}) {
-    return { x: course.t, y: course.y, xaxis: "x", yaxis, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width: 1.4, ...more } };
+  /** Returns a trace as a line. */
+  line(trace, yaxis, role, more = {}) {
+    return { x: trace.t, y: trace.y, xaxis: "x", yaxis, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width: 1.4, ...more } };
   }
 
-  /** Returns a range around the visible values of the series, with a margin; it also includes `values`. */
-  rangeOf(courses, values = []) {
+  /** Returns a range around the visible values of the traces, with a margin; it also includes `values`. */
+  rangeOf(traces, values = []) {
     const { from, to } = this.range();
     let [low, high] = [Math.min(...values), Math.max(...values)];
-    for (const { t, y } of courses) {
+    for (const { t, y } of traces) {
       for (let index = 0; index < y.length; index += 1) {
         const value = y[index];
         if (value === null || t[index] === null || t[index] < from || t[index] > to) continue;
@@ -167,7 +167,7 @@ export class TimeView {
     });
   }
 
-  /** Returns the time under a pointer; none beside the plots. */
+  /** Returns the time under a pointer; null outside the plots. */
   timeAt(event) {
     const { left, width } = this.chart.getBoundingClientRect();
     const share = (event.clientX - left - MARGIN.l) / (width - MARGIN.l - MARGIN.r);
@@ -181,7 +181,7 @@ export class TimeView {
     return (to - from) * (visible.to - visible.from) / (this.chart.getBoundingClientRect().width - MARGIN.l - MARGIN.r);
   }
 
-  /** Handles the pointer at a time, or beside the plots (null). */
+  /** Handles the pointer at a time, or outside the plots (null). */
   hover() {}
 
   /** Returns the view's own keys. */

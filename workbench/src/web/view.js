@@ -1,4 +1,4 @@
-// Displayed state, as the part of the address after `#`: a link is a view.
+// Displayed state, stored in the address after `#`, so that a link reproduces the view.
 
 const state = { page: "logs", parameters: new URLSearchParams() };
 let listen = () => {};
@@ -23,19 +23,19 @@ export function begin(onMove) {
 
 export const page = () => state.page;
 
-/** Returns a text of the view; none if it is not set. */
+/** Returns a parameter of the view as text; null if it is not set. */
 export const text = (name) => state.parameters.get(name);
 
-/** Returns a list of texts of the view with any characters; empty if it is not set. */
+/** Returns all values of a parameter, with any characters; empty if it is not set. */
 export const texts = (name) => state.parameters.getAll(name);
 
-/** Returns a number of the view; none if it is not set or not a number. */
+/** Returns a parameter of the view as a number; null if it is not set or not a number. */
 export function numberOf(name) {
   const value = parseFloat(state.parameters.get(name) ?? "");
   return Number.isFinite(value) ? value : null;
 }
 
-/** Changes the view; null removes a part, and so does an empty list. */
+/** Changes the view; null or an empty list removes a parameter. */
 export function set(changes) {
   for (const [name, value] of Object.entries(changes)) {
     state.parameters.delete(name);
@@ -47,7 +47,7 @@ export function set(changes) {
   write();
 }
 
-/** Goes to another page; the project stays. */
+/** Opens another page of the same project. */
 export function go(page, changes = {}) {
   const project = state.parameters.get("project");
   state.page = page;

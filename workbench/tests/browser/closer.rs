@@ -45,9 +45,7 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
         let before = before.as_u64().unwrap();
         person.click("#limits summary").await;
         person.fill("[aria-label='p_ch: ± absolute']", "0.05").await;
-        person
-            .fill("[aria-label='p_ch: early or late [ms]']", "20")
-            .await;
+        person.fill("[aria-label='p_ch: ± time [ms]']", "20").await;
         person.picture("compare-limits").await;
         person.click("#limits button").await;
         person

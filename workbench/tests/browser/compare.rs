@@ -28,7 +28,7 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
         person.compare("practice-01-id.csv").await;
         let verdict = person.text("#verdict").await;
         assert!(
-            verdict.contains("does not hold") && verdict.contains("p_ch"),
+            verdict.contains("outside tolerance") && verdict.contains("p_ch"),
             "{verdict}"
         );
         person.picture("compare").await;
@@ -61,7 +61,7 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
             .await;
         person.picture("compare-marked").await;
 
-        // The address contains the view: a second tab that opens it shows the same.
+        // The address contains the view: a second tab that opens it shows the same view.
         let link = person.client.current_url().await.unwrap().to_string();
         for part in ["log=1", "from=", "a=20", "select=p_ch"] {
             assert!(link.contains(part), "{link}");

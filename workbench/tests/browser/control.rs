@@ -56,7 +56,8 @@ fn the_loop_is_run_on_both_plants_changed_and_spread_over_rigs() {
         person.picture("control-zoomed").await;
         person.press("#run-plots", "Home").await;
 
-        // Another controller; a wrong value is refused beside its field, in the words of the controller file.
+        // Another controller; a wrong value is refused beside its field, with the message of the controller file's
+        // reader.
         person.click("#thesis-controller").await;
         person
             .until("document.getElementById('controller-name').textContent === 'thesis controller' && document.body.dataset.ready === 'control'")
@@ -116,7 +117,7 @@ fn the_loop_is_run_on_both_plants_changed_and_spread_over_rigs() {
             .until("document.getElementById('settling').data?.length === 4")
             .await;
         let status = person.text("#batch-status").await;
-        assert!(status.contains("of 12 rigs hold"), "{status}");
+        assert!(status.contains("of 12 rigs pass"), "{status}");
         person.picture("control-batch").await;
         person.click("#theme").await;
         person

@@ -121,10 +121,10 @@ fn a_double_click_begins_and_does_not_cancel() {
             .until("document.querySelector('.work:not([hidden]) progress')?.value > 0")
             .await;
 
-        // A job ends with its page, and a message says so.
+        // A job ends with its page, and a message states it.
         person.client.refresh().await.unwrap();
         person
-            .until("document.getElementById('messages').textContent.includes('Diagnosing ended when the page was loaded again')")
+            .until("document.getElementById('messages').textContent.includes('Diagnosing was cancelled because the page was reloaded')")
             .await;
         person
             .until("document.body.dataset.ready === 'diagnose'")
@@ -135,7 +135,7 @@ fn a_double_click_begins_and_does_not_cancel() {
             .await;
         go_to(person, "logs").await;
         person
-            .until("document.getElementById('messages').textContent.includes('Diagnosing ended when its page was left')")
+            .until("document.getElementById('messages').textContent.includes('Diagnosing was cancelled because its page was left')")
             .await;
         person.picture("work-ended").await;
     });

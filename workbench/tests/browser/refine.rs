@@ -210,6 +210,16 @@ fn the_ordinary_values_are_estimated_and_the_table_says_how_well() {
         assert!(rungs.contains("with refitted values"), "{rungs}");
         person.picture("estimate").await;
         person.picture_of("#estimated", "estimated").await;
+        person.click("#plan-determining").await;
+        person
+            .until_within(
+                DIAGNOSIS,
+                "document.querySelector('#determining-plot .main-svg')",
+            )
+            .await;
+        let answer = person.text("#determining").await;
+        assert!(answer.contains("Duty cycles as CSV"), "{answer}");
+        person.picture_of("#determining", "determining").await;
         person.assert_nothing_was_refused().await;
     });
 }

@@ -27,7 +27,7 @@ fn two_tabs_do_not_meet_and_a_reloaded_one_has_its_project() {
             .until("document.querySelectorAll('.log').length === 1")
             .await;
         person
-            .until("document.getElementById('messages').textContent.includes('This tab begins with a copy')")
+            .until("document.getElementById('messages').textContent.includes('This tab works on a copy')")
             .await;
         person.drop_files(&[("second-tab.csv", log)]).await;
         person

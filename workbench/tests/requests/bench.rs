@@ -129,7 +129,7 @@ impl Bench {
         self.send_to("127.0.0.1", method, path, headers, body)
     }
 
-    /// Sends the same to another address of the loopback interface.
+    /// Sends the same request to another address of the loopback interface.
     pub(crate) fn send_to(
         &self,
         address: &str,

@@ -51,7 +51,8 @@ fn a_residual_has_a_distribution_and_a_spectrum_that_agree_with_its_metrics() {
     let level = spectral["noise_level"].as_f64().unwrap();
     assert!((level * nyquist_hz / (noise * noise) - 1.0).abs() < 1e-9);
 
-    // A command also has both, but neither noise nor model; without values there is no statement.
+    // A command also has a histogram and a spectrum, but neither noise nor model. Without values there are no
+    // statistics.
     let command = get("distribution?signal=duty_fill&of=measured");
     assert_eq!(
         (&command["unit"], &command["noise"]),
@@ -180,7 +181,7 @@ fn the_states_of_the_valves_cover_the_view_when_they_are_asked_for() {
     }
 }
 
-/// The numbers cover the visible range; the drawn range is larger.
+/// The statistics cover the visible range; the drawn range is larger.
 #[test]
 fn what_is_drawn_beside_a_view_does_not_count() {
     let bench = Bench::start();

@@ -125,7 +125,7 @@ fn a_refined_plant_is_run_beside_the_plain_one() {
     assert_eq!(result["is_current"], false);
 }
 
-/// The settings are those of a controller file, and refused in its words, with its lines.
+/// The settings are those of a controller file, and refusals have the text and the lines of that file's reader.
 #[test]
 fn settings_of_the_controller_are_checked_as_in_its_file() {
     let bench = Bench::start();
@@ -213,11 +213,11 @@ fn a_profile_is_checked_and_kept_over_a_restart() {
             ),
             (
                 &|profile| profile["end_s"] = json!(1e9),
-                "between 0 and 600 s",
+                "(0 to 600 s on this page)",
             ),
             (
                 &|profile| profile["changes"][0]["time_s"] = json!(-1),
-                "between 0 and 600 s",
+                "(0 to 600 s on this page)",
             ),
             (
                 &|profile| profile["start_pressure_bar"] = json!(9),
@@ -228,7 +228,7 @@ fn a_profile_is_checked_and_kept_over_a_restart() {
                     profile["changes"] =
                         json!(vec![json!({"time_s": 0, "to_bar": 1, "within_s": 0}); 1001])
                 },
-                "at most 1000 changes",
+                "1001 changes (at most 1000 on this page)",
             ),
         ] {
             let refused = put(change);

@@ -221,7 +221,7 @@ fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
     );
 }
 
-/// Rule 11: the diagnosis ends if the page is closed or stops to listen.
+/// Rule 11: the diagnosis ends if the page is closed or stops listening.
 #[test]
 fn a_diagnosis_ends_with_whoever_listens() {
     let bench = Bench::start();

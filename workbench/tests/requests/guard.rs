@@ -105,7 +105,7 @@ fn another_host_is_refused_before_anything_else() {
             "{headers:?}: {answer:?}"
         );
     }
-    // A target with a full address decides over the Host header.
+    // A target with a full address has precedence over the Host header.
     for target in [
         "http://evil.example/".to_owned(),
         format!("http://evil.example:{port}/api/examples"),
@@ -292,7 +292,8 @@ fn the_token_opens_the_page_once_and_only_the_cookie_opens_it_again() {
     assert_eq!((again.status, again.header("location")), (303, Some("/")));
 }
 
-/// Rules 7 and 10: the headers of every answer, including refusals, and the information for a stranger.
+/// Rules 7 and 10: the headers of every answer, including refusals, and the information that a client without access
+/// gets.
 #[test]
 fn every_answer_forbids_what_the_page_does_not_need_and_tells_nothing_of_the_machine() {
     let bench = Bench::start();

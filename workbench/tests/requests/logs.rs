@@ -171,7 +171,7 @@ fn a_wrong_plant_is_refused_with_every_line_and_the_old_one_stays() {
     assert_eq!(browser.get(&format!("{session}/plant")).text(), before);
 }
 
-/// For a log with channels of the names that the export gives to model and residual.
+/// The log has channels with the names that the export gives to model and residual.
 #[test]
 fn an_export_keeps_channels_that_are_called_like_its_own() {
     let bench = Bench::start();

@@ -13,7 +13,7 @@
 //! | 9 no program is started | `src/assets.rs` |
 //! | 10 no paths in answers | `guard` |
 //! | 11 work ends, memory is bounded | `sessions`, `control`; the budget of memory in `src/shelf.rs` |
-//! | 12 what is linked | `retarder-tests`, `dependencies`; advisories by hand, CONTRIBUTING.md says why |
+//! | 12 what is linked | `retarder-tests`, `dependencies`; advisories by hand, with the reason in CONTRIBUTING.md |
 
 mod bench;
 mod compare;

@@ -60,7 +60,7 @@ fn a_log_that_takes_too_much_memory_is_told_and_can_be_removed() {
     assert_eq!(browser.compare(&session, 1)["state"], "done");
 }
 
-/// The same for a job: the log can be read, but the comparison needs more.
+/// A job also fails alone: the log can be read, but the comparison needs more memory.
 #[test]
 fn a_job_that_takes_too_much_memory_fails_alone() {
     let bench = Bench::with_worker(worker(LITTLE));

@@ -234,6 +234,36 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
     );
 }
 
+/// Checks that an experiment can be planned for the estimated plant of `session`, and that it is gone with this plant.
+fn an_experiment_determines_its_parameters(browser: &Browser, session: &str) {
+    let path = format!("{session}/refine/experiment");
+    assert_eq!(browser.get(&path).json(), Value::Null);
+    assert_eq!(browser.get(&format!("{path}/csv")).status, 409);
+    let mut wish = json!({"log": 1, "logs": [1], "check": [], "duration_s": 700.0, "max_bar": null, "max_duty_pct": 100.0});
+    let refused = browser.post(&path, &wish).text();
+    assert!(
+        refused.contains("700 s (above 0, at most 600 s)"),
+        "{refused}"
+    );
+    wish["duration_s"] = json!(10.0);
+    let events = browser.work(session, &path, &wish);
+    assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
+    let next = browser.get(&path).json();
+    assert_eq!(next["schema"], "retarder.determining-experiment/1");
+    assert!(next["parameters"].as_array().unwrap().len() > 10, "{next}");
+    let csv = browser.get(&format!("{path}/csv")).text();
+    assert!(
+        csv.starts_with("time_s,duty_fill_pct,duty_vent_pct\n0.00,"),
+        "{csv:.80}"
+    );
+    change(browser, session, json!("undo"));
+    assert_eq!(browser.get(&path).json(), Value::Null);
+    let early = browser.post(&path, &wish).text();
+    assert!(early.contains("estimate them first"), "{early}");
+    change(browser, session, json!("redo"));
+    assert_eq!(browser.get(&path).json(), next);
+}
+
 /// Goal: the change of the ordinary parameters by an estimation is a step of its own, and the effect is credited with
 /// the rest only.
 #[test]
@@ -256,6 +286,7 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
     );
     let toml = plant(&browser, &session);
     assert!(toml.contains("chamber"), "{toml}");
+    an_experiment_determines_its_parameters(&browser, &session);
 
     change(
         &browser,

@@ -27,7 +27,7 @@ pub(crate) fn compiler_ready() -> Result<(), Failure> {
     }
 }
 
-/// Runs the bench and proves bounds of its code.
+/// Runs the bench and derives bounds from its code.
 pub(crate) fn measure(image: &Path) -> Result<Vec<Figures>, Failure> {
     let said = process::capture(&mut counting_machine(image), RUN_DEADLINE)?;
     let code = Code::of(&Elf::read(image)?)?;

@@ -165,7 +165,7 @@ impl Code {
         }
     }
 
-    /// Returns the reason: the instruction at this address panics through `function`.
+    /// Returns the reason why there is no bound: the instruction at this address panics through `function`.
     pub(crate) fn panics_at(&self, address: u32, function: &Function) -> Unbounded {
         Unbounded::Panic {
             at: self.place(address),
@@ -173,7 +173,7 @@ impl Code {
         }
     }
 
-    /// Returns the reason: the target of the instruction at this address is in a register.
+    /// Returns the reason why there is no bound: the target of the instruction at this address is in a register.
     pub(crate) fn indirect_at(&self, address: u32) -> Unbounded {
         Unbounded::Indirect {
             at: self.place(address),
@@ -181,7 +181,8 @@ impl Code {
         }
     }
 
-    /// Returns the reason: the instruction at this address moves the stack pointer by an unknown amount.
+    /// Returns the reason why there is no bound: the instruction at this address moves the stack pointer by an unknown
+    /// amount.
     pub(crate) fn stack_pointer_at(&self, address: u32) -> Unbounded {
         Unbounded::StackPointer {
             at: self.place(address),

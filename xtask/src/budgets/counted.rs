@@ -18,7 +18,7 @@ pub(crate) struct Counted {
     pub(crate) stack: u32,
     pub(crate) state_bytes: u32,
     pub(crate) config_bytes: u32,
-    /// Largest difference of a duty cycle from the project's own controller [2⁻¹⁶ %].
+    /// Largest difference of a duty cycle from the project's own controller (2⁻¹⁶ %).
     pub(crate) deviation: u32,
     /// Samples in which another valve is driven.
     pub(crate) decisions: u32,

@@ -32,7 +32,7 @@ impl Figures {
         })
     }
 
-    /// Returns the largest difference of a duty cycle from the project's own controller [%]; both should have the same
+    /// Returns the largest difference of a duty cycle from the project's own controller (%); both should have the same
     /// output.
     pub(crate) fn deviation_pct(&self) -> Option<f64> {
         let comparable = self.candidate.duty == Duty::FullStep;

@@ -5,22 +5,25 @@ use super::figures::Figures;
 use super::gate::Gate;
 use super::unbounded::Unbounded;
 
-/// Mean instructions of the thesis' full step: fewer than the same step in C with the FPU needs on this trace.
+/// Maximum mean number of instructions of the thesis' full step: fewer than the same step in C with the FPU needs on
+/// this trace.
 const MEAN_MAX: f64 = 65.0;
-/// Most instructions of the thesis' full step, for any input: 80 at 100 MHz are about 1 µs of a period of 10 ms.
+/// Maximum number of instructions of the thesis' full step, for any input: 80 at 100 MHz are about 1 µs of a period of
+/// 10 ms.
 const PROVED_MAX: u32 = 80;
-/// Code of the full step: with its constants it fits into a quarter of the smallest instruction cache in use (1 KiB,
-/// STM32G4).
+/// Maximum code size of the full step (bytes): with its constants it takes about a quarter of the smallest instruction
+/// cache in use (1 KiB, STM32G4).
 const CODE_BYTES_MAX: u32 = 280;
-/// Stack of the full step: four saved registers, the frame pointer and the return address.
+/// Maximum stack of the full step (bytes): four saved registers, the frame pointer and the return address.
 const STACK_BYTES_MAX: u32 = 24;
-/// Share of the instructions of C code that saturates each operation.
+/// Maximum number of instructions relative to C code that saturates each operation.
 const SHARE_OF_SATURATING_MAX: f64 = 0.5;
-/// Most instructions of the full step with limits by pressure, plausibility and telemetry.
+/// Maximum number of instructions of the full step with limits by pressure, plausibility and telemetry.
 const CHECKED_PROVED_MAX: u32 = 300;
-/// Most instructions of all work of an ECU in a sample: 20 µs at 100 MHz, 0.2 % of the period.
+/// Maximum number of instructions of all work of an ECU in a sample: 20 µs at 100 MHz, 0.2 % of the period.
 const ECU_PROVED_MAX: u32 = 2000;
-/// Allowed difference of the baselines' duty cycles from ours [%]: a fair comparison needs the same output.
+/// Allowed difference of the baselines' duty cycles from those of the project's controller (%): a fair comparison needs
+/// the same output.
 const DEVIATION_MAX_PCT: f64 = 0.001;
 
 /// Returns all budgets of a sample.
@@ -88,7 +91,7 @@ fn of_the_code(what: &str, sample: &Figures) -> Vec<Gate> {
     ]
 }
 
-/// Returns the gates that compare with C, the better one of -O2 and -Os.
+/// Returns the gates that compare with C, compiled with the better one of -O2 and -Os.
 fn beside_c(step: &Figures, saturating: &[Option<&Figures>]) -> Vec<Gate> {
     let present = || saturating.iter().flatten();
     let mean = present().map(|c| c.counted.mean()).reduce(f64::min);

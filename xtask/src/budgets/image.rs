@@ -11,14 +11,14 @@ use super::unbounded::Unbounded;
 use super::unproved::Unproved;
 use crate::failure::Failure;
 
-/// Most bytes that the processor pushes at an exception: 26 words with those of the floating-point unit, and one to
-/// align the stack (Armv7-M architecture, B1.5.7).
+/// Maximum number of bytes that the processor pushes at an exception: 26 words including those of the floating-point
+/// unit, and one word to align the stack (Armv7-M architecture, B1.5.7).
 const EXCEPTION_FRAME_BYTES: u32 = 27 * 4;
 
-/// Names of those of the first sixteen vectors that are handlers; further ones are the part's interrupts.
+/// Index of the reset vector; the word before it is the initial stack pointer.
 const RESET_VECTOR: usize = 1;
 
-/// Smallest frame that the list of calls to the deepest point shows.
+/// Smallest frame that the list of calls to the deepest point shows (bytes).
 const TOLD_BYTES: u32 = 256;
 
 /// Stack that an image can need.
@@ -26,7 +26,7 @@ const TOLD_BYTES: u32 = 256;
 pub(crate) struct Stack {
     /// Reset, and each handler once with its exception frame, as if each interrupted the previous one.
     parts: Vec<Part>,
-    /// From the end of the variables to the top of RAM.
+    /// Reserved space, from the end of the variables to the top of RAM (bytes).
     reserved: u32,
 }
 
@@ -145,7 +145,8 @@ mod tests {
     const IMAGE: &str = "40 Reset:\n 40: push {r7, lr}\n 42: bl 60 <main>\n60 main:\n 60: sub sp, #32\n 62: b.n 62 <main+0x2>\n\
                          80 SysTick:\n 80: push {r4, lr}\n 82: pop {r4, pc}\n90 DefaultHandler:\n 90: b.n 90 <x>\n";
 
-    /// Unused vectors share one handler, which counts once; the first word is the stack pointer, and 0 is no handler.
+    /// Unused vectors share one handler, which counts once; the first word is the stack pointer, and 0 is not a
+    /// handler.
     #[test]
     fn each_handler_counts_once_with_its_exception_frame() {
         let vectors = [0x2002_0000, 0x41, 0x91, 0x91, 0, 0x81, 0x91];

@@ -12,7 +12,7 @@ use super::unbounded::Unbounded;
 /// Limit of a frame: a loop that pushes in each round soon exceeds it.
 const DEEPEST: u32 = 1 << 20;
 
-/// Returns the most bytes below the stack pointer of the caller.
+/// Returns the maximum number of bytes below the stack pointer of the caller.
 pub(crate) fn stack_bound(code: &Code, entry: u32) -> Result<u32, Unbounded> {
     StackSearch::new(code).bytes(entry & !1)
 }
@@ -30,7 +30,7 @@ pub(crate) struct Need {
 }
 
 impl StackSearch<'_> {
-    /// Returns the most bytes that a call of this function needs.
+    /// Returns the maximum number of bytes that a call of this function needs.
     pub(crate) fn bytes(&mut self, entry: u32) -> Result<u32, Unbounded> {
         self.function(entry).map(|need| need.bytes)
     }

@@ -9,9 +9,8 @@ pub(super) const PINS: usize = 64;
 /// Size of the simulated flash: two pages (bytes).
 pub(super) const SETTINGS_BYTES: usize = 4096;
 
-// SAFETY: the linker puts each symbol at the start of a region of RAM of its own (`board.x`), which is aligned, larger than
-// the type, and touched by nobody in the image but through these names. Words that the host writes
-// as well are atomic.
+// SAFETY: the linker puts each symbol at the start of a region of RAM of its own (`board.x`), which is aligned, larger
+// than the type, and accessed by the image only through these names. Words that the host also writes are atomic.
 unsafe extern "C" {
     /// Frames from and to the host.
     #[link_name = "mailbox"]

@@ -1,8 +1,8 @@
 //! Arm MPS2 with the AN386 image: the Cortex-M4F machine that QEMU emulates (`-machine mps2-an386`).
 //!
-//! The machine has no coil drivers, no converter and no flash. They are simulated in memory that the host may map, too
-//! ([`pins`], `memory.x`), behind the same drivers as on a real board. Its two user LEDs show the coils: LED 0 is lit
-//! for a duty cycle above zero of the fill valve's coil, LED 1 for the vent valve's.
+//! The machine has no coil drivers, no converter and no flash. They are simulated in memory that the host can map as
+//! well ([`pins`], `memory.x`), behind the same drivers as on a real board. Its two user LEDs show the coils: LED 0 is
+//! lit for a duty cycle above zero of the fill valve's coil, LED 1 for the vent valve's.
 //!
 //! The clock is 25 MHz for all parts (application note AN386, "Clocks").
 

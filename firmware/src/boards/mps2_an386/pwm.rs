@@ -1,5 +1,5 @@
-//! Simulated PWM timer of the two coils: it stores the compare values where the host can see them, and switches the
-//! LEDs.
+//! Simulated PWM timer of the two coils: it stores the compare values in memory that the host can read, and switches
+//! the LEDs.
 
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicU32, Ordering};

@@ -16,7 +16,8 @@ impl Register {
     /// Reads the register.
     #[inline]
     pub(super) fn read(self) -> u32 {
-        // SAFETY: `at` took an aligned address in the range of this machine's peripherals, where no memory of the image lies.
+        // SAFETY: `at` took an aligned address in the range of this machine's peripherals, which contains no memory of
+        // the image.
         unsafe { ptr::read_volatile(self.0) }
     }
 

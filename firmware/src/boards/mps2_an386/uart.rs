@@ -1,7 +1,7 @@
 //! UART 0 as a link: bytes come in by interrupt and go out one at a time in the main loop, through two queues.
 //!
-//! The emulated UART sends a byte in no time. By interrupt a whole frame would be sent at once, and a sample would wait
-//! for it.
+//! The emulated UART needs no time to send a byte. With interrupts it would send a whole frame at once, and a sample
+//! would wait for it.
 
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;

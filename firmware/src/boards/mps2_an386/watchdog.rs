@@ -1,4 +1,4 @@
-//! Watchdog: a non-maskable interrupt if it was not fed in time, and a reset if that does not help.
+//! Watchdog: a non-maskable interrupt if it was not fed in time, then a reset.
 
 use firmware::Pace;
 
@@ -13,7 +13,7 @@ const CONTROL_ALL: u32 = 0b11;
 const CLOCK_HZ: u32 = 25_000_000;
 /// Timeout while the timer sets the pace: three samples.
 const BITES_AT_TIMER: u32 = CLOCK_HZ * 3 / 100;
-/// Timeout while the host sets the pace: longer than any pause of an emulator's host, shorter than a person waits.
+/// Timeout while the host sets the pace: 10 s, longer than any pause of the host of an emulator.
 const BITES_AT_HOST: u32 = CLOCK_HZ * 10;
 
 /// Starts or feeds the watchdog.

@@ -72,7 +72,7 @@ impl Analog {
 
     /// Reads a result, if there is one.
     pub(super) fn poll(&mut self) {
-        // SAFETY: the start is over; from then on nobody else uses the converter.
+        // SAFETY: after the start no other code uses the converter.
         let converter = unsafe { &*ADC1::ptr() };
         if !converter.isr().read().eoc().bit_is_set() {
             return;

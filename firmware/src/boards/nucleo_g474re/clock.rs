@@ -2,8 +2,8 @@
 //!
 //! f_VCO = f_HSI · N / M and f_SYS = f_VCO / R (register PLLCFGR, section 7.4.4). The frequency is within 1 % over
 //! temperature (data sheet DS12288, HSI16). The sample time may have the same deviation, and the start does not wait
-//! for a crystal. The HAL can set clocks up in any order and panics for invalid ones; here the order is the manual's,
-//! and nothing can panic.
+//! for a crystal. The HAL can set clocks up in any order and panics for invalid ones; here the order is that of the
+//! manual, and nothing can panic.
 
 use stm32g4xx_hal::rcc::{Clocks, PLLClocks, Rcc, RccExt};
 use stm32g4xx_hal::stm32::{FLASH, PWR, RCC};

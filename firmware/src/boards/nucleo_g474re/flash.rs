@@ -44,7 +44,8 @@ impl Flash {
         self.settled()?;
         for key in KEYS {
             self.registers.keyr().write(|w| {
-                // SAFETY: one of the two keys, in their order; whoever is interrupted between them does not write to flash.
+                // SAFETY: one of the two keys, in their order; code that is interrupted between them does not write to
+                // flash.
                 unsafe { w.keyr().bits(key) }
             });
         }
@@ -59,7 +60,7 @@ impl Flash {
         for _ in 0..LOOKS_MAX {
             let status = self.registers.sr().read();
             if status.bsy().bit_is_set() {
-                // An erase takes as long as three samples, and this wait has a limit of its own.
+                // An erase takes as long as three samples; this wait has its own limit.
                 watchdog::feed_again();
                 continue;
             }
@@ -97,8 +98,8 @@ impl Flash {
         let [low, high] = halves(bytes);
         let place = ptr::without_provenance_mut::<u32>(START.wrapping_add(offset));
         self.registers.cr().write(|w| w.pg().set_bit());
-        // SAFETY: `check_write` keeps the offset within the two pages, which hold nothing that Rust knows of; the flash
-        // takes the two words as one double word, in this order (section 3.3.7).
+        // SAFETY: `check_write` keeps the offset within the two pages, which contain no Rust object; the flash takes
+        // the two words as one double word, in this order (section 3.3.7).
         unsafe {
             ptr::write_volatile(place, low);
             cortex_m::asm::isb();
@@ -110,7 +111,7 @@ impl Flash {
 
 /// Returns whether an uncorrectable word was found in the settings' bank, and clears the flag.
 pub(super) fn forgive_torn_settings() -> bool {
-    // SAFETY: flags that nobody else uses.
+    // SAFETY: no other code uses these flags.
     let flags = unsafe { &*FLASH::ptr() }.eccr();
     let found = flags.read();
     let in_settings = found.eccd().bit_is_set() && found.bk_ecc().bit_is_set();
@@ -136,7 +137,7 @@ impl ReadNorFlash for Flash {
         check_read(self, offset, bytes.len())?;
         let place = ptr::without_provenance::<u8>(START.wrapping_add(offset as usize));
         for (index, byte) in bytes.iter_mut().enumerate() {
-            // SAFETY: `check_read` keeps the address within the two pages, which are always there and change only here.
+            // SAFETY: `check_read` keeps the address within the two pages, which always exist and change only here.
             *byte = unsafe { ptr::read_volatile(place.wrapping_add(index)) };
         }
         Ok(())

@@ -127,8 +127,8 @@ fn reset_cause(rcc: &RCC) -> ResetCause {
 /// Establishes the safe state from anywhere. Both outputs are disconnected from the timer at once, and the pull-downs
 /// at the gates keep them low. The compare values are zero for the time when the outputs are connected again.
 pub(crate) fn coils_off() {
-    // SAFETY: plain stores to a timer that nobody reads back; whoever is interrupted in changing a duty cycle does not
-    // continue, or finds the coils off.
+    // SAFETY: plain stores to a timer whose registers are not read back; code that is interrupted while it changes a
+    // duty cycle does not continue, or finds the coils off.
     let timer = unsafe { &*TIM1::ptr() };
     timer.bdtr().modify(|_, w| w.moe().clear_bit());
     timer.ccr1().reset();
@@ -137,7 +137,7 @@ pub(crate) fn coils_off() {
 
 /// Connects the outputs to the timer again.
 pub(super) fn connect_coils() {
-    // SAFETY: one bit of a register that is otherwise written at the start and in `coils_off` only, which ends a life.
+    // SAFETY: one bit of a register that is otherwise written at the start and in `coils_off` only, which ends the run.
     let timer = unsafe { &*TIM1::ptr() };
     timer.bdtr().modify(|_, w| w.moe().set_bit());
 }

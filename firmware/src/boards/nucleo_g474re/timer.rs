@@ -25,7 +25,7 @@ pub(super) fn start_clock(timer: TIM2, rcc: &mut Rcc) {
 
 /// Enables an interrupt with each PWM period.
 pub(super) fn start_ticks() {
-    // SAFETY: one bit of a register that nobody else writes.
+    // SAFETY: one bit of a register that no other code writes.
     let timer = unsafe { &*TIM1::ptr() };
     timer.dier().modify(|_, w| w.uie().set_bit());
 }
@@ -52,7 +52,7 @@ pub(super) fn take_ticks() -> u32 {
 
 #[interrupt]
 fn TIM1_UP_TIM16() {
-    // SAFETY: the flag is cleared here only.
+    // SAFETY: the flag is cleared only here.
     let timer = unsafe { &*TIM1::ptr() };
     timer.sr().write(|w| {
         // SAFETY: flags written as one are left alone, reserved bits have no effect.

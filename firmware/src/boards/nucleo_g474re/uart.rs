@@ -19,7 +19,7 @@ static OUT: ByteRing<QUEUE> = ByteRing::new();
 
 pub(super) fn start(port: USART2, send: PA2<AF7>, receive: PA3<AF7>, rcc: &mut Rcc) {
     let config = FullConfig::default().baudrate(BAUD.bps()).fifo_enable();
-    // This fails only if the clock is too slow for the baud rate; then there is no link, and the rest works.
+    // This fails only if the clock is too slow for the baud rate; then only the link is missing.
     let _ = port.usart(send, receive, config, rcc);
     registers().cr1().modify(|_, w| w.rxneie().set_bit());
 }

@@ -1,4 +1,4 @@
-//! Independent watchdog: it has a clock of its own, 32 kHz within 8 %, and cannot be stopped.
+//! Independent watchdog: it has its own clock, 32 kHz within 8 %, and cannot be stopped.
 
 use firmware::Pace;
 use stm32g4xx_hal::stm32::{IWDG, iwdg};
@@ -56,12 +56,12 @@ pub(super) fn feed_again() {
 
 fn write_key(key: u16) {
     watchdog().kr().write(|w| {
-        // SAFETY: each of the three keys may come at any time.
+        // SAFETY: each of the three keys may be written at any time.
         unsafe { w.key().bits(key) }
     });
 }
 
 fn watchdog() -> &'static iwdg::RegisterBlock {
-    // SAFETY: this file alone uses the watchdog, and the main loop alone this file.
+    // SAFETY: only this file uses the watchdog, and only the main loop uses this file.
     unsafe { &*IWDG::ptr() }
 }

@@ -1,4 +1,4 @@
-//! Families of faults, with the behaviour that the table allows to expect.
+//! Families of faults, with the expected behaviour of the loop.
 
 pub(super) mod ecu;
 pub(super) mod image;
@@ -6,18 +6,18 @@ pub(super) mod link;
 pub(super) mod plant;
 pub(super) mod sensor;
 
-/// End of a fault that is short enough, by the table of faults and reactions in `docs/safety.md`.
+/// Expected behaviour of the loop with a fault of limited duration (table of faults and reactions, `docs/safety.md`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Survival {
     /// Shorter than any N: the loop continues.
     Unnoticed,
-    /// Confirmed, and gone before the reaction has emptied the chamber: the loop recovers by itself.
+    /// Confirmed, and gone before the reaction has emptied the chamber: the loop recovers without intervention.
     Held,
     /// No claim: the reference may have to be zero first.
     NotClaimed,
 }
 
-/// Defines an enumeration whose members have a name for people, with a list of all of them.
+/// Defines an enumeration whose members have a text name, with a list of all members.
 macro_rules! named {
     ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $member:ident = $text:literal,)+ }) => {
         $(#[$meta])*

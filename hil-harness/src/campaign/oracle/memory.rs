@@ -38,13 +38,13 @@ impl Memory {
         self.coils.front().copied()
     }
 
-    /// Returns the true pressure of that many samples ago (bar gauge).
+    /// Returns the true pressure `samples` samples ago (bar gauge).
     pub(super) fn pressure_bar(&self, samples: u32) -> Option<f64> {
         let index = (samples as usize).checked_sub(1)?;
         self.pressures_bar.get(index).copied()
     }
 
-    /// Returns whether coil `valve` had such a duty cycle for the settling time.
+    /// Returns whether the duty cycle of coil `valve` satisfied `is_so` for the settling time.
     pub(super) fn coil_settled(&self, valve: usize, is_so: impl Fn(f64) -> bool) -> bool {
         let settling = bounds::SETTLING as usize;
         self.coils.len() >= settling

@@ -69,17 +69,17 @@ pub enum Promise {
     ShutInDoubt,
     /// No sample without a reference opens the fill valve further.
     NoIncreaseWithoutReference,
-    /// Nothing is filled far above the reference.
+    /// The chamber is not filled far above the reference.
     TowardsTheReference,
-    /// Nothing is filled after a reset, or after the chamber was emptied, until the reference was zero.
+    /// The chamber is not filled after a reset, or after it was emptied, until the reference was zero.
     NeutralFirst,
-    /// Nothing is filled from N samples of a fault on, until the fault is gone.
+    /// The chamber is not filled from N samples of a fault on, until the fault is gone.
     NoFillAfterN,
-    /// Once nothing is filled, the pressure does not rise.
+    /// The pressure does not rise after filling has stopped.
     NoRiseAfterN,
     /// While a fault may pass, both valves are shut and the pressure stays.
     Held,
-    /// The pressure is led down on a ramp, not dropped.
+    /// The pressure follows a ramp down and does not drop.
     NoSuddenLoss,
     /// Both coils are off at the end of the reaction.
     SafeInTime,
@@ -92,7 +92,7 @@ pub enum Promise {
     NoKick,
     /// A fault that came back too often, or damaged memory, locks the ECU.
     StaysLocked,
-    /// The loop recovers by itself from a fault that the table lets pass.
+    /// The loop recovers without intervention from a fault that ends before the reaction empties the chamber.
     ResumesByItself,
     /// The loop is at the reference again once the fault is gone and the reference was zero.
     Live,

@@ -75,7 +75,7 @@ fn of_one(seen: &Seen, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
     if way == Way::Hold && is_followed && samples + 1 < bounds::HOLD_SAMPLES {
         findings.push(unless(is_off, Promise::Held, said(None)));
     }
-    // A task that comes too seldom vents for longer than intended; without a sample in between this cannot be avoided.
+    // A task that runs too rarely vents for longer than intended; this cannot be avoided without a sample in between.
     let is_in_time = seen.sensors.elapsed_us <= bounds::ELAPSED_MAX_US;
     if is_followed && is_in_time {
         findings.extend(of_the_pressure(seen, oracle, way, samples, &said));

@@ -20,7 +20,7 @@ pub(super) struct Permission {
     needs_zero: bool,
     /// Number of consecutive samples with the reference at zero.
     zero_for: u32,
-    /// Number of forgiven faults.
+    /// Number of counted faults; above the limit the target locks.
     answered: u32,
     /// Time for which the target may still carry out a reaction (samples).
     away_for: u32,
@@ -36,7 +36,7 @@ pub(super) struct Permission {
 struct Comeback {
     /// Line of the ramp, until it has met the reference (bar).
     line_bar: f64,
-    /// Highest pressure that had a reason (bar).
+    /// Highest pressure explained by the ramp or the reference (bar).
     reasonable_bar: f64,
     /// Number of samples for which the recovery is still checked.
     left: u32,
@@ -104,7 +104,7 @@ impl Permission {
             .is_some_and(|bits| (-65536..=bounds::ZERO_MAX).contains(&bits));
         self.zero_for = if is_zero { self.zero_for + 1 } else { 0 };
         self.answer(seen, conditions);
-        // A target that emptied the chamber in this very sample still counts the zeros before it.
+        // A target that emptied the chamber in this sample still counts the zeros before it.
         if self.zero_for >= bounds::ZERO_N {
             self.needs_zero = false;
         }

@@ -5,8 +5,8 @@ use super::memory::Memory;
 use super::{Finding, Promise, Seen, unless};
 use crate::campaign::bounds;
 
-/// First two duty cycles after both valves were shut. While pressure and reference are constant, no valve had the time
-/// to move anything between the two. A larger first one responds to a change that did not happen.
+/// First two duty cycles after both valves were shut. While pressure and reference are constant, no valve has time to
+/// change the pressure between the two. A larger first duty cycle responds to a change that did not occur.
 #[derive(Debug, Default)]
 pub(super) struct Takeover {
     /// Shown pressure and reference of the previous sample (bar gauge), if both are plausible.
@@ -58,7 +58,7 @@ fn believed_bar(seen: &Seen, conditions: &Conditions) -> Option<[f64; 2]> {
     Some([shown_bar, conditions.reference_bar(seen)?])
 }
 
-/// Returns the excess of the first duty cycle; if only one of the two drives a valve, the decision was another one.
+/// Returns the excess of the first duty cycle; a valve that only one of the two drives is not compared.
 fn excess_pct(first: [f64; 2], second: [f64; 2]) -> f64 {
     let both = first.into_iter().zip(second);
     let driven = both.filter(|&(_, second)| second > 0.0);

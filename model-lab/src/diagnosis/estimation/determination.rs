@@ -1,4 +1,4 @@
-//! Classes of determination: from the interval of a parameter, and from its correlation with others.
+//! Determination of a parameter by the logs: from its interval, and from its correlation with others.
 
 use nalgebra::DMatrix;
 
@@ -9,18 +9,18 @@ use crate::diagnosis::interval::{covariance, half_widths};
 use crate::diagnosis::trial::Trial;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
-/// A parameter is determined if the logs narrow its interval to this share of what was possible before.
+/// Largest width of an interval, over that before the logs, at which a parameter counts as determined.
 pub(in crate::diagnosis) const DETERMINED: f64 = 0.18;
-/// A parameter is not excited if the logs could not narrow its interval to this share, were all others known.
+/// Largest width of an interval with all other parameters known, over that before the logs, at which a parameter counts as excited.
 const NOT_EXCITED: f64 = 0.18;
-/// Two parameters make up for each other from this magnitude of their correlation on.
+/// Magnitude of the correlation from which on two parameters compensate for each other.
 const MAKES_UP: f64 = 0.5;
-/// Half width of a 95 % interval in standard deviations.
+/// Half width of a 95 % interval (standard deviations).
 const NORMAL_95: f64 = 1.96;
-/// Within this coordinate of a bound a parameter has run to it.
+/// Distance from a bound, in coordinates, within which a parameter counts as at its limit.
 const AT_LIMIT: f64 = 1e-6;
 
-/// The parameters of `trial`, whose Jacobian is accurate, with what `evidence` says of each.
+/// Returns the parameters of `trial`, whose Jacobian is accurate, with the determination of each by `evidence`.
 pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<EstimatedParameter> {
     let mut distances = profile::distances(evidence, trial, &half_widths(evidence, trial));
     for (unknown, ends) in trial.unknowns.list().iter().zip(&mut distances) {
@@ -83,7 +83,7 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
     parameters.collect()
 }
 
-/// The names of the parameters whose errors go along with those of parameter `n`, the closest first.
+/// Returns the names of the parameters whose errors are correlated with those of parameter `n`, the closest first.
 fn partners(unknowns: &Unknowns, covariance: Option<&DMatrix<f64>>, n: usize) -> Vec<String> {
     let Some(covariance) = covariance else {
         return Vec::new();

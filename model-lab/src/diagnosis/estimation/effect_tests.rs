@@ -1,4 +1,4 @@
-//! Effects that the plant file has: their sizes are estimated together with the ordinary parameters.
+//! Effects in the plant file: their sizes are estimated together with the ordinary parameters.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
@@ -30,8 +30,8 @@ fn found<'a>(estimated: &'a EstimatedPlant, name: &str) -> Vec<&'a EstimatedPara
     parameters.filter(|one| one.name == name).collect()
 }
 
-/// Goal: a rig with a known leak is fitted like one without. Method: the leak of the plant file is a fifth of that of the rig, and
-/// flows, preloads and coils are up to 30 % off.
+/// Goal: a rig with a known leak is fitted like one without. Method: the leak of the plant file is a fifth of that of the rig, and flows,
+/// preloads and coils are up to 30 % wrong.
 #[test]
 fn a_known_leak_is_estimated_with_ordinary_values_that_are_a_quarter_off() {
     let mut rig = with_leak(&PlantParameters::nominal(), 2.5e-8);
@@ -71,7 +71,7 @@ fn a_known_leak_is_estimated_with_ordinary_values_that_are_a_quarter_off() {
             );
         }
     }
-    // The refined file has the leak, with its interval; the next fit may move it as this one did.
+    // The refined file has the leak, with its interval; the next fit has the same range.
     let text = found_plant.plant.to_toml();
     let read = PlantParameters::from_toml(&text, "refined").unwrap();
     assert_eq!(read.effects, found_plant.plant.effects);
@@ -80,7 +80,7 @@ fn a_known_leak_is_estimated_with_ordinary_values_that_are_a_quarter_off() {
     assert_eq!(read.knowledge.get(AREA), None);
 }
 
-/// A statement about a size once made it appear twice in the table, and bounded neither.
+/// Defect seen: a statement about a size made it appear twice in the table, and bounded neither.
 #[test]
 fn a_size_of_an_effect_keeps_to_what_the_plant_file_states() {
     let log = measured(with_leak(&PlantParameters::nominal(), 2.5e-8), 1);
@@ -108,7 +108,7 @@ fn a_size_of_an_effect_keeps_to_what_the_plant_file_states() {
         determined_by,
         Some("record: both valves shut for 5 s at two pressures")
     );
-    // The next run may go as far as this one, and no further.
+    // The next run has the same range as this one.
     let Knowledge::Range(least, most) = bounded.plant.knowledge[AREA] else {
         panic!("{:?}", bounded.plant.knowledge)
     };
@@ -117,7 +117,7 @@ fn a_size_of_an_effect_keeps_to_what_the_plant_file_states() {
     assert!(again.is_ok(), "{again:?}");
 }
 
-/// An effect without strength once had a coordinate at infinity.
+/// Defect seen: an effect without strength had a coordinate at infinity.
 #[test]
 fn an_effect_that_is_off_stays_off() {
     let given = with_leak(&PlantParameters::nominal(), 0.0);

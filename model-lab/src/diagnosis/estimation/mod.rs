@@ -1,7 +1,8 @@
-//! Estimates the ordinary parameters of a plant from its logs: the model as good as its physics allows, before anything is said
-//! to be missing.
+//! Estimation of the ordinary parameters of a plant from its logs: the best model with the given physics, before a missing effect is
+//! reported.
 //!
-//! `stages` has the fit, in `rounds` with the assignment of the commands; `determination` says what the logs tell of each parameter; `result` is the answer.
+//! `stages` contains the fit, in `rounds` with the assignment of the commands; `determination` rates how well the logs determine each
+//! parameter; `result` is the answer.
 
 mod determination;
 #[cfg(test)]
@@ -39,13 +40,13 @@ pub use result::{
 use stages::Fitted;
 pub(super) use weak_directions::measure_weak_directions;
 
-/// Estimates the ordinary parameters of `plant`, and the parameters of the effects that it has, from `logs`. Validation uses data
-/// that was not fitted: `check`, or without it, blocks of the logs.
+/// Estimates the ordinary parameters of `plant`, and the parameters of the effects that it has, from `logs`. Validation uses data that was
+/// not fitted: `check`, or without it, held-out blocks of the logs.
 ///
-/// Values that the plant file gives without a statement may be as far off as those of a first plant file.
+/// Values without a statement in the plant file may be as wrong as those of a first plant file.
 ///
 /// # Errors
-/// [`DiagnoseError`]: a log cannot be used, or `watch` stopped it.
+/// [`DiagnoseError`]: a log cannot be used, or `watch` stopped the estimation.
 pub fn estimate(
     plant: &PlantParameters,
     logs: &[Recording],

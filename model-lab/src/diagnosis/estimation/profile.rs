@@ -14,9 +14,9 @@ use crate::diagnosis::fit::{Descent, Fit, Fitter};
 use crate::diagnosis::interval::covariance;
 use crate::diagnosis::trial::Trial;
 
-/// The curvature describes the cost if the rise at the end of its interval differs by less than this share from the predicted one.
+/// Relative difference between the actual and the predicted rise at the end of an interval below which the curvature describes the cost.
 const AS_PREDICTED: f64 = 0.5;
-/// The end of an interval is found if the rise of the profile differs by less than this share from the required one.
+/// Relative difference between the actual and the required rise of the profile below which the end of an interval counts as found.
 const FOUND: f64 = 0.2;
 /// Largest number of fits of the other parameters for one end of an interval.
 const FITS: usize = 6;
@@ -50,7 +50,7 @@ pub(super) fn distances(evidence: &Evidence, trial: &Trial, widths: &[f64]) -> V
         .collect()
 }
 
-/// The least cost as a function of one coordinate.
+/// Least cost as a function of one coordinate.
 struct Profile<'a> {
     /// Fitter of the other coordinates.
     fitter: Fitter<'a>,
@@ -99,11 +99,11 @@ impl Profile<'_> {
             };
             distance = distance.min(reach);
         }
-        // Not found exactly: the least distance that is known to be too far.
+        // The end was not found exactly: the least distance that is known to be too far.
         beyond.min(reach)
     }
 
-    /// Whether the cost at the distance `by` from the fit is as the curvature predicts.
+    /// Returns whether the cost at the distance `by` from the fit agrees with the prediction of the curvature.
     fn is_as_predicted(&self, by: f64) -> bool {
         let predicted = self.curvature * by * by;
         self.moved(by).is_some_and(|there| {

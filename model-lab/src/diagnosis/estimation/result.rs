@@ -1,4 +1,4 @@
-//! An estimation, as it stands in its JSON.
+//! Result of an estimation, as in its JSON.
 
 use std::collections::BTreeMap;
 
@@ -10,31 +10,32 @@ use serde::{Deserialize, Serialize};
 use crate::diagnosis::refine::rounded;
 use crate::diagnosis::result::{Cost, FoundClock, FoundStart, Step};
 use crate::diagnosis::trial::Trial;
+use crate::diagnosis::verdict::LITTLE_FLOORS;
 use crate::result::{LogDefects, NotCompared};
 
 /// Name and version of the JSON format.
 pub const ESTIMATION_SCHEMA: &str = "retarder.estimation/1";
 
-/// A plant with estimated parameters.
+/// Plant with estimated parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimatedPlant {
     /// The plant as given with the estimated values, each with its provenance.
     pub plant: PlantParameters,
-    /// What the estimation says of them.
+    /// Result of the estimation.
     pub estimation: Estimation,
 }
 
-/// Estimated ordinary parameters, and how the error fell.
+/// Estimated ordinary parameters, and the decrease of the error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Estimation {
     /// Name and version of this format, `retarder.estimation/1`.
     pub schema: String,
-    /// Sources of the logs that were fitted.
+    /// Sources of the training logs.
     pub logs: Vec<String>,
-    /// Sources of the validation logs; empty if blocks of the fitted logs were held out.
+    /// Sources of the validation logs; empty where validation uses held-out blocks of the training logs.
     pub check: Vec<String>,
-    /// From the source of a log to its signals that are excluded from the fit, and why.
+    /// From the source of a log to its signals that are excluded from the fit, with the reasons.
     pub not_compared: BTreeMap<String, Vec<NotCompared>>,
     /// From the source of a log to its gaps and missing cells; absent where no log has any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -45,37 +46,37 @@ pub struct Estimation {
     pub sentence: String,
     /// Whether the estimated model leaves no more than the noise.
     pub is_adequate: bool,
-    /// The same of the fitted logs alone. Where they are explained and the validation data are not, the fitted logs leave open what the
-    /// others need.
+    /// Whether the estimated model leaves no more than the noise on the training logs. Where these are explained and the validation
+    /// data are not, the training logs do not determine everything that the others need.
     pub explains_fitted_logs: bool,
     /// Whether the fit has converged: a further step from the estimated values gains little.
     pub is_converged: bool,
-    /// The errors, from the plant as given on.
+    /// Error steps, beginning with the plant as given.
     pub steps: Vec<Step>,
-    /// The parameters.
+    /// Estimated parameters.
     pub parameters: Vec<EstimatedParameter>,
-    /// Clocks of the loggers, where they are not that of the ECU.
+    /// Clocks of the loggers, where they differ from that of the ECU.
     pub clocks: Vec<FoundClock>,
     /// Temperatures of the gas where logs begin with a filled chamber.
     pub starts: Vec<FoundStart>,
-    /// What the answer cost.
+    /// Cost of the answer.
     pub cost: Cost,
 }
 
 impl Estimation {
-    /// The JSON Schema of an estimation.
+    /// Returns the JSON Schema of an estimation.
     pub fn json_schema() -> Schema {
         schemars::schema_for!(Self)
     }
 }
 
-/// One estimated parameter.
+/// Estimated parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EstimatedParameter {
     /// Name in the plant file.
     pub name: String,
-    /// Its unit; empty for a pure number.
+    /// Unit; empty for a pure number.
     pub unit: String,
     /// Value of the plant file.
     pub before: f64,
@@ -85,28 +86,28 @@ pub struct EstimatedParameter {
     pub low: f64,
     /// Upper end of the 95 % interval.
     pub high: f64,
-    /// How well the logs determine it.
+    /// Determination of the parameter by the logs.
     pub determination: Determination,
-    /// What would determine it; null if the logs do.
+    /// Excitation or measurement that determines it; null if the logs do.
     pub determined_by: Option<String>,
     /// Whether the whole interval is outside the usual tolerance of the part around the value of the plant file.
     pub is_beyond_usual: bool,
 }
 
-/// How well logs determine a parameter.
+/// Determination of a parameter by the logs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Determination {
-    /// The interval is a fraction of what was possible before.
+    /// The interval is a small fraction of the width before the logs.
     Determined,
-    /// Only a combination with other parameters is.
+    /// Only a combination with other parameters is determined.
     OnlyTogetherWith {
         /// Names of the others, the closest first.
         parameters: Vec<String>,
     },
-    /// The logs hardly depend on it.
+    /// The logs hardly depend on the parameter.
     NotExcited,
-    /// It ended at the limit of what the plant file allows.
+    /// The parameter ended at the limit of the plant file.
     AtLimit,
 }
 
@@ -141,20 +142,16 @@ pub(super) fn sentence(
     }
 }
 
-/// Errors of an estimated model beside the noise.
+/// Errors of an estimated model relative to the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Left {
     Noise,
-    /// More than the noise, but only of validation logs.
+    /// More than the noise, but only on validation data.
     MoreOnCheck,
-    /// Slightly more than the noise: its largest error over the noise floor, at most [`LITTLE`].
+    /// Slightly more than the noise: its largest error over the noise floor, at most [`LITTLE_FLOORS`].
     Little(f64),
     More,
 }
-
-/// Largest error over the noise floor that an underestimated noise may cause (docs/field-benchmark.md: 1.26 with the true
-/// parameters).
-const LITTLE: f64 = 1.25;
 
 impl Left {
     pub(super) fn of(trial: &Trial, has_check: bool) -> Self {
@@ -163,7 +160,7 @@ impl Left {
             (false, true) if has_check => Self::MoreOnCheck,
             _ => {
                 let floors = trial.fitted.most_floors().max(trial.checked.most_floors());
-                match floors <= LITTLE {
+                match floors <= LITTLE_FLOORS {
                     true => Self::Little(floors),
                     false => Self::More,
                 }
@@ -172,14 +169,13 @@ impl Left {
     }
 }
 
-/// Least tolerance that a refined file states (%): another day, another log.
+/// Least tolerance that a refined file states (%), because another day and another log give other values.
 const TOLERANCE_MIN_PCT: f64 = 0.5;
-/// Digits of a tolerance in a file.
+/// Number of significant digits of a tolerance in a file.
 const TOLERANCE_DIGITS: usize = 2;
 
-/// Puts into `plant` how well each estimated value is known: for the next fit, and for readers. What a model that leaves more
-/// than the noise says of its parameters is not worth a tolerance: they keep the range that they had in the plant `before`, within
-/// which a diagnosis may move them.
+/// States in `plant` the tolerance of each estimated value, for the next fit and for readers. A model that leaves more than the noise
+/// determines no tolerances: its parameters keep the range that they had in the plant `before`, within which a diagnosis may move them.
 pub(super) fn state_knowledge(
     plant: &mut PlantParameters,
     before: &PlantParameters,
@@ -191,7 +187,7 @@ pub(super) fn state_knowledge(
         if let Some(origin) = plant.provenance.get_mut(name) {
             *origin += &format!("; 95 %: {:.4e} to {:.4e}", parameter.low, parameter.high);
         }
-        // A size of an effect stays open unless the plant file says otherwise: leaks and friction change from day to day.
+        // The size of an effect stays free unless the plant file states otherwise: leaks and friction change from day to day.
         let is_kept = |spec: &&ParameterSpec| {
             spec.effect_id().is_none() || before.knowledge.contains_key(name)
         };

@@ -1,6 +1,6 @@
-//! Rounds of fit and assignment: large errors are forgiven in the fit, and each fit assigns the commands to the samples of the ECU anew.
+//! Rounds of fit and assignment: each fit uses a robust loss, and reassigns the commands to the samples of the ECU.
 //!
-//! A first plant file assigns some commands wrong, and commands that are wrong distort the fit. So both take turns.
+//! A first plant file assigns some commands to wrong samples, and wrong commands distort the fit. Therefore both alternate.
 
 use plant_sim::PlantParameters;
 
@@ -17,19 +17,19 @@ use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
-/// Residuals beyond this many noise floors count in proportion where large errors are forgiven.
+/// Residual in noise floors above which the robust loss is linear.
 pub(super) const OUTLIER: f64 = 3.0;
-/// Steps of the differences over the usual ones: a first plant file leaves more room than tolerances of parts.
+/// Difference steps over the usual ones: a first plant file is farther from the fit than tolerances of parts.
 const COARSE: f64 = 0.5;
 /// Number of rounds, and the largest number where several samples of the ECU may lie between two rows.
 pub(super) const ROUNDS: usize = 2;
 pub(super) const ROUNDS_OF_SLOW_LOGS: usize = 12;
-/// The rounds end after this many in succession ...
+/// Number of consecutive rounds without success after which the rounds end; ...
 const ROUNDS_IN_VAIN: usize = 2;
-/// ... that each lower the cost by less than this share.
+/// ... a round succeeds if it lowers the cost by this share.
 const BETTER_ROUND: f64 = 0.02;
 
-/// Fits from `z` with large errors forgiven.
+/// Fits from `z` with a robust loss.
 pub(super) fn forgiving(
     evidence: &Evidence,
     unknowns: &Unknowns,
@@ -47,8 +47,8 @@ pub(super) fn forgiving_fitter<'a>(evidence: &'a Evidence, unknowns: &'a Unknown
     fitter
 }
 
-/// Fits from `z` with large errors forgiven and assigns the commands anew, in `rounds` at most: as long as less is left after some of
-/// them.
+/// Fits from `z` with a robust loss and reassigns the commands, in `rounds` at most; it ends when several consecutive rounds do not lower
+/// the cost.
 pub(super) fn in_rounds(
     plant: &PlantParameters,
     split: &mut Split,
@@ -77,15 +77,15 @@ pub(super) fn in_rounds(
         }
         (unknowns, z) = assigned_anew(plant, split, &unknowns, &fit.z);
     }
-    // The two rounds of fast logs end with the clocks that the last one found.
+    // The two rounds of fast logs end with the clocks of the last round.
     if let Some(best) = best.filter(|_| rounds > ROUNDS) {
         (unknowns, z) = best.restored(split);
     }
     Ok((unknowns, z))
 }
 
-/// Looks for the clocks of slow loggers as if nothing was known of them, now that the plant is known better, and fits with them; stays
-/// where it is if that leaves no less.
+/// Searches the clocks of slow loggers without prior knowledge, now that the plant is better known, and fits with them; returns to the
+/// previous state if the cost is not lower.
 pub(super) fn with_clocks_anew(
     plant: &PlantParameters,
     split: &mut Split,
@@ -110,7 +110,7 @@ pub(super) fn with_clocks_anew(
     Ok(before.restored(split))
 }
 
-/// Assigns the commands of slow logs two by two by the fitted plant, and fits with them.
+/// Assigns the commands of slow logs in pairs with the fitted plant, and fits with them.
 pub(super) fn with_commands_settled(
     plant: &PlantParameters,
     split: &mut Split,
@@ -132,7 +132,7 @@ pub(super) fn with_commands_settled(
     Ok((unknowns, z))
 }
 
-/// A fit with the conditions of the logs.
+/// Fit with the conditions of the logs.
 struct Assigned {
     cost: f64,
     conditions: Vec<Conditions>,
@@ -162,8 +162,8 @@ impl Assigned {
     }
 }
 
-/// Takes the fitted clocks for those of the loggers, looks for those that are not known yet, and assigns the commands by all of
-/// them. The coordinates of the logs' conditions begin there.
+/// Sets the clocks of the loggers to the fitted ones, searches those that are not known yet, and assigns the commands by all of them. The
+/// coordinates of the logs' conditions begin there.
 pub(super) fn assigned_anew(
     plant: &PlantParameters,
     split: &mut Split,
@@ -176,7 +176,7 @@ pub(super) fn assigned_anew(
     with_clocks(plant, split, fitted, z)
 }
 
-/// Looks for clocks that are not known yet with the fitted plant, and for those of slow loggers together with the delay.
+/// Searches clocks that are not known yet with the fitted plant, and those of slow loggers together with the delay.
 fn with_clocks(
     plant: &PlantParameters,
     split: &mut Split,
@@ -212,7 +212,7 @@ fn with_clocks(
     (unknowns, next)
 }
 
-/// Coordinates that begin at the conditions of the logs as they are, and at `z` of `fitted` for the rest.
+/// Returns coordinates that begin at the present conditions of the logs, and at `z` of `fitted` for the rest.
 fn begun_at(
     plant: &PlantParameters,
     evidence: &Evidence,
@@ -236,7 +236,7 @@ fn begun_at(
     (unknowns, begun)
 }
 
-/// Puts the delay of the commands where the logs show it best: a step of a fit sees no further than a pulse.
+/// Sets the delay of the commands to the value that the logs show best: a step of a fit does not reach beyond a pulse.
 pub(super) fn begin_at_delay(unknowns: &Unknowns, z: &mut [f64], delay_s: f64) {
     for (unknown, z) in unknowns.list().iter().zip(z) {
         if unknown.is_delay() {

@@ -1,9 +1,9 @@
-//! The stages of the estimation, each of which follows what it can see.
+//! Stages of the estimation, each with the parameters that its data can determine.
 //!
-//! Currents come first: they show the coils, the delay and the clocks of the loggers whatever the rest of the plant is. Then all
-//! parameters are fitted with a loss that forgives large errors, since a first plant file may be 30 % off; where that leaves more
-//! than the noise, from several other starts too. Least squares come last, unless they leave more than the noise: then physics is
-//! missing, whose errors they would spread over the parameters, and the forgiving estimate stays.
+//! Currents come first: they determine the coils, the delay and the clocks of the loggers whatever the rest of the plant is. Then all
+//! parameters are fitted with a robust loss, since a first plant file may be 30 % wrong; where more than the noise remains, also from
+//! several other starts. Least squares come last, unless they leave more than the noise: then physics is missing, and its errors would
+//! distort the parameters, so the robust estimate is kept.
 
 use plant_sim::PlantParameters;
 use plant_sim::replay::CurrentSampling;
@@ -25,35 +25,35 @@ use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
-/// Steps of the differences in the last stage over the usual ones: a parameter may be known to a hundredth of its range.
+/// Difference steps in the last stage over the usual ones: a parameter may be known to a hundredth of its range.
 const FINE: f64 = 0.05;
-/// A decrease below this share of the cost ends the last stage: what hardly shows in the cost is wanted as well.
+/// Share of the cost below which a decrease ends the last stage: parameters with little influence on the cost are wanted as well.
 const CONVERGED_SHARE: f64 = 1e-6;
-/// Delays from which the coils are fitted are this far apart (s), and this many at most.
+/// Distance of the delays from which the coils are fitted (s), and their largest number.
 const DELAY_STEP_S: f64 = 1.5e-3;
 const DELAYS_MAX: f64 = 16.0;
-/// Other starts that are begun, ...
+/// Number of other starts that are begun, ...
 const STARTS: usize = 8;
-/// ... how far from the middle of its range each parameter begins at most, over half the range, ...
+/// ... largest distance of a start from the middle of a parameter's range, over half the range, ...
 const START_REACH: f64 = 0.7;
-/// ... how many of them are fitted to the end, ...
+/// ... number of starts that are fitted to the end, ...
 const FINISHED: usize = 2;
-/// ... and the share of the cost that one has to save to be another valley.
+/// ... and the share of the cost that one has to save to count as another valley.
 const BETTER_VALLEY: f64 = 0.01;
 
-/// A few steps from one of several starts, with Jacobians of their own.
+/// A few steps from one of several starts, each with a new Jacobian.
 const BEGUN: Descent = Descent::Begun {
     renews_below: f64::INFINITY,
 };
 
-/// A fit of the ordinary parameters.
+/// Fit of the ordinary parameters.
 pub(super) struct Fitted {
-    /// The coordinates that it is in.
+    /// Coordinates of the fit.
     pub(super) unknowns: Unknowns,
     pub(super) fit: Fit,
-    /// The same point, simulated accurately, with a Jacobian in which what the logs leave open is open.
+    /// The same point, simulated accurately, with a Jacobian that keeps undetermined directions undetermined.
     pub(super) sharp: Fit,
-    /// Whether a further step gains little, or the noise alone is left.
+    /// Whether a further step gains little, or only the noise is left.
     pub(super) is_converged: bool,
 }
 
@@ -135,8 +135,8 @@ fn leaves_more_than_noise(
     Ok(Errors::new(&split.fitting, &there.residuals, Run::Predicted).is_material())
 }
 
-/// Fits what the currents show, from every delay that is possible: a delay that is two milliseconds off has a valley of its own.
-/// If it is open whether the currents are instantaneous values or means, all logs take the choice with the lower cost.
+/// Fits the parameters that the currents determine, from every possible delay: a delay that is two milliseconds wrong is in another valley.
+/// If the currents may be either instantaneous values or means, all logs take the choice with the lower cost.
 fn fit_coils(split: &mut Split, unknowns: &Unknowns, z: &[f64]) -> Result<Vec<f64>, DiagnoseError> {
     let coils = |evidence: &Evidence, z: Vec<f64>, descent: Descent| {
         let mut fitter = forgiving_fitter(evidence, unknowns);
@@ -165,7 +165,7 @@ fn fit_coils(split: &mut Split, unknowns: &Unknowns, z: &[f64]) -> Result<Vec<f6
     Ok(fit.ok_or_else(|| split.not_simulated())?.z)
 }
 
-/// Copies of the coordinates `z`, with delays all over what is possible.
+/// Returns copies of the coordinates `z` with delays over the whole possible range.
 fn delays_all_over(unknowns: &Unknowns, z: &[f64]) -> Vec<Vec<f64>> {
     let Some(delay) = unknowns.list().iter().position(Unknown::is_delay) else {
         return vec![z.to_vec()];
@@ -183,8 +183,8 @@ fn delays_all_over(unknowns: &Unknowns, z: &[f64]) -> Vec<Vec<f64>> {
     (0..parts as usize).map(with_delay).collect()
 }
 
-/// Returns the best fit from starts all over the ranges of the parameters, if it is another valley than that of `z`. What currents
-/// show stays where it is if they `show_coils`.
+/// Returns the best fit from starts over the whole ranges of the parameters, if it is another valley than that of `z`. Parameters that
+/// currents determine stay unchanged with `show_coils`.
 fn from_other_starts(
     evidence: &Evidence,
     unknowns: &Unknowns,
@@ -206,7 +206,7 @@ fn from_other_starts(
     best.filter(|fit| fit.cost < (1.0 - BETTER_VALLEY) * here.cost)
 }
 
-/// The point `number` of a sequence that is even all over the ranges of the ordinary parameters; the rest as in `z`.
+/// Returns the point `number` of a sequence that is uniform over the ranges of the ordinary parameters; the rest as in `z`.
 fn all_over(unknowns: &Unknowns, z: &[f64], show_coils: bool, number: usize) -> Vec<f64> {
     let mut z = z.to_vec();
     let list = unknowns.list().iter().enumerate();
@@ -221,7 +221,7 @@ fn all_over(unknowns: &Unknowns, z: &[f64], show_coils: bool, number: usize) -> 
     z
 }
 
-/// Element `number` of a low-discrepancy sequence in [0, 1): multiples of the square root of a prime, one prime for each dimension.
+/// Returns element `number` of a low-discrepancy sequence in [0, 1): multiples of the square root of a prime, one prime for each dimension.
 ///
 /// H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM (1992), chapter 3.
 fn additive_recurrence(dimension: usize, number: usize) -> f64 {

@@ -9,7 +9,7 @@ use super::*;
 use crate::bench::{Bench, logged, logged_through, pressure_alone};
 use crate::diagnosis::nuisance::ordinary_names;
 
-/// A plant whose ordinary values are up to a quarter off the nominal ones, and whose coils are 6 % off.
+/// Returns a plant whose ordinary values differ from the nominal ones by up to a quarter, and whose coils differ by 6 %.
 fn another_rig() -> PlantParameters {
     let mut plant = PlantParameters::nominal();
     plant.flow.discharge_fill *= 0.78;
@@ -38,8 +38,8 @@ fn parameter<'a>(estimated: &'a EstimatedPlant, name: &str) -> &'a EstimatedPara
     parameters.find(|parameter| parameter.name == name).unwrap()
 }
 
-/// Goal: a first plant file and an ordinary logger, with a clock of its own, lead to a model that leaves the noise, and what is
-/// called determined is right. Method: a rig of the same simulator, so that nothing but the fit can fail.
+/// Goal: a first plant file and an ordinary logger, with its own clock, lead to a model that leaves the noise, and determined parameters
+/// are right. Method: a rig of the same simulator, so that only the fit can fail.
 #[test]
 fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of_its_own() {
     let rig = another_rig();
@@ -57,7 +57,7 @@ fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of
     assert!(after.worst_in_noise() < 1.1, "{:?}", after);
     for (clock, phase_s) in estimation.clocks.iter().zip([3.3e-3, 8.1e-3]) {
         assert!((clock.drift_ppm - 140.0).abs() < 10.0, "{clock:?}");
-        // Commands that change with the rows leave the phase open within a row.
+        // Commands that change with the rows determine the phase only within a row.
         assert!((clock.phase_s - phase_s).abs() < 2e-3, "{clock:?}");
     }
     assert_eq!(estimation.clocks.len(), 2);
@@ -74,7 +74,7 @@ fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of
         }
     }
     assert!(determined >= 6, "{:?}", estimation.parameters);
-    // Pressures alone tell the ratio of flow and volume.
+    // Pressures alone determine the ratio of flow and volume.
     let volume = parameter(&found, "chamber.volume_m3");
     let Determination::OnlyTogetherWith { parameters } = &volume.determination else {
         panic!("{volume:?}")
@@ -84,7 +84,7 @@ fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of
         "{parameters:?}"
     );
     assert!(volume.determined_by.is_some());
-    // The refined file is a plant file that says how well each value is known.
+    // The refined file is a plant file that states how well each value is known.
     let read = PlantParameters::from_toml(&found.plant.to_toml(), "refined").unwrap();
     let resistance = read.knowledge["coil.resistance_20c_ohm"];
     assert!(
@@ -93,8 +93,8 @@ fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of
     );
 }
 
-/// Of a slow logger, a delay and a clock that are both later leave the same errors. The fit went to the delay of the plant file, and the
-/// commands of the check log then were between other rows.
+/// Defect seen: with a slow logger, a delay and a clock that are both later leave the same errors. The fit moved to the delay of the plant
+/// file, and the commands of the validation log then were between other rows.
 #[test]
 fn rows_and_commands_of_a_slow_logger_show_the_delay() {
     let mut rig = PlantParameters::nominal();
@@ -129,8 +129,8 @@ fn rows_and_commands_of_a_slow_logger_show_the_delay() {
     assert!(after.worst_in_noise() < 1.2, "{:?}", after);
 }
 
-/// Pressures showed a resistance to 0.3 %, 9 % away from the true one: a coil with larger resistance, inductances and force constant moves
-/// the armature alike.
+/// Defect seen: pressures determined a resistance to 0.3 %, 9 % from the true one: a coil with larger resistance, inductances and force
+/// constant moves the armature alike.
 #[test]
 fn pressures_alone_show_the_values_of_a_coil_together() {
     let mut given = PlantParameters::nominal();
@@ -197,7 +197,8 @@ fn a_log_of_the_ecu_itself_has_no_clock_of_its_own_and_what_is_fixed_stays() {
     assert!(preload.after <= 3.2, "{preload:?}");
 }
 
-/// Defect seen: "physics is missing" was said of a rig without an effect, because the check log vented, which the fitted one did not.
+/// Defect seen: "physics is missing" was reported for a rig without an effect, because the validation log vented, which the training log
+/// did not.
 #[test]
 fn a_check_log_that_needs_what_the_fitted_one_leaves_open_is_no_missing_physics() {
     let fills = [

@@ -1,26 +1,25 @@
-//! Derivatives in the directions that the logs leave open.
+//! Derivatives in the directions that the logs leave undetermined.
 //!
-//! Some combinations of parameters change nothing: all flows and the volume in proportion, or without currents the resistance,
-//! the inductances and the force constant. Each difference quotient of a single parameter carries the solver's error, and their
-//! combination shows a curvature that is not there. Along the combination itself the step can be as long as the parameters are
-//! uncertain, so its quotient is accurate where it matters.
+//! Some combinations of parameters change nothing: all flows and the volume in proportion, or without currents the resistance, the
+//! inductances and the force constant. Each difference quotient of a single parameter contains the solver's error, and their combination
+//! shows a false curvature. Along the combination itself the step can be as long as the parameters are uncertain, so its quotient is
+//! accurate.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::fit::{Fit, Fitter};
 use crate::diagnosis::log::Residuals;
 
-/// A direction is weak if its standard deviation, in units of the coordinates, is more than this: about the step of the difference
-/// quotients of single parameters.
+/// Standard deviation, in coordinates, above which a direction is weak: about the step of the difference quotients of single parameters.
 const WEAK_SD: f64 = 0.004;
-/// Steps along a weak direction, over its standard deviation, ...
+/// Step along a weak direction, over its standard deviation, ...
 const STEP_SD: f64 = 0.7;
-/// ... and in the coordinate that moves most, at least and at most.
+/// ... and in the coordinate that moves most, least and largest value.
 const STEP: (f64, f64) = (0.02, 0.25);
-/// A direction that was measured may still be mixed with stronger ones; later passes have them apart.
+/// Number of passes: a direction measured once may still be mixed with stronger ones, which later passes separate.
 const PASSES: usize = 3;
 
-/// Takes the Jacobian of `fit` anew along the directions that are weak in it; unchanged where nothing can be simulated there.
+/// Recomputes the Jacobian of `fit` along its weak directions; unchanged where these cannot be simulated.
 pub(in crate::diagnosis) fn measure_weak_directions(fitter: &Fitter, fit: &mut Fit) {
     for _ in 0..PASSES {
         let (curvature, _) = fitter.normal(fit);
@@ -47,8 +46,8 @@ pub(in crate::diagnosis) fn measure_weak_directions(fitter: &Fitter, fit: &mut F
     }
 }
 
-/// Returns the fit where a step by the Jacobian of `sharp` leads: along what the logs leave open to what the plant file says. None
-/// where that costs more.
+/// Returns the fit after a step with the Jacobian of `sharp`: along undetermined directions towards the plant file. None where that
+/// increases the cost.
 pub(super) fn settled(fitter: &Fitter, sharp: &Fit) -> Option<Fit> {
     let (z, _) = fitter.step(sharp, 0.0);
     let there = fitter.at(z)?;
@@ -58,7 +57,7 @@ pub(super) fn settled(fitter: &Fitter, sharp: &Fit) -> Option<Fit> {
     })
 }
 
-/// d residual / d step along `direction` from `z`, by a difference to both sides.
+/// Returns d residual / d step along `direction` from `z`, by a two-sided difference.
 fn slope_along(fitter: &Fitter, z: &[f64], direction: &DVector<f64>, sd: f64) -> Option<Residuals> {
     let (least, most) = STEP;
     let step = (STEP_SD * sd * direction.amax()).clamp(least, most) / direction.amax();
@@ -76,7 +75,7 @@ fn slope_along(fitter: &Fitter, z: &[f64], direction: &DVector<f64>, sd: f64) ->
     )
 }
 
-/// The sum of `columns`, each times its weight.
+/// Returns the sum of `columns`, each times its weight.
 fn combined(columns: &[Residuals], weights: &DVector<f64>) -> Residuals {
     let mut sum = vec![0.0; columns.first().map_or(0, Vec::len)];
     for (column, weight) in columns.iter().zip(weights.iter()) {

@@ -1,4 +1,4 @@
-//! Commands of a log, each assigned to the sample of the ECU at which it was given.
+//! Assignment of each command of a log to the sample of the ECU at which it was given.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -9,33 +9,33 @@ use plant_sim::{Command, PlantParameters, Tolerance};
 use super::{Log, Run};
 use crate::conditions::Conditions;
 
-/// A command has shown this many PWM periods after it took effect.
+/// Number of PWM periods after a command took effect until its effect has shown.
 const SHOWS_PERIODS: f64 = 2.0;
-/// A command may have been given this share of a sample time outside of the rows that enclose it: the clock may be slightly wrong.
+/// Share of a sample time by which a command may have been given outside the rows that enclose it: the clock may be slightly wrong.
 const EDGE: f64 = 0.1;
-/// More samples of the ECU than these between two rows are a gap.
+/// Number of samples of the ECU between two rows above which the rows enclose a gap.
 const SAMPLES_MAX: u64 = 20;
 
-/// How many changes of the commands are assigned together.
+/// Number of changes of the commands that are assigned together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Changes {
     One,
-    /// Those of two rows: where one begins depends on the sample at which the next one ends it.
+    /// Changes of two rows: the best sample of one depends on the sample at which the next one ends it.
     Two,
 }
 
-/// Changes are assigned so often, the next time by what was assigned behind them.
+/// Number of passes over the changes; each uses the previous assignment of the later changes.
 const PASSES: usize = 2;
 
 impl Log {
-    /// Takes `clock` for the clock of the logger, and by it assigns the command of each row to a sample of the ECU.
+    /// Sets the clock of the logger, and assigns the command of each row to a sample of the ECU with it.
     pub(crate) fn set_clock(&mut self, clock: LoggerClock, parameters: &PlantParameters) {
         self.conditions.clock = Some(clock);
         self.issued_ns = self.issued_by(clock, parameters);
     }
 
-    /// Assigns the commands of a slow log anew, two changes together, from where they are. Only a plant that fits says where two changes
-    /// were: a wrong one is bent until it fits such commands.
+    /// Reassigns the commands of a slow log, two changes together, beginning with the present assignment. Only a plant that fits determines
+    /// two changes: a wrong one would be distorted until it fits such commands.
     pub(crate) fn settle_commands(&mut self, parameters: &PlantParameters) {
         let Some(clock) = self.conditions.clock.filter(|_| self.is_slow()) else {
             return;
@@ -47,13 +47,13 @@ impl Log {
         self.issued_ns = issued_ns;
     }
 
-    /// Takes these instants (ns, ECU time), row after row, for those at which the commands were given.
+    /// Sets the instants (ns, ECU time), row after row, at which the commands were given.
     pub(crate) fn set_issued_ns(&mut self, issued_ns: Vec<u64>) {
         self.issued_ns = issued_ns;
     }
 
-    /// Of each row, the instant (ns, ECU time) at which its command was given if the logger has `clock`. Where several samples of the
-    /// ECU lie between two rows, the one that explains the next rows best, by the model.
+    /// Returns the instant (ns, ECU time) at which the command of each row was given if the logger has `clock`. Where several samples of
+    /// the ECU lie between two rows, it is the one that explains the next rows best with the model.
     pub(super) fn issued_by(&self, clock: LoggerClock, parameters: &PlantParameters) -> Vec<u64> {
         let sample_time_ns = parameters.ecu.sample_time_ns();
         let interval_ns = (self.interval_s * 1e9) as u64;
@@ -68,8 +68,8 @@ impl Log {
         issued_ns
     }
 
-    /// Assigns the command of the first row, which no row before encloses: to the last sample of the ECU before the row, or to that
-    /// since the beginning that explains the rows until it shows better.
+    /// Assigns the command of the first row, which no row before encloses: to the last sample of the ECU before the row, or to the sample
+    /// since the beginning that best explains the rows until its effect has shown.
     fn assign_first_by_model(
         &self,
         clock: LoggerClock,
@@ -105,7 +105,7 @@ impl Log {
         }
     }
 
-    /// The first row behind those in which the command of `row` may show.
+    /// Returns the first row after those in which the command of `row` may show.
     fn rows_until_shown(&self, row: usize, parameters: &PlantParameters) -> usize {
         let shows_s =
             parameters.ecu.command_delay_s + SHOWS_PERIODS / parameters.ecu.pwm_frequency_hz;
@@ -113,7 +113,7 @@ impl Log {
         (row + rows).min(self.inputs.len())
     }
 
-    /// What the model leaves in `rows` from the state of `replay` on, if their commands were given at `issued_ns`.
+    /// Returns the sum of squared residuals in `rows` from the state of `replay` on, if their commands were given at `issued_ns`.
     fn loss(
         &self,
         mut replay: Replay,
@@ -129,8 +129,8 @@ impl Log {
         errors.sum()
     }
 
-    /// Assigns each change of the commands to the sample of the ECU between its two rows that explains the rows until it shows best, by
-    /// itself or together with a change in the next row.
+    /// Assigns each change of the commands to the sample of the ECU between its two rows that best explains the rows until its effect has
+    /// shown, alone or together with a change in the next row.
     fn assign_by_model(
         &self,
         clock: LoggerClock,
@@ -183,8 +183,8 @@ impl Log {
         }
     }
 
-    /// Samples of the ECU at which the command of `row` may have been given first: those since the row before, and a little more,
-    /// for the clock may be slightly wrong. None where the command does not change, and in a gap.
+    /// Returns the samples of the ECU at which the command of `row` may have been given first: those since the row before, with a small
+    /// margin because the clock may be slightly wrong. None where the command does not change, and in a gap.
     fn possible_samples(
         &self,
         row: usize,
@@ -204,7 +204,7 @@ impl Log {
         (last.saturating_sub(first) <= SAMPLES_MAX).then_some(first..=last)
     }
 
-    /// Sum of the squared residuals of a predicted row.
+    /// Returns the sum of the squared residuals of a predicted row.
     fn square_error(&self, values: &Row, row: usize) -> f64 {
         let errors = self.channels.iter().map(|channel| {
             let error = channel.values[row] - values[channel.column];
@@ -216,8 +216,8 @@ impl Log {
             .sum()
     }
 
-    /// For each change of the commands, by which times (s) the clock of the logger may be later than it is such that the command was
-    /// given between the row before and the row that shows it.
+    /// Returns for each change of the commands the range of times (s) by which the clock of the logger may be shifted later, so that the
+    /// command was given between the row before and the row that shows it.
     pub(crate) fn possible_shifts_s(&self) -> Vec<Range<f64>> {
         let Some(clock) = self.conditions.clock else {
             return Vec::new();

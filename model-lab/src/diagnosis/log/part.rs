@@ -1,8 +1,8 @@
-//! A part of a log: its beginning, or the rows of a fast log that a fit needs.
+//! Part of a log: its beginning, or the rows of a fast log that a fit needs.
 //!
-//! The simulation stops at each row, so that a log of 5 kHz takes five times as long as one of 1 kHz, while the plant is as slow in
+//! The simulation stops at each row, so that a log of 5 kHz takes five times as long as one of 1 kHz, while the plant is equally slow in
 //! both. Neighbouring rows are kept in pairs, since a current may be a mean over the time since the row before. The place of the pairs
-//! changes from one to the next, so that rows at a multiple of the PWM frequency still show every part of its period.
+//! changes from one to the next, so that rows at a multiple of the PWM frequency still cover every part of its period.
 
 use std::sync::Arc;
 
@@ -14,11 +14,11 @@ use crate::measured::is_current;
 
 /// Approximate rate of the rows that are kept of a faster log (1/s), without those at commands and gaps.
 const ROWS_PER_S: f64 = 1000.0;
-/// Golden section: the places of the pairs are spread evenly and never repeat.
+/// Golden section: the places of the pairs are spread uniformly and never repeat.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl Log {
-    /// Returns the log with the rows that a fit needs; a log of about 1 kHz stays as it is.
+    /// Returns the log with the rows that a fit needs; a log of about 1 kHz is unchanged.
     pub(crate) fn thinned(self, parameters: &PlantParameters) -> Self {
         let rows = self.needed_rows();
         match rows.len() == self.inputs.len() {
@@ -27,7 +27,8 @@ impl Log {
         }
     }
 
-    /// Returns the first `least_s` of the log, and what follows up to the given number of changes of the commands; none if that is all.
+    /// Returns the first `least_s` of the log, and its continuation up to the given number of changes of the commands; none if that is all
+    /// of it.
     pub(crate) fn beginning(
         &self,
         least_s: f64,
@@ -47,7 +48,7 @@ impl Log {
         self.inputs[row].command != self.inputs[row - 1].command
     }
 
-    /// The log with these rows alone, in order.
+    /// Returns the log with only these rows, in order.
     fn at_rows(mut self, rows: &[usize], parameters: &PlantParameters) -> Self {
         let is_mean = self.is_sampling_open() || self.sampling == CurrentSampling::MeanOfInterval;
         for channel in &mut self.channels {
@@ -87,7 +88,7 @@ impl Log {
         self
     }
 
-    /// Rows that a fit needs, in order.
+    /// Returns the rows that a fit needs, in order.
     fn needed_rows(&self) -> Vec<usize> {
         let count = self.inputs.len();
         let group = (2.0 / (ROWS_PER_S * self.interval_s)).round();
@@ -101,7 +102,7 @@ impl Log {
             let pair = begin + place..(begin + place + 2).min(count);
             is_needed[pair.start.min(count - 1)..pair.end].fill(true);
         }
-        // Between these rows the ECU gave another command, which tells the clock.
+        // Between these rows the ECU gave another command, which determines the clock.
         for row in 1..count {
             if self.changes_command(row) {
                 is_needed[row - 1..=row].fill(true);
@@ -139,7 +140,7 @@ mod tests {
         gather(&PlantParameters::nominal(), [log]).unwrap()
     }
 
-    /// Currents that are means of 0.25 ms, and a pause of 0.3 s behind which the model begins again.
+    /// Currents that are means of 0.25 ms, and a pause of 0.3 s after which the model restarts.
     #[test]
     fn a_true_plant_leaves_the_noise_on_a_thinned_log() {
         let plant = PlantParameters::nominal();
@@ -192,7 +193,7 @@ mod tests {
         );
     }
 
-    /// Of a log with a pause in its beginning and another one behind it.
+    /// A log with a pause in its beginning and another one after it.
     #[test]
     fn the_beginning_of_a_log_has_its_first_errors() {
         let plant = PlantParameters::nominal();

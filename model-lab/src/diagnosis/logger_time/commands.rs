@@ -1,40 +1,40 @@
-//! The clock of a logger, from the commands that it logged.
+//! Clock of a logger, from the commands that it logged.
 //!
-//! The ECU commands on its own grid, so every change of a logged duty cycle lies between the two rows that enclose a sample
-//! instant of the ECU. Each change therefore admits only some phases of the logger's clock. A logger whose rows are closer than
-//! the ECU's samples thereby shows phase and drift of its clock without any model.
+//! The ECU commands on its own grid, so every change of a logged duty cycle lies between the two rows that enclose a sample instant of the
+//! ECU. Each change therefore admits only some phases of the logger's clock. A logger whose rows are closer than the ECU's samples thus
+//! shows phase and drift of its clock without any model.
 
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::ReplayInput;
 
-/// Drifts beyond this are no logger's clock (ppm).
+/// Largest drift of a logger's clock (ppm).
 pub(super) const DRIFT_MAX_PPM: f64 = 400.0;
-/// A change tells something of the clock if its rows are closer than this share of the ECU's sample time.
+/// Largest distance of a change's rows, over the ECU's sample time, at which it constrains the clock.
 const FASTER: f64 = 0.75;
-/// Changes of a command from which on a clock is believed.
+/// Smallest number of changes of a command that determines a clock.
 const CHANGES_MIN: usize = 5;
-/// Drifts are tried in steps that move the last change by this share of the time between its rows.
+/// Step of the tried drifts: it moves the last change by this share of the time between its rows.
 const STEP_SHARE: f64 = 0.02;
-/// Clocks are this share of it apart at the last change.
+/// Distance of the returned clocks at the last change, over the time between its rows.
 const APART_SHARE: f64 = 0.3;
-/// Changes may lie outside of their rows by this share of the time between them: rounded times.
+/// Share of the time between its rows by which a change may lie outside of them, because of rounded times.
 const SLACK: f64 = 0.02;
-/// The same for a clock that was fitted.
+/// The same share for a fitted clock.
 pub(super) const FITTED_SLACK: f64 = 0.1;
 /// Share of the changes that a clock has to explain: a command may be set by hand, between the samples of the ECU.
 const EXPLAINED: f64 = 0.98;
 
-/// A clock as the commands tell it.
+/// Clock as determined by the commands.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ToldClock {
     pub(super) clock: LoggerClock,
-    /// The phase may be this much more or less (s), ...
+    /// Largest deviation of the phase to either side (s), ...
     pub(super) phase_slack_s: f64,
-    /// ... and so may the drift (ppm).
+    /// ... and of the drift (ppm).
     pub(super) drift_slack_ppm: f64,
 }
 
-/// A change of a command: somewhere between two rows.
+/// Change of a command, between two rows.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     /// Instants of the two rows since the first one of the log (s).
@@ -42,8 +42,8 @@ struct Change {
     at_s: f64,
 }
 
-/// Returns clocks in whose time all changes of the commands enclose a sample instant of the ECU, all over the drifts for which
-/// that is so. None for a logger that is hardly faster than the ECU, for few changes, and for commands that are on no such grid.
+/// Returns clocks in whose time all changes of the commands enclose a sample instant of the ECU, over the whole range of such drifts. None
+/// for a logger that is hardly faster than the ECU, for few changes, and for commands that are not on such a grid.
 pub(super) fn clocks_from_commands(inputs: &[ReplayInput], sample_time_s: f64) -> Vec<ToldClock> {
     let changes = changes(inputs, FASTER * sample_time_s);
     if changes.len() < CHANGES_MIN {
@@ -87,7 +87,7 @@ pub(super) fn clocks_from_commands(inputs: &[ReplayInput], sample_time_s: f64) -
         .collect()
 }
 
-/// Whether `clock` explains the changes of the commands, fitted as it is: within a tenth of a row.
+/// Returns whether the fitted `clock` explains the changes of the commands: within a tenth of a row.
 pub(super) fn admit(inputs: &[ReplayInput], sample_time_s: f64, clock: LoggerClock) -> bool {
     let changes = changes(inputs, FASTER * sample_time_s);
     let encloses = |change: &&Change| {
@@ -100,8 +100,8 @@ pub(super) fn admit(inputs: &[ReplayInput], sample_time_s: f64, clock: LoggerClo
     explained as f64 >= EXPLAINED * changes.len() as f64
 }
 
-/// Returns the instants of the first and the last change that tell something of a clock, since the first row (s); those of the first and
-/// the last row where there is none.
+/// Returns the instants of the first and the last change that constrain a clock, since the first row (s); those of the first and the last
+/// row where there is none.
 pub(super) fn ends_s(inputs: &[ReplayInput], sample_time_s: f64) -> [f64; 2] {
     let changes = changes(inputs, FASTER * sample_time_s);
     let last_row_s = inputs.last().map_or(0.0, |last| last.time_ns as f64 * 1e-9);
@@ -111,13 +111,13 @@ pub(super) fn ends_s(inputs: &[ReplayInput], sample_time_s: f64) -> [f64; 2] {
     }
 }
 
-/// Returns how often the commands change.
+/// Returns the number of changes of the commands.
 pub(super) fn change_count(inputs: &[ReplayInput]) -> usize {
     changes(inputs, f64::INFINITY).len()
 }
 
-/// Whether the rows may be instants of the ECU's own clock: its samples are at multiples of `sample_time_s` then, and so are the rows
-/// that show a new command.
+/// Returns whether the rows may be instants of the ECU's own clock: its samples then are at multiples of `sample_time_s`, and so are the
+/// rows that show a new command.
 pub(super) fn admit_own_clock(inputs: &[ReplayInput], sample_time_s: f64) -> bool {
     let changes = changes(inputs, f64::INFINITY);
     let is_at_sample = |change: &&Change| {
@@ -183,7 +183,7 @@ mod tests {
 
     const SAMPLE_TIME_S: f64 = 10e-3;
 
-    /// What a logger with `clock` shows at `instants_s` of commands that change at samples of the ECU all over the log.
+    /// Returns the log of a logger with `clock` at `instants_s`, of commands that change at samples of the ECU throughout the log.
     fn logged(clock: LoggerClock, instants_s: impl Iterator<Item = f64>) -> Vec<ReplayInput> {
         let row = |instant_s: f64| {
             let time_ns = (instant_s * 1e9) as u64;
@@ -222,7 +222,7 @@ mod tests {
             for interval_s in [0.2e-3, 2e-3, 5e-3] {
                 let rows = (30.0 / interval_s) as usize;
                 check(clock, (0..rows).map(|row| row as f64 * interval_s));
-                // Rows up to 0.8 intervals late, in no order.
+                // Rows up to 0.8 intervals late, in irregular order.
                 let late = |row: usize| (row as f64 * 0.618).fract() * 0.8;
                 check(
                     clock,

@@ -1,8 +1,8 @@
-//! The clock of a logger: when its rows were taken, in the time of the ECU.
+//! Clock of a logger: the instants of its rows, in the time of the ECU.
 //!
-//! A log need not start on a sample instant of the ECU, and its clock may run fast or slow. What it says of the commands gives
-//! the clock of a fast logger at once; of a slow one it is found by trying clocks on the model, together with the delay of the
-//! commands, for which a wrong clock would be taken.
+//! A log need not begin at a sample instant of the ECU, and its clock may run fast or slow. The commands of a fast logger determine its
+//! clock directly. That of a slow logger is found by trying clocks on the model, together with the delay of the commands, which a wrong
+//! clock would be mistaken for.
 
 mod commands;
 mod of_one_log;
@@ -31,46 +31,46 @@ pub(crate) use slow::{Search, centre_slow_clocks, find_slow_clocks};
 use told::known_clock;
 use tries::{Found, OUTLIER, Tries, loss};
 
-/// Delays are tried as far as this to either side of the plant file's (s), ...
+/// Range of the tried delays to either side of the plant file's (s), ...
 const DELAY_REACH_S: f64 = 8e-3;
-/// ... in these steps (s); a clock of a slow logger in wider ones.
+/// ... and their step (s); a clock of a slow logger is tried with a wider one.
 const DELAY_STEP_S: f64 = 1e-3;
 const WIDE_DELAY_STEP_S: f64 = 2e-3;
-/// Phases of a slow logger that are tried, over the sample time of the ECU: where a delay is searched, which makes up for a phase, and
+/// Tried phases of a slow logger, over the sample time of the ECU: where the delay is also searched, which compensates for a phase, and
 /// where it is not.
 const PHASES: [f64; 3] = [0.17, 0.5, 0.83];
 const CLOSE_PHASES: [f64; 9] = [0.05, 0.17, 0.28, 0.39, 0.5, 0.61, 0.72, 0.83, 0.95];
-/// Drifts of a slow logger are tried in steps that move the last row by this time (s).
+/// Step of the tried drifts of a slow logger: it moves the last row by this time (s).
 const DRIFT_STEP_S: f64 = 3e-3;
-/// Drifts of a slow logger are tried up to this (ppm).
+/// Largest tried drift of a slow logger (ppm).
 const SLOW_DRIFT_MAX_PPM: f64 = 0.6 * DRIFT_MAX_PPM;
-/// Steps to either side at most.
+/// Number of steps to either side, at most.
 const DRIFTS_MAX: f64 = 8.0;
-/// Mean loss of a sample below which rows are taken to be samples of the ECU, by a first plant file and by a fitted plant. White noise
-/// has 0.7.
+/// Mean loss of a sample below which rows count as samples of the ECU, with a first plant file and with a fitted plant. White noise has
+/// 0.7.
 const IN_TIME: f64 = 2.0;
 const IN_TIME_FITTED: f64 = 0.8;
-/// A clock is believed if it leaves at most this share of the loss without one, by a first plant file and by a fitted plant.
+/// Largest loss with a clock, over that without one, at which the clock is accepted, with a first plant file and with a fitted plant.
 const CLEAR: f64 = 0.7;
 const CLEAR_FITTED: f64 = 0.98;
-/// Fits of the clocks, with the commands assigned anew after each.
+/// Number of fits of the clocks; the commands are reassigned after each.
 const ROUNDS: usize = 2;
-/// Phases that are tried within what the commands leave open, over half of it.
+/// Tried phases within the range that the commands admit, over half of it.
 const WITHIN_SLACK: [f64; 3] = [-0.67, 0.0, 0.67];
-/// Standard deviation of what lies evenly within a slack to either side.
+/// Standard deviation of a uniform distribution, divided by half its width.
 const EVEN_SD: f64 = 0.577;
 
-/// What is known of the delay of the commands while a clock is looked for.
+/// Prior knowledge of the delay of the commands during the search for a clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Delay {
     /// The plant's delay is right.
     AsGiven,
-    /// The delay may be milliseconds off, which looks like a wrong clock.
+    /// The delay may be wrong by milliseconds, which looks like a wrong clock.
     Searched,
 }
 
 impl Delay {
-    /// Clocks to try of what the commands tell. A delay that is searched makes up for a phase.
+    /// Returns the clocks to try around one that the commands determine. A delay that is searched compensates for a phase.
     fn clocks(self, told: &ToldClock) -> Vec<Option<LoggerClock>> {
         let shares = match self {
             Self::AsGiven => &WITHIN_SLACK[..],
@@ -104,7 +104,7 @@ impl Delay {
         }
     }
 
-    /// Delays to try with each clock (s), `step_s` apart.
+    /// Returns the delays to try with each clock (s), `step_s` apart.
     fn candidates_s(self, plant: &PlantParameters, step_s: f64) -> Vec<f64> {
         let there_s = plant.ecu.command_delay_s;
         let is_commanded = plant
@@ -122,8 +122,8 @@ impl Delay {
     }
 }
 
-/// Finds how the rows of `log` lie in the time of the ECU, with `plant` as far as it is known. `drifts_ppm` are those of other logs,
-/// perhaps of the same logger.
+/// Finds the times of the rows of `log` in the time of the ECU, with the present `plant`. `drifts_ppm` are those of other logs, perhaps of
+/// the same logger.
 pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
     let has_rows = log.interval_s > 0.0 && log.duration_s() > log.interval_s;
@@ -158,7 +158,7 @@ fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drif
     }
 }
 
-/// Finds the clock of the logger of `log` of which the commands tell nothing; none if the rows may be samples of the ECU.
+/// Finds the clock of the logger of `log` if the commands do not determine it; none if the rows may be samples of the ECU.
 fn find_untold_clock(
     plant: &PlantParameters,
     (log, tries): (&Log, &Tries),
@@ -166,7 +166,7 @@ fn find_untold_clock(
     drifts_ppm: &[f64],
 ) -> Option<Found> {
     let as_ecu = tries.best(&[None], &delay.candidates_s(plant, DELAY_STEP_S));
-    // A delay that was fitted together with a clock suits that clock alone.
+    // A delay that was fitted together with a clock is valid with that clock only.
     let is_stated = plant.knowledge.contains_key(COMMAND_DELAY);
     let fitted = (is_stated && delay == Delay::Searched).then_some(Delay::AsGiven);
     let ways: Vec<Delay> = fitted.into_iter().chain([delay]).collect();
@@ -187,8 +187,8 @@ fn find_untold_clock(
     })
 }
 
-/// Finds the clocks of all logs in `evidence` with `plant`, whose parameters are right, and fits all conditions. `drifts_ppm` are those
-/// of other logs, perhaps of the same logger.
+/// Finds the clocks of all logs in `evidence` with `plant`, whose parameters are right, and fits all conditions. `drifts_ppm` are those of
+/// other logs, perhaps of the same logger.
 pub(crate) fn find_conditions(
     plant: &PlantParameters,
     evidence: &mut Evidence,
@@ -201,7 +201,7 @@ pub(crate) fn find_conditions(
     fit_conditions(plant, evidence);
 }
 
-/// Fits the conditions of the logs in `evidence`, clocks that were found among them, with `plant`, whose parameters are right.
+/// Fits the conditions of the logs in `evidence`, including found clocks, with `plant`, whose parameters are right.
 pub(crate) fn fit_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
     for _ in 0..ROUNDS {
         let conditions = fitted_conditions(plant, evidence);
@@ -212,7 +212,7 @@ pub(crate) fn fit_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
     }
 }
 
-/// Returns the conditions of the logs in `evidence` that suit `plant` best, with the commands assigned as they are.
+/// Returns the conditions of the logs in `evidence` that suit `plant` best, with the present assignment of the commands.
 pub(crate) fn fitted_conditions(plant: &PlantParameters, evidence: &Evidence) -> Vec<Conditions> {
     let mut conditions = evidence.conditions();
     let unknowns = Unknowns::of_logs(plant, &evidence.logs);
@@ -239,7 +239,7 @@ pub(crate) fn best_delay_s(plant: &PlantParameters, evidence: &Evidence) -> f64 
     best.map_or(plant.ecu.command_delay_s, |(delay_s, _)| delay_s)
 }
 
-/// Drifts of usual quartzes (ppm).
+/// Returns drifts of usual quartz oscillators (ppm).
 fn usual_drifts_ppm(duration_s: f64) -> impl Iterator<Item = f64> {
     let step_ppm = DRIFT_STEP_S / duration_s * 1e6;
     let steps = (SLOW_DRIFT_MAX_PPM / step_ppm).ceil().min(DRIFTS_MAX) as i32;
@@ -253,8 +253,8 @@ mod tests {
     use crate::diagnosis::gather::gather;
     use crate::diagnosis::log::{KnownClock, KnownPhase};
 
-    /// Defect seen: some hundred commands told the phase of rows 6.9 ms apart to a tenth of a millisecond, and a fit went 1.7 ms away
-    /// from it, 2.4 noise floors from the log.
+    /// Defect seen: about a hundred commands determined the phase of rows 6.9 ms apart to a tenth of a millisecond, and a fit moved it by
+    /// 1.7 ms, 2.4 noise floors from the log.
     #[test]
     fn a_phase_is_known_as_well_as_the_commands_tell_it() {
         let plant = PlantParameters::nominal();

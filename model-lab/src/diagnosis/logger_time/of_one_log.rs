@@ -1,8 +1,8 @@
-//! The conditions of one log by a plant as it is, which may be right or wrong.
+//! Conditions of one log with an unchanged plant, which may be right or wrong.
 //!
-//! A wrong plant leaves errors that some clock makes smaller, and so does a wrong delay. So a clock has to be shown by the commands,
-//! or to leave clearly less than rows that are samples of the ECU do with any delay that is possible. What is sought over all clocks is
-//! sought at the beginning of the log, where drifts do not count; only what shows there is sought in all of it.
+//! A wrong plant leaves errors that some clock makes smaller, and so does a wrong delay. Therefore a clock is accepted only if the commands
+//! show it, or if it leaves clearly less than rows that are samples of the ECU do with any possible delay. A search over all clocks uses
+//! the beginning of the log, where drifts do not matter; only a clock that shows there is sought in all of it.
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -21,20 +21,20 @@ use crate::diagnosis::log::Log;
 use crate::diagnosis::read_log::Read;
 use crate::diagnosis::sensor_noise::SensorNoise;
 
-/// Changes of the commands without which no clock shows.
+/// Smallest number of changes of the commands from which a clock can be found.
 const CHANGES_MIN: usize = 5;
-/// Changes of the commands that are on a grid of the ECU by no chance: two rows of a fast logger enclose an instant of any grid with
-/// a probability of up to 3 in 4.
+/// Number of changes of the commands that are not on a grid of the ECU by chance: two rows of a fast logger enclose an instant of any grid
+/// with a probability of up to 3 in 4.
 const CHANGES_PROVING: usize = 20;
-/// Delays with which rows of the ECU itself are tried where its clock and another one explain the commands alike, over the time from row
-/// to row: any phase within a row is such a delay.
+/// Delays, over the time from row to row, with which rows of the ECU itself are tried where its clock and another one explain the commands
+/// equally well: any phase within a row is such a delay.
 const DELAYS_WITHIN_ROW: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
-/// A drift is open if the commands admit such that the end of the log moves by this time (s).
+/// Shift of the end of the log (s) from which on the drifts that the commands admit count as undetermined.
 const OPEN_S: f64 = 0.2e-3;
-/// The temperature of the gas is believed if it takes this much of the loss, three standard deviations of two figures.
+/// Decrease of the loss from which on the temperature of the gas is accepted: three standard deviations of two quantities.
 const GAS_SHOWS: f64 = 12.0;
 
-/// Finds the conditions of `log` with `plant` as it is; none if the log cannot be compared, or where `goes_on` says no.
+/// Finds the conditions of `log` with an unchanged `plant`; none if the log cannot be compared, or where `goes_on` returns false.
 pub(crate) fn conditions_of(
     plant: &PlantParameters,
     log: &Recording,
@@ -43,7 +43,7 @@ pub(crate) fn conditions_of(
     let has_coil = plant.functions.iter().any(|function| function.has_coil());
     let surroundings = Surroundings::of(plant, log).ok()?;
     let plant = &*surroundings.around(plant);
-    let mut evidence = evidence_of(plant, &first_rows(log))?;
+    let mut evidence = evidence_of(plant, &beginning(log))?;
     if !goes_on() {
         return None;
     }
@@ -70,7 +70,7 @@ pub(crate) fn conditions_of(
     Some(found)
 }
 
-/// Returns the least and the largest drift (ppm) that the commands of `log` admit, if it matters which of them is right.
+/// Returns the least and the largest drift (ppm) that the commands of `log` admit, if the difference matters.
 fn open_drifts_ppm(plant: &PlantParameters, log: &Log) -> Option<(f64, f64)> {
     let told = clocks_from_commands(log.inputs(), plant.ecu.sample_time_s);
     let drifts_ppm = told.iter().map(|told| told.clock.drift_ppm);
@@ -82,7 +82,7 @@ fn open_drifts_ppm(plant: &PlantParameters, log: &Log) -> Option<(f64, f64)> {
     (moves_end_s > OPEN_S).then_some((least, most))
 }
 
-/// Finds the clock of the one log in `evidence`; none where `goes_on` says no.
+/// Finds the clock of the one log in `evidence`; none where `goes_on` returns false.
 fn find_clock_by(
     plant: &PlantParameters,
     evidence: &mut Evidence,
@@ -110,7 +110,7 @@ fn find_clock_by(
     }
     let tries = Tries::on(plant, log);
     let (delay_s, interval_s) = (plant.ecu.command_delay_s, log.interval_s);
-    // A plant file that says how well it knows the delay was fitted, and its delay with it.
+    // A plant file that states the tolerance of the delay was fitted, and its delay as well.
     let delay = match plant.knowledge.contains_key(COMMAND_DELAY) {
         true => Delay::AsGiven,
         false => Delay::Searched,
@@ -150,8 +150,8 @@ fn find_clock_by(
     Some(())
 }
 
-/// Fits the conditions of the one log in `evidence`. Means since the row before look like values of an instant half a row earlier, so
-/// where the currents may be either, both are fitted.
+/// Fits the conditions of the one log in `evidence`. Means since the row before look like instantaneous values half a row earlier, so both
+/// are fitted where the currents may be either.
 fn fit(plant: &PlantParameters, evidence: &mut Evidence) {
     let (begun, usual) = (evidence.conditions(), evidence.logs[0].sampling);
     let told = begun[0].clock;
@@ -179,8 +179,7 @@ fn loss_of(plant: &PlantParameters, log: &Log) -> f64 {
     loss(plant, log, log.conditions.clock, plant.ecu.command_delay_s)
 }
 
-/// Takes the clock that the commands `told` where the fitted one is none of those that they admit: the error of a wrong plant drew it
-/// away.
+/// Restores the clock `told` by the commands where they do not admit the fitted one: the error of a wrong plant moved it.
 fn keep_to_commands(plant: &PlantParameters, log: &mut Log, told: Option<LoggerClock>) {
     let (Some(told), Some(fitted)) = (told, log.conditions.clock) else {
         return;
@@ -190,14 +189,15 @@ fn keep_to_commands(plant: &PlantParameters, log: &mut Log, told: Option<LoggerC
     }
 }
 
-/// Takes gas of the wall's temperature where no other one shows.
+/// Resets the gas to the temperature of the wall where the log does not show another one.
 fn forget_gas_that_does_not_show(plant: &PlantParameters, log: &mut Log) {
     if !log.begins_filled() {
         return;
     }
     let (fitted, with) = (log.conditions.start_gas, loss_of(plant, log));
     log.conditions.start_gas.excess_k = 0.0;
-    // A vessel that leaks loses its pressure like one that cools: without a command only a model that leaves the noise tells.
+    // The pressure of a leaking vessel falls like that of a cooling one: without commands, only a model that leaves just the noise
+    // distinguishes them.
     let noise = IN_TIME_FITTED * log.counted_samples().max(1) as f64;
     let leaves_noise = log.has_coil() || with < noise;
     if leaves_noise && with < loss_of(plant, log) - GAS_SHOWS {
@@ -205,7 +205,7 @@ fn forget_gas_that_does_not_show(plant: &PlantParameters, log: &mut Log) {
     }
 }
 
-/// The log as evidence, without its conditions; none if it cannot be compared.
+/// Returns the log as evidence, without its conditions; none if it cannot be compared.
 fn evidence_of(plant: &PlantParameters, log: &Recording) -> Option<Evidence> {
     let mut noise = SensorNoise::default();
     let read = Read::of(plant, log).ok()?;
@@ -214,14 +214,18 @@ fn evidence_of(plant: &PlantParameters, log: &Recording) -> Option<Evidence> {
     Some(Evidence::of(vec![log.thinned(plant)]))
 }
 
-/// The first [`LogConditions::ROWS_MAX`] rows at most.
-fn first_rows(log: &Recording) -> Recording {
+/// Returns the beginning of a log, which may be all of it.
+fn beginning(log: &Recording) -> Recording {
     let mut part = Recording::new(log.provenance().clone());
     let mut ids = Vec::new();
     for (id, base) in log.time_bases() {
-        let rows = base.len().min(LogConditions::ROWS_MAX);
-        let times_s = base.times_s()[..rows].to_vec();
-        let base = TimeBase::new(times_s).expect("it is the beginning of one");
+        let times_s = base.times_s();
+        let is_later = |&row: &usize| {
+            let time_s = times_s[row] - times_s[0];
+            !LogConditions::is_in_beginning(row, time_s)
+        };
+        let rows = (0..times_s.len()).find(is_later).unwrap_or(times_s.len());
+        let base = TimeBase::new(times_s[..rows].to_vec()).expect("it is the beginning of one");
         ids.push((id, part.add_time_base(base), rows));
     }
     for signal in log.signals() {

@@ -1,8 +1,8 @@
-//! Search for the ECU sample at which a log begins, of those that a PWM period has.
+//! Search for the ECU sample within the PWM pattern at which a log begins.
 //!
 //! Samples of the ECU and its PWM come from one timer. Where a sample time is a whole number of PWM periods, each sample lies at the same
-//! place of a period, which the delay of the commands accounts for. Otherwise a log may begin at any sample of the pattern that both make
-//! together, five samples with 20 Hz and 10 ms: a wrong one moves every pulse by a part of the period.
+//! place of a period, which the delay of the commands accounts for. Otherwise a log may begin at any sample of the common pattern, for
+//! example five samples with 20 Hz and 10 ms. A wrong one shifts every pulse by a part of the period.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::EcuParameters;
@@ -10,13 +10,14 @@ use plant_sim::parameters::EcuParameters;
 use super::{CLEAR, Delay, Tries, WIDE_DELAY_STEP_S};
 use crate::diagnosis::log::Log;
 
-/// Largest number of samples that are tried. In a longer pattern they lie close together, and the delay of the commands makes up for one.
+/// Largest number of samples that are tried. In a longer pattern they lie close together, and the delay of the commands compensates for
+/// one.
 const LEADS_MAX: usize = 12;
-/// Samples and PWM periods coincide if they are this share of a period apart.
+/// Largest distance of samples and PWM periods, as a share of a period, at which they coincide.
 const COINCIDE: f64 = 0.01;
 
-/// Finds the sample of the ECU within its pattern of PWM periods at which `log` begins, with `plant` as far as it is known. Where nothing
-/// speaks clearly for another one, it stays.
+/// Finds the sample of the ECU within its pattern of PWM periods at which `log` begins, with the present `plant`. Unchanged where no other
+/// one is clearly better.
 pub(super) fn find_pwm_lead(plant: &PlantParameters, log: &mut Log, delay: Delay) {
     let leads_ns = leads_ns(&plant.ecu);
     if !(2..=LEADS_MAX).contains(&leads_ns.len()) {
@@ -38,7 +39,7 @@ pub(super) fn find_pwm_lead(plant: &PlantParameters, log: &mut Log, delay: Delay
     }
 }
 
-/// Returns the times (ns) from a sample of the ECU that begins a PWM period to those up to the next that does.
+/// Returns the times (ns) from a sample of the ECU that begins a PWM period to those before the next one that does.
 fn leads_ns(ecu: &EcuParameters) -> Vec<u64> {
     let (sample_ns, period_ns) = (ecu.sample_time_ns(), ecu.pwm_period_ns());
     let apart_ns = |lead_ns: u64| {

@@ -1,6 +1,6 @@
-//! Whether the currents of a logger are means since the row before or values of the instant.
+//! Choice whether the currents of a logger are means since the row before or instantaneous values.
 //!
-//! Means look like values of an instant half a row earlier, and so does what is missing in a coil: one choice holds for all logs of a
+//! Means look like instantaneous values half a row earlier, and so does a missing effect of a coil. One choice applies to all logs of a
 //! logger, and a diagnosis that leaves an error of the currents tries the other one.
 
 use plant_sim::PlantParameters;
@@ -11,7 +11,7 @@ use super::super::log::Log;
 use super::pwm_lead::find_pwm_lead;
 use super::{DELAY_STEP_S, Delay, Tries};
 
-/// Chooses for all logs in `evidence` that leave it open: what leaves less.
+/// Chooses the sampling with the smaller loss, for all logs in `evidence` that leave it open.
 pub(crate) fn find_sampling(plant: &PlantParameters, evidence: &mut Evidence, delay: Delay) {
     let mut found: Option<(f64, _, _)> = None;
     for sampling in [CurrentSampling::MeanOfInterval, CurrentSampling::Instant] {
@@ -35,8 +35,8 @@ pub(crate) fn find_sampling(plant: &PlantParameters, evidence: &mut Evidence, de
     }
 }
 
-/// Takes the currents of each log that leaves it open for `sampling`, and finds at which sample of a PWM period the log begins then, for
-/// the pulses of one choice lie half a row from those of the other. Returns whether there is such a log.
+/// Sets the sampling of each log that leaves it open to `sampling`, and finds the sample of a PWM period at which the log then begins,
+/// because the pulses of one choice lie half a row from those of the other. Returns whether there is such a log.
 pub(crate) fn take_sampling(
     plant: &PlantParameters,
     evidence: &mut Evidence,

@@ -1,8 +1,8 @@
-//! The clock of a logger that is no faster than the ECU.
+//! Clock of a logger that is no faster than the ECU.
 //!
-//! Such a log says nothing of its clock but through the model. What a fit of the plant has found by then is the time from a row to
-//! the effect of its command, delay less phase. Clocks that keep this time in the middle of the log are tried: all delays, since the
-//! phase decides which sample of the ECU a row can show, and all drifts, which spread the ends of the log.
+//! Such a log shows its clock only through the model. A previous fit of the plant has determined the time from a row to the effect of its
+//! command, delay minus phase. Clocks with this time in the middle of the log are tried: all delays, since the phase decides which sample
+//! of the ECU a row can show, and all drifts, which shift the ends of the log.
 
 use std::ops::Range;
 
@@ -14,29 +14,29 @@ use super::{DELAY_STEP_S, DRIFT_MAX_PPM, EVEN_SD, IN_TIME_FITTED, loss};
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::log::{KnownClock, KnownPhase, Log};
 
-/// Drifts are tried in steps that move the last row by this time (s).
+/// Step of the tried drifts: it moves the last row by this time (s).
 const DRIFT_STEP_S: f64 = 1e-3;
-/// Drifts up to this are tried (ppm), in this many steps to either side at most.
+/// Largest tried drift (ppm), and the largest number of steps to either side.
 const DRIFT_REACH_PPM: f64 = 0.6 * DRIFT_MAX_PPM;
 const STEPS_MAX: f64 = 12.0;
-/// A clock is believed if it leaves at most this share of the loss without one.
+/// Largest loss with a clock, over that without one, at which the clock is accepted.
 const CLEAR: f64 = 0.98;
 
-/// Least standard deviation of a phase that rows and commands show (s).
+/// Least standard deviation of a phase that rows and commands determine (s).
 const LEAST_PHASE_SD_S: f64 = 0.1e-3;
-/// Largest distance of a fitted phase from the one that rows and commands show, in standard deviations.
+/// Largest distance of a fitted phase from the one that rows and commands determine (standard deviations).
 const PHASE_REACH_SD: f64 = 3.0;
 
-/// How delay and drifts are searched.
+/// Order of the search for delay and drifts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Search {
     /// One after the other.
     InTurn,
-    /// All drifts with each delay: a drift that is wrong by a sample of the ECU over the log has a valley of its own.
+    /// All drifts with each delay: a drift that is wrong by a sample of the ECU over the log is in another valley.
     Together,
 }
 
-/// A log without a clock that its commands tell, with the time (s) from a row in its middle to the effect of the row's command.
+/// Log whose commands do not determine its clock, with the time (s) from a row in its middle to the effect of the row's command.
 struct Open {
     log: usize,
     effect_s: f64,
@@ -49,8 +49,8 @@ impl Open {
     }
 }
 
-/// Finds the clocks of logs that are no faster than the ECU with `plant`, whose delay lies within `delays_s`, and returns the delay
-/// that goes with them; none if no clock leaves less than before, or where rows without one agree with `plant`.
+/// Finds the clocks of logs that are no faster than the ECU with `plant`, whose delay lies within `delays_s`, and returns the delay that
+/// goes with them; none if no clock leaves less than before, or where rows without one agree with `plant`.
 pub(crate) fn find_slow_clocks(
     plant: &PlantParameters,
     evidence: &mut Evidence,
@@ -85,7 +85,7 @@ pub(crate) fn find_slow_clocks(
             )
         })
         .sum();
-    // Without a clock `plant` leaves hardly more than the noise. A clock must not explain the rest: a missing effect may have left it.
+    // Without a clock `plant` leaves hardly more than the noise. A clock must not explain the rest, which may come from a missing effect.
     let has_none = |one: &Open| logs[one.log].conditions.clock.is_none();
     let counted = open.iter().map(|one| logs[one.log].counted_samples());
     if open.iter().all(has_none) && before < IN_TIME_FITTED * counted.sum::<usize>() as f64 {
@@ -96,7 +96,7 @@ pub(crate) fn find_slow_clocks(
         let clock = one.clock(log, delay_s, drift_ppm);
         loss(plant, log, Some(clock), delay_s)
     };
-    // A log of which the commands tell the clock pins the delay.
+    // A log whose commands determine its clock also determines the delay.
     let is_pinned = open.len() < logs.len();
     let candidates = if is_pinned {
         vec![there_s]
@@ -149,15 +149,15 @@ pub(crate) fn find_slow_clocks(
     Some(best.1)
 }
 
-/// Moves the clocks of logs that are no faster than the ECU, and the delay with them, to the middle of what the rows admit: of one
-/// delay and one phase, data show only the difference, but each command was given between two rows. Returns the delay that goes with the
-/// clocks, within `delays_s`; none where there is no such log.
+/// Moves the clocks of logs that are no faster than the ECU, together with the delay, to the middle of the range that the rows admit: data
+/// show only the difference of delay and phase, but each command was given between two rows. Returns the delay that goes with the clocks,
+/// within `delays_s`; none where there is no such log.
 pub(crate) fn centre_slow_clocks(
     plant: &PlantParameters,
     evidence: &mut Evidence,
     delays_s: (f64, f64),
 ) -> Option<f64> {
-    // A log of which the commands tell the clock pins the delay.
+    // A log whose commands determine its clock also determines the delay.
     if evidence.logs.is_empty() || !evidence.logs.iter().all(Log::is_clock_open) {
         return None;
     }
@@ -185,7 +185,7 @@ pub(crate) fn centre_slow_clocks(
     Some(there.ecu.command_delay_s)
 }
 
-/// The part of `within` in which most of `ranges` are, if any is there.
+/// Returns the part of `within` that most of `ranges` contain, if any do.
 fn most_admitted(ranges: &[Range<f64>], within: Range<f64>) -> Option<Range<f64>> {
     let count = |shift: f64| ranges.iter().filter(|range| range.contains(&shift)).count();
     let ends = ranges.iter().flat_map(|range| [range.start, range.end]);
@@ -200,7 +200,7 @@ fn most_admitted(ranges: &[Range<f64>], within: Range<f64>) -> Option<Range<f64>
     (best.0 > 0).then_some(best.1)
 }
 
-/// Drifts to try, the present one among them (ppm).
+/// Returns the drifts to try, including the present one (ppm).
 fn drifts_ppm(duration_s: f64, there_ppm: f64) -> Vec<f64> {
     let step_ppm = (DRIFT_STEP_S / duration_s * 1e6).max(DRIFT_REACH_PPM / STEPS_MAX);
     let steps = (DRIFT_REACH_PPM / step_ppm).ceil() as i32;
@@ -208,7 +208,7 @@ fn drifts_ppm(duration_s: f64, there_ppm: f64) -> Vec<f64> {
     all.chain([there_ppm]).collect()
 }
 
-/// Delays to try (s).
+/// Returns the delays to try (s).
 fn delays_between((least_s, most_s): (f64, f64)) -> Vec<f64> {
     let parts = ((most_s - least_s) / DELAY_STEP_S).ceil().max(1.0);
     let place = |part: usize| least_s + (part as f64 + 0.5) / parts * (most_s - least_s);
@@ -224,8 +224,8 @@ mod tests {
     use crate::diagnosis::gather::gather;
     use crate::noise::Noise;
 
-    /// Of what a missing effect left of a log, barely more than its noise, a clock once explained 3 %, and two effects were named that
-    /// were not there.
+    /// Defect seen: of the barely more than the noise that a missing effect left of a log, a clock explained 3 %, and two effects were
+    /// named that did not exist.
     #[test]
     fn a_clock_is_sought_where_more_than_the_noise_is_left() {
         let plant = PlantParameters::nominal();

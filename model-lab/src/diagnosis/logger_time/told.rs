@@ -1,7 +1,7 @@
-//! What is known of a clock that the commands tell, while a plant is fitted.
+//! Prior knowledge, for a fit of the plant, of a clock that the commands determine.
 //!
-//! Each change of a command admits a strip of phases and drifts, and all of them admit a polygon. In phase and drift it lies askew; in
-//! the phases at the first and the last change it is nearly a rectangle, as which a fit takes it for its bounds.
+//! Each change of a command admits a strip of phases and drifts, and all of them admit a polygon. In phase and drift it is oblique; in the
+//! phases at the first and the last change it is nearly a rectangle, which a fit uses as its bounds.
 
 use plant_sim::logger_clock::LoggerClock;
 
@@ -9,15 +9,15 @@ use super::commands::{FITTED_SLACK, ToldClock, ends_s};
 use super::{EVEN_SD, Log};
 use crate::diagnosis::log::{KnownClock, KnownPhase};
 
-/// Least standard deviation of a phase that the commands tell, over the time from row to row.
+/// Least standard deviation of a phase that the commands determine, over the time from row to row.
 const TOLD_PHASE_SD: f64 = 0.02;
 
-/// Phases at the first and the last change of a command that clocks admit, as least and largest time from those of one clock (s).
+/// Phases at the first and the last change of a command that clocks admit, as least and largest time relative to those of one clock (s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Admitted([(f64, f64); 2]);
 
 impl Admitted {
-    /// Returns what `told` admits, from the phases of `clock`.
+    /// Returns the phases that `told` admits, relative to those of `clock`.
     fn of(
         told: &ToldClock,
         clock: LoggerClock,
@@ -35,7 +35,7 @@ impl Admitted {
         }))
     }
 
-    /// Returns these with all of `others` that overlap them, or that overlap one that does.
+    /// Returns the union with all of `others` that overlap it, directly or through another one.
     fn joined(self, others: &[Self]) -> Self {
         let wider = others.iter().fold(self, |wider, other| {
             let pairs = || wider.0.into_iter().zip(other.0);
@@ -58,7 +58,7 @@ impl Admitted {
     }
 }
 
-/// Returns what the clocks `told` by the commands of `log` leave open around `clock`, which is one of them.
+/// Returns the range of clocks that the commands of `log` admit according to `told`, around `clock`, which is one of them.
 pub(super) fn known_clock(told: &[ToldClock], clock: LoggerClock, log: &Log) -> KnownClock {
     let (interval_s, sample_time_s) = (log.interval_s, log.sample_time_s);
     let ends_s = ends_s(log.inputs(), sample_time_s);
@@ -85,8 +85,8 @@ mod tests {
     use crate::bench::logged_through;
     use crate::diagnosis::gather::gather;
 
-    /// Defect seen: two rows lie in each sample of the ECU, and every change is in the first of them, so that a phase of 0 to 5 ms was
-    /// told at both ends. A fit with three missing effects took 8 ms, and the delay of the commands with it.
+    /// Defect seen: two rows lie in each sample of the ECU, and every change is in the first of them, so that the commands admit a phase of
+    /// 0 to 5 ms at both ends. A fit with three missing effects took 8 ms, and shifted the delay of the commands accordingly.
     #[test]
     fn rows_twice_as_fast_as_the_ecu_admit_half_a_sample_at_both_ends() {
         let pulses = [

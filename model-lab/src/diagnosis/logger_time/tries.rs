@@ -1,7 +1,7 @@
-//! Clocks and delays, tried on the model.
+//! Evaluation of clocks and delays with the model.
 //!
-//! A part of a log shows phase and delay as well as the whole log does. So most clocks and delays are compared with the beginning of the
-//! log alone, where a drift has no effect yet, and only the best of them with the whole log.
+//! A part of a log determines phase and delay as well as the whole log. Therefore most clocks and delays are evaluated on the beginning of
+//! the log alone, where a drift has no effect yet, and only the best of them on the whole log.
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -11,14 +11,14 @@ use crate::diagnosis::log::{Log, Run};
 
 /// Length (s) of the beginning: a drift of 100 ppm moves its end by 1.5 ms.
 const BEGINNING_S: f64 = 15.0;
-/// The beginning goes on up to as many changes of the commands.
+/// Number of changes of the commands up to which the beginning is extended.
 const CHANGES: usize = 30;
 /// Number of candidates, the best at the beginning, that are compared with the whole log.
 const PROMISING: usize = 3;
-/// Errors above this many noise floors count in proportion, not with their square.
+/// Error in noise floors above which the loss is linear instead of quadratic.
 pub(super) const OUTLIER: f64 = 3.0;
 
-/// A clock with a delay of the commands, and their loss.
+/// Clock with a delay of the commands, and their loss.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tried {
     pub(super) clock: Option<LoggerClock>,
@@ -26,14 +26,14 @@ pub(super) struct Tried {
     pub(super) loss: f64,
 }
 
-/// The best clock with its delay: loss at the beginning, and over the whole log.
+/// Best clock with its delay: loss at the beginning, and over the whole log.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     pub(super) begun_loss: f64,
     pub(super) whole: Tried,
 }
 
-/// A log on which clocks and delays are tried.
+/// Log on which clocks and delays are evaluated.
 pub(super) struct Tries<'a> {
     plant: &'a PlantParameters,
     log: &'a Log,
@@ -49,7 +49,7 @@ impl<'a> Tries<'a> {
         }
     }
 
-    /// Returns the beginning of the log: all of a short one.
+    /// Returns the beginning of the log; all of a short one.
     pub(super) fn beginning(&self) -> &Log {
         self.beginning.as_ref().unwrap_or(self.log)
     }
@@ -101,7 +101,7 @@ impl<'a> Tries<'a> {
     }
 }
 
-/// Each clock with each delay.
+/// Returns each clock with each delay.
 fn pairs(clocks: &[Option<LoggerClock>], delays_s: &[f64]) -> Vec<(Option<LoggerClock>, f64)> {
     let with_delays = |&clock| delays_s.iter().map(move |&delay_s| (clock, delay_s));
     clocks.iter().flat_map(with_delays).collect()
@@ -123,7 +123,7 @@ fn ranked(
     ranked
 }
 
-/// Returns the loss of `clock` with commands delayed by `delay_s`: the sum of squares of small errors, in proportion for large ones.
+/// Returns the loss of `clock` with commands delayed by `delay_s`: quadratic for small errors, linear for large ones.
 pub(super) fn loss(
     plant: &PlantParameters,
     log: &Log,

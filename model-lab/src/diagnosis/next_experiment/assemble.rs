@@ -1,4 +1,4 @@
-//! Puts the experiment into words and figures.
+//! Assembly of the experiment into sentences and figures.
 
 use super::super::verdict::DISTINGUISHABLE;
 use super::distance::Rival;
@@ -7,7 +7,7 @@ use super::result::{
     Limits, Manoeuvre, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor,
 };
 
-/// What is to be told apart, and by what.
+/// Assembles the rivals with the excitations and sensors that distinguish them.
 pub(super) fn assemble(
     logs: Vec<String>,
     rivals: &[Rival],

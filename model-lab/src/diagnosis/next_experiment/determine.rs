@@ -1,8 +1,8 @@
-//! Which manoeuvre determines parameters that the plant file leaves open?
+//! Excitation that determines parameters which the plant file leaves undetermined.
 //!
-//! The plant file says how well each value is known; a refined one carries what the logs tell. Each manoeuvre is simulated with the
-//! plant as it stands, with the noise of the logs, and differentiated by all parameters that a fit moves. The curvature, with what the
-//! plant file says, has the interval that a fit to it would have.
+//! The plant file states how well each value is known; a refined one contains the knowledge from the logs. Each excitation is simulated
+//! with the unchanged plant, with the noise of the logs, and differentiated with respect to all free parameters. The curvature, with the
+//! statements of the plant file, gives the interval that a fit to it would have.
 
 use core::cmp::Ordering;
 
@@ -31,18 +31,19 @@ use super::manoeuvre::{self, Sequence};
 use super::result::Limits;
 use super::{NoneRanked, ranked};
 
-/// Half width of a 95 % interval in standard deviations.
+/// Half width of a 95 % interval (standard deviations).
 const NORMAL_95: f64 = 1.96;
-/// A parameter that is known well already and asked for by its name is determined once its interval shrinks to this share.
+/// Ratio of the intervals after and before an experiment at which a parameter counts as determined that is already well known but requested
+/// by its name.
 const HALVED: f64 = 0.5;
 
-/// Ranks manoeuvres within `limits` by how well they determine `what`: parameters `section.key`, the ordinary parameters of a table such
-/// as `coil`, or `all` ordinary parameters. `plant` says how well each is known now; where it says nothing, as in a first plant file.
-/// `logs` say which signals there are, and how noisy.
+/// Ranks excitations within `limits` by how well they determine `what`: parameters `section.key`, the ordinary parameters of a table such
+/// as `coil`, or `all` ordinary parameters. `plant` states how well each is known now; without a statement, as in a first plant file.
+/// `logs` provide the available signals and their noise.
 ///
 /// # Errors
 /// [`DiagnoseError`]: the plant lacks a valve or the chamber, a log cannot be used, there is no such parameter or it counts as exact, no
-/// manoeuvre keeps the limits or can be simulated, or `watch` stopped it.
+/// excitation satisfies the limits or can be simulated, or `watch` stopped the search.
 pub fn determining_experiment(
     plant: &PlantParameters,
     logs: &[Recording],
@@ -77,7 +78,7 @@ pub fn determining_experiment(
     let foresight = Foresight {
         plant,
         noises: Noises::of(&evidence),
-        // How long the errors of a plant that does not fit are remembered says nothing of one that does.
+        // The autocorrelation of the errors of a plant that does not fit says nothing about one that does.
         memory: if is_adequate {
             given.correlation_samples
         } else {
@@ -101,7 +102,7 @@ pub fn determining_experiment(
     Ok(foresight.experiment(evidence.sources(), is_adequate, limits, &found))
 }
 
-/// The places in the list of `unknowns` of the parameters that `what` names.
+/// Returns the indices in the list of `unknowns` of the parameters that `what` names.
 fn asked(
     plant: &PlantParameters,
     unknowns: &Unknowns,
@@ -131,35 +132,35 @@ fn asked(
     Ok(places)
 }
 
-/// What a manoeuvre would tell.
+/// Expected result of an excitation.
 #[derive(Debug, Clone, PartialEq)]
 struct Foreseen {
-    /// Half widths of the 95 % intervals of the parameters in question, in their coordinates.
+    /// Half widths of the 95 % intervals of the requested parameters, in their coordinates.
     half_widths: Vec<f64>,
-    /// How many more are determined.
+    /// Number of parameters that become determined.
     determined: usize,
-    /// Geometric mean of the widths afterwards over those now.
+    /// Geometric mean of the widths after the experiment over those now.
     width_after: f64,
 }
 
 impl Foreseen {
-    /// The more determined first, then the narrower.
+    /// Compares two results: more determined parameters first, then smaller widths.
     fn order(&self, other: &Self) -> Ordering {
         let by_count = other.determined.cmp(&self.determined);
         by_count.then(self.width_after.total_cmp(&other.width_after))
     }
 }
 
-/// Foresees what fits to manoeuvres would tell of parameters.
+/// Prediction of the intervals after fits to excitations.
 struct Foresight<'a> {
     plant: &'a PlantParameters,
     noises: Noises,
-    /// Samples over which errors are remembered.
+    /// Autocorrelation time of the errors (samples).
     memory: f64,
     unknowns: Unknowns,
-    /// The places of the parameters in question in the list of unknowns.
+    /// Indices of the requested parameters in the list of unknowns.
     asked: Vec<usize>,
-    /// Those that were asked for by their names: they count as open however well the plant file knows them.
+    /// Parameters that were requested by their names: they count as undetermined however well the plant file knows them.
     by_name: Vec<usize>,
 }
 
@@ -218,26 +219,26 @@ impl Foresight<'_> {
         }
     }
 
-    /// Half width that the plant file leaves, in the coordinate.
+    /// Returns the half width according to the plant file, in the coordinate.
     fn now(&self, n: usize) -> f64 {
         let unknown = &self.unknowns.list()[n];
         let (least, most) = unknown.bounds();
         (0.5 * (most - least)).min(NORMAL_95 * unknown.believed_sd())
     }
 
-    /// Whether the plant file determines the parameter, so that no manoeuvre needs to.
+    /// Returns whether the plant file determines the parameter, so that no excitation needs to.
     fn is_known(&self, n: usize) -> bool {
         !self.by_name.contains(&n) && self.is_determined(n, self.now(n))
     }
 
-    /// Whether an experiment that leaves this half width determines the parameter.
+    /// Returns whether an experiment that leaves this half width determines the parameter.
     fn would_determine(&self, n: usize, half_width: f64) -> bool {
         let now = self.now(n);
         let is_gain = half_width <= HALVED * now || !self.is_determined(n, now);
         is_gain && self.is_determined(n, half_width)
     }
 
-    /// Whether a half width is a fraction of what a first plant file leaves open.
+    /// Returns whether a half width is a small fraction of that of a first plant file.
     fn is_determined(&self, n: usize, half_width: f64) -> bool {
         let unknown = &self.unknowns.list()[n];
         let first_file = match unknown {

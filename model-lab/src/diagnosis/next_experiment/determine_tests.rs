@@ -21,7 +21,7 @@ fn go_on(_: super::super::Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// One fill at full duty.
+/// Returns a log of one fill at full duty.
 fn poor_log() -> Recording {
     let phases = vec![(1.0, 0.0, 0.0), (0.2, 100.0, 0.0), (0.4, 0.0, 0.0)];
     Rig {
@@ -41,7 +41,7 @@ fn with_known_volume() -> PlantParameters {
     plant
 }
 
-/// A pressure shows the ratio of flow and volume, so the flows are told apart from the volume by what the plant file says alone.
+/// A pressure shows the ratio of flow and volume, so only the plant file can separate the flows from the volume.
 #[test]
 fn what_the_plant_file_knows_decides_what_a_manoeuvre_determines() {
     let open = asked(&PlantParameters::nominal(), &FLOWS).unwrap();
@@ -59,7 +59,7 @@ fn what_the_plant_file_knows_decides_what_a_manoeuvre_determines() {
     assert!(known.csv().lines().count() as f64 * known.sample_time_s <= LIMITS.duration_s + 0.02);
 }
 
-/// Goal: the interval that is foreseen is the one that is reached. Method: the rig runs the best manoeuvre, and its log is fitted.
+/// Goal: the predicted interval is the one that is reached. Method: the rig runs the best excitation, and its log is fitted.
 #[test]
 fn a_fit_to_the_best_manoeuvre_has_the_interval_that_was_foreseen() {
     let plant = with_known_volume();
@@ -98,7 +98,7 @@ fn what_is_known_well_is_not_asked_for_and_what_is_exact_is_refused() {
         .collect();
     assert_eq!(known, [true, false]);
     assert_eq!(next.ranking[0].determines, FLOWS[1..]);
-    // By its name it is asked for all the same, and no manoeuvre halves 1 %.
+    // A parameter requested by its name counts nevertheless, and no excitation halves 1 %.
     let named = asked(&plant, &FLOWS[..1]).unwrap();
     assert!(!named.determines_all() && !named.parameters[0].is_determined_now);
     assert!(named.sentence.contains(FLOWS[0]), "{}", named.sentence);

@@ -1,4 +1,4 @@
-//! How far apart two fitted plants are on a log that was not yet made.
+//! Distance of two fitted plants on a log that was not yet made.
 
 use nalgebra::{DMatrix, DVector};
 use plant_sim::effects::EffectSetting;
@@ -17,14 +17,14 @@ use super::super::vector::{dot, square};
 use super::manoeuvre::Sequence;
 use crate::noise::Noise;
 
-/// A plant as the logs have it.
+/// Plant as fitted to the logs.
 pub(super) struct Rival {
-    /// Id and form of the effect; none is the plain model.
+    /// Id and form of the effect; none for the plain model.
     pub(super) effect: Option<(String, String)>,
     pub(super) plant: PlantParameters,
     unknowns: Unknowns,
     z: Vec<f64>,
-    /// What the logs and the datasheet say of the unknowns: the curvature of the fit's cost.
+    /// Information on the unknowns from the logs and the datasheet: the curvature of the fit's cost.
     information: DMatrix<f64>,
     pub(super) cost: f64,
     correlation_samples: f64,
@@ -33,7 +33,7 @@ pub(super) struct Rival {
 impl Rival {
     pub(super) fn of_trial(bench: &Bench, trial: Trial, id: Option<&str>) -> Self {
         let (information, _) = Fitter::new(bench.fitting, &trial.unknowns).normal(&trial.fit);
-        // A log that was not made yet has conditions of its own.
+        // A log that was not made yet has its own conditions.
         let (unknowns, kept) = trial.unknowns.without_logs();
         let variant = trial
             .effects
@@ -50,7 +50,7 @@ impl Rival {
         }
     }
 
-    /// The same plant with an effect as it is; nothing new is known of it.
+    /// Returns the plant with an unchanged effect; nothing new is known of it.
     pub(super) fn with(&self, setting: EffectSetting) -> Self {
         Self {
             effect: Some((setting.id().to_owned(), setting.variant().name.to_owned())),
@@ -63,8 +63,8 @@ impl Rival {
     }
 }
 
-/// The information on the unknowns `kept` where the others are unknown: their Schur complement; 0 where the logs say nothing of
-/// the others.
+/// Returns the information on the unknowns `kept` where the others are unknown: their Schur complement; 0 where the logs contain no
+/// information on the others.
 fn marginal(information: DMatrix<f64>, kept: &[usize]) -> DMatrix<f64> {
     let others: Vec<usize> = (0..information.nrows())
         .filter(|n| !kept.contains(n))
@@ -85,16 +85,16 @@ fn marginal(information: DMatrix<f64>, kept: &[usize]) -> DMatrix<f64> {
     }
 }
 
-/// Why a manoeuvre has no distance.
+/// Reason why an excitation has no distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unseen {
-    /// A rival cannot be simulated on it in a bounded number of steps.
+    /// A rival cannot be simulated with it in a bounded number of steps.
     NotSimulated,
-    /// The signals of the logs show nothing of what a rival changes, so that no fit can find its size.
+    /// The signals of the logs do not show the change due to a rival, so that no fit can find its size.
     NotShown,
 }
 
-/// Noise of the signals that the logs have.
+/// Noise of the signals in the logs.
 pub(super) struct Noises(Vec<(&'static str, f64)>);
 
 impl Noises {
@@ -110,22 +110,22 @@ impl Noises {
 }
 
 impl Noises {
-    /// Names of the signals.
+    /// Returns the names of the signals.
     pub(super) fn signals(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.0.iter().map(|(signal, _)| *signal)
     }
 }
 
-/// Distance of two rivals on the logs that both were fitted to, in standard deviations of the noise.
+/// Returns the distance of two rivals on the logs to which both were fitted (standard deviations of the noise).
 pub(super) fn on_the_logs(a: &Rival, b: &Rival) -> f64 {
     let remembered = a.correlation_samples.min(b.correlation_samples);
     ((a.cost - b.cost).abs() / remembered).sqrt()
 }
 
-/// Distance at which `model` sees a log of `sequence` that `truth` made.
+/// Returns the distance of `model` from a log of `sequence` that `truth` made (standard deviations of the noise).
 ///
 /// # Errors
-/// [`Unseen`]: why there is none.
+/// [`Unseen`]: the reason why there is none.
 pub(super) fn distance(
     truth: &Rival,
     model: &Rival,
@@ -153,7 +153,7 @@ pub(super) fn distance(
     let count = columns.len();
     let curvature = DMatrix::from_fn(count, count, |a, b| dot(&columns[a], &columns[b]));
     let pull = DVector::from_iterator(count, columns.iter().map(|column| -dot(column, &change)));
-    // An unknown that neither the logs nor this one say anything of has no curvature.
+    // An unknown without information from the logs and from this one has no curvature.
     let factor = (curvature + &model.information).cholesky();
     let moved = factor.ok_or(Unseen::NotShown)?.solve(&pull);
     for (column, moved) in columns.iter().zip(moved.iter()) {
@@ -166,7 +166,7 @@ pub(super) fn distance(
     Ok(((square(&change) + resisted) / remembered).sqrt())
 }
 
-/// The log that `plant` would give.
+/// Returns the log that `plant` would give.
 pub(super) fn made(
     plant: &PlantParameters,
     sequence: &Sequence,
@@ -194,7 +194,7 @@ pub(super) fn made(
 mod tests {
     use super::*;
 
-    /// What is known of two coordinates once a third one is unknown is the inverse of their covariance.
+    /// The information on two coordinates with an unknown third one is the inverse of their covariance.
     #[test]
     fn what_stays_of_the_information_is_the_inverse_of_the_covariance() {
         let information =

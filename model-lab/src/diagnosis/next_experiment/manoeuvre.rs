@@ -1,4 +1,4 @@
-//! What a rig can be told to do: manoeuvres as duty cycles, within limits.
+//! Excitations that a rig can run, as duty cycles within limits.
 
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::{Command, PlantParameters, Simulator};
@@ -7,14 +7,14 @@ use recording::{Provenance, Recording, TimeBase, Unit};
 use super::result::Limits;
 use crate::diagnosis::error::DiagnoseError;
 
-/// A run that leaves the limits is ended this long (s) before, and emptied for as long.
+/// Time before a violation of the limits at which a run ends (s), and time for which it is then emptied.
 const EARLIER_S: f64 = 0.1;
 const EMPTYING_S: f64 = 1.0;
-/// A shorter run than this (s) tells nothing.
+/// Shortest run (s) that provides information.
 const SHORTEST_S: f64 = 2.0;
-/// A command goes on to act for about so many rows.
+/// Approximate number of rows for which a command continues to act.
 const DELAY_ROWS: f64 = 3.0;
-/// No wait for a pressure is longer than this (s).
+/// Longest wait for a pressure (s).
 const LONGEST_WAIT_S: f64 = 4.0;
 
 /// Duty cycles (%) of fill and vent valve, row by row.
@@ -43,7 +43,7 @@ impl Sequence {
     }
 }
 
-/// A manoeuvre: its name, what it shows, and one round of it.
+/// Excitation: its name, the effects that it shows, and one round of it.
 struct Plan {
     name: &'static str,
     about: &'static str,
@@ -193,15 +193,15 @@ static PLANS: [Plan; 9] = [
     },
 ];
 
-/// Pressures that are sought, over the highest allowed.
+/// Target pressures, over the highest allowed.
 const HIGH: f64 = 0.85;
 const MIDDLE: f64 = 0.5;
 const LOW: f64 = 0.3;
 
-/// Returns all manoeuvres that keep `limits` with every plant.
+/// Returns all excitations that satisfy `limits` with every plant.
 ///
 /// # Errors
-/// [`DiagnoseError::NoManoeuvre`]: there is none.
+/// [`DiagnoseError::NoManoeuvre`]: no excitation does.
 pub(super) fn sequences(
     plants: &[&PlantParameters],
     limits: &Limits,
@@ -233,7 +233,7 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
     }
     let interval_s = driver.interval_s;
     let mut duties = driver.duties;
-    // Each cut leaves a shorter run; the emptying at its end may leave the limits no more.
+    // Each cut leaves a shorter run; with the emptying at its end it may satisfy the limits.
     let rows = |span_s: f64| (span_s / interval_s).round() as usize;
     for _ in 0..3 {
         let does_something = duties.iter().flatten().any(|duty| *duty > 0.0);
@@ -282,12 +282,12 @@ fn pressures_bar(plant: &PlantParameters, duties: &[[f64; 2]], interval_s: f64) 
         .collect()
 }
 
-/// End of a row (ns).
+/// Returns the end of a row (ns).
 pub(super) fn end_ns(row: usize, interval_s: f64) -> u64 {
     ((row + 1) as f64 * interval_s * 1e9).round() as u64
 }
 
-/// Drives a plant by a plan, and writes down what it commands.
+/// Driver of a plant that executes a plan and records its commands.
 struct Driver<'a> {
     simulator: Simulator,
     ambient_pa: f64,
@@ -297,7 +297,7 @@ struct Driver<'a> {
     /// Time in which one duty cycle acts (s): a PWM period, or a sample where that is longer.
     period_s: f64,
     duties: Vec<[f64; 2]>,
-    /// Pressure a row ago (Pa abs).
+    /// Pressure one row ago (Pa abs).
     before: f64,
 }
 
@@ -315,7 +315,7 @@ impl<'a> Driver<'a> {
             duties: Vec::new(),
             before: plant.gas.ambient_pressure_pa,
         };
-        // Rest first: the noise of every signal can be seen.
+        // Rest first, so that the noise of every signal shows.
         driver.hold(0.5);
         driver
     }
@@ -324,13 +324,13 @@ impl<'a> Driver<'a> {
         self.duties.len() as f64 * self.interval_s >= self.limits.duration_s - 1e-9
     }
 
-    /// Where the pressure is going (Pa gauge) when the command ends now.
+    /// Returns the pressure (Pa gauge) that is reached when the command ends now.
     fn coming(&self) -> f64 {
         let pressure = self.simulator.state().pressure;
         pressure + DELAY_ROWS * (pressure - self.before) - self.ambient_pa
     }
 
-    /// Whether the pressure is above this share of the highest allowed.
+    /// Returns whether the pressure is above this share of the highest allowed.
     fn is_above(&self, share: f64) -> bool {
         self.simulator.state().pressure - self.ambient_pa > share * self.limits.max_bar * 1e5
     }
@@ -375,7 +375,7 @@ impl<'a> Driver<'a> {
         self.go(VENT, duty, span_s);
     }
 
-    /// A valve for some PWM periods.
+    /// Opens a valve for some PWM periods.
     fn pulse(&mut self, valve: usize, duty: f64, periods: u32) {
         self.go(valve, duty, f64::from(periods) * self.period_s);
     }
@@ -396,7 +396,7 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Makes room again.
+    /// Vents above this share of the highest allowed pressure.
     fn vent_above(&mut self, share: f64, span_s: f64) {
         if self.is_above(share) {
             self.vent(100.0, span_s);

@@ -1,8 +1,8 @@
-//! The cheapest next experiment: which duty cycles tell rival effects apart, and if none do, which sensor would.
+//! Cheapest next experiment: the duty cycles that distinguish rival effects, and if none do, the sensor that would.
 //!
-//! Every rival is fitted to the logs. Each manoeuvre is simulated with one rival as the truth and seen by the other, which
-//! may move all that it may move, as far as the old logs let it: what then remains, in standard deviations of the
-//! noise, is the distance (W. G. Hunter, A. M. Reiner 1965). The smaller of both directions counts.
+//! Every rival is fitted to the logs. Each excitation is simulated with one rival as the truth and fitted with the other, with all free
+//! parameters, as far as the old logs admit. The remaining difference, in standard deviations of the noise, is the distance (W. G. Hunter,
+//! A. M. Reiner 1965). The smaller of both directions counts.
 
 mod assemble;
 mod determine;
@@ -41,20 +41,20 @@ pub use result::{
     Limits, Manoeuvre, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor,
 };
 
-/// What the experiment is for.
+/// Purpose of the experiment.
 #[derive(Debug, Clone, Copy)]
 pub enum Question<'a> {
-    /// To tell two or more effects apart, by their ids.
+    /// Distinction of two or more effects, by their ids.
     Between(&'a [&'a str]),
-    /// To show an effect of typical size, where there is one.
+    /// Detection of an effect of typical size, if it exists.
     For(&'a str),
 }
 
-/// Ranks manoeuvres within `limits` by how well they answer `question`, after what `logs` of `plant` already tell.
+/// Ranks excitations within `limits` by how well they answer `question`, given the information in `logs` of `plant`.
 ///
 /// # Errors
-/// [`DiagnoseError`]: the plant lacks a valve or the chamber, a log cannot be used, there is no such effect, no manoeuvre
-/// keeps the limits or can be simulated, or `watch` stopped it.
+/// [`DiagnoseError`]: the plant lacks a valve or the chamber, a log cannot be used, there is no such effect, no excitation satisfies the
+/// limits or can be simulated, or `watch` stopped the search.
 pub fn next_experiment(
     plant: &PlantParameters,
     logs: &[Recording],
@@ -112,7 +112,7 @@ pub fn next_experiment(
     ))
 }
 
-/// Every manoeuvre drives both valves and fills the chamber.
+/// Checks that the plant has the parts that every excitation uses: both valves and the chamber.
 fn check_parts(plant: &PlantParameters) -> Result<(), DiagnoseError> {
     let parts = [
         Part::ArmatureOf(FILL),
@@ -125,7 +125,7 @@ fn check_parts(plant: &PlantParameters) -> Result<(), DiagnoseError> {
     }
 }
 
-/// The manoeuvres with their worths, the best first by `order`. One without a worth is left out: what was not computed is no 0.
+/// Returns the excitations with their values, the best first by `order`. One without a value is left out, since a missing value is not 0.
 fn ranked<T: Send>(
     sequences: Vec<Sequence>,
     watch: Watch,
@@ -156,19 +156,19 @@ fn ranked<T: Send>(
     Ok(ranked)
 }
 
-/// The larger first.
+/// Orders the larger first.
 fn falling(a: &f64, b: &f64) -> Ordering {
     b.total_cmp(a)
 }
 
-/// Why no manoeuvre is ranked.
+/// Reason why no excitation is ranked.
 #[derive(Debug, Clone, PartialEq)]
 enum NoneRanked {
-    /// Somebody stopped it.
+    /// The search was stopped.
     Stopped(DiagnoseError),
-    /// None can be simulated.
+    /// No excitation can be simulated.
     NotSimulated { manoeuvres: usize },
-    /// The signals of the logs show nothing of what a rival changes.
+    /// The signals of the logs do not show the change due to a rival.
     NotShown,
 }
 
@@ -188,7 +188,7 @@ impl NoneRanked {
     }
 }
 
-/// Each two of the rivals once.
+/// Returns each pair of the rivals once.
 fn pairs(rivals: &[Rival]) -> impl Iterator<Item = (&Rival, &Rival)> {
     rivals
         .iter()
@@ -204,7 +204,7 @@ fn settings(id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {
         .collect())
 }
 
-/// Each effect on top of the plain model, in the form with most evidence.
+/// Fits each effect on top of the plain model, in the form with most evidence.
 fn fitted(
     bench: &Bench,
     plain: &Trial,
@@ -228,7 +228,7 @@ fn fitted(
     Ok(rivals)
 }
 
-/// The plain model, and with it the effect at its typical size.
+/// Returns the plain model, and the plain model with the effect at its typical size.
 fn typical(bench: &Bench, plain: &Trial, id: &str) -> Result<Vec<Rival>, DiagnoseError> {
     let setting = settings(id)?.swap_remove(0);
     let without = Rival::of_trial(bench, plain.clone(), None);

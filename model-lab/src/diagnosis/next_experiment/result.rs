@@ -1,4 +1,4 @@
-//! The next experiment, as it stands in its JSON.
+//! Next experiment, as in its JSON.
 
 use core::fmt::Write as _;
 
@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the JSON format.
 pub const NEXT_EXPERIMENT_SCHEMA: &str = "retarder.next-experiment/1";
 
-/// What the rig may be told to do.
+/// Limits of the commands to the rig.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    /// Longest time (s).
+    /// Longest duration (s).
     pub duration_s: f64,
     /// Highest chamber pressure (bar gauge), in the model of every rival.
     pub max_bar: f64,
@@ -22,75 +22,75 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The longest experiment that is planned (s).
+    /// Longest experiment that is planned (s).
     pub const LONGEST_S: f64 = 600.0;
-    /// The highest pressure that may be asked for (bar gauge): that of the highest supply that a plant file may give.
+    /// Highest pressure that may be requested (bar gauge): that of the highest supply that a plant file may state.
     pub const HIGHEST_BAR: f64 = 40.0;
-    /// Without a wish, an experiment stays below this share of the supply pressure.
+    /// Largest share of the supply pressure in an experiment without a requested limit.
     const OF_SUPPLY: f64 = 0.9;
 
-    /// The highest pressure of an experiment for which nobody gave one (bar gauge).
+    /// Returns the highest pressure of an experiment without a requested limit (bar gauge).
     pub fn usual_max_bar(plant: &PlantParameters) -> f64 {
         Self::OF_SUPPLY * plant.gas.supply_pressure_bar_gauge
     }
 }
 
-/// The experiment that tells rival effects apart, or that shows one.
+/// Experiment that distinguishes rival effects, or that shows one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NextExperiment {
     /// Name and version of this format, `retarder.next-experiment/1`.
     pub schema: String,
-    /// Sources of the logs that the rivals were fitted to.
+    /// Sources of the logs to which the rivals were fitted.
     pub logs: Vec<String>,
-    /// What is to be told apart.
+    /// Effects to be distinguished.
     pub rivals: Vec<RivalEffect>,
-    /// The limits that every manoeuvre keeps.
+    /// Limits that every excitation satisfies.
     pub limits: Limits,
     /// Interval of the commands (s): the sample time of the plant's ECU.
     pub sample_time_s: f64,
     /// Distance of the closest two rivals on the logs, in standard deviations of the noise.
     pub distance_now: f64,
-    /// Distance from which on two effects are swapped in less than one of twenty logs.
+    /// Distance from which on two effects are confused in less than one of twenty logs.
     pub distinguishable_from: f64,
     /// The answer in words.
     pub sentence: String,
-    /// Manoeuvres that could be simulated, the best first.
+    /// Excitations that could be simulated, the best first.
     pub ranking: Vec<Manoeuvre>,
-    /// Duty cycles of the best one.
+    /// Duty cycles of the best excitation.
     pub sequence: Vec<Phase>,
-    /// Sensors that the logs do not have and that would tell the rivals apart, the best first.
+    /// Sensors that the logs lack and that would distinguish the rivals, the best first.
     pub sensors: Vec<Sensor>,
 }
 
-/// An effect to be told from others.
+/// Effect to be distinguished from others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RivalEffect {
-    /// Its id; null for the plain model.
+    /// Id of the effect; null for the plain model.
     pub effect: Option<String>,
     /// Form of its law; null for the plain model.
     pub variant: Option<String>,
 }
 
-/// What the rig could do.
+/// Excitation that the rig can run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Manoeuvre {
-    /// Its name.
+    /// Name of the excitation.
     pub name: String,
-    /// What it shows.
+    /// Effects that it shows.
     pub about: String,
-    /// Its length (s).
+    /// Duration (s).
     pub duration_s: f64,
     /// Highest chamber pressure in the model of any rival (bar gauge).
     pub highest_bar: f64,
-    /// Predicted distance of the closest two rivals, in standard deviations of the noise, when all that can be refitted
-    /// has been.
+    /// Predicted distance of the closest two rivals, in standard deviations of the noise, after all free parameters
+    /// were refitted.
     pub distance: f64,
 }
 
-/// Constant commands for a while.
+/// Interval of constant commands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Phase {
@@ -102,41 +102,41 @@ pub struct Phase {
     pub duty_vent_pct: f64,
 }
 
-/// A sensor that is not there.
+/// Sensor that the rig lacks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sensor {
-    /// What it would measure.
+    /// Measured quantity.
     pub quantity: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: String,
-    /// Rms difference of the closest two rivals on the best manoeuvre, in that unit.
+    /// Rms difference of the closest two rivals with the best excitation, in that unit.
     pub difference_rms: f64,
-    /// The same over the noise of a usual sensor.
+    /// The difference over the noise of a usual sensor.
     pub in_noise: f64,
 }
 
 impl NextExperiment {
-    /// The JSON Schema of a next experiment.
+    /// Returns the JSON Schema of a next experiment.
     pub fn json_schema() -> Schema {
         schemars::schema_for!(Self)
     }
 
-    /// Whether the best manoeuvre tells the rivals apart.
+    /// Returns whether the best excitation distinguishes the rivals.
     pub fn tells_apart(&self) -> bool {
         self.ranking
             .first()
             .is_some_and(|best| best.distance >= self.distinguishable_from)
     }
 
-    /// The best manoeuvre as a log of commands, one row per ECU sample: `time_s,duty_fill_pct,duty_vent_pct`.
+    /// Returns the best excitation as a log of commands, one row per ECU sample: `time_s,duty_fill_pct,duty_vent_pct`.
     pub fn csv(&self) -> String {
         let end_s = self.ranking.first().map_or(0.0, |best| best.duration_s);
         rows(&self.sequence, end_s, self.sample_time_s)
     }
 }
 
-/// The commands of `sequence` until `end_s` (s), one row per `interval_s` (s).
+/// Returns the commands of `sequence` until `end_s` (s), one row per `interval_s` (s).
 pub(super) fn rows(sequence: &[Phase], end_s: f64, interval_s: f64) -> String {
     let mut csv = String::from("time_s,duty_fill_pct,duty_vent_pct\n");
     let rows = (end_s / interval_s).round() as usize;
@@ -155,10 +155,10 @@ pub(super) fn rows(sequence: &[Phase], end_s: f64, interval_s: f64) -> String {
     csv
 }
 
-/// Most decimals of a time (s): nanoseconds.
+/// Largest number of decimals of a time (s): nanoseconds.
 const DECIMALS_MAX: usize = 9;
 
-/// Decimals that every multiple of `interval_s` needs.
+/// Returns the number of decimals that every multiple of `interval_s` needs.
 fn decimals(interval_s: f64) -> usize {
     let is_enough = |decimals: &usize| {
         let units = interval_s * 10_f64.powi(*decimals as i32);

@@ -1,4 +1,4 @@
-//! Which further sensor would tell rivals apart that no manoeuvre does.
+//! Further sensors that would distinguish rivals where no excitation does.
 
 use plant_sim::{Command, PlantParameters, Simulator};
 
@@ -9,13 +9,13 @@ use super::manoeuvre::end_ns;
 use super::result::Sensor;
 use crate::measured::PRESSURE;
 
-/// A quantity that could be logged as well.
+/// Quantity that could also be logged.
 struct Quantity {
     name: &'static str,
     unit: &'static str,
     /// Standard deviation of a usual sensor for it.
     noise: f64,
-    /// The logged signal that is the same; none for what no log has.
+    /// Logged signal of the same quantity; none for one that no log contains.
     signal: Option<&'static str>,
     value: fn(&mut Simulator, &PlantParameters) -> f64,
 }
@@ -92,10 +92,10 @@ static QUANTITIES: [Quantity; 8] = [
     },
 ];
 
-/// Temperature at which a coil that nothing heats is.
+/// Temperature of a coil that nothing heats (K).
 const REFERENCE_K: f64 = 293.15;
 
-/// Sensors that the logs do not have, the one that tells most first; by their rms difference on `sequence`.
+/// Returns the sensors that the logs lack, the most informative first, by the rms difference of the rivals on `sequence`.
 pub(super) fn sensors(rivals: &[Rival], sequence: &Sequence, logged: &Evidence) -> Vec<Sensor> {
     let is_logged = |signal: &str| {
         logged

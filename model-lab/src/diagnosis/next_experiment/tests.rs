@@ -24,7 +24,7 @@ fn rig(hidden: &str) -> PlantParameters {
     PlantParameters::nominal().with_effect(settings(hidden).unwrap().swap_remove(0))
 }
 
-/// A log without the signal `name`.
+/// Returns a log without the signal `name`.
 fn without_signal(log: &Recording, name: &str) -> Recording {
     let mut rest = Recording::new(log.provenance().clone());
     let (_, base) = log.time_bases().next().unwrap();
@@ -37,7 +37,7 @@ fn without_signal(log: &Recording, name: &str) -> Recording {
     rest
 }
 
-/// One fill at full duty: it is too slow, but for which reason?
+/// Returns a log of one fill at full duty: it is too slow, for an unknown reason.
 fn poor_log(plant: PlantParameters) -> Recording {
     let phases = vec![(1.0, 0.0, 0.0), (0.2, 100.0, 0.0), (0.4, 0.0, 0.0)];
     Rig {
@@ -65,7 +65,7 @@ fn the_best_manoeuvre_tells_what_the_log_could_not() {
     assert!(next.tells_apart(), "{next:?}");
     assert!(next.ranking.is_sorted_by(|a, b| a.distance >= b.distance));
 
-    // The rig does it, and both rivals are fitted to both logs.
+    // The rig runs it, and both rivals are fitted to both logs.
     let plant = PlantParameters::nominal();
     let log = poor_log(rig(RIVALS[0]));
     let noises = Noises::of(&gather(&plant, core::slice::from_ref(&log)).unwrap());
@@ -95,7 +95,7 @@ fn the_best_manoeuvre_tells_what_the_log_could_not() {
     );
 }
 
-/// Rows of the CSV, as a reader sees them.
+/// Returns the rows of the CSV as a reader parses them.
 fn expanded(next: &NextExperiment) -> Vec<[f64; 2]> {
     let log = csv::read("next.csv", next.csv().as_bytes(), &csv::Options::default()).unwrap();
     let [fill, vent] =
@@ -134,7 +134,7 @@ fn every_manoeuvre_keeps_the_limits() {
     );
 }
 
-/// Commands every 10 ms told nothing to an ECU that takes them every 20 ms.
+/// Defect seen: an ECU that takes commands every 20 ms got commands every 10 ms, which showed nothing.
 #[test]
 fn commands_follow_the_sample_time_and_the_pwm_period_of_the_plant() {
     let mut plant = PlantParameters::nominal();
@@ -171,7 +171,7 @@ fn an_effect_that_was_not_excited_gets_a_manoeuvre() {
     );
 }
 
-/// A cold coil is one of less resistance: who knows the resistance tells them apart.
+/// A cold coil is one of less resistance: a known resistance distinguishes them.
 #[test]
 fn what_the_plant_file_knows_is_not_refitted_by_a_rival() {
     let best = |knowledge| {
@@ -229,7 +229,7 @@ fn where_no_manoeuvre_tells_them_apart_it_says_so() {
     );
 }
 
-/// Once such a plant got duty cycles for valves that it does not have.
+/// Defect seen: such a plant got duty cycles for valves that it does not have.
 #[test]
 fn a_plant_without_a_valve_or_without_a_chamber_is_refused() {
     let log = poor_log(PlantParameters::nominal());
@@ -261,7 +261,7 @@ fn a_plant_without_a_valve_or_without_a_chamber_is_refused() {
     }
 }
 
-/// Once a manoeuvre that could not be simulated was ranked with a distance of 0.
+/// Defect seen: an excitation that could not be simulated was ranked with a distance of 0.
 #[test]
 fn a_manoeuvre_without_a_distance_is_not_ranked() {
     let sequence = |name: &'static str| Sequence {
@@ -292,7 +292,7 @@ fn a_manoeuvre_without_a_distance_is_not_ranked() {
     assert_eq!(error, NoneRanked::NotShown);
 }
 
-/// A lag and an offset of the pressure sensor, and a log with a current alone: the message blamed the simulation.
+/// A lag and an offset of the pressure sensor, and a log with a current alone. Defect seen: the message blamed the simulation.
 #[test]
 fn rivals_that_the_logged_signals_cannot_show_are_said_to_need_another_signal() {
     let rig = Rig {

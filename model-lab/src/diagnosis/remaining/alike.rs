@@ -1,7 +1,7 @@
-//! What is usual at an instant: the errors at the instants that are most like it, by commands, pressure and history.
+//! Usual value at an instant: the errors at the most similar instants, by commands, pressure and history.
 //!
-//! Physics that answers to the commands errs alike at like instants. A line of the supply, or a valve that stuck once,
-//! does not.
+//! Missing physics that depends on the commands causes similar errors at similar instants. A spectral line of the supply, or a valve that
+//! stuck once, does not.
 
 use nalgebra::{SMatrix, SVector};
 use plant_sim::plant::{FILL, VENT};
@@ -11,39 +11,38 @@ use super::super::log::Log;
 use super::super::vector::median;
 use super::course::in_force;
 
-/// Instants that are compared.
+/// Number of instants that are compared.
 const LIKE: usize = 12;
-/// Rows nearer than this in time (s) hang together with the row itself.
+/// Distance in time (s) within which rows are correlated with the row itself.
 const APART_S: f64 = 0.25;
-/// An instant is compared with at most so many, evenly chosen.
+/// Largest number of instants that one is compared with, chosen at equal distances.
 const COMPARED: usize = 3000;
-/// A difference of this counts as one: duty (%), pressure (bar), logarithm of the time since a valve moved.
+/// Differences that count as one unit: duty (%), pressure (bar), logarithm of the time since a valve moved.
 const DUTY_PCT: f64 = 10.0;
 const PRESSURE_BAR: f64 = 0.5;
 const TIME_RATIO: f64 = 0.5;
-/// Squared distance beyond which an instant is not like another: one unit of each.
+/// Squared distance beyond which two instants are not similar: one unit of each feature.
 const FARTHEST: f64 = FEATURES as f64;
-/// Rows back to which a command is remembered.
+/// Number of previous rows whose commands count.
 const REMEMBERED: usize = 4;
 
 const FEATURES: usize = 2 * REMEMBERED + 3;
 
-/// Where an instant stands.
+/// Features of an instant.
 type Place = [f64; FEATURES];
 
-/// The values at like instants.
+/// Values at similar instants.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Usual {
     pub(super) mean: f64,
     pub(super) median: f64,
     /// Median magnitude of the deviation, as a standard deviation.
     pub(super) scatter: f64,
-    /// Whether all of them are alike indeed.
+    /// Whether all of them are similar enough.
     pub(super) is_near: bool,
 }
 
-/// For each row of `asked`, what `values` are at the instants of `known` that are most like it; none where there are too
-/// few.
+/// Returns for each row of `asked` the `values` at the most similar instants of `known`; none where there are too few.
 pub(super) fn usual(
     log: &Log,
     values: &[f64],
@@ -88,7 +87,7 @@ fn distance(a: &Place, b: &Place) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
-/// Takes off `values` at `rows` what a smooth law of commands, pressure and time since the valves moved has of them.
+/// Subtracts from `values` at `rows` the part that a smooth law of commands, pressure and time since the valves moved explains.
 pub(super) fn without_smooth_law(log: &Log, rows: &[usize], values: &mut [f64], weights: &[f64]) {
     let places = places(log);
     let basis: Vec<[f64; 8]> = rows
@@ -147,7 +146,7 @@ fn places(log: &Log) -> Vec<Place> {
                 let since_s = (commands.times_s[row] - moved_s[valve]).min(60.0);
                 place[2 * REMEMBERED + valve] = (since_s + 0.02).ln() / TIME_RATIO;
             }
-            // The row's own reading would hide what is wrong with it.
+            // The row's own reading would hide its error.
             if let Some(before) = row.checked_sub(1).and_then(|row| pressures.get(row)) {
                 pressure = if before.is_finite() {
                     *before

@@ -1,15 +1,15 @@
-//! A log seen through the predictor: the pressure that is missing in the model, and what the valves did.
+//! Prediction errors of a log as a time series: the pressure that is missing in the model, and the state of the valves.
 //!
-//! After row k the model takes on the share g of its error e, so that an error does not show how much was missing, only
-//! how much of it was not yet corrected. With the corrections put back, the missing pressure is
+//! After row k the model is corrected by the share g of its error e, so that an error does not show the whole missing pressure, only the
+//! part that was not yet corrected. With the corrections added, the missing pressure is
 //!
 //! ```text
 //! m[k] = e[k] + Σ g[j] e[j] over j < k
 //! ```
 //!
-//! which is exact where the flow does not depend on the chamber pressure (valves shut, choked flow), and close to it
-//! elsewhere, for the corrections are small. The measured pressure stands in it as it is, never differentiated: the
-//! missing rate over a stretch is the slope of a line through m, and the sensor's noise averages out.
+//! which is exact where the flow does not depend on the chamber pressure (valves shut, choked flow), and approximate elsewhere, since the
+//! corrections are small. It contains the measured pressure itself, never differentiated: the missing rate over an interval is the slope of
+//! a line through m, and the sensor's noise averages out.
 
 use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
@@ -18,18 +18,18 @@ use plant_sim::replay::Row;
 use super::super::log::{Channel, Log};
 use crate::commands::Commands;
 
-/// What the valves did in the interval before a row.
+/// State of the valves in the interval before a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Regime {
     Shut,
     Filling,
     Venting,
-    /// Both valves at once, or the last of a pulse.
+    /// Both valves at once, or the end of a pulse.
     Mixed,
 }
 
 impl Regime {
-    /// For people.
+    /// Returns the name for people.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Shut => "both valves shut",
@@ -40,15 +40,15 @@ impl Regime {
     }
 }
 
-/// A log whose pressure was measured, seen through the predictor.
+/// Time series of the prediction errors of a log with a measured pressure.
 pub(super) struct Course<'a> {
     pub(super) log: &'a Log,
     pub(super) channel: &'a Channel,
-    /// Measured less predicted (bar); NaN where missing.
+    /// Measured minus predicted (bar); NaN where missing.
     pub(super) errors_bar: Vec<f64>,
-    /// What a perfect model would have of it (bar).
+    /// Errors of a perfect model (bar).
     pub(super) floors_bar: Vec<f64>,
-    /// The missing pressure (bar), since the start; NaN where the measurement is missing.
+    /// Missing pressure (bar), since the start; NaN where the measurement is missing.
     pub(super) missing_bar: Vec<f64>,
     pub(super) regimes: Vec<Regime>,
     /// Row whose command is in force at each row; none before the first.
@@ -56,7 +56,7 @@ pub(super) struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// None where no chamber pressure was logged.
+    /// Returns the time series; none where no chamber pressure was logged.
     pub(super) fn new(log: &'a Log, rows: &[Row]) -> Option<Self> {
         let channel = log.pressure()?;
         let errors_bar: Vec<f64> = channel
@@ -102,13 +102,13 @@ impl<'a> Course<'a> {
         self.errors_bar.len()
     }
 
-    /// Duty cycle of a valve in the interval before a row (%).
+    /// Returns the duty cycle of a valve in the interval before a row (%).
     pub(super) fn duty_pct(&self, valve: usize, row: usize) -> f64 {
         self.in_force[row].map_or(0.0, |row| self.log.commands.duty_pct[valve][row])
     }
 
-    /// Slope of the missing pressure over some rows (bar/s), with the variance that the sensor's noise gives it; none
-    /// for too few rows.
+    /// Returns the slope of the missing pressure over some rows (bar/s), with its variance due to the sensor's noise; none for too few
+    /// rows.
     pub(super) fn rate(&self, rows: core::ops::Range<usize>) -> Option<(f64, f64)> {
         let points: Vec<(f64, f64)> = rows
             .map(|row| (self.times_s()[row], self.missing_bar[row]))
@@ -129,7 +129,7 @@ impl<'a> Course<'a> {
     }
 }
 
-/// Row whose command is in force at each row.
+/// Returns the row whose command is in force at each row.
 pub(super) fn in_force(commands: &Commands) -> Vec<Option<usize>> {
     commands
         .times_s
@@ -154,7 +154,7 @@ fn regimes(commands: &Commands, in_force: &[Option<usize>]) -> Vec<Regime> {
     regimes
 }
 
-/// The rows of the model with `plant`, for each log; none where one was given up.
+/// Returns the rows of the model with `plant`, for each log; none where a simulation was aborted.
 pub(super) fn predicted(logs: &[&Log], plant: &PlantParameters) -> Option<Vec<Vec<Row>>> {
     logs.iter().map(|log| log.predicted(plant)).collect()
 }

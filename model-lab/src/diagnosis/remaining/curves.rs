@@ -1,5 +1,5 @@
-//! Missing flow against what it may depend on: a leak shows against pressure, a relaxation against the time since the
-//! valves moved, a wrong orifice or delay against duty.
+//! Missing flow as a function of quantities on which it may depend: a leak shows in pressure, a relaxation in the time since the valves
+//! moved, a wrong orifice or delay in duty.
 
 use core::ops::Range;
 
@@ -8,35 +8,35 @@ use super::course::{Course, Regime};
 use crate::noise::Noise;
 use plant_sim::plant::{FILL, VENT};
 
-/// A hold is looked at in pieces of this length (s).
+/// Length of the pieces of a hold (s).
 const PIECE_S: f64 = 0.25;
-/// Errors within this time (s) may hang together.
+/// Time within which errors may be correlated (s).
 const CLUSTER_S: f64 = 2.0;
 /// Edges of the time since the valves moved (s).
 const RELAXATION_EDGES_S: [f64; 9] = [0.0, 0.1, 0.2, 0.4, 0.7, 1.2, 2.0, 4.0, 8.0];
-/// Points of a curve at most, and pieces behind each at least.
+/// Largest number of points of a curve, and smallest number of pieces for each.
 const POINTS: usize = 8;
 const PIECES_PER_POINT: usize = 4;
-/// Sign flips of the test, and the probability by chance below which a curve is one.
+/// Number of sign flips of the test, and the probability by chance below which a curve is significant.
 const FLIPS: usize = 4000;
 const CHANCE: f64 = 1e-3;
-/// A curve that explains less of the missing flow is not the shape of it.
+/// Smallest share of the missing flow that a curve must explain.
 const LEAST_SHARE: f64 = 0.2;
 
-/// The missing rate over a few rows.
+/// Missing rate over a few rows.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     at: f64,
-    /// Since the start of the log (s).
+    /// Time since the start of the log (s).
     time_s: f64,
     bar_per_s: f64,
-    /// Of the rate, from the sensor's noise.
+    /// Variance of the rate, from the sensor's noise.
     variance: f64,
     cluster: usize,
     samples: usize,
 }
 
-/// What the missing flow of all logs depends on, the curve that explains most first.
+/// Returns the curves of the missing flow of all logs, the one that explains most first.
 pub(super) fn curves(courses: &[Course]) -> Vec<FlowCurve> {
     let mut curves = Vec::new();
     let mut add =
@@ -85,7 +85,7 @@ pub(super) fn curves(courses: &[Course]) -> Vec<FlowCurve> {
     curves
 }
 
-/// The pieces of all courses; clusters are of one course.
+/// Returns the pieces of all time series; a cluster belongs to one of them.
 fn gather(courses: &[Course], pieces: impl Fn(&Course, usize) -> Vec<Piece>) -> Vec<Piece> {
     let mut all: Vec<Piece> = Vec::new();
     for course in courses {
@@ -95,7 +95,7 @@ fn gather(courses: &[Course], pieces: impl Fn(&Course, usize) -> Vec<Piece>) -> 
     all
 }
 
-/// Rows of `hold` up to `span_s` after its row `begin`.
+/// Returns the end of the rows of `hold` up to `span_s` after its row `begin`.
 fn until(course: &Course, hold: &Range<usize>, begin: usize, span_s: f64) -> usize {
     let times_s = course.times_s();
     let end_s = times_s[begin] + span_s;
@@ -127,7 +127,7 @@ fn pressures_while_shut(course: &Course, first_cluster: usize) -> Vec<Piece> {
     pieces
 }
 
-/// Slopes between the edges of the time after `valve` has closed.
+/// Returns the slopes between the edges of the time after `valve` has closed.
 fn relaxations(course: &Course, valve: usize, first_cluster: usize) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for (cluster, hold) in course.log.commands.holds(0.0).into_iter().enumerate() {
@@ -158,7 +158,7 @@ fn relaxations(course: &Course, valve: usize, first_cluster: usize) -> Vec<Piece
     pieces
 }
 
-/// Stretches of constant duty in which `valve` alone works.
+/// Returns the pieces of constant duty in which only `valve` is energised.
 fn strokes(course: &Course, valve: usize, regime: Regime, first_cluster: usize) -> Vec<Piece> {
     let mut pieces = Vec::new();
     let mut row = 0;
@@ -176,7 +176,7 @@ fn strokes(course: &Course, valve: usize, regime: Regime, first_cluster: usize) 
             row += 1;
         }
         let cluster = (course.times_s()[begin] / CLUSTER_S) as usize;
-        // The row before the first one is where the flow begins.
+        // The flow begins at the row before the first one.
         pieces.extend(piece(
             course,
             begin.saturating_sub(1)..row,
@@ -234,7 +234,7 @@ fn curve(
     })
 }
 
-/// Pieces that belong together: between the edges, or equally many of neighbouring values.
+/// Groups pieces: between the edges, or into equally many of neighbouring values.
 fn bins(pieces: &[Piece], edges: Option<&[f64]>) -> Vec<Vec<Piece>> {
     let mut sorted = pieces.to_vec();
     sorted.sort_by(|a, b| a.at.total_cmp(&b.at));
@@ -260,7 +260,7 @@ fn bins(pieces: &[Piece], edges: Option<&[f64]>) -> Vec<Vec<Piece>> {
     bins
 }
 
-/// Sum over the bins of (mean over its standard error)².
+/// Returns the sum over the bins of (mean over its standard error)².
 fn statistic(bins: &[Vec<Piece>], sign: impl Fn(usize) -> f64) -> f64 {
     bins.iter()
         .map(|bin| {
@@ -274,7 +274,8 @@ fn statistic(bins: &[Vec<Piece>], sign: impl Fn(usize) -> f64) -> f64 {
         .sum()
 }
 
-/// How often a missing flow without any sign of its own does as well: the signs of all clusters are drawn anew.
+/// Returns the frequency with which a missing flow of random sign gives as large a statistic: the signs of all clusters are drawn at
+/// random.
 fn chance(bins: &[Vec<Piece>], seen: f64) -> f64 {
     let clusters = bins
         .iter()

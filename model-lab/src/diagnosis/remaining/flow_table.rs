@@ -1,17 +1,17 @@
-//! A missing flow as a law of its own: a monotone table that an effect of the user's own can take.
+//! Missing flow as a law: a monotone table for a user-defined effect.
 
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 
 use super::super::result::FlowCurve;
 
-/// Knots of a table at most.
+/// Largest number of knots of a table.
 const KNOTS: usize = 5;
 
-/// The mass flow that is missing, rising or falling with the chamber pressure.
+/// Missing mass flow, monotonically rising or falling with the chamber pressure.
 ///
-/// Made of a curve against `p_ch` while both valves are shut. Between its knots it is a straight line, beyond them it
-/// stays. `examples/missing_flow_effect.rs` makes an effect of it.
+/// It is made of a curve against `p_ch` while both valves are shut. Between the knots it is linear, beyond them constant.
+/// `examples/missing_flow_effect.rs` makes an effect of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MissingFlow {
     /// Chamber pressure (Pa abs), rising, and mass flow into the chamber (kg/s).
@@ -19,8 +19,8 @@ pub struct MissingFlow {
 }
 
 impl MissingFlow {
-    /// The table of `curve`, in the chamber of `plant`; none where the curve is not one against the chamber pressure, or
-    /// has fewer than two points.
+    /// Returns the table of `curve`, in the chamber of `plant`; none where the curve is not one against the chamber pressure, or has fewer
+    /// than two points.
     pub fn new(curve: &FlowCurve, plant: &PlantParameters) -> Option<Self> {
         if curve.against != crate::measured::PRESSURE || curve.points.len() < 2 {
             return None;
@@ -55,7 +55,7 @@ impl MissingFlow {
         })
     }
 
-    /// Mass flow into the chamber (kg/s) at a chamber pressure (Pa abs).
+    /// Returns the mass flow into the chamber (kg/s) at a chamber pressure (Pa abs).
     pub fn at(&self, pressure_pa: f64) -> f64 {
         let above = self.knots.partition_point(|(knot, _)| *knot <= pressure_pa);
         let clamp = |n: usize| self.knots[n.min(self.knots.len() - 1)];
@@ -67,7 +67,7 @@ impl MissingFlow {
         }
     }
 
-    /// Its knots: chamber pressure (Pa abs), rising, and mass flow into the chamber (kg/s).
+    /// Returns the knots: chamber pressure (Pa abs), rising, and mass flow into the chamber (kg/s).
     pub fn knots(&self) -> &[(f64, f64)] {
         &self.knots
     }
@@ -80,8 +80,8 @@ struct Step {
     weight: f64,
 }
 
-/// The nearest values that rise (`sign` 1) or fall (-1): neighbours in the wrong order are pooled until there are none
-/// (M. Ayer et al. 1955).
+/// Returns the nearest values that rise (`sign` 1) or fall (-1): neighbours in the wrong order are pooled until there are none (M. Ayer et
+/// al. 1955).
 fn monotone(points: &[Step], sign: f64) -> Vec<f64> {
     let mut pools: Vec<(f64, f64, usize)> = Vec::new();
     for point in points {
@@ -113,7 +113,7 @@ fn misfit(points: &[Step], values: &[f64]) -> f64 {
         .sum()
 }
 
-/// Leaves out, one after the other, the inner knot that a straight line misses least.
+/// Removes one inner knot after the other, each time the one with the least deviation from a straight line.
 fn thinned(mut knots: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     while knots.len() > KNOTS {
         let missed = |n: usize| {

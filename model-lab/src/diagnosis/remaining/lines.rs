@@ -1,10 +1,10 @@
-//! Sharp lines in what remains: something swings by itself, whatever the commands.
+//! Sharp lines in the spectrum of the residual: an oscillation that does not depend on the commands.
 //!
-//! A [periodogram](Samples) for uneven samples, for a valve is open now and then only. It is taken of what a cause would have to do, not of the error: while the fill valve works,
-//! by how much the supply pressure would have to differ; while the vent valve works, by which share the flow; while
-//! both are shut, at which rate air leaks. A smooth law of the commands is taken off first. The height of a line is judged by its neighbours, so that a coloured
-//! background makes none; and a line that the commands tell is no line, for a cycle of commands makes every error
-//! periodic.
+//! A [periodogram](Samples) for uneven samples is used, because a valve is open only now and then. It is taken of the cause, not of the
+//! error: while the fill valve works, the necessary change of the supply pressure; while the vent valve works, that of the flow as a share;
+//! while both are shut, the leak rate. A smooth law of the commands is subtracted first. The height of a line is compared with its
+//! neighbours, so that a coloured background causes none. A line that the commands explain does not count, since a cycle of commands makes
+//! every error periodic.
 
 use core::f64::consts::LN_2;
 use core::ops::Range;
@@ -18,30 +18,30 @@ use super::alike::{Usual, usual, without_smooth_law};
 use super::course::{Course, Regime};
 use super::periodogram::{Samples, Wave};
 
-/// A line in noise alone is less probable than this; fixed before any log was looked at.
+/// Largest probability of a line in noise alone; it was fixed before any log was examined.
 const CHANCE: f64 = 1e-4;
-/// Lines of one signal at most.
+/// Largest number of lines of one signal.
 const LINES: usize = 3;
-/// A line has so many periods in the log at least.
+/// Smallest number of periods of a line in the log.
 const PERIODS: f64 = 3.0;
-/// Frequencies are so many times finer than the length of the log resolves.
+/// Resolution of the frequencies over that of the log's length.
 const OVERSAMPLING: usize = 2;
-/// Neighbours on either side whose median is the background, without those nearest, into which a line leaks.
+/// Number of neighbours on either side whose median is the background, without the nearest ones, into which a line leaks.
 const NEIGHBOURS: usize = 40;
 const LEAKAGE: usize = 3;
 const SIDE: usize = OVERSAMPLING * NEIGHBOURS;
 /// Highest frequency over that of rows and of PWM periods; above it nothing is resolved.
 const HIGHEST: f64 = 1.0 / 3.0;
-/// Rows below this share of the largest sensitivity say little, and are left out.
+/// Share of the largest sensitivity below which rows are left out, since they contain little information.
 const LEAST_SENSITIVITY: f64 = 0.1;
-/// A line that explains less of what is beyond the noise belongs to something else.
+/// Smallest share of the excess that a line must explain; a weaker one is part of something else.
 const LEAST_SHARE: f64 = 0.25;
-/// Without what is usual, a line at this one frequency is still less probable than this.
+/// Largest probability, at this one frequency, of a line after the usual values are subtracted.
 const UNUSUAL: f64 = 0.01;
-/// Rows that a spectrum needs.
+/// Smallest number of rows of a spectrum.
 const FEWEST: usize = 100;
 
-/// What would have to swing, row by row.
+/// Oscillating cause, row by row.
 #[derive(Clone)]
 pub(super) struct Swing<'a> {
     log: &'a Log,
@@ -52,24 +52,24 @@ pub(super) struct Swing<'a> {
     samples: Samples,
     /// Largest amplitude that the cause can have.
     largest: f64,
-    /// What the weighted sum of squares is where there is only noise.
+    /// Weighted sum of squares of noise alone.
     noise: f64,
     highest_hz: f64,
 }
 
-/// By how much a cause moves the predicted pressure, row by row.
+/// Change of the predicted pressure due to a cause, row by row.
 pub(super) struct Sensitivity {
     pub(super) regime: Regime,
     /// Unit of the cause.
     pub(super) unit: &'static str,
     /// Largest amplitude that the cause can have.
     pub(super) largest: f64,
-    /// In bar per unit of the cause.
+    /// Change per unit of the cause (bar).
     pub(super) bar: Vec<f64>,
 }
 
 impl<'a> Swing<'a> {
-    /// What has to swing in `regime`.
+    /// Returns the oscillating cause in `regime`.
     pub(super) fn of_pressure(
         course: &Course<'a>,
         sensitivity: &Sensitivity,
@@ -103,7 +103,7 @@ impl<'a> Swing<'a> {
         })
     }
 
-    /// What remains of a coil current, whatever the valves do.
+    /// Returns the residual of a coil current, whatever the state of the valves.
     pub(super) fn of_current(
         log: &'a Log,
         channel: &Channel,
@@ -132,7 +132,7 @@ impl<'a> Swing<'a> {
             values.push(value);
             weights.push(weight);
         }
-        // What a cause does beside swinging varies as well: no row may count for many.
+        // Other variations of a cause add to its oscillation, so no row may have a large weight.
         let mut sizes: Vec<f64> = values.iter().copied().map(f64::abs).collect();
         let usual = median(&mut sizes)?.powi(2);
         let mut noise = 0.0;
@@ -162,24 +162,24 @@ impl<'a> Swing<'a> {
         })
     }
 
-    /// Frequencies to look at are multiples of this one (Hz).
+    /// Returns the frequency of which the examined ones are multiples (Hz).
     fn step_hz(&self) -> f64 {
         let times_s = &self.samples.times_s;
         1.0 / (OVERSAMPLING as f64 * (times_s[times_s.len() - 1] - times_s[0]))
     }
 
-    /// Which multiples are looked at.
+    /// Returns the multiples that are examined.
     fn multiples(&self) -> Range<usize> {
         let first = (PERIODS * OVERSAMPLING as f64).ceil() as usize;
         first..((self.highest_hz / self.step_hz()).ceil() as usize).max(first)
     }
 
-    /// Independent frequencies that are looked at.
+    /// Returns the number of independent frequencies that are examined.
     pub(super) fn trials(&self) -> f64 {
         self.multiples().len() as f64 / OVERSAMPLING as f64
     }
 
-    /// Its lines, the strongest first, where `trials` independent frequencies are looked at in all.
+    /// Returns the lines, the strongest first, where `trials` independent frequencies are examined in total.
     pub(super) fn lines(mut self, trials: f64) -> Vec<SpectralLine> {
         let mut lines = Vec::new();
         let mut tried = 0;
@@ -208,7 +208,7 @@ impl<'a> Swing<'a> {
         lines
     }
 
-    /// Whether the commands tell the wave: without what is usual at like instants nothing of it stands out.
+    /// Returns whether the commands explain the wave: without the usual values at similar instants it is not significant.
     fn is_commanded(&self, wave: &Wave) -> bool {
         let mut values = vec![0.0; self.log.commands.len()];
         for (&row, value) in self.rows.iter().zip(&self.samples.values) {
@@ -223,7 +223,7 @@ impl<'a> Swing<'a> {
         };
         let (all, step_hz) = (self.multiples(), self.step_hz());
         let nearest = (wave.frequency_hz / step_hz).ceil() as usize;
-        // What is judged, and the neighbours that it is judged by.
+        // The tested frequencies, and their neighbours as the reference.
         let around = |multiples: usize| {
             let from = nearest.saturating_sub(1 + multiples).max(all.start);
             from..(nearest + 1 + multiples).clamp(from, all.end)
@@ -238,12 +238,12 @@ impl<'a> Swing<'a> {
     fn strongest(&self, trials: f64) -> Option<(SpectralLine, Wave)> {
         let (multiples, step_hz) = (self.multiples(), self.step_hz());
         let powers = self.samples.powers(multiples.clone(), step_hz);
-        // A strong line lifts the background of its own neighbours; among those that stand out, the strongest is it.
+        // A strong line raises the background of its own neighbours; of the significant lines, the strongest is taken.
         let (n, p_value) = (0..powers.len())
             .filter_map(|n| Some((n, corrected(chance(&powers, n)?, trials))))
             .filter(|(_, p_value)| *p_value < CHANCE)
             .max_by(|a, b| powers[a.0].total_cmp(&powers[b.0]))?;
-        // Between the frequencies that were looked at.
+        // Between the frequencies that were examined.
         let multiple = (multiples.start + n) as f64;
         let finer =
             (-10..=10).map(|k| self.samples.wave((multiple + 0.1 * f64::from(k)) * step_hz));
@@ -260,20 +260,19 @@ impl<'a> Swing<'a> {
     }
 }
 
-/// Probability of such a line in any of `trials` places.
+/// Returns the probability of such a line in any of `trials` places.
 fn corrected(p_value: f64, trials: f64) -> f64 {
     -f64::exp_m1(trials * f64::ln_1p(-p_value.min(1.0 - f64::EPSILON)))
 }
 
-/// Probability of a power as high as that at `n` in noise of the neighbours' level, which is known as well as their
-/// median is.
+/// Returns the probability of a power as high as that at `n` in noise of the neighbours' level, whose uncertainty is that of their median.
 fn chance(powers: &[f64], n: usize) -> Option<f64> {
     let gap = OVERSAMPLING * LEAKAGE;
     let below = n.saturating_sub(SIDE)..n.saturating_sub(gap);
     let above = (n + gap + 1).min(powers.len())..(n + SIDE + 1).min(powers.len());
     let mut neighbours = [&powers[below], &powers[above]].concat();
     let independent = neighbours.len() as f64 / OVERSAMPLING as f64;
-    // The median of an exponential is ln 2 of its mean, and has half the efficiency of the mean.
+    // The median of an exponential distribution is ln 2 of its mean, and has half the efficiency of the mean.
     let level = median(&mut neighbours)? / LN_2;
     let known = 0.5 * independent;
     (independent >= NEIGHBOURS as f64 / 2.0 && level > 0.0)

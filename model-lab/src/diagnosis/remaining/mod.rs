@@ -1,5 +1,5 @@
-//! What the errors look like that the named effects leave: the flow that is missing against what it may depend on,
-//! spectral lines, single lost pulses.
+//! Unexplained residual after the named effects: the missing flow as a function of quantities on which it may depend, spectral lines,
+//! single lost pulses.
 
 mod alike;
 mod course;
@@ -21,12 +21,12 @@ use lines::{Sensitivity, Swing};
 
 pub use flow_table::MissingFlow;
 
-/// Steps by which the sensitivities are taken: bar of supply pressure, share of the vent valve's flow.
+/// Difference steps of the sensitivities: supply pressure (bar), share of the vent valve's flow.
 const SUPPLY_STEP_BAR: f64 = 0.05;
 const FLOW_STEP: f64 = 0.02;
 
-/// What remains of `logs` with `plant`. Curves are drawn where the error `is_material`; lines and lost pulses have to
-/// stand out by themselves.
+/// Returns the unexplained residual of `logs` with `plant`. Curves are computed where the error `is_material`; lines and lost pulses must
+/// be significant by themselves.
 pub(crate) fn remaining(plant: &PlantParameters, logs: &[&Log], is_material: bool) -> Remaining {
     let Some(rows) = predicted(logs, plant) else {
         return Remaining::default();
@@ -82,7 +82,7 @@ fn spectral_lines(swings: Vec<Swing>) -> Vec<SpectralLine> {
     lines.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
     let mut kept: Vec<SpectralLine> = Vec::new();
     for line in lines {
-        // Several logs show the same line; the clearest tells.
+        // Several logs show the same line; the clearest one counts.
         let is_same = |other: &SpectralLine| {
             other.signal == line.signal
                 && other.condition == line.condition
@@ -95,10 +95,10 @@ fn spectral_lines(swings: Vec<Swing>) -> Vec<SpectralLine> {
     kept
 }
 
-/// Frequencies nearer than this share are one.
+/// Relative difference within which two frequencies are the same.
 const SAME_FREQUENCY: f64 = 0.03;
 
-/// Per cause, what it does to each course.
+/// Returns for each cause its influence on each time series.
 fn sensitivities(
     plant: &PlantParameters,
     logs: &[&Log],
@@ -137,7 +137,7 @@ fn sensitivities(
         let Some(moved) = predicted(logs, &moved) else {
             continue;
         };
-        // A supply swings by its own pressure at most, and a flow by all of it.
+        // A supply oscillates by its own pressure at most, and a flow by all of it.
         let largest = if regime == Regime::Venting {
             1.0
         } else {
@@ -162,7 +162,7 @@ fn sensitivities(
     all
 }
 
-/// What a missing rate does to the prediction while both valves are shut.
+/// Returns the influence of a missing rate on the prediction while both valves are shut.
 fn leak(course: &Course) -> Sensitivity {
     let times_s = course.times_s();
     let mut bar = vec![0.0; course.len()];
@@ -192,7 +192,7 @@ mod tests {
     use super::*;
     use crate::bench::Bench;
 
-    /// What the model without anything missing sees in the log of `rig`.
+    /// Returns the unexplained residual of the nominal model in the log of `rig`.
     fn seen(rig: &Recording) -> Remaining {
         let plant = PlantParameters::nominal();
         let evidence = gather(&plant, core::slice::from_ref(rig)).unwrap();
@@ -222,7 +222,7 @@ mod tests {
         }
     }
 
-    /// The bench's leak takes 4 % of the gauge pressure per second: that, in bar/s, comes out at every pressure.
+    /// The bench's leak takes 4 % of the gauge pressure per second: this rate (bar/s) is found at every pressure.
     #[test]
     fn a_leak_comes_out_as_its_rate() {
         let rig = Bench {
@@ -293,7 +293,7 @@ mod tests {
         }
     }
 
-    /// Fills at instants of no period.
+    /// Returns fills at aperiodic instants.
     fn fills_of_no_period() -> Vec<(f64, f64, f64)> {
         let mut phases = vec![(1.0, 0.0, 0.0)];
         for n in 0..40 {
@@ -329,8 +329,8 @@ mod tests {
         );
     }
 
-    /// A supply of 8.4 bar was said to swing by ±21.8 bar. Here the same error asks of a supply for a swing of 0.3 bar, or for a
-    /// hundred times that.
+    /// Defect seen: a supply of 8.4 bar was reported to oscillate by ±21.8 bar. Here the same error requires an oscillation of the supply
+    /// by 0.3 bar, or by a hundred times that.
     #[test]
     fn a_supply_does_not_swing_by_more_than_its_pressure() {
         let plant = PlantParameters::nominal();
@@ -358,7 +358,7 @@ mod tests {
         assert_eq!(lines(100.0), []);
     }
 
-    /// The supply swings at the second harmonic of fills every 2.86 s: what comes with the commands may come from them.
+    /// The supply oscillates at the second harmonic of fills every 2.86 s: a line that coincides with the commands may come from them.
     #[test]
     fn a_harmonic_of_the_commands_is_no_line() {
         let plant = PlantParameters::nominal().with_effect(EffectSetting::typical(&Swings));
@@ -380,7 +380,7 @@ mod tests {
         assert_eq!(seen(&rig.measure()).spectral_lines, []);
     }
 
-    /// Twenty like pulses, of which the rig misses one.
+    /// Twenty equal pulses, of which the rig misses one.
     #[test]
     fn a_missed_pulse_is_told() {
         let mut phases = vec![(1.0, 0.0, 0.0)];
@@ -396,7 +396,7 @@ mod tests {
             phases,
             ..Bench::default()
         };
-        // What was measured, beside what was commanded.
+        // The measurement, with the commands of the other log.
         let (measured, log) = (done.measure(), commanded.measure());
         let mut mixed = Recording::new(log.provenance().clone());
         let base =
@@ -432,7 +432,7 @@ mod tests {
 
     #[test]
     fn commands_that_repeat_make_no_line() {
-        // Another volume errs at every pulse alike, every 0.8 s.
+        // Another volume causes the same error at every pulse, every 0.8 s.
         let mut plant = PlantParameters::nominal();
         plant
             .set(

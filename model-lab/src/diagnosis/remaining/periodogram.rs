@@ -1,15 +1,14 @@
-//! The periodogram for uneven samples: a sine, a cosine and a constant fitted together at each frequency (M. Zechmeister,
-//! M. Kürster 2009).
+//! Periodogram for uneven samples: a sine, a cosine and a constant fitted together at each frequency (M. Zechmeister, M. Kürster 2009).
 
 use core::f64::consts::TAU;
 use core::ops::Range;
 
 use rayon::prelude::*;
 
-/// Frequencies through which the phases are turned before they are computed anew, so that no rounding adds up.
+/// Number of frequencies through which the phases are rotated before they are recomputed, so that rounding errors do not accumulate.
 const TURNS: usize = 64;
 
-/// Samples at any times.
+/// Samples at arbitrary times.
 #[derive(Clone)]
 pub(super) struct Samples {
     pub(super) times_s: Vec<f64>,
@@ -18,13 +17,13 @@ pub(super) struct Samples {
     pub(super) weights: Vec<f64>,
 }
 
-/// The wave of one frequency that fits best, beside a constant.
+/// Wave of one frequency that fits best together with a constant.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wave {
     pub(super) frequency_hz: f64,
     cosine: f64,
     sine: f64,
-    /// Half of what it takes off the sum of squares; in white noise exponential with mean 1.
+    /// Half of the decrease of the sum of squares; in white noise exponentially distributed with mean 1.
     pub(super) power: f64,
 }
 
@@ -37,7 +36,7 @@ impl Samples {
         sums.wave(frequency_hz)
     }
 
-    /// Powers of the waves at these multiples of a frequency. From one to the next, each phase turns by the same angle.
+    /// Returns the powers of the waves at these multiples of a frequency. From one to the next, each phase rotates by the same angle.
     pub(super) fn powers(&self, multiples: Range<usize>, step_hz: f64) -> Vec<f64> {
         let angles = self.times_s.iter().map(|time_s| TAU * step_hz * time_s);
         let turns: Vec<_> = angles.clone().map(f64::sin_cos).collect();
@@ -65,7 +64,7 @@ impl Samples {
     }
 }
 
-/// Sine and cosine of the sum of two angles.
+/// Returns sine and cosine of the sum of two angles.
 fn turned((sine, cosine): (f64, f64), (of_turn, beside): (f64, f64)) -> (f64, f64) {
     (
         sine * beside + cosine * of_turn,
@@ -110,7 +109,7 @@ impl Sums {
         );
         let (yc, ys) = (self.yc - y * c / w, self.ys - y * s / w);
         let determinant = cc * ss - cs * cs;
-        // A wave that the samples cannot tell from a constant is none.
+        // A wave that the samples cannot distinguish from a constant does not count.
         if determinant <= 1e-9 * cc * ss {
             return Wave {
                 frequency_hz,
@@ -145,7 +144,7 @@ impl Wave {
 mod tests {
     use super::*;
 
-    /// A constant and a wave of 1.3 Hz at uneven times.
+    /// Returns a constant and a wave of 1.3 Hz at uneven times.
     fn wavy() -> Samples {
         let times_s: Vec<f64> = (0..2000)
             .map(|row| 0.01 * f64::from(row) + 0.003 * f64::from(row % 7))
@@ -170,7 +169,7 @@ mod tests {
         }
     }
 
-    /// Turned from one frequency to the next or computed anew, a power is the same.
+    /// A power is the same whether its phases are rotated from one frequency to the next or recomputed.
     #[test]
     fn powers_of_many_frequencies_are_those_of_each() {
         let samples = wavy();

@@ -1,18 +1,18 @@
-//! Single instants at which far more or less air came than a pulse delivers.
+//! Single instants at which much more or less air entered than a pulse delivers.
 
 use super::super::result::LostPulse;
 use super::super::vector::median;
 use super::alike::usual;
 use super::course::{Course, Regime};
 
-/// An error this many times the usual one is a jump.
+/// Ratio of an error to the usual one from which on it is a jump.
 const JUMP: f64 = 6.0;
-/// Jumps in more of the PWM periods than this are no single instants.
+/// Share of the PWM periods above which jumps are not single instants.
 const LARGEST_SHARE: f64 = 0.05;
-/// Rows nearer than this in time (s) tell of the same jump.
+/// Distance in time (s) within which rows show the same jump.
 const SAME_S: f64 = 0.1;
 
-/// The instants of one log, in the order of time.
+/// Returns the instants of one log, in the order of time.
 pub(super) fn lost_pulses(course: &Course) -> Vec<LostPulse> {
     let errors: Vec<f64> = course
         .errors_bar
@@ -69,7 +69,7 @@ pub(super) fn lost_pulses(course: &Course) -> Vec<LostPulse> {
                     Some(course.missing_bar[row]).filter(|missing| missing.is_finite())
                 })
             };
-            // A single false reading of the sensor leaves no step behind.
+            // A single false reading of the sensor leaves no step.
             let jump_bar = level(end.min(errors.len() - 1)..errors.len())?
                 - level(row.saturating_sub(1)..row)?;
             (jump_bar.abs() > JUMP * course.channel.sigma).then(|| LostPulse {

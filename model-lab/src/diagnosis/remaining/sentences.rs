@@ -1,8 +1,8 @@
-//! The leading shapes of what remains, in words.
+//! Leading shapes of the unexplained residual, in words.
 
 use super::super::result::{FlowCurve, LostPulse, Remaining, SpectralLine};
 
-/// The most telling first; empty where nothing material remains.
+/// Returns the sentences, the most informative first; empty where nothing material remains.
 pub(super) fn sentences(remaining: &Remaining, is_material: bool) -> Vec<String> {
     let mut sentences: Vec<String> = remaining.spectral_lines.iter().map(line).collect();
     sentences.extend(pulses(&remaining.lost_pulses));
@@ -94,7 +94,7 @@ fn curve(curve: &FlowCurve) -> String {
 mod tests {
     use super::*;
 
-    /// "No shape that stands out from chance" stood beside 6 noise floors.
+    /// Defect seen: "No shape that stands out from chance" stood beside 6 noise floors.
     #[test]
     fn a_residual_without_a_known_shape_is_not_said_to_be_chance() {
         let [sentence] = &sentences(&Remaining::default(), true)[..] else {

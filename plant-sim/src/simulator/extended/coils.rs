@@ -24,7 +24,7 @@ impl Extended {
         }
     }
 
-    /// Returns the magnetising current (A) at which the current of a free-wheeling coil ends: the eddy currents carry
+    /// Returns the magnetising current (A) at which the current of a freewheeling coil ends: the eddy currents carry
     /// the rest.
     pub(super) fn least_current(&self) -> f64 {
         self.plant.diode_drop * self.plant.additions.eddy_conductance

@@ -204,7 +204,8 @@ mod tests {
     use crate::simulator::Engine;
     use crate::{Command, PlantParameters, Simulator};
 
-    /// Pressures (Pa) and currents (A) of two seconds; `in_full` takes no short cut for laws that no effect changes.
+    /// Returns pressures (Pa) and currents (A) over two seconds; `in_full` also integrates with the general laws where
+    /// no effect changes them.
     fn trace(plant: &PlantParameters, in_full: bool) -> Vec<[f64; 3]> {
         let mut simulator = Simulator::new(plant);
         let Engine::Extended(solver) = &mut simulator.engine else {

@@ -15,7 +15,7 @@ use crate::solver::hermite::Cubic;
 use crate::solver::root::first_positive;
 use crate::valve::{Motion, ValveState};
 
-/// Magnetising current (A) below which a coil without supply has no flux left.
+/// Magnetising current (A) below which the flux of a coil without supply counts as zero.
 const NO_CURRENT: f64 = 1e-6;
 
 /// Minimum excess of the friction at rest over that in motion (-): otherwise an armature that has just broken away
@@ -34,7 +34,7 @@ impl Physics for Extended {
     }
 
     fn longest_flow_step(&self) -> f64 {
-        // Where the plunger leaves a stop, its law has a kink that a long step hardly sees.
+        // Where the plunger leaves a stop, its law has a kink that a long step does not resolve.
         if self.plant.additions.plunger.is_some() {
             1e-3
         } else {
@@ -57,7 +57,7 @@ impl Physics for Extended {
                 has_law || additions.supply_resistance > 0.0 || additions.polarisation.is_some()
             }
             Drive::FreeWheeling(_) => has_law,
-            // The eddy currents sustain a flux for a moment.
+            // The eddy currents sustain a flux for a short time.
             Drive::Blocked => additions.eddy_conductance > 0.0 && self.flux[index] > 0.0,
         }
     }

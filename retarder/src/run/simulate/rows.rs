@@ -21,16 +21,16 @@ pub(super) enum Rows<R: Read> {
 
 impl<R: Read> Rows<R> {
     /// Returns the next rows, or `None` at the end. A recording comes in one chunk. The first chunk of a CSV file with
-    /// measured signals has as many rows as the search for the clock of the logger needs.
+    /// measured signals is the beginning of the log that the search for the clock of the logger needs.
     pub(super) fn next(&mut self, log: &str, is_first: bool) -> Result<Option<Recording>, Failure> {
         match self {
             Self::Csv(reader, counter) => {
                 let is_measured = |column: &Column| MEASURED.contains(&&*column.name);
-                let rows = match is_first && reader.columns().iter().any(is_measured) {
-                    true => LogConditions::ROWS_MAX,
-                    false => CHUNK_ROWS,
+                let is_part = match is_first && reader.columns().iter().any(is_measured) {
+                    true => LogConditions::is_in_beginning,
+                    false => |index, _| index < CHUNK_ROWS,
                 };
-                let rows = next_rows(reader, log, rows)?;
+                let rows = next_rows(reader, log, is_part)?;
                 if let Some(rows) = &rows {
                     counter.add(rows);
                 }
@@ -52,16 +52,18 @@ impl<R: Read> Rows<R> {
     }
 }
 
-/// Returns at most the next `count` rows.
+/// Returns the next rows as long as `is_part` is true. It gets the number of rows so far and the time (s) from the
+/// first of them to the last.
 fn next_rows(
     reader: &mut Reader<impl Read>,
     log: &str,
-    count: usize,
+    is_part: fn(usize, f64) -> bool,
 ) -> Result<Option<Recording>, Failure> {
     let columns = reader.columns().to_vec();
-    let mut times_s = Vec::with_capacity(CHUNK_ROWS);
+    let mut times_s: Vec<f64> = Vec::with_capacity(CHUNK_ROWS);
     let mut samples = vec![Vec::with_capacity(CHUNK_ROWS); columns.len()];
-    while times_s.len() < count
+    let time_s = |times_s: &[f64]| times_s.last().map_or(0.0, |last| last - times_s[0]);
+    while is_part(times_s.len(), time_s(&times_s))
         && let Some(row) = reader.next_row()?
     {
         times_s.push(row.time_s);

@@ -47,7 +47,7 @@ pub enum DrawError {
 pub struct Drawn {
     /// Hidden effects.
     pub answer: Answer,
-    /// Its id log and its check log as CSV.
+    /// Id log and check log of the rig, as CSV.
     pub logs: [String; 2],
 }
 
@@ -55,11 +55,12 @@ pub struct Drawn {
 #[derive(Debug, Clone)]
 pub struct Draw {
     seed: u64,
-    /// By the number of the rig, from 1.
+    /// Plans by the number of the rig, from 1.
     plans: Vec<(usize, Plan)>,
 }
 
-/// Rig of a seed as it was drawn: it stays the same when the catalogue of effects, and with it the plan of the draw, changes.
+/// Rig of a seed as it was drawn. It stays the same if the catalogue of effects, and thus the plan of the draw,
+/// changes.
 #[derive(Debug, Clone, Copy)]
 pub struct KnownRig {
     /// Seed of its draw.
@@ -78,7 +79,7 @@ impl KnownRig {
     /// Runs the rig.
     ///
     /// # Panics
-    /// If the catalogue does not have one of the laws.
+    /// Panics if the catalogue does not have one of the laws.
     pub fn run(&self) -> Drawn {
         let dose = |&(effect, law, size_over_typical, shape): &(&str, &str, f64, f64)| Dose {
             form: forms()
@@ -109,7 +110,7 @@ impl Draw {
     /// Keeps the rigs with one of `numbers`, as they are in the whole draw.
     ///
     /// # Errors
-    /// If no rig has one of the numbers.
+    /// Returns an error if no rig has one of the numbers.
     pub fn only(mut self, numbers: &[usize]) -> Result<Self, DrawError> {
         only(&mut self.plans, numbers)?;
         Ok(self)
@@ -129,7 +130,7 @@ impl Draw {
     /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` gets the number of finished rigs.
     ///
     /// # Errors
-    /// If the folder exists, or a file cannot be written.
+    /// Returns an error if the folder exists, or a file cannot be written.
     pub fn write(
         &self,
         folders: &Folders,
@@ -145,7 +146,7 @@ impl Draw {
 /// Writes `count` rigs into `folders` on `threads` threads; `progress` gets the number of finished rigs.
 ///
 /// # Errors
-/// If the folder exists, or a file cannot be written.
+/// Returns an error if the folder exists, or a file cannot be written.
 pub(super) fn write_rigs(
     folders: &Folders,
     threads: usize,
@@ -182,7 +183,7 @@ impl Drawn {
     /// Writes logs and answer into `folders`, which exist.
     ///
     /// # Errors
-    /// If a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn write(&self, folders: &Folders) -> Result<(), DrawError> {
         write_rig(folders, &self.answer.rig, &self.logs, &self.answer)
     }
@@ -191,7 +192,7 @@ impl Drawn {
 /// Writes the logs and the answer of one rig into `folders`, which exist.
 ///
 /// # Errors
-/// If a file cannot be written.
+/// Returns an error if a file cannot be written.
 pub(super) fn write_rig(
     folders: &Folders,
     rig: &str,
@@ -212,7 +213,7 @@ pub(super) fn write_rig(
 /// Keeps the plans with these numbers, which count from 1.
 ///
 /// # Errors
-/// If no rig has one of the numbers.
+/// Returns an error if no rig has one of the numbers.
 pub(super) fn only<T>(plans: &mut Vec<(usize, T)>, numbers: &[usize]) -> Result<(), DrawError> {
     let count = plans.len();
     if let Some(&number) = numbers.iter().find(|number| !(1..=count).contains(number)) {
@@ -361,7 +362,7 @@ impl Run {
     }
 }
 
-/// Returns the difference of a run from the plain rig's, by signal: rms in units of the noise of a good log.
+/// Returns the difference between a run and that of the plain rig, by signal: rms in units of the noise of a good log.
 fn raw_excess(run: &Run, plain: &[Reading]) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, f64> = BTreeMap::new();
     for (with, without) in run.readings.iter().zip(plain) {

@@ -4,7 +4,7 @@ use super::super::format::{Class, Poor};
 use crate::chance::Chance;
 use crate::reference_plant::catalogue::{Form, Kinship, forms_of};
 
-/// Pairs that act in different places, so that neither can explain the other.
+/// Pairs of effects that act in different places, so that neither effect can explain the other.
 const PAIRS: [[&str; 2]; 20] = [
     ["chamber_leak", "coil_ambient_temperature"],
     ["chamber_leak", "drain_back_pressure"],
@@ -30,7 +30,7 @@ const PAIRS: [[&str; 2]; 20] = [
 
 /// Sizes relative to the typical one: from far below the noise to far above it.
 pub(in crate::blind) const SINGLE_SIZES: [f64; 2] = [0.15, 10.0];
-/// Sizes of effects in a pair, or in a poor log: each one matters.
+/// Sizes of effects in a pair, or in a poor log, relative to the typical size: each effect is clearly above the noise.
 const STRONG_SIZES: [f64; 2] = [1.5, 6.0];
 
 /// Number of rigs of each kind.

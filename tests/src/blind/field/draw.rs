@@ -28,7 +28,7 @@ pub struct FieldRig {
     pub answer: FieldAnswer,
     /// Plant file that a user would have.
     pub plant: String,
-    /// Its id log and its check log as CSV.
+    /// Id log and check log of the rig, as CSV.
     pub logs: [String; 2],
 }
 
@@ -54,7 +54,7 @@ impl FieldDraw {
     /// Keeps the rigs with one of `numbers`, as they are in the whole draw.
     ///
     /// # Errors
-    /// If no rig has one of the numbers.
+    /// Returns an error if no rig has one of the numbers.
     pub fn only(mut self, numbers: &[usize]) -> Result<Self, DrawError> {
         only(&mut self.doses, numbers)?;
         Ok(self)
@@ -97,7 +97,7 @@ impl FieldDraw {
     /// Runs all rigs on `threads` threads and writes them into `folders`; `progress` gets the number of finished rigs.
     ///
     /// # Errors
-    /// If the folder exists, or a file cannot be written.
+    /// Returns an error if the folder exists, or a file cannot be written.
     pub fn write(
         &self,
         folders: &Folders,

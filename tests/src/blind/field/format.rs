@@ -20,8 +20,9 @@ pub struct FieldAnswer {
     pub rig: String,
     /// Effects beyond the plain plant.
     pub hidden: Vec<Hidden>,
-    /// Removal cost of each of them: rms of what the rig without it leaves of the readings of the check log once its ordinary
-    /// parameters are fitted, by logged signal, in units of the noise and converter steps of the channel.
+    /// Removal cost of each hidden effect: rms residual of the check log's readings for the rig without the effect,
+    /// after its ordinary parameters are fitted; by logged signal, in units of the noise and converter steps of the
+    /// channel.
     #[serde(default)]
     pub cost_if_left_out: BTreeMap<String, BySignal>,
     /// Whether the vent valve is open without current.

@@ -179,7 +179,7 @@ pub(super) fn record(
     plan: &LogPlan,
     chance: &mut Chance,
 ) -> Recorded {
-    // A clock may be slightly slow.
+    // One percent more, since a clock may be slightly slow.
     let samples = (1.01 * plan.length_s / rig.datasheet.ecu.sample_time_s) as usize;
     let commands = Commands::new(plan.profile, samples, plan.command_grid, chance);
     let mut bench = Bench::new(rig, plan, commands);
@@ -235,8 +235,8 @@ pub(super) fn replay(rig: &Rig, logger: &LoggerAnswer, plan: &LogPlan, run: &Run
     run.instants.iter().map(read_at).collect()
 }
 
-/// Returns the differences of `readings` in the logged rows of `run` from `others`, by logged signal, in units of the
-/// noise and converter steps of the channel.
+/// Returns the differences between `readings` and `others` in the logged rows of `run`, by logged signal, in units of
+/// the noise and converter steps of the channel.
 pub(super) fn differences(
     (logger, plan, run): (&LoggerAnswer, &LogPlan, &Run),
     readings: &[Reading],

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `field-draw` | a seed | `logs/`: logs, and the plant file that a user would have; `sealed/`: answers |
 //! | `field-run` | `logs/` | `found/`: result of `retarder refine` for each rig, and the refined plant |
-//! | `field-run --names` | the same | also `named/`: what `retarder diagnose` says with the refined plant; `fitted/`: that plant with the named effects |
+//! | `field-run --names` | the same | also `named/`: diagnosis of the refined plant; `fitted/`: that plant with the named effects |
 //! | `field-truth` | `sealed/`, `logs/` | `truth/`: the errors of the true parameters |
 //! | `field-score` | `sealed/`, `found/`, `truth/` | the table and the verdict on the refined plants |
 //! | `field-score --names` | `sealed/`, `found/`, `named/`, `fitted/` | the table and the verdict on the names |

@@ -15,22 +15,23 @@ const NORMALLY_OPEN: &str = "\n\n[valves]\nvent = \"normally_open\"\n";
 /// pressure (N).
 const PRELOADS_VENT: [&str; 2] = ["preload_vent_n = 3.34", "preload_vent_n = 1.40"];
 
-/// Relative error of most parameters, at most.
+/// Largest relative error of most parameters.
 const FAR: f64 = 0.30;
-/// Relative error of the inductances, which have the same one, at most.
+/// Largest relative error of the inductances; both have the same error.
 const INDUCTANCE: f64 = 0.15;
-/// Relative error of the resistance, at most.
+/// Largest relative error of the resistance.
 const RESISTANCE: f64 = 0.10;
-/// Error of the command delay, at most (s).
+/// Largest error of the command delay (s).
 const DELAY_S: f64 = 6e-3;
-/// Error of the supply pressure, at most (bar).
+/// Largest error of the supply pressure (bar).
 const SUPPLY_BAR: f64 = 0.5;
 
-/// Force of a magnet relative to the opposing force, for a valve that opens (closes, if normally open) at any pressure.
+/// Minimum force of a magnet relative to the opposing force, so that the valve opens (closes, if normally open) at any
+/// pressure.
 const PULL_IN: f64 = 1.25;
-/// The same ratio at full stroke, where the magnet has to hold.
+/// Minimum of the same ratio at full stroke, where the magnet has to hold the armature.
 const HOLD: f64 = 1.1;
-/// Force of the spring relative to the opposing force, for a valve that returns.
+/// Minimum force of the spring relative to the opposing force, so that the valve returns.
 const FALL_BACK: f64 = 1.1;
 
 /// Name of a drawn parameter and its field in a datasheet.
@@ -98,7 +99,7 @@ pub(super) fn true_file(is_vent_normally_open: bool, parameters: &BTreeMap<Strin
     plant.to_toml()
 }
 
-/// Draws a rig whose valves work: nobody logs a rig whose valves do not open and close.
+/// Draws a rig whose valves open and close; other rigs would not be logged.
 pub(super) fn rig(is_vent_normally_open: bool, chance: &mut Chance) -> Rig {
     let sheet: Datasheet = toml::from_str(&first_file(is_vent_normally_open))
         .expect("the bundled file is a datasheet");
@@ -145,7 +146,7 @@ fn largest_error(name: &str, value: f64) -> f64 {
     }
 }
 
-/// Returns a rig whose drawn parameters are off those of `rig` by these shares of their largest errors.
+/// Returns a rig whose drawn parameters differ from those of `rig` by these shares of their largest errors.
 pub(super) fn moved(rig: &Rig, shares: &[f64; COUNT]) -> Rig {
     let mut moved = rig.clone();
     for ((name, place), share) in PLACES.into_iter().zip(shares) {

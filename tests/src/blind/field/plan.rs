@@ -11,7 +11,7 @@ use crate::chance::Chance;
 use crate::reference_plant::Rig;
 use crate::reference_plant::catalogue::{Form, Kinship};
 
-/// One rig of this many has a normally open vent valve.
+/// Number of rigs of which one has a normally open vent valve.
 const NORMALLY_OPEN_ONE_OF: usize = 3;
 /// Range of the rows per second, uniform on a logarithmic scale.
 pub(super) const RATES_HZ: [f64; 2] = [20.0, 5000.0];
@@ -30,29 +30,29 @@ pub(super) const BITS: [usize; 2] = [8, 12];
 /// Noise of the pressure on the practice rigs (bar), and the range of a rig's noise relative to it.
 const PRACTICE_NOISE_BAR: f64 = 4e-3;
 const NOISES: [f64; 2] = [0.1, 10.0];
-/// Share of the rigs whose currents, and whose supply pressure, are logged.
+/// Share of the rigs with logged currents; the same share has a logged supply pressure.
 const LOGGED: f64 = 0.5;
-/// Share of the logs that begin warm.
+/// Share of the logs that begin with warm gas.
 const WARM: f64 = 0.25;
-/// ECU samples of the fill before such a log, and from its last command to the first row.
+/// ECU samples of the fill before such a log, and of the shut time from the last command to the first row.
 const FILL_SAMPLES: [usize; 2] = [4, 20];
 const SHUT_SAMPLES: [usize; 2] = [8, 14];
 /// Temperature of the gas above that of the wall at the first row (K), and time constant of its cooling (s).
 const SURPLUS_K: [f64; 2] = [5.0, 30.0];
 const RELAXATION_S: [f64; 2] = [0.2, 1.0];
-/// Length of the hold, in time constants: until gas and wall have the same temperature.
+/// Length of the hold at the start of such a log, in time constants: until gas and wall have the same temperature.
 const HOLD_IN_RELAXATIONS: f64 = 8.0;
 
 /// Share of the hidden effects outside the library, and share of other laws than the textbook's among the rest.
 const BEYOND: f64 = 0.12;
 const OTHER_LAW: f64 = 0.375;
-/// Effect with which the gas warms by itself: the warm begin of a log would be gone within milliseconds.
+/// Effect that models the gas temperature itself: with it, the initial warmth would be lost within milliseconds.
 const WARMS: &str = "gas_temperature";
 
 /// Length of the id log and of the check log (s).
 pub(super) const LENGTHS_S: [f64; 2] = [60.0, 40.0];
 
-/// Number of hidden effects of a rig, least and most.
+/// Smallest and largest number of hidden effects of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effects {
     least: usize,
@@ -119,7 +119,7 @@ pub(super) struct FieldPlan {
 pub(super) struct LogPlan {
     pub(super) profile: Profile,
     pub(super) length_s: f64,
-    /// ECU samples with one command: at least one row sees each.
+    /// Number of ECU samples with one command, so that at least one row shows each command.
     pub(super) command_grid: usize,
     pub(super) phase_s: f64,
     pub(super) gaps: Vec<[f64; 2]>,
@@ -134,7 +134,7 @@ impl LogPlan {
     }
 }
 
-/// Fast fill before the log, and the hold at its begin.
+/// Fast fill before the log, and the hold at its start.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Warm {
     pub(super) fill_samples: usize,
@@ -308,7 +308,7 @@ mod tests {
         }
     }
 
-    /// If two laws wrote one field, only the second would act.
+    /// Two laws must not write one field, because only the second would act.
     #[test]
     fn no_effect_overwrites_another() {
         let sheet = Datasheet::bundled();

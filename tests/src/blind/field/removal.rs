@@ -1,9 +1,9 @@
-//! Removal costs of hidden effects: what the same rig without one of them would leave of a log if its ordinary parameters
-//! were fitted.
+//! Removal costs of hidden effects: residual of a log for the same rig without one of its effects, after the ordinary
+//! parameters are fitted.
 //!
-//! A warm coil changes every reading as a larger resistance does, so that leaving it out costs nothing. How much of an effect the
-//! ordinary parameters take over is seen at a small size of it, where the plant is linear: the sine of the angle between its change and
-//! the changes that the parameters make.
+//! A warm coil changes every reading like a larger resistance, so its removal costs nothing. The share of an effect
+//! that the ordinary parameters cannot absorb is determined at a small size of the effect, where the plant is linear.
+//! It is the sine of the angle between the change by the effect and the changes by the parameters.
 
 use std::collections::BTreeMap;
 
@@ -17,16 +17,16 @@ use super::plan::LogPlan;
 use crate::least_squares::{rms, weights};
 use crate::reference_plant::{Reading, Rig};
 
-/// Change of the worst signal by an effect of small size, in units of the noise of its channel.
+/// Change of the most affected signal by an effect of small size, in units of the noise of its channel.
 const SMALL: f64 = 1.0;
-/// Step of the differences, in largest errors of the parameters.
+/// Step of the difference quotients, relative to the largest errors of the parameters.
 const STEP: f64 = 0.02;
-/// Pull of each parameter to its true value: volume and discharge coefficients are nearly dependent.
+/// Regularisation of each parameter towards its true value: volume and discharge coefficients are nearly dependent.
 const PULL: f64 = 1.0;
 
-/// Returns the cost of leaving out each of `doses`, by its effect: rms of the change of a run's logged readings that fitted
-/// ordinary parameters would leave, by signal, in units of the noise and converter steps of the channel. The rig without
-/// the effect gets the commands of the run, even if a controller would have given others.
+/// Returns the removal cost of each of `doses`, by its effect: rms of the change of a run's logged readings that
+/// remains after a fit of the ordinary parameters, by signal, in units of the noise and converter steps of the channel.
+/// The rig without the effect gets the commands of the run, even if a controller would have given others.
 pub(super) fn costs(
     plain: &Rig,
     doses: &[Dose],
@@ -41,7 +41,7 @@ pub(super) fn costs(
     (0..doses.len()).map(cost).collect()
 }
 
-/// Returns the cost of leaving out one of `doses`.
+/// Returns the removal cost of one of `doses`, computed at a small size and scaled to its actual size.
 fn cost(plain: &Rig, (doses, left_out): (&[Dose], usize), seen: Seen) -> BySignal {
     let (logger, plan, run) = seen;
     let readings = |rig: &Rig| replay(rig, logger, plan, run);
@@ -59,7 +59,7 @@ fn cost(plain: &Rig, (doses, left_out): (&[Dose], usize), seen: Seen) -> BySigna
     let small = differences(seen, &with_small, &bare);
     let scale = rms(whole(&removed)) / rms(whole(&small));
     if !scale.is_finite() {
-        // A small size changes nothing, so that nothing can be taken over.
+        // A small size changes nothing, so the parameters cannot absorb anything.
         return by_signal(&removed);
     }
     let mut left = by_signal(&beside_parameters((&without, &bare), small, seen));
@@ -80,7 +80,7 @@ fn by_signal(changes: &Changes) -> BySignal {
     changes.iter().map(rms).collect()
 }
 
-/// Returns what the ordinary parameters of `rig`, whose readings are `bare`, leave of small `changes`.
+/// Returns the residual of small `changes` after a fit of the ordinary parameters of `rig`, whose readings are `bare`.
 fn beside_parameters((rig, bare): (&Rig, &[Reading]), mut changes: Changes, seen: Seen) -> Changes {
     let (logger, plan, run) = seen;
     let columns: [Vec<f64>; ordinary::COUNT] = std::array::from_fn(|n| {
@@ -163,7 +163,7 @@ mod tests {
         assert!(one > 0.0 && three > 1.5 * one, "{one} {three}");
     }
 
-    /// Warm coils are coils of a larger resistance.
+    /// Warm coils are equivalent to coils of a larger resistance.
     #[test]
     fn what_the_ordinary_parameters_take_over_is_no_cost() {
         let effect = "coil_ambient_temperature";

@@ -22,7 +22,7 @@ pub struct Retarder {
 /// the number of those.
 ///
 /// # Errors
-/// If files cannot be read or written, or the command does not start.
+/// Returns an error if files cannot be read or written, or the command does not start.
 pub fn refine(
     folders: &Folders,
     Retarder { retarder }: &Retarder,
@@ -40,7 +40,7 @@ pub fn refine(
 /// Diagnoses every rig of `folders` with its refined plant, like [`refine`].
 ///
 /// # Errors
-/// If files cannot be read or written, or the command does not start.
+/// Returns an error if files cannot be read or written, or the command does not start.
 pub fn diagnose(
     folders: &Folders,
     Retarder { retarder }: &Retarder,
@@ -57,7 +57,7 @@ pub fn diagnose(
 /// Adds the named effects to the refined plant of every rig of `folders` that has any, like [`refine`].
 ///
 /// # Errors
-/// If files cannot be read or written, or the command does not start.
+/// Returns an error if files cannot be read or written, or the command does not start.
 pub fn fit(
     folders: &Folders,
     Retarder { retarder }: &Retarder,

@@ -158,13 +158,13 @@ pub struct FieldReport {
 pub struct Group {
     /// Kind.
     pub label: &'static str,
-    /// Rigs with a check error at the floor.
+    /// Rigs with a check error at the noise floor.
     pub at_the_floor: Share,
-    /// Rigs for which the check error of the true parameters is at the floor.
+    /// Rigs with a check error of the true parameters at the noise floor.
     pub truth_at_the_floor: Share,
-    /// Rigs within their time.
+    /// Rigs that are refined within the time limit.
     pub in_time: Share,
-    /// Rigs whose free run is as good as that of the true parameters.
+    /// Rigs whose free-run error is within the gate relative to that of the true parameters.
     pub free_run: Share,
     /// Median of the check error (noise floors).
     pub median_floors: f64,
@@ -205,7 +205,7 @@ fn begins_warm(rig: &FieldAnswer) -> bool {
 /// Reads answers and findings of a draw, and scores them.
 ///
 /// # Errors
-/// If an answer or a finding cannot be read. A missing finding is a miss of every gate.
+/// Returns an error if an answer or a finding cannot be read. A missing finding is a miss of every gate.
 pub fn score(folders: &Folders) -> Result<FieldReport, ScoreError> {
     let seconds = seconds(&folders.found())?;
     let answers: Vec<FieldAnswer> = answers(folders)?;

@@ -17,7 +17,7 @@ pub const FREE_RUN_SHARE_MIN: f64 = 0.95;
 /// Smallest share of the determined parameters whose 95 % interval contains the true value.
 pub const COVERAGE_MIN: f64 = 0.93;
 
-/// Distance from the true value, in half widths of its interval, beyond which a determined parameter is far off.
+/// Distance from the true value, in half widths of the interval, beyond which a determined parameter counts as far off.
 pub const FAR_OFF_HALF_WIDTHS: f64 = 2.0;
 /// Largest share of the determined parameters that are far off.
 pub const FAR_OFF_SHARE_MAX: f64 = 0.03;
@@ -25,12 +25,12 @@ pub const FAR_OFF_SHARE_MAX: f64 = 0.03;
 /// Largest share of the rigs without hidden effect that get a name.
 pub const FALSE_NAME_SHARE_MAX: f64 = 0.01;
 
-/// Removal cost from which a hidden effect has to be named (noise floors of the worst signal).
+/// Minimum removal cost of a hidden effect that has to be named (noise floors of the worst signal).
 pub const ASKED_COST_MIN_FLOORS: f64 = 1.0;
 /// Smallest share of these effects that are named.
 pub const NAMED_SHARE_MIN: f64 = 0.90;
 
-/// Largest share of the rigs with hidden effects that get a name which stands for none of them.
+/// Largest share of the rigs with hidden effects that get a name that stands for none of them.
 pub const WRONG_NAME_SHARE_MAX: f64 = 0.02;
 
 /// Largest free-run check error of the plant with the named effects (noise floors of the worst signal; the reference

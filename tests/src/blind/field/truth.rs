@@ -37,7 +37,7 @@ pub enum TruthError {
 /// gets the number of finished rigs, and of all.
 ///
 /// # Errors
-/// If answers cannot be read, or the command fails on one of them.
+/// Returns an error if answers cannot be read, or the command fails on one of them.
 pub fn run(
     folders: &Folders,
     retarder: &Retarder,

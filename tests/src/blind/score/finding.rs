@@ -70,7 +70,7 @@ pub struct Candidate {
 /// A fitted parameter with its 95 % interval.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Fitted {
-    /// Its key in the plant file.
+    /// Key of the parameter in the plant file.
     pub key: String,
     /// Best value.
     pub value: f64,

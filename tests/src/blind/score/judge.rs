@@ -46,7 +46,8 @@ impl Judgement {
 }
 
 impl Named {
-    /// Returns the name that stands for each hidden effect. As many effects as possible have one, earlier ones first.
+    /// Returns the name that stands for each hidden effect. As many effects as possible have a name, earlier effects
+    /// first.
     pub fn assigned(&self, hidden: &[Hidden]) -> Vec<Option<&str>> {
         assigned(&self.names(), hidden, &|name, hidden| {
             self.stands(name, hidden)

@@ -25,7 +25,7 @@ pub use table::Report;
 
 /// Upper ends of the strata of excess, in units of the noise; the last stratum is open.
 pub const STRATA: [f64; 4] = [0.15, 0.5, 1.0, 3.0];
-/// Excess from which an effect has to be found.
+/// Minimum excess of an effect that has to be found, in units of the noise.
 pub const TO_BE_FOUND: f64 = 0.5;
 
 /// Reason why there is no score.
@@ -113,7 +113,7 @@ impl Scored {
 /// Reads answers and findings of a draw, and scores them.
 ///
 /// # Errors
-/// If an answer or a finding cannot be read. A rig without a finding has no names.
+/// Returns an error if an answer or a finding cannot be read. A rig without a finding has no names.
 pub fn score(folders: &Folders) -> Result<Report, ScoreError> {
     let rigs = answers::<Answer>(folders)?.into_iter().map(|answer| {
         let finding = found(&folders.found().finding(&answer.rig))?;

@@ -71,7 +71,8 @@ fn least_bic(finding: &Finding, rows: usize) -> Option<String> {
     )
 }
 
-/// Knows the hidden effects, and names those that explain at least half of the excess on the check log.
+/// Returns the hidden effects that explain at least half of the excess on the check log. Unlike the other rules, this
+/// one reads the answer.
 fn oracle(answer: &Answer, finding: &Finding) -> Vec<String> {
     let Some(plain) = finding.plain() else {
         return vec![];

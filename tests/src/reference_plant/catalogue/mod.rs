@@ -28,9 +28,9 @@ pub enum Kinship {
 /// Law of an effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Form {
-    /// Id of the effect: the library's, or one of its own.
+    /// Id of the effect: that of the library, or another one if the library does not have it.
     pub effect: &'static str,
-    /// Distinction of this law from the effect's others.
+    /// Name that distinguishes this law from other laws of the effect.
     pub law: &'static str,
     /// Relation to the library.
     pub kinship: Kinship,
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
     use crate::reference_plant::{Reading, Rig, replay};
 
-    /// Simulates fill, hold, vent, and both valves: everything moves once.
+    /// Simulates fill, hold, vent, and both valves, so that every part moves once.
     fn readings(form: &Form, size: f64) -> Vec<Reading> {
         let rig = Rig::nominal();
         let mut departures = Departures::default();

@@ -17,7 +17,7 @@ pub(super) struct Band {
     high: Course,
     /// Samples in the view with a residual.
     samples: usize,
-    /// Share of these beyond the band.
+    /// Share of these samples that is beyond the band.
     beyond: f64,
     /// Allowed share.
     beyond_max: f64,
@@ -26,8 +26,8 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// Returns the band of `tolerance` around the residual `errors` of `measured`, both on `base`. It is judged in the
-    /// visible range, and also drawn beside it.
+    /// Returns the band of `tolerance` around the residual `errors` of `measured`, both on `base`. Only the visible
+    /// range decides whether the samples are within it; it is also drawn beside that range.
     pub(super) fn of(
         tolerance: &Tolerance,
         (base, measured, errors): (&TimeBase, &[f64], &(impl Series + ?Sized)),

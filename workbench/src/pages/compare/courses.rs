@@ -101,7 +101,7 @@ pub(super) struct Metrics {
 }
 
 impl Metrics {
-    /// `None` if nothing was compared.
+    /// Returns the statistics of a residual; `None` if nothing was compared.
     pub(super) fn of(residual: impl Iterator<Item = f64> + Clone) -> Option<Self> {
         let present = || residual.clone().filter(|error| !error.is_nan());
         let samples = present().count();
@@ -128,7 +128,7 @@ impl Range {
     pub(super) fn with_beside(self, share: f64) -> Result<Self, Refusal> {
         if !(0.0..=1.0).contains(&share) {
             return Err(Refusal::value(format!(
-                "what is drawn beside a view is up to as wide as the view; {share} of it is not"
+                "the margin of a view is {share} of its width (0 to 1)"
             )));
         }
         let (Some(from_s), Some(to_s)) = (self.from_s, self.to_s) else {
@@ -150,7 +150,7 @@ impl Range {
         let to_s = self.to_s.unwrap_or(base.end_s());
         if !(from_s.is_finite() && to_s.is_finite() && from_s <= to_s) {
             return Err(Refusal::value(format!(
-                "a view goes from an earlier to a later instant; from {from_s} s to {to_s} s it does not"
+                "the view from {from_s} s to {to_s} s is not a range; its end must not be before its start"
             )));
         }
         let times_s = base.times_s();
@@ -320,7 +320,7 @@ impl Course {
     ) -> Result<Self, Refusal> {
         let (_, view_s) = range.of(base)?;
         let times_s = base.times_s();
-        // Two instants at least: the interval of a whole log may be unknown.
+        // The mean interval is used because the median of the whole log may be unknown.
         let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
         let points = points.clamp(2, POINTS_MAX);
         let shown = pyramid.thin((times_s, values), view_s, points, gap_s);

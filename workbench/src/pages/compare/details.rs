@@ -183,7 +183,7 @@ pub(super) fn residual_of<'a>(
     found.ok_or_else(|| Refusal::not_found("compared signal"))
 }
 
-/// Returns the unit of its differences.
+/// Returns the unit of the signal's errors.
 pub(super) fn unit_of_errors(compared: &Compared, name: &str) -> String {
     let signals = &compared.comparison.signals;
     let signal = signals.iter().find(|signal| signal.name == name);
@@ -295,7 +295,7 @@ pub(super) fn fold(session: &Session, number: u32, fold: &Folding) -> Result<Fol
         .unwrap_or(1e3 / compared.parameters.ecu.pwm_frequency_hz);
     if !(period_ms > 0.0 && period_ms.is_finite()) {
         return Err(Refusal::value(format!(
-            "the length of a fold is positive; {period_ms} ms is not"
+            "the fold period is {period_ms} ms; enter a value above 0"
         )));
     }
     let signal = log.recording.signal(&fold.signal);

@@ -95,7 +95,7 @@ struct Pair<'a> {
     values: &'a [f64],
     other_base: &'a TimeBase,
     other_values: &'a [f64],
-    /// Added to the times of the other log.
+    /// Offset (s) added to the times of the other log.
     shift_s: f64,
 }
 
@@ -145,7 +145,7 @@ impl Pair<'_> {
     }
 }
 
-/// A log with one sample has nothing between samples.
+/// Returns the median sample interval (s); 0 for a log with one sample.
 fn median_step_s(base: &TimeBase) -> f64 {
     base.sampling().median_step_s.unwrap_or(0.0)
 }

@@ -35,7 +35,7 @@ pub(super) struct Distribution {
     unit: String,
     /// Standard deviation of the measurement noise; `None` if unknown or not applicable.
     noise: Option<f64>,
-    /// `None` if the range is empty.
+    /// Histogram; `None` if the range is empty.
     histogram: Option<Histogram>,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct Spectral {
     unit: String,
     /// Density of the measurement noise, if it is white (unit²/Hz).
     noise_level: Option<f64>,
-    /// `None` if no interval without a gap is long enough.
+    /// Spectrum; `None` if no interval without a gap is long enough.
     spectrum: Option<Spectrum>,
 }
 

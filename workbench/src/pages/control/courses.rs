@@ -41,7 +41,7 @@ pub(super) struct Courses {
 struct SignalCourses {
     name: &'static str,
     unit: &'static str,
-    /// One for each run.
+    /// Time series, one for each run.
     runs: Vec<Course>,
 }
 

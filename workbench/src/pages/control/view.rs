@@ -141,7 +141,7 @@ impl RequirementView {
 #[derive(Serialize)]
 struct RunView {
     plant: PlantView,
-    /// The same JSON that `retarder control --json` writes.
+    /// Verdict, in the JSON form that `retarder control --json` writes.
     verdict: Verdict,
 }
 

@@ -16,11 +16,11 @@ use crate::store::open_regular;
 const ROWS: usize = 12;
 /// Lines that are shown before and after a wrong line.
 const AROUND: u64 = 2;
-/// Most bytes that are shown of a line.
+/// Maximum number of bytes that are shown of a line.
 const LINE_BYTES_MAX: u64 = 4096;
-/// Most channels that are listed.
+/// Maximum number of listed channels.
 const CHANNELS_MAX: usize = 500;
-/// Most cells that are shown of a line.
+/// Maximum number of cells that are shown of a line.
 const CELLS_MAX: usize = 64;
 
 #[derive(Serialize)]
@@ -65,7 +65,7 @@ struct Text {
 
 #[derive(Serialize)]
 struct Line {
-    /// From 1.
+    /// Number of the line, from 1.
     number: u64,
     cells: Vec<String>,
 }
@@ -225,7 +225,7 @@ fn delimiter(lines: &[(u64, String)]) -> Delimiter {
         let sum: usize = counts.iter().sum();
         (is_even && sum > 0, sum)
     };
-    // The last of equals wins, and a comma may be a decimal one.
+    // The last of equal counts is chosen, and a comma may be a decimal comma, so it comes first.
     [Delimiter::Comma, Delimiter::Tab, Delimiter::Semicolon]
         .into_iter()
         .max_by_key(judged)

@@ -267,7 +267,7 @@ impl Draft {
         if !spec.contains(value) || !value.is_finite() {
             let (lowest, highest) = spec.range;
             return Err(Refusal::value(format!(
-                "{name} lies between {lowest} and {highest} {}; {value} does not",
+                "{name} is {value} (between {lowest} and {highest} {}); enter a value in this range",
                 spec.unit
             )));
         }

@@ -41,7 +41,7 @@ pub(super) struct Simulation {
     /// Computing time of the simulation of the log (ms).
     simulation_ms: f64,
     signals: Vec<SignalRun>,
-    /// From the plant as opened to the last effect that is on.
+    /// Error steps, from the plant as opened to the last effect that is on.
     ladder: Vec<Rung>,
 }
 

@@ -57,7 +57,7 @@ impl Findings {
         }
     }
 
-    /// Returns the worst of `logs` before and after the named effects.
+    /// Returns the log of `logs` with the largest error, before and after the named effects.
     pub(super) fn before_and_after<'a>(
         &self,
         logs: &[&'a Recording],

@@ -13,7 +13,8 @@ export class CalculatedChannels {
       element("thead", {}, element("tr", {}, ["name", "unit", "formula", ""].map((cell) => element("th", { scope: "col" }, cell)))), this.body));
     this.element = element("section", { class: "card", "aria-labelledby": "calculated-title" },
       element("h2", { id: "calculated-title" }, "Calculated channels"),
-      element("p", { class: "quiet" }, "Each log that has the signals of a formula gets the channel, in the units of the log. A formula has numbers, names, + − * / ( ), abs, sqrt, min and max; a name with spaces or signs stands in double quotes."),
+      element("p", { class: "quiet" }, "A channel is added to each log that has the signals of its formula, in the units of the log. "
+        + "A formula has numbers, names, + − * / ( ), abs, sqrt, min and max. Put a name with spaces or signs in double quotes."),
       this.table, this.units, this.problem,
       element("p", { class: "row" },
         button("Add a channel", () => this.add({ name: "", unit: "", formula: "" }).name.focus(), { id: "add-channel" }),

@@ -41,7 +41,7 @@ class Page {
     fill(place,
       element("section", { class: "bar row" },
         element("label", {}, "Log ", choice),
-        element("span", {}, "against ", element("strong", {}, project.plant.name)),
+        element("span", {}, "compared with ", element("strong", {}, project.plant.name)),
         this.verdict, element("span", { class: "space" }), limitsMenu(log, project.strictness)),
       element("div", { class: "columns plots" },
         element("div", { class: "stack wide" }, this.plots.element),
@@ -90,8 +90,9 @@ class Page {
   async take() {
     this.comparison = await api.get(`/logs/${this.log.number}/comparison`);
     const { verdict, signals } = this.comparison;
-    const word = verdict.holds ? ["good", "holds"] : verdict.failing.length > 0 ? ["bad", "does not hold"] : ["open", "undecided"];
-    fill(this.verdict, element("span", { class: `chip ${word[0]}`, title: verdict.rule }, `The model ${word[1]}`),
+    const other = verdict.failing.length > 0 ? ["bad", "outside tolerance"] : ["open", "undecided"];
+    const word = verdict.holds ? ["good", "within tolerance"] : other;
+    fill(this.verdict, element("span", { class: `chip ${word[0]}`, title: verdict.rule }, `Model: ${word[1]}`),
       signals.map((signal) => element("span", { class: `chip ${signal.holds === null ? "open" : signal.holds ? "good" : "bad"}`, title: signal.noise_floor.statement },
         `${signal.name} ${signal.free_run.rms_in_noise === null ? `${number(signal.free_run.rms, 3)} ${signal.unit}` : `${number(signal.free_run.rms_in_noise, 3)} × noise`}`)));
     this.showFindings(signals);
@@ -106,8 +107,8 @@ class Page {
       signals.map((signal) => element("div", {},
         element("h3", {}, titled(signal.name)),
         element("p", {}, signal.finding.sentence),
-        element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, worst ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
-          button("Go there", () => this.plots.goToMoment(signal.free_run.worst_time_s), { class: "link" })),
+        element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, peak ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
+          button("Show in plot", () => this.plots.goToMoment(signal.free_run.worst_time_s), { class: "link" })),
         signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))),
       [this.comparison.clock, this.comparison.start_gas].filter(Boolean).map(({ statement }) =>
         element("p", { class: "quiet" }, element("span", { class: "chip" }, "log"), ` ${statement}.`)),

@@ -1,4 +1,4 @@
-// Page "Control": closed loop on the plant, its requirements, and its robustness on scattered rigs.
+// Page "Control": closed loop on the plant, its requirements, and its robustness (Monte Carlo).
 
 import * as api from "../api.js";
 import { button, element, fill, tellProblems } from "../dom.js";
@@ -60,7 +60,7 @@ class Page {
     if (this.wish.has_batch) await this.batch.take();
   }
 
-  /** Changes profile, seed or size of the batch; values that are not given stay. */
+  /** Changes profile, seed or size of the batch; other values stay unchanged. */
   async choose(changes, runs = true) {
     const { scenario, profile, is_edited, seed, rigs } = this.wish;
     const wish = { scenario, profile: is_edited ? profile : null, seed, rigs, ...changes };
@@ -105,14 +105,14 @@ class Page {
     } catch (refusal) {
       if (this.ending.signal.aborted) return;
       fill(this.verdict, element("span", { class: "chip open" }, "not run"));
-      if (refusal.name !== "AbortError") tellProblems(refusal, "The loop");
+      if (refusal.name !== "AbortError") tellProblems(refusal, "Closed loop");
       document.body.dataset.ready = "failed";
     }
   }
 
   async take(result) {
     fill(this.verdict, result.runs.map(({ plant, verdict }) => element("span", { class: `chip ${verdict.holds ? "good" : "bad"}` },
-      `${plant.role === "plant" ? "" : `${plant.role}: `}${verdict.holds ? "keeps every binding requirement" : "does not hold"}`)));
+      `${plant.role === "plant" ? "" : `${plant.role}: `}${verdict.holds ? "pass, every binding requirement is met" : "fail"}`)));
     this.table.hidden = false;
     fill(this.table, requirements(result, (time) => this.plots.goToStep(time)));
     await this.plots.take(result);

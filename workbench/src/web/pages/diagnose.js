@@ -17,7 +17,7 @@ export async function show(place) {
   const [project, effects] = await Promise.all([api.get("/project"), api.effects()]);
   const logs = project.logs.filter((log) => !log.problem);
   if (logs.length === 0) {
-    fill(place, element("p", {}, "There is no log to explain yet. ", button("Open one", () => view.go("logs"), { class: "primary" })));
+    fill(place, element("p", {}, "There is no log to diagnose. ", button("Open one", () => view.go("logs"), { class: "primary" })));
     document.body.dataset.ready = "diagnose";
     return {};
   }
@@ -26,10 +26,10 @@ export async function show(place) {
   return page;
 }
 
-/** Verdicts in a few words, and their marks. */
+/** Short texts of the verdicts, and their marks. */
 const VERDICTS = {
-  adequate: ["good", "Nothing is missing"], found: ["good", "Found"],
-  plant_file_wrong: ["open", "Plant file wrong"], form_wrong: ["open", "Found in part"], not_in_library: ["bad", "Not in the library"],
+  adequate: ["good", "No effect missing"], found: ["good", "Effect found"],
+  plant_file_wrong: ["open", "Plant file wrong"], form_wrong: ["open", "Partly explained"], not_in_library: ["bad", "Not in library"],
 };
 
 class Page {
@@ -46,12 +46,12 @@ class Page {
     this.start = button("Diagnose", () => this.diagnose(), { class: "primary", id: "diagnose" });
     fill(this.place,
       element("section", { class: "bar row" },
-        this.roles.element, element("span", {}, "against ", element("strong", {}, this.project.plant.name)),
+        this.roles.element, element("span", {}, "compared with ", element("strong", {}, this.project.plant.name)),
         element("span", { class: "space" }), this.work.element, this.start),
       this.answer);
     if (found) this.take(found);
     else fill(this.answer, element("section", { class: "card" },
-      element("p", {}, "Every effect of the library is put into the plant, each form of its law, and fitted together with what differs from rig to rig. What explains the error on logs that were not fitted is named; half a minute for a minute of log."),
+      element("p", {}, "Adds each effect of the library, in each of its forms, to the plant and fits it with the ordinary parameters. Names the effects that explain the error on the validation data. Takes about 30 s per minute of log."),
       element("p", { class: "quiet" }, this.roles.words())));
     document.body.dataset.ready = "diagnose";
   }
@@ -89,7 +89,7 @@ class Page {
         new Candidates(diagnosis, this.effects, (effect) => this.add(effect)).element,
         element("div", { class: "stack" },
           element("section", { class: "card" }, element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, in multiples of the noise floor (the line).`),
+            element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, divided by the noise floor (the line at 1).`),
             ladder(rungsOf(diagnosis.ladder)), this.freeRun(diagnosis)),
           this.alternatives(found.alternatives), this.location(diagnosis))),
       remaining.element, experiment.element, this.nuisance(diagnosis));
@@ -106,24 +106,27 @@ class Page {
       element("div", { class: "row" },
         element("p", { class: "sentence" }, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`),
         is_of_plant && diagnosis.effects.map((id) => button(`Add ${(this.effects.get(id)?.title ?? id).toLowerCase()}`, () => this.add(id), { class: "primary add-named" }))),
-      !is_of_plant && element("p", { class: "stale" }, element("span", { class: "chip open" }, "another plant"), ` This was found for ${plant}. The plant has changed since; diagnose again to see what it still lacks.`),
+      !is_of_plant && element("p", { class: "stale" }, element("span", { class: "chip open" }, "outdated"), ` This diagnosis is of ${plant}. The plant has changed since; diagnose again.`),
       Object.entries(diagnosis.not_compared).flatMap(([log, signals]) => signals.map((one) =>
-        element("p", { class: "stale" }, element("span", { class: "chip open" }, "not weighed"), ` ${one.name} of ${log}: ${one.reason}.`))),
+        element("p", { class: "stale" }, element("span", { class: "chip open" }, "excluded from the fit"),
+          ` ${one.name} of ${log}: ${one.reason}.`))),
       Object.entries(diagnosis.defects ?? {}).flatMap(([log, { sentences }]) => sentences.map((sentence) =>
         element("p", { class: "stale" }, element("span", { class: "chip open" }, "log"), ` ${log}: ${sentence}.`))),
-      element("p", { class: "quiet" }, `Fitted: ${diagnosis.logs.join(", ")}. Judged on ${diagnosis.check.length > 0 ? diagnosis.check.join(", ") : diagnosis.held_out}. ${cost.simulations} simulations of ${duration(cost.log_s)} in ${duration(cost.elapsed_s)}.`));
+      element("p", { class: "quiet" }, `Training: ${diagnosis.logs.join(", ")}. `
+        + `Validation: ${diagnosis.check.length > 0 ? diagnosis.check.join(", ") : diagnosis.held_out}. ${cost.simulations} simulations of ${duration(cost.log_s)} in ${duration(cost.elapsed_s)}.`));
   }
 
-  /** Returns the errors that Compare and Refine show, and the reason why they are larger. */
+  /** Returns the free-run errors, which Compare and Refine show, and the reason why they are larger. */
   freeRun({ ladder: steps }) {
     const last = steps.at(-1);
     const times = Object.entries(last.free_run_check_rms).filter(([signal]) => last.noise_floor[signal])
       .map(([signal, rms]) => `${signal} ${number(rms / last.noise_floor[signal], 3)} × noise`);
-    return element("p", { class: "quiet" }, `This is a prediction: after each sample the model takes on a part of the pressure error. Driven by the commands alone, as on Compare and Refine, the small errors of all pulses add up: ${times.join(", ")}.`);
+    return element("p", { class: "quiet" }, `These are one-step-ahead errors: the measured pressure corrects the model after each sample. In a free-run simulation, as on Compare and Refine, the errors of all pulses add up: ${times.join(", ")}.`);
   }
 
-  alternatives(told) {
-    return told.length > 0 && element("section", { class: "card" }, element("h2", {}, "What else it could be"), told.map((words) => element("p", {}, words)));
+  alternatives(texts) {
+    return texts.length > 0 && element("section", { class: "card" },
+      element("h2", {}, "Alternative explanations"), texts.map((text) => element("p", {}, text)));
   }
 
   location(diagnosis) {
@@ -137,7 +140,8 @@ class Page {
 
   toCompare(regime) {
     const log = this.logs.find((one) => one.name === regime.log);
-    return log && regime.regime && button("Show it", () => view.go("compare", { log: log.number }), { class: "link" });
+    if (!log || !regime.regime) return null;
+    return button("Show in Compare", () => view.go("compare", { log: log.number }), { class: "link" });
   }
 
   nuisance({ nuisance }) {
@@ -146,12 +150,14 @@ class Page {
       element("th", { scope: "row" }, value.name),
       [value.datasheet, value.tolerance, value.plain, value.fitted].map((one, index) => element("td", {}, `${index === 1 ? "± " : ""}${number(one)}`)),
       element("td", {}, `${number(value.low)} to ${number(value.high)}`), element("td", {}, unitText(value.unit))));
-    return element("section", { class: "card" }, element("h2", {}, "What differs from rig to rig"),
-      element("p", { class: "quiet" }, "Refitted within the tolerance of the datasheet, with every candidate. A value at the end of its tolerance says that physics is missing."),
+    return element("section", { class: "card" }, element("h2", {}, "Ordinary parameters"),
+      element("p", { class: "quiet" }, "Refitted within the tolerance of the plant file, with every candidate. A value at its limit: wrong plant file or missing effect."),
       alarms.map((value) => element("p", {}, element("span", { class: "chip bad" }, value.name), ` ${value.alarm}`)),
       element("details", { open: alarms.length > 0 }, element("summary", {}, `${nuisance.length} parameters`),
         element("div", { class: "scroll" }, element("table", { class: "numbers" },
-          element("thead", {}, element("tr", {}, ["parameter", "plant file", "tolerance", "plain", "with effects", "95 % interval", "unit"].map((cell) => element("th", { scope: "col" }, cell)))),
+          element("thead", {}, element("tr", {}, [
+            "parameter", "plant file", "tolerance", "without effects", "with effects", "95 % interval", "unit",
+          ].map((cell) => element("th", { scope: "col" }, cell)))),
           element("tbody", {}, rows)))));
   }
 

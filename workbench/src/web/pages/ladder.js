@@ -16,14 +16,14 @@ export function ladder(rungs) {
 
 function bar(error, times, place, isFirst) {
   const figures = times === null ? "no noise floor" : `${number(times, 3)} × noise`;
-  const course = element("span", { class: "course", "aria-hidden": "true" });
+  const track = element("span", { class: "course", "aria-hidden": "true" });
   if (times !== null) {
-    course.append(
+    track.append(
       element("span", { class: `fill${isFirst ? " first" : ""}`, style: { width: place(times) } }),
       element("span", { class: "floor", style: { left: place(1) }, title: "noise floor" }));
   }
   return element("div", { class: "bar-row", data: { signal: error.signal, times: times === null ? "" : String(times) } },
-    element("span", { class: "name", title: titled(error.signal) }, error.signal), course,
+    element("span", { class: "name", title: titled(error.signal) }, error.signal), track,
     element("span", { class: "figures" }, figures, element("span", { class: "unit" }, ` ${number(error.rms, 3)} ${error.unit}`)));
 }
 

@@ -38,7 +38,7 @@ class Page {
   showProject(project) {
     this.project = project;
     fill(this.logs,
-      project.logs.length === 0 && element("p", { class: "quiet" }, "Nothing is open yet. Drop a log, or begin with an example on the right."),
+      project.logs.length === 0 && element("p", { class: "quiet" }, "No log is open. Drop a log above, or open an example on the right."),
       project.logs.map((log) => this.logCard(log)));
     this.showPlant(project.plant);
     this.calculated.take(project.calculated, project.logs.flatMap((log) => log.summary?.signals ?? []));
@@ -57,7 +57,7 @@ class Page {
   dropZone() {
     const input = element("input", { type: "file", multiple: true, id: "files", accept: ".csv,.tsv,.txt,.toml,.mf4,.dat", on: { change: () => this.takeChosen(input) } });
     const zone = element("section", { class: "drop", id: "drop", "aria-label": "Open files" },
-      element("p", {}, element("strong", {}, "Drop logs here"), ", several at once if you like – CSV with units in the header, MF4 – or a plant file (TOML)."),
+      element("p", {}, element("strong", {}, "Drop logs here"), " (one or several; CSV with units in the header, or MF4) or a plant file (TOML)."),
       element("p", {}, element("label", { class: "button primary", for: "files" }, "Choose files …"), input),
       this.progress = element("p", { class: "quiet", role: "status" }));
     const over = (event) => { event.preventDefault(); zone.classList.add("over"); };
@@ -100,11 +100,11 @@ class Page {
 
   async takePlant(file) {
     if (file.size > 1 << 20) {
-      tell(`${file.name}: a plant file has at most 1 MiB; is it the right one?`, "problem");
+      tell(`${file.name}: a plant file has at most 1 MiB. Check the file.`, "problem");
       return;
     }
     this.showProject(await api.put("/plant", { name: file.name, toml: await file.text() }));
-    tell(`${file.name} is the plant now.`);
+    tell(`${file.name} is now the plant.`);
   }
 
   logCard(log) {
@@ -162,14 +162,14 @@ class Page {
     try {
       const preview = await api.get(`/logs/${log.number}/preview`);
       fill(details,
-        preview.around && [element("h3", {}, "Around the line that is wrong"), rawTable(preview.around, log.problem)],
-        preview.rows.length > 0 && [element("h3", {}, "First rows, as signals"), valueTable(preview)],
-        preview.head.lines.length > 0 && [element("h3", {}, "The file's first lines"), rawTable(preview.head, log.problem)],
+        preview.around && [element("h3", {}, "Lines around the error"), rawTable(preview.around, log.problem)],
+        preview.rows.length > 0 && [element("h3", {}, "First rows as signals"), valueTable(preview)],
+        preview.head.lines.length > 0 && [element("h3", {}, "First lines (raw)"), rawTable(preview.head, log.problem)],
         mappingForm(log, preview, async (form) => {
           try {
             const project = await api.put(`/logs/${log.number}/mapping`, form);
             const after = project.logs.find((one) => one.number === log.number);
-            if (!after.problem) { this.open.delete(log.number); tell(`${log.name} is read with this mapping; logs with the same header will be, too.`); }
+            if (!after.problem) { this.open.delete(log.number); tell(`Mapping applied to ${log.name}. It also applies to logs with the same header.`); }
             this.showProject(project);
           } catch (refusal) {
             tellProblems(refusal, "Mapping");
@@ -201,11 +201,12 @@ class Page {
       element("p", {}, element("strong", {}, plant.name), plant.is_nominal && " – the thesis model"),
       plant.problems.map((problem) => element("p", { class: "problem" }, problem.message)),
       rows.length > 0 && element("details", {},
-        element("summary", {}, rows.length === 1 ? "1 parameter that differs from the thesis model or says how well it is known" : `${rows.length} parameters that differ from the thesis model or say how well they are known`),
-        element("div", { class: "scroll" }, element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ["parameter", "here", "thesis", "unit", "known"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows)))),
+        element("summary", {}, rows.length === 1 ? "1 parameter that differs from the thesis model or has a stated tolerance" : `${rows.length} parameters that differ from the thesis model or have a stated tolerance`),
+        element("div", { class: "scroll" }, element("table", { class: "numbers" },
+          element("thead", {}, element("tr", {}, ["parameter", "value", "thesis", "unit", "tolerance"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows)))),
       element("p", { class: "row" },
         element("a", { class: "button", href: api.address("/plant"), download: "plant.toml" }, "Download"),
-        !plant.is_nominal && button("Back to the thesis model", async () => this.showProject(await api.put("/plant", { name: "" })))));
+        !plant.is_nominal && button("Reset to thesis model", async () => this.showProject(await api.put("/plant", { name: "" })))));
   }
 
   listExamples(examples) {
@@ -224,7 +225,7 @@ class Page {
 
   async openExample(example) {
     const { length } = this.project.logs;
-    const answer = length === 0 ? "replace" : await ask(`${length} ${length === 1 ? "log is" : "logs are"} open. Keep them beside the example?`, { replace: "Replace", keep: "Keep beside it" });
+    const answer = length === 0 ? "replace" : await ask(`${length} ${length === 1 ? "log is" : "logs are"} open. Replace or keep?`, { replace: "Replace", keep: "Keep and add" });
     if (!answer) return;
     const keep = answer === "keep";
     try {
@@ -236,7 +237,7 @@ class Page {
   }
 
   async closeAll() {
-    if (!await ask("All logs, the plant, its effects and what was found are closed.", { close: "Close everything" })) return;
+    if (!await ask("Close all logs and the plant, and discard all results?", { close: "Close everything" })) return;
     this.open.clear();
     this.showProject(await api.remove("/project"));
   }

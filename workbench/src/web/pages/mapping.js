@@ -26,23 +26,24 @@ export function mappingForm(log, preview, apply) {
   const dialect = () => ({ header: header.checked, skip_lines: Number(skip.value) || 0, delimiter: preview.head.delimiter });
   const send = () => apply({ columns: rows.map((row) => row.value()).filter(Boolean), ...(isText ? dialect() : {}) });
   return element("details", { class: "mapping", open: Boolean(log.problem) && !preview.mapping },
-    element("summary", {}, "Say what the columns are"),
-    element("p", { class: "quiet" }, "A column that is left at “by its header” has to explain itself, such as p_ch_bar_gauge. A pressure says whether it is gauge or absolute."),
+    element("summary", {}, "Map columns"),
+    element("p", { class: "quiet" }, "A column set to “from header” needs a header with name and unit, such as p_ch_bar_gauge. The unit of a pressure states gauge or absolute."),
     isText && element("p", { class: "row" },
-      element("label", {}, header, " the first line names the columns"),
-      element("label", {}, "lines before it ", skip)),
+      element("label", {}, header, " the first line has the column names"),
+      element("label", {}, "lines to skip before it ", skip)),
     filter.element,
     element("div", { class: "scroll" }, element("table", { class: "form" },
-      element("thead", {}, element("tr", {}, ["column", "is", "signal", "unit", "factor", "offset"].map((cell) => element("th", { scope: "col" }, cell)))),
+      element("thead", {}, element("tr", {}, ["column", "use", "signal", "unit", "factor", "offset"]
+        .map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows.map((row) => row.line)))),
     names, units,
     element("p", { class: "row" },
-      button("Read it like this", send, { class: "primary apply-mapping" }),
-      log.is_mapped && button("Read it without a mapping", () => apply({ toml: "" }))),
+      button("Apply mapping", send, { class: "primary apply-mapping" }),
+      log.is_mapped && button("Remove mapping", () => apply({ toml: "" }))),
     element("details", {},
-      element("summary", {}, "The mapping as TOML, with all that it can say"),
+      element("summary", {}, "Mapping as TOML (all options)"),
       element("p", {}, toml),
-      element("p", {}, button("Read it with this TOML", () => apply({ toml: toml.value })))));
+      element("p", {}, button("Apply TOML", () => apply({ toml: toml.value })))));
 }
 
 const OPEN = { role: "by_header", unit: "" };
@@ -55,8 +56,8 @@ function guess(text) {
 }
 
 function columnRow(column, heading, guessed, preview, obstacle) {
-  const role = element("select", { "aria-label": `column ${column} is` },
-    [["by_header", "by its header"], ["time", "time"], ["signal", "a signal"], ["ignore", "left out"]].map(([value, text]) => element("option", { value, selected: value === guessed.role }, text)));
+  const role = element("select", { "aria-label": `use of column ${column}` },
+    [["by_header", "from header"], ["time", "time"], ["signal", "signal"], ["ignore", "ignored"]].map(([value, text]) => element("option", { value, selected: value === guessed.role }, text)));
   const field = (label, properties) => element("input", { "aria-label": `${label} of column ${column}`, class: "short", ...properties });
   const name = field("signal", { placeholder: "p_ch" });
   const unit = field("unit", { value: guessed.unit, placeholder: "bar_gauge", class: "unit" });

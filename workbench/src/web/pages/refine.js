@@ -7,6 +7,7 @@ import * as view from "../view.js";
 import { ladder, rungsOf } from "./ladder.js";
 import { Effects } from "./refine/effects.js";
 import { estimated } from "./refine/estimation.js";
+import { Experiment } from "./refine/experiment.js";
 import { Plots } from "./refine/plots.js";
 import { Roles } from "./roles.js";
 import { Work } from "./work.js";
@@ -17,7 +18,7 @@ export async function show(place) {
   const [project, effects] = await Promise.all([api.get("/project"), api.effects()]);
   const logs = project.logs.filter((log) => !log.problem);
   if (logs.length === 0) {
-    fill(place, element("p", {}, "There is no log to refine the plant on yet. ", button("Open one", () => view.go("logs"), { class: "primary" })));
+    fill(place, element("p", {}, "There is no log to refine the plant with. ", button("Open one", () => view.go("logs"), { class: "primary" })));
     document.body.dataset.ready = "refine";
     return {};
   }
@@ -38,13 +39,14 @@ class Page {
     this.effects = new Effects(this.library, (change) => this.change(change), (moved) => this.move(moved));
     this.undo = button("Undo", () => this.change("undo"), { id: "undo", title: "Ctrl+Z" });
     this.redo = button("Redo", () => this.change("redo"), { id: "redo", title: "Ctrl+Shift+Z" });
-    this.fitButton = button("Fit", () => this.fit("/refine/fit"), { class: "primary", id: "fit", title: "Fits the effects that are on, and what differs from rig to rig, from the plant as opened or as last estimated" });
-    this.estimateButton = button("Estimate", () => this.fit("/refine/estimate"), { id: "estimate", title: "Estimates the ordinary parameters of the plant as it is now: discharge, volume, preload, coils, and the effects that are on" });
+    this.fitButton = button("Fit", () => this.fit("/refine/fit"), { class: "primary", id: "fit", title: "Fit the effects that are on and the ordinary parameters, starting at the plant as opened or last estimated" });
+    this.estimateButton = button("Estimate", () => this.fit("/refine/estimate"), { id: "estimate", title: "Estimate the ordinary parameters of the current plant (discharge, volume, preload, coils) and the effects that are on" });
     this.plant = element("strong", { id: "plant-name" });
     this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
     this.rungs = element("div", {});
     this.fitted = element("section", { class: "card", hidden: true });
     this.estimated = element("section", { class: "card", hidden: true });
+    this.experiment = new Experiment(() => ({ log: this.log.number, ...this.roles.chosen }));
     this.steps = element("ol", { class: "steps", id: "steps" });
     this.ending = new AbortController();
     addEventListener("keydown", (event) => this.key(event), { signal: this.ending.signal });
@@ -55,7 +57,8 @@ class Page {
       this.logs.map((log) => element("option", { value: log.number, selected: log === this.log }, log.name)));
     fill(this.place,
       element("section", { class: "bar row" },
-        element("label", {}, "Log ", choice), element("span", {}, "with ", this.plant), element("span", { class: "space" }),
+        element("label", {}, "Log ", choice), element("span", {}, "plant ", this.plant),
+        element("span", { class: "space" }),
         this.work.element, this.undo, this.redo, this.estimateButton, this.fitButton,
         element("a", { class: "button", href: api.address("/refine/plant"), download: "refined.toml", id: "download-plant" }, "Download the plant"),
         button("Compare", () => view.go("compare", { log: this.log.number }), { id: "to-compare" })),
@@ -63,11 +66,11 @@ class Page {
         element("div", { class: "stack" },
           element("section", { class: "card", id: "ladder" },
             element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms on ${this.log.name} in multiples of the noise floor (the line). The model is driven by the commands alone, as on Compare: the small errors of all pulses add up, so more may stay here than on Diagnose, which corrects the pressure after each sample. First the plant as opened, then with its ordinary parameters as they are now, then with one effect after the other.`),
+            element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the noise floor (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its current ordinary parameters, then with one more effect in each row.`),
             this.rungs, this.cost),
-          this.plots.element, this.estimated, this.fitted),
+          this.plots.element, this.estimated, this.experiment.element, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,
-          element("section", { class: "card" }, element("h2", {}, "What a fit takes"), this.roles.element),
+          element("section", { class: "card" }, element("h2", {}, "Training and validation logs"), this.roles.element),
           element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))));
     try {
       this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
@@ -86,10 +89,12 @@ class Page {
     this.ending.abort();
     this.work.leave();
     this.plots.leave();
+    this.experiment.leave();
   }
 
   redraw() {
     this.plots.redraw();
+    this.experiment.redraw();
   }
 
   key(event) {
@@ -125,13 +130,14 @@ class Page {
     this.showSteps(state);
     this.fitted.hidden = !state.fit;
     if (state.fit) {
-      fill(this.fitted, element("h2", {}, "The last fit"),
+      fill(this.fitted, element("h2", {}, "Last fit"),
         element("p", {}, `${state.fit.sentence[0].toUpperCase()}${state.fit.sentence.slice(1)}.`),
-        element("p", { class: "quiet" }, `Everything refitted at each row; judged on ${state.fit.held_out}, the model corrected by the measured pressure as in Diagnose.`),
+        element("p", { class: "quiet" }, `All parameters refitted for each row. Validation on ${state.fit.held_out}: one-step-ahead errors, as on Diagnose.`),
         ladder(rungsOf(state.fit.ladder)));
     }
     this.estimated.hidden = !state.estimation;
     if (state.estimation) fill(this.estimated, estimated(state.estimation));
+    this.experiment.take(Boolean(state.estimation));
   }
 
   showSteps({ steps, at }) {
@@ -140,11 +146,11 @@ class Page {
     fill(this.steps, steps.map((step, index) => element("li", { class: index > at ? "undone" : undefined, "aria-current": index === at ? "step" : undefined },
       step.done,
       // Errors on different logs cannot be compared.
-      element("span", { class: "quiet" }, step.log === log ? errors(step) : step.log && ` measured on ${step.log}`))));
+      element("span", { class: "quiet" }, step.log === log ? errors(step) : step.log && ` simulated on ${step.log}`))));
     this.steps.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest" });
   }
 
-  /** Simulates while a slider moves: the newest position as soon as the last one is drawn. */
+  /** Simulates while a slider moves: the latest position as soon as the previous one is drawn. */
   async move(moved) {
     this.moving = moved;
     if (this.isMoving) return;
@@ -167,7 +173,7 @@ class Page {
       this.drawn = turn;
       this.showLadder(run.ladder);
       await this.plots.take(run.signals);
-      this.cost.textContent = `${number(run.log_s, 3)} s of log simulated in ${number(run.simulation_ms, 3)} ms, on the screen after ${number(performance.now() - begin, 3)} ms.`;
+      this.cost.textContent = `${number(run.log_s, 3)} s of log simulated in ${number(run.simulation_ms, 3)} ms, displayed after ${number(performance.now() - begin, 3)} ms.`;
       Object.assign(this.cost.dataset, { simulation: run.simulation_ms, screen: performance.now() - begin });
     } catch (refusal) {
       if (refusal.name !== "AbortError") tellProblems(refusal, "Simulation");

@@ -1,4 +1,4 @@
-// Page "Report": the whole session in one file, shown as in the file.
+// Page "Report": the whole session as one HTML file, with a preview.
 
 import * as api from "../api.js";
 import { button, element, fill, tellProblems } from "../dom.js";
@@ -21,8 +21,9 @@ class Page {
     this.frame = element("div", { class: "paper", hidden: true });
     fill(place,
       element("section", { class: "card", "aria-label": "Contents of the report" },
-        element("h2", {}, "One file of this session"),
-        element("p", { class: "quiet" }, "Figures and tables for a screen, a printer or an e-mail. It loads nothing and needs no other file. ", element("code", {}, "retarder report"), " writes the same from a command line."),
+        element("h2", {}, "Report of this session"),
+        element("p", { class: "quiet" }, "One HTML file with figures and tables, for screen, print or e-mail. It needs no other file. ",
+          element("code", {}, "retarder report"), " writes the same report on the command line."),
         this.contents,
         element("div", { class: "row" }, button("Write the report", () => this.write(), { class: "primary", id: "write-report" }), this.file, this.status)),
       this.frame);
@@ -44,10 +45,10 @@ class Page {
     const line = (isThere, text) => element("li", {}, element("span", { class: `chip ${isThere ? "good" : "open"}` }, text));
     fill(this.contents,
       line(state.logs > 0, `${some(state.logs, "log", "logs")}${state.unreadable > 0 ? `, ${state.unreadable} of them unreadable` : ""}`),
-      line(state.compared > 0, state.compared === state.logs - state.unreadable ? `${some(state.compared, "comparison", "comparisons")} with the plant` : `${state.compared} of ${some(state.logs - state.unreadable, "log", "logs")} compared; the others are compared while it is written`),
+      line(state.compared > 0, state.compared === state.logs - state.unreadable ? `${some(state.compared, "comparison", "comparisons")} with the plant` : `${state.compared} of ${some(state.logs - state.unreadable, "log", "logs")} compared; the others are compared during writing`),
       line(state.has_diagnosis, state.has_diagnosis ? "a diagnosis" : "no diagnosis yet"),
-      line(state.steps > 0, state.steps > 0 ? `${some(state.steps, "step", "steps")} of refinement` : "no step of refinement yet"),
-      line(state.runs > 0, state.runs > 0 ? `the closed loop on ${some(state.runs, "plant", "plants")}` : "no run of the closed loop with this plant yet: page Control"));
+      line(state.steps > 0, state.steps > 0 ? some(state.steps, "refinement step", "refinement steps") : "no refinement yet"),
+      line(state.runs > 0, state.runs > 0 ? `closed-loop run on ${some(state.runs, "plant", "plants")}` : "no closed-loop run with this plant yet (page Control)"));
     return state;
   }
 
@@ -70,7 +71,7 @@ class Page {
     }
   }
 
-  /** Shows the report as a separate document that may run nothing. */
+  /** Shows the report in a sandboxed frame, without scripts. */
   preview() {
     this.file.hidden = false;
     this.frame.hidden = false;

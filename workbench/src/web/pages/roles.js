@@ -1,11 +1,11 @@
-// Training and validation logs: a choice that pages share, and that is part of the address.
+// Choice of training and validation logs, shared by pages and stored in the address.
 
 import { element } from "../dom.js";
 import * as view from "../view.js";
 
 const numbers = (name) => (view.text(name) ?? "").split(",").filter(Boolean).map(Number);
 
-/** A log with a name for validation is a validation log, if there is another one for training. */
+/** Returns the default: logs with `check` in their name validate, if another log is left for training. */
 function usual(logs) {
   const says = (log) => /check/i.test(log.name);
   const check = logs.some((log) => !says(log)) ? logs.filter(says) : [];
@@ -20,13 +20,13 @@ export class Roles {
     const address = { logs: known(numbers("fit")), check: known(numbers("check")) };
     const before = { logs: known(wish?.logs ?? []), check: known(wish?.check ?? []) };
     this.chosen = [address, before, usual(logs)].find((one) => one.logs.length > 0) ?? usual(logs);
-    this.element = element("div", { class: "row choices", role: "group", "aria-label": "What the logs are for" }, logs.map((log) => this.row(log)));
+    this.element = element("div", { class: "row choices", role: "group", "aria-label": "Use of the logs" }, logs.map((log) => this.row(log)));
   }
 
   row(log) {
     const role = () => this.chosen.logs.includes(log.number) ? "logs" : this.chosen.check.includes(log.number) ? "check" : "none";
     const choice = element("select", { data: { role: log.number }, on: { change: () => this.choose(log.number, choice.value) } },
-      [["logs", "is fitted"], ["check", "judges"], ["none", "is left out"]].map(([value, text]) => element("option", { value, selected: value === role() }, text)));
+      [["logs", "training"], ["check", "validation"], ["none", "excluded"]].map(([value, text]) => element("option", { value, selected: value === role() }, text)));
     return element("label", { class: "choice" }, element("b", {}, log.name), " ", choice);
   }
 
@@ -36,8 +36,9 @@ export class Roles {
     view.set({ fit: this.chosen.logs.join(","), check: this.chosen.check.join(",") });
   }
 
-  /** Returns the validation data in words. */
+  /** Returns a note about the validation data; empty if there is a validation log. */
   words() {
-    return this.chosen.check.length > 0 ? "" : "No log judges: every third of twelve blocks of each log is held out for that.";
+    if (this.chosen.check.length > 0) return "";
+    return "No validation log: every third of twelve blocks of each training log is held out for validation.";
   }
 }

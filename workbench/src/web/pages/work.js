@@ -11,7 +11,7 @@ const UNDER_WAY = "under-way";
 export function tellInterrupted() {
   const what = sessionStorage.getItem(UNDER_WAY);
   sessionStorage.removeItem(UNDER_WAY);
-  if (what) tell(`${what} ended when the page was loaded again. Begin it anew.`, "lasting");
+  if (what) tell(`${what} was cancelled because the page was reloaded. Start it again.`, "lasting");
 }
 
 export class Work {
@@ -37,7 +37,7 @@ export class Work {
       await api.follow(begun.job, (share, stage) => {
         bar.value = share;
         const seconds = Math.round((performance.now() - begin) / 1000);
-        words.textContent = `${stage ?? this.what}, ${percent(share)} – ${seconds} s so far`;
+        words.textContent = `${stage ?? this.what}, ${percent(share)} – ${seconds} s elapsed`;
       }, AbortSignal.any([stop.signal, this.ending.signal]));
       return true;
     } catch (refusal) {
@@ -53,7 +53,7 @@ export class Work {
 
   /** Ends the job with the page. */
   leave() {
-    if (!this.element.hidden) tell(`${this.what} ended when its page was left.`, "lasting");
+    if (!this.element.hidden) tell(`${this.what} was cancelled because its page was left.`, "lasting");
     this.ending.abort();
   }
 }

@@ -30,12 +30,12 @@ impl Doubt {
         self.is_present
     }
 
-    /// Returns whether the pressure has been plausible for so long that any target accepts it, too.
+    /// Returns whether the pressure has been plausible for so long that every target accepts it.
     pub(super) fn is_long_over(&self) -> bool {
         !self.is_present && self.sound_for >= bounds::RECOVERY_N
     }
 
-    /// Returns whether only valves moved the shown pressure lately: a derivative part responds to any motion.
+    /// Returns whether only valves have recently changed the shown pressure: a derivative part responds to any change.
     pub(super) fn is_steady(&self) -> bool {
         self.steady_for >= bounds::SETTLING
     }
@@ -60,7 +60,7 @@ impl Doubt {
         } else {
             self.steady_for.saturating_add(1)
         };
-        // The pressure against which a target judges shortly after a doubt is not specified.
+        // The pressure with which a target compares shortly after a doubt is not specified.
         let is_sure = self.sound_for >= bounds::HOLD_SAMPLES && self.jumps < bounds::DOUBT_N;
         let has_jumped = is_sure && moved_bar > rig.jump_bar + 0.02;
         if has_jumped {

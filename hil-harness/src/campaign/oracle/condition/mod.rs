@@ -23,7 +23,7 @@ use stuck::Stuck;
 
 pub(super) use watch::Watch;
 
-/// Row of the table, or several with the same signs and the same reaction.
+/// Row of the table, or several rows with the same symptoms and the same reaction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Condition {
     Doubt,
@@ -64,7 +64,7 @@ impl Condition {
     const fn rule(self) -> (u32, Way) {
         match self {
             Self::Doubt => (bounds::DOUBT_N, Way::Hold),
-            // The condition counts by itself.
+            // The condition contains its own count.
             Self::Stuck => (1, Way::Release),
             Self::Offset => (1, Way::Vent),
             Self::TooLittle => (bounds::RESPONSE_N, Way::Ramp),
@@ -87,7 +87,7 @@ pub(super) struct Conditions {
     past: Past,
 }
 
-/// History that a start of the target makes meaningless.
+/// History that is invalid after a start of the target.
 #[derive(Debug)]
 struct Past {
     watches: [Watch; 13],
@@ -122,7 +122,7 @@ impl Conditions {
         }
     }
 
-    /// Clears the history: the target has started and knows nothing of the past.
+    /// Clears the history: the target has started without any history.
     pub(super) fn forget(&mut self) {
         self.past = Past::none();
     }
@@ -173,7 +173,7 @@ impl Conditions {
         self.past.calm_for > 0
     }
 
-    /// Returns whether only valves moved the shown pressure lately.
+    /// Returns whether only valves have recently changed the shown pressure.
     pub(super) fn is_steady(&self) -> bool {
         self.past.doubt.is_steady()
     }
@@ -183,7 +183,7 @@ impl Conditions {
         self.past.watches.iter().filter(|watch| watch.is_answered())
     }
 
-    /// Returns the condition that had to be answered, if no other one was present lately.
+    /// Returns the condition that had to be answered, if no other one was recently present.
     pub(super) fn only(&self) -> Option<&Watch> {
         let mut lately = self.past.watches.iter().filter(|watch| watch.is_recent());
         lately

@@ -26,7 +26,7 @@ impl Offset {
             (true, false) if self.is_present => self.evidence.saturating_sub(1),
             (true, false) => 0,
         };
-        // A few samples less than until the fault is over for any ECU.
+        // The condition ends a few samples before the fault is over for any ECU.
         let is_remembered = self.is_present && self.evidence > bounds::SETTLING;
         self.is_present = self.evidence >= bounds::OFFSET_N || is_remembered;
         self.is_present

@@ -47,8 +47,8 @@ impl Response {
     }
 }
 
-/// Returns the sum plus this sample's unexplained change, while that counts. It is clamped a little above the limit, so
-/// that an excess that is over soon decays.
+/// Returns the sum plus the unexplained change of this sample, or 0 while changes are not counted. It is clamped
+/// slightly above the limit, so that it decays soon after the excess has ended.
 fn summed(sum: f64, unexplained: f64, counts: bool) -> f64 {
     if counts {
         (sum + unexplained).clamp(0.0, bounds::UNEXPLAINED_BAR + 0.02)

@@ -10,7 +10,7 @@ pub(in crate::campaign::oracle) struct Watch {
     pub(in crate::campaign::oracle) condition: Condition,
     /// Number of consecutive samples in which it was present.
     present_for: u32,
-    /// Number of samples since it was present last.
+    /// Number of samples since it was last present.
     quiet_for: u32,
     is_answered: bool,
     /// Number of samples since it was gone: absent N times in a row.

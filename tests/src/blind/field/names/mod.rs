@@ -228,7 +228,8 @@ fn count(number: usize, noun: &str) -> String {
 /// Reads answers and findings of a draw, and scores the named effects.
 ///
 /// # Errors
-/// If an answer or a finding cannot be read. A rig without a finding has no names, and the score as a whole fails.
+/// Returns an error if an answer or a finding cannot be read. A rig without a finding has no names, and the score as a
+/// whole fails.
 pub fn score(folders: &Folders) -> Result<NamesReport, ScoreError> {
     let (refined, named, fitted) = (folders.found(), folders.named(), folders.fitted());
     let seconds = seconds(&named)?;

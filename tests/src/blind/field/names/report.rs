@@ -25,7 +25,7 @@ pub struct NamesReport {
     /// Hidden effects that have to be named by removal cost: from the first to the second (noise floors), and those
     /// that are named.
     pub costs: Vec<([f64; 2], Share)>,
-    /// By id of the hidden effect.
+    /// Results by id of the hidden effect.
     pub effects: BTreeMap<String, OfEffect>,
     /// Rigs with a miss.
     pub misses: Vec<String>,
@@ -42,7 +42,7 @@ pub struct Group {
     pub named: Share,
     /// Rigs with a name that stands for no hidden effect.
     pub wrong: usize,
-    /// Of the rigs whose hidden effects are all in the library, those whose final plant meets the free-run gate.
+    /// Rigs whose hidden effects are all in the library, and those of them whose final plant meets the free-run gate.
     pub free_run: Share,
     /// Rigs whose diagnosis is within its time.
     pub in_time: usize,
@@ -55,7 +55,7 @@ pub struct OfEffect {
     pub hidden: usize,
     /// Rigs on which it has to be named, and those of them on which it is.
     pub named: Share,
-    /// Rigs on which it is named although it need not be.
+    /// Rigs on which it is named although this is not required.
     pub unasked: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Scores of invented names.
+//! Tests of the score with constructed names.
 
 use super::super::super::format::Profile;
 use super::super::format::{FIELD_SCHEMA, LogAnswer, LoggerAnswer};
@@ -97,7 +97,7 @@ fn rig(effects: Effects, names: &[&str]) -> NamedRig {
     )
 }
 
-/// Returns one rig for each gate, all of them right.
+/// Returns one rig for each gate; all gates pass.
 fn right() -> Vec<NamedRig> {
     vec![rig(&[], &[]), rig(&[LEAK], &["chamber_leak"])]
 }

@@ -1,4 +1,4 @@
-// Time series: one plot for each signal, with the residual and its noise below, all on one time axis.
+// Traces: one plot for each signal, with the residual and its noise below, all on one time axis.
 
 import * as api from "../../api.js";
 import { plotly, saveImage } from "../../chart.js";
@@ -12,9 +12,9 @@ import { Differences } from "./differences.js";
 
 /** Heights (px): a signal, its residual, an input. */
 const HEIGHT = { signal: 150, residual: 84, input: 78 };
-/** Pause of the user (ms) after which the detail charts are updated. */
+/** Idle time (ms) after an input before the detail charts are updated. */
 const REST = 400;
-/** Share of the view that is fetched on either side, so that moving shows no empty edge. */
+/** Share of the view that is also fetched on either side, so that panning shows no empty edge. */
 const BESIDE = 0.5;
 
 /** States with a background colour. */
@@ -28,27 +28,27 @@ function bands(pieces, role) {
   return path === "" ? [] : [{ type: "path", xref: "x", yref: "paper", path, fillcolor: colour(role), line: { width: 0 }, layer: "below" }];
 }
 
-/** Returns the text about the share of the visible samples beyond a tolerance. */
+/** Returns the share of the visible samples outside the tolerance, as a chip. */
 function verdictOf(band) {
   if (!band) return "–";
   const word = band.holds === null ? "open" : band.holds ? "good" : "bad";
-  return element("span", { class: `chip ${word}`, title: `up to ${percent(band.beyond_max)} of the visible samples may be beyond` }, band.beyond > 0 && band.beyond < 0.0005 ? "< 0.1 %" : percent(band.beyond));
+  return element("span", { class: `chip ${word}`, title: `allowed: ${percent(band.beyond_max)} of the visible samples` }, band.beyond > 0 && band.beyond < 0.0005 ? "< 0.1 %" : percent(band.beyond));
 }
 
 export class TimePlots extends TimeView {
   constructor(log, logs, cursors, { onView, onShift }) {
-    super("time-plots", ", a and b set a cursor in the middle");
+    super("time-plots", ", a and b set a cursor in the centre");
     Object.assign(this, { log, logs, cursors, onView, onShift, overlays: [], hidden: new Set(view.texts("hide")) });
     this.choices = element("div", { class: "row choices" });
     this.filter = new Filter("signals");
     this.differences = new Differences(log, () => this.refresh());
     this.filter.element.append(button("Show only these", () => this.chooseFound((name) => !this.isFound(name)), { id: "show-found" }), button("Hide these", () => this.chooseFound((name) => this.isFound(name) || this.hidden.has(name)), { id: "hide-found" }));
     this.metrics = element("div", { class: "scroll" });
-    this.element = element("section", { class: "card", "aria-label": "Courses" },
+    this.element = element("section", { class: "card", "aria-label": "Traces" },
       this.tools("Measured and modelled", "Whole log", this.exports()),
       this.legend(), this.filter.element, this.choices, this.differences.element, this.over,
-      element("p", { class: "quiet hint" }, "Drag to zoom, drag with Shift to move, Ctrl and the wheel to zoom, double-click for the whole log. A click sets cursor A, with Alt cursor B.",
-        logs.length > 1 && " Drag with Ctrl to shift the log that lies over this one."),
+      element("p", { class: "quiet hint" }, "Drag or Ctrl and wheel to zoom, drag with Shift to pan, double-click for the whole log. A click sets cursor A, with Alt cursor B.",
+        logs.length > 1 && " Drag with Ctrl to shift the overlaid log."),
       element("h3", {}, "Residual within the visible range"), this.metrics, this.differences.metrics);
     this.listenToClicks();
     this.listenToShifts();
@@ -56,7 +56,7 @@ export class TimePlots extends TimeView {
 
   legend() {
     const entry = (role, text) => element("span", { class: `key ${role}` }, text);
-    return element("span", { class: "row legend" }, entry("measured", "measured"), entry("model", "modelled"), entry("residual", "measured − modelled"), entry("noise", "±2 σ of the noise"), entry("limit", "limit of the rms"), entry("tolerance", "tolerance"));
+    return element("span", { class: "row legend" }, entry("measured", "measured"), entry("model", "modelled"), entry("residual", "measured − modelled"), entry("noise", "±2 σ of the noise"), entry("limit", "rms limit"), entry("tolerance", "tolerance"));
   }
 
   exports() {
@@ -96,8 +96,8 @@ export class TimePlots extends TimeView {
       const beyond = this.logs.filter((log) => this.overlaid().includes(log.number));
       this.overlays = await Promise.all(beyond.map(async (log) => {
         const shift = log.offset_s - this.log.offset_s;
-        const [courses, differences] = await Promise.all([fetch(log.number, piece(from === null ? null : from - shift, to === null ? null : to - shift)), this.differences.fetch(log, piece(from, to), signal)]);
-        return { log, shift, courses, differences };
+        const [traces, differences] = await Promise.all([fetch(log.number, piece(from === null ? null : from - shift, to === null ? null : to - shift)), this.differences.fetch(log, piece(from, to), signal)]);
+        return { log, shift, traces, differences };
       }));
     } catch (error) {
       if (error.name === "AbortError") return;
@@ -116,7 +116,7 @@ export class TimePlots extends TimeView {
     return (view.text("with") ?? "").split(",").filter(Boolean).map(Number);
   }
 
-  /** Shows an instant, with a cursor at it. */
+  /** Shows a time, with cursor A at it. */
   goToMoment(time) {
     const [begin, end] = this.courses.whole_s;
     const half = (end - begin) / 40;
@@ -140,8 +140,8 @@ export class TimePlots extends TimeView {
     const states = check("valve states", showsStates(), () => { view.set({ states: showsStates() ? null : "shown" }); this.refresh(); }, { states: "" });
     fill(this.choices,
       element("span", { class: "quiet" }, "Signals"), signals.map((signal) => signal.line),
-      element("span", { class: "quiet" }, "behind them"), states, showsStates() && STATES.map((state) => element("span", { class: `key state-${state}` }, state)),
-      others.length > 0 && element("span", { class: "quiet" }, "and beside it"), others.map((log) => check(log.name, this.overlaid().includes(log.number), overlay(log), { overlay: log.number }, hue(log))));
+      element("span", { class: "quiet" }, "Background"), states, showsStates() && STATES.map((state) => element("span", { class: `key state-${state}` }, state)),
+      others.length > 0 && element("span", { class: "quiet" }, "Overlay"), others.map((log) => check(log.name, this.overlaid().includes(log.number), overlay(log), { overlay: log.number }, hue(log))));
   }
 
   isFound(name) {
@@ -167,11 +167,13 @@ export class TimePlots extends TimeView {
       const { metrics, unit, limit, holds, band } = signal.residual;
       return element("tr", {}, element("th", { scope: "row" }, `${signal.name} [${unit}]`),
         [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), number(limit)].map((cell) => element("td", {}, cell)),
-        element("td", {}, element("span", { class: `chip ${holds === null ? "open" : holds ? "good" : "bad"}`, title: "over the whole log" }, holds === null ? "no limit" : holds ? "holds" : "beyond")),
+        element("td", {}, element("span", {
+          class: `chip ${holds === null ? "open" : holds ? "good" : "bad"}`, title: "rms over the whole log, compared with its limit",
+        }, holds === null ? "no limit" : holds ? "within" : "above")),
         hasTolerance && element("td", { data: { band: signal.name } }, verdictOf(band)));
     });
     fill(this.metrics, rows.length === 0 ? element("p", { class: "quiet" }, "Not compared yet.") : element("table", { class: "numbers dense", id: "metrics" },
-      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "whole log", ...hasTolerance ? ["beyond the tolerance"] : []].map((cell) => element("th", { scope: "col" }, cell)))),
+      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "whole log", ...hasTolerance ? ["outside tolerance"] : []].map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows)));
   }
 
@@ -203,24 +205,24 @@ export class TimePlots extends TimeView {
 
   drawSignal(signal, yaxis) {
     const { name, unit, measured, model } = signal;
-    const overlays = this.overlays.flatMap(({ courses, shift }, index) => courses.signals.filter((one) => one.name === name && one.unit === unit)
+    const overlays = this.overlays.flatMap(({ traces, shift }, index) => traces.signals.filter((one) => one.name === name && one.unit === unit)
       .map((one) => [{ t: one.measured.t.map((time) => time === null ? null : time + shift), y: one.measured.y }, index % 2]));
     const measuredLine = this.line(measured, yaxis, "measured", { width: 2 });
     if (measured.t.length < 120) Object.assign(measuredLine, { mode: "lines+markers", marker: { size: 4, color: colour("measured") } });
     return {
-      traces: [...overlays.map(([course, hue]) => this.line(course, yaxis, `overlay-${hue}`, { width: 1.1 })), measuredLine, ...model ? [this.line(model, yaxis, "model", { width: 1.2 })] : []],
-      range: this.rangeOf([measured, ...model ? [model] : [], ...overlays.map(([course]) => course)]), ticks: 6,
+      traces: [...overlays.map(([trace, hue]) => this.line(trace, yaxis, `overlay-${hue}`, { width: 1.1 })), measuredLine, ...model ? [this.line(model, yaxis, "model", { width: 1.2 })] : []],
+      range: this.rangeOf([measured, ...model ? [model] : [], ...overlays.map(([trace]) => trace)]), ticks: 6,
     };
   }
 
   /** Draws the residual, its noise band, its limit and its tolerance. */
-  drawResidual({ course, noise, limit, band }, yaxis) {
+  drawResidual({ course: error, noise, limit, band }, yaxis) {
     const across = { xref: "paper", x0: 0, x1: 1, yref: yaxis };
     const shapes = limit ? [limit, -limit].map((at) => ({ ...across, type: "line", y0: at, y1: at, line: { color: colour("limit"), width: 1, dash: "dot" } })) : [];
     if (noise) shapes.unshift({ ...across, type: "rect", y0: -2 * noise, y1: 2 * noise, fillcolor: colour("band"), line: { width: 0 }, layer: "below" });
     const bounds = band ? [band.low, band.high] : [];
-    const traces = [...bounds.map((bound) => this.line(bound, yaxis, "tolerance", { width: 1.2 })), this.line(course, yaxis, "residual")];
-    return { traces, shapes, range: this.rangeOf([course, ...bounds], noise ? [2 * noise, -2 * noise] : []) };
+    const traces = [...bounds.map((bound) => this.line(bound, yaxis, "tolerance", { width: 1.2 })), this.line(error, yaxis, "residual")];
+    return { traces, shapes, range: this.rangeOf([error, ...bounds], noise ? [2 * noise, -2 * noise] : []) };
   }
 
   drawInput(signals, yaxis) {
@@ -240,13 +242,13 @@ export class TimePlots extends TimeView {
     return bands(pieces.map(([begin, end]) => [begin, Math.max(end, begin + least)]), "selection");
   }
 
-  /** Returns the commanded states of the valves; with both valves shut the background stays unchanged. */
+  /** Returns the commanded states of the valves; no background: both valves shut. */
   states() {
-    const of = (state) => this.courses.states.filter((stretch) => stretch.state === state).map((stretch) => [stretch.from_s, stretch.to_s]);
+    const of = (state) => this.courses.states.filter((one) => one.state === state).map((one) => [one.from_s, one.to_s]);
     return STATES.flatMap((state) => bands(of(state), `state-${state}`));
   }
 
-  /** Moves the cursors without drawing the time series again. */
+  /** Moves the cursors without drawing the traces again. */
   async mark() {
     if (!this.chart.layout) return;
     const library = await plotly();

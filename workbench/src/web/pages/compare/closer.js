@@ -56,13 +56,13 @@ class Scatter extends Look {
     await draw(this.chart, [dots(points, "residual", 3.5), dots(selected, "model", 5)], layout({
       height: 320, xaxis: axis({ title: { text: label(`${this.over} [${overUnit}]`) } }), yaxis: axis({ title: { text: label(`${this.signal}: measured − modelled [${unit}]`) }, zeroline: true }),
     }));
-    this.note.textContent = `${count(samples)} samples in the visible range, one dot for each place.${selected.x.length > 0 ? " Orange: those that are marked." : ""}`;
+    this.note.textContent = `${count(samples)} samples in the visible range; coinciding ones share a dot.${selected.x.length > 0 ? " Orange: marked samples." : ""}`;
   }
 }
 
 class Fold extends Look {
   constructor(log, names, compared) {
-    super("Periods on top of each other", "fold");
+    super("Fold by PWM period", "fold");
     Object.assign(this, { log });
     const signals = names.filter((name) => !name.startsWith("duty_"));
     this.signal = signals.includes(view.text("fold")) ? view.text("fold") : signals.find((name) => name.startsWith("i_") && compared.includes(name)) ?? signals[0];
@@ -89,6 +89,6 @@ class Fold extends Look {
       height: 320, xaxis: axis({ title: { text: "time within the period [ms]" }, range: [0, period] }), yaxis: axis({ title: { text: label(`${this.signal} [${unit}]`) } }),
     }));
     this.note.textContent = `${count(samples)} samples in the visible range, period ${number(period, 4)} ms; lines are means.`
-      + (isCoarse ? ` A sample every ${duration(interval / 1e3)} cannot show what is within a PWM period; choose a longer one, or a scope log.` : "");
+      + (isCoarse ? ` Samples every ${duration(interval / 1e3)} cannot resolve a PWM period; enter a longer period, or use a scope log.` : "");
   }
 }

@@ -8,7 +8,7 @@ import * as view from "../../view.js";
 
 export class Cursors {
   constructor(log, onMove) {
-    Object.assign(this, { log, onMove, values: { a: null, b: null }, courses: null });
+    Object.assign(this, { log, onMove, values: { a: null, b: null }, traces: null });
     const field = (name) => element("input", {
       type: "number", step: "any", class: "time", id: `cursor-${name}`, placeholder: "none", value: view.numberOf(name) ?? "",
       on: { change: (event) => this.set(name, event.target.value === "" ? null : Number(event.target.value)) },
@@ -23,7 +23,7 @@ export class Cursors {
       this.difference = element("p", { class: "quiet" }), this.body);
   }
 
-  /** Moves a cursor; without a time it is removed. */
+  /** Moves a cursor; a null time removes it. */
   set(name, time) {
     view.set({ [name]: time });
     this.fields[name].value = time === null ? "" : String(+time.toPrecision(8));
@@ -31,8 +31,8 @@ export class Cursors {
     this.fetch(name);
   }
 
-  async refresh(courses) {
-    this.courses = courses;
+  async refresh(traces) {
+    this.traces = traces;
     await Promise.all(["a", "b"].map((name) => this.fetch(name)));
   }
 
@@ -46,8 +46,8 @@ export class Cursors {
     this.show();
   }
 
-  hover(time, courses) {
-    this.pointer = time === null || !courses ? null : new Map(courses.signals.map((signal) => [signal.name, {
+  hover(time, traces) {
+    this.pointer = time === null || !traces ? null : new Map(traces.signals.map((signal) => [signal.name, {
       measured: at(signal.measured, time), model: signal.model && at(signal.model, time), residual: signal.residual && at(signal.residual.course, time),
     }]));
     if (this.isWaiting) return;
@@ -56,13 +56,13 @@ export class Cursors {
   }
 
   show() {
-    if (!this.courses) return;
+    if (!this.traces) return;
     const { a, b } = this.values;
     const [from, to] = [view.numberOf("a"), view.numberOf("b")];
     this.difference.textContent = from !== null && to !== null
-      ? `B − A = ${signed(to - from, 5)} s${to === from ? "" : `, 1/Δt = ${number(1 / Math.abs(to - from), 4)} Hz`}` : "Click into a plot for A, with Alt for B.";
+      ? `B − A = ${signed(to - from, 5)} s${to === from ? "" : `, 1/Δt = ${number(1 / Math.abs(to - from), 4)} Hz`}` : "Click in a plot for A, Alt-click for B.";
     const rows = [];
-    for (const signal of this.courses.signals.toSorted((one, other) => one.is_input - other.is_input)) {
+    for (const signal of this.traces.signals.toSorted((one, other) => one.is_input - other.is_input)) {
       const of = (values) => values?.find((one) => one.name === signal.name);
       const [left, right] = [of(a), of(b)];
       const pointer = this.pointer?.get(signal.name);
@@ -94,14 +94,14 @@ export class Cursors {
   }
 }
 
-/** Returns the point of a time series nearest before a time. */
-function at(course, time) {
-  let low = 0, high = course.t.length - 1;
+/** Returns the value of a trace at its last point before a time. */
+function at(trace, time) {
+  let low = 0, high = trace.t.length - 1;
   if (high < 0) return null;
   while (low < high) {
     const middle = (low + high + 1) >> 1;
-    const there = course.t[middle] ?? course.t[middle - 1];
+    const there = trace.t[middle] ?? trace.t[middle - 1];
     if (there <= time) low = middle; else high = middle - 1;
   }
-  return course.y[low];
+  return trace.y[low];
 }

@@ -7,7 +7,9 @@ import * as view from "../../view.js";
 
 const HEIGHT = 84;
 /** Interpolation of the other log between its samples. */
-const BETWEEN = [["", "linear, duty cycles held"], ["linear", "linear"], ["hold", "sample and hold"], ["none", "not shown"]];
+const BETWEEN = [
+  ["", "linear; duty cycles: sample and hold"], ["linear", "linear"], ["hold", "sample and hold"], ["none", "not shown"],
+];
 
 export class Differences {
   constructor(log, onChange) {
@@ -15,7 +17,7 @@ export class Differences {
     const chosen = view.text("between") ?? "";
     const choice = element("select", { id: "between", on: { change: () => { view.set({ between: choice.value }); onChange(); } } },
       BETWEEN.map(([value, text]) => element("option", { value, selected: value === chosen }, text)));
-    this.element = element("p", { class: "row", hidden: true }, element("label", {}, "Differences of the logs, between two samples of the other: ", choice));
+    this.element = element("p", { class: "row", hidden: true }, element("label", {}, "Differences of the logs; interpolation of the other log: ", choice));
     this.metrics = element("div", { class: "scroll" });
   }
 
@@ -30,9 +32,10 @@ export class Differences {
 
   /** Returns the plots of a signal. */
   panels(plots, name) {
-    return plots.overlays.flatMap(({ log, differences }, index) => differences.filter((one) => one.name === name && one.metrics).map(({ course, unit, between }) => ({
+    const drawn = (differences) => differences.filter((one) => one.name === name && one.metrics);
+    return plots.overlays.flatMap(({ log, differences }, index) => drawn(differences).map(({ course: trace, unit, between }) => ({
       height: HEIGHT, title: `${name}: this − ${log.name} [${unit}]`, ink: "label",
-      draw: (yaxis) => ({ traces: [plots.line(course, yaxis, `overlay-${index % 2}`, { shape: between === "hold" ? "hv" : "linear" })], range: plots.rangeOf([course], [0]) }),
+      draw: (yaxis) => ({ traces: [plots.line(trace, yaxis, `overlay-${index % 2}`, { shape: between === "hold" ? "hv" : "linear" })], range: plots.rangeOf([trace], [0]) }),
     })));
   }
 

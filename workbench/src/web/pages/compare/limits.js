@@ -5,7 +5,7 @@ import { button, element, tellProblems } from "../../dom.js";
 import * as view from "../../view.js";
 
 /** Fields of a band: heading, key, and factor from the field's unit to the project's. */
-const BAND = [["± absolute", "absolute", 1], ["± % of the value", "relative", 0.01], ["early or late [ms]", "time_s", 0.001], ["% may be beyond", "beyond_max", 0.01]];
+const BAND = [["± absolute", "absolute", 1], ["± % of the value", "relative", 0.01], ["± time [ms]", "time_s", 0.001], ["allowed outside [%]", "beyond_max", 0.01]];
 /** Parts of the view that stay when its limits change. */
 const KEPT = ["log", "from", "to", "a", "b", "select", "hide", "states", "with", "between"];
 
@@ -28,11 +28,11 @@ export function limitsMenu(log, strictness) {
   const head = (cells) => element("tr", {}, cells.map((cell) => element("th", { scope: "col" }, cell)));
   return element("details", { class: "menu", id: "limits" }, element("summary", {}, "Limits"),
     element("div", { class: "popup stack" },
-      element("label", {}, "a signal holds up to ", allow, " times its noise"),
+      element("label", {}, "within tolerance up to ", allow, " times the noise"),
       element("div", { class: "scroll" }, element("table", { class: "form" },
-        element("thead", {}, head(["signal", "or up to an rms of", ...BAND.map(([heading]) => heading)])), element("tbody", {}, rows.map((one) => one.line)))),
-      element("p", { class: "quiet" }, "A band is as wide as the larger of both tolerances; single samples are judged by it in the visible range."),
-      button("Compare with these", apply, { class: "primary" })));
+        element("thead", {}, head(["signal", "or up to this rms", ...BAND.map(([heading]) => heading)])), element("tbody", {}, rows.map((one) => one.line)))),
+      element("p", { class: "quiet" }, "The larger of both tolerances is the band. It applies to each sample of the visible range."),
+      button("Apply and compare", apply, { class: "primary" })));
 }
 
 function row({ name, error_unit: unit }, { tolerances, bands }) {

@@ -1,5 +1,5 @@
-// Place of the error: the map over duty cycle and pressure, and shares by regime. A click marks the samples in the
-// plots above.
+// Error by regime: map over duty cycle and pressure, and tables of shares. A click marks the samples in the plots
+// above.
 
 import { axis, clear, draw, label, layout } from "../../chart.js";
 import { button, element, fill } from "../../dom.js";
@@ -22,7 +22,7 @@ export class Regimes {
     this.picked = element("p", { class: "row", id: "picked", role: "status" });
     this.head = element("div", { class: "row" });
     this.element = element("section", { class: "card", hidden: true, "aria-labelledby": "regimes-title" },
-      element("h2", { id: "regimes-title" }, "Where the error is, by regime"), this.head, this.picked,
+      element("h2", { id: "regimes-title" }, "Error by regime"), this.head, this.picked,
       element("div", { class: "columns" }, element("div", { class: "wide" }, this.chart), this.tables));
   }
 
@@ -51,7 +51,7 @@ export class Regimes {
     fill(this.head,
       element("label", {}, "Signal ", choose("map", this.comparison.signals.map((one) => [one.name, titled(one.name)]), signal.name)),
       element("label", {}, "Cells show ", choose("cell", Object.entries(SHOWN).map(([key, one]) => [key, one.text]), Object.keys(SHOWN).find((key) => SHOWN[key] === shown))),
-      element("span", { class: "quiet" }, signal.error_map.horizon === "short_horizon" ? "Error a few samples ahead, which stays where it arises. A click marks the samples in the plots." : "Error of the free run. A click marks the samples in the plots."));
+      element("span", { class: "quiet" }, signal.error_map.horizon === "short_horizon" ? "One-step-ahead error. Click a cell or regime to mark its samples in the plots." : "Free-run error. Click a cell or regime to mark its samples in the plots."));
     this.showPicked();
     this.drawMap(signal, shown);
     fill(this.tables, signal.regimes.map((regime) => this.table(signal, regime)));
@@ -68,7 +68,7 @@ export class Regimes {
     if (!select) { fill(this.picked); return; }
     const [signal, dimension, ...words] = select.split("/");
     const title = dimension === "error_map" ? "cell" : this.comparison.signals.find((one) => one.name === signal)?.regimes.find((one) => one.dimension === dimension)?.title ?? dimension;
-    fill(this.picked, element("span", { class: "chip selection" }, `Marked: ${title}: ${words.join("/")}`), button("Mark nothing", () => this.pick(select)));
+    fill(this.picked, element("span", { class: "chip selection" }, `Marked: ${title}: ${words.join("/")}`), button("Clear", () => this.pick(select)));
   }
 
   drawMap(signal, shown) {

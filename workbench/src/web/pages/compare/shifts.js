@@ -8,8 +8,8 @@ import { number, signed } from "../../format.js";
 export class Shifts {
   constructor(log, others, onShift) {
     Object.assign(this, { log, onShift, fields: new Map() });
-    this.element = element("section", { class: "card" }, element("h2", {}, "Other logs on this time axis"),
-      element("p", { class: "quiet" }, "Tick a log above the plots to lay it over this one; its offset moves all its signals. Dragging in the plots with Ctrl moves it too."),
+    this.element = element("section", { class: "card" }, element("h2", {}, "Time offset of other logs"),
+      element("p", { class: "quiet" }, "Select a log above the plots to overlay it. The offset applies to all its signals. Dragging in the plots with Ctrl changes it too."),
       element("div", { class: "scroll" }, element("table", {}, element("thead", {}, element("tr", {}, ["log", "offset", "drag", "by cross-correlation"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, others.map((other) => this.row(other))))));
   }
 
@@ -47,7 +47,7 @@ export class Shifts {
       const found = await api.get(`/logs/${other.number}/alignment?${new URLSearchParams({ with: this.log.number, signal })}`);
       await this.apply(other, found.offset_s + this.log.offset_s);
       note.textContent = `${signed(found.offset_s, 4)} s, correlation ${number(found.correlation, 3)}`;
-      if (found.correlation < 0.8) tell(`${other.name}: the two logs hardly resemble each other (correlation ${number(found.correlation, 3)}).`);
+      if (found.correlation < 0.8) tell(`${other.name}: weak correlation of the two logs (${number(found.correlation, 3)}); check the offset.`);
     } catch (refusal) {
       tellProblems(refusal, other.name);
     }

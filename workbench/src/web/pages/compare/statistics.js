@@ -1,4 +1,4 @@
-// Statistics of a time series: histogram and power spectral density.
+// Statistics of a trace: histogram and power spectral density.
 
 import * as api from "../../api.js";
 import { axis, draw, label, layout } from "../../chart.js";
@@ -14,23 +14,23 @@ const CURVE = 160;
 const CURVE_SIGMAS = 5;
 const INK = { measured: "measured", modelled: "model", residual: "residual" };
 
-/** Chart of one series: the residual, the measured or the modelled values of a signal. */
+/** Chart of one trace: the residual, the measured or the modelled values of a signal. */
 class Statistics extends Look {
   constructor(title, id, log, compared, names) {
     super(title, id);
     Object.assign(this, { log, id });
-    const courses = [
+    const traces = [
       ...compared.map((name) => [`residual/${name}`, `residual of ${name}`]), ...names.map((name) => [`measured/${name}`, name]),
       ...compared.map((name) => [`modelled/${name}`, `${name}, modelled`]),
     ];
-    this.course = courses.some(([key]) => key === view.text(id)) ? view.text(id) : courses[0][0];
-    fill(this.tools, element("label", {}, "Of ", chooser(`${id}-of`, courses, this.course, (course) => { this.course = course; view.set({ [id]: course }); this.again(); })),
+    this.trace = traces.some(([key]) => key === view.text(id)) ? view.text(id) : traces[0][0];
+    fill(this.tools, element("label", {}, "Of ", chooser(`${id}-of`, traces, this.trace, (trace) => { this.trace = trace; view.set({ [id]: trace }); this.again(); })),
       element("span", { class: "space" }), this.exports(id));
   }
 
-  get side() { return this.course.slice(0, this.course.indexOf("/")); }
+  get side() { return this.trace.slice(0, this.trace.indexOf("/")); }
 
-  get signal() { return this.course.slice(this.side.length + 1); }
+  get signal() { return this.trace.slice(this.side.length + 1); }
 
   get words() { return this.side === "residual" ? `${this.signal}: measured − modelled` : this.side === "modelled" ? `${this.signal}, modelled` : this.signal; }
 
@@ -57,7 +57,7 @@ export class Distribution extends Statistics {
     if (!this.data) return;
     const { histogram, noise, unit } = this.data;
     if (!histogram) {
-      this.note.textContent = "Nothing of this course is in the visible range.";
+      this.note.textContent = "No sample of this trace is in the visible range.";
       await this.show([], {}, {});
       return;
     }
@@ -75,7 +75,7 @@ export class Distribution extends Statistics {
       { title: { text: label(`${this.words} [${unit}]`) }, range: [Math.min(...ends), Math.max(...ends)] },
       { title: { text: label(`share per ${unit}`) }, type: "log", range: [Math.log10(least), Math.log10(most)] });
     this.note.textContent = `${count(samples)} samples in the visible range, mean ${signed(mean)} ${unit}, standard deviation ${number(deviation)} ${unit}. `
-      + (noise ? `Red: the measured noise, σ = ${number(noise)} ${unit}.` : "No noise is known for it.");
+      + (noise ? `Red: the measured noise, σ = ${number(noise)} ${unit}.` : "Its noise is unknown.");
   }
 }
 
@@ -86,7 +86,7 @@ export class Spectrum extends Statistics {
     if (!this.data) return;
     const { spectrum, noise_level: level, unit } = this.data;
     if (!spectrum) {
-      this.note.textContent = "No stretch without a gap is long enough for a spectrum: it takes 128 samples. Zoom out.";
+      this.note.textContent = "A spectrum needs 128 samples without a gap in the visible range. Zoom out.";
       await this.show([], {}, {});
       return;
     }
@@ -98,7 +98,7 @@ export class Spectrum extends Statistics {
       { title: { text: "frequency [Hz]" }, type: "log", range: [x[0], x.at(-1)].map(Math.log10) },
       { title: { text: label(`power density [${squared}/Hz]`) }, type: "log", nticks: 8 });
     this.note.textContent = `Welch's method: ${count(segments)} Hann-windowed ${segments === 1 ? "segment" : "segments"}, a value every ${number(resolution, 3)} Hz; the area below is the variance. `
-      + (level ? "Dotted: the measured noise, if it is white." : "No noise is known for it.");
+      + (level ? "Dotted: the measured noise, if it is white." : "Its noise is unknown.");
   }
 }
 

@@ -1,4 +1,4 @@
-// Time series of the runs on one time axis: pressure with reference, duty cycles, coil currents, armature positions.
+// Traces of the runs on one time axis: pressure with reference, duty cycles, coil currents, armature positions.
 
 import * as api from "../../api.js";
 import { saveImage } from "../../chart.js";
@@ -25,7 +25,8 @@ export class RunPlots extends TimeView {
     this.legend = element("span", { class: "row legend" });
     this.values = element("div", { class: "scroll" });
     this.exports = element("div", { class: "popup stack" });
-    this.element = element("section", { class: "card", "aria-label": "Courses" }, this.tools("The loop", "Whole run", this.exports), this.legend, this.over, this.values);
+    this.element = element("section", { class: "card", "aria-label": "Traces" },
+      this.tools("Closed loop", "Whole run", this.exports), this.legend, this.over, this.values);
   }
 
   /** Shows the runs of a result. */
@@ -74,7 +75,7 @@ export class RunPlots extends TimeView {
     const { runs } = this.signal(name);
     const isDuty = name.startsWith("duty_");
     const isPressure = name === "p_ch";
-    // One of two runs is dashed, so that both are visible where they coincide.
+    // The plain run is dashed, so that both runs are visible where they coincide.
     const dash = (role) => role === "plain" && runs.length > 1 ? "dash" : "solid";
     const lines = this.result.runs.map(({ plant }, run) => this.line(runs[run], yaxis, `run-${roleOf(plant)}`, { shape: isDuty ? "hv" : "linear", dash: dash(roleOf(plant)) }));
     return {
@@ -85,20 +86,20 @@ export class RunPlots extends TimeView {
 
   /** Returns the reference with its tolerance, below all other traces. */
   reference(yaxis) {
-    const course = this.signal("p_ref").runs[0];
+    const trace = this.signal("p_ref").runs[0];
     const tolerance = this.result.requirement.p_tol_bar;
-    const moved = (by) => ({ t: course.t, y: course.y.map((value) => value === null ? null : value + by) });
+    const moved = (by) => ({ t: trace.t, y: trace.y.map((value) => value === null ? null : value + by) });
     const edge = (by, more) => ({ ...this.line(moved(by), yaxis, "band", { shape: "hv", width: 0 }), ...more });
-    return [edge(-tolerance, {}), edge(tolerance, { fill: "tonexty", fillcolor: colour("band") }), this.line(course, yaxis, "measured", { shape: "hv", width: 1.2 })];
+    return [edge(-tolerance, {}), edge(tolerance, { fill: "tonexty", fillcolor: colour("band") }), this.line(trace, yaxis, "measured", { shape: "hv", width: 1.2 })];
   }
 
   /** Shows the values under the pointer, of every signal and run. */
   hover(time) {
     if (time === null || !this.courses) { fill(this.values); return; }
-    const at = (course) => {
-      let index = course.t.findIndex((one) => one !== null && one > time) - 1;
-      if (index === -2) index = course.t.length - 1;
-      return index < 0 ? null : course.y[index];
+    const at = (trace) => {
+      let index = trace.t.findIndex((one) => one !== null && one > time) - 1;
+      if (index === -2) index = trace.t.length - 1;
+      return index < 0 ? null : trace.y[index];
     };
     const row = ({ plant }, run) => element("tr", {}, element("th", { scope: "row" }, plant.role), this.courses.signals.map((signal) => element("td", {}, number(at(signal.runs[run]), 4))));
     fill(this.values, element("table", { class: "numbers" },

@@ -5,9 +5,9 @@ import { button, element, tell } from "../../dom.js";
 
 /** Headings of the tables of a controller file. */
 const TABLES = new Map([
-  ["sample", "Sample"], ["pid", "PID"], ["tolerance", "Tolerance"], ["prediction", "Prediction"], ["boost", "Boost"], ["distributor", "Distribution to the valves"], ["duty_min", "Lower limits of the duty cycles"],
+  ["sample", "Sample"], ["pid", "PID"], ["tolerance", "Deadband"], ["prediction", "Prediction"], ["boost", "Boost"], ["distributor", "Distribution to the valves"], ["duty_min", "Lower limits of the duty cycles"],
 ]);
-/** Open tables: at first those that are tuned first, then those that the user opened. */
+/** Open tables: initially those that are tuned most, then those that the user opened. */
 const open = new Set(["pid", "tolerance"]);
 
 /** Creates a form that passes changed settings to `apply`, which refuses by throwing. */
@@ -43,17 +43,17 @@ export function controllerForm(controller, apply) {
     element("form", { class: "stack tight", id: "controller", on: { submit: (event) => { event.preventDefault(); submit({ from: "values", values: changed() }); } } },
       tables, wrong,
       element("div", { class: "row" },
-        element("button", { type: "submit", class: "primary", id: "apply-controller" }, "Run with these"),
+        element("button", { type: "submit", class: "primary", id: "apply-controller" }, "Apply and run"),
         button("Recommended", () => submit({ from: "recommended" })), button("Thesis", () => submit({ from: "thesis" }), { id: "thesis-controller" }),
         element("label", { class: "button", for: "controller-file" }, "Open file …"), file,
         element("a", { class: "button", href: api.address("/control/controller"), download: "controller.toml" }, "Download"))),
   ];
 }
 
-/** Creates a field for a number or a word; the words of a key are quoted in its description. */
+/** Creates a field for a number or a word; the description of a key has its words in quotes. */
 function field(setting) {
   const words = [...setting.about.matchAll(/"(\w+)"/g)].map((match) => match[1]);
   const id = `words-${setting.table}-${setting.name}`;
-  const input = element("input", { value: setting.value ?? "", class: words.length > 1 ? "word" : "short", placeholder: "absent", autocomplete: "off", spellcheck: false, list: words.length > 0 ? id : undefined });
+  const input = element("input", { value: setting.value ?? "", class: words.length > 1 ? "word" : "short", placeholder: "unset", autocomplete: "off", spellcheck: false, list: words.length > 0 ? id : undefined });
   return { input, words: words.length > 0 && element("datalist", { id }, words.map((word) => element("option", { value: word }))) };
 }

@@ -2,9 +2,9 @@
 
 import { button, element, fill, tell } from "../../dom.js";
 
-/** Most changes in the table; a longer profile is changed in its file. */
+/** Largest number of changes in the table; a longer profile is edited in its file. */
 const ROWS_MAX = 60;
-/** Changes that are shown at first. */
+/** Largest number of changes for which the table is open initially. */
 const SHORT = 8;
 
 /** Creates a form that passes the edited profile to `apply`, or a file to `open`. Both refuse by throwing. */
@@ -46,17 +46,19 @@ export function profileForm(wish, apply, open) {
   const list = element("details", { open: profile.changes.length <= SHORT },
     element("summary", {}, "Steps and ramps"),
     element("table", { class: "form" },
-      element("thead", {}, element("tr", {}, [["at", "s"], ["reference", "bar gauge"], ["within", "s"]].map(([name, unit]) => element("th", { scope: "col" }, name, element("span", { class: "unit" }, unit))), element("th"))), body));
+      element("thead", {}, element("tr", {}, [["time", "s"], ["reference", "bar gauge"], ["ramp", "s"]].map(([name, unit]) => element("th", { scope: "col" }, name, element("span", { class: "unit" }, unit))), element("th"))), body));
   const form = element("form", { class: "stack tight", id: "profile", on: { submit: (event) => { event.preventDefault(); apply(read()).catch(() => {}); } } },
-    element("p", { class: "quiet" }, wish.is_edited ? profile.name : `${about}. Here it runs on the plant of this project.`),
+    element("p", { class: "quiet" }, wish.is_edited ? profile.name : `${about}. It runs on the plant of this project.`),
     element("label", {}, "reference at the start ", start, element("span", { class: "unit" }, " bar gauge")),
     element("label", {}, "pressure at the start ", pressure, element("span", { class: "unit" }, " bar gauge")),
     list,
-    !isWhole && element("p", { class: "quiet" }, `${profile.changes.length} changes are too many for this table; change them in a file.`),
+    !isWhole && element("p", { class: "quiet" },
+      `${profile.changes.length} changes (at most ${ROWS_MAX} in this table). Edit the profile in a file.`),
     element("label", {}, "end ", end, element("span", { class: "unit" }, " s")),
     element("div", { class: "row" },
-      isWhole && button("Add a step", add, { id: "add-step" }), isWhole && element("button", { type: "submit", class: "primary", id: "apply-profile" }, "Run this"),
-      wish.is_edited && button("Undo all", () => apply(null).catch(() => {})),
-      element("label", { class: "button", for: "profile-file", title: "CSV with the columns time_s and p_ref_bar_gauge" }, "From a file …"), file));
+      isWhole && button("Add a step", add, { id: "add-step" }),
+      isWhole && element("button", { type: "submit", class: "primary", id: "apply-profile" }, "Apply and run"),
+      wish.is_edited && button("Reset", () => apply(null).catch(() => {})),
+      element("label", { class: "button", for: "profile-file", title: "CSV with the columns time_s and p_ref_bar_gauge" }, "Open file …"), file));
   return [element("h2", {}, "Reference profile"), form];
 }

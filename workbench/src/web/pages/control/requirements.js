@@ -1,4 +1,4 @@
-// Table of requirements: the results on each plant, beside the limits.
+// Table of requirements: limits, and results on each plant.
 
 import { button, element } from "../../dom.js";
 import { number } from "../../format.js";
@@ -10,10 +10,11 @@ export function requirements(result, goTo) {
   const { runs } = result;
   const ids = [...new Set(runs.flatMap(({ verdict }) => verdict.checks.map((check) => check.id)))];
   const rows = ids.map((id) => row(id, runs.map(({ verdict }) => verdict.checks.find((check) => check.id === id))));
-  const heads = runs.flatMap(({ plant }) => [element("th", { scope: "col" }, plant.role === "plant" ? "reached" : `reached, ${plant.role}`), element("th", { scope: "col" }, "verdict")]);
+  const heads = runs.flatMap(({ plant }) => [element("th", { scope: "col" }, plant.role === "plant" ? "result" : `result, ${plant.role}`), element("th", { scope: "col" }, "verdict")]);
   return [
     element("h2", {}, "Requirements"),
-    element("p", { class: "quiet" }, "Every binding one must be kept, and a step be judged. ", result.controller, "."),
+    element("p", { class: "quiet" },
+      "Pass: every binding requirement is met, and at least one step is checked. ", result.controller, "."),
     element("div", { class: "scroll" }, element("table", { id: "requirements" },
       element("thead", {}, element("tr", {}, ["requirement", "limit"].map((cell) => element("th", { scope: "col" }, cell)), heads)),
       element("tbody", {}, rows))),
@@ -25,7 +26,7 @@ function row(id, checks) {
   const known = checks.find(Boolean);
   const cells = checks.flatMap((check) => check
     ? [element("td", { class: "number", title: check.evidence }, check.reached === null ? "never" : short(check.reached)), element("td", {}, chip(check))]
-    : [element("td", { class: "quiet" }, "not asked"), element("td")]);
+    : [element("td", { class: "quiet" }, "not checked"), element("td")]);
   return element("tr", { data: { check: id }, class: known.binding ? undefined : "quiet" },
     element("th", { scope: "row" }, known.requirement, !known.binding && element("span", { class: "unit" }, "not binding")),
     element("td", { class: "number" }, `${BOUND[known.bound]} ${short(known.limit)} `, element("span", { class: "unit" }, known.unit)), cells);
@@ -35,8 +36,8 @@ function row(id, checks) {
 const short = (value) => Number.isInteger(value) ? String(value) : number(value, 3);
 
 function chip(check) {
-  if (check.holds) return element("span", { class: "chip good" }, "kept");
-  return element("span", { class: `chip ${check.binding ? "bad" : "open"}` }, check.binding ? "not kept" : "beyond");
+  if (check.holds) return element("span", { class: "chip good" }, "pass");
+  return element("span", { class: `chip ${check.binding ? "bad" : "open"}` }, "fail");
 }
 
 /** Returns the number of actuations, and the link to the step that settled last. */
@@ -49,7 +50,7 @@ function notes({ plant, verdict }, goTo) {
   const moved = verdict.actuations;
   return element("p", { class: "quiet" },
     plant.role !== "plant" && element("b", {}, `${plant.role}: `),
-    moved && `fill valve lifted ${moved.fill} times, vent valve ${moved.vent} times, ${number(moved.per_s, 3)} per second. `,
-    last && [`Of ${verdict.steps.length} steps the slowest is ${number(last.from_bar, 3)} → ${number(last.to_bar, 3)} bar, ${last.settled_samples === null ? "which never settles" : `settled after ${last.settled_samples} samples`}. `,
-      button("Go there", () => goTo(last.time_s), { class: "link" })]);
+    moved && `Actuations: fill valve ${moved.fill}, vent valve ${moved.vent}, ${number(moved.per_s, 3)} per second. `,
+    last && [`Slowest of ${verdict.steps.length} steps: ${number(last.from_bar, 3)} → ${number(last.to_bar, 3)} bar, ${last.settled_samples === null ? "never settled" : `settled after ${last.settled_samples} samples`}. `,
+      button("Show in plot", () => goTo(last.time_s), { class: "link" })]);
 }

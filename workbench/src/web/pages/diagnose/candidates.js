@@ -1,4 +1,4 @@
-// Ranking of the effects: the share that each explains by itself, its size, and its description.
+// Ranking of the effects: share of the error that each explains alone, its size, and its description.
 
 import { button, element } from "../../dom.js";
 import { number, unitText } from "../../format.js";
@@ -7,8 +7,9 @@ export class Candidates {
   constructor(diagnosis, effects, onAdd) {
     Object.assign(this, { diagnosis, effects, onAdd });
     this.element = element("section", { class: "card", id: "candidates", "aria-label": "Candidates" },
-      element("h2", {}, "The candidates"),
-      element("p", { class: "quiet" }, "Share of the excess error that each effect explains by itself, everything refitted; a named one is in colour. Each opens."),
+      element("h2", {}, "Candidates"),
+      element("p", { class: "quiet" }, 
+        "Share of the excess error that each effect explains alone, with all parameters refitted. Named effects are coloured. Click for details."),
       element("div", { class: "ranking" }, this.ranking().map((candidate, index) => this.row(candidate, index))));
   }
 
@@ -49,16 +50,16 @@ export class Candidates {
           element("th", { scope: "row" }, parameter.key), element("td", {}, number(parameter.value, 3)),
           element("td", {}, `${number(parameter.low, 3)} to ${number(parameter.high, 3)}`),
           element("td", {}, number(parameter.typical, 3)), element("td", {}, unitText(parameter.unit)),
-          element("td", {}, parameter.at_bound && element("span", { class: "chip bad" }, "at its bound")))))),
+          element("td", {}, parameter.at_bound && element("span", { class: "chip bad" }, "at its limit")))))),
       element("dl", { class: "facts" },
-        fact("Form of the law", form && form.name !== "only" ? `${form.name}: ${form.about}` : "it has one"),
-        candidate.plausibility && fact("Plausible?", candidate.plausibility),
+        fact("Form of the law", form && form.name !== "only" ? `${form.name}: ${form.about}` : "only one"),
+        candidate.plausibility && fact("Plausibility", candidate.plausibility),
         fact("Detection limit", this.limit(candidate, false)),
-        fact("Evidence", `${number(candidate.evidence, 3)} (strong above 10, against it below 0)`),
-        about && fact("Shows in", about.excited_by),
+        fact("Evidence", `${number(candidate.evidence, 3)} (above 10: strong; below 0: against the effect)`),
+        about && fact("Excited by", about.excited_by),
         about && fact("Acts on", about.acts_on),
-        isNamed && fact("Where, without it", list(diagnosis.where.before) || "nowhere in particular"),
-        isNamed && fact("Where, with it", list(diagnosis.where.after) || "no excess is left"),
+        isNamed && fact("Error without it", list(diagnosis.where.before) || "in no particular regime"),
+        isNamed && fact("Error with it", list(diagnosis.where.after) || "no excess error left"),
         about?.confused_with.length > 0 && fact("Confused with", about.confused_with.map(title).join(", ")),
         fact("Source", candidate.source)),
       about && element("pre", { class: "equation", tabIndex: 0, "aria-label": "Equation" }, about.equation),
@@ -67,10 +68,10 @@ export class Candidates {
 
   /** Returns the detection limit. */
   limit({ effect, detection_limit: limit }, isShort) {
-    if (limit.not_excited) return isShort ? "not excited" : `not excited: these logs would not show any size that is met in practice. ${limit.not_excited.manoeuvre} would`;
+    if (limit.not_excited) return isShort ? "not excited" : `not excited: these logs show no realistic size of this effect. Test signal: ${limit.not_excited.manoeuvre}`;
     const { key, value, unit } = limit.size;
     const specs = this.effects.get(effect)?.forms.flatMap((form) => form.parameters) ?? [];
     const sign = value < 0 || specs.find((spec) => spec.key === key)?.is_stronger_below ? "≤" : "≥";
-    return isShort ? `seen if ${sign} ${number(value, 2)} ${unitText(unit)}` : `${key} ${sign} ${number(value, 3)} ${unitText(unit)} would have been named`;
+    return isShort ? `detectable ${sign} ${number(value, 2)} ${unitText(unit)}` : `${key} ${sign} ${number(value, 3)} ${unitText(unit)} is detectable`;
   }
 }

@@ -12,9 +12,9 @@ export class Remaining {
   constructor(remaining) {
     this.plots = [...flowPlots(remaining.missing_flow), ...linePlots(remaining.spectral_lines), ...pulsePlots(remaining.lost_pulses)];
     for (const plot of this.plots) plot.place = element("div", { class: "chart small", role: "img", "aria-label": plot.title });
-    this.element = element("section", { class: "card", id: "remaining" }, element("h2", {}, "What remains"),
+    this.element = element("section", { class: "card", id: "remaining" }, element("h2", {}, "Unexplained residual"),
       remaining.sentences.length === 0
-        ? element("p", {}, "Nothing material remains.")
+        ? element("p", {}, "No significant residual is unexplained.")
         : element("ul", {}, remaining.sentences.map((sentence) => element("li", {}, sentence))),
       this.plots.length > 0 && element("div", { class: "small-plots" }, this.plots.map((plot) => element("div", {}, plot.place, element("p", { class: "quiet" }, plot.note)))));
   }
@@ -38,7 +38,7 @@ export class Remaining {
 function flowPlots(curves) {
   return curves.map((curve) => ({
     title: `Missing flow, ${curve.condition}`, axes: [`${curve.against} [${curve.unit}]`, "bar/s"],
-    note: `Explains ${percent(curve.explained_share)} of the missing flow. Positive fills the chamber.`,
+    note: `Explains ${percent(curve.explained_share)} of the missing flow. Positive: into the chamber.`,
     traces: () => [{
       x: curve.points.map((point) => point.at), y: curve.points.map((point) => point.bar_per_s),
       error_y: { type: "data", array: curve.points.map((point) => 2 * point.standard_error), color: colour("residual"), thickness: 1.2, width: 3 },
@@ -60,7 +60,7 @@ function linePlots(lines) {
     const [{ signal, condition, unit }] = group;
     const highest = Math.max(...group.map((line) => line.frequency_hz));
     return {
-      title: `What swings by itself: ${signal}, ${condition}`, axes: ["frequency [Hz]", unit], x: { range: [0, 1.25 * highest] },
+      title: `Oscillation: ${signal}, ${condition}`, axes: ["frequency [Hz]", unit], x: { range: [0, 1.25 * highest] },
       note: group.map((line) => `${number(line.frequency_hz, 3)} Hz, ${number(line.amplitude, 2)} ${line.unit} (p = ${number(line.p_value, 1)})`).join("; "),
       traces: () => stems(group.map((line) => line.frequency_hz), group.map((line) => line.amplitude), "model"),
     };
@@ -69,7 +69,7 @@ function linePlots(lines) {
 
 function pulsePlots(pulses) {
   return [...Map.groupBy(pulses, (pulse) => pulse.log)].map(([log, group]) => ({
-    title: `Jumps beside the model, ${log}`, axes: ["time in the log [s]", "bar"], x: { rangemode: "tozero" },
+    title: `Jumps that the model lacks, ${log}`, axes: ["time in the log [s]", "bar"], x: { rangemode: "tozero" },
     note: group.map((pulse) => `${number(pulse.jump_bar, 2)} bar at ${number(pulse.time_s, 4)} s`).join("; "),
     traces: () => stems(group.map((pulse) => pulse.time_s), group.map((pulse) => pulse.jump_bar), "limit"),
   }));

@@ -6,7 +6,7 @@ import { number, unitText } from "../../format.js";
 /** Positions of a slider. */
 const PLACES = 2000;
 
-/** Converts between a value and its position from 0 to 1, logarithmic if the library says so. */
+/** Converts between a value and its position from 0 to 1, logarithmic if the library specifies it. */
 function scaleOf({ lowest, highest, is_log: isLog }) {
   const [low, high] = isLog ? [Math.log(lowest), Math.log(highest)] : [lowest, highest];
   return {
@@ -42,7 +42,7 @@ export class Effects {
       const place = effects.indexOf(effect);
       if (this.list.children[place] !== card.element) this.list.insertBefore(card.element, this.list.children[place] ?? null);
     }
-    if (effects.length === 0) fill(this.list, element("p", { class: "quiet" }, "None yet: the plant is as opened. Add one, or go by what Diagnose names."));
+    if (effects.length === 0) fill(this.list, element("p", { class: "quiet" }, "None: the plant is as opened. Add one, or find one with Diagnose."));
     else for (const child of [...this.list.children]) if (child.tagName === "P") child.remove();
     const free = [...this.library.values()].filter((one) => !effects.some((effect) => effect.effect === one.id));
     const before = this.choice.value;
@@ -106,12 +106,12 @@ class Slider {
     this.show(value);
     this.interval.hidden = this.best.hidden = !fitted;
     const { lowest, highest, unit } = this.spec;
-    const bounds = `${number(lowest, 2)} to ${number(highest, 2)}${this.spec.is_log ? ", over decades" : ""}`;
+    const bounds = `${number(lowest, 2)} to ${number(highest, 2)}${this.spec.is_log ? ", logarithmic" : ""}`;
     if (!fitted) {
       this.words.textContent = bounds;
       return;
     }
-    // The centre of the knob moves from half of its width to as much before the end.
+    // The centre of the thumb stays half its width away from both ends.
     const at = (place) => `calc(${8 - 16 * place}px + ${100 * place}%)`;
     const [low, best, high] = [fitted.low, fitted.value, fitted.high].map((one) => this.scale.place(one));
     Object.assign(this.interval.style, { left: at(low), right: `calc(100% - (${8 - 16 * high}px + ${100 * high}%))` });

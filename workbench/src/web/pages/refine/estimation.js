@@ -5,13 +5,13 @@ import { number, unitText } from "../../format.js";
 import { ladder, rungsOf } from "../ladder.js";
 
 const WORDS = { determined: "determined", not_excited: "not excited", at_limit: "at the limit" };
-const COLUMNS = ["parameter", "before", "after", "95 % interval", "unit", "the logs say"];
+const COLUMNS = ["parameter", "before", "after", "95 % interval", "unit", "identifiability"];
 
 /** Returns the advice below a parameter's row: logs that would determine it. */
 function advice({ determination: { only_together_with: together }, determined_by: by }) {
   const words = [together && `Only a combination with ${together.parameters.join(", ")} is determined.`, by && `To determine it, ${by}.`];
-  const told = words.filter(Boolean).join(" ");
-  return told !== "" && element("tr", {}, element("td", { class: "known quiet", colspan: COLUMNS.length }, told));
+  const text = words.filter(Boolean).join(" ");
+  return text !== "" && element("tr", {}, element("td", { class: "known quiet", colspan: COLUMNS.length }, text));
 }
 
 function rows(parameter) {
@@ -30,11 +30,11 @@ function rows(parameter) {
 export function estimated(estimation) {
   const beyond = estimation.parameters.some((parameter) => parameter.is_beyond_usual);
   return [
-    element("h2", {}, "The last estimation"),
+    element("h2", {}, "Last estimation"),
     element("p", {}, `${estimation.sentence[0].toUpperCase()}${estimation.sentence.slice(1)}.`),
-    element("p", { class: "quiet" }, `Validated on ${estimation.held_out}, the model corrected by the measured pressure as in Diagnose.`),
+    element("p", { class: "quiet" }, `Validation on ${estimation.held_out}: one-step-ahead errors, as on Diagnose.`),
     ladder(rungsOf(estimation.steps)),
-    beyond && element("p", { class: "quiet" }, "Marked: beyond the usual tolerance of the part, so the plant file is wrong there."),
+    beyond && element("p", { class: "quiet" }, "Marked: outside the usual tolerance of the part; the plant file is wrong there."),
     element("div", { class: "scroll" }, element("table", { class: "numbers dense", id: "estimated" },
       element("thead", {}, element("tr", {}, COLUMNS.map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, estimation.parameters.flatMap(rows)))),

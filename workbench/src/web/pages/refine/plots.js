@@ -1,4 +1,4 @@
-// Measured and modelled signals over time; the modelled ones follow the sliders.
+// Measured and modelled signals over time; the modelled signals change with the sliders.
 
 import * as api from "../../api.js";
 import { axis, clear, draw, label, layout } from "../../chart.js";
@@ -11,11 +11,11 @@ const HEIGHT = { signal: 150, gap: 32 };
 const MARGIN = { l: 64, r: 14, t: 30, b: 44 };
 
 export class Plots {
-  /** `onView` is called when another part of the log is to be shown. */
+  /** `onView` is called when the visible range changes. */
   constructor(log, onView) {
-    Object.assign(this, { log, onView, courses: null, model: [], seen: "" });
-    this.chart = element("div", { class: "chart", id: "refine-plots", role: "img", "aria-label": "Measured and modelled courses" });
-    this.element = element("section", { class: "card", "aria-label": "Courses" },
+    Object.assign(this, { log, onView, measurement: null, model: [], seen: "" });
+    this.chart = element("div", { class: "chart", id: "refine-plots", role: "img", "aria-label": "Measured and modelled traces" });
+    this.element = element("section", { class: "card", "aria-label": "Traces" },
       element("div", { class: "row" }, element("h2", {}, "Measured and modelled"),
         element("span", { class: "row legend" }, element("span", { class: "key measured" }, "measured"), element("span", { class: "key model" }, "modelled")),
         element("span", { class: "space" }), button("Whole log", () => this.look(null, null))),
@@ -40,7 +40,7 @@ export class Plots {
     this.model = signals;
     const query = new URLSearchParams(this.query()).toString();
     if (query !== this.seen) {
-      this.courses = await api.get(`/logs/${this.log.number}/courses?${query}`);
+      this.measurement = await api.get(`/logs/${this.log.number}/courses?${query}`);
       this.seen = query;
     }
     await this.redraw();
@@ -51,10 +51,10 @@ export class Plots {
   }
 
   async redraw() {
-    if (!this.courses) return;
+    if (!this.measurement) return;
     const panels = this.model;
     const plotted = panels.length * HEIGHT.signal + HEIGHT.gap * Math.max(0, panels.length - 1);
-    const [begin, end] = this.courses.whole_s;
+    const [begin, end] = this.measurement.whole_s;
     const wished = layout({
       height: plotted + MARGIN.t + MARGIN.b, margin: MARGIN, hovermode: false, annotations: [],
       xaxis: axis({ range: [view.numberOf("from") ?? begin, view.numberOf("to") ?? end], title: { text: "time in the log [s]", standoff: 6 }, anchor: "free", position: 0 }),
@@ -63,12 +63,12 @@ export class Plots {
       const name = index === 0 ? "y" : `y${index + 1}`;
       const top = 1 - index * (HEIGHT.signal + HEIGHT.gap) / plotted;
       const domain = [Math.max(0, top - HEIGHT.signal / plotted), top];
-      const measured = this.courses.signals.find((signal) => signal.name === panel.name)?.measured;
+      const measured = this.measurement.signals.find((signal) => signal.name === panel.name)?.measured;
       wished[`yaxis${index === 0 ? "" : index + 1}`] = axis({ domain, fixedrange: true, nticks: 6, anchor: "x", range: rangeOf(measured, panel.model) });
       const { rms, noise_floor: floor, unit } = panel.error;
       const times = rms !== null && floor ? ` = ${number(rms / floor, 3)} × noise` : "";
       wished.annotations.push({ xref: "paper", yref: "paper", x: 0, y: domain[1], xanchor: "left", yanchor: "bottom", showarrow: false, font: { size: 12 }, text: label(`${titled(panel.name)} [${panel.unit}]: rms of the error ${number(rms, 3)} ${unit}${times}`) });
-      const line = (course, role, width) => ({ x: course.t, y: course.y, xaxis: "x", yaxis: name, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width } });
+      const line = (trace, role, width) => ({ x: trace.t, y: trace.y, xaxis: "x", yaxis: name, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width } });
       return [...(measured ? [line(measured, "measured", 2)] : []), line(panel.model, "model", 1.2)];
     });
     await draw(this.chart, traces, wished).catch((error) => tellProblems(error, "Plot"));
@@ -86,10 +86,10 @@ export class Plots {
   }
 }
 
-/** Returns a range around both series, with a margin. */
-function rangeOf(...courses) {
+/** Returns a range around both traces, with a margin. */
+function rangeOf(...traces) {
   let low = Infinity, high = -Infinity;
-  for (const course of courses) for (const value of course?.y ?? []) if (value !== null) { low = Math.min(low, value); high = Math.max(high, value); }
+  for (const trace of traces) for (const value of trace?.y ?? []) if (value !== null) { low = Math.min(low, value); high = Math.max(high, value); }
   const air = 0.06 * (high - low) || 1;
   return low > high ? [0, 1] : [low - air, high + air];
 }

@@ -1,0 +1,77 @@
+// Experiment that determines the ordinary parameters that the logs do not determine.
+
+import * as api from "../../api.js";
+import { button, element, fill, table, tellProblems } from "../../dom.js";
+import { number, unitText } from "../../format.js";
+import { DutyChart, LimitFields, dutiesLink } from "../planned.js";
+import { Work } from "../work.js";
+
+const PATH = "/refine/experiment";
+const interval = ([low, high]) => `${number(low, 3)} to ${number(high, 3)}`;
+
+export class Experiment {
+  /** `wish` returns the log and the chosen logs of the page. */
+  constructor(wish) {
+    Object.assign(this, { wish, next: null });
+    this.work = new Work("Planning");
+    this.limits = new LimitFields();
+    this.chart = new DutyChart("determining-plot");
+    this.answer = element("div", { class: "stack" });
+    this.element = element("section", { class: "card", id: "determining", hidden: true },
+      element("h2", {}, "Experiment to determine the parameters"),
+      element("p", { class: "quiet" }, "Test signals within the limits are simulated with the estimated plant. The best one narrows the intervals most."),
+      element("div", { class: "row" }, this.limits.elements,
+        button("Plan", () => this.plan(), { id: "plan-determining" }), this.work.element),
+      this.answer);
+  }
+
+  /** Shows the card after an estimation, and the experiment that was planned for the current plant. */
+  async take(hasEstimation) {
+    this.element.hidden = !hasEstimation;
+    if (!hasEstimation) return;
+    try {
+      this.show(await api.get(PATH));
+    } catch (refusal) {
+      tellProblems(refusal, "Experiment");
+    }
+  }
+
+  async plan() {
+    if (await this.work.run(PATH, { ...this.wish(), ...this.limits.wish() })) await this.take(true);
+  }
+
+  show(next) {
+    this.next = next;
+    if (!next) {
+      fill(this.answer);
+      return;
+    }
+    const parameters = next.parameters.map((one) => [
+      one.name, number(one.value), interval(one.now), interval(one.after), unitText(one.unit),
+      one.determined_by ? `To determine it, ${one.determined_by}.` : "determined",
+    ]);
+    const signals = next.ranking.map((one) => [
+      element("span", { title: one.about }, one.name), String(one.determines.length), number(one.width_after, 2),
+      number(one.highest_bar, 3), number(one.duration_s, 3),
+    ]);
+    fill(this.answer,
+      element("p", {}, `${next.sentence[0].toUpperCase()}${next.sentence.slice(1)}.`),
+      !next.is_adequate && element("p", { class: "quiet" }, "The error on these logs exceeds the noise. The intervals assume a plant whose error is the noise."),
+      this.chart.element,
+      dutiesLink(`${PATH}/csv`, "determining-experiment.csv", "determining-csv"),
+      element("div", { class: "scroll" }, 
+        table(["parameter", "value", "interval now", "interval after", "unit", ""], parameters, "numbers dense")),
+      element("details", {}, element("summary", {}, `${signals.length} test signals`),
+        table(["test signal", "determines", "width after/now", "maximum [bar]", "duration [s]"], signals, "numbers")));
+    this.redraw();
+  }
+
+  redraw() {
+    if (this.next) this.chart.draw(this.next);
+  }
+
+  leave() {
+    this.work.leave();
+    this.chart.clear();
+  }
+}
