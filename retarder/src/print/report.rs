@@ -9,7 +9,7 @@ pub(super) fn report(reported: &Reported, terminal: &Terminal) -> String {
     let mut text = String::new();
     for compared in &reported.compared {
         let heading = format!(
-            "{} against {}",
+            "{} compared with {}",
             compared.plant.name, compared.comparison.log
         );
         text += &title(&heading, terminal);

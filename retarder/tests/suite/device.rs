@@ -16,7 +16,7 @@ fn the_loop_on_a_device_names_it_and_compares_its_bits() {
             "same bits.",
             "at all 1641 samples",
             "Required by the thesis",
-            "The loop keeps every binding requirement.",
+            "The loop meets every binding requirement.",
         ],
     );
     let json = bench

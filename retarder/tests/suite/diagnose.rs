@@ -307,7 +307,10 @@ fn a_signal_at_another_rate_is_named_beside_what_is_not_excited() {
     let log = ["--log", "rates.mf4", "--json", "d.json"];
     let diagnosed = bench.run(&[&["diagnose"][..], &log].concat());
     let reason = "p_ch of rates.mf4 is excluded from the fit: it has another time base";
-    let advice = diagnosed.out.split("may be in a log already").nth(1);
+    let advice = diagnosed
+        .out
+        .split("may contain the following already")
+        .nth(1);
     assert_contains(&diagnosed.out, &[reason]);
     assert_contains(
         advice.unwrap_or_default(),

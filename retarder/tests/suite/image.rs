@@ -41,7 +41,7 @@ fn the_loop_on_the_image_has_the_same_bits_its_log_and_a_verdict() {
             "same bits.",
             "at all 1641 samples",
             "Supervisor { sample: 9, mode: Running, faults: none }",
-            "The loop keeps every binding requirement.",
+            "The loop meets every binding requirement.",
         ],
     );
 }

@@ -128,7 +128,7 @@ fn a_check_log_is_compared_and_rigs_have_their_settling_times() {
             "id=\"model-2\"",
             "check.csv",
             "Settling times on the scattered rigs",
-            "of 3 keep every binding requirement",
+            "of 3 meet every binding requirement",
         ],
     );
 }

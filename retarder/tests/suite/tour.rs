@@ -12,7 +12,7 @@ fn the_tour_shows_comparison_loop_and_next_steps_and_writes_a_report_that_loads_
             "valves",
             "measured - modelled [bar]",
             "Outside tolerance",
-            "That is as it should be",
+            "This is expected",
             "Required by the thesis",
             "vent 0.88 to 0.71 p_sup",
             "report.html",

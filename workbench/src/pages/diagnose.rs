@@ -114,7 +114,6 @@ async fn export_json(
 struct Wish {
     /// One effect to detect, or several to distinguish.
     effects: Vec<String>,
-    #[serde(flatten)]
     limits: WishedLimits,
 }
 

@@ -68,7 +68,7 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     assert_eq!(&file.json(), diagnosis);
     let session = a_diagnosis_goes_with_its_project(&browser, session, &view);
 
-    let wish = json!({"effects": ["chamber_leak"], "duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0});
+    let wish = json!({"effects": ["chamber_leak"], "limits": {"duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0}});
     let events = browser.work(&session, &format!("{session}/next-experiment"), &wish);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let next = browser.get(&format!("{session}/next-experiment")).json();
@@ -191,7 +191,7 @@ fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
             "{wish}"
         );
     }
-    let wish = json!({"effects": ["chamber_leak"], "duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0});
+    let wish = json!({"effects": ["chamber_leak"], "limits": {"duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0}});
     let early = browser.post(&format!("{session}/next-experiment"), &wish);
     assert_eq!(
         (early.status, early.code().as_str()),

@@ -239,13 +239,13 @@ fn an_experiment_determines_its_parameters(browser: &Browser, session: &str) {
     let path = format!("{session}/refine/experiment");
     assert_eq!(browser.get(&path).json(), Value::Null);
     assert_eq!(browser.get(&format!("{path}/csv")).status, 409);
-    let mut wish = json!({"log": 1, "logs": [1], "check": [], "duration_s": 700.0, "max_bar": null, "max_duty_pct": 100.0});
+    let mut wish = json!({"log": 1, "logs": [1], "check": [], "limits": {"duration_s": 700.0, "max_bar": null, "max_duty_pct": 100.0}});
     let refused = browser.post(&path, &wish).text();
     assert!(
         refused.contains("700 s (above 0, at most 600 s)"),
         "{refused}"
     );
-    wish["duration_s"] = json!(10.0);
+    wish["limits"]["duration_s"] = json!(10.0);
     let events = browser.work(session, &path, &wish);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let next = browser.get(&path).json();

@@ -21,7 +21,6 @@ use crate::session::Session;
 pub(super) struct Wish {
     #[serde(flatten)]
     fitting: Fitting,
-    #[serde(flatten)]
     limits: WishedLimits,
 }
 

@@ -55,7 +55,7 @@ export class Experiment {
   async plan() {
     const wish = {
       effects: [this.first.value, this.second.value].filter((id, index, all) => id && all.indexOf(id) === index),
-      ...this.limits.wish(),
+      limits: this.limits.wish(),
     };
     if (!await this.work.run("/next-experiment", wish)) return;
     try {

@@ -37,7 +37,7 @@ export class Experiment {
   }
 
   async plan() {
-    if (await this.work.run(PATH, { ...this.wish(), ...this.limits.wish() })) await this.take(true);
+    if (await this.work.run(PATH, { ...this.wish(), limits: this.limits.wish() })) await this.take(true);
   }
 
   show(next) {
