@@ -188,6 +188,32 @@ fn a_refined_rig_is_scored_and_each_broken_finding_fails_its_gate() {
     assert_eq!(report.misses.len(), 1);
 }
 
+/// The same rig under the same commands, with a tenth of the noise in its log.
+#[test]
+fn better_sensors_read_the_same_run() {
+    let draw = |share: f64| {
+        let draw = FieldDraw::new(1, 2, Effects::default());
+        draw.with_sensor_share(share).rig(1)
+    };
+    let pressures = |text: &str| -> Vec<f64> {
+        let rows = text.lines().skip(1);
+        let pressure = |row: &str| row.split(',').nth(3).unwrap().parse().unwrap();
+        rows.map(pressure).collect()
+    };
+    let (drawn, better, ideal) = (draw(1.0), draw(0.1), draw(1e-3));
+    assert_eq!(better.answer.parameters, drawn.answer.parameters);
+    assert_eq!(better.answer.logger.sensor_share, 0.1);
+    let ideal = pressures(&ideal.logs[0]);
+    let noise = |rig: &FieldRig| {
+        let read = pressures(&rig.logs[0]);
+        assert_eq!(read.len(), ideal.len());
+        let errors = read.iter().zip(&ideal).map(|(a, b)| (a - b).powi(2));
+        (errors.sum::<f64>() / ideal.len() as f64).sqrt()
+    };
+    let ratio = noise(&drawn) / noise(&better);
+    assert!((9.0..11.0).contains(&ratio), "{ratio}");
+}
+
 /// A diagnosis that names an effect ends with status 1, one that finds a wrong plant file with 3; both are answers.
 #[test]
 fn what_the_diagnosis_names_on_a_field_rig_is_fitted_and_scored() {
@@ -231,7 +257,7 @@ fn what_the_diagnosis_names_on_a_field_rig_is_fitted_and_scored() {
     }
     assert!(calls[2].contains("found/rig-001.toml"), "{}", calls[2]);
 
-    let report = names::score(&folders).unwrap();
+    let report = names::score(&folders, &[]).unwrap();
     assert_eq!((report.rigs.count, report.rigs.of), (1, 1), "{report}");
     assert_eq!(report.effects[hidden].hidden, 1);
 

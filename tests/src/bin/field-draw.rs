@@ -26,6 +26,9 @@ struct Options {
     /// Number of hidden effects of each rig, or a range as in 0..4.
     #[arg(long, default_value = "0")]
     effects: Effects,
+    /// Noise and converter steps of the loggers relative to those of the seed; 0.1 for ten times better sensors.
+    #[arg(long, default_value_t = 1.0)]
+    sensor_share: f64,
     /// Number of threads.
     #[arg(long, default_value_t = 2)]
     threads: usize,
@@ -45,7 +48,8 @@ fn main() -> ExitCode {
 }
 
 fn draw(options: Options) -> Result<(), DrawError> {
-    let mut draw = FieldDraw::new(options.seed, options.rigs, options.effects);
+    let mut draw = FieldDraw::new(options.seed, options.rigs, options.effects)
+        .with_sensor_share(options.sensor_share);
     if !options.rig.is_empty() {
         draw = draw.only(&options.rig)?;
     }

@@ -18,16 +18,25 @@ struct Options {
     /// Score the effects that the diagnosis names instead, on rigs with and without hidden effects.
     #[arg(long)]
     names: bool,
+    /// Folder of a draw of the same rigs with better sensors (`field-draw --sensor-share`), whose names are compared.
+    #[arg(long, requires = "names")]
+    better: Vec<PathBuf>,
     /// Also write the tables as JSON to this file.
     #[arg(long)]
     json: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
-    let Options { draw, names, json } = Options::parse();
+    let Options {
+        draw,
+        names,
+        better,
+        json,
+    } = Options::parse();
+    let better: Vec<Folders> = better.into_iter().map(Folders::new).collect();
     let (folders, json) = (Folders::new(draw), json.as_deref());
     let printed = if names {
-        names::score(&folders).map(|report| print(&report, report.holds(), json))
+        names::score(&folders, &better).map(|report| print(&report, report.holds(), json))
     } else {
         score::score(&folders).map(|report| print(&report, report.holds(), json))
     };

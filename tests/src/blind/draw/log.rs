@@ -46,6 +46,14 @@ impl Channel {
         self.noise.hypot(self.step / 12_f64.sqrt())
     }
 
+    /// Returns the channel of a sensor with this share of the noise, and of a converter with this share of the step.
+    pub(in crate::blind) fn scaled(self, share: f64) -> Self {
+        Self {
+            noise: share * self.noise,
+            step: share * self.step,
+        }
+    }
+
     /// Returns the converter's reading of `value` with `noise` times its noise.
     pub(in crate::blind) fn read(&self, value: f64, noise: f64, chance: &mut Chance) -> f64 {
         let noisy = value + noise * self.noise * chance.normal();

@@ -17,6 +17,8 @@ use crate::chance::Chance;
 #[derive(Debug, Clone)]
 pub struct FieldDraw {
     seed: u64,
+    /// Noise and converter steps of the loggers relative to those that are drawn.
+    sensor_share: f64,
     /// Effects by the number of the rig, from 1.
     doses: Vec<(usize, Vec<Dose>)>,
 }
@@ -47,8 +49,16 @@ impl FieldDraw {
         });
         Self {
             seed,
+            sensor_share: 1.0,
             doses: doses.collect(),
         }
+    }
+
+    /// Gives the same loggers better sensors: this share of the noise and of the converter steps.
+    #[must_use]
+    pub fn with_sensor_share(mut self, share: f64) -> Self {
+        self.sensor_share = share;
+        self
     }
 
     /// Keeps the rigs with one of `numbers`, as they are in the whole draw.
@@ -71,9 +81,10 @@ impl FieldDraw {
         let mut chance = chance_of(self.seed, *number);
         let FieldPlan {
             plain,
-            logger,
+            mut logger,
             logs,
         } = FieldPlan::draw(*number, &mut chance);
+        logger.sensor_share = self.sensor_share;
         let rig = plain.with(departures(doses, &plain));
         let recorded = logs.each_ref();
         let [id, check] = recorded.map(|plan| record(&rig, &logger, plan, &mut chance));

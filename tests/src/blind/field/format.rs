@@ -66,7 +66,7 @@ impl FieldAnswer {
             "{valves}, {:.0} Hz, {} bits, {:.1} mbar, {signals}{warm}",
             logger.rate_hz,
             logger.bits,
-            1e3 * logger.noise_bar
+            1e3 * logger.sensor_share * logger.noise_bar
         )
     }
 }
@@ -83,12 +83,19 @@ pub struct LoggerAnswer {
     pub unevenness: f64,
     /// Resolution of the converter over its range.
     pub bits: usize,
-    /// Noise of the pressure (bar, rms).
+    /// Noise of the pressure (bar, rms), before `sensor_share`.
     pub noise_bar: f64,
+    /// Noise and converter steps of all channels relative to those that were drawn; below 1 for better sensors.
+    #[serde(default = "as_drawn")]
+    pub sensor_share: f64,
     /// Whether the currents are logged.
     pub currents: bool,
     /// Whether the supply pressure is logged.
     pub supply_pressure: bool,
+}
+
+fn as_drawn() -> f64 {
+    1.0
 }
 
 /// Log of a field rig.

@@ -261,7 +261,7 @@ fn channel(logger: &LoggerAnswer, signal: &str) -> Option<Channel> {
     if signal == "p_ch" {
         Some(pressure_bar(logger))
     } else {
-        logger.currents.then_some(CURRENT_MA)
+        logger.currents.then(|| current_ma(logger))
     }
 }
 
@@ -270,6 +270,11 @@ fn pressure_bar(logger: &LoggerAnswer) -> Channel {
         noise: logger.noise_bar,
         step: RANGE_BAR / f64::from(1_u32 << logger.bits),
     }
+    .scaled(logger.sensor_share)
+}
+
+fn current_ma(logger: &LoggerAnswer) -> Channel {
+    CURRENT_MA.scaled(logger.sensor_share)
 }
 
 fn header(logger: &LoggerAnswer) -> String {
@@ -294,15 +299,21 @@ fn row(
 ) {
     let pressure = pressure_bar(logger).read(reading.pressure * 1e-5, 1.0, chance);
     let [fill, vent] = duty;
-    _ = write!(text, "{logged_s:.6},{fill:.1},{vent:.1},{pressure:.4}");
+    // Further digits for finer steps.
+    let more = logger.sensor_share.recip().log10().ceil().max(0.0) as usize;
+    let digits = 4 + more;
+    _ = write!(text, "{logged_s:.6},{fill:.1},{vent:.1},{pressure:.digits$}");
     if logger.currents {
         for current in reading.currents {
-            _ = write!(text, ",{:.0}", CURRENT_MA.read(1e3 * current, 1.0, chance));
+            let current = current_ma(logger).read(1e3 * current, 1.0, chance);
+            _ = write!(text, ",{current:.more$}");
         }
     }
     if logger.supply_pressure {
         let supply = rig.datasheet.gas.supply_pressure_bar_gauge;
-        _ = write!(text, ",{:.2}", SUPPLY_BAR.read(supply, 1.0, chance));
+        let gauge = SUPPLY_BAR.scaled(logger.sensor_share);
+        let digits = 2 + more;
+        _ = write!(text, ",{:.digits$}", gauge.read(supply, 1.0, chance));
     }
     text.push('\n');
 }

@@ -190,6 +190,7 @@ fn logger(chance: &mut Chance) -> LoggerAnswer {
         },
         bits: chance.whole(BITS[0], BITS[1]),
         noise_bar: PRACTICE_NOISE_BAR * logarithmic(NOISES, chance),
+        sensor_share: 1.0,
         currents: chance.happens(LOGGED),
         supply_pressure: chance.happens(LOGGED),
     }

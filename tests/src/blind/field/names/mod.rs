@@ -1,6 +1,7 @@
 //! Comparison of the effects that the diagnosis names on field rigs with the sealed answers: gates with exact limits,
 //! tables, every miss.
 
+mod kept;
 mod report;
 #[cfg(test)]
 mod tests;
@@ -14,6 +15,7 @@ use super::format::FieldAnswer;
 use super::score::seconds;
 use super::thresholds::*;
 use crate::reference_plant::catalogue::Kinship;
+pub use kept::Kept;
 pub use report::NamesReport;
 
 /// Rig with the effects that were named on it.
@@ -225,12 +227,22 @@ fn count(number: usize, noun: &str) -> String {
     format!("{number} {noun}{plural}")
 }
 
-/// Reads answers and findings of a draw, and scores the named effects.
+/// Reads answers and findings of a draw, and scores the named effects. `better` are draws of the same rigs with better sensors, which
+/// should keep the names.
 ///
 /// # Errors
 /// Returns an error if an answer or a finding cannot be read. A rig without a finding has no names, and the score as a
 /// whole fails.
-pub fn score(folders: &Folders) -> Result<NamesReport, ScoreError> {
+pub fn score(folders: &Folders, better: &[Folders]) -> Result<NamesReport, ScoreError> {
+    let rigs = named_rigs(folders)?;
+    let mut report = NamesReport::new(&rigs);
+    for better in better {
+        report.kept.push(Kept::of(&rigs, &named_rigs(better)?));
+    }
+    Ok(report)
+}
+
+fn named_rigs(folders: &Folders) -> Result<Vec<NamedRig>, ScoreError> {
     let (refined, named, fitted) = (folders.found(), folders.named(), folders.fitted());
     let seconds = seconds(&named)?;
     let rigs = answers::<FieldAnswer>(folders)?.into_iter().map(|answer| {
@@ -243,6 +255,5 @@ pub fn score(folders: &Folders) -> Result<NamesReport, ScoreError> {
             seconds.get(&rig).copied(),
         ))
     });
-    let rigs: Vec<NamedRig> = rigs.collect::<Result<_, ScoreError>>()?;
-    Ok(NamesReport::new(&rigs))
+    rigs.collect()
 }

@@ -9,7 +9,7 @@ use super::super::super::score::gate::{Gate, gate};
 use super::super::super::score::share::Share;
 use super::super::format::FieldAnswer;
 use super::super::thresholds::*;
-use super::{NamedRig, OfRig};
+use super::{Kept, NamedRig, OfRig};
 
 /// Score of the named effects.
 #[derive(Debug, Clone, Serialize)]
@@ -29,6 +29,8 @@ pub struct NamesReport {
     pub effects: BTreeMap<String, OfEffect>,
     /// Rigs with a miss.
     pub misses: Vec<String>,
+    /// Right names that better sensors keep, by draw with better sensors.
+    pub kept: Vec<Kept>,
 }
 
 /// Rigs of one kind.
@@ -94,6 +96,7 @@ impl NamesReport {
             costs: costs(rigs),
             effects: effects(rigs),
             misses: rigs.iter().filter_map(NamedRig::miss).collect(),
+            kept: Vec::new(),
         }
     }
 
@@ -248,8 +251,9 @@ impl fmt::Display for NamesReport {
             )?;
         }
         writeln!(f, "\nmisses: {}", self.misses.len())?;
-        self.misses
-            .iter()
-            .try_for_each(|miss| writeln!(f, "  {miss}"))
+        for miss in &self.misses {
+            writeln!(f, "  {miss}")?;
+        }
+        self.kept.iter().try_for_each(|kept| write!(f, "\n{kept}"))
     }
 }

@@ -51,6 +51,7 @@ fn answer(effects: Effects) -> FieldAnswer {
             unevenness: 0.0,
             bits: 12,
             noise_bar: 4e-3,
+            sensor_share: 1.0,
             currents: true,
             supply_pressure: false,
         },
@@ -248,4 +249,22 @@ fn rigs_are_counted_by_what_they_hide_and_how_they_are_logged() {
     assert_eq!([rigs("0 hidden"), rigs("1 hidden")], [1, 1]);
     assert_eq!([rigs("20 to 50 Hz"), rigs("50 to 500 Hz")], [0, 2]);
     assert_eq!([rigs("currents logged"), rigs("no currents")], [2, 0]);
+}
+
+#[test]
+fn a_name_that_a_better_sensor_loses_is_listed() {
+    let drawn = [rig(&[LEAK], &["chamber_leak"]), rig(&[LEAK], &[])];
+    let better = |names: &[&str]| {
+        let mut rig = rig(&[LEAK], names);
+        rig.answer.logger.sensor_share = 0.1;
+        [rig]
+    };
+    let kept = Kept::of(&drawn, &better(&["chamber_leak"]));
+    assert_eq!(
+        (kept.names, kept.sensor_share),
+        (Share { count: 1, of: 1 }, 0.1)
+    );
+    let lost = Kept::of(&drawn, &better(&[]));
+    assert_eq!(lost.names, Share { count: 0, of: 1 });
+    assert_eq!(lost.lost, ["rig-001: chamber_leak, now found []"]);
 }
